@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/loop_branches.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/linear_regression.h"
+
+namespace strainwave::analysis {
+namespace {
+
+struct Pool {
+  double sum{};
+  std::size_t count{};
+
+  double Mean() const { return sum / static_cast<double>(count); }
+};
+
+void MakeMonotone(std::span<const double> signal, bool rising, std::span<double> result) {
+  std::vector<Pool> pools;
+  pools.reserve(signal.size());
+  for (double value : signal) {
+    pools.push_back({value, 1});
+    while (pools.size() > 1) {
+      const Pool& last = pools.back();
+      const Pool& previous = pools[pools.size() - 2];
+      const bool in_order = rising ? previous.Mean() <= last.Mean() : previous.Mean() >= last.Mean();
+      if (in_order) {
+        break;
+      }
+      const Pool merged{previous.sum + last.sum, previous.count + last.count};
+      pools.pop_back();
+      pools.back() = merged;
+    }
+  }
+  std::size_t i = 0;
+  for (const Pool& pool : pools) {
+    for (std::size_t k = 0; k < pool.count; ++k) {
+      result[i++] = pool.Mean();
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Branch> SplitBranches(std::span<const double> signal, double threshold) {
+  std::vector<Branch> branches;
+  if (signal.size() < 2) {
+    return branches;
+  }
+  std::size_t start = 0;
+  std::size_t lowest = 0;
+  std::size_t highest = 0;
+  int direction = 0;  // not known until the signal has moved by more than the threshold
+  for (std::size_t i = 1; i < signal.size(); ++i) {
+    if (signal[i] > signal[highest]) {
+      highest = i;
+    }
+    if (signal[i] < signal[lowest]) {
+      lowest = i;
+    }
+    const bool rose = signal[i] - signal[lowest] > threshold;
+    const bool fell = signal[highest] - signal[i] > threshold;
+    if (direction <= 0 && rose) {
+      if (direction < 0) {
+        branches.push_back({start, lowest, false});
+        start = lowest;
+      }
+      direction = 1;
+      highest = i;
+    } else if (direction >= 0 && fell) {
+      if (direction > 0) {
+        branches.push_back({start, highest, true});
+        start = highest;
+      }
+      direction = -1;
+      lowest = i;
+    }
+  }
+  const bool rising = direction == 0 ? signal.back() >= signal.front() : direction > 0;
+  branches.push_back({start, signal.size() - 1, rising});
+  return branches;
+}
+
+std::vector<double> MonotoneWithinBranches(std::span<const double> signal, std::span<const Branch> branches) {
+  std::vector<double> result(signal.begin(), signal.end());
+  for (const Branch& branch : branches) {
+    // The sample of the reversal belongs to the branch that it ends.
+    const std::size_t first = branch.first == 0 ? 0 : branch.first + 1;
+    if (first > branch.last) {
+      continue;
+    }
+    const std::size_t count = branch.last + 1 - first;
+    MakeMonotone(signal.subspan(first, count), branch.rising, std::span(result).subspan(first, count));
+  }
+  return result;
+}
+
+std::optional<Estimate> TwistAtTorque(std::span<const double> torque_Nm, std::span<const double> twist_rad,
+                                      const Branch& branch, double level_Nm, double window_Nm,
+                                      double reach_Nm) {
+  constexpr std::size_t kMinSamples = 4;
+  const auto [low, high] = std::minmax(torque_Nm[branch.first], torque_Nm[branch.last]);
+  if (level_Nm < low - reach_Nm || level_Nm > high + reach_Nm || branch.last - branch.first + 1 < kMinSamples) {
+    return std::nullopt;
+  }
+  std::vector<std::size_t> near;
+  for (double window = window_Nm; near.size() < kMinSamples; window *= 1.5) {
+    near.clear();
+    for (std::size_t i = branch.first; i <= branch.last; ++i) {
+      if (std::abs(torque_Nm[i] - level_Nm) <= window) {
+        near.push_back(i);
+      }
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(near.size());
+  Eigen::MatrixXd design(n, 2);
+  Eigen::VectorXd twist(n);
+  for (Eigen::Index row = 0; row < n; ++row) {
+    const std::size_t i = near[static_cast<std::size_t>(row)];
+    design(row, 0) = 1.0;
+    design(row, 1) = torque_Nm[i] - level_Nm;
+    twist(row) = twist_rad[i];
+  }
+  const LinearFit line =
+      FitLinear(design, twist, n < 20 ? ErrorModel::kIndependent : ErrorModel::kAutocorrelated);
+  return Estimate{line.coefficients(0), line.StandardError(0)};
+}
+
+}  // namespace strainwave::analysis

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/campaign.h"
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/campaign_error.h"
+
+namespace strainwave::bench {
+namespace {
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+[[noreturn]] void Refuse(const std::filesystem::path& where, const std::string& what, const std::string& expected) {
+  throw CampaignError(ExitCode::kWrongInput,
+                      fmt::format("{}: error: {} (expected {})", where.string(), what, expected));
+}
+
+}  // namespace
+
+std::string Difference(const std::string& before, const std::string& after) {
+  const std::vector<std::string> old_lines = Lines(before);
+  const std::vector<std::string> new_lines = Lines(after);
+  // Longest common subsequence; schedules are short.
+  const std::size_t n = old_lines.size();
+  const std::size_t m = new_lines.size();
+  std::vector<std::vector<int>> common(n + 1, std::vector<int>(m + 1, 0));
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t j = m; j-- > 0;) {
+      common[i][j] = old_lines[i] == new_lines[j] ? common[i + 1][j + 1] + 1
+                                                  : std::max(common[i + 1][j], common[i][j + 1]);
+    }
+  }
+  std::string difference;
+  std::size_t i = 0;
+  std::size_t j = 0;
+  while (i < n || j < m) {
+    if (i < n && j < m && old_lines[i] == new_lines[j]) {
+      ++i;
+      ++j;
+    } else if (j == m || (i < n && common[i + 1][j] >= common[i][j + 1])) {
+      difference += fmt::format("  line {}: -{}\n", i + 1, old_lines[i]);
+      ++i;
+    } else {
+      difference += fmt::format("  line {}: +{}\n", j + 1, new_lines[j]);
+      ++j;
+    }
+  }
+  return difference;
+}
+
+Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs) {
+  if (std::filesystem::exists(folder.Journal())) {
+    Refuse(folder.root, "the folder holds a campaign already", "a new folder, or --resume to go on with it");
+  }
+  if (std::filesystem::exists(folder.root) && !std::filesystem::is_directory(folder.root)) {
+    Refuse(folder.root, "is not a folder", "a new or empty folder");
+  }
+  std::filesystem::create_directories(folder.Cycles());
+  std::filesystem::create_directories(folder.Unfinished());
+  WriteTextAtomically(folder.Schedule(), inputs.schedule_text);
+  WriteTextAtomically(folder.Bench(), inputs.bench_text);
+  if (!inputs.plant_text.empty()) WriteTextAtomically(folder.root / "plant.yaml", inputs.plant_text);
+  // The journal appears last: a folder without it is not a campaign yet, and may be begun again.
+  const std::filesystem::path aside = folder.root / "campaign.db.new";
+  std::filesystem::remove(aside);
+  {
+    Journal journal = Journal::Create(aside);
+    Transaction transaction(journal.database());
+    journal.SetProperty("format", "1");
+    journal.SetProperty("schedule_name", inputs.schedule.name);
+    journal.SetProperty("schedule_sha256", Sha256(inputs.schedule_text));
+    journal.SetProperty("bench_sha256", Sha256(inputs.bench_text));
+    journal.SetProperty("started_utc", UtcNow());
+    journal.SetProperty("cycles", std::to_string(inputs.schedule.cycles));
+    journal.SetProperty("specimen", inputs.schedule.specimen.identity);
+    transaction.Commit();
+    journal.database().Execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  }
+  std::filesystem::rename(aside, folder.Journal());
+  return Journal::Open(folder.Journal(), Database::Mode::kReadWrite);
+}
+
+std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given, Journal& journal,
+                                         bool accept_pause) {
+  const std::string frozen = ReadText(folder.Schedule());
+  if (journal.Property("schedule_sha256") != Sha256(frozen)) {
+    Refuse(folder.Schedule(), "the frozen schedule is not the one that the campaign was started with",
+           "the file whose SHA-256 is in the journal, " + journal.Property("schedule_sha256").value_or("none"));
+  }
+  if (frozen != given.schedule_text) {
+    Refuse(folder.root, "the schedule has changed since the start",
+           "the frozen schedule.yaml; the difference is:\n" + Difference(frozen, given.schedule_text) + "  ");
+  }
+  if (journal.LastCompleteCycle() >= given.schedule.cycles) return std::nullopt;
+  const auto checkpoint = ReadCheckpoint(folder.Checkpoint());
+  if (!checkpoint) {
+    // Killed before the first phase began: there is nothing to go on from, and nothing to lose.
+    if (journal.Cycles().empty() || journal.Phases(0).empty()) return ResumePoint{};
+    Refuse(folder.Checkpoint(), "the checkpoint is missing or damaged", "the file that the campaign has written");
+  }
+  const std::int64_t now_ms = UtcMilliseconds();
+  ResumePoint point{*checkpoint, static_cast<double>(now_ms - checkpoint->utc_ms) * 1e-3};
+  if (point.pause_s > given.schedule.resume.longest_pause_s && !accept_pause) {
+    Refuse(folder.root,
+           fmt::format("the campaign has stood for {:.1f} h, longer than resume.longest_pause allows",
+                       point.pause_s / 3600.0),
+           "--accept-pause, to go on all the same and have it noted");
+  }
+  const int cycle = journal.LastCompleteCycle() + 1;
+  Transaction transaction(journal.database());
+  std::string cut_phase;
+  for (const PhaseRow& row : journal.Phases(cycle)) {
+    if (row.outcome != "running") continue;
+    double earlier_s = 0.0;
+    for (const PhaseRow& other : journal.Phases(cycle)) {
+      if (other.step == row.step && other.repeat == row.repeat && other.id < row.id) earlier_s += other.credited_load_s;
+    }
+    const bool same = checkpoint->cycle == row.cycle && checkpoint->step == row.step && checkpoint->repeat == row.repeat;
+    const double credited_s = same ? std::max(0.0, checkpoint->credited_load_s - earlier_s) : 0.0;
+    journal.EndPhase(row.id, std::max(row.started_s, checkpoint->time_s), "interrupted", credited_s);
+    cut_phase = row.name;
+  }
+  const std::string cause = cut_phase.empty() ? "stopped between two phases or on request" : "the program was cut off";
+  journal.AddHole({cycle, cut_phase, checkpoint->time_s, UtcText(checkpoint->utc_ms), UtcText(now_ms), cause,
+                   "UTC of this machine; bench time stood still"});
+  journal.AddEvent({checkpoint->time_s, UtcText(now_ms), cycle, cut_phase, "info", "resume",
+                    fmt::format("resumed after {:.1f} s: {}", point.pause_s, cause)});
+  transaction.Commit();
+  return point;
+}
+
+}  // namespace strainwave::bench

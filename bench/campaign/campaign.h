@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "bench/campaign/checkpoint.h"
+#include "bench/campaign/folder.h"
+#include "bench/campaign/journal.h"
+#include "bench/configuration/bench_description.h"
+#include "schedules/reader/schedule.h"
+
+namespace strainwave::bench {
+
+/// The inputs of a campaign: the two files as text, to be frozen, and what they say.
+struct CampaignInputs {
+  std::string schedule_text;
+  std::string bench_text;
+  std::string plant_text;  // of the plant file that the bench file names; empty without one
+  schedules::Schedule schedule;
+  BenchDescription bench;
+};
+
+/// Reads both files and checks them against each other; without a bench file, the embedded simulated bench.
+/// @throws schedules::ScheduleError with all findings.
+CampaignInputs ReadInputs(const std::filesystem::path& schedule, const std::optional<std::filesystem::path>& bench);
+
+/// The inputs frozen in a campaign's folder.
+/// @throws CampaignError when the folder is not a campaign.
+CampaignInputs ReadFrozenInputs(const CampaignFolder& folder);
+
+/// Makes the folder with the frozen inputs and an empty journal.
+/// @throws CampaignError when the folder holds a campaign already, or something else.
+Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs);
+
+/// What the journal and the checkpoint say of an interrupted campaign, after the journal has been put in
+/// order: phases that were running are closed as interrupted with the load they had served, and the time
+/// since is a hole. Doing it twice changes nothing.
+struct ResumePoint {
+  Checkpoint checkpoint;
+  double pause_s{};  // by the world's clock
+};
+
+/// @param given  the schedule on the command line; it must be the frozen one.
+/// @throws CampaignError: not a campaign, a changed schedule (with the difference), finished already, a pause
+///   longer than the schedule allows without `accept_pause`, a journal without its checkpoint.
+std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given, Journal& journal,
+                                         bool accept_pause);
+
+/// Lines that differ, as "-old" and "+new" with line numbers; empty when equal.
+std::string Difference(const std::string& before, const std::string& after);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace strainwave::bench {
+
+/// Process exit codes (contract, section 1).
+enum class ExitCode : int { kDone = 0, kEndedBadly = 1, kWrongInput = 2, kMachineFailed = 3, kInterrupted = 130 };
+
+/// Something that the person at the bench can act on, with the exit code that goes with it.
+class CampaignError : public std::runtime_error {
+ public:
+  CampaignError(ExitCode exit_code, const std::string& message)
+      : std::runtime_error(message), exit_code_(exit_code) {}
+  ExitCode exit_code() const { return exit_code_; }
+
+ private:
+  ExitCode exit_code_;
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/campaign_runner.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/core.h>
+
+#include "analysis/units.h"
+#include "bench/campaign/cycle_context.h"
+#include "bench/controller/make_program.h"
+#include "bench/controller/standstill_programs.h"
+#include "daq/cycle_file.h"
+
+namespace strainwave::bench {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+// Referencing: more than this at rest is a transducer that has lost its zero, or a shaft that is clamped.
+constexpr double kTorqueZeroShareOfRange = 0.05;
+// One tooth of a size-20 flexspline is 2.25°; wind-up, transmission error and encoder errors stay below 0.3°.
+constexpr double kEncoderOffsetTolerance_rad = RadFromDeg(0.5);
+
+RunnerSettings SettingsOf(const schedules::Schedule& schedule, const BenchDescription& bench) {
+  return {bench.control_period_s, schedule.limits, schedule.suspend};
+}
+
+// The same for the same phase of the same cycle, however often it is run.
+std::uint64_t PhaseKey(int cycle, int step, int repeat) {
+  return (static_cast<std::uint64_t>(cycle) << 24) | (static_cast<std::uint64_t>(step) << 8) |
+         static_cast<std::uint64_t>(repeat);
+}
+
+std::string OutcomeText(StopCause cause) {
+  if (cause == StopCause::kNone) return "complete";
+  if (IsSuspend(cause)) return "suspended";
+  if (IsRequest(cause)) return std::string(Code(cause));
+  return "fault";
+}
+
+}  // namespace
+
+CampaignRunner::CampaignRunner(const CampaignFolder& folder, const schedules::Schedule& schedule,
+                               const BenchDescription& bench, BenchMachine& machine, Journal& journal,
+                               const std::atomic<StopRequest>& request, ProgressSink& progress)
+    : folder_(folder),
+      schedule_(schedule),
+      bench_(bench),
+      machine_(machine),
+      journal_(journal),
+      request_(request),
+      progress_(progress),
+      runner_(machine.Devices(), SettingsOf(schedule, bench), request),
+      checkpoint_(folder.Checkpoint()),
+      quality_(schedule, journal) {}
+
+double CampaignRunner::Time_s() const {
+  return time_base_s_ +
+         std::chrono::duration<double>(machine_.Devices().clock.Now() - clock_base_).count();
+}
+
+void CampaignRunner::Transition(BenchEvent event) {
+  const auto next = Next(state_, event);
+  if (!next) {
+    throw std::logic_error(fmt::format("event {} is not allowed in state '{}'", static_cast<int>(event), Name(state_)));
+  }
+  state_ = *next;
+}
+
+void CampaignRunner::Note(std::string_view severity, std::string_view phase, std::string_view code,
+                          const std::string& text) {
+  journal_.AddEvent({Time_s(), UtcNow(), cycle_, std::string(phase), std::string(severity), std::string(code), text});
+  progress_.Message(severity, text);
+}
+
+CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from) {
+  double expected_offset_rad = kUnknown;
+  if (resume_from) {
+    machine_.RestoreMemory(resume_from->machine_memory);
+    time_base_s_ = resume_from->time_s;
+    expected_offset_rad = resume_from->encoder_offset_rad;
+    resumed_cycle_ = journal_.LastCompleteCycle() + 1;
+  }
+  clock_base_ = machine_.Devices().clock.Now();
+  // The bench wakes up faulted. That the command was given is the person's reset and start; on the way the
+  // references are checked with torque off.
+  Transition(BenchEvent::kReset);
+  Transition(BenchEvent::kStart);
+  if (auto end = Reference(expected_offset_rad)) return *end;
+  for (int cycle = journal_.LastCompleteCycle() + 1; cycle <= schedule_.cycles; ++cycle) {
+    if (auto end = RunCycle(cycle)) return *end;
+  }
+  Transition(BenchEvent::kFinish);
+  Note("info", "", "completed", fmt::format("all {} cycles are complete", schedule_.cycles));
+  return {CampaignEnd::Kind::kCompleted, {}, "complete", false};
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
+  const ReferencingProgram::Tolerances tolerances{kTorqueZeroShareOfRange * bench_.transducer.range_Nm,
+                                                  kEncoderOffsetTolerance_rad};
+  ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
+  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseProgram&) {});
+  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
+  if (outcome.reason) return EndForFault(outcome, "referencing");
+  Transition(BenchEvent::kReferenced);
+  return std::nullopt;
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::RunCycle(int cycle) {
+  cycle_ = cycle;
+  records_.clear();
+  const std::vector<CycleStep> steps = StepsOf(schedule_, cycle);
+  planned_s_.clear();
+  for (const CycleStep& step : steps) planned_s_.push_back(step.planned_s);
+  journal_.BeginCycle(cycle, Time_s());
+  for (const CycleStep& step : steps) {
+    if (auto end = RunStep(step, 0)) return end;
+  }
+  return StoreCycle(steps);
+}
+
+bool CampaignRunner::TakeFromEarlierRun(const CycleStep& step, int repeat) {
+  bool complete = false;
+  for (const PhaseRow& row : journal_.Phases(cycle_)) {
+    if (row.step != step.index || row.repeat != repeat) continue;
+    complete = complete || row.outcome == "complete";
+    const auto file = folder_.UnfinishedFile(cycle_, step.index, repeat, row.attempt);
+    if (!std::filesystem::exists(file)) continue;
+    // Of a load run every row counts, of anything else the attempt that was completed.
+    if (!step.accumulates && row.outcome != "complete") continue;
+    for (NamedRecord& named : daq::ReadCycleFile(file, daq::Checking::kNone).records) {
+      named.group.erase(0, named.group.find_first_not_of('/'));
+      records_.push_back(std::move(named));
+    }
+  }
+  return complete;
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::CheckBetweenPhases() {
+  switch (request_.load()) {
+    case StopRequest::kNone:
+    case StopRequest::kFinishCycle:
+      return std::nullopt;
+    case StopRequest::kPause:
+      return EndForRequest({{StopCause::kPauseRequested, 0, 0, {}}, {}, 0, {}, {}});
+    case StopRequest::kShutdown:
+      return EndForRequest({{StopCause::kShutdownRequested, 0, 0, {}}, {}, 0, {}, {}});
+    case StopRequest::kQuickStop:
+      return EndForRequest({{StopCause::kQuickStopRequested, 0, 0, {}}, {}, 0, {}, {}});
+  }
+  return std::nullopt;
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::RunStep(const CycleStep& step, int repeat) {
+  if (cycle_ == resumed_cycle_ && TakeFromEarlierRun(step, repeat)) return std::nullopt;
+  if (auto end = CheckBetweenPhases()) return end;
+  double credited_s = 0.0;
+  int attempt = 0;
+  if (cycle_ == resumed_cycle_) {
+    for (const PhaseRow& row : journal_.Phases(cycle_)) {
+      if (row.step != step.index || row.repeat != repeat) continue;
+      credited_s += row.credited_load_s;
+      attempt = std::max(attempt, row.attempt);
+    }
+  }
+  bool again = true;
+  while (again) {
+    if (auto end = RunAttempt(step, repeat, ++attempt, credited_s, again)) return end;
+    if (!again) return std::nullopt;
+    const auto rows = journal_.Phases(cycle_);
+    credited_s += rows.back().credited_load_s;
+    if (auto end = WaitSuspended(step.phase->name)) return end;
+  }
+  return std::nullopt;
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int repeat, int attempt,
+                                                    double credited_before_s, bool& again) {
+  const schedules::Phase& phase = *step.phase;
+  const bool blank = std::holds_alternative<schedules::BlankTest>(phase.parameters);
+  const auto program =
+      MakeProgram(phase.parameters, schedule_.specimen, credited_before_s, bench_.control_period_s);
+  PhaseRow row;
+  row.cycle = cycle_;
+  row.step = step.index;
+  row.repeat = repeat;
+  row.attempt = attempt;
+  row.name = step.group;
+  row.kind = schedules::KindName(phase.parameters);
+  row.started_s = Time_s();
+  const std::int64_t id = journal_.BeginPhase(row);
+  TakeMemory();
+  WriteCheckpoint(step.index, repeat, credited_before_s, blank);
+  if (blank) machine_.MountBlank(true);
+  machine_.BeginPhase(PhaseKey(cycle_, step.index, repeat));
+  Transition(BeginEvent(phase.parameters));
+
+  double done_s = 0.0;
+  double planned_s = 0.0;
+  for (std::size_t i = 0; i < planned_s_.size(); ++i) {
+    planned_s += planned_s_[i];
+    if (static_cast<int>(i) < step.index) done_s += planned_s_[i];
+  }
+  const double this_s = planned_s_[static_cast<std::size_t>(step.index)];
+  PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseProgram& running) {
+    // A measurement that is cut is taken again from its beginning, so a simulated bench goes back there too.
+    if (step.accumulates) TakeMemory();
+    WriteCheckpoint(step.index, repeat, running.credited_load_s(), blank);
+    const double share = running.share_done();
+    progress_.Update({cycle_, schedule_.cycles, phase.name, share, (done_s + share * this_s) / planned_s, Time_s()});
+  });
+  if (blank) machine_.MountBlank(false);
+
+  const bool complete = !outcome.reason;
+  again = IsSuspend(outcome.reason.cause);
+  if (complete || step.accumulates) KeepRecords(step, repeat, attempt, std::move(outcome.records));
+  TakeMemory();
+  WriteCheckpoint(step.index, repeat, outcome.credited_load_s, blank);
+  journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause), outcome.credited_load_s - credited_before_s);
+  if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase.name);
+  if (again) {
+    Note("warning", phase.name, Code(outcome.reason.cause), Describe(outcome.reason));
+    Transition(BenchEvent::kSuspend);
+    return std::nullopt;
+  }
+  Transition(BenchEvent::kPhaseEnded);
+  if (!complete) return EndForRequest(outcome);
+  return std::nullopt;
+}
+
+void CampaignRunner::KeepRecords(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records) {
+  if (records.empty()) return;
+  const std::string group = repeat == 0 ? step.group : fmt::format("{}/retry_{}", step.group, repeat);
+  for (NamedRecord& named : records) {
+    named.group = fmt::format("{}/{}", group, named.group);
+    // A load run in several pieces keeps them all, side by side.
+    if (step.accumulates && attempt > 1) named.group += fmt::format("_{}", attempt);
+  }
+  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records);
+  for (NamedRecord& named : records) records_.push_back(std::move(named));
+}
+
+void CampaignRunner::RemoveUnfinished() {
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.Unfinished())) {
+    std::filesystem::remove(entry.path());
+  }
+}
+
+void CampaignRunner::TakeMemory() {
+  const auto memory = machine_.Memory();
+  memory_.assign(memory.begin(), memory.end());
+}
+
+void CampaignRunner::WriteCheckpoint(int step, int repeat, double credited_load_s, bool blank) {
+  const Readings& last = runner_.last_readings();
+  Checkpoint checkpoint;
+  checkpoint.cycle = cycle_;
+  checkpoint.step = step;
+  checkpoint.repeat = repeat;
+  checkpoint.credited_load_s = credited_load_s;
+  checkpoint.time_s = Time_s();
+  checkpoint.utc_ms = UtcMilliseconds();
+  checkpoint.encoder_offset_rad =
+      blank ? kUnknown : last.input_angle_rad / schedule_.specimen.ratio - last.output_angle_rad;
+  checkpoint_.Write(checkpoint, memory_);
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::EndForRequest(const PhaseOutcome& outcome) {
+  checkpoint_.Sync();
+  const std::string text = Describe(outcome.reason);
+  Note("info", "", Code(outcome.reason.cause), text);
+  return CampaignEnd{CampaignEnd::Kind::kInterrupted, outcome.reason, text, false};
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome, std::string_view phase) {
+  Transition(BenchEvent::kFault);
+  checkpoint_.Sync();
+  const std::string text = Describe(outcome.reason);
+  Note("alarm", phase, Code(outcome.reason.cause), text);
+  for (const StopReason& followed : outcome.followed) {
+    Note("info", phase, Code(followed.cause), "followed: " + Describe(followed));
+  }
+  if (!outcome.black_box.empty()) {
+    std::filesystem::create_directories(folder_.Faults());
+    const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());
+    daq::WriteRecordsAtomically(file, outcome.black_box);
+  }
+  const StopCause cause = outcome.reason.cause;
+  const bool device = cause == StopCause::kDriveFault || cause == StopCause::kDriveNotReady ||
+                      cause == StopCause::kStaleReadings || cause == StopCause::kImplausibleReading ||
+                      cause == StopCause::kReferenceCheck;
+  return CampaignEnd{CampaignEnd::Kind::kFault, outcome.reason, text, device};
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
+  const StopReason ended = runner_.WaitUntilRecovered([](const PhaseProgram&) {});
+  if (!ended) {
+    Note("info", phase, "resumed", "the suspend condition has passed; going on");
+    Transition(BenchEvent::kResume);
+    return std::nullopt;
+  }
+  PhaseOutcome outcome;
+  outcome.reason = ended;
+  if (IsRequest(ended.cause)) return EndForRequest(outcome);
+  return EndForFault(outcome, phase);
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>& steps) {
+  machine_.CycleMeasured(cycle_);
+  const CycleContext context = ContextOf(journal_, schedule_, bench_);
+  StoredCycle stored;
+  for (int repeat = 0;; ++repeat) {
+    stored = AnalyzeForStore(records_, cycle_, context);
+    if (cycle_ == 0 || repeat == schedule_.measurements.retries) break;
+    std::vector<std::string> doubts = stored.failed_checks;
+    for (std::string& outlier : quality_.Outliers(stored.results)) doubts.push_back(std::move(outlier));
+    if (doubts.empty()) break;
+    for (const std::string& doubt : doubts) {
+      Note("warning", "", "measured_again", fmt::format("cycle {}: {}; measuring again", cycle_, doubt));
+    }
+    for (const CycleStep& step : steps) {
+      if (!step.measurement) continue;
+      if (auto end = RunStep(step, repeat + 1)) return end;
+    }
+  }
+  Transition(BenchEvent::kBeginStore);
+  for (const std::string& check : stored.failed_checks) {
+    Note("warning", "", "failed_check", fmt::format("cycle {}: {}", cycle_, check));
+  }
+  daq::WriteRecordsAtomically(folder_.CycleFile(cycle_), records_,
+                              {{"specimen", schedule_.specimen.identity},
+                               {"cycle", std::to_string(cycle_)},
+                               {"bench", bench_.name},
+                               {"schedule_sha256", journal_.Property("schedule_sha256").value_or("")}});
+  {
+    Transaction transaction(journal_.database());
+    journal_.ClearResults(cycle_);
+    journal_.AddResults(cycle_, 0, stored.results);
+    for (std::size_t i = 0; i < stored.repeats.size(); ++i) {
+      journal_.AddResults(cycle_, static_cast<int>(i) + 1, stored.repeats[i]);
+    }
+    for (const Calibration& calibration : stored.calibrations) journal_.SetCalibration(calibration, UtcNow());
+    journal_.EndCycle(cycle_, Time_s(), "complete");
+    transaction.Commit();
+  }
+  RemoveUnfinished();
+  Transition(BenchEvent::kStored);
+  quality_.Accept(cycle_, stored.results);
+  progress_.CycleStored(cycle_, stored.results);
+  if (!stored.failed_checks.empty() &&
+      schedule_.measurements.on_failed_check == schedules::OnFailedCheck::kStop) {
+    const std::string text = fmt::format("cycle {}: {}", cycle_, stored.failed_checks.front());
+    return CampaignEnd{CampaignEnd::Kind::kStopCriterion, {}, text, false};
+  }
+  return cycle_ == 0 ? std::nullopt : AfterCycle(stored.results);
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::AfterCycle(const std::vector<Result>& results) {
+  if (const auto met = quality_.StopCriterion(results)) {
+    Note("alarm", "", "stop_criterion", *met);
+    return CampaignEnd{CampaignEnd::Kind::kStopCriterion, {}, *met, false};
+  }
+  if (request_.load() != StopRequest::kFinishCycle || cycle_ == schedule_.cycles) return std::nullopt;
+  Note("info", "", "finish_cycle", "cycle finished, stopped on request");
+  return CampaignEnd{CampaignEnd::Kind::kInterrupted, {}, "cycle finished, stopped on request", false};
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/campaign/checkpoint.h"
+#include "bench/campaign/cycle_results.h"
+#include "bench/campaign/cycle_steps.h"
+#include "bench/campaign/folder.h"
+#include "bench/campaign/journal.h"
+#include "bench/campaign/progress.h"
+#include "bench/campaign/quality.h"
+#include "bench/configuration/bench_description.h"
+#include "bench/controller/phase_runner.h"
+#include "bench/controller/state_machine.h"
+#include "bench/roles/bench_machine.h"
+
+namespace strainwave::bench {
+
+/// How a run of a campaign ended.
+struct CampaignEnd {
+  enum class Kind { kCompleted, kStopCriterion, kFault, kInterrupted };
+  Kind kind{Kind::kCompleted};
+  StopReason reason;  // fault or request
+  std::string text;   // for people
+  bool device_failed{};
+};
+
+/// Runs the cycles of a campaign on a bench: one state machine, one step after the other, each journalled
+/// before it starts and after it has ended, so that whatever happens the next run knows where to go on.
+class CampaignRunner {
+ public:
+  CampaignRunner(const CampaignFolder& folder, const schedules::Schedule& schedule,
+                 const BenchDescription& bench, BenchMachine& machine, Journal& journal,
+                 const std::atomic<StopRequest>& request, ProgressSink& progress);
+
+  /// @param resume_from  where an earlier run of this campaign was when it ended; nothing at the start.
+  CampaignEnd Run(const std::optional<Checkpoint>& resume_from);
+
+ private:
+  using MaybeEnd = std::optional<CampaignEnd>;
+
+  void Transition(BenchEvent event);
+  MaybeEnd Reference(double expected_offset_rad);
+  MaybeEnd RunCycle(int cycle);
+  MaybeEnd RunStep(const CycleStep& step, int repeat);
+  MaybeEnd RunAttempt(const CycleStep& step, int repeat, int attempt, double credited_before_s, bool& again);
+  MaybeEnd StoreCycle(const std::vector<CycleStep>& steps);
+  MaybeEnd EndForRequest(const PhaseOutcome& outcome);
+  MaybeEnd EndForFault(const PhaseOutcome& outcome, std::string_view phase);
+  MaybeEnd WaitSuspended(std::string_view phase);
+  MaybeEnd AfterCycle(const std::vector<Result>& results);
+  MaybeEnd CheckBetweenPhases();
+
+  bool TakeFromEarlierRun(const CycleStep& step, int repeat);
+  void KeepRecords(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records);
+  void RemoveUnfinished();
+  void TakeMemory();
+  void WriteCheckpoint(int step, int repeat, double credited_load_s, bool blank);
+  void Note(std::string_view severity, std::string_view phase, std::string_view code, const std::string& text);
+  double Time_s() const;
+
+  CampaignFolder folder_;
+  const schedules::Schedule& schedule_;
+  const BenchDescription& bench_;
+  BenchMachine& machine_;
+  Journal& journal_;
+  const std::atomic<StopRequest>& request_;
+  ProgressSink& progress_;
+  PhaseRunner runner_;
+  CheckpointWriter checkpoint_;
+  QualityControl quality_;
+  BenchState state_{BenchState::kFaulted};
+  double time_base_s_{};  // bench time of earlier runs
+  std::chrono::nanoseconds clock_base_{};
+  int cycle_{};
+  int resumed_cycle_{-1};
+  std::vector<NamedRecord> records_;  // of the cycle under way
+  std::vector<std::byte> memory_;     // of a simulated bench, as the next checkpoint will hold it
+  std::vector<double> planned_s_;     // of each step of the cycle under way
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "daq/checkpoint_file.h"
+
+namespace strainwave::bench {
+
+/// Where a campaign was at the last second of bench time that is safe on the disk.
+struct Checkpoint {
+  int cycle{};
+  int step{};
+  int repeat{};
+  double credited_load_s{};  // of this step, all attempts together
+  double time_s{};           // bench time of the campaign
+  std::int64_t utc_ms{};
+  /// Input angle / ratio − output angle, to be found again before anything moves; a NaN when not known.
+  double encoder_offset_rad{};
+  std::vector<std::byte> machine_memory;  // of a simulated bench
+};
+
+/// Writes checkpoints once a second of bench time. A killed process loses none that was written; a power cut
+/// loses at most what came in the last second of the world's time, since that is how often it is synced.
+class CheckpointWriter {
+ public:
+  explicit CheckpointWriter(const std::filesystem::path& file);
+  void Write(const Checkpoint& checkpoint, std::span<const std::byte> machine_memory);
+  void Sync();
+
+ private:
+  daq::CheckpointFile file_;
+  std::vector<std::byte> buffer_;
+  std::chrono::steady_clock::time_point last_sync_{};
+};
+
+/// The newest whole checkpoint of a file, or nothing.
+std::optional<Checkpoint> ReadCheckpoint(const std::filesystem::path& file);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/cycle_context.h"
+
+#include <map>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/blank_results.h"
+#include "bench/campaign/quality.h"
+
+namespace strainwave::bench {
+namespace {
+
+// "repeat_N/…" → N; 0 for anything else.
+int RepeatOf(const std::string& group) {
+  constexpr std::string_view kPrefix = "repeat_";
+  if (!group.starts_with(kPrefix)) return 0;
+  return std::stoi(group.substr(kPrefix.size()));
+}
+
+StoredCycle AnalyzePreparation(std::span<const NamedRecord> records, const CycleContext& context) {
+  StoredCycle stored;
+  stored.calibrations = BlankCalibrations(records);
+  // The repeats are measured after the blank, so they are already corrected by what it has shown.
+  CycleContext corrected = context;
+  Apply(stored.calibrations, corrected.corrections);
+  std::map<int, std::vector<NamedRecord>> repeats;
+  for (const NamedRecord& named : records) {
+    const int repeat = RepeatOf(named.group);
+    if (repeat == 0) continue;
+    repeats[repeat].push_back({named.group.substr(named.group.find('/') + 1), named.record});
+  }
+  for (const auto& [repeat, repeat_records] : repeats) {
+    CycleAnalysis analysis = AnalyzeCycle(repeat_records, corrected);
+    for (const std::string& check : analysis.failed_checks) {
+      stored.failed_checks.push_back(fmt::format("repeat {}: {}", repeat, check));
+    }
+    stored.repeats.push_back(std::move(analysis.results));
+  }
+  for (Calibration& gauge : RepeatabilityOf(stored.repeats)) stored.calibrations.push_back(std::move(gauge));
+  return stored;
+}
+
+}  // namespace
+
+CycleContext ContextOf(const Journal& journal, const schedules::Schedule& schedule, const BenchDescription& bench) {
+  CycleContext context;
+  context.ratio = schedule.specimen.ratio;
+  context.corrections.torque_gain_relative_se = bench.transducer.relative_gain_uncertainty;
+  context.declared_temperature_degC = schedule.measurements.declared_temperature_degC;
+  context.temperature_tolerance_K = schedule.measurements.temperature_tolerance_K;
+  std::vector<Calibration> calibrations;
+  for (const char* name : kBlankCalibrations) {
+    if (auto calibration = journal.FindCalibration(name)) calibrations.push_back(std::move(*calibration));
+  }
+  Apply(calibrations, context.corrections);
+  return context;
+}
+
+StoredCycle AnalyzeForStore(std::span<const NamedRecord> records, int cycle, const CycleContext& context) {
+  if (cycle == 0) return AnalyzePreparation(records, context);
+  CycleAnalysis analysis = AnalyzeCycle(records, context);
+  return {std::move(analysis.results), {}, {}, std::move(analysis.failed_checks)};
+}
+
+}  // namespace strainwave::bench

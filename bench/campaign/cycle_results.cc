@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/cycle_results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/core.h>
+
+#include "analysis/units.h"
+#include "bench/campaign/rotation_results.h"
+
+namespace strainwave::bench {
+namespace {
+
+using analysis::Estimate;
+using analysis::StiffnessMethod;
+
+struct Place {
+  std::string phase;
+  std::string record;
+  int retry{};
+};
+
+// "PHASE/RECORD" or "PHASE/retry_N/RECORD".
+Place PlaceOf(const std::string& group) {
+  Place place;
+  const std::size_t last = group.rfind('/');
+  place.record = last == std::string::npos ? group : group.substr(last + 1);
+  place.phase = last == std::string::npos ? std::string() : group.substr(0, last);
+  const std::size_t retry = place.phase.rfind("/retry_");
+  if (retry != std::string::npos) {
+    place.retry = std::stoi(place.phase.substr(retry + 7));
+    place.phase.resize(retry);
+  }
+  return place;
+}
+
+// The records that count, in an order that does not depend on how they came.
+std::vector<const daq::Record*> Counting(std::span<const NamedRecord> records, std::string_view kind) {
+  std::map<std::pair<std::string, std::string>, std::pair<int, const daq::Record*>> newest;
+  for (const NamedRecord& named : records) {
+    if (named.record.kind != kind) continue;
+    const Place place = PlaceOf(named.group);
+    auto& entry = newest[{place.phase, place.record}];
+    if (entry.second == nullptr || entry.first < place.retry) entry = {place.retry, &named.record};
+  }
+  std::vector<const daq::Record*> counting;
+  for (const auto& [key, entry] : newest) counting.push_back(entry.second);
+  return counting;
+}
+
+class Results {
+ public:
+  explicit Results(CycleAnalysis& analysis) : analysis_(analysis) {}
+
+  void Add(std::string quantity, const Estimate& estimate, const std::string& flag) {
+    analysis_.results.push_back({std::move(quantity), estimate.value, estimate.standard_error, flag});
+  }
+  void AddArcmin(std::string quantity, const Estimate& angle_rad, const std::string& flag) {
+    Add(std::move(quantity), {ArcminFromRad(angle_rad.value), ArcminFromRad(angle_rad.standard_error)}, flag);
+  }
+  // Why the numbers of a measurement are not good; empty when they are.
+  std::string Flag(const std::vector<std::string>& failed_checks, const std::string& measurement) {
+    std::string flag;
+    for (const std::string& check : failed_checks) {
+      analysis_.failed_checks.push_back(fmt::format("{}: {}", measurement, check));
+      flag += (flag.empty() ? "" : "; ") + check;
+    }
+    return flag;
+  }
+
+ private:
+  CycleAnalysis& analysis_;
+};
+
+double Mean(std::span<const double> values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? std::nan("") : sum / static_cast<double>(values.size());
+}
+
+std::string WithThermalFlag(std::string flag, const daq::Record& record, const CycleContext& context) {
+  const double temperature_degC = Mean(record.Doubles("temperature_degC"));
+  if (std::abs(temperature_degC - context.declared_temperature_degC) <= context.temperature_tolerance_K) return flag;
+  if (!flag.empty()) flag += "; ";
+  return flag + fmt::format("measured at {:.1f} degC, declared are {:.1f} ± {:.1f} degC", temperature_degC,
+                            context.declared_temperature_degC, context.temperature_tolerance_K);
+}
+
+void AddTransmissionError(const daq::Record& record, const CycleContext& context, CycleAnalysis& analysis) {
+  analysis.transmission_error = TransmissionErrorOf(record, context.corrections);
+  const analysis::TransmissionError& error = *analysis.transmission_error;
+  Results results(analysis);
+  const std::string flag =
+      WithThermalFlag(results.Flag(error.failed_checks, "transmission error"), record, context);
+  if (error.cw) {
+    results.AddArcmin("e_avg_arcmin", error.cw->e_avg_rad, flag);
+    results.AddArcmin("e_max_arcmin", error.cw->e_max_rad, flag);
+  }
+  if (error.ccw) {
+    results.AddArcmin("e_avg_ccw_arcmin", error.ccw->e_avg_rad, flag);
+    results.AddArcmin("e_max_ccw_arcmin", error.ccw->e_max_rad, flag);
+  }
+  if (error.lost_motion_rad) results.AddArcmin("lost_motion_arcmin", *error.lost_motion_rad, flag);
+}
+
+// Mean of independent estimates.
+Estimate MeanOf(std::span<const analysis::TorsionalStiffness> loops, Estimate analysis::TorsionalStiffness::* field) {
+  Estimate mean;
+  for (const auto& loop : loops) {
+    mean.value += (loop.*field).value;
+    mean.standard_error += (loop.*field).standard_error * (loop.*field).standard_error;
+  }
+  const double count = static_cast<double>(loops.size());
+  return {mean.value / count, std::sqrt(mean.standard_error) / count};
+}
+
+void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod method, const std::string& suffix,
+                  const CycleContext& context, CycleAnalysis& analysis) {
+  std::vector<analysis::TorsionalStiffness> fits;
+  Results results(analysis);
+  std::string flag;
+  const bool main_method = method == context.method;
+  for (const daq::Record* loop : loops) {
+    fits.push_back(StiffnessOf(*loop, method, context.corrections));
+    // The other two are shown beside the chosen one; their checks are the same record's.
+    if (main_method) flag += results.Flag(fits.back().failed_checks, "hysteresis");
+  }
+  if (main_method) flag = WithThermalFlag(std::move(flag), *loops.front(), context);
+  const auto add = [&](const char* name, Estimate analysis::TorsionalStiffness::* field) {
+    results.Add(fmt::format("{}{}_Nm_per_rad", name, suffix),
+                AddCommonUncertainty(MeanOf(fits, field), context.corrections), flag);
+  };
+  add("k1", &analysis::TorsionalStiffness::k1_Nm_per_rad);
+  add("k2", &analysis::TorsionalStiffness::k2_Nm_per_rad);
+  add("k3", &analysis::TorsionalStiffness::k3_Nm_per_rad);
+  if (!main_method) return;
+  results.AddArcmin("hysteresis_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::hysteresis_rad), flag);
+  results.AddArcmin("hysteresis_lost_motion_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::lost_motion_rad),
+                    flag);
+  analysis.stiffness = std::move(fits.front());
+  analysis.loop = loops.front();
+}
+
+}  // namespace
+
+CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleContext& context) {
+  CycleAnalysis analysis;
+  for (const daq::Record* record : Counting(records, "transmission_error")) {
+    AddTransmissionError(*record, context, analysis);
+  }
+  if (const auto loops = Counting(records, "hysteresis"); !loops.empty()) {
+    AddStiffness(loops, context.method, "", context, analysis);
+    for (const auto& [method, suffix] :
+         {std::pair{StiffnessMethod::kModel, "_model"}, std::pair{StiffnessMethod::kLoading, "_loading"},
+          std::pair{StiffnessMethod::kBackbone, "_backbone"}}) {
+      if (method != context.method) AddStiffness(loops, method, suffix, context, analysis);
+    }
+    analysis.results.push_back({"gear_temperature_degC", Mean(loops.front()->Doubles("temperature_degC")), 0.0, ""});
+  }
+  for (const daq::Record* record : Counting(records, "motion")) {
+    for (Result& result : RotationResults(*record, context.ratio)) analysis.results.push_back(std::move(result));
+  }
+  for (const daq::Record* record : Counting(records, "vibration")) {
+    for (Result& result : VibrationResults(*record)) analysis.results.push_back(std::move(result));
+  }
+  return analysis;
+}
+
+std::optional<Result> FindResult(std::span<const Result> results, std::string_view quantity) {
+  const auto found = std::ranges::find(results, quantity, &Result::quantity);
+  if (found == results.end()) return std::nullopt;
+  return *found;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/database.h"
+
+#include <fmt/core.h>
+#include <sqlite3.h>
+
+namespace strainwave::bench {
+
+DatabaseError::DatabaseError(const std::filesystem::path& file, int code, const std::string& message)
+    : std::runtime_error(fmt::format("{}: error: {}", file.string(), message)), code_(code) {}
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+Statement::Statement(sqlite3* database, const std::filesystem::path& file, std::string_view sql)
+    : database_(database), file_(file) {
+  sqlite3_stmt* prepared = nullptr;
+  Check(sqlite3_prepare_v2(database_, sql.data(), static_cast<int>(sql.size()), &prepared, nullptr));
+  statement_.reset(prepared);
+}
+
+void Statement::Check(int code) const {
+  if (code != SQLITE_OK && code != SQLITE_DONE && code != SQLITE_ROW) {
+    throw DatabaseError(file_, code, sqlite3_errmsg(database_));
+  }
+}
+
+Statement& Statement::Bind(std::int64_t value) {
+  Check(sqlite3_bind_int64(statement_.get(), next_parameter_++, value));
+  return *this;
+}
+
+Statement& Statement::Bind(double value) {
+  Check(sqlite3_bind_double(statement_.get(), next_parameter_++, value));
+  return *this;
+}
+
+Statement& Statement::Bind(std::string_view value) {
+  Check(sqlite3_bind_text(statement_.get(), next_parameter_++, value.data(), static_cast<int>(value.size()),
+                          SQLITE_TRANSIENT));
+  return *this;
+}
+
+Statement& Statement::BindNull() {
+  Check(sqlite3_bind_null(statement_.get(), next_parameter_++));
+  return *this;
+}
+
+bool Statement::Step() {
+  const int code = sqlite3_step(statement_.get());
+  Check(code);
+  return code == SQLITE_ROW;
+}
+
+void Statement::Run() {
+  while (Step()) {
+  }
+  Check(sqlite3_reset(statement_.get()));
+  next_parameter_ = 1;
+}
+
+std::int64_t Statement::Integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
+
+double Statement::Real(int column) const { return sqlite3_column_double(statement_.get(), column); }
+
+std::string Statement::Text(int column) const {
+  const unsigned char* text = sqlite3_column_text(statement_.get(), column);
+  return text == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(text));
+}
+
+bool Statement::IsNull(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+}
+
+void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
+
+Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
+  int flags = SQLITE_OPEN_READONLY;
+  if (mode == Mode::kReadWrite) flags = SQLITE_OPEN_READWRITE;
+  if (mode == Mode::kCreate) flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  sqlite3* opened = nullptr;
+  const int code = sqlite3_open_v2(file.c_str(), &opened, flags, nullptr);
+  database_.reset(opened);
+  if (code != SQLITE_OK) {
+    throw DatabaseError(file_, code, opened == nullptr ? "out of memory" : sqlite3_errmsg(opened));
+  }
+  sqlite3_busy_timeout(database_.get(), 5000);
+  if (mode != Mode::kReadOnly) {
+    Execute("PRAGMA journal_mode=WAL");
+    Execute("PRAGMA synchronous=FULL");
+    Execute("PRAGMA foreign_keys=ON");
+  }
+}
+
+Statement Database::Prepare(std::string_view sql) const { return Statement(database_.get(), file_, sql); }
+
+void Database::Execute(const std::string& sql) const {
+  char* message = nullptr;
+  const int code = sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, &message);
+  if (code == SQLITE_OK) return;
+  const std::string text = message == nullptr ? "unknown" : message;
+  sqlite3_free(message);
+  throw DatabaseError(file_, code, text);
+}
+
+std::int64_t Database::LastInsertId() const { return sqlite3_last_insert_rowid(database_.get()); }
+
+Transaction::Transaction(const Database& database) : database_(database) {
+  database_.Execute("BEGIN IMMEDIATE");
+}
+
+Transaction::~Transaction() {
+  if (!open_) return;
+  try {
+    database_.Execute("ROLLBACK");
+  } catch (const DatabaseError&) {
+    // SQLite has rolled back by itself (disk full, I/O error); the first error is on its way.
+  }
+}
+
+void Transaction::Commit() {
+  database_.Execute("COMMIT");
+  open_ = false;
+}
+
+}  // namespace strainwave::bench

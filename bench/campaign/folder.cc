@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <ctime>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <system_error>
+
+#include <fmt/core.h>
+#include <openssl/evp.h>
+
+#include "bench/campaign/campaign_error.h"
+
+namespace strainwave::bench {
+namespace {
+
+[[noreturn]] void ThrowErrno(const std::filesystem::path& file) {
+  throw std::system_error(errno, std::generic_category(), file.string());
+}
+
+}  // namespace
+
+std::filesystem::path CampaignFolder::CycleFile(int cycle) const {
+  return Cycles() / fmt::format("{:06d}.h5", cycle);
+}
+
+std::filesystem::path CampaignFolder::UnfinishedFile(int cycle, int step, int repeat, int attempt) const {
+  return Unfinished() / fmt::format("{:06d}-{:03d}-{:02d}-{:03d}.h5", cycle, step, repeat, attempt);
+}
+
+CampaignLock::CampaignLock(const CampaignFolder& folder) {
+  descriptor_ = ::open(folder.Lock().c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) ThrowErrno(folder.Lock());
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(descriptor_);
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: the campaign is running in process {} (expected a folder that no "
+                                    "other process runs)",
+                                    folder.root.string(), Holder(folder)));
+  }
+  const std::string text = fmt::format("{}\n", ::getpid());
+  if (::ftruncate(descriptor_, 0) != 0 ||
+      ::pwrite(descriptor_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
+    const int failure = errno;
+    ::close(descriptor_);
+    throw std::system_error(failure, std::generic_category(), folder.Lock().string());
+  }
+}
+
+CampaignLock::~CampaignLock() { ::close(descriptor_); }
+
+int CampaignLock::Holder(const CampaignFolder& folder) {
+  const int descriptor = ::open(folder.Lock().c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return 0;
+  const bool held = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0;
+  ::close(descriptor);
+  if (!held) return 0;
+  int process = 0;
+  std::ifstream(folder.Lock()) >> process;
+  return process;
+}
+
+std::string Sha256(std::string_view text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  if (EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
+    throw std::runtime_error("SHA-256 is not available in this OpenSSL");
+  }
+  std::string hexadecimal;
+  for (unsigned int i = 0; i < size; ++i) hexadecimal += fmt::format("{:02x}", digest[i]);
+  return hexadecimal;
+}
+
+std::string ReadText(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) ThrowErrno(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return std::move(text).str();
+}
+
+void WriteTextAtomically(const std::filesystem::path& file, std::string_view text) {
+  const std::filesystem::path aside = file.string() + ".partial";
+  const int descriptor = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (descriptor < 0) ThrowErrno(aside);
+  const bool written = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+                       ::fsync(descriptor) == 0;
+  const int failure = errno;
+  ::close(descriptor);
+  if (!written) throw std::system_error(failure, std::generic_category(), aside.string());
+  std::filesystem::rename(aside, file);
+}
+
+std::string UtcText(std::int64_t milliseconds_since_1970) {
+  const std::time_t seconds = milliseconds_since_1970 / 1000;
+  std::tm calendar{};
+  gmtime_r(&seconds, &calendar);
+  return fmt::format("{:04d}-{:02d}-{:02d}T{:02d}:{:02d}:{:02d}.{:03d}Z", calendar.tm_year + 1900,
+                     calendar.tm_mon + 1, calendar.tm_mday, calendar.tm_hour, calendar.tm_min, calendar.tm_sec,
+                     milliseconds_since_1970 % 1000);
+}
+
+std::int64_t UtcMilliseconds() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+std::string UtcNow() { return UtcText(UtcMilliseconds()); }
+
+}  // namespace strainwave::bench

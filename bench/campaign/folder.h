@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace strainwave::bench {
+
+/// Where the files of a campaign are (contract, section 5).
+struct CampaignFolder {
+  std::filesystem::path root;
+
+  std::filesystem::path Schedule() const { return root / "schedule.yaml"; }
+  std::filesystem::path Bench() const { return root / "bench.yaml"; }
+  std::filesystem::path Journal() const { return root / "campaign.db"; }
+  std::filesystem::path Cycles() const { return root / "cycles"; }
+  std::filesystem::path CycleFile(int cycle) const;
+  /// Finished phases of the cycle that is under way; gone when its file has appeared.
+  std::filesystem::path Unfinished() const { return root / "unfinished"; }
+  std::filesystem::path UnfinishedFile(int cycle, int step, int repeat, int attempt) const;
+  std::filesystem::path Faults() const { return root / "faults"; }
+  std::filesystem::path Checkpoint() const { return root / "checkpoint"; }
+  std::filesystem::path Pictures() const { return root / "pictures"; }
+  std::filesystem::path Lock() const { return root / "lock"; }
+};
+
+/// Holds a campaign for one running process; the kernel lets go when the process ends, however it ends.
+class CampaignLock {
+ public:
+  /// @throws CampaignError when another process holds it, with that process's id.
+  explicit CampaignLock(const CampaignFolder& folder);
+  CampaignLock(const CampaignLock&) = delete;
+  CampaignLock& operator=(const CampaignLock&) = delete;
+  ~CampaignLock();
+
+  /// Process id of the holder; 0 when nobody runs the campaign.
+  static int Holder(const CampaignFolder& folder);
+
+ private:
+  int descriptor_;
+};
+
+/// Lower-case hexadecimal SHA-256.
+std::string Sha256(std::string_view text);
+
+/// The whole file. @throws std::system_error.
+std::string ReadText(const std::filesystem::path& file);
+
+/// Written aside, synced and renamed. @throws std::system_error.
+void WriteTextAtomically(const std::filesystem::path& file, std::string_view text);
+
+/// "2026-03-01T12:00:00.250Z", from the world's clock; for people, never for intervals.
+std::string UtcNow();
+std::string UtcText(std::int64_t milliseconds_since_1970);
+std::int64_t UtcMilliseconds();
+
+}  // namespace strainwave::bench

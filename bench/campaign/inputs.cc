@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/configuration/check_schedule.h"
+#include "bench/configuration/embedded_bench.h"
+#include "bench/configuration/read_bench_file.h"
+#include "schedules/reader/read_schedule.h"
+
+namespace strainwave::bench {
+namespace {
+
+// The frozen bench file names the copy of the plant file that lies beside it.
+std::string WithPlantFile(const std::string& text, const std::string& named) {
+  std::string frozen = text;
+  const std::size_t key = frozen.find("plant_file:");
+  const std::size_t value = key == std::string::npos ? key : frozen.find(named, key);
+  if (value == std::string::npos) return frozen;
+  return frozen.replace(value, named.size(), "plant.yaml");
+}
+
+}  // namespace
+
+CampaignInputs ReadInputs(const std::filesystem::path& schedule, const std::optional<std::filesystem::path>& bench) {
+  CampaignInputs inputs;
+  inputs.schedule = schedules::ReadSchedule(schedule);
+  inputs.schedule_text = ReadText(schedule);
+  if (bench) {
+    inputs.bench = ReadBenchFile(*bench);
+    inputs.bench_text = ReadText(*bench);
+    if (const std::string& named = inputs.bench.simulation.plant_file; !named.empty()) {
+      inputs.plant_text = ReadText(bench->parent_path() / named);
+      inputs.bench_text = WithPlantFile(inputs.bench_text, named);
+    }
+  } else {
+    inputs.bench = EmbeddedBench();
+    inputs.bench_text = EmbeddedBenchText();
+  }
+  const schedules::FindingList findings = CheckScheduleAgainstBench(inputs.schedule, inputs.bench);
+  if (findings.has_errors()) throw schedules::ScheduleError(schedule.string(), findings);
+  return inputs;
+}
+
+CampaignInputs ReadFrozenInputs(const CampaignFolder& folder) {
+  if (!std::filesystem::exists(folder.Schedule())) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: not a campaign (expected a folder with schedule.yaml, bench.yaml and "
+                                    "campaign.db)",
+                                    folder.root.string()));
+  }
+  return ReadInputs(folder.Schedule(), folder.Bench());
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/journal.h"
+
+#include <fmt/core.h>
+#include <sqlite3.h>
+
+namespace strainwave::bench {
+namespace {
+
+// "SWAV": tells a campaign from any other SQLite file.
+constexpr int kApplicationId = 0x53574156;
+constexpr int kSchemaVersion = 1;
+
+constexpr const char* kSchema = R"sql(
+CREATE TABLE campaign(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE cycles(cycle INTEGER PRIMARY KEY, outcome TEXT NOT NULL, started_s REAL NOT NULL, ended_s REAL);
+CREATE TABLE phases(id INTEGER PRIMARY KEY, cycle INTEGER NOT NULL REFERENCES cycles(cycle), step INTEGER NOT NULL,
+  repeat INTEGER NOT NULL, attempt INTEGER NOT NULL, name TEXT NOT NULL, kind TEXT NOT NULL, started_s REAL NOT NULL,
+  ended_s REAL, outcome TEXT NOT NULL, credited_load_s REAL NOT NULL DEFAULT 0,
+  UNIQUE(cycle, step, repeat, attempt));
+CREATE TABLE results(cycle INTEGER NOT NULL, repeat INTEGER NOT NULL, quantity TEXT NOT NULL, value REAL,
+  standard_error REAL, flag TEXT NOT NULL, PRIMARY KEY(cycle, repeat, quantity)) WITHOUT ROWID;
+CREATE TABLE events(id INTEGER PRIMARY KEY, time_s REAL NOT NULL, utc TEXT NOT NULL, cycle INTEGER NOT NULL,
+  phase TEXT NOT NULL, severity TEXT NOT NULL, code TEXT NOT NULL, text TEXT NOT NULL);
+CREATE TABLE holes(id INTEGER PRIMARY KEY, cycle INTEGER NOT NULL, phase TEXT NOT NULL, time_s REAL NOT NULL,
+  start_utc TEXT NOT NULL, end_utc TEXT NOT NULL, cause TEXT NOT NULL, clock TEXT NOT NULL);
+CREATE TABLE calibrations(name TEXT PRIMARY KEY, value REAL NOT NULL, standard_error REAL NOT NULL,
+  unit TEXT NOT NULL, source TEXT NOT NULL, utc TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE operator_notes(id INTEGER PRIMARY KEY, utc TEXT NOT NULL, author TEXT NOT NULL, text TEXT NOT NULL);
+)sql";
+
+constexpr const char* kPhaseColumns =
+    "id, cycle, step, repeat, attempt, name, kind, started_s, ended_s, outcome, credited_load_s";
+
+}  // namespace
+
+Journal Journal::Create(const std::filesystem::path& file) {
+  Database database(file, Database::Mode::kCreate);
+  Transaction transaction(database);
+  database.Execute(fmt::format("PRAGMA application_id={}", kApplicationId));
+  database.Execute(fmt::format("PRAGMA user_version={}", kSchemaVersion));
+  database.Execute(kSchema);
+  transaction.Commit();
+  return Journal(std::move(database));
+}
+
+Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
+  if (!std::filesystem::exists(file)) {
+    throw DatabaseError(file, SQLITE_CANTOPEN, "no such file (expected the journal of a campaign)");
+  }
+  Database database(file, mode);
+  const auto pragma = [&](const char* name) {
+    Statement statement = database.Prepare(fmt::format("PRAGMA {}", name));
+    statement.Step();
+    return statement.Integer(0);
+  };
+  if (pragma("application_id") != kApplicationId) {
+    throw DatabaseError(file, SQLITE_MISMATCH,
+                        "not a campaign journal (expected a database that strainwave run has made)");
+  }
+  if (const auto version = pragma("user_version"); version != kSchemaVersion) {
+    throw DatabaseError(file, SQLITE_MISMATCH,
+                        fmt::format("journal version {} (expected {})", version, kSchemaVersion));
+  }
+  return Journal(std::move(database));
+}
+
+void Journal::SetProperty(std::string_view key, std::string_view value) {
+  database_.Prepare("INSERT OR REPLACE INTO campaign(key, value) VALUES(?, ?)").Bind(key).Bind(value).Run();
+}
+
+std::optional<std::string> Journal::Property(std::string_view key) const {
+  Statement statement = database_.Prepare("SELECT value FROM campaign WHERE key = ?");
+  statement.Bind(key);
+  if (!statement.Step()) return std::nullopt;
+  return statement.Text(0);
+}
+
+void Journal::BeginCycle(int cycle, double time_s) {
+  database_.Prepare("INSERT OR IGNORE INTO cycles(cycle, outcome, started_s) VALUES(?, 'running', ?)")
+      .Bind(cycle)
+      .Bind(time_s)
+      .Run();
+}
+
+void Journal::EndCycle(int cycle, double time_s, std::string_view outcome) {
+  database_.Prepare("UPDATE cycles SET outcome = ?, ended_s = ? WHERE cycle = ?")
+      .Bind(outcome)
+      .Bind(time_s)
+      .Bind(cycle)
+      .Run();
+}
+
+std::vector<CycleRow> Journal::Cycles() const {
+  Statement statement =
+      database_.Prepare("SELECT cycle, outcome, started_s, IFNULL(ended_s, started_s) FROM cycles ORDER BY cycle");
+  std::vector<CycleRow> rows;
+  while (statement.Step()) {
+    rows.push_back({static_cast<int>(statement.Integer(0)), statement.Text(1), statement.Real(2), statement.Real(3)});
+  }
+  return rows;
+}
+
+int Journal::LastCompleteCycle() const {
+  Statement statement = database_.Prepare("SELECT IFNULL(MAX(cycle), -1) FROM cycles WHERE outcome = 'complete'");
+  statement.Step();
+  return static_cast<int>(statement.Integer(0));
+}
+
+std::int64_t Journal::BeginPhase(const PhaseRow& row) {
+  database_
+      .Prepare("INSERT INTO phases(cycle, step, repeat, attempt, name, kind, started_s, outcome) "
+               "VALUES(?, ?, ?, ?, ?, ?, ?, 'running')")
+      .Bind(row.cycle)
+      .Bind(row.step)
+      .Bind(row.repeat)
+      .Bind(row.attempt)
+      .Bind(row.name)
+      .Bind(row.kind)
+      .Bind(row.started_s)
+      .Run();
+  return database_.LastInsertId();
+}
+
+void Journal::EndPhase(std::int64_t id, double time_s, std::string_view outcome, double credited_load_s) {
+  database_.Prepare("UPDATE phases SET ended_s = ?, outcome = ?, credited_load_s = ? WHERE id = ?")
+      .Bind(time_s)
+      .Bind(outcome)
+      .Bind(credited_load_s)
+      .Bind(id)
+      .Run();
+}
+
+std::vector<PhaseRow> Journal::Phases(int cycle) const {
+  Statement statement =
+      database_.Prepare(fmt::format("SELECT {} FROM phases WHERE cycle = ? ORDER BY id", kPhaseColumns));
+  statement.Bind(cycle);
+  std::vector<PhaseRow> rows;
+  while (statement.Step()) {
+    PhaseRow row;
+    row.id = statement.Integer(0);
+    row.cycle = static_cast<int>(statement.Integer(1));
+    row.step = static_cast<int>(statement.Integer(2));
+    row.repeat = static_cast<int>(statement.Integer(3));
+    row.attempt = static_cast<int>(statement.Integer(4));
+    row.name = statement.Text(5);
+    row.kind = statement.Text(6);
+    row.started_s = statement.Real(7);
+    row.ended_s = statement.Real(8);
+    row.outcome = statement.Text(9);
+    row.credited_load_s = statement.Real(10);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void Journal::AddResults(int cycle, int repeat, const std::vector<Result>& results) {
+  Statement statement = database_.Prepare(
+      "INSERT OR REPLACE INTO results(cycle, repeat, quantity, value, standard_error, flag) VALUES(?, ?, ?, ?, ?, ?)");
+  for (const Result& result : results) {
+    statement.Bind(cycle)
+        .Bind(repeat)
+        .Bind(result.quantity)
+        .Bind(result.value)
+        .Bind(result.standard_error)
+        .Bind(result.flag)
+        .Run();
+  }
+}
+
+void Journal::ClearResults(int cycle) {
+  database_.Prepare("DELETE FROM results WHERE cycle = ?").Bind(cycle).Run();
+}
+
+std::vector<Result> Journal::Results(int cycle, int repeat) const {
+  Statement statement = database_.Prepare(
+      "SELECT quantity, value, standard_error, flag FROM results WHERE cycle = ? AND repeat = ? ORDER BY quantity");
+  statement.Bind(cycle).Bind(repeat);
+  std::vector<Result> results;
+  while (statement.Step()) {
+    results.push_back({statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3)});
+  }
+  return results;
+}
+
+std::vector<std::pair<int, double>> Journal::Series(std::string_view quantity) const {
+  Statement statement = database_.Prepare(
+      "SELECT cycle, value FROM results WHERE quantity = ? AND flag = '' AND cycle > 0 ORDER BY cycle");
+  statement.Bind(quantity);
+  std::vector<std::pair<int, double>> series;
+  while (statement.Step()) series.emplace_back(static_cast<int>(statement.Integer(0)), statement.Real(1));
+  return series;
+}
+
+std::vector<int> Journal::RepeatsOf(int cycle) const {
+  Statement statement =
+      database_.Prepare("SELECT DISTINCT repeat FROM results WHERE cycle = ? ORDER BY repeat");
+  statement.Bind(cycle);
+  std::vector<int> repeats;
+  while (statement.Step()) repeats.push_back(static_cast<int>(statement.Integer(0)));
+  return repeats;
+}
+
+void Journal::AddEvent(const Event& event) {
+  database_
+      .Prepare("INSERT INTO events(time_s, utc, cycle, phase, severity, code, text) VALUES(?, ?, ?, ?, ?, ?, ?)")
+      .Bind(event.time_s)
+      .Bind(event.utc)
+      .Bind(event.cycle)
+      .Bind(event.phase)
+      .Bind(event.severity)
+      .Bind(event.code)
+      .Bind(event.text)
+      .Run();
+}
+
+std::vector<Event> Journal::Events(int newest) const {
+  Statement statement = database_.Prepare(
+      "SELECT time_s, utc, cycle, phase, severity, code, text FROM events ORDER BY id DESC LIMIT ?");
+  statement.Bind(newest);
+  std::vector<Event> events;
+  while (statement.Step()) {
+    events.push_back({statement.Real(0), statement.Text(1), static_cast<int>(statement.Integer(2)), statement.Text(3),
+                      statement.Text(4), statement.Text(5), statement.Text(6)});
+  }
+  return events;
+}
+
+void Journal::AddHole(const Hole& hole) {
+  database_
+      .Prepare("INSERT INTO holes(cycle, phase, time_s, start_utc, end_utc, cause, clock) VALUES(?, ?, ?, ?, ?, ?, ?)")
+      .Bind(hole.cycle)
+      .Bind(hole.phase)
+      .Bind(hole.time_s)
+      .Bind(hole.start_utc)
+      .Bind(hole.end_utc)
+      .Bind(hole.cause)
+      .Bind(hole.clock)
+      .Run();
+}
+
+std::vector<Hole> Journal::Holes() const {
+  Statement statement = database_.Prepare(
+      "SELECT cycle, phase, time_s, start_utc, end_utc, cause, clock FROM holes ORDER BY id");
+  std::vector<Hole> holes;
+  while (statement.Step()) {
+    holes.push_back({static_cast<int>(statement.Integer(0)), statement.Text(1), statement.Real(2), statement.Text(3),
+                     statement.Text(4), statement.Text(5), statement.Text(6)});
+  }
+  return holes;
+}
+
+void Journal::SetCalibration(const Calibration& calibration, std::string_view utc) {
+  database_
+      .Prepare("INSERT OR REPLACE INTO calibrations(name, value, standard_error, unit, source, utc) "
+               "VALUES(?, ?, ?, ?, ?, ?)")
+      .Bind(calibration.name)
+      .Bind(calibration.value)
+      .Bind(calibration.standard_error)
+      .Bind(calibration.unit)
+      .Bind(calibration.source)
+      .Bind(utc)
+      .Run();
+}
+
+std::optional<Calibration> Journal::FindCalibration(std::string_view name) const {
+  Statement statement =
+      database_.Prepare("SELECT name, value, standard_error, unit, source FROM calibrations WHERE name = ?");
+  statement.Bind(name);
+  if (!statement.Step()) return std::nullopt;
+  return Calibration{statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3), statement.Text(4)};
+}
+
+}  // namespace strainwave::bench

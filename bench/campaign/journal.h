@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/campaign/database.h"
+
+namespace strainwave::bench {
+
+/// One number of one cycle, in the unit that its quantity's name ends in.
+struct Result {
+  std::string quantity;  // "k1_Nm_per_rad", "e_max_arcmin", …
+  double value{};
+  double standard_error{};
+  std::string flag;  // empty: good; else why not, in words
+};
+
+struct PhaseRow {
+  std::int64_t id{};
+  int cycle{};
+  int step{};     // place in the cycle
+  int repeat{};   // measurement taken again after a failed check
+  int attempt{};  // of the same step after an interruption
+  std::string name;
+  std::string kind;
+  double started_s{};
+  double ended_s{};
+  std::string outcome;  // running, complete, interrupted, suspended, pause, quick_stop, shutdown, fault
+  double credited_load_s{};
+};
+
+struct CycleRow {
+  int cycle{};
+  std::string outcome;  // running, complete
+  double started_s{};
+  double ended_s{};
+};
+
+struct Event {
+  double time_s{};
+  std::string utc;
+  int cycle{};
+  std::string phase;
+  std::string severity;  // info, warning, alarm
+  std::string code;
+  std::string text;
+};
+
+struct Calibration {
+  std::string name;
+  double value{};
+  double standard_error{};
+  std::string unit;
+  std::string source;
+};
+
+/// Time in which the bench was not under the program's eye (BENCH row 11).
+struct Hole {
+  int cycle{};
+  std::string phase;
+  double time_s{};  // bench time at which it opened
+  std::string start_utc;
+  std::string end_utc;
+  std::string cause;
+  std::string clock;
+};
+
+/// The campaign's journal, `campaign.db`: what was done, when, with which outcome, and every result.
+/// Times in seconds are bench time, which stands still while the program does not run; `utc` is for people.
+class Journal {
+ public:
+  /// A new journal. @throws DatabaseError.
+  static Journal Create(const std::filesystem::path& file);
+  /// @throws DatabaseError when the file is missing, damaged, or not a journal of this program.
+  static Journal Open(const std::filesystem::path& file, Database::Mode mode);
+
+  const Database& database() const { return database_; }
+
+  void SetProperty(std::string_view key, std::string_view value);
+  std::optional<std::string> Property(std::string_view key) const;
+
+  void BeginCycle(int cycle, double time_s);
+  void EndCycle(int cycle, double time_s, std::string_view outcome);
+  std::vector<CycleRow> Cycles() const;
+  int LastCompleteCycle() const;  // −1: none
+
+  std::int64_t BeginPhase(const PhaseRow& row);
+  void EndPhase(std::int64_t id, double time_s, std::string_view outcome, double credited_load_s);
+  std::vector<PhaseRow> Phases(int cycle) const;
+
+  void AddResults(int cycle, int repeat, const std::vector<Result>& results);
+  /// Replaces what the cycle's earlier attempt at storing has left.
+  void ClearResults(int cycle);
+  std::vector<Result> Results(int cycle, int repeat) const;
+  /// Values of one quantity in cycle order, unflagged only, from cycle 1 on.
+  std::vector<std::pair<int, double>> Series(std::string_view quantity) const;
+  std::vector<int> RepeatsOf(int cycle) const;
+
+  void AddEvent(const Event& event);
+  std::vector<Event> Events(int newest) const;
+  void AddHole(const Hole& hole);
+  std::vector<Hole> Holes() const;
+  void SetCalibration(const Calibration& calibration, std::string_view utc);
+  std::optional<Calibration> FindCalibration(std::string_view name) const;
+
+ private:
+  explicit Journal(Database database) : database_(std::move(database)) {}
+  Database database_;
+};
+
+}  // namespace strainwave::bench

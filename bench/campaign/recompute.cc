@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/recompute.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <mutex>
+#include <thread>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/campaign_error.h"
+#include "daq/record_error.h"
+
+namespace strainwave::bench {
+namespace {
+
+bool SameBits(double a, double b) {
+  // SQLite keeps a not-a-number as NULL and gives it back as zero.
+  if (std::isnan(a)) return b == 0.0 || std::isnan(b);
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+bool SameResults(std::vector<Result> a, std::vector<Result> b) {
+  std::ranges::sort(a, {}, &Result::quantity);
+  std::ranges::sort(b, {}, &Result::quantity);
+  return std::ranges::equal(a, b, [](const Result& x, const Result& y) {
+    return x.quantity == y.quantity && SameBits(x.value, y.value) &&
+           SameBits(x.standard_error, y.standard_error) && x.flag == y.flag;
+  });
+}
+
+}  // namespace
+
+std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, int cycle) {
+  const auto file = folder.CycleFile(cycle);
+  if (!std::filesystem::exists(file)) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: the file of cycle {} is missing (expected the raw records that the "
+                                    "journal says were stored)",
+                                    file.string(), cycle));
+  }
+  auto records = daq::ReadCycleFile(file, daq::Checking::kNone).records;
+  for (NamedRecord& named : records) named.group.erase(0, named.group.find_first_not_of('/'));
+  return records;
+}
+
+std::vector<RecomputedCycle> RecomputeCampaign(const CampaignFolder& folder, const Journal& journal,
+                                               const CycleContext& context,
+                                               const std::function<void(std::size_t, std::size_t)>& progress) {
+  std::vector<RecomputedCycle> cycles;
+  for (const CycleRow& row : journal.Cycles()) {
+    if (row.outcome == "complete") cycles.push_back({row.cycle, {}, journal.Results(row.cycle, 0), false});
+  }
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
+  std::mutex hdf5;  // the library is not thread-safe as Debian builds it
+  std::mutex reporting;
+  std::vector<std::pair<int, std::string>> findings;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < cycles.size(); i = next++) {
+      RecomputedCycle& cycle = cycles[i];
+      try {
+        std::vector<NamedRecord> records;
+        {
+          const std::lock_guard reading(hdf5);
+          records = ReadCycleRecords(folder, cycle.cycle);
+        }
+        cycle.again = AnalyzeForStore(records, cycle.cycle, context);
+        cycle.equal = SameResults(cycle.again.results, cycle.stored);
+      } catch (const std::exception& error) {
+        const std::lock_guard lock(reporting);
+        findings.emplace_back(cycle.cycle, error.what());
+      }
+      const std::size_t finished = ++done;
+      const std::lock_guard lock(reporting);
+      if (progress) progress(finished, cycles.size());
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    const unsigned count = std::max(1u, std::thread::hardware_concurrency());
+    for (unsigned i = 0; i < count; ++i) workers.emplace_back(work);
+  }
+  if (!findings.empty()) {
+    std::ranges::sort(findings);
+    std::string text;
+    for (const auto& [cycle, what] : findings) text += (text.empty() ? "" : "\n") + what;
+    throw CampaignError(ExitCode::kWrongInput, text);
+  }
+  return cycles;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/campaign/cycle_context.h"
+#include "bench/campaign/folder.h"
+#include "bench/campaign/journal.h"
+
+namespace strainwave::bench {
+
+/// One cycle, computed again from its raw records.
+struct RecomputedCycle {
+  int cycle{};
+  StoredCycle again;
+  std::vector<Result> stored;  // what the journal holds
+  bool equal{};                // bit for bit, all quantities
+};
+
+/// What is stored of a cycle in order: records by their group's name without the leading slash.
+std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, int cycle);
+
+/// Computes every complete cycle of a campaign again, on all processors.
+/// @param method    by which the stiffness is measured; only the campaign's own can equal what is stored.
+/// @param progress  called with the number of cycles done; may be empty.
+/// @throws CampaignError with all findings when cycle files are missing or damaged.
+std::vector<RecomputedCycle> RecomputeCampaign(const CampaignFolder& folder, const Journal& journal,
+                                               const CycleContext& context,
+                                               const std::function<void(std::size_t, std::size_t)>& progress);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/record_results.h"
+
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "analysis/units.h"
+
+namespace strainwave::bench {
+namespace {
+
+// Defaults of contract section 3.
+constexpr double kDefaultRatio = 80.0;
+constexpr analysis::TestTorques kDefaultTorques{7.0, 25.0, 34.0};
+
+double NumberOr(const daq::Record& record, std::string_view key, double fallback) {
+  const auto text = record.Metadata(key);
+  if (!text) return fallback;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
+  if (error != std::errc() || end != text->data() + text->size()) {
+    throw std::invalid_argument("metadata " + std::string(key) + " = '" + *text + "' is not a number");
+  }
+  return value;
+}
+
+bool AnglesAreAbsolute(const daq::Record& record) { return record.Metadata("absolute") == "true"; }
+
+// Radians, zeroed at the first sample unless the record says that its angles are absolute.
+std::vector<double> AngleColumn(const daq::Record& record, std::string_view column) {
+  const auto angle_deg = record.Doubles(column);
+  const double zero_deg = AnglesAreAbsolute(record) || angle_deg.empty() ? 0.0 : angle_deg.front();
+  std::vector<double> angle_rad(angle_deg.size());
+  for (std::size_t i = 0; i < angle_deg.size(); ++i) angle_rad[i] = RadFromDeg(angle_deg[i] - zero_deg);
+  return angle_rad;
+}
+
+void TakeOff(const EncoderCorrection& correction, std::span<const double> encoder_deg,
+             std::vector<double>& angle_rad) {
+  if (correction.harmonics.empty() || angle_rad.empty()) return;
+  const auto error_at = [&](double reading_deg) {
+    double error_rad = 0.0;
+    for (const auto& harmonic : correction.harmonics) {
+      const double phase = harmonic.order * RadFromDeg(reading_deg);
+      error_rad += harmonic.cosine_rad * std::cos(phase) + harmonic.sine_rad * std::sin(phase);
+    }
+    return error_rad;
+  };
+  const double first = error_at(encoder_deg.front());
+  for (std::size_t i = 0; i < angle_rad.size(); ++i) angle_rad[i] -= error_at(encoder_deg[i]) - first;
+}
+
+struct Sweep {
+  std::vector<double> input_rad;
+  std::vector<double> output_rad;
+};
+
+}  // namespace
+
+analysis::TransmissionError TransmissionErrorOf(const daq::Record& record, const BenchCorrections& corrections) {
+  const auto directions = record.Directions("direction");
+  const std::vector<double> input_rad = AngleColumn(record, "input_angle_deg");
+  std::vector<double> output_rad = AngleColumn(record, "output_angle_deg");
+  TakeOff(corrections.encoder, record.Doubles("output_angle_deg"), output_rad);
+  Sweep cw;
+  Sweep ccw;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    Sweep& sweep = directions[i] == daq::Direction::kClockwise ? cw : ccw;
+    sweep.input_rad.push_back(input_rad[i]);
+    sweep.output_rad.push_back(output_rad[i]);
+  }
+  return analysis::ComputeTransmissionError({cw.input_rad, cw.output_rad}, {ccw.input_rad, ccw.output_rad},
+                                            NumberOr(record, "ratio", kDefaultRatio));
+}
+
+analysis::TorsionalStiffness StiffnessOf(const daq::Record& record, analysis::StiffnessMethod method,
+                                         const BenchCorrections& corrections) {
+  const std::vector<double> twist_rad = AngleColumn(record, "output_angle_deg");
+  const analysis::TestTorques torques{NumberOr(record, "t1_Nm", kDefaultTorques.t1_Nm),
+                                      NumberOr(record, "t2_Nm", kDefaultTorques.t2_Nm),
+                                      NumberOr(record, "t3_Nm", kDefaultTorques.t3_Nm)};
+  const analysis::TorsionLoop loop{record.Doubles("time_s"), record.Doubles("torque_Nm"), twist_rad};
+  const analysis::SeriesCompliance value_only{{corrections.series_compliance.compliance_rad_per_Nm.value, 0.0}};
+  return analysis::MeasureStiffness(loop, torques, method, value_only, 0.0);
+}
+
+analysis::Estimate AddCommonUncertainty(const analysis::Estimate& stiffness, const BenchCorrections& corrections) {
+  const double from_gain = stiffness.value * corrections.torque_gain_relative_se;
+  const double from_compliance = stiffness.value * stiffness.value *
+                                 corrections.series_compliance.compliance_rad_per_Nm.standard_error;
+  return {stiffness.value,
+          std::sqrt(stiffness.standard_error * stiffness.standard_error + from_gain * from_gain +
+                    from_compliance * from_compliance)};
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/rotation_results.h"
+
+#include <cmath>
+
+#include "analysis/efficiency.h"
+
+namespace strainwave::bench {
+namespace {
+
+std::vector<double> Numbers(const daq::Record& record, std::string_view name) {
+  const daq::Column* column = record.FindColumn(name);
+  if (column == nullptr) return {};
+  if (const auto* wide = std::get_if<std::vector<double>>(&column->values)) return *wide;
+  if (const auto* narrow = std::get_if<std::vector<float>>(&column->values)) {
+    return {narrow->begin(), narrow->end()};
+  }
+  return {};
+}
+
+// About the mean, so that a sensor's offset is no vibration.
+double Rms(std::span<const float> samples) {
+  double sum = 0.0;
+  double square_sum = 0.0;
+  for (const float sample : samples) {
+    sum += static_cast<double>(sample);
+    square_sum += static_cast<double>(sample) * static_cast<double>(sample);
+  }
+  const double count = static_cast<double>(samples.size());
+  const double mean = sum / count;
+  return std::sqrt(std::max(0.0, square_sum / count - mean * mean));
+}
+
+}  // namespace
+
+std::vector<Result> RotationResults(const daq::Record& record, double ratio) {
+  const std::vector<double> input_torque_Nm = Numbers(record, "torque_Nm");
+  const std::vector<double> input_speed = Numbers(record, "velocity_rad_per_s");
+  std::vector<double> output_torque_Nm = Numbers(record, "output_torque_Nm");
+  if (input_torque_Nm.size() < 8 || output_torque_Nm.size() != input_torque_Nm.size()) return {};
+  std::vector<double> output_speed;
+  for (const double speed : input_speed) output_speed.push_back(speed / ratio);
+  // The transducer reads what drives the output on; the gear exerts the opposite on the load.
+  for (double& torque : output_torque_Nm) torque = -torque;
+  const auto efficiency =
+      analysis::MeasureEfficiency({input_torque_Nm, input_speed, output_torque_Nm, output_speed});
+  std::string flag;
+  for (const std::string& check : efficiency.failed_checks) flag += (flag.empty() ? "" : "; ") + check;
+  return {{"efficiency_percent", 100.0 * efficiency.efficiency.value, 100.0 * efficiency.efficiency.standard_error,
+           flag}};
+}
+
+std::vector<Result> VibrationResults(const daq::Record& record) {
+  std::vector<Result> results;
+  for (const daq::Column& column : record.columns) {
+    const auto* samples = std::get_if<std::vector<float>>(&column.values);
+    if (samples == nullptr || samples->empty()) continue;
+    results.push_back({"vibration_rms_" + column.name, Rms(*samples), 0.0, ""});
+  }
+  return results;
+}
+
+}  // namespace strainwave::bench

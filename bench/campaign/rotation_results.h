@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "bench/campaign/journal.h"
+#include "daq/record.h"
+
+namespace strainwave::bench {
+
+/// Of the measurement rotation's slow channels: efficiency and mean output torque.
+std::vector<Result> RotationResults(const daq::Record& record, double ratio);
+
+/// Of its vibration: RMS of each accelerometer about its mean.
+std::vector<Result> VibrationResults(const daq::Record& record);
+
+}  // namespace strainwave::bench

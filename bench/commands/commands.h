@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+namespace strainwave::bench {
+
+/// What a chosen command does; returns the process's exit code.
+using Action = std::function<int()>;
+
+/// Each adds its command with options and help to `app`, and sets `action` when it was chosen.
+void AddValidate(CLI::App& app, Action& action);
+void AddRun(CLI::App& app, Action& action);
+void AddStatus(CLI::App& app, Action& action);
+void AddStop(CLI::App& app, Action& action);
+void AddRecompute(CLI::App& app, Action& action);
+
+}  // namespace strainwave::bench

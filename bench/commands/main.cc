@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <exception>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/database.h"
+#include "bench/commands/commands.h"
+#include "daq/data_file_error.h"
+#include "daq/record_error.h"
+#include "schedules/reader/findings.h"
+
+namespace {
+
+using strainwave::bench::ExitCode;
+
+int Fail(ExitCode code, const char* message) {
+  fmt::print(stderr, "{}\n", message);
+  return static_cast<int>(code);
+}
+
+// One place that turns what went wrong into words and an exit code.
+int Guarded(const strainwave::bench::Action& action) {
+  try {
+    return action();
+  } catch (const strainwave::schedules::FileError& error) {
+    return Fail(ExitCode::kWrongInput, error.what());
+  } catch (const strainwave::daq::RecordError& error) {
+    return Fail(ExitCode::kWrongInput, error.what());
+  } catch (const strainwave::bench::CampaignError& error) {
+    return Fail(error.exit_code(), error.what());
+  } catch (const strainwave::daq::DataFileError& error) {
+    return Fail(ExitCode::kMachineFailed, error.what());
+  } catch (const strainwave::bench::DatabaseError& error) {
+    return Fail(ExitCode::kMachineFailed, error.what());
+  } catch (const std::system_error& error) {
+    return Fail(ExitCode::kMachineFailed, fmt::format("error: {}", error.what()).c_str());
+  } catch (const std::invalid_argument& error) {
+    return Fail(ExitCode::kWrongInput, fmt::format("error: {}", error.what()).c_str());
+  } catch (const std::exception& error) {
+    return Fail(ExitCode::kMachineFailed, fmt::format("internal error: {}", error.what()).c_str());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "strainwave runs accelerated life tests of harmonic drives and tells what the reducer is really doing.\n"
+      "Example: strainwave run schedules/quick.yaml --out campaigns/first");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", STRAINWAVE_VERSION);
+  strainwave::bench::Action action;
+  strainwave::bench::AddValidate(app, action);
+  strainwave::bench::AddRun(app, action);
+  strainwave::bench::AddStatus(app, action);
+  strainwave::bench::AddStop(app, action);
+  strainwave::bench::AddRecompute(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return static_cast<int>(ExitCode::kWrongInput);
+  }
+  return Guarded(action);
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <map>
+#include <memory>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/cycle_context.h"
+#include "bench/campaign/pictures.h"
+#include "bench/campaign/recompute.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/record_report.h"
+#include "bench/commands/results_table.h"
+#include "daq/read_records.h"
+
+namespace strainwave::bench {
+namespace {
+
+using analysis::StiffnessMethod;
+
+const std::map<std::string, StiffnessMethod> kMethods{{"model", StiffnessMethod::kModel},
+                                                      {"loading", StiffnessMethod::kLoading},
+                                                      {"backbone", StiffnessMethod::kBackbone}};
+
+struct RecomputeOptions {
+  std::vector<std::string> paths;
+  std::string method{"model"};
+  std::string plots;
+  bool json{};
+};
+
+nlohmann::json RecomputeFolder(const CampaignFolder& folder, const RecomputeOptions& options) {
+  const CampaignInputs inputs = ReadFrozenInputs(folder);
+  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
+  CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
+  context.method = kMethods.at(options.method);
+  const bool show = ::isatty(STDERR_FILENO) == 1;
+  const auto cycles = RecomputeCampaign(folder, journal, context, [&](std::size_t done, std::size_t all) {
+    if (show) fmt::print(stderr, "\r{} of {} cycles", done, all);
+  });
+  if (show) fmt::print(stderr, "\r\033[K");
+  nlohmann::json rows = nlohmann::json::array();
+  std::size_t equal = 0;
+  for (const RecomputedCycle& cycle : cycles) {
+    if (cycle.equal) ++equal;
+    if (cycle.cycle == 0) continue;
+    nlohmann::json row = CycleJson(cycle.cycle, cycle.again.results);
+    row["equals_stored"] = cycle.equal;
+    rows.push_back(std::move(row));
+  }
+  if (!options.plots.empty()) DrawCampaign(folder, journal, options.plots);
+  return {{"kind", "campaign"},
+          {"folder", folder.root.string()},
+          {"method", options.method},
+          {"cycles_recomputed", cycles.size()},
+          {"cycles_equal_to_stored", equal},
+          {"cycles", std::move(rows)}};
+}
+
+void PrintCampaignText(const nlohmann::json& report) {
+  fmt::print("{}\n{:>6} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11}\n", report["folder"].get<std::string>(), "cycle", "e_avg '",
+             "e_max '", "lost '", "K1 Nm/rad", "K2 Nm/rad", "K3 Nm/rad");
+  for (const auto& row : report["cycles"]) {
+    fmt::print("{:>6}", row["cycle"].get<int>());
+    for (const auto& [key, width, decimals] :
+         {std::tuple{"e_avg_arcmin", 9, 4}, std::tuple{"e_max_arcmin", 9, 4}, std::tuple{"lost_motion_arcmin", 9, 4},
+          std::tuple{"k1_Nm_per_rad", 11, 1}, std::tuple{"k2_Nm_per_rad", 11, 1}, std::tuple{"k3_Nm_per_rad", 11, 1}}) {
+      const bool known = row.contains(key) && row[key].is_number();
+      known ? fmt::print(" {:>{}.{}f}", row[key].get<double>(), width, decimals) : fmt::print(" {:>{}}", "-", width);
+    }
+    fmt::print("{}\n", row["equals_stored"].get<bool>() ? "" : "  differs from what is stored");
+  }
+  fmt::print("{} of {} cycles equal what was stored while the campaign ran, bit for bit\n",
+             report["cycles_equal_to_stored"].get<std::size_t>(), report["cycles_recomputed"].get<std::size_t>());
+}
+
+int Recompute(const RecomputeOptions& options) {
+  nlohmann::json reports = nlohmann::json::array();
+  for (const std::string& path : options.paths) {
+    if (std::filesystem::is_directory(path)) {
+      reports.push_back(RecomputeFolder({path}, options));
+      if (!options.json) PrintCampaignText(reports.back());
+      continue;
+    }
+    for (const daq::Record& record : daq::ReadRecords(path)) {
+      // A cycle's file holds records of other kinds beside those that have something to compute.
+      const bool computable = record.kind == "transmission_error" || record.kind == "hysteresis";
+      if (!computable && record.source.first_data_line == 0) continue;
+      reports.push_back(RecordJson(record, kMethods.at(options.method)));
+      if (!options.json) fmt::print("{}", RecordText(reports.back(), record.source.file));
+      if (options.plots.empty()) continue;
+      for (const auto& picture : DrawRecord(record, kMethods.at(options.method), options.plots)) {
+        fmt::print(stderr, "picture: {}.svg (and .png)\n", picture.string());
+      }
+    }
+  }
+  if (reports.empty()) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: no record to recompute (expected transmission_error or hysteresis)",
+                                    options.paths.front()));
+  }
+  if (options.json) fmt::print("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void AddRecompute(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "recompute",
+      "Transmission error and stiffness again from raw data: campaign folders, or record files (CSV, HDF5).\n"
+      "Example: strainwave recompute campaigns/first --plots pictures");
+  auto options = std::make_shared<RecomputeOptions>();
+  command->add_option("PATH", options->paths, "campaign folders and record files")->required();
+  command->add_option("--method", options->method, "of the stiffness: model, loading (secants) or backbone")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"model", "loading", "backbone"}));
+  command->add_option("--plots", options->plots, "folder for pictures (SVG and PNG)");
+  command->add_flag("--json", options->json, "JSON on standard output");
+  command->callback([options, &action] { action = [options] { return Recompute(*options); }; });
+}
+
+}  // namespace strainwave::bench

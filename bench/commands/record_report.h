@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "analysis/torsional_stiffness.h"
+#include "daq/record.h"
+
+namespace strainwave::bench {
+
+/// What `recompute` says of one record file: contract section 3, and beside it standard errors, the order
+/// spectrum, the other two stiffness methods and the checks.
+/// @throws CampaignError when the record is of a kind that has nothing to recompute.
+nlohmann::json RecordJson(const daq::Record& record, analysis::StiffnessMethod method);
+
+/// The same as text for people.
+std::string RecordText(const nlohmann::json& report, const std::string& source);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/commands/results_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/campaign/cycle_results.h"
+#include "bench/campaign/pictures.h"
+#include "bench/plots/gnuplot.h"
+
+namespace strainwave::bench {
+namespace {
+
+struct TableColumn {
+  const char* quantity;
+  const char* title;
+  int width;
+  int decimals;
+};
+
+constexpr TableColumn kColumns[] = {
+    {"e_avg_arcmin", "e_avg '", 8, 3},    {"e_max_arcmin", "e_max '", 8, 3},
+    {"lost_motion_arcmin", "lost '", 8, 3}, {"k1_Nm_per_rad", "K1 Nm/rad", 10, 0},
+    {"k2_Nm_per_rad", "K2 Nm/rad", 10, 0}, {"k3_Nm_per_rad", "K3 Nm/rad", 10, 0},
+    {"hysteresis_arcmin", "hyst '", 8, 3}, {"gear_temperature_degC", "degC", 7, 1},
+};
+constexpr std::size_t kMostRows = 24;
+
+// All cycles of a short campaign; of a long one the first, the last, and equally spaced ones between.
+std::vector<int> CyclesShown(const std::vector<CycleRow>& cycles) {
+  std::vector<int> all;
+  for (const CycleRow& row : cycles) {
+    if (row.cycle > 0 && row.outcome == "complete") all.push_back(row.cycle);
+  }
+  if (all.size() <= kMostRows) return all;
+  std::vector<int> shown;
+  for (std::size_t i = 0; i < kMostRows; ++i) shown.push_back(all[i * (all.size() - 1) / (kMostRows - 1)]);
+  return shown;
+}
+
+void PrintTable(const Journal& journal, const std::vector<int>& cycles) {
+  fmt::print("{:>6}", "cycle");
+  for (const auto& column : kColumns) fmt::print(" {:>{}}", column.title, column.width);
+  fmt::print("\n");
+  for (const int cycle : cycles) {
+    const std::vector<Result> results = journal.Results(cycle, 0);
+    fmt::print("{:>6}", cycle);
+    std::string flags;
+    for (const auto& column : kColumns) {
+      const auto result = FindResult(results, column.quantity);
+      if (!result || std::isnan(result->value)) {
+        fmt::print(" {:>{}}", "-", column.width);
+        continue;
+      }
+      fmt::print(" {:>{}.{}f}", result->value, column.width, column.decimals);
+      if (!result->flag.empty() && flags.find(result->flag) == std::string::npos) flags += "  " + result->flag;
+    }
+    fmt::print("{}\n", flags);
+  }
+}
+
+// A change is claimed beside what the gauge repeats to.
+void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
+  if (cycles.size() < 2) return;
+  const std::vector<Result> first = journal.Results(cycles.front(), 0);
+  const std::vector<Result> last = journal.Results(cycles.back(), 0);
+  fmt::print("\nchange from cycle {} to {}, beside the repeatability limit of one difference (95 %)\n", cycles.front(),
+             cycles.back());
+  for (const auto& column : kColumns) {
+    const auto before = FindResult(first, column.quantity);
+    const auto after = FindResult(last, column.quantity);
+    const auto gauge = journal.FindCalibration(std::string("repeatability_limit_") + column.quantity);
+    if (!before || !after || !gauge) continue;
+    const double change = after->value - before->value;
+    const double limit = gauge->value;
+    fmt::print("  {:22} {:>+12.{}f}   gauge {:>10.{}f}   {}\n", column.quantity, change, column.decimals + 1, limit,
+               column.decimals + 1, std::abs(change) > limit ? "larger than the gauge" : "within the gauge");
+  }
+}
+
+void PrintMethods(const Journal& journal, const std::vector<int>& cycles) {
+  if (cycles.empty()) return;
+  const std::vector<Result> results = journal.Results(cycles.back(), 0);
+  fmt::print("\ncycle {}, three ways to read K from the same loops\n", cycles.back());
+  for (const auto& [title, middle] :
+       {std::pair{"model", ""}, std::pair{"loading (secants)", "_loading"}, std::pair{"backbone", "_backbone"}}) {
+    fmt::print("  {:18}", title);
+    for (const char* k : {"k1", "k2", "k3"}) {
+      const auto value = FindResult(results, fmt::format("{}{}_Nm_per_rad", k, middle));
+      fmt::print(" {:>9.0f}", value ? value->value : std::nan(""));
+      if (value) fmt::print(" ± {:<5.0f}", value->standard_error);
+    }
+    fmt::print("  Nm/rad\n");
+  }
+}
+
+nlohmann::json CampaignJson(const CampaignFolder& folder, const Journal& journal) {
+  nlohmann::json cycles = nlohmann::json::array();
+  for (const CycleRow& row : journal.Cycles()) {
+    if (row.cycle > 0 && row.outcome == "complete") cycles.push_back(CycleJson(row.cycle, journal.Results(row.cycle, 0)));
+  }
+  return {{"kind", "campaign"}, {"folder", folder.root.string()}, {"cycles", std::move(cycles)}};
+}
+
+}  // namespace
+
+nlohmann::json CycleJson(int cycle, const std::vector<Result>& results) {
+  nlohmann::json row{{"cycle", cycle}};
+  nlohmann::json flags = nlohmann::json::object();
+  for (const Result& result : results) {
+    row[result.quantity] = result.value;
+    if (result.standard_error > 0.0) row[result.quantity + "_se"] = result.standard_error;
+    if (!result.flag.empty()) flags[result.quantity] = result.flag;
+  }
+  row["flags"] = std::move(flags);
+  return row;
+}
+
+int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool json) {
+  if (json) {
+    fmt::print("{}\n", CampaignJson(folder, journal).dump(2));
+    return 0;
+  }
+  const std::vector<int> cycles = CyclesShown(journal.Cycles());
+  if (cycles.empty()) {
+    fmt::print("no cycle is complete yet\ncampaign: {}\n", folder.root.string());
+    return 0;
+  }
+  PrintTable(journal, cycles);
+  PrintChanges(journal, cycles);
+  PrintMethods(journal, cycles);
+  const std::vector<Hole> holes = journal.Holes();
+  if (!holes.empty()) fmt::print("\n{} interruption(s); each is in the journal's table holes\n", holes.size());
+  fmt::print("\n");
+  try {
+    for (const auto& picture : DrawCampaign(folder, journal, folder.Pictures())) {
+      fmt::print("picture: {}.svg (and .png)\n", picture.string());
+    }
+  } catch (const GnuplotError& error) {
+    fmt::print(stderr, "no pictures: {}\n", error.what());
+  }
+  fmt::print("campaign: {}\n", folder.root.string());
+  return 0;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/campaign_runner.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/results_table.h"
+#include "bench/commands/terminal.h"
+#include "bench/devices/make_machine.h"
+
+namespace strainwave::bench {
+namespace {
+
+struct RunOptions {
+  std::string schedule;
+  std::string bench;
+  std::string out;
+  std::string pace{"max"};
+  std::string truth;
+  bool resume{};
+  bool accept_pause{};
+  bool json{};
+};
+
+std::atomic<StopRequest> g_request{StopRequest::kNone};
+
+// Four ways to end, by signal, so that a key, another shell and a service manager can all ask. A second
+// Ctrl-C does not abandon the stop that the first one has begun.
+void OnSignal(int signal) {
+  switch (signal) {
+    case SIGINT:
+      g_request = StopRequest::kQuickStop;
+      return;
+    case SIGTERM:
+      g_request = StopRequest::kShutdown;
+      return;
+    case SIGUSR1:
+      g_request = StopRequest::kPause;
+      return;
+    case SIGUSR2:
+      g_request = StopRequest::kFinishCycle;
+      return;
+    default:
+      return;
+  }
+}
+
+void ListenToSignals() {
+  struct sigaction action {};
+  action.sa_handler = OnSignal;
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) sigaction(signal, &action, nullptr);
+}
+
+double ParsePace(const std::string& text) {
+  if (text == "max") return std::numeric_limits<double>::infinity();
+  if (text == "real") return 1.0;
+  char* end = nullptr;
+  const double pace = std::strtod(text.c_str(), &end);
+  if (end == text.c_str() || *end != '\0' || !(pace > 0.0)) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("--pace {}: error: not a pace (expected max, real, or a number above 0)", text));
+  }
+  return pace;
+}
+
+ExitCode CodeOf(const CampaignEnd& end) {
+  switch (end.kind) {
+    case CampaignEnd::Kind::kCompleted:
+      return ExitCode::kDone;
+    case CampaignEnd::Kind::kStopCriterion:
+      return ExitCode::kEndedBadly;
+    case CampaignEnd::Kind::kFault:
+      return end.device_failed ? ExitCode::kMachineFailed : ExitCode::kEndedBadly;
+    case CampaignEnd::Kind::kInterrupted:
+      return ExitCode::kInterrupted;
+  }
+  return ExitCode::kMachineFailed;
+}
+
+int Run(const RunOptions& options) {
+  const double pace = ParsePace(options.pace);
+  const CampaignFolder folder{options.out};
+  const std::optional<std::filesystem::path> bench_file =
+      options.bench.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.bench);
+  CampaignInputs inputs = ReadInputs(options.schedule, bench_file);
+  if (!std::filesystem::exists(folder.Journal()) && options.resume) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: there is no campaign to resume (expected a folder with campaign.db; "
+                                    "leave --resume away to start one)",
+                                    folder.root.string()));
+  }
+  if (!options.resume && std::filesystem::exists(folder.Journal())) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: the folder holds a campaign already (expected a new folder, or "
+                                    "--resume to go on with it)",
+                                    folder.root.string()));
+  }
+  std::filesystem::create_directories(folder.root);
+  const CampaignLock lock(folder);
+  Journal journal = options.resume ? Journal::Open(folder.Journal(), Database::Mode::kReadWrite)
+                                   : CreateCampaign(folder, inputs);
+  std::optional<ResumePoint> resume;
+  if (options.resume) {
+    resume = PrepareResume(folder, inputs, journal, options.accept_pause);
+    if (!resume) {
+      fmt::print(stderr, "{}: all cycles are complete; nothing to resume\n", folder.root.string());
+      return PrintCampaign(folder, journal, options.json);
+    }
+    inputs.bench = ReadFrozenInputs(folder).bench;
+  }
+  ListenToSignals();
+  CampaignEnd end;
+  {
+    const auto machine = MakeMachine(inputs.bench, inputs.schedule, pace, options.truth);
+    TerminalProgress progress(std::max(1, journal.LastCompleteCycle() + 1));
+    CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, g_request, progress);
+    const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();
+    end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt);
+  }
+  if (end.kind == CampaignEnd::Kind::kInterrupted) {
+    fmt::print(stderr, "stopped safely; go on with: strainwave run {} --out {} --resume\n", options.schedule,
+               options.out);
+  }
+  PrintCampaign(folder, journal, options.json);
+  return static_cast<int>(CodeOf(end));
+}
+
+}  // namespace
+
+void AddRun(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "run",
+      "Run a campaign from a schedule file.\n"
+      "Ctrl-C is the quick stop: torque off, brakes on, everything kept, exit code 130. Softer ends: strainwave stop.\n"
+      "Example: strainwave run schedules/quick.yaml --out campaigns/first");
+  auto options = std::make_shared<RunOptions>();
+  command->add_option("SCHEDULE", options->schedule, "schedule file (YAML)")->required();
+  command->add_option("--bench", options->bench, "bench file (YAML); without it, the embedded simulated bench");
+  command->add_option("--out", options->out, "the campaign's folder")->required();
+  command->add_flag("--resume", options->resume, "go on with the campaign in the folder");
+  command->add_flag("--accept-pause", options->accept_pause, "resume even after a pause longer than the schedule allows");
+  command->add_option("--pace", options->pace, "of a simulated bench: max, real, or N times real time")
+      ->capture_default_str();
+  command->add_option("--truth", options->truth, "of a simulated bench: file for the truth that only it knows (CSV)");
+  command->add_flag("--json", options->json, "results as JSON on standard output");
+  command->callback([options, &action] { action = [options] { return Run(*options); }; });
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/cycle_results.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/results_table.h"
+#include "bench/commands/terminal.h"
+#include "schedules/reader/plan.h"
+
+namespace strainwave::bench {
+namespace {
+
+constexpr int kEventsShown = 8;
+
+struct StatusOptions {
+  std::string folder;
+  bool json{};
+};
+
+struct Status {
+  int process{};
+  int complete{};
+  int cycles{};
+  std::string phase{"none"};
+  std::string phase_outcome;
+  double credited_load_s{};
+  double bench_time_s{};
+  double remaining_s{};  // bench time, as planned
+  std::vector<Result> last_results;
+  std::vector<Event> alarms;
+  std::vector<Event> events;
+  std::vector<Hole> holes;
+  double longest_pause_s{};
+};
+
+Status StatusOf(const CampaignFolder& folder) {
+  const CampaignInputs inputs = ReadFrozenInputs(folder);
+  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
+  Status status;
+  status.process = CampaignLock::Holder(folder);
+  status.complete = std::max(0, journal.LastCompleteCycle());
+  status.cycles = inputs.schedule.cycles;
+  status.longest_pause_s = inputs.schedule.resume.longest_pause_s;
+  const auto rows = journal.Phases(journal.LastCompleteCycle() + 1);
+  if (!rows.empty()) {
+    status.phase = rows.back().name;
+    status.phase_outcome = rows.back().outcome;
+    for (const PhaseRow& row : rows) status.credited_load_s += row.credited_load_s;
+  }
+  if (const auto checkpoint = ReadCheckpoint(folder.Checkpoint())) {
+    status.bench_time_s = checkpoint->time_s;
+    if (status.phase_outcome == "running") status.credited_load_s = checkpoint->credited_load_s;
+  }
+  const auto plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
+  status.remaining_s = plan.cycle.total_s() * (status.cycles - status.complete);
+  if (status.complete > 0) status.last_results = journal.Results(status.complete, 0);
+  status.events = journal.Events(kEventsShown);
+  for (const Event& event : journal.Events(1000)) {
+    if (event.code == "resume" || event.code == "completed") break;  // a later start has answered what was before
+    if (event.severity == "alarm") status.alarms.push_back(event);
+  }
+  status.holes = journal.Holes();
+  return status;
+}
+
+void Print(const Status& status, const CampaignFolder& folder) {
+  fmt::print("{}: {}\n", folder.root.string(),
+             status.process > 0 ? fmt::format("running in process {}", status.process)
+             : status.complete == status.cycles ? "complete"
+                                                : "not running");
+  fmt::print("  cycles       {} of {} complete\n", status.complete, status.cycles);
+  if (!status.phase_outcome.empty()) {
+    fmt::print("  phase        {} ({}), load credited in this cycle {:.0f} s\n", status.phase, status.phase_outcome,
+               status.credited_load_s);
+  }
+  fmt::print("  bench time   {} so far, about {} to go\n", DurationText(status.bench_time_s),
+             DurationText(status.remaining_s));
+  for (const Result& result : status.last_results) {
+    fmt::print("  {:28} {:12.5g} ± {:.2g}{}\n", result.quantity, result.value, result.standard_error,
+               result.flag.empty() ? "" : "  " + result.flag);
+  }
+  for (const Event& alarm : status.alarms) fmt::print("  ALARM {}: {}\n", alarm.utc, alarm.text);
+  fmt::print("  holes        {}; after a pause of up to {} it counts as the same test\n", status.holes.size(),
+             DurationText(status.longest_pause_s));
+  for (const Event& event : status.events) {
+    fmt::print("  {} cycle {} {}: {}\n", event.utc, event.cycle, event.severity, event.text);
+  }
+}
+
+nlohmann::json Json(const Status& status) {
+  nlohmann::json alarms = nlohmann::json::array();
+  for (const Event& alarm : status.alarms) {
+    alarms.push_back({{"utc", alarm.utc}, {"code", alarm.code}, {"text", alarm.text}, {"cycle", alarm.cycle}});
+  }
+  nlohmann::json holes = nlohmann::json::array();
+  for (const Hole& hole : status.holes) {
+    holes.push_back({{"cycle", hole.cycle},
+                     {"phase", hole.phase},
+                     {"start_utc", hole.start_utc},
+                     {"end_utc", hole.end_utc},
+                     {"cause", hole.cause}});
+  }
+  return {{"running", status.process > 0},
+          {"process", status.process},
+          {"cycles_complete", status.complete},
+          {"cycles", status.cycles},
+          {"phase", status.phase},
+          {"phase_outcome", status.phase_outcome},
+          {"credited_load_s", status.credited_load_s},
+          {"bench_time_s", status.bench_time_s},
+          {"eta_s", status.remaining_s},
+          {"last_results", CycleJson(status.complete, status.last_results)},
+          {"alarms", std::move(alarms)},
+          {"holes", std::move(holes)},
+          {"longest_pause_s", status.longest_pause_s}};
+}
+
+}  // namespace
+
+void AddStatus(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "status",
+      "Progress, phase, time to go, last results, open alarms and interruptions of a campaign, running or not.\n"
+      "Example: strainwave status campaigns/first");
+  auto options = std::make_shared<StatusOptions>();
+  command->add_option("DIR", options->folder, "the campaign's folder")->required();
+  command->add_flag("--json", options->json, "JSON on standard output");
+  command->callback([options, &action] {
+    action = [options] {
+      const CampaignFolder folder{options->folder};
+      const Status status = StatusOf(folder);
+      options->json ? fmt::print("{}\n", Json(status).dump(2)) : Print(status, folder);
+      return static_cast<int>(ExitCode::kDone);
+    };
+  });
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <map>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/folder.h"
+#include "bench/commands/commands.h"
+
+namespace strainwave::bench {
+namespace {
+
+struct StopOptions {
+  std::string folder;
+  std::string verb{"pause"};
+};
+
+const std::map<std::string, int>& Signals() {
+  static const std::map<std::string, int> signals{
+      {"pause", SIGUSR1}, {"finish-cycle", SIGUSR2}, {"quick-stop", SIGINT}, {"shutdown", SIGTERM}};
+  return signals;
+}
+
+int Stop(const StopOptions& options) {
+  const CampaignFolder folder{options.folder};
+  const int process = CampaignLock::Holder(folder);
+  if (process <= 0) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: nobody runs this campaign (expected the folder of a running one)",
+                                    folder.root.string()));
+  }
+  if (::kill(process, Signals().at(options.verb)) != 0) {
+    throw std::system_error(errno, std::generic_category(), fmt::format("process {}", process));
+  }
+  fmt::print("asked process {} for: {}\n", process, options.verb);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void AddStop(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "stop",
+      "End a running campaign: at the next checkpoint (pause), after the cycle (finish-cycle), after ramping down "
+      "(shutdown), or at once (quick-stop).\nEach leaves torque off, brakes on, and a campaign that --resume goes on "
+      "with.\nThis is not an emergency stop: that one is wired.\n"
+      "Example: strainwave stop campaigns/first finish-cycle");
+  auto options = std::make_shared<StopOptions>();
+  command->add_option("DIR", options->folder, "the campaign's folder")->required();
+  command->add_option("VERB", options->verb, "pause, finish-cycle, shutdown or quick-stop")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"pause", "finish-cycle", "shutdown", "quick-stop"}));
+  command->callback([options, &action] { action = [options] { return Stop(*options); }; });
+}
+
+}  // namespace strainwave::bench

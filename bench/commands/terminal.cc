@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/commands/terminal.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include <fmt/core.h>
+
+namespace strainwave::bench {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::steady_clock;
+
+constexpr duration<double> kTerminalInterval{0.1};
+constexpr duration<double> kLogInterval{30.0};
+constexpr int kBarWidth = 30;
+
+}  // namespace
+
+std::string DurationText(double time_s) {
+  const auto seconds = static_cast<long long>(std::llround(time_s));
+  if (seconds >= 48 * 3600) return fmt::format("{} d {} h", seconds / 86400, seconds % 86400 / 3600);
+  if (seconds >= 3600) return fmt::format("{} h {:02d} min", seconds / 3600, seconds % 3600 / 60);
+  if (seconds >= 60) return fmt::format("{} min {:02d} s", seconds / 60, seconds % 60);
+  return fmt::format("{} s", seconds);
+}
+
+TerminalProgress::TerminalProgress(int first_cycle)
+    : is_terminal_(::isatty(STDERR_FILENO) == 1), first_cycle_(first_cycle), start_(steady_clock::now()) {}
+
+TerminalProgress::~TerminalProgress() { ClearLine(); }
+
+void TerminalProgress::ClearLine() {
+  if (!line_open_) return;
+  fmt::print(stderr, "\r\033[K");
+  line_open_ = false;
+}
+
+void TerminalProgress::Update(const ProgressState& state) {
+  state_ = state;
+  phase_ = state.phase;
+  const auto now = steady_clock::now();
+  if (now - last_draw_ < (is_terminal_ ? kTerminalInterval : kLogInterval)) return;
+  const bool first = last_draw_ == steady_clock::time_point{};
+  last_draw_ = now;
+  if (first) return;  // nothing is known of the pace yet
+  const double cycles = state.cycles - first_cycle_ + 1.0;
+  const double done = std::max(0.0, state.cycle - first_cycle_ + state.cycle_share);
+  const double share = done / cycles;
+  const double elapsed_s = duration<double>(now - start_).count();
+  Draw(share, share > 0.0 ? elapsed_s * (1.0 - share) / share : -1.0);
+}
+
+void TerminalProgress::Draw(double share, double eta_s) {
+  const std::string eta = eta_s < 0.0 ? "?" : DurationText(eta_s);
+  const std::string where = state_.cycle == 0
+                                ? fmt::format("preparation, {}", phase_)
+                                : fmt::format("cycle {} of {}, {}", state_.cycle, state_.cycles, phase_);
+  if (!is_terminal_) {
+    fmt::print(stderr, "{:5.1f} %  {}  {} left\n", 100.0 * share, where, eta);
+    return;
+  }
+  const int full = static_cast<int>(std::lround(share * kBarWidth));
+  fmt::print(stderr, "\r\033[K[{}{}] {:5.1f} %  {}  {} left", std::string(static_cast<std::size_t>(full), '#'),
+             std::string(static_cast<std::size_t>(kBarWidth - full), '.'), 100.0 * share, where, eta);
+  std::fflush(stderr);
+  line_open_ = true;
+}
+
+void TerminalProgress::Message(std::string_view severity, std::string_view text) {
+  ClearLine();
+  if (severity == "info") {
+    fmt::print(stderr, "{}\n", text);
+  } else {
+    fmt::print(stderr, "{}: {}\n", severity, text);
+  }
+}
+
+void TerminalProgress::CycleStored(int, const std::vector<Result>&) {}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include <fmt/chrono.h>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/bearing_life.h"
+#include "analysis/units.h"
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/terminal.h"
+#include "bench/configuration/check_schedule.h"
+#include "bench/controller/interlocks.h"
+#include "schedules/reader/plan.h"
+#include "schedules/reader/validate_schedule.h"
+
+namespace strainwave::bench {
+namespace {
+
+struct ValidateOptions {
+  std::string schedule;
+  std::string bench;
+  bool json{};
+};
+
+analysis::GearRating RatingOf(const schedules::Specimen& specimen) {
+  return {specimen.rated_torque_Nm, specimen.rated_speed_rad_per_s, specimen.bearing_l10_s,
+          specimen.ratcheting_torque_Nm, specimen.buckling_torque_Nm};
+}
+
+/// Share of the wave-generator bearing's L10 life that the load blocks use up (Miner).
+double LifeShare(const schedules::Specimen& specimen, const std::vector<schedules::LoadBlock>& blocks) {
+  std::vector<analysis::LoadBlock> loads;
+  for (const auto& block : blocks) {
+    loads.push_back({block.output_torque_Nm, block.mean_input_speed_rad_per_s, block.duration_s});
+  }
+  return analysis::LifeConsumed(RatingOf(specimen), loads);
+}
+
+struct LifePlan {
+  double whole_share{};
+  double cycle_share{};
+  double peak_torque_Nm{};
+  analysis::OverloadMargins margins;
+};
+
+LifePlan LifeOf(const schedules::Schedule& schedule, const schedules::Plan& plan) {
+  LifePlan life;
+  life.cycle_share = LifeShare(schedule.specimen, plan.cycle_load_blocks);
+  life.whole_share = LifeShare(schedule.specimen, plan.once_load_blocks) + life.cycle_share * plan.cycles;
+  for (const auto& blocks : {plan.once_load_blocks, plan.cycle_load_blocks}) {
+    for (const auto& block : blocks) life.peak_torque_Nm = std::max(life.peak_torque_Nm, block.output_torque_Nm);
+  }
+  life.margins = analysis::MarginsAtPeak(RatingOf(schedule.specimen), life.peak_torque_Nm);
+  return life;
+}
+
+std::string BytesText(double bytes) {
+  if (bytes >= 1e9) return fmt::format("{:.2f} GB", bytes * 1e-9);
+  if (bytes >= 1e6) return fmt::format("{:.1f} MB", bytes * 1e-6);
+  return fmt::format("{:.1f} kB", bytes * 1e-3);
+}
+
+void PrintPhases(const char* title, const std::vector<schedules::PhaseTime>& phases) {
+  if (phases.empty()) return;
+  fmt::print("{}\n", title);
+  for (const auto& phase : phases) {
+    fmt::print("  {:24} {:22} {:>14}{}\n", phase.name, phase.kind, DurationText(phase.total_s()),
+               phase.at_most ? "  at most" : "");
+  }
+}
+
+void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life) {
+  fmt::print("{}: {} cycles on {} ({})\n\n", schedule.name, schedule.cycles, schedule.specimen.identity,
+             schedule.specimen.model);
+  PrintPhases("once, before the first cycle", plan.preparation);
+  if (plan.repeats.total_s() > 0.0) {
+    fmt::print("  {:24} {:22} {:>14}\n", fmt::format("measurements, {} times", schedule.measurements.repeatability_repeats),
+               "repeatability", DurationText(plan.repeats.total_s()));
+  }
+  PrintPhases("each cycle", plan.phases);
+  fmt::print("  {:47} {:>14}\n\n", "one cycle", DurationText(plan.cycle.total_s()));
+  fmt::print("load time       {:>14}\n", DurationText(plan.load_s));
+  fmt::print("measuring time  {:>14}\n", DurationText(plan.measuring_s));
+  fmt::print("other time      {:>14}   ramps, soaks, locks\n", DurationText(plan.other_s));
+  fmt::print("wall time       {:>14}   {:+.0f} % over the load time\n", DurationText(plan.wall_s),
+             plan.load_s > 0.0 ? 100.0 * (plan.wall_s / plan.load_s - 1.0) : 0.0);
+  fmt::print("expected end    {:%Y-%m-%d %H:%M} UTC, started now\n\n",
+             fmt::gmtime(std::chrono::system_clock::to_time_t(plan.expected_end)));
+  fmt::print("disk\n");
+  for (const auto& stream : plan.streams) {
+    fmt::print("  {:38} {:>10} rows a cycle {:>12}\n", stream.name, stream.rows_per_cycle,
+               BytesText(static_cast<double>(stream.bytes_total)));
+  }
+  fmt::print("  {:38} {:>23} {:>12}\n\n", "together", "", BytesText(static_cast<double>(plan.disk_bytes)));
+  const auto& specimen = schedule.specimen;
+  fmt::print("life\n  wave-generator bearing: {:.1f} % of L10 used by the whole campaign (cube law, Miner sum; {:.4f} % a "
+             "cycle)\n",
+             100.0 * life.whole_share, 100.0 * life.cycle_share);
+  fmt::print("  highest load {:.1f} Nm: ratcheting at {:.0f} Nm is {:.1f} times that, buckling at {:.0f} Nm {:.1f} times\n\n",
+             life.peak_torque_Nm, specimen.ratcheting_torque_Nm, life.margins.ratcheting,
+             specimen.buckling_torque_Nm, life.margins.buckling);
+  fmt::print("interlocks, watched every control period in every phase\n");
+  for (const auto& row : Interlocks::Table()) {
+    fmt::print("  {:22} {:28} {}\n", row.signal, row.limit, row.action);
+  }
+  fmt::print("\nafter a pause the test counts as the same for up to {}; longer needs --accept-pause\n",
+             DurationText(schedule.resume.longest_pause_s));
+}
+
+nlohmann::json PhasesJson(const std::vector<schedules::PhaseTime>& phases) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& phase : phases) {
+    rows.push_back({{"name", phase.name}, {"kind", phase.kind}, {"duration_s", phase.total_s()}});
+  }
+  return rows;
+}
+
+void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life) {
+  nlohmann::json streams = nlohmann::json::array();
+  for (const auto& stream : plan.streams) {
+    streams.push_back({{"name", stream.name}, {"rows_per_cycle", stream.rows_per_cycle}, {"bytes", stream.bytes_total}});
+  }
+  const nlohmann::json document{
+      {"valid", true},
+      {"schedule", schedule.name},
+      {"cycles", schedule.cycles},
+      {"preparation", PhasesJson(plan.preparation)},
+      {"phases", PhasesJson(plan.phases)},
+      {"cycle_s", plan.cycle.total_s()},
+      {"load_time_s", plan.load_s},
+      {"measuring_time_s", plan.measuring_s},
+      {"other_time_s", plan.other_s},
+      {"wall_time_s", plan.wall_s},
+      {"expected_end_utc",
+       fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(plan.expected_end)))},
+      {"disk_bytes", plan.disk_bytes},
+      {"streams", streams},
+      {"bearing_life_share", life.whole_share},
+      {"ratcheting_margin", life.margins.ratcheting},
+      {"buckling_margin", life.margins.buckling}};
+  fmt::print("{}\n", document.dump(2));
+}
+
+int Validate(const ValidateOptions& options) {
+  const CampaignInputs inputs =
+      ReadInputs(options.schedule, options.bench.empty() ? std::nullopt
+                                                         : std::optional<std::filesystem::path>(options.bench));
+  schedules::FindingList warnings = schedules::ValidateSchedule(inputs.schedule);
+  warnings.Append(CheckScheduleAgainstBench(inputs.schedule, inputs.bench));
+  for (const auto& finding : warnings.items()) {
+    fmt::print(stderr, "{}\n", schedules::FormatFinding(options.schedule, finding));
+  }
+  const schedules::Plan plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
+  const LifePlan life = LifeOf(inputs.schedule, plan);
+  options.json ? PrintJson(inputs.schedule, plan, life) : PrintPlan(inputs.schedule, plan, life);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void AddValidate(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "validate",
+      "Check a schedule and its bench, and print the plan: phases, durations, end, disk, life. Touches no device.\n"
+      "Example: strainwave validate schedules/paper.yaml");
+  auto options = std::make_shared<ValidateOptions>();
+  command->add_option("SCHEDULE", options->schedule, "schedule file (YAML)")->required();
+  command->add_option("--bench", options->bench, "bench file (YAML); without it, the embedded simulated bench");
+  command->add_flag("--json", options->json, "the plan as JSON on standard output");
+  command->callback([options, &action] { action = [options] { return Validate(*options); }; });
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schedules/reader/findings.h"
+
+namespace strainwave::bench {
+
+/// A servo drive and its motor, at the motor's shaft.
+struct ServoDescription {
+  std::string serial;
+  double peak_torque_Nm{};
+  double peak_speed_rad_per_s{};
+  double max_acceleration_rad_per_s2{};
+};
+
+/// The transducer between the gear and the load.
+struct TransducerDescription {
+  std::string serial;
+  std::string calibration;      // id of the certificate
+  std::string calibration_due;  // YYYY-MM-DD
+  double range_Nm{};            // in either direction
+  double relative_linearity{};  // of the range
+  /// Standard uncertainty of the gain that calibration leaves, relative.
+  double relative_gain_uncertainty{};
+};
+
+/// A measuring encoder; `sign` is −1 when it counts against the bench's positive direction.
+struct EncoderDescription {
+  std::string serial;
+  std::string calibration;
+  std::string calibration_due;
+  std::int64_t counts_per_rev{};
+  double accuracy_rad{};
+  int sign{1};
+};
+
+struct AccelerometerDescription {
+  std::string name;  // "accel_x": of the channel that it feeds
+  std::string serial;
+  std::string calibration;
+  std::string calibration_due;
+  double sensitivity_V_per_m_per_s2{};
+  double range_m_per_s2{};
+};
+
+/// One term of the simulated plant. Which names and parameters there are is the plant's to say.
+struct TermDescription {
+  std::string name;
+  bool enabled{true};
+  std::vector<std::pair<std::string, double>> parameters;  // in file order
+  int line{};
+};
+
+/// Only for a simulated bench.
+struct SimulationDescription {
+  std::uint64_t seed{};
+  double time_skew_s{};                // by which the output encoder is read late (E20)
+  bool write_truth{};                  // what no bench can measure, to a file beside the campaign
+  std::string plant_file;              // as written; empty when the terms stand in the bench file itself
+  std::vector<TermDescription> terms;  // of the bench file or of `plant_file`
+};
+
+/// What a bench consists of, SI inside. The defaults of the file are in
+/// bench/configuration/read_bench_file.cc.
+struct BenchDescription {
+  std::string name;
+  bool simulated{};
+  double control_period_s{};
+  double vibration_rate_hz{};  // highest sample rate of the accelerometers
+  ServoDescription driving_servo;
+  ServoDescription load_servo;
+  double load_reducer_ratio{};  // between load servo and transducer
+  TransducerDescription transducer;
+  EncoderDescription input_encoder;
+  EncoderDescription output_encoder;
+  std::vector<AccelerometerDescription> accelerometers;
+  SimulationDescription simulation;
+
+  std::string file_name;  // as given to the reader
+  schedules::Origins origins;
+};
+
+}  // namespace strainwave::bench

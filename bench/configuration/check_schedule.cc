@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/configuration/check_schedule.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "analysis/units.h"
+#include "schedules/reader/comparison.h"
+
+namespace strainwave::bench {
+namespace {
+
+using schedules::Comparison;
+using schedules::Named;
+
+// What the bench can do where the schedule speaks of it: torque and speed at the gear.
+struct Abilities {
+  double load_torque_Nm{};
+  double driving_torque_Nm{};  // at the output, if the gear lost nothing
+  double load_speed_rad_per_s{};
+  double sample_rate_hz{};
+};
+
+Abilities AbilitiesOf(const BenchDescription& bench, double ratio) {
+  return {
+      bench.load_servo.peak_torque_Nm * bench.load_reducer_ratio, bench.driving_servo.peak_torque_Nm * ratio,
+      bench.load_servo.peak_speed_rad_per_s / bench.load_reducer_ratio * ratio, 1.0 / bench.control_period_s};
+}
+
+class BenchCheck {
+ public:
+  BenchCheck(const BenchDescription& bench, double ratio, std::string path, const Comparison& compare)
+      : bench_(bench), can_(AbilitiesOf(bench, std::abs(ratio))), path_(std::move(path)), compare_(compare) {}
+
+  void operator()(const schedules::LoadRun& run) const {
+    CheckTorque("output_torque", run.output_torque_Nm, true);
+    CheckMotion(run.input_speed_rad_per_s, run.input_acceleration_rad_per_s2);
+    CheckLogRate(run.log_rate_hz);
+  }
+  void operator()(const schedules::MeasurementRotation& rotation) const {
+    CheckTorque("output_torque", rotation.output_torque_Nm, true);
+    CheckMotion(rotation.input_speed_rad_per_s, rotation.input_acceleration_rad_per_s2);
+    CheckLogRate(rotation.log_rate_hz);
+    const Named rate{At("vibration_rate"), rotation.vibration_rate_hz};
+    compare_.MustNotExceed(rate, "the bench's vibration_rate", {"vibration_rate", bench_.vibration_rate_hz},
+                           bench_.origins, bench_.file_name);
+    if (bench_.accelerometers.empty()) {
+      compare_.Error(At("kind"), fmt::format("kind = measurement_rotation needs vibration, but {} has no "
+                                             "accelerometers (expected at least one)",
+                                             bench_.file_name));
+    }
+  }
+  void operator()(const schedules::TransmissionErrorSweep& sweep) const {
+    CheckMotion(sweep.input_speed_rad_per_s, sweep.input_acceleration_rad_per_s2);
+    CheckOnePeriod("averaging", sweep.averaging_s);
+  }
+  void operator()(const schedules::HysteresisTest& test) const {
+    CheckTorque("peak_torque", test.peak_torque_Nm, false);
+    CheckLogRate(test.log_rate_hz);
+  }
+  void operator()(const schedules::Soak&) const {}
+  void operator()(const schedules::BlankTest& test) const {
+    CheckTorque("peak_torque", test.peak_torque_Nm, false);
+  }
+
+ private:
+  std::string At(std::string_view key) const { return fmt::format("{}.{}", path_, key); }
+
+  void CheckTorque(std::string_view key, double torque_Nm, bool driven) const {
+    const Named torque{At(key), torque_Nm};
+    compare_.MustNotExceed(torque, "the torque transducer's range",
+                           {"torque_transducer.range", bench_.transducer.range_Nm}, bench_.origins,
+                           bench_.file_name);
+    CheckDerived(torque, can_.load_torque_Nm, "{:.4g} Nm of the load servo behind its reducer");
+    // Losses only add to what the driving servo must give.
+    if (driven)
+      CheckDerived(torque, can_.driving_torque_Nm, "{:.4g} Nm of the driving servo behind the gear");
+  }
+
+  void CheckMotion(double speed_rad_per_s, double acceleration_rad_per_s2) const {
+    const Named speed{At("input_speed"), speed_rad_per_s};
+    const ServoDescription& servo = bench_.driving_servo;
+    compare_.MustNotExceed(speed, "the driving servo's peak_speed",
+                           {"driving_servo.peak_speed", servo.peak_speed_rad_per_s}, bench_.origins,
+                           bench_.file_name);
+    if (speed.value > can_.load_speed_rad_per_s) {
+      compare_.Error(
+          speed.path,
+          fmt::format("input_speed = {} is above the {:.4g} rpm at which the load servo "
+                      "behind its reducer can follow ({})",
+                      compare_.Written(speed), RpmFromRadPerS(can_.load_speed_rad_per_s), bench_.file_name));
+    }
+    compare_.MustNotExceed({At("input_acceleration"), acceleration_rad_per_s2},
+                           "the driving servo's max_acceleration",
+                           {"driving_servo.max_acceleration", servo.max_acceleration_rad_per_s2},
+                           bench_.origins, bench_.file_name);
+  }
+
+  void CheckLogRate(double rate_hz) const {
+    const Named rate{At("log_rate"), rate_hz};
+    CheckDerived(rate, can_.sample_rate_hz, "{:.4g} Hz at which the bench reads its channels");
+  }
+
+  void CheckOnePeriod(std::string_view key, double time_s) const {
+    if (time_s >= bench_.control_period_s) return;
+    const Named time{At(key), time_s};
+    compare_.Error(time.path, fmt::format("{} = {} is below the bench's control_period = {} ({})", key,
+                                          compare_.Written(time), Period(), bench_.file_name));
+  }
+
+  void CheckDerived(const Named& value, double most, const char* what) const {
+    if (value.value <= most * (1.0 + 1e-9)) return;
+    compare_.Error(value.path, fmt::format("{} = {} is above the {} ({})", schedules::KeyOf(value.path),
+                                           compare_.Written(value), fmt::format(fmt::runtime(what), most),
+                                           bench_.file_name));
+  }
+
+  std::string Period() const {
+    const auto origin = bench_.origins.find("control_period");
+    return origin == bench_.origins.end() ? fmt::format("{:g} s", bench_.control_period_s)
+                                          : origin->second.text;
+  }
+
+  const BenchDescription& bench_;
+  Abilities can_;
+  std::string path_;
+  const Comparison& compare_;
+};
+
+}  // namespace
+
+schedules::FindingList CheckScheduleAgainstBench(const schedules::Schedule& schedule,
+                                                 const BenchDescription& bench) {
+  schedules::FindingList findings;
+  const Comparison compare(schedule.origins, findings);
+  compare.MustNotExceed(
+      {"limits.output_torque", schedule.limits.output_torque_Nm}, "the torque transducer's range",
+      {"torque_transducer.range", bench.transducer.range_Nm}, bench.origins, bench.file_name);
+  const auto check = [&](const std::vector<schedules::Phase>& phases, std::string_view list) {
+    for (std::size_t i = 0; i < phases.size(); ++i) {
+      std::visit(BenchCheck(bench, schedule.specimen.ratio, fmt::format("{}[{}]", list, i), compare),
+                 phases[i].parameters);
+    }
+  };
+  check(schedule.preparation, "preparation");
+  check(schedule.phases, "phases");
+  return findings;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/configuration/read_bench_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "schedules/reader/yaml_map.h"
+
+namespace strainwave::bench {
+namespace {
+
+using schedules::Bound;
+using schedules::Dimension;
+using schedules::FileKind;
+using schedules::FindingList;
+using schedules::Presence;
+using schedules::ReadContext;
+using schedules::YamlMap;
+using schedules::YamlNode;
+
+constexpr FileKind kBenchFile{"bench", "bench: 1"};
+constexpr FileKind kPlantFile{"plant", "plant: 1"};
+
+// YYYY-MM-DD of a day that exists; a bench without a due date leaves the key out.
+bool IsDate(const std::string& text) {
+  constexpr int kDays[] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+  if (text.size() != 10 || text[4] != '-' || text[7] != '-') return false;
+  int digits[3] = {};
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (i == 4 || i == 7) continue;
+    if (text[i] < '0' || text[i] > '9') return false;
+    int& part = digits[i < 4 ? 0 : i < 7 ? 1 : 2];
+    part = 10 * part + (text[i] - '0');
+  }
+  const auto [year, month, day] = digits;
+  if (month < 1 || month > 12 || day < 1 || day > kDays[month - 1]) return false;
+  const bool leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+  return month != 2 || day < 29 || leap;
+}
+
+std::string ReadDate(YamlMap& map, std::string_view key, ReadContext& context) {
+  std::string text = map.Text(key, "");
+  if (!text.empty() && !map.is_wrong(key) && !IsDate(text)) {
+    const schedules::Origin& origin = context.origins[map.PathOf(key)];
+    context.findings.AddError(origin.line, origin.column,
+                              fmt::format("{} = {} is not a date (expected YYYY-MM-DD)", key, origin.text));
+  }
+  return text;
+}
+
+ServoDescription ReadServo(YamlMap map) {
+  ServoDescription servo;
+  servo.serial = map.Text("serial", "");
+  servo.peak_torque_Nm = map.Quantity("peak_torque", Dimension::kTorque, Bound::kPositive);
+  servo.peak_speed_rad_per_s = map.Quantity("peak_speed", Dimension::kAngularSpeed, Bound::kPositive);
+  servo.max_acceleration_rad_per_s2 =
+      map.Quantity("max_acceleration", Dimension::kAngularAcceleration, Bound::kPositive);
+  map.Finish();
+  return servo;
+}
+
+TransducerDescription ReadTransducer(YamlMap map, ReadContext& context) {
+  TransducerDescription transducer;
+  transducer.serial = map.Text("serial", "");
+  transducer.calibration = map.Text("calibration", "");
+  transducer.calibration_due = ReadDate(map, "calibration_due", context);
+  transducer.range_Nm = map.Quantity("range", Dimension::kTorque, Bound::kPositive);
+  transducer.relative_linearity = map.Quantity("linearity", Dimension::kShare, Bound::kNotNegative, "0.3 %");
+  transducer.relative_gain_uncertainty =
+      map.Quantity("gain_uncertainty", Dimension::kShare, Bound::kNotNegative, "0.05 %");
+  map.Finish();
+  return transducer;
+}
+
+EncoderDescription ReadEncoder(YamlMap map, ReadContext& context) {
+  constexpr int kMostCounts = 1 << 30;
+  EncoderDescription encoder;
+  encoder.serial = map.Text("serial", "");
+  encoder.calibration = map.Text("calibration", "");
+  encoder.calibration_due = ReadDate(map, "calibration_due", context);
+  encoder.counts_per_rev = map.Count("counts_per_rev", 1, kMostCounts);
+  encoder.accuracy_rad = map.Quantity("accuracy", Dimension::kAngle, Bound::kPositive);
+  encoder.sign = map.Choice<int>("sign", {{"1", 1}, {"-1", -1}}, "1");
+  map.Finish();
+  return encoder;
+}
+
+std::vector<AccelerometerDescription> ReadAccelerometers(std::vector<YamlMap> maps, ReadContext& context) {
+  std::vector<AccelerometerDescription> accelerometers;
+  for (YamlMap& map : maps) {
+    AccelerometerDescription accelerometer;
+    accelerometer.name = map.Identifier("name");
+    accelerometer.serial = map.Text("serial", "");
+    accelerometer.calibration = map.Text("calibration", "");
+    accelerometer.calibration_due = ReadDate(map, "calibration_due", context);
+    accelerometer.sensitivity_V_per_m_per_s2 =
+        map.Quantity("sensitivity", Dimension::kSensitivity, Bound::kPositive, "100 mV/g");
+    accelerometer.range_m_per_s2 = map.Quantity("range", Dimension::kAcceleration, Bound::kPositive, "50 g");
+    map.Finish();
+    const bool taken = std::any_of(accelerometers.begin(), accelerometers.end(),
+                                   [&](const auto& other) { return other.name == accelerometer.name; });
+    if (taken && !map.is_wrong("name")) {
+      const schedules::Origin& origin = context.origins[map.PathOf("name")];
+      context.findings.AddError(
+          origin.line, origin.column,
+          fmt::format("two accelerometers are named '{}' (expected a name of its own)", accelerometer.name));
+    }
+    accelerometers.push_back(std::move(accelerometer));
+  }
+  return accelerometers;
+}
+
+std::vector<TermDescription> ReadTerms(std::vector<YamlMap> maps, ReadContext& context) {
+  std::vector<TermDescription> terms;
+  std::map<std::string, int> lines;
+  for (YamlMap& map : maps) {
+    TermDescription term;
+    term.line = map.line();
+    term.name = map.Identifier("term");
+    term.enabled = map.Flag("enabled", "true");
+    term.parameters = map.NumberMap("parameters");
+    map.Finish();
+    const auto [first, is_new] = lines.emplace(term.name, term.line);
+    if (!is_new && !map.is_wrong("term")) {
+      const schedules::Origin& origin = context.origins[map.PathOf("term")];
+      context.findings.AddError(
+          origin.line, origin.column,
+          fmt::format("term '{}' is there twice (expected once; it is already on line {})", term.name,
+                      first->second));
+    }
+    terms.push_back(std::move(term));
+  }
+  return terms;
+}
+
+SimulationDescription ReadSimulation(YamlMap map, const std::filesystem::path& folder, ReadContext& context) {
+  constexpr int kLargestSeed = 2'000'000'000;
+  SimulationDescription simulation;
+  simulation.seed = static_cast<std::uint64_t>(map.Count("seed", 0, kLargestSeed, "1"));
+  simulation.time_skew_s = map.Quantity("time_skew", Dimension::kTime, Bound::kAny, "0 s");
+  simulation.write_truth = map.Flag("write_truth", "false");
+  simulation.terms = ReadTerms(map.MapList("plant", Presence::kOptional), context);
+  simulation.plant_file = map.Text("plant_file", "");
+  map.Finish();
+  if (simulation.plant_file.empty()) return simulation;
+  const schedules::Origin origin = context.origins[map.PathOf("plant_file")];
+  if (map.has("plant")) {
+    context.findings.AddError(origin.line, origin.column,
+                              "plant_file stands beside plant (expected one of the two)");
+  } else if (!origin.wrong) {
+    try {
+      simulation.terms = ReadPlantFile(folder / simulation.plant_file);
+    } catch (const BenchFileError& error) {
+      context.findings.AddError(
+          origin.line, origin.column,
+          fmt::format("plant_file cannot be used (expected a plant file):\n{}", error.what()));
+    }
+  }
+  return simulation;
+}
+
+BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& folder, ReadContext& context) {
+  YamlMap map(root, context);
+  map.Version("bench");
+  BenchDescription bench;
+  bench.name = map.Text("name");
+  bench.simulated = map.Flag("simulated", "false");
+  bench.control_period_s = map.Quantity("control_period", Dimension::kTime, Bound::kPositive, "10 ms");
+  bench.vibration_rate_hz =
+      map.Quantity("vibration_rate", Dimension::kFrequency, Bound::kPositive, "51.2 kHz");
+  bench.driving_servo = ReadServo(map.Map("driving_servo", Presence::kRequired));
+  bench.load_servo = ReadServo(map.Map("load_servo", Presence::kRequired));
+  bench.load_reducer_ratio = map.Number("load_reducer_ratio", Bound::kPositive, "70");
+  bench.transducer = ReadTransducer(map.Map("torque_transducer", Presence::kRequired), context);
+  bench.input_encoder = ReadEncoder(map.Map("input_encoder", Presence::kRequired), context);
+  bench.output_encoder = ReadEncoder(map.Map("output_encoder", Presence::kRequired), context);
+  bench.accelerometers = ReadAccelerometers(map.MapList("accelerometers", Presence::kOptional), context);
+  const bool has_simulation = map.has("simulation");
+  bench.simulation = ReadSimulation(map.Map("simulation", Presence::kOptional), folder, context);
+  map.Finish();
+  if (has_simulation && !bench.simulated && !map.is_wrong("simulated")) {
+    const schedules::Origin& origin = context.origins["simulation"];
+    context.findings.AddError(origin.line, origin.column,
+                              "simulation belongs to a simulated bench (expected 'simulated: true')");
+  }
+  return bench;
+}
+
+}  // namespace
+
+BenchDescription ReadBenchFile(const std::filesystem::path& path) {
+  FindingList findings;
+  const std::optional<std::string> text = schedules::ReadInputFile(path, kBenchFile, findings);
+  if (!text) throw BenchFileError(path.string(), findings);
+  return ParseBenchFile(*text, path.string(), path.parent_path());
+}
+
+BenchDescription ParseBenchFile(const std::string& text, std::string_view file_name,
+                                const std::filesystem::path& folder) {
+  ReadContext context;
+  const std::optional<YamlNode> root = schedules::ParseYaml(text, kBenchFile, context.findings);
+  if (!root) throw BenchFileError(file_name, context.findings);
+  BenchDescription bench = ReadTop(*root, folder, context);
+  if (context.findings.has_errors()) throw BenchFileError(file_name, context.findings);
+  bench.file_name = file_name;
+  bench.origins = std::move(context.origins);
+  return bench;
+}
+
+std::vector<TermDescription> ReadPlantFile(const std::filesystem::path& path) {
+  ReadContext context;
+  const std::optional<std::string> text = schedules::ReadInputFile(path, kPlantFile, context.findings);
+  if (!text) throw BenchFileError(path.string(), context.findings);
+  const std::optional<YamlNode> root = schedules::ParseYaml(*text, kPlantFile, context.findings);
+  if (!root) throw BenchFileError(path.string(), context.findings);
+  YamlMap map(*root, context);
+  map.Version("plant");
+  std::vector<TermDescription> terms = ReadTerms(map.MapList("terms", Presence::kRequired), context);
+  map.Finish();
+  if (context.findings.has_errors()) throw BenchFileError(path.string(), context.findings);
+  return terms;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/controller/load_run_program.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/units.h"
+
+namespace strainwave::bench {
+namespace {
+
+// A turn counts as done when this little is left of it: the approach speed falls with the root of what
+// remains, and would take for ever to finish.
+constexpr double kTurnTolerance_rad = 0.05;  // of the input
+constexpr double kCreepSpeed_rad_per_s = 1.0;
+constexpr double kParked_rad = 0.005;        // of the input
+constexpr double kParkingPeriods = 10.0;     // time constant of the last stretch
+constexpr double kParkingDeceleration = 0.5;  // of the acceleration allowed
+
+std::size_t ExpectedRows(const schedules::LoadRun& run) {
+  return static_cast<std::size_t>(std::ceil((1.2 * run.duration_s + 61.0) * run.log_rate_hz));
+}
+
+}  // namespace
+
+LoadRunProgram::LoadRunProgram(const schedules::LoadRun& parameters, double ratio, double credited_s,
+                               double period_s)
+    : parameters_(parameters),
+      ratio_(ratio),
+      turn_input_rad_(parameters.turns * kTwoPi * std::abs(ratio)),
+      period_s_(period_s),
+      credited_s_(credited_s),
+      speed_(parameters.input_acceleration_rad_per_s2),
+      torque_(parameters.torque_rate_Nm_per_s),
+      log_({"time_s", "input_speed_rpm", "torque_mean_Nm", "torque_min_Nm", "torque_max_Nm", "motor_torque_Nm",
+            "vibration_rms_m_per_s2", "gear_temperature_degC", "ambient_temperature_degC"},
+           ExpectedRows(parameters)) {}
+
+void LoadRunProgram::SetUp(const Readings& readings, BenchDevices& devices) {
+  turn_start_rad_ = readings.input_angle_rad;
+  devices.driving.Enable(DriveMode::kSpeed);
+  devices.load.Enable(DriveMode::kTorque);
+}
+
+StepResult LoadRunProgram::Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+  if (!under_load_) {
+    const bool driving_up = BroughtUp(devices.driving);
+    const bool load_up = BroughtUp(devices.load);
+    under_load_ = driving_up && load_up;
+    return StepResult::kRunning;
+  }
+  if (winding_down_) return WindDownStep(readings, devices);
+  const double remaining_rad = turn_start_rad_ + direction_ * turn_input_rad_ - readings.input_angle_rad;
+  if (direction_ * remaining_rad < kTurnTolerance_rad) {
+    turn_start_rad_ += direction_ * turn_input_rad_;
+    direction_ = -direction_;
+  }
+  const double approach = ApproachSpeed(remaining_rad, parameters_.input_speed_rad_per_s,
+                                        parameters_.input_acceleration_rad_per_s2);
+  // Never slower than a creep, so that the last fraction of a turn ends.
+  const double wanted = std::copysign(std::max(std::abs(approach), kCreepSpeed_rad_per_s), direction_);
+  devices.driving.CommandSpeed(speed_.Step(wanted, period_s_));
+  devices.load.CommandTorque(torque_.Step(-direction_ * parameters_.output_torque_Nm, period_s_));
+
+  credited_s_ += period_s_;
+  if (!Log(readings, elapsed_s)) return StepResult::kLogFull;
+  winding_down_ = credited_s_ + 0.5 * period_s_ >= parameters_.duration_s;
+  return StepResult::kRunning;
+}
+
+// Comes to rest without load, then turns the output to the nearest zero of its encoder: whatever is measured next
+// begins at the same teeth, however the load run ended.
+StepResult LoadRunProgram::WindDownStep(const Readings& readings, BenchDevices& devices) noexcept {
+  devices.load.CommandTorque(torque_.Step(0.0, period_s_));
+  if (!parking_) {
+    devices.driving.CommandSpeed(speed_.Step(0.0, period_s_));
+    parking_ = speed_.value() == 0.0 && torque_.value() == 0.0;
+    return StepResult::kRunning;
+  }
+  const double home_output_rad = kTwoPi * std::round(readings.output_angle_rad / kTwoPi);
+  const double remaining_rad = ratio_ * (home_output_rad - readings.output_angle_rad);
+  const double approach = ApproachSpeed(remaining_rad, parameters_.input_speed_rad_per_s,
+                                        kParkingDeceleration * parameters_.input_acceleration_rad_per_s2);
+  // The last stretch in proportion to what is left, which the root law would overshoot by one period.
+  const double gentle = remaining_rad / (kParkingPeriods * period_s_);
+  const double wanted = std::abs(gentle) < std::abs(approach) ? gentle : approach;
+  devices.driving.CommandSpeed(speed_.Step(wanted, period_s_));
+  const bool parked = std::abs(remaining_rad) < kParked_rad && std::abs(speed_.value()) < kParked_rad / period_s_;
+  return parked ? StepResult::kDone : StepResult::kRunning;
+}
+
+bool LoadRunProgram::Log(const Readings& readings, double elapsed_s) noexcept {
+  Interval& now = interval_;
+  if (now.count == 0) now.torque_min_Nm = now.torque_max_Nm = readings.output_torque_Nm;
+  ++now.count;
+  now.torque_sum_Nm += readings.output_torque_Nm;
+  now.torque_min_Nm = std::min(now.torque_min_Nm, readings.output_torque_Nm);
+  now.torque_max_Nm = std::max(now.torque_max_Nm, readings.output_torque_Nm);
+  now.motor_torque_sum_Nm += std::abs(readings.motor_torque_Nm);
+  now.vibration_square_sum += readings.vibration_rms_m_per_s2 * readings.vibration_rms_m_per_s2;
+  now.temperature_degC = readings.gear_temperature_degC;
+  now.ambient_degC = readings.ambient_temperature_degC;
+  now.speed_max_rad_per_s = std::max(now.speed_max_rad_per_s, std::abs(readings.input_speed_rad_per_s));
+  if (elapsed_s < next_row_s_) return true;
+  next_row_s_ += 1.0 / parameters_.log_rate_hz;
+  const double count = now.count;
+  const bool kept =
+      log_.Append({elapsed_s, RpmFromRadPerS(now.speed_max_rad_per_s), now.torque_sum_Nm / count,
+                   now.torque_min_Nm, now.torque_max_Nm, now.motor_torque_sum_Nm / count,
+                   std::sqrt(now.vibration_square_sum / count), now.temperature_degC, now.ambient_degC});
+  now = {};
+  return kept;
+}
+
+std::vector<NamedRecord> LoadRunProgram::TakeRecords() {
+  NamedRecord named{"load_run", {}};
+  named.record.kind = "history";
+  named.record.SetMetadata("log_rate_hz", parameters_.log_rate_hz);
+  named.record.SetMetadata("credited_load_s", credited_s_);
+  const std::vector<std::string> single{"input_speed_rpm",        "torque_mean_Nm",  "torque_min_Nm",
+                                        "torque_max_Nm",          "motor_torque_Nm", "vibration_rms_m_per_s2",
+                                        "ambient_temperature_degC", "gear_temperature_degC"};
+  named.record.columns = log_.Take(single);
+  std::vector<NamedRecord> records;
+  records.push_back(std::move(named));
+  return records;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench/controller/motion.h"
+#include "bench/controller/phase_program.h"
+#include "bench/controller/row_log.h"
+#include "schedules/reader/schedule.h"
+
+namespace strainwave::bench {
+
+/// Turns the output clockwise and back at constant input speed while the load servo brakes it with constant
+/// torque, until the load time is served; then parks the output at its zero. What an earlier attempt has served already is given as
+/// `credited_s` and not run again.
+class LoadRunProgram final : public PhaseProgram {
+ public:
+  LoadRunProgram(const schedules::LoadRun& parameters, double ratio, double credited_s, double period_s);
+
+  void SetUp(const Readings& readings, BenchDevices& devices) override;
+  StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
+  bool WindDown() noexcept override {
+    winding_down_ = true;
+    return true;
+  }
+  double timeout_s() const override { return 1.2 * parameters_.duration_s + 60.0; }
+  double share_done() const noexcept override { return credited_s_ / parameters_.duration_s; }
+  double credited_load_s() const noexcept override { return credited_s_; }
+  std::vector<NamedRecord> TakeRecords() override;
+
+ private:
+  // Of the readings between two rows of the log.
+  struct Interval {
+    int count{};
+    double torque_sum_Nm{};
+    double torque_min_Nm{};
+    double torque_max_Nm{};
+    double motor_torque_sum_Nm{};
+    double vibration_square_sum{};
+    double temperature_degC{};
+    double ambient_degC{};
+    double speed_max_rad_per_s{};
+  };
+  StepResult WindDownStep(const Readings& readings, BenchDevices& devices) noexcept;
+  bool Log(const Readings& readings, double elapsed_s) noexcept;
+
+  schedules::LoadRun parameters_;
+  double ratio_;
+  double turn_input_rad_;
+  double period_s_;
+  double credited_s_;
+  double direction_{1.0};
+  double turn_start_rad_{};
+  double next_row_s_{};
+  bool under_load_{};
+  bool winding_down_{};
+  bool parking_{};
+  Ramp speed_;
+  Ramp torque_;
+  Interval interval_;
+  RowLog log_;
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/controller/phase_runner.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "analysis/units.h"
+#include "bench/controller/standstill_programs.h"
+
+namespace strainwave::bench {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::nanoseconds;
+
+constexpr double kHistory_s = 10.0;
+constexpr double kAfterStop_s = 1.0;
+constexpr int kHistoryChannels = 9;
+constexpr double kHeartbeat_s = 1.0;
+
+nanoseconds Nanoseconds(double time_s) { return nanoseconds(std::llround(time_s * 1e9)); }
+
+// The stop comes on every way out of a phase, also by an exception.
+class SafeOnExit {
+ public:
+  explicit SafeOnExit(PhaseRunner& runner) : runner_(runner) {}
+  SafeOnExit(const SafeOnExit&) = delete;
+  SafeOnExit& operator=(const SafeOnExit&) = delete;
+  ~SafeOnExit() { runner_.MakeSafe(); }
+
+ private:
+  PhaseRunner& runner_;
+};
+
+}  // namespace
+
+PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
+                         const std::atomic<StopRequest>& request)
+    : devices_(devices),
+      settings_(settings),
+      interlocks_(settings.limits, Nanoseconds(3.0 * settings.control_period_s)),
+      suspend_(settings.suspend),
+      request_(request),
+      history_(static_cast<std::size_t>(kHistory_s / settings.control_period_s), kHistoryChannels) {
+  // Power-up: nothing may turn before a person has started the bench (BENCH row 12).
+  MakeSafe();
+}
+
+void PhaseRunner::MakeSafe() noexcept {
+  devices_.driving.QuickStop();
+  devices_.load.QuickStop();
+}
+
+InterlockInputs PhaseRunner::Inputs(const PhaseProgram& program) const noexcept {
+  InterlockInputs inputs;
+  inputs.driving = devices_.driving.Actual();
+  inputs.load = devices_.load.Actual();
+  inputs.now = devices_.clock.Now();
+  inputs.input_locked = program.input_locked();
+  if (inputs.input_locked) inputs.twist_rad = readings_.output_angle_rad - program.locked_output_angle_rad();
+  return inputs;
+}
+
+StopReason PhaseRunner::SoftRequest() const noexcept {
+  switch (request_.load(std::memory_order_relaxed)) {
+    case StopRequest::kPause:
+      return {StopCause::kPauseRequested, 0.0, 0.0, readings_.time};
+    case StopRequest::kShutdown:
+      return {StopCause::kShutdownRequested, 0.0, 0.0, readings_.time};
+    case StopRequest::kNone:
+    case StopRequest::kFinishCycle:  // the campaign looks at it after the cycle
+    case StopRequest::kQuickStop:    // never soft
+      return {};
+  }
+  return {};
+}
+
+void PhaseRunner::Remember(const Readings& readings) noexcept {
+  const std::array<double, kHistoryChannels> row{duration<double>(readings.time).count(),
+                                                 DegFromRad(readings.input_angle_rad),
+                                                 DegFromRad(readings.output_angle_rad),
+                                                 RpmFromRadPerS(readings.input_speed_rad_per_s),
+                                                 readings.output_torque_Nm,
+                                                 readings.motor_torque_Nm,
+                                                 readings.gear_temperature_degC,
+                                                 readings.ambient_temperature_degC,
+                                                 readings.vibration_rms_m_per_s2};
+  history_.Push(row);
+}
+
+StopReason PhaseRunner::OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept {
+  readings_ = devices_.sampler.Read();
+  Remember(readings_);
+  if (const StopReason broken = interlocks_.Check(readings_, Inputs(program))) return broken;
+  if (request_.load(std::memory_order_relaxed) == StopRequest::kQuickStop) {
+    return {StopCause::kQuickStopRequested, 0.0, 0.0, readings_.time};
+  }
+  if (const StopReason suspended = suspend_.Check(readings_, period_s)) return suspended;
+  if (elapsed_s > program.timeout_s()) {
+    return {StopCause::kPhaseTimeout, elapsed_s, program.timeout_s(), readings_.time};
+  }
+  return {};
+}
+
+PhaseOutcome PhaseRunner::Run(PhaseProgram& program, const HeartbeatFunction& heartbeat) {
+  const double period_s = std::min(settings_.control_period_s, program.control_period_s());
+  const nanoseconds period = Nanoseconds(period_s);
+  PhaseOutcome outcome;
+  {
+    const SafeOnExit safe(*this);
+    const nanoseconds start = devices_.clock.Now();
+    nanoseconds next = start;
+    nanoseconds next_heartbeat = start + Nanoseconds(kHeartbeat_s);
+    readings_ = devices_.sampler.Read();
+    bool set_up = false;
+    StopReason winding_down;
+    while (true) {
+      const double elapsed_s = duration<double>(next - start).count();
+      outcome.reason = OnePeriod(program, elapsed_s, period_s);
+      if (outcome.reason) break;
+      if (!set_up) {
+        program.SetUp(readings_, devices_);
+        set_up = true;
+      }
+      if (!winding_down) {
+        winding_down = SoftRequest();
+        const bool by_itself = winding_down && program.WindDown();
+        if (!by_itself && winding_down.cause == StopCause::kShutdownRequested) {
+          outcome.reason = winding_down;
+          break;
+        }
+        // A pause waits for the end of a phase that cannot be cut.
+        if (!by_itself) winding_down = {};
+      }
+      const StepResult result = program.Step(readings_, elapsed_s, devices_);
+      if (result == StepResult::kDone) outcome.reason = winding_down;
+      if (result == StepResult::kFailedCheck) outcome.reason = program.failed_check();
+      if (result == StepResult::kLogFull) outcome.reason = {StopCause::kLogFull, 0.0, 0.0, readings_.time};
+      if (result != StepResult::kRunning) break;
+      program.Collect(devices_);
+      if (next >= next_heartbeat) {
+        next_heartbeat += Nanoseconds(kHeartbeat_s);
+        heartbeat(program);
+      }
+      next += period;
+      devices_.clock.SleepUntil(next);
+    }
+  }
+  outcome.credited_load_s = program.credited_load_s();
+  if (IsFault(outcome.reason.cause)) AfterFault(program, outcome);
+  program.Collect(devices_);
+  outcome.records = program.TakeRecords();
+  return outcome;
+}
+
+void PhaseRunner::AfterFault(PhaseProgram& program, PhaseOutcome& outcome) {
+  const nanoseconds period = Nanoseconds(settings_.control_period_s);
+  const auto rows = static_cast<int>(kAfterStop_s / settings_.control_period_s);
+  for (int row = 0; row < rows; ++row) {
+    devices_.clock.SleepUntil(devices_.clock.Now() + period);
+    readings_ = devices_.sampler.Read();
+    Remember(readings_);
+    std::array<StopReason, 12> broken;
+    const std::size_t count = interlocks_.CheckAll(readings_, Inputs(program), broken);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto same = [&](const StopReason& known) { return known.cause == broken[i].cause; };
+      if (same(outcome.reason) || std::ranges::any_of(outcome.followed, same)) continue;
+      outcome.followed.push_back(broken[i]);
+    }
+  }
+  std::vector<std::vector<double>> kept = history_.Unroll();
+  constexpr std::array<const char*, kHistoryChannels> kNames{
+      "time_s",          "input_angle_deg",        "output_angle_deg",         "input_speed_rpm",       "torque_Nm",
+      "motor_torque_Nm", "gear_temperature_degC",  "ambient_temperature_degC", "vibration_rms_m_per_s2"};
+  NamedRecord box{"black_box", {}};
+  box.record.kind = "history";
+  box.record.SetMetadata("stop_time_s", duration<double>(outcome.reason.time).count());
+  box.record.SetMetadata("stop_cause", std::string(Code(outcome.reason.cause)));
+  for (std::size_t channel = 0; channel < kNames.size(); ++channel) {
+    box.record.columns.push_back({kNames[channel], std::move(kept[channel]), {}, {}});
+  }
+  outcome.black_box.push_back(std::move(box));
+}
+
+StopReason PhaseRunner::WaitUntilRecovered(const HeartbeatFunction& heartbeat) {
+  MakeSafe();
+  const double period_s = settings_.control_period_s;
+  double waited_s = 0.0;
+  double since_heartbeat_s = 0.0;
+  const SoakProgram standstill({});
+  while (true) {
+    devices_.clock.SleepUntil(devices_.clock.Now() + Nanoseconds(period_s));
+    waited_s += period_s;
+    readings_ = devices_.sampler.Read();
+    Remember(readings_);
+    if (request_.load(std::memory_order_relaxed) == StopRequest::kQuickStop) {
+      return {StopCause::kQuickStopRequested, 0.0, 0.0, readings_.time};
+    }
+    if (const StopReason asked = SoftRequest()) return asked;
+    if (suspend_.Recovered(readings_, period_s)) return {};
+    if (waited_s > settings_.suspend.give_up_s) {
+      return {StopCause::kPhaseTimeout, waited_s, settings_.suspend.give_up_s, readings_.time};
+    }
+    since_heartbeat_s += period_s;
+    if (since_heartbeat_s >= kHeartbeat_s) {
+      since_heartbeat_s = 0.0;
+      heartbeat(standstill);
+    }
+  }
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <vector>
+
+#include "bench/controller/interlocks.h"
+#include "bench/controller/phase_program.h"
+#include "daq/history_ring.h"
+
+namespace strainwave::bench {
+
+/// What a person has asked for; set from a signal handler, read by the control loop.
+enum class StopRequest : int { kNone, kFinishCycle, kPause, kShutdown, kQuickStop };
+
+/// How a phase ended, and everything that is known of why.
+struct PhaseOutcome {
+  StopReason reason;                 // none: the phase is complete
+  std::vector<StopReason> followed;  // other limits broken within a second after the first
+  double credited_load_s{};
+  std::vector<NamedRecord> records;
+  /// Samples of all slow channels at the control rate, ten seconds before the stop and one after; only when
+  /// the reason is a fault.
+  std::vector<NamedRecord> black_box;
+};
+
+/// Called about once a second of bench time, between two control periods.
+using HeartbeatFunction = std::function<void(const PhaseProgram&)>;
+
+struct RunnerSettings {
+  double control_period_s{0.01};
+  schedules::Limits limits;
+  schedules::SuspendRule suspend;
+};
+
+/// Runs phases on the bench: keeps the period, watches every limit and every request, steps the program, and
+/// leaves the bench with torque off and brakes on, however the phase ends.
+class PhaseRunner {
+ public:
+  PhaseRunner(BenchDevices devices, const RunnerSettings& settings, const std::atomic<StopRequest>& request);
+
+  /// @param heartbeat  may throw; the bench is safe before the exception leaves.
+  PhaseOutcome Run(PhaseProgram& program, const HeartbeatFunction& heartbeat);
+
+  /// Stands still with torque off until the suspend condition has been clear for its dwell.
+  /// @return none, or why it ended without (a fault, a request, or suspended for too long).
+  StopReason WaitUntilRecovered(const HeartbeatFunction& heartbeat);
+
+  /// Torque off and brakes on, at once.
+  void MakeSafe() noexcept;
+
+  const Readings& last_readings() const noexcept { return readings_; }
+
+ private:
+  StopReason OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept;
+  StopReason SoftRequest() const noexcept;  // pause or shutdown, where asked for
+  InterlockInputs Inputs(const PhaseProgram& program) const noexcept;
+  void Remember(const Readings& readings) noexcept;
+  void AfterFault(PhaseProgram& program, PhaseOutcome& outcome);
+
+  BenchDevices devices_;
+  RunnerSettings settings_;
+  Interlocks interlocks_;
+  SuspendMonitor suspend_;
+  const std::atomic<StopRequest>& request_;
+  daq::HistoryRing history_;
+  Readings readings_;
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/controller/rotation_program.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/units.h"
+
+namespace strainwave::bench {
+namespace {
+
+constexpr double kTorqueRate_Nm_per_s = 200.0;
+constexpr double kSpeedReached = 0.995;  // of the asked speed
+
+double MeasureDuration(const schedules::MeasurementRotation& rotation, double ratio) {
+  return rotation.turns * kTwoPi * std::abs(ratio) / rotation.input_speed_rad_per_s;
+}
+
+}  // namespace
+
+RotationProgram::RotationProgram(const schedules::MeasurementRotation& parameters, double ratio)
+    : parameters_(parameters),
+      direction_(parameters.clockwise ? 1.0 : -1.0),
+      turn_input_rad_(parameters.turns * kTwoPi * std::abs(ratio)),
+      speed_(parameters.input_acceleration_rad_per_s2),
+      torque_(kTorqueRate_Nm_per_s),
+      log_({"time_s", "position_rad", "velocity_rad_per_s", "torque_Nm", "output_angle_deg", "output_torque_Nm",
+            "temperature_degC"},
+           static_cast<std::size_t>(1.1 * MeasureDuration(parameters, ratio) * parameters.log_rate_hz) + 64) {}
+
+double RotationProgram::timeout_s() const {
+  return 1.5 * turn_input_rad_ / parameters_.input_speed_rad_per_s + 60.0;
+}
+
+void RotationProgram::SetUp(const Readings&, BenchDevices& devices) {
+  const auto samples = static_cast<std::size_t>(
+      1.1 * turn_input_rad_ / parameters_.input_speed_rad_per_s * parameters_.vibration_rate_hz);
+  for (auto* channel : {&vibration_.accel_x_m_per_s2, &vibration_.accel_y_m_per_s2, &vibration_.accel_z_m_per_s2,
+                        &vibration_.accel_motor_z_m_per_s2}) {
+    channel->reserve(samples);
+  }
+  devices.driving.Enable(DriveMode::kSpeed);
+  devices.load.Enable(DriveMode::kTorque);
+}
+
+StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+  const double period_s = control_period_s();
+  const double speed = direction_ * parameters_.input_speed_rad_per_s;
+  switch (stage_) {
+    case Stage::kBringUp: {
+      const bool driving_up = BroughtUp(devices.driving);
+      const bool load_up = BroughtUp(devices.load);
+      if (driving_up && load_up) stage_ = Stage::kRunUp;
+      return StepResult::kRunning;
+    }
+    case Stage::kRunUp:
+      devices.driving.CommandSpeed(speed_.Step(speed, period_s));
+      devices.load.CommandTorque(torque_.Step(-direction_ * parameters_.output_torque_Nm, period_s));
+      if (std::abs(readings.input_speed_rad_per_s) > kSpeedReached * parameters_.input_speed_rad_per_s &&
+          torque_.value() == -direction_ * parameters_.output_torque_Nm) {
+        measure_from_rad_ = readings.input_angle_rad;
+        start_s_ = elapsed_s;
+        stage_ = Stage::kMeasure;
+      }
+      return StepResult::kRunning;
+    case Stage::kMeasure: {
+      const double travelled = direction_ * (readings.input_angle_rad - measure_from_rad_);
+      share_done_ = std::clamp(travelled / turn_input_rad_, 0.0, 1.0);
+      if (travelled >= turn_input_rad_) {
+        stage_ = Stage::kRunDown;
+        return StepResult::kRunning;
+      }
+      return log_.Append({elapsed_s - start_s_, readings.input_angle_rad, readings.input_speed_rad_per_s,
+                          readings.motor_torque_Nm, DegFromRad(readings.output_angle_rad),
+                          readings.output_torque_Nm, readings.gear_temperature_degC})
+                 ? StepResult::kRunning
+                 : StepResult::kLogFull;
+    }
+    case Stage::kRunDown:
+      devices.driving.CommandSpeed(speed_.Step(0.0, period_s));
+      devices.load.CommandTorque(torque_.Step(0.0, period_s));
+      return speed_.value() == 0.0 && torque_.value() == 0.0 ? StepResult::kDone : StepResult::kRunning;
+  }
+  return StepResult::kRunning;
+}
+
+void RotationProgram::Collect(BenchDevices& devices) {
+  const bool wanted = stage_ == Stage::kMeasure;
+  if (wanted && !vibration_running_) devices.sampler.StartVibration(parameters_.vibration_rate_hz);
+  if (vibration_running_) devices.sampler.DrainVibration(vibration_);
+  if (!wanted && vibration_running_) devices.sampler.StopVibration();
+  vibration_running_ = wanted;
+}
+
+std::vector<NamedRecord> RotationProgram::TakeRecords() {
+  NamedRecord vibration{"vibration", {}};
+  vibration.record.kind = "vibration";
+  vibration.record.SetMetadata("sample_rate_hz", parameters_.vibration_rate_hz);
+  vibration.record.SetMetadata("input_speed_rpm", RpmFromRadPerS(parameters_.input_speed_rad_per_s));
+  vibration.record.SetMetadata("direction", parameters_.clockwise ? "cw" : "ccw");
+  const auto add = [&](const char* name, std::vector<float>& samples) {
+    vibration.record.columns.push_back({name, std::move(samples), {}, {}});
+  };
+  add("accel_x_m_per_s2", vibration_.accel_x_m_per_s2);
+  add("accel_y_m_per_s2", vibration_.accel_y_m_per_s2);
+  add("accel_z_m_per_s2", vibration_.accel_z_m_per_s2);
+  add("accel_motor_z_m_per_s2", vibration_.accel_motor_z_m_per_s2);
+
+  NamedRecord rotation{"rotation", {}};
+  rotation.record.kind = "motion";
+  rotation.record.SetMetadata("sample_rate_hz", parameters_.log_rate_hz);
+  const std::vector<std::string> single{"torque_Nm", "output_torque_Nm", "temperature_degC", "velocity_rad_per_s"};
+  rotation.record.columns = log_.Take(single);
+  std::vector<NamedRecord> records;
+  records.push_back(std::move(vibration));
+  records.push_back(std::move(rotation));
+  return records;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench/controller/motion.h"
+#include "bench/controller/phase_program.h"
+#include "bench/controller/row_log.h"
+#include "schedules/reader/schedule.h"
+
+namespace strainwave::bench {
+
+/// One rotation of the output at constant speed with raw vibration: runs up, keeps exactly the asked turns
+/// at speed, runs down. Two records: `vibration` (accelerometers) and `rotation` (kind motion: angles,
+/// torques, temperature at the log rate).
+class RotationProgram final : public PhaseProgram {
+ public:
+  RotationProgram(const schedules::MeasurementRotation& parameters, double ratio);
+
+  void SetUp(const Readings& readings, BenchDevices& devices) override;
+  StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
+  void Collect(BenchDevices& devices) override;
+  double control_period_s() const override { return 1.0 / parameters_.log_rate_hz; }
+  double timeout_s() const override;
+  double share_done() const noexcept override { return share_done_; }
+  std::vector<NamedRecord> TakeRecords() override;
+
+ private:
+  enum class Stage { kBringUp, kRunUp, kMeasure, kRunDown };
+
+  schedules::MeasurementRotation parameters_;
+  double direction_;
+  double turn_input_rad_;
+  Stage stage_{Stage::kBringUp};
+  double measure_from_rad_{};
+  double start_s_{};
+  double share_done_{};
+  bool vibration_running_{};
+  Ramp speed_;
+  Ramp torque_;
+  VibrationBlock vibration_;
+  RowLog log_;
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daq/record.h"
+
+namespace strainwave::bench {
+
+/// Rows of a record while it is being taken: memory is set aside before the phase starts, so that appending
+/// allocates nothing.
+class RowLog {
+ public:
+  RowLog(std::vector<std::string> columns, std::size_t rows);
+
+  /// False when the log is full; the row is then not kept.
+  bool Append(std::initializer_list<double> row) noexcept;
+  std::size_t rows() const noexcept { return columns_.empty() ? 0 : columns_.front().size(); }
+  std::size_t capacity() const noexcept { return capacity_; }
+
+  /// The columns, moved out. Columns in `single_precision` are stored as float.
+  std::vector<daq::Column> Take(std::span<const std::string> single_precision = {});
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> columns_;
+  std::size_t capacity_;
+};
+
+}  // namespace strainwave::bench

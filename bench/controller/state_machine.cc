@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/controller/state_machine.h"
+
+namespace strainwave::bench {
+namespace {
+
+std::optional<BenchState> NextFromReady(BenchEvent event) {
+  switch (event) {
+    case BenchEvent::kBeginLoadRun:
+      return BenchState::kLoadRun;
+    case BenchEvent::kBeginMeasurementRotation:
+      return BenchState::kMeasurementRotation;
+    case BenchEvent::kBeginTransmissionErrorSweep:
+      return BenchState::kTransmissionErrorSweep;
+    case BenchEvent::kBeginHysteresisTest:
+      return BenchState::kHysteresisTest;
+    case BenchEvent::kBeginBlankTest:
+      return BenchState::kBlankTest;
+    case BenchEvent::kBeginSoak:
+      return BenchState::kSoak;
+    case BenchEvent::kBeginStore:
+      return BenchState::kStore;
+    case BenchEvent::kFinish:
+      return BenchState::kFinished;
+    case BenchEvent::kReset:
+    case BenchEvent::kStart:
+    case BenchEvent::kReferenced:
+    case BenchEvent::kPhaseEnded:
+    case BenchEvent::kSuspend:
+    case BenchEvent::kResume:
+    case BenchEvent::kStored:
+    case BenchEvent::kFault:
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::optional<BenchState> When(bool allowed, BenchState next) {
+  return allowed ? std::optional(next) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<BenchState> Next(BenchState state, BenchEvent event) {
+  if (event == BenchEvent::kFault) return BenchState::kFaulted;
+  switch (state) {
+    case BenchState::kFaulted:
+      return When(event == BenchEvent::kReset, BenchState::kIdle);
+    case BenchState::kIdle:
+      return When(event == BenchEvent::kStart, BenchState::kReferencing);
+    case BenchState::kReferencing:
+      return When(event == BenchEvent::kReferenced, BenchState::kReady);
+    case BenchState::kReady:
+      return NextFromReady(event);
+    case BenchState::kLoadRun:
+    case BenchState::kMeasurementRotation:
+    case BenchState::kTransmissionErrorSweep:
+    case BenchState::kHysteresisTest:
+    case BenchState::kBlankTest:
+    case BenchState::kSoak:
+      if (event == BenchEvent::kSuspend) return BenchState::kSuspended;
+      return When(event == BenchEvent::kPhaseEnded, BenchState::kReady);
+    case BenchState::kSuspended:
+      return When(event == BenchEvent::kResume || event == BenchEvent::kPhaseEnded, BenchState::kReady);
+    case BenchState::kStore:
+      return When(event == BenchEvent::kStored, BenchState::kReady);
+    case BenchState::kFinished:
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+bool TorqueAllowed(BenchState state) {
+  switch (state) {
+    case BenchState::kLoadRun:
+    case BenchState::kMeasurementRotation:
+    case BenchState::kTransmissionErrorSweep:
+    case BenchState::kHysteresisTest:
+    case BenchState::kBlankTest:
+      return true;
+    case BenchState::kFaulted:
+    case BenchState::kIdle:
+    case BenchState::kReferencing:
+    case BenchState::kReady:
+    case BenchState::kSoak:
+    case BenchState::kSuspended:
+    case BenchState::kStore:
+    case BenchState::kFinished:
+      return false;
+  }
+  return false;
+}
+
+std::string_view Name(BenchState state) {
+  switch (state) {
+    case BenchState::kFaulted:
+      return "faulted";
+    case BenchState::kIdle:
+      return "idle";
+    case BenchState::kReferencing:
+      return "referencing";
+    case BenchState::kReady:
+      return "ready";
+    case BenchState::kLoadRun:
+      return "load run";
+    case BenchState::kMeasurementRotation:
+      return "measurement rotation";
+    case BenchState::kTransmissionErrorSweep:
+      return "transmission-error sweep";
+    case BenchState::kHysteresisTest:
+      return "hysteresis test, input locked";
+    case BenchState::kBlankTest:
+      return "blank test";
+    case BenchState::kSoak:
+      return "soak";
+    case BenchState::kSuspended:
+      return "suspended";
+    case BenchState::kStore:
+      return "store";
+    case BenchState::kFinished:
+      return "finished";
+  }
+  return "?";
+}
+
+}  // namespace strainwave::bench

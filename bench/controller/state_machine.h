@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+namespace strainwave::bench {
+
+/// What the bench is doing. Torque is possible only in the states from kLoadRun to kBlankTest.
+enum class BenchState {
+  kFaulted,      // at power-up and after every trip: torque off, brakes on, until a person resets
+  kIdle,         // reset, waiting for the start action
+  kReferencing,  // encoders, torque zero and sensors are checked at standstill
+  kReady,        // between phases: torque off, brakes on
+  kLoadRun,
+  kMeasurementRotation,
+  kTransmissionErrorSweep,
+  kHysteresisTest,  // input brake locked
+  kBlankTest,
+  kSoak,       // standstill until a thermal state is reached
+  kSuspended,  // standstill until temperature or sensors have recovered
+  kStore,
+  kFinished,
+};
+
+enum class BenchEvent {
+  kReset,
+  kStart,
+  kReferenced,
+  kBeginLoadRun,
+  kBeginMeasurementRotation,
+  kBeginTransmissionErrorSweep,
+  kBeginHysteresisTest,
+  kBeginBlankTest,
+  kBeginSoak,
+  kPhaseEnded,  // done, paused or stopped on request: the bench stands safe and is not at fault
+  kSuspend,
+  kResume,
+  kBeginStore,
+  kStored,
+  kFinish,
+  kFault,
+};
+
+/// The state after `event`, or nothing where the event is not allowed in `state`. A fault is allowed in every
+/// state; a reset only leads to kIdle, from where a distinct start is needed (BENCH rows 12 and 17).
+std::optional<BenchState> Next(BenchState state, BenchEvent event);
+
+/// Whether a drive may be enabled in this state.
+bool TorqueAllowed(BenchState state);
+
+std::string_view Name(BenchState state);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/controller/stop_reason.h"
+
+#include <fmt/core.h>
+
+#include "analysis/units.h"
+
+namespace strainwave::bench {
+
+std::string_view Code(StopCause cause) {
+  switch (cause) {
+    case StopCause::kNone:
+      return "none";
+    case StopCause::kOutputTorqueLimit:
+      return "output_torque_limit";
+    case StopCause::kInputSpeedLimit:
+      return "input_speed_limit";
+    case StopCause::kGearTemperatureLimit:
+      return "gear_temperature_limit";
+    case StopCause::kVibrationLimit:
+      return "vibration_limit";
+    case StopCause::kTwistLimit:
+      return "twist_limit";
+    case StopCause::kStaleReadings:
+      return "stale_readings";
+    case StopCause::kImplausibleReading:
+      return "implausible_reading";
+    case StopCause::kDriveFault:
+      return "drive_fault";
+    case StopCause::kDriveNotReady:
+      return "drive_not_ready";
+    case StopCause::kPhaseTimeout:
+      return "phase_timeout";
+    case StopCause::kReferenceCheck:
+      return "reference_check";
+    case StopCause::kLogFull:
+      return "log_full";
+    case StopCause::kTemperatureSuspend:
+      return "temperature_suspend";
+    case StopCause::kSensorSuspend:
+      return "sensor_suspend";
+    case StopCause::kPauseRequested:
+      return "pause";
+    case StopCause::kQuickStopRequested:
+      return "quick_stop";
+    case StopCause::kShutdownRequested:
+      return "shutdown";
+  }
+  return "?";
+}
+
+std::string Describe(const StopReason& reason) {
+  const double value = reason.value;
+  const double limit = reason.limit;
+  switch (reason.cause) {
+    case StopCause::kNone:
+      return "nothing stopped";
+    case StopCause::kOutputTorqueLimit:
+      return fmt::format("output torque {:.2f} Nm is beyond the limit of {:.2f} Nm", value, limit);
+    case StopCause::kInputSpeedLimit:
+      return fmt::format("input speed {:.0f} rpm is beyond the limit of {:.0f} rpm", RpmFromRadPerS(value),
+                         RpmFromRadPerS(limit));
+    case StopCause::kGearTemperatureLimit:
+      return fmt::format("gear temperature {:.1f} degC is beyond the limit of {:.1f} degC", value, limit);
+    case StopCause::kVibrationLimit:
+      return fmt::format("vibration {:.2f} m/s2 RMS is beyond the limit of {:.2f} m/s2", value, limit);
+    case StopCause::kTwistLimit:
+      return fmt::format("twist {:.2f} arcmin is beyond the limit of {:.2f} arcmin with the input locked",
+                         ArcminFromRad(value), ArcminFromRad(limit));
+    case StopCause::kStaleReadings:
+      return fmt::format("no fresh readings for {:.0f} ms (at most {:.0f} ms)", value * 1e3, limit * 1e3);
+    case StopCause::kImplausibleReading:
+      return fmt::format("channel {:.0f} gives no plausible value", value);
+    case StopCause::kDriveFault:
+      return value < 0.5 ? "the driving servo reports a fault" : "the load servo reports a fault";
+    case StopCause::kDriveNotReady:
+      return fmt::format("a drive did not reach operation enabled within {:.1f} s", limit);
+    case StopCause::kPhaseTimeout:
+      return fmt::format("the phase took {:.0f} s, planned were at most {:.0f} s", value, limit);
+    case StopCause::kReferenceCheck:
+      return fmt::format("reference check: {:.3f} is outside of ±{:.3f}", value, limit);
+    case StopCause::kLogFull:
+      return fmt::format("the phase gave more than the {:.0f} rows set aside for it", limit);
+    case StopCause::kTemperatureSuspend:
+      return fmt::format("suspended: gear temperature {:.1f} degC is above {:.1f} degC", value, limit);
+    case StopCause::kSensorSuspend:
+      return fmt::format("suspended: channel {:.0f} was bad for {:.1f} s", value, limit);
+    case StopCause::kPauseRequested:
+      return "paused on request";
+    case StopCause::kQuickStopRequested:
+      return "quick stop on request";
+    case StopCause::kShutdownRequested:
+      return "shut down on request";
+  }
+  return "?";
+}
+
+bool IsSuspend(StopCause cause) {
+  return cause == StopCause::kTemperatureSuspend || cause == StopCause::kSensorSuspend;
+}
+
+bool IsRequest(StopCause cause) {
+  return cause == StopCause::kPauseRequested || cause == StopCause::kQuickStopRequested ||
+         cause == StopCause::kShutdownRequested;
+}
+
+bool IsFault(StopCause cause) {
+  return cause != StopCause::kNone && !IsSuspend(cause) && !IsRequest(cause);
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+
+namespace strainwave::bench {
+
+/// Why a running phase left its body before it was done. The cyclic path carries this; words come later.
+enum class StopCause {
+  kNone,
+  // Limits and faults: the bench is faulted afterwards.
+  kOutputTorqueLimit,
+  kInputSpeedLimit,
+  kGearTemperatureLimit,
+  kVibrationLimit,
+  kTwistLimit,
+  kStaleReadings,
+  kImplausibleReading,
+  kDriveFault,
+  kDriveNotReady,
+  kPhaseTimeout,
+  kReferenceCheck,
+  kLogFull,
+  // Suspension: the phase goes on or starts again when the condition has passed.
+  kTemperatureSuspend,
+  kSensorSuspend,
+  // A person asked for it.
+  kPauseRequested,
+  kQuickStopRequested,
+  kShutdownRequested,
+};
+
+struct StopReason {
+  StopCause cause{StopCause::kNone};
+  double value{};
+  double limit{};
+  std::chrono::nanoseconds time{};
+
+  explicit operator bool() const { return cause != StopCause::kNone; }
+};
+
+/// Short name for the journal ("output_torque_limit").
+std::string_view Code(StopCause cause);
+
+/// One sentence for a technician, with the value, the limit and their units.
+std::string Describe(const StopReason& reason);
+
+bool IsFault(StopCause cause);
+bool IsSuspend(StopCause cause);
+bool IsRequest(StopCause cause);
+
+}  // namespace strainwave::bench

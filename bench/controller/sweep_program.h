@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench/controller/motion.h"
+#include "bench/controller/phase_program.h"
+#include "bench/controller/row_log.h"
+#include "schedules/reader/schedule.h"
+
+namespace strainwave::bench {
+
+/// Transmission error at standstill: from the output's reference angle in equal steps through the asked
+/// angle, reading both encoders after each step, clockwise and then counter-clockwise. Before each direction
+/// the output comes from behind, so that the first reading has the same history as the others.
+/// `steps` moves give `steps` + 1 readings.
+class SweepProgram final : public PhaseProgram {
+ public:
+  SweepProgram(const schedules::TransmissionErrorSweep& parameters, double ratio, double period_s);
+
+  void SetUp(const Readings& readings, BenchDevices& devices) override;
+  StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
+  double timeout_s() const override;
+  double share_done() const noexcept override;
+  std::vector<NamedRecord> TakeRecords() override;
+
+ private:
+  enum class Stage { kBringUp, kApproach, kMove, kSettle, kAverage };
+
+  void MoveTo(double input_rad, double elapsed_s) noexcept;
+  double StepTarget(int step) const noexcept;
+  void BeginDirection(double direction, double elapsed_s) noexcept;
+
+  schedules::TransmissionErrorSweep parameters_;
+  double ratio_;
+  double period_s_;
+  Stage stage_{Stage::kBringUp};
+  double direction_{1.0};
+  bool second_direction_{};
+  double home_input_rad_{};
+  double target_rad_{};
+  int step_{};
+  PointToPoint move_;
+  double stage_start_s_{};
+  // Sums over the averaging time, relative to its first reading, so that no digits are lost.
+  int count_{};
+  double input_start_rad_{}, output_start_rad_{};
+  double input_sum_rad_{}, output_sum_rad_{}, torque_sum_Nm_{};
+  RowLog log_;
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "analysis/model/plant_parameters.h"
+#include "bench/devices/simulated/plant_state.h"
+
+namespace strainwave::bench {
+
+/// What the drives ask of the mechanics during one step.
+struct PlantCommands {
+  enum class Input { kFree, kTorque, kSpeed, kPosition };
+  Input input{Input::kFree};
+  double input_set_point{};  // Nm, rad/s or rad, by `input`
+  bool input_brake{true};
+  bool load_enabled{};
+  double load_torque_Nm{};  // at the output
+  bool load_brake{true};
+};
+
+/// The mechanics of the bench: servo, gear, couplings, transducer and load train, stepped in time.
+///
+/// Steps of at most `kLongestDynamicStep_s` are integrated: two inertias, the gear's spring with damping
+/// between them, the servo's speed loop, in substeps of at most a quarter of a millisecond. Longer steps take
+/// the quasi-static limit: the servo follows its set point, the output is where the torques balance, inertia
+/// counts only through the acceleration of the set point. The two agree for motion that is slow beside the
+/// torsional resonance (some 30 Hz); torque ripple at two per input turn (E14, E15) is only in the short
+/// steps. An input that nothing holds is integrated at any step length.
+///
+/// Temperatures, wear and what depends on them move on once a second.
+class GearPlant {
+ public:
+  static constexpr double kLongestDynamicStep_s = 2.0e-3;
+
+  explicit GearPlant(const analysis::model::PlantParameters& specimen);
+
+  void Step(const PlantCommands& commands, double step_s) noexcept;
+
+  const PlantState& state() const noexcept { return state_; }
+  /// Takes over a state; what depends on the slow states follows it.
+  void SetState(const PlantState& state) noexcept;
+  /// Puts a rigid shaft in the gear's place (ratio 1, only the series compliance), or the gear back.
+  void MountBlank(bool mounted) noexcept;
+  void SetGearTemperature(double temperature_degC) noexcept;
+
+  const analysis::model::PlantParameters& specimen() const noexcept { return specimen_; }
+  /// The properties of the gear as it is now, worn and at its temperature.
+  const analysis::model::TwistLaw& law() const noexcept { return law_; }
+  const analysis::model::KinematicSeries& kinematic() const noexcept { return kinematic_; }
+  const analysis::model::FrictionAtTemperature& friction() const noexcept { return friction_; }
+  double ratio() const noexcept { return ratio_; }
+  double room_degC() const noexcept { return room_degC_; }
+  /// Sine of four times the input angle: one period for each pole pair of the motor.
+  double electrical_sine() const noexcept { return electrical_sine_; }
+
+ private:
+  // Step-length dependent factors, kept because the step length hardly ever changes.
+  struct StepFactors {
+    double step_s{-1.0};
+    analysis::model::CreepStep creep;
+    double load_lag{};
+    double position{};
+  };
+  // What depends on the input angle alone.
+  struct AtAngle {
+    double error_rad, error_derivative, stiffness_scale, cos1, cos2, cos8, output_sin;
+  };
+
+  void PrepareFactors(StepFactors& factors, double step_s) const noexcept;
+  AtAngle Evaluate(double input_rad) noexcept;
+  void StepBrakes(const PlantCommands& commands, double step_s) noexcept;
+  void CloseLoadBrake(bool closed) noexcept;
+  void StepQuasiStatic(const PlantCommands& commands, double step_s) noexcept;
+  void StepDynamic(const PlantCommands& commands, double step_s) noexcept;
+  void Substep(const PlantCommands& commands, double step_s) noexcept;
+  double ReflectedInertia() const noexcept;
+  double ReachableSpeed(double wanted_rad_per_s, double step_s) const noexcept;
+  double ApproachSpeed(double remaining_rad, double wanted_rad_per_s) const noexcept;
+  double ServoTorque(const PlantCommands& commands, double step_s) noexcept;
+  double DisturbedLoad(const PlantCommands& commands, double output_sin) const noexcept;
+  double InputFriction(double dry_Nm, double speed_rad_per_s) noexcept;
+  double SlipBrake(double step_s) noexcept;
+  void Account(double travel_rad, double friction_Nm, double step_s) noexcept;
+  void UpdateSlowStates() noexcept;
+  void RefreshProperties() noexcept;
+  analysis::model::OutputGrip Grip() const noexcept;
+  bool dynamics_possible() const noexcept;
+
+  analysis::model::PlantParameters specimen_;
+  double ratio_;
+  double inverse_ratio_;
+  double room_degC_{};
+  analysis::model::TwistLaw law_;
+  analysis::model::TwistCurve free_curve_;
+  analysis::model::TwistCurve locked_curve_;  // with the brake's compliance on top
+  analysis::model::KinematicSeries kinematic_;
+  analysis::model::FrictionAtTemperature friction_;
+  double stiffness_ripple_{};
+  double electrical_sine_{};
+  StepFactors quasi_static_;
+  StepFactors substep_;
+  PlantState state_;
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "bench/controller/phase_program.h"
+
+namespace strainwave::bench {
+
+/// One bench as a campaign sees it: its devices, and the little in which a simulated one differs from one
+/// made of metal. The defaults are those of metal.
+class BenchMachine {
+ public:
+  BenchMachine() = default;
+  BenchMachine(const BenchMachine&) = delete;
+  BenchMachine& operator=(const BenchMachine&) = delete;
+  virtual ~BenchMachine() = default;
+
+  virtual BenchDevices Devices() = 0;
+  /// True when the clock is not the world's, so that waiting for another thread must not step it.
+  virtual bool simulated() const { return false; }
+
+  /// What the bench itself remembers over a power cut: nothing on metal, where the shafts simply stay where
+  /// they are. The view holds until the next call.
+  virtual std::span<const std::byte> Memory() { return {}; }
+  virtual void RestoreMemory(std::span<const std::byte>) {}
+
+  /// A phase begins; `key` is the same whenever this phase of this cycle is run again.
+  virtual void BeginPhase(std::uint64_t) {}
+
+  /// The gear is replaced by the rigid blank, or put back. On metal a person does it and confirms.
+  virtual void MountBlank(bool mounted) = 0;
+
+  /// All measurements of a cycle are done; a simulated bench may note the truth it alone knows.
+  virtual void CycleMeasured(int) {}
+};
+
+}  // namespace strainwave::bench

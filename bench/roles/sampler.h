@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace strainwave::bench {
+
+/// The slow channels of the bench, one value each a control period. Angles are those of the two measuring
+/// encoders: at the motor shaft and at the reducer's output.
+struct Readings {
+  std::chrono::nanoseconds time{};
+  double input_angle_rad{};
+  double output_angle_rad{};
+  double input_speed_rad_per_s{};
+  double output_torque_Nm{};
+  double motor_torque_Nm{};  // from the motor current
+  double gear_temperature_degC{};
+  double ambient_temperature_degC{};
+  double vibration_rms_m_per_s2{};  // over the last tenth of a second, strongest axis
+  /// Bit n set: channel n of `Channel` gave no fresh, plausible value this period.
+  unsigned bad_channels{};
+};
+
+/// Number and order of the slow channels, as in `Readings::bad_channels`.
+enum class Channel : unsigned {
+  kInputAngle,
+  kOutputAngle,
+  kInputSpeed,
+  kOutputTorque,
+  kMotorTorque,
+  kGearTemperature,
+  kAmbientTemperature,
+  kVibrationRms,
+};
+
+/// Samples of the four accelerometers since the last call, all of one length.
+struct VibrationBlock {
+  std::vector<float> accel_x_m_per_s2;
+  std::vector<float> accel_y_m_per_s2;
+  std::vector<float> accel_z_m_per_s2;
+  std::vector<float> accel_motor_z_m_per_s2;
+};
+
+/// The measuring side of a bench.
+class Sampler {
+ public:
+  Sampler() = default;
+  Sampler(const Sampler&) = delete;
+  Sampler& operator=(const Sampler&) = delete;
+  virtual ~Sampler() = default;
+
+  /// The newest value of every slow channel. Never waits.
+  virtual Readings Read() noexcept = 0;
+
+  /// Starts keeping raw vibration at this rate, from now on, until stopped.
+  virtual void StartVibration(double sample_rate_hz) = 0;
+  virtual void StopVibration() = 0;
+  /// Appends what came in since the last call. Called between control periods, so it may allocate.
+  virtual void DrainVibration(VibrationBlock& block) = 0;
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daq/record.h"
+
+/// HDF5 files of several records, such as the raw records of one cycle, `cycles/NNNNNN.h5` (`FORMAT.md`).
+namespace strainwave::daq {
+
+/// Whether what is read must keep the rules of `record_rules.h`, or is taken as it was stored (a sensor that
+/// died is part of the raw record).
+enum class Checking { kRules, kNone };
+
+/// Names and texts in order; a text that is a number in its shortest form is stored as a number.
+using Attributes = std::vector<std::pair<std::string, std::string>>;
+
+struct NamedRecord {
+  std::string group;  // "hysteresis", "repeat/2/hysteresis"; a leading slash is allowed
+  Record record;
+};
+
+struct CycleFile {
+  Attributes attributes;
+  std::vector<NamedRecord> records;  // in the order written; `group` with its leading slash
+};
+
+/// Writes the records as one file that appears whole or not at all, also after a power cut. Values are not
+/// judged, so that whatever was measured can be stored. The same arguments give the same bytes.
+/// @throws std::invalid_argument if there is no record, two have one group, or one cannot be written (see
+///   `WriteRecordGroup`); DataFileError with the path and the errno of the step that failed.
+void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const NamedRecord> records,
+                            const Attributes& attributes = {});
+
+/// Reads every record of a file, and the attributes of the file itself.
+/// @throws RecordError with the findings of all records: a missing or cut file, a foreign one without a
+/// record, a
+///   checksum that does not match, and with `Checking::kRules` what breaks the rules.
+CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking = Checking::kRules);
+
+}  // namespace strainwave::daq

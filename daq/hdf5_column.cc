@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daq/hdf5_column.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "daq/csv_text.h"
+#include "daq/hdf5_attributes.h"
+#include "daq/hdf5_handle.h"
+#include "daq/hdf5_text.h"
+#include "daq/record_rules.h"
+
+namespace strainwave::daq {
+namespace {
+
+constexpr hsize_t kMostRowsPerChunk = 65536;
+constexpr std::size_t kMostTroubles = kMostBreaksPerColumn;
+constexpr std::size_t kDirectionWidth = 3;
+
+Hdf5Handle CreateDirectionType() {
+  Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  Check(H5Tset_size(type.get(), kDirectionWidth));
+  Check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
+  return type;
+}
+
+struct Layout {
+  hid_t file_type;
+  hid_t memory_type;
+  const void* values;
+  const void* fill;  // of the memory type
+};
+
+Hdf5Handle WriteDataset(hid_t group, const std::string& name, hsize_t rows, const Layout& layout) {
+  const Hdf5Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+  const Hdf5Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const hsize_t chunk = std::min(rows, kMostRowsPerChunk);
+  Check(H5Pset_chunk(properties.get(), 1, &chunk));
+  Check(H5Pset_fletcher32(properties.get()));
+  Check(H5Pset_fill_value(properties.get(), layout.memory_type, layout.fill));
+  Check(H5Pset_obj_track_times(properties.get(), false));  // the same record gives the same bytes
+  Hdf5Handle dataset(H5Dcreate2(group, name.c_str(), layout.file_type, space.get(), H5P_DEFAULT,
+                                properties.get(), H5P_DEFAULT),
+                     H5Dclose);
+  Check(H5Dwrite(dataset.get(), layout.memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, layout.values));
+  return dataset;
+}
+
+Hdf5Handle WriteValues(hid_t group, const Column& column) {
+  const auto rows = static_cast<hsize_t>(column.size());
+  // A chunk that went missing must not read as good zeros. NaN shows in every tool.
+  if (const auto* doubles = std::get_if<std::vector<double>>(&column.values)) {
+    const double fill = std::numeric_limits<double>::quiet_NaN();
+    return WriteDataset(group, column.name, rows,
+                        {H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, doubles->data(), &fill});
+  }
+  if (const auto* floats = std::get_if<std::vector<float>>(&column.values)) {
+    const float fill = std::numeric_limits<float>::quiet_NaN();
+    return WriteDataset(group, column.name, rows, {H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, floats->data(), &fill});
+  }
+  const auto& directions = std::get<std::vector<Direction>>(column.values);
+  std::vector<std::array<char, kDirectionWidth>> texts;
+  texts.reserve(directions.size());
+  for (const Direction direction : directions) {
+    texts.push_back(direction == Direction::kClockwise ? std::array{'c', 'w', '\0'}
+                                                       : std::array{'c', 'c', 'w'});
+  }
+  const std::array<char, kDirectionWidth> fill{};
+  const Hdf5Handle type = CreateDirectionType();
+  return WriteDataset(group, column.name, rows, {type.get(), type.get(), texts.data(), &fill});
+}
+
+// Reading a part of a dataset that was never written gives its fill value, zeros as a rule: invented data.
+bool HoldsAllValues(hid_t dataset, hid_t space) {
+  const Hdf5Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  switch (H5Pget_layout(properties.get())) {
+    case H5D_CHUNKED: {
+      std::array<hsize_t, H5S_MAX_RANK> chunk{};
+      std::array<hsize_t, H5S_MAX_RANK> extent{};
+      const int rank = Check(H5Pget_chunk(properties.get(), H5S_MAX_RANK, chunk.data()));
+      Check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
+      hsize_t expected = 1;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(rank); ++i) {
+        expected *= (extent[i] + chunk[i] - 1) / chunk[i];
+      }
+      hsize_t present{};
+      Check(H5Dget_num_chunks(dataset, space, &present));
+      return present >= expected;
+    }
+    case H5D_CONTIGUOUS:
+      return H5Dget_storage_size(dataset) > 0;
+    case H5D_COMPACT:
+      return true;
+    default:
+      return false;  // virtual: the values are in other files
+  }
+}
+
+// Rows of a dataset that is a column, of one dimension that counts; nothing otherwise.
+std::optional<std::size_t> RowsOf(hid_t space) {
+  if (H5Sget_simple_extent_type(space) != H5S_SIMPLE) return std::nullopt;
+  std::array<hsize_t, H5S_MAX_RANK> extent{};
+  const int rank = Check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
+  hsize_t rows = 1;
+  int long_dimensions = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rank); ++i) {
+    if (extent[i] == 1) continue;
+    ++long_dimensions;
+    rows = extent[i];
+  }
+  if (rank == 0 || long_dimensions > 1) return std::nullopt;
+  return static_cast<std::size_t>(rows);
+}
+
+std::optional<Direction> DirectionOf(double number) {
+  if (number == 1.0) return Direction::kClockwise;
+  if (number == -1.0) return Direction::kCounterClockwise;
+  return std::nullopt;
+}
+
+std::optional<Direction> DirectionOf(const std::string& text) {
+  if (text == "cw") return Direction::kClockwise;
+  if (text == "ccw") return Direction::kCounterClockwise;
+  return std::nullopt;
+}
+
+std::optional<Direction> DirectionOf(const NamedValue& value) {
+  const std::optional<Direction> by_name = DirectionOf(value.name);
+  return by_name ? by_name : DirectionOf(static_cast<double>(value.number));
+}
+
+std::string Describe(double number) { return ShortestText(number); }
+std::string Describe(const std::string& text) { return Quoted(text); }
+std::string Describe(const NamedValue& value) {
+  return value.name.empty() ? std::to_string(value.number) : Quoted(value.name);
+}
+
+template <typename Value>
+void TakeDirections(const std::vector<Value>& values, ReadColumnResult& result) {
+  std::vector<Direction> directions;
+  directions.reserve(values.size());
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    const std::optional<Direction> direction = DirectionOf(values[row]);
+    directions.push_back(direction.value_or(Direction::kClockwise));
+    if (direction || result.troubles.size() >= kMostTroubles) continue;
+    result.troubles.push_back(
+        {row, fmt::format("{} is {}", result.column.name, Describe(values[row])), "cw or ccw, or 1 or -1"});
+  }
+  result.column.values = std::move(directions);
+}
+
+template <typename Number>
+std::vector<Number> ReadNumbers(const Hdf5Values& values, hid_t memory_type) {
+  std::vector<Number> numbers(values.count);
+  values.Read(memory_type, numbers.data());
+  return numbers;
+}
+
+void ReadValues(const Hdf5Values& values, ColumnType type, ReadColumnResult& result) {
+  const H5T_class_t type_class = H5Tget_class(values.type);
+  const bool is_number = type_class == H5T_FLOAT || type_class == H5T_INTEGER;
+  if (type == ColumnType::kDirection && type_class == H5T_STRING) {
+    TakeDirections(ReadTexts(values), result);
+  } else if (type == ColumnType::kDirection && type_class == H5T_ENUM) {
+    TakeDirections(ReadNamedValues(values), result);
+  } else if (type == ColumnType::kDirection && is_number) {
+    TakeDirections(ReadNumbers<double>(values, H5T_NATIVE_DOUBLE), result);
+  } else if (!is_number) {
+    result.troubles.push_back({std::nullopt, result.column.name + " does not hold numbers",
+                               type == ColumnType::kDirection ? "cw and ccw as text" : "floats or integers"});
+  } else if (type == ColumnType::kFloatIfStoredSo && type_class == H5T_FLOAT &&
+             H5Tget_size(values.type) <= sizeof(float)) {
+    result.column.values = ReadNumbers<float>(values, H5T_NATIVE_FLOAT);
+  } else {
+    result.column.values = ReadNumbers<double>(values, H5T_NATIVE_DOUBLE);
+  }
+}
+
+}  // namespace
+
+void WriteColumn(hid_t group, const Column& column, const std::optional<std::string>& sample_rate_hz) {
+  const Hdf5Handle dataset = WriteValues(group, column);
+  const auto write_text = [&dataset](const char* name, const std::string& text) {
+    if (!text.empty()) WriteTextAttribute(dataset.get(), name, text);
+  };
+  write_text("unit", UnitOf(column.name));
+  // As text, even where all letters are digits: a serial number is a name.
+  write_text("sensor_serial", column.sensor_serial);
+  write_text("calibration", column.calibration);
+  if (sample_rate_hz) WriteAttribute(dataset.get(), "sample_rate_hz", *sample_rate_hz);
+}
+
+ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType type) {
+  ReadColumnResult result;
+  result.column.name = name;
+  std::vector<std::string> left_out;
+  for (const Hdf5Attribute& attribute : ReadAttributes(dataset, left_out)) {
+    if (attribute.name == "sensor_serial") result.column.sensor_serial = attribute.text;
+    if (attribute.name == "calibration") result.column.calibration = attribute.text;
+  }
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+  const std::optional<std::size_t> rows = RowsOf(space.get());
+  if (!rows) {
+    result.troubles.push_back({std::nullopt, name + " is not one-dimensional", "a column of values"});
+    return result;
+  }
+  if (*rows == 0) return result;
+  if (!HoldsAllValues(dataset, space.get())) {
+    result.troubles.push_back({std::nullopt, name + " has values missing that were never written",
+                               "as many values stored as there are rows"});
+    return result;
+  }
+  const Hdf5Handle file_type(H5Dget_type(dataset), H5Tclose);
+  try {
+    ReadValues({file_type.get(), space.get(), *rows, false, dataset}, type, result);
+  } catch (const Hdf5Error& error) {
+    result.troubles.push_back({std::nullopt, fmt::format("HDF5 cannot read it: {}", error.what()),
+                               "the values as they were written"});
+  }
+  return result;
+}
+
+}  // namespace strainwave::daq

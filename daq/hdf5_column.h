@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <hdf5.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daq/record.h"
+
+/// Columns of a record as one-dimensional datasets.
+namespace strainwave::daq {
+
+/// Writes the values in chunks with a Fletcher-32 checksum each, and the attributes `unit`, `sensor_serial`
+/// and `calibration` where there is something to say, and `sample_rate_hz` where it is given. @throws
+/// Hdf5Error.
+void WriteColumn(hid_t group, const Column& column, const std::optional<std::string>& sample_rate_hz);
+
+/// Something in a dataset that keeps it from being a column.
+struct ColumnTrouble {
+  std::optional<std::size_t> row;
+  std::string what;
+  std::string expected;
+};
+
+enum class ColumnType { kDouble, kFloatIfStoredSo, kDirection };
+
+/// Reads a dataset of one dimension (or of more, if all but one have length 1, as MATLAB writes) of floats,
+/// integers, or, for a direction, of "cw" and "ccw" as text or enumeration, or of 1 and -1.
+/// Trouble instead of values where it cannot: another type, values that were never written, a checksum that
+/// does not match.
+struct ReadColumnResult {
+  Column column;
+  std::vector<ColumnTrouble> troubles;
+};
+ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType type);
+
+}  // namespace strainwave::daq

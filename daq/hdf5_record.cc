@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daq/hdf5_record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "daq/hdf5_attributes.h"
+#include "daq/hdf5_column.h"
+#include "daq/hdf5_handle.h"
+#include "daq/record_error.h"
+#include "daq/record_rules.h"
+
+namespace strainwave::daq {
+namespace {
+
+constexpr std::string_view kKindName = "kind";
+
+void Demand(bool holds, std::string_view group_path, std::string_view rule) {
+  if (!holds) throw std::invalid_argument(fmt::format("record '{}': {}", group_path, rule));
+}
+
+bool HasNul(const std::string& text) { return text.find('\0') != text.npos; }
+
+void DemandWritable(const Record& record, const std::string& path) {
+  Demand(path.starts_with('/') && !HasNul(path), path, "a group path starts with '/'");
+  Demand(!record.kind.empty() && !HasNul(record.kind), path, "the kind is empty");
+  Demand(record.rows() > 0, path, "it has no rows");
+  for (const auto& [key, value] : record.metadata) {
+    Demand(!key.empty() && key != kKindName && !HasNul(key) && !HasNul(value), path,
+           fmt::format("metadata key '{}' is empty, has a NUL in it or its value, or is taken", key));
+  }
+  for (const Column& column : record.columns) {
+    Demand(!column.name.empty() && column.name != "." && column.name.find('/') == column.name.npos &&
+               !HasNul(column.name),
+           path, fmt::format("column name '{}' cannot name a dataset", column.name));
+    Demand(record.FindColumn(column.name) == &column, path,
+           fmt::format("column '{}' is doubled", column.name));
+    Demand(column.size() == record.rows(), path,
+           fmt::format("column '{}' has {} rows, not {}", column.name, column.size(), record.rows()));
+  }
+}
+
+Hdf5Handle OpenOrCreateGroup(hid_t file, const std::string& path) {
+  if (path == "/") return {H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose};
+  const Hdf5Handle link_properties(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  Check(H5Pset_create_intermediate_group(link_properties.get(), 1));
+  const Hdf5Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  Check(H5Pset_link_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
+  Check(H5Pset_attr_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
+  Check(H5Pset_obj_track_times(properties.get(), false));
+  return {H5Gcreate2(file, path.c_str(), link_properties.get(), properties.get(), H5P_DEFAULT), H5Gclose};
+}
+
+struct Child {
+  std::string name;
+  Hdf5Handle object;
+  H5I_type_t type;
+};
+
+// Groups and datasets that the group holds itself; soft and external links lead elsewhere.
+std::vector<Child> ChildrenOf(hid_t group) {
+  const Hdf5Handle properties(H5Gget_create_plist(group), H5Pclose);
+  unsigned flags{};
+  Check(H5Pget_link_creation_order(properties.get(), &flags));
+  const H5_index_t index = IndexFor(flags);
+  H5G_info_t info{};
+  Check(H5Gget_info(group, &info));
+  std::vector<Child> children;
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    H5L_info_t link{};
+    Check(H5Lget_info_by_idx(group, ".", index, H5_ITER_INC, i, &link, H5P_DEFAULT));
+    if (link.type != H5L_TYPE_HARD) continue;
+    const auto length = static_cast<std::size_t>(
+        Check(H5Lget_name_by_idx(group, ".", index, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT)));
+    std::string name(length, '\0');
+    Check(H5Lget_name_by_idx(group, ".", index, H5_ITER_INC, i, name.data(), length + 1, H5P_DEFAULT));
+    Hdf5Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
+    const H5I_type_t type = H5Iget_type(object.get());
+    if (type == H5I_GROUP || type == H5I_DATASET)
+      children.push_back({std::move(name), std::move(object), type});
+  }
+  return children;
+}
+
+void ListGroupsBelow(hid_t group, const std::string& path, std::set<haddr_t>& visited,
+                     std::vector<std::string>& found) {
+  H5O_info_t info{};
+  Check(H5Oget_info2(group, &info, H5O_INFO_BASIC));
+  // A hard link may lead back up.
+  if (!visited.insert(info.addr).second) return;
+  if (Check(H5Aexists(group, kKindName.data())) > 0) found.push_back(path);
+  for (const Child& child : ChildrenOf(group)) {
+    if (child.type != H5I_GROUP) continue;
+    ListGroupsBelow(child.object.get(), (path == "/" ? "" : path) + "/" + child.name, visited, found);
+  }
+}
+
+// One record while it is being read.
+class GroupReader {
+ public:
+  GroupReader(const std::string& file_name, const std::string& path, Checking checking)
+      : checking_(checking) {
+    record_.source.file = file_name;
+    record_.source.group = path;
+  }
+
+  Record Read(hid_t group) {
+    ReadGroupAttributes(group);
+    for (const Child& child : ChildrenOf(group)) {
+      if (child.type == H5I_DATASET) ReadDataset(child);
+    }
+    DropOddLengths();
+    if (checking_ == Checking::kRules) ApplyRules();
+    if (!findings_.empty()) throw RecordError(std::move(findings_));
+    return std::move(record_);
+  }
+
+ private:
+  void Add(const std::string& part, std::string_view what, std::string expected) {
+    findings_.push_back({record_.source.file,
+                         fmt::format("group '{}'{}: {}", record_.source.group, part, what),
+                         std::move(expected)});
+  }
+
+  void ReadGroupAttributes(hid_t group) {
+    std::vector<std::string> left_out;
+    for (Hdf5Attribute& attribute : ReadAttributes(group, left_out)) {
+      if (attribute.name == kKindName) {
+        record_.kind = std::move(attribute.text);
+      } else {
+        record_.metadata.emplace_back(std::move(attribute.name), std::move(attribute.text));
+      }
+    }
+    for (const std::string& name : left_out) {
+      record_.notes.push_back(fmt::format("attribute '{}' is left out: it is not one text or number", name));
+    }
+  }
+
+  void ReadDataset(const Child& child) {
+    const bool is_known = IsKnownColumn(record_.kind, child.name);
+    const ColumnType type = is_known && child.name == "direction"       ? ColumnType::kDirection
+                            : IsReadAsDoubles(record_.kind, child.name) ? ColumnType::kDouble
+                                                                        : ColumnType::kFloatIfStoredSo;
+    ReadColumnResult result = ReadColumn(child.object.get(), child.name, type);
+    if (result.troubles.empty()) {
+      record_.columns.push_back(std::move(result.column));
+      return;
+    }
+    if (!is_known && !TakesFurtherChannels(record_.kind)) {
+      record_.notes.push_back(
+          fmt::format("dataset '{}' is left out: {}", child.name, result.troubles.front().what));
+      return;
+    }
+    for (const ColumnTrouble& trouble : result.troubles) {
+      Add(trouble.row ? fmt::format(", dataset '{}', row {}", child.name, *trouble.row)
+                      : fmt::format(", dataset '{}'", child.name),
+          trouble.what, trouble.expected);
+    }
+    // Named, so that it is not reported as missing as well.
+    troubled_.insert(child.name);
+  }
+
+  // A group may hold arrays beside the record's columns, such as a spectrum.
+  void DropOddLengths() {
+    if (TakesFurtherChannels(record_.kind)) return;
+    const auto first_known =
+        std::find_if(record_.columns.begin(), record_.columns.end(),
+                     [&](const Column& column) { return IsKnownColumn(record_.kind, column.name); });
+    if (first_known == record_.columns.end()) return;
+    const std::size_t rows = first_known->size();
+    std::erase_if(record_.columns, [&](const Column& column) {
+      const bool drop = column.size() != rows && !IsKnownColumn(record_.kind, column.name);
+      if (drop) {
+        record_.notes.push_back(fmt::format("dataset '{}' is left out: it has {} rows, the record has {}",
+                                            column.name, column.size(), rows));
+      }
+      return drop;
+    });
+  }
+
+  void ApplyRules() {
+    for (const RuleBreak& rule_break : CheckRecord(record_)) {
+      const RecordPart& part = rule_break.part;
+      switch (part.level) {
+        case RecordPart::Level::kRecord:
+          if (IsAboutTroubledColumn(rule_break)) break;
+          Add("", rule_break.what, rule_break.expected);
+          break;
+        case RecordPart::Level::kKind:
+          Add(", attribute 'kind'", rule_break.what, rule_break.expected);
+          break;
+        case RecordPart::Level::kMetadata:
+          Add(fmt::format(", attribute '{}'", part.name), rule_break.what, rule_break.expected);
+          break;
+        case RecordPart::Level::kColumn:
+          Add(fmt::format(", dataset '{}'", part.name), rule_break.what, rule_break.expected);
+          break;
+        case RecordPart::Level::kCell:
+          Add(fmt::format(", dataset '{}', row {}", part.name, part.row), rule_break.what,
+              rule_break.expected);
+          break;
+      }
+    }
+  }
+
+  bool IsAboutTroubledColumn(const RuleBreak& rule_break) const {
+    return std::any_of(troubled_.begin(), troubled_.end(), [&](const std::string& name) {
+      return rule_break.what == fmt::format("column '{}' is missing", name);
+    });
+  }
+
+  Checking checking_;
+  Record record_;
+  std::set<std::string> troubled_;
+  std::vector<Finding> findings_;
+};
+
+}  // namespace
+
+void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& record) {
+  DemandWritable(record, group_path);
+  const Hdf5Silence silence;
+  const Hdf5Handle group = OpenOrCreateGroup(file, group_path);
+  WriteTextAttribute(group.get(), std::string(kKindName), record.kind);
+  for (const auto& [key, value] : record.metadata) WriteAttribute(group.get(), key, value);
+  for (const Column& column : record.columns)
+    WriteColumn(group.get(), column, record.Metadata("sample_rate_hz"));
+}
+
+std::vector<std::string> ListRecordGroups(hid_t file) {
+  const Hdf5Silence silence;
+  const Hdf5Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose);
+  std::set<haddr_t> visited;
+  std::vector<std::string> found;
+  ListGroupsBelow(root.get(), "/", visited, found);
+  return found;
+}
+
+Record ReadRecordGroup(hid_t file, const std::string& group_path, const std::string& file_name,
+                       Checking checking) {
+  const Hdf5Silence silence;
+  const Hdf5Handle group(H5Gopen2(file, group_path.c_str(), H5P_DEFAULT), H5Gclose);
+  return GroupReader(file_name, group_path, checking).Read(group.get());
+}
+
+void WriteFileAttributes(hid_t file, const Attributes& attributes) {
+  const Hdf5Silence silence;
+  const Hdf5Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose);
+  for (const auto& [name, text] : attributes) {
+    Demand(!name.empty() && name != kKindName && !HasNul(name) && !HasNul(text), "/",
+           fmt::format("file attribute '{}' is empty, has a NUL in it or its value, or is taken", name));
+    WriteAttribute(root.get(), name, text);
+  }
+}
+
+Attributes ReadFileAttributes(hid_t file) {
+  const Hdf5Silence silence;
+  const Hdf5Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose);
+  std::vector<std::string> left_out;
+  Attributes attributes;
+  for (Hdf5Attribute& attribute : ReadAttributes(root.get(), left_out)) {
+    attributes.emplace_back(std::move(attribute.name), std::move(attribute.text));
+  }
+  return attributes;
+}
+
+}  // namespace strainwave::daq

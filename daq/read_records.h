@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "daq/record.h"
+
+namespace strainwave::daq {
+
+/// Reads a record file that a user named: HDF5 with one record or many (by its signature, whatever its name),
+/// and anything else as CSV with one.
+/// @throws RecordError with every finding, as `csv_record.h` and `cycle_file.h` say.
+std::vector<Record> ReadRecords(const std::filesystem::path& path);
+
+}  // namespace strainwave::daq

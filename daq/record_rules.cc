@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daq/record_rules.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace strainwave::daq {
+namespace {
+
+using Names = std::span<const std::string_view>;
+
+constexpr std::array<std::string_view, 3> kSweepRequired{"direction", "input_angle_deg", "output_angle_deg"};
+constexpr std::array<std::string_view, 3> kSweepOptional{"time_s", "torque_Nm", "temperature_degC"};
+constexpr std::array<std::string_view, 3> kLoopRequired{"time_s", "torque_Nm", "output_angle_deg"};
+constexpr std::array<std::string_view, 1> kLoopOptional{"temperature_degC"};
+constexpr std::array<std::string_view, 3> kRotaryRequired{"time_s", "position_rad", "torque_Nm"};
+constexpr std::array<std::string_view, 3> kLinearRequired{"time_s", "position_m", "force_N"};
+constexpr std::array<std::string_view, 3> kMotionOptional{"velocity_rad_per_s", "velocity_m_per_s",
+                                                          "temperature_degC"};
+constexpr std::array<std::string_view, 5> kVibrationOptional{"time_s", "accel_x_m_per_s2", "accel_y_m_per_s2",
+                                                             "accel_z_m_per_s2", "accel_motor_z_m_per_s2"};
+constexpr std::array<std::string_view, 1> kHistoryRequired{"time_s"};
+
+struct KindRule {
+  std::string_view kind;
+  Names required;
+  Names required_linear;  // in place of `required`, for a linear axis
+  Names optional;
+};
+
+constexpr KindRule kKindRules[] = {
+    {"transmission_error", kSweepRequired, {}, kSweepOptional},
+    {"hysteresis", kLoopRequired, {}, kLoopOptional},
+    {"motion", kRotaryRequired, kLinearRequired, kMotionOptional},
+    {"vibration", {}, {}, kVibrationOptional},
+    {"history", kHistoryRequired, {}, {}},
+};
+
+enum class Need { kFinite, kPositive, kNotZero };
+
+struct NumberRule {
+  std::string_view kind;
+  std::string_view key;
+  Need need;
+};
+
+constexpr NumberRule kNumberRules[] = {
+    {"transmission_error", "ratio", Need::kNotZero},  {"hysteresis", "t1_Nm", Need::kPositive},
+    {"hysteresis", "t2_Nm", Need::kPositive},         {"hysteresis", "t3_Nm", Need::kPositive},
+    {"motion", "inertia_kgm2", Need::kPositive},      {"motion", "mass_kg", Need::kPositive},
+    {"vibration", "sample_rate_hz", Need::kPositive}, {"vibration", "input_speed_rpm", Need::kFinite},
+    {"vibration", "k2_Nm_per_rad", Need::kFinite},    {"vibration", "k3_Nm_per_rad", Need::kFinite},
+    {"vibration", "e_avg_arcmin", Need::kFinite},     {"vibration", "e_max_arcmin", Need::kFinite},
+    {"history", "sample_rate_hz", Need::kPositive},
+};
+
+const KindRule* FindRule(std::string_view kind) {
+  const auto* found = std::find_if(std::begin(kKindRules), std::end(kKindRules),
+                                   [kind](const KindRule& rule) { return rule.kind == kind; });
+  return found == std::end(kKindRules) ? nullptr : found;
+}
+
+bool Contains(Names names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::size_t CountPresent(const Record& record, Names names) {
+  return static_cast<std::size_t>(std::count_if(
+      names.begin(), names.end(), [&](std::string_view name) { return record.FindColumn(name) != nullptr; }));
+}
+
+// Collects what is found, so that the checks below read as rules.
+class Report {
+ public:
+  explicit Report(std::vector<RuleBreak>& breaks) : breaks_(breaks) {}
+  void Add(RecordPart part, std::string what, std::string expected) {
+    breaks_.push_back({std::move(part), std::move(what), std::move(expected)});
+  }
+
+ private:
+  std::vector<RuleBreak>& breaks_;
+};
+
+using Level = RecordPart::Level;
+
+bool Satisfies(double value, Need need) {
+  switch (need) {
+    case Need::kFinite:
+      return std::isfinite(value);
+    case Need::kPositive:
+      return std::isfinite(value) && value > 0.0;
+    case Need::kNotZero:
+      return std::isfinite(value) && value != 0.0;
+  }
+  return false;
+}
+
+std::string_view Describe(Need need) {
+  switch (need) {
+    case Need::kFinite:
+      return "a finite number";
+    case Need::kPositive:
+      return "a number above zero";
+    case Need::kNotZero:
+      return "a number other than zero";
+  }
+  return "";
+}
+
+void CheckMetadata(const Record& record, Report& report) {
+  bool numbers_good = true;
+  for (const NumberRule& rule : kNumberRules) {
+    if (rule.kind != record.kind) continue;
+    const std::optional<std::string> text = record.Metadata(rule.key);
+    if (!text) continue;
+    const std::optional<double> value = NumberFromText(*text);
+    if (value && Satisfies(*value, rule.need)) continue;
+    numbers_good = false;
+    report.Add({Level::kMetadata, std::string(rule.key)},
+               value ? fmt::format("{} is {}", rule.key, *text) : fmt::format("{} is '{}'", rule.key, *text),
+               std::string(value ? Describe(rule.need) : "a number"));
+  }
+  const std::optional<std::string> absolute = record.Metadata("absolute");
+  if (absolute && *absolute != "true" && *absolute != "false") {
+    report.Add({Level::kMetadata, "absolute"}, fmt::format("absolute is '{}'", *absolute), "true or false");
+  }
+  if (record.kind != "hysteresis" || !numbers_good) return;
+  constexpr std::pair<std::string_view, std::string_view> kAscending[] = {{"t1_Nm", "t2_Nm"},
+                                                                          {"t2_Nm", "t3_Nm"}};
+  for (const auto& [lower, upper] : kAscending) {
+    const double lower_Nm = *MetadataNumber(record, lower);
+    const double upper_Nm = *MetadataNumber(record, upper);
+    if (lower_Nm < upper_Nm) continue;
+    const std::string_view said = record.Metadata(lower) ? lower : upper;
+    report.Add({Level::kMetadata, std::string(said)},
+               fmt::format("{} = {} is not below {} = {}", lower, lower_Nm, upper, upper_Nm),
+               "0 < t1_Nm < t2_Nm < t3_Nm");
+  }
+}
+
+void CheckRequiredColumns(const Record& record, const KindRule& rule, Report& report) {
+  Names required = rule.required;
+  std::string expected = fmt::format("the columns {} in a {} record", fmt::join(required, ", "), rule.kind);
+  if (!rule.required_linear.empty()) {
+    expected += fmt::format(", or {} for a linear axis", fmt::join(rule.required_linear, ", "));
+    if (CountPresent(record, rule.required_linear) > CountPresent(record, rule.required)) {
+      required = rule.required_linear;
+    }
+  }
+  for (const std::string_view name : required) {
+    if (record.FindColumn(name) != nullptr) continue;
+    report.Add({Level::kRecord}, fmt::format("column '{}' is missing", name), expected);
+  }
+  if (rule.kind != "vibration") return;
+  const bool has_time = record.FindColumn("time_s") != nullptr;
+  if (!has_time && !record.Metadata("sample_rate_hz")) {
+    report.Add({Level::kRecord}, "neither column 'time_s' nor metadata 'sample_rate_hz' is there",
+               "one of them in a vibration record");
+  }
+  if (record.columns.size() <= (has_time ? 1U : 0U)) {
+    report.Add({Level::kRecord}, "no channel is there",
+               "at least one column such as accel_x_m_per_s2 in a vibration record");
+  }
+}
+
+void CheckLengths(const Record& record, Report& report) {
+  if (record.columns.empty()) return;
+  const Column& first = record.columns.front();
+  if (first.size() == 0) {
+    report.Add({Level::kRecord}, "the record has no rows", "at least one row of numbers");
+  }
+  for (const Column& column : record.columns) {
+    if (column.size() == first.size()) continue;
+    report.Add({Level::kColumn, column.name}, fmt::format("{} has {} rows", column.name, column.size()),
+               fmt::format("{}, as '{}' has", first.size(), first.name));
+  }
+}
+
+template <typename Number>
+void CheckFinite(const std::string& name, std::span<const Number> values, Report& report) {
+  std::size_t found = 0;
+  for (std::size_t row = 0; row < values.size() && found < kMostBreaksPerColumn; ++row) {
+    if (std::isfinite(values[row])) continue;
+    ++found;
+    report.Add({Level::kCell, name, row}, fmt::format("{} is {}", name, values[row]), "a finite number");
+  }
+}
+
+void CheckTime(std::span<const double> time_s, Report& report) {
+  std::size_t found = 0;
+  // NaN is another rule's matter, and does not hide a step back from the time before it.
+  double latest_s = -std::numeric_limits<double>::infinity();
+  for (std::size_t row = 0; row < time_s.size() && found < kMostBreaksPerColumn; ++row) {
+    if (std::isnan(time_s[row])) continue;
+    if (time_s[row] < latest_s) {
+      ++found;
+      report.Add({Level::kCell, "time_s", row},
+                 fmt::format("time_s runs backwards from {} to {}", latest_s, time_s[row]),
+                 "time that never decreases");
+    }
+    latest_s = time_s[row];
+  }
+}
+
+void CheckValues(const Record& record, Report& report) {
+  for (const Column& column : record.columns) {
+    const bool known = IsKnownColumn(record.kind, column.name);
+    const bool is_direction = record.kind == "transmission_error" && column.name == "direction";
+    if (is_direction != std::holds_alternative<std::vector<Direction>>(column.values) && known) {
+      report.Add({Level::kColumn, column.name},
+                 fmt::format("{} holds {}", column.name, is_direction ? "numbers" : "directions"),
+                 is_direction ? "cw or ccw" : "numbers");
+      continue;
+    }
+    if (!known && !TakesFurtherChannels(record.kind)) continue;
+    if (const auto* doubles = std::get_if<std::vector<double>>(&column.values)) {
+      CheckFinite<double>(column.name, *doubles, report);
+      if (column.name == "time_s") CheckTime(*doubles, report);
+    } else if (const auto* floats = std::get_if<std::vector<float>>(&column.values)) {
+      CheckFinite<float>(column.name, *floats, report);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<RuleBreak> CheckRecord(const Record& record) {
+  std::vector<RuleBreak> breaks;
+  Report report(breaks);
+  const KindRule* rule = FindRule(record.kind);
+  if (rule == nullptr) {
+    report.Add({Level::kKind},
+               record.kind.empty() ? "kind is missing" : fmt::format("kind is '{}'", record.kind),
+               std::string(kKnownKinds));
+    return breaks;
+  }
+  CheckMetadata(record, report);
+  CheckRequiredColumns(record, *rule, report);
+  CheckLengths(record, report);
+  CheckValues(record, report);
+  return breaks;
+}
+
+bool IsKnownKind(std::string_view kind) { return FindRule(kind) != nullptr; }
+
+bool IsKnownColumn(std::string_view kind, std::string_view column) {
+  const KindRule* rule = FindRule(kind);
+  return rule != nullptr && (Contains(rule->required, column) || Contains(rule->required_linear, column) ||
+                             Contains(rule->optional, column));
+}
+
+bool TakesFurtherChannels(std::string_view kind) { return kind == "vibration"; }
+
+bool IsReadAsDoubles(std::string_view kind, std::string_view column) {
+  return column == "time_s" || (kind != "vibration" && IsKnownColumn(kind, column));
+}
+
+bool IsLinearAxis(const Record& record) {
+  return record.kind == "motion" && CountPresent(record, kRotaryRequired) < kRotaryRequired.size() &&
+         CountPresent(record, kLinearRequired) == kLinearRequired.size();
+}
+
+std::optional<double> MetadataNumber(const Record& record, std::string_view key) {
+  if (const std::optional<std::string> text = record.Metadata(key)) return NumberFromText(*text);
+  if (key == "ratio") return 80.0;
+  if (key == "t1_Nm") return 7.0;
+  if (key == "t2_Nm") return 25.0;
+  if (key == "t3_Nm") return 34.0;
+  return std::nullopt;
+}
+
+std::string UnitOf(std::string_view column) {
+  if (column == "direction") return {};
+  const auto take_last_word = [&column] {
+    const std::size_t underscore = column.rfind('_');
+    const std::string_view word = underscore == column.npos ? column : column.substr(underscore + 1);
+    column = underscore == column.npos ? std::string_view{} : column.substr(0, underscore);
+    return word;
+  };
+  std::string unit(take_last_word());
+  if (column.empty() || unit.empty()) return {};  // a name of one word has no unit in it
+  if (const char last = unit.back(); unit.size() > 1 && (last == '2' || last == '3')) {
+    unit.back() = '^';
+    unit += last;
+  }
+  if (column.ends_with("_per")) {
+    column.remove_suffix(4);
+    return fmt::format("{}/{}", take_last_word(), unit);
+  }
+  return unit;
+}
+
+}  // namespace strainwave::daq

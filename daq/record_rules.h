@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daq/record.h"
+
+/// What makes a record valid, whichever file it came from: contract, section 3, and the kind `history`, the
+/// rows that a bench keeps around an event (`time_s` and any channels, in which a dead sensor may be NaN).
+namespace strainwave::daq {
+
+/// The part of a record that breaks a rule; each reader turns it into a place of its own.
+struct RecordPart {
+  enum class Level { kRecord, kKind, kMetadata, kColumn, kCell };
+  Level level{};
+  std::string name{};  // of the metadata key or of the column
+  std::size_t row{};   // from 0; for cells
+};
+
+struct RuleBreak {
+  RecordPart part;
+  std::string what;
+  std::string expected;
+};
+
+/// Every rule that `record` breaks; empty for a valid one. Rules: a known kind; the required columns; columns
+/// of equal length with at least one row; numbers and directions where they belong; finite values in every
+/// column that the kind knows, and in every channel of a vibration; `time_s` that never decreases; a ratio
+/// other than zero; 0 < t1 < t2 < t3; positive inertia, mass and sample rate; `absolute` true or false. A
+/// column gives at most `kMostBreaksPerColumn`.
+std::vector<RuleBreak> CheckRecord(const Record& record);
+
+inline constexpr std::size_t kMostBreaksPerColumn = 20;
+
+/// How a message names the kinds.
+inline constexpr std::string_view kKnownKinds =
+    "transmission_error, hysteresis, motion, vibration or history";
+
+bool IsKnownKind(std::string_view kind);
+
+/// True when the kind gives `column` a meaning, so that its values must be good. A vibration also takes any
+/// further column as a channel, which this does not tell.
+bool IsKnownColumn(std::string_view kind, std::string_view column);
+
+/// True when a further column of numbers is a channel with rules of its own (vibration).
+bool TakesFurtherChannels(std::string_view kind);
+
+/// True when analysis reads the column as doubles; others keep the number type of their file.
+bool IsReadAsDoubles(std::string_view kind, std::string_view column);
+
+/// True for a motion record of a linear axis (`position_m`, `force_N`).
+bool IsLinearAxis(const Record& record);
+
+/// The number under `key`; without it the default of the contract (`ratio` 80, `t1_Nm` 7, `t2_Nm` 25,
+/// `t3_Nm` 34); else nothing.
+std::optional<double> MetadataNumber(const Record& record, std::string_view key);
+
+/// The unit that a column's name ends in, as a text for people: "Nm", "deg", "m/s^2"; empty for `direction`.
+std::string UnitOf(std::string_view column);
+
+}  // namespace strainwave::daq

@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+set -euo pipefail
+
+usage() {
+  cat <<'TEXT'
+usage: ./setup.sh VERB
+
+  build   install what is missing (Debian 12, apt, as root) and build the program at build/strainwave
+  demo    build, then run schedules/quick.yaml on the simulated bench into a new folder under campaigns/
+  test    build everything, then run all tests with ctest
+
+A second run with nothing to do takes seconds. Exit code: 0, or that of the step that failed.
+TEXT
+}
+
+PACKAGES=(
+  cmake ninja-build g++ ccache
+  libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev
+  libhdf5-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
+  libgtest-dev libbenchmark-dev
+  gnuplot-nox sqlite3 python3 python3-h5py python3-numpy
+)
+
+fail() {
+  echo "setup.sh: error: $*" >&2
+  exit 3
+}
+
+# Packages of the list that are not installed, one a line.
+missing_packages() {
+  local installed
+  # dpkg-query fails when it knows one of the names not at all; what it knows it prints all the same.
+  installed=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "${PACKAGES[@]}" 2>/dev/null ||
+              true)
+  local package
+  for package in "${PACKAGES[@]}"; do
+    grep -qxF "$package installed" <<<"$installed" || echo "$package"
+  done
+}
+
+install_missing_packages() {
+  command -v dpkg-query >/dev/null || fail "this is not Debian: dpkg-query is missing (expected Debian 12)"
+  local missing
+  mapfile -t missing < <(missing_packages)
+  if ((${#missing[@]} == 0)); then
+    return
+  fi
+  if ((EUID != 0)); then
+    echo "setup.sh: error: ${#missing[@]} packages are missing, and only root can install them; run" >&2
+    echo "  apt-get update && apt-get install --no-install-recommends ${missing[*]}" >&2
+    exit 3
+  fi
+  echo "setup.sh: installing ${missing[*]} (a few minutes)"
+  export DEBIAN_FRONTEND=noninteractive
+  # A foreign source that does not answer need not matter: what counts is whether the packages come.
+  apt-get -qq update || echo "setup.sh: apt-get update had trouble; going on with the lists that there are" >&2
+  apt-get -qq -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 \
+    install --no-install-recommends --yes "${missing[@]}" >/dev/null ||
+    fail "apt-get could not install the packages named above (is there a network, are the apt sources right?)"
+}
+
+# build TARGET...: configures with the preset 'release' and builds.
+build() {
+  local fresh=()
+  # A checkout that was copied together with its build folder: the old cache names the old place.
+  if [[ -f build/CMakeCache.txt ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" build/CMakeCache.txt; then
+    fresh=(--fresh)
+  fi
+  cmake --preset release --log-level=WARNING "${fresh[@]}" >/dev/null
+  cmake --build --preset release --parallel "$(nproc)" --target "$@"
+}
+
+next_campaign() {
+  local number=1
+  while [[ -e campaigns/quick-$number ]]; do
+    number=$((number + 1))
+  done
+  echo "campaigns/quick-$number"
+}
+
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
+# A bare root has neither a locale nor, at times, a home; ccache needs a place of its own.
+export LC_ALL=C.UTF-8
+if [[ ! -w ${HOME:-/nonexistent} ]]; then
+  export CCACHE_DIR="${CCACHE_DIR:-$PWD/build/ccache}"
+fi
+
+if (($# != 1)); then
+  usage >&2
+  exit 2
+fi
+case $1 in
+  build)
+    install_missing_packages
+    build strainwave
+    ;;
+  demo)
+    install_missing_packages
+    build strainwave
+    mkdir -p campaigns
+    exec build/strainwave run schedules/quick.yaml --out "$(next_campaign)"
+    ;;
+  test)
+    install_missing_packages
+    build all
+    exec ctest --preset release --parallel "$(nproc)"
+    ;;
+  -h | --help)
+    usage
+    ;;
+  *)
+    echo "setup.sh: error: there is no verb '$1' (expected build, demo or test)" >&2
+    usage >&2
+    exit 2
+    ;;
+esac

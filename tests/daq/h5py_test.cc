@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// What others write, we read, and the other way round: h5py, another face of HDF5 than the one under test.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "daq/cycle_file.h"
+#include "daq/read_records.h"
+#include "daq/record_error.h"
+#include "tests/daq/sample_records.h"
+#include "tests/daq/scratch_folder.h"
+
+namespace strainwave::daq {
+namespace {
+
+struct PythonResult {
+  int status;
+  std::string output;
+};
+
+PythonResult RunPython(const ScratchFolder& folder, const std::string& script) {
+  WriteBytes(folder / "script.py", script);
+  const std::string command = "cd '" + folder.path().string() + "' && /usr/bin/python3 script.py 2>&1";
+  std::FILE* const pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) return {-1, ""};
+  PythonResult result{0, ""};
+  std::array<char, 4096> buffer{};
+  while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
+    result.output.append(buffer.data(), got);
+  }
+  result.status = ::pclose(pipe);
+  return result;
+}
+
+class H5pyTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (RunPython(folder_, "import h5py").status != 0)
+      GTEST_SKIP() << "skipped, because /usr/bin/python3 has no h5py";
+  }
+
+  std::string Write(const std::string& script) {
+    const PythonResult result =
+        RunPython(folder_, "import h5py, numpy as np\nf = h5py.File('r.h5', 'w')\n" + script);
+    EXPECT_EQ(result.status, 0) << result.output;
+    return (folder_ / "r.h5").string();
+  }
+
+  std::string ErrorOf(const std::string& script) {
+    const std::string path = Write(script);
+    std::string message = MessageOf<RecordError>([&] { ReadRecords(path); });
+    for (std::size_t at = 0; (at = message.find(path)) != message.npos;)
+      message.replace(at, path.size(), "r.h5");
+    return message;
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(H5pyTest, ReadsWhatWeWrite) {
+  const std::vector<NamedRecord> records{
+      {"sweep", SampleSweep()}, {"loop", SampleLoop()}, {"accel", SampleVibration()}};
+  WriteRecordsAtomically(folder_ / "a.h5", records, {{"cycle", "17"}, {"specimen", "A-3"}});
+  const PythonResult result = RunPython(folder_, R"(
+import h5py, numpy as np
+f = h5py.File('a.h5')
+assert f.attrs['cycle'] == 17.0 and f.attrs['specimen'] == b'A-3' and f.attrs['strainwave_format'] == 1
+assert list(f) == ['sweep', 'loop', 'accel'] or sorted(f) == ['accel', 'loop', 'sweep']
+sweep, loop, accel = f['sweep'], f['loop'], f['accel']
+assert sweep.attrs['kind'] == b'transmission_error' and sweep.attrs['ratio'] == -80.0
+assert list(sweep['direction'][:]) == [b'cw', b'ccw']
+assert loop.attrs['t2_Nm'] == b'25.0' and loop.attrs['specimen'].decode() == 'Nr. 007 "ä"'
+torque = loop['torque_Nm']
+assert torque.dtype == np.float64 and torque.fletcher32 and torque.compression is None
+assert torque[:].tobytes() == np.array([-0.0, 5e-324, -34.5]).tobytes()
+assert dict(torque.attrs) == {'unit': b'Nm', 'sensor_serial': b'0815', 'calibration': b'T-2024-11'}
+x = accel['accel_x_m_per_s2']
+assert x.dtype == np.float32 and x.attrs['unit'] == b'm/s^2' and x.attrs['sample_rate_hz'] == 25600.0
+)");
+  EXPECT_EQ(result.status, 0) << result.output;
+}
+
+TEST_F(H5pyTest, WritesWhatWeReadAtAnyDepthAndInAnyNumberType) {
+  const std::vector<Record> records = ReadRecords(Write(R"(
+g = f.create_group('bench/left/loop')
+g.attrs['kind'] = 'hysteresis'; g.attrs['t1_Nm'] = 6; g.attrs['t3_Nm'] = np.float32(33.3)
+g.attrs['absolute'] = True; g.attrs['list'] = [1, 2]
+g['time_s'] = np.arange(3); g['torque_Nm'] = np.array([0.1, 2, 3], 'f4')
+g['output_angle_deg'] = np.array([[1.0, 2.0, 3.0]])
+g['torque_Nm'].attrs['sensor_serial'] = 'S1'; g['spectrum'] = np.zeros((4, 4)); g['long'] = np.zeros(9)
+g['remark'] = ['a', 'b', 'c']
+)"));
+  ASSERT_EQ(records.size(), 1U);
+  const Record& record = records[0];
+  EXPECT_EQ(record.source.group, "/bench/left/loop");
+  EXPECT_EQ(record.Metadata("t1_Nm"), "6");
+  EXPECT_EQ(record.Metadata("t3_Nm"), "33.3");
+  EXPECT_EQ(record.Metadata("absolute"), "true");
+  EXPECT_EQ(record.Doubles("time_s")[2], 2.0);
+  EXPECT_EQ(record.Doubles("torque_Nm")[0], static_cast<double>(0.1F));
+  EXPECT_EQ(record.Doubles("output_angle_deg")[2], 3.0);
+  EXPECT_EQ(record.FindColumn("torque_Nm")->sensor_serial, "S1");
+  EXPECT_EQ(record.notes,
+            (std::vector<std::string>{"attribute 'list' is left out: it is not one text or number",
+                                      "dataset 'remark' is left out: remark does not hold numbers",
+                                      "dataset 'spectrum' is left out: spectrum is not one-dimensional",
+                                      "dataset 'long' is left out: it has 9 rows, the record has 3"}));
+}
+
+TEST_F(H5pyTest, WritesARecordInTheRootGroup) {
+  const std::vector<Record> records = ReadRecords(Write(R"(
+f.attrs['kind'] = np.bytes_('vibration'); f.attrs['sample_rate_hz'] = 12800
+f['accel_x_m_per_s2'] = np.array([1, 2], 'f4'); f['mic_Pa'] = np.array([1.5, 2.5])
+)"));
+  ASSERT_EQ(records.size(), 1U);
+  EXPECT_EQ(std::get<std::vector<float>>(records[0].FindColumn("accel_x_m_per_s2")->values)[1], 2.0F);
+  EXPECT_EQ(records[0].Doubles("mic_Pa")[1], 2.5);
+}
+
+TEST_F(H5pyTest, WritesDirectionsInEachWayThatWeRead) {
+  for (const char* directions :
+       {"np.array([b'cw', b'ccw'])", "np.array(['cw', 'ccw'], dtype=h5py.string_dtype())",
+        "np.array([1, -1], 'i1')", "np.array([1.0, -1.0])",
+        "np.array([3, 9], dtype=h5py.enum_dtype({'cw': 3, 'ccw': 9}, 'i4'))",
+        "np.array([1, -1], dtype=h5py.enum_dtype({'RIGHT': 1, 'LEFT': -1}, 'i2'))"}) {
+    const std::vector<Record> records = ReadRecords(Write(std::string(R"(
+g = f.create_group('s'); g.attrs['kind'] = 'transmission_error'
+g['input_angle_deg'] = [0, 80]; g['output_angle_deg'] = [0.0, 1.0]
+g.create_dataset('direction', data=)") + directions + ")"));
+    EXPECT_EQ(records.at(0).Directions("direction")[0], Direction::kClockwise) << directions;
+    EXPECT_EQ(records.at(0).Directions("direction")[1], Direction::kCounterClockwise) << directions;
+  }
+}
+
+constexpr char kLoop[] = R"(
+g = f.create_group('x'); g.attrs['kind'] = 'hysteresis'
+g['time_s'] = np.arange(20) / 10; g['torque_Nm'] = np.zeros(20); g['output_angle_deg'] = np.zeros(20)
+)";
+
+TEST_F(H5pyTest, BreaksTheRulesWithGroupDatasetAndRow) {
+  const std::string loop = kLoop;
+  EXPECT_EQ(
+      ErrorOf(loop + "g['torque_Nm'][17] = np.nan"),
+      "r.h5: error: group '/x', dataset 'torque_Nm', row 17: torque_Nm is nan (expected a finite number)");
+  EXPECT_EQ(ErrorOf(loop + "g['time_s'][3] = 0.05"),
+            "r.h5: error: group '/x', dataset 'time_s', row 3: time_s runs backwards from 0.2 to 0.05 "
+            "(expected time "
+            "that never decreases)");
+  EXPECT_EQ(
+      ErrorOf(loop + "g.attrs['t1_Nm'] = 30.0"),
+      "r.h5: error: group '/x', attribute 't1_Nm': t1_Nm = 30 is not below t2_Nm = 25 (expected 0 < t1_Nm < "
+      "t2_Nm < t3_Nm)");
+  EXPECT_EQ(
+      ErrorOf(loop + "g.attrs['kind'] = 'loop'"),
+      "r.h5: error: group '/x', attribute 'kind': kind is 'loop' (expected transmission_error, hysteresis, "
+      "motion, vibration or history)");
+  EXPECT_EQ(ErrorOf(loop + "del g['torque_Nm']"),
+            "r.h5: error: group '/x': column 'torque_Nm' is missing (expected the columns time_s, torque_Nm, "
+            "output_angle_deg in a hysteresis record)");
+  EXPECT_EQ(ErrorOf(loop + "del g['torque_Nm']; g['torque_Nm'] = np.zeros(19)"),
+            "r.h5: error: group '/x', dataset 'torque_Nm': torque_Nm has 19 rows (expected 20, as "
+            "'output_angle_deg' "
+            "has)");
+  EXPECT_EQ(
+      ErrorOf(loop + "del g['torque_Nm']; g['torque_Nm'] = ['a'] * 20"),
+      "r.h5: error: group '/x', dataset 'torque_Nm': torque_Nm does not hold numbers (expected floats or "
+      "integers)");
+  EXPECT_EQ(
+      ErrorOf(
+          "f.attrs['kind'] = 'transmission_error'\nf['direction'] = [1, 2]\nf['input_angle_deg'] = [1, 2]\n"
+          "f['output_angle_deg'] = [1, 2]\nf.attrs['ratio'] = 0"),
+      "r.h5: error: group '/', dataset 'direction', row 1: direction is 2 (expected cw or ccw, or 1 or -1)\n"
+      "r.h5: error: group '/', attribute 'ratio': ratio is 0 (expected a number other than zero)");
+}
+
+TEST_F(H5pyTest, NeverFillsInValuesThatWereNotWritten) {
+  const std::string loop = kLoop;
+  const std::string message =
+      "r.h5: error: group '/x', dataset 'torque_Nm': torque_Nm has values missing that were never written "
+      "(expected "
+      "as many values stored as there are rows)";
+  EXPECT_EQ(ErrorOf(loop + "del g['torque_Nm']; g.create_dataset('torque_Nm', (20,))"), message);
+  EXPECT_EQ(
+      ErrorOf(loop + "del g['torque_Nm']; d = g.create_dataset('torque_Nm', (20,), chunks=(5,)); d[:12] = 1"),
+      message);
+}
+
+TEST_F(H5pyTest, WritesAForeignFileWithoutARecord) {
+  EXPECT_EQ(ErrorOf("f['data/values'] = np.zeros(4)"),
+            "r.h5: error: no record is in the file (expected a group with the attribute 'kind')");
+}
+
+TEST_F(H5pyTest, MayLinkAGroupBackToItsParent) {
+  EXPECT_EQ(
+      ReadRecords(Write(std::string(kLoop) + "g['up'] = f['/']; g['soft'] = h5py.SoftLink('/none')")).size(),
+      1U);
+}
+
+}  // namespace
+}  // namespace strainwave::daq

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daq/record_rules.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "daq/record_error.h"
+#include "tests/daq/sample_records.h"
+
+namespace strainwave::daq {
+namespace {
+
+TEST(CheckRecord, FindsNothingWrongInGoodRecords) {
+  EXPECT_TRUE(CheckRecord(SampleSweep()).empty());
+  EXPECT_TRUE(CheckRecord(SampleLoop()).empty());
+  EXPECT_TRUE(CheckRecord(SampleVibration()).empty());
+}
+
+TEST(CheckRecord, SeesAStepBackBehindANan) {
+  Record record = SampleLoop();
+  record.columns[0].values = std::vector{5.0, std::nan(""), 4.0};
+  const std::vector<RuleBreak> breaks = CheckRecord(record);
+  ASSERT_EQ(breaks.size(), 2U);
+  EXPECT_EQ(breaks[0].part.row, 1U);
+  EXPECT_EQ(breaks[1].part.row, 2U);
+  EXPECT_EQ(breaks[1].what, "time_s runs backwards from 5 to 4");
+}
+
+TEST(CheckRecord, LetsTimeStandStill) {
+  Record record = SampleLoop();
+  record.columns[0].values = std::vector{1.0, 1.0, 1.0};
+  EXPECT_TRUE(CheckRecord(record).empty());
+}
+
+TEST(CheckRecord, StopsCountingInOneColumnButNotInTheNext) {
+  Record record = SampleLoop();
+  for (Column& column : record.columns) column.values = std::vector<double>(100, std::nan(""));
+  EXPECT_EQ(CheckRecord(record).size(), 3 * kMostBreaksPerColumn);
+}
+
+TEST(CheckRecord, WantsDirectionsWhereTheyBelongAndNowhereElse) {
+  Record record = SampleSweep();
+  record.columns[0].values = std::vector{1.0, -1.0};
+  ASSERT_EQ(CheckRecord(record).size(), 1U);
+  EXPECT_EQ(CheckRecord(record)[0].what, "direction holds numbers");
+  record = SampleSweep();
+  record.columns[1].values = record.columns[0].values;
+  ASSERT_EQ(CheckRecord(record).size(), 1U);
+  EXPECT_EQ(CheckRecord(record)[0].what, "input_angle_deg holds directions");
+}
+
+TEST(CheckRecord, LooksAtFurtherColumnsOnlyWhereTheyAreChannels) {
+  Record loop = SampleLoop();
+  loop.columns.push_back({"humidity", std::vector{1.0, std::nan(""), 2.0}, "", ""});
+  EXPECT_TRUE(CheckRecord(loop).empty());
+  Record vibration = SampleVibration();
+  vibration.columns.push_back({"mic_Pa", std::vector{1.0F, NAN, 2.0F}, "", ""});
+  ASSERT_EQ(CheckRecord(vibration).size(), 1U);
+  EXPECT_EQ(CheckRecord(vibration)[0].what, "mic_Pa is nan");
+}
+
+TEST(UnitOf, ReadsTheUnitThatANameEndsIn) {
+  EXPECT_EQ(UnitOf("torque_Nm"), "Nm");
+  EXPECT_EQ(UnitOf("output_angle_deg"), "deg");
+  EXPECT_EQ(UnitOf("accel_motor_z_m_per_s2"), "m/s^2");
+  EXPECT_EQ(UnitOf("velocity_rad_per_s"), "rad/s");
+  EXPECT_EQ(UnitOf("k2_Nm_per_rad"), "Nm/rad");
+  EXPECT_EQ(UnitOf("direction"), "");
+  EXPECT_EQ(UnitOf("spectrum"), "");
+  EXPECT_EQ(UnitOf("odd_"), "");
+}
+
+TEST(RecordError, HoldsEveryFindingAndShowsTheFirstTwenty) {
+  std::vector<Finding> findings(23, Finding{"f:1:1", "x is bad", "good"});
+  const RecordError error(findings);
+  EXPECT_EQ(error.findings().size(), 23U);
+  const std::string text = error.what();
+  EXPECT_TRUE(text.starts_with("f:1:1: error: x is bad (expected good)\n"));
+  EXPECT_TRUE(text.ends_with("\nand 3 more errors"));
+}
+
+}  // namespace
+}  // namespace strainwave::daq

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// Dependencies point one way: bench is where the modules meet, and the four below it know only
+// analysis/units.h of each other.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <regex>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "tests/repository/source_tree.h"
+
+namespace strainwave::repository {
+namespace {
+
+constexpr std::string_view kFour[] = {"analysis", "daq", "protocols", "schedules"};
+
+bool IsOneOfFour(std::string_view folder) {
+  return std::count(std::begin(kFour), std::end(kFour), folder) != 0;
+}
+
+bool IsDeviceCode(std::string_view path) {
+  return path.starts_with("bench/devices/") || path.starts_with("bench/roles/");
+}
+
+// The rule that `path` breaks by including "target", or nothing.
+std::optional<std::string> BrokenRule(std::string_view path, std::string_view target) {
+  const std::string from = FolderOf(path);
+  const std::string to = FolderOf(target);
+  if (path == "analysis/units.h") {
+    return "analysis/units.h includes standard headers only";
+  }
+  if (to != from && std::count(std::begin(kTopFolders), std::end(kTopFolders), to) == 0) {
+    return "includes start at the root of the checkout";
+  }
+  if (to == from || target == "analysis/units.h") {
+    return std::nullopt;
+  }
+  if (IsOneOfFour(from)) {
+    return from + " includes only itself and analysis/units.h";
+  }
+  if (from == "bench" && to == "tests") {
+    return "bench does not include tests";
+  }
+  if (IsDeviceCode(path) && to == "schedules") {
+    return "no device code knows what a schedule is";
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> QuotedInclude(const std::string& line) {
+  static const std::regex kInclude(R"re(^\s*#\s*include\s*"([^"]+)")re");
+  std::smatch match;
+  return std::regex_search(line, match, kInclude) ? std::optional<std::string>(match[1]) : std::nullopt;
+}
+
+TEST(IncludeGraph, HoldsInEveryFile) {
+  int includes = 0;
+  for (const std::string& path : ListSources()) {
+    if (!IsCpp(path)) {
+      continue;
+    }
+    const SourceFile file = ReadSource(path);
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      const std::optional<std::string> target = QuotedInclude(file.lines[i]);
+      if (!target) {
+        continue;
+      }
+      ++includes;
+      const std::optional<std::string> rule = BrokenRule(path, *target);
+      EXPECT_FALSE(rule) << path << ":" << i + 1 << ": includes \"" << *target << "\" (expected: " << *rule
+                         << ")";
+      EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / *target))
+          << path << ":" << i + 1 << ": there is no " << *target;
+    }
+  }
+  EXPECT_GT(includes, 50) << "hardly an include was read: the test looks in the wrong place";
+}
+
+TEST(IncludeGraph, AllowsWhatThePictureShows) {
+  EXPECT_EQ(BrokenRule("daq/record.h", "analysis/units.h"), std::nullopt);
+  EXPECT_EQ(BrokenRule("analysis/transmission_error.cc", "analysis/model/spring.h"), std::nullopt);
+  EXPECT_EQ(BrokenRule("bench/controller/cycle.cc", "schedules/reader/schedule.h"), std::nullopt);
+  EXPECT_EQ(BrokenRule("bench/devices/simulated/plant.cc", "analysis/model/spring.h"), std::nullopt);
+  EXPECT_EQ(BrokenRule("tests/daq/record_test.cc", "daq/record.h"), std::nullopt);
+}
+
+TEST(IncludeGraph, NamesTheRuleThatAnEdgeBreaks) {
+  EXPECT_EQ(BrokenRule("daq/record.h", "analysis/transmission_error.h"),
+            "daq includes only itself and analysis/units.h");
+  EXPECT_EQ(BrokenRule("analysis/model/spring.h", "daq/record.h"),
+            "analysis includes only itself and analysis/units.h");
+  EXPECT_EQ(BrokenRule("schedules/reader/schedule.h", "bench/roles/sampler.h"),
+            "schedules includes only itself and analysis/units.h");
+  EXPECT_EQ(BrokenRule("protocols/cia402.cc", "tests/pch.h"),
+            "protocols includes only itself and analysis/units.h");
+  EXPECT_EQ(BrokenRule("bench/devices/simulated/plant.cc", "schedules/reader/schedule.h"),
+            "no device code knows what a schedule is");
+  EXPECT_EQ(BrokenRule("bench/plots/script.cc", "tests/pch.h"), "bench does not include tests");
+  EXPECT_EQ(BrokenRule("analysis/units.h", "analysis/angles.h"),
+            "analysis/units.h includes standard headers only");
+  EXPECT_EQ(BrokenRule("bench/plots/script.cc", "script.h"), "includes start at the root of the checkout");
+  EXPECT_EQ(BrokenRule("bench/plots/script.cc", "../plots/script.h"),
+            "includes start at the root of the checkout");
+}
+
+TEST(QuotedInclude, SeesOnlyIncludeLines) {
+  EXPECT_EQ(QuotedInclude("#include \"daq/record.h\""), "daq/record.h");
+  EXPECT_EQ(QuotedInclude("  #  include \"daq/record.h\"  // why"), "daq/record.h");
+  EXPECT_EQ(QuotedInclude("#include <vector>"), std::nullopt);
+  EXPECT_EQ(QuotedInclude("// as #include \"daq/record.h\" does"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace strainwave::repository

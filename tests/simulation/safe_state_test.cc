@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every way out of every phase: torque off, brakes on, within one control period, and nothing commanded after.
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "bench/controller/make_program.h"
+#include "tests/simulation/bench_fixture.h"
+
+namespace strainwave::bench {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kControlPeriod{10};
+
+struct Way {
+  std::string name;
+  std::function<void(SpiedBench&)> happen;
+  StopCause cause;
+};
+
+const std::vector<Way>& Ways() {
+  static const std::vector<Way> ways{
+      {"DriveFault", [](SpiedBench& bench) { bench.machine.bench().Inject({.driving_fault = true}); },
+       StopCause::kDriveFault},
+      {"LoadFault", [](SpiedBench& bench) { bench.machine.bench().Inject({.load_fault = true}); },
+       StopCause::kDriveFault},
+      {"SilentSampler", [](SpiedBench& bench) { bench.machine.bench().Inject({.sampler_silent = true}); },
+       StopCause::kStaleReadings},
+      {"DeadTorqueChannel",
+       [](SpiedBench& bench) {
+         bench.machine.bench().Inject({.dead_channels = 1u << static_cast<unsigned>(Channel::kOutputTorque)});
+       },
+       StopCause::kImplausibleReading},
+      {"Overheated", [](SpiedBench& bench) { bench.machine.bench().Inject({.gear_temperature_degC = 90.0}); },
+       StopCause::kGearTemperatureLimit},
+      {"QuickStop", [](SpiedBench& bench) { bench.request = StopRequest::kQuickStop; },
+       StopCause::kQuickStopRequested},
+      {"Shutdown", [](SpiedBench& bench) { bench.request = StopRequest::kShutdown; },
+       StopCause::kShutdownRequested},
+  };
+  return ways;
+}
+
+struct PhaseCase {
+  std::string name;
+  schedules::PhaseParameters parameters;
+};
+
+const std::vector<PhaseCase>& PhaseCases() {
+  static const std::vector<PhaseCase> phases{{"LoadRun", TestLoadRun(60.0)},
+                                             {"Rotation", TestRotation()},
+                                             {"Sweep", TestSweep()},
+                                             {"Hysteresis", TestHysteresis()}};
+  return phases;
+}
+
+class SafeState : public testing::TestWithParam<std::tuple<std::size_t, std::size_t>> {};
+
+TEST_P(SafeState, IsReachedWithinOneControlPeriodAndTheCauseIsNamed) {
+  const PhaseCase& phase = PhaseCases()[std::get<0>(GetParam())];
+  const Way& way = Ways()[std::get<1>(GetParam())];
+  SpiedBench bench;
+  const auto program = MakeProgram(phase.parameters, TestSpecimen(), 0.0, 0.01);
+  int beats = 0;
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseProgram&) {
+    if (++beats == 1) way.happen(bench);
+  });
+  EXPECT_EQ(outcome.reason.cause, way.cause) << Describe(outcome.reason);
+  EXPECT_TRUE(bench.Safe());
+  EXPECT_EQ(bench.driving.set_points_after_stop, 0);
+  EXPECT_EQ(bench.load.set_points_after_stop, 0);
+  if (IsFault(way.cause)) {
+    // The stop follows the reading that broke the limit within one period; a stop that was ramped down to on
+    // request takes the ramp's time.
+    EXPECT_LE(bench.driving.quick_stop_at - outcome.reason.time,
+              way.cause == StopCause::kStaleReadings ? 5 * kControlPeriod : kControlPeriod);
+    ASSERT_EQ(outcome.black_box.size(), 1u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfEveryPhase, SafeState,
+                         testing::Combine(testing::Range<std::size_t>(0, 4), testing::Range<std::size_t>(0, 7)),
+                         [](const auto& info) {
+                           return PhaseCases()[std::get<0>(info.param)].name + Ways()[std::get<1>(info.param)].name;
+                         });
+
+TEST(SafeStateOnException, IsReachedBeforeTheExceptionLeaves) {
+  SpiedBench bench;
+  const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
+  EXPECT_THROW(bench.runner.Run(*program, [](const PhaseProgram&) { throw std::runtime_error("disk full"); }),
+               std::runtime_error);
+  EXPECT_TRUE(bench.Safe());
+}
+
+TEST(SafeStateAtPowerUp, IsEnteredBeforeAnyPhase) {
+  SpiedBench bench;
+  EXPECT_TRUE(bench.Safe());
+  EXPECT_GE(bench.driving.quick_stop_at.count(), 0);
+}
+
+TEST(SafeStateAfterAPhase, HoldsWhenItEndedWell) {
+  for (const PhaseCase& phase : PhaseCases()) {
+    schedules::PhaseParameters parameters = phase.parameters;
+    if (auto* run = std::get_if<schedules::LoadRun>(&parameters)) run->duration_s = 5.0;
+    SpiedBench bench;
+    const auto program = MakeProgram(parameters, TestSpecimen(), 0.0, 0.01);
+    const PhaseOutcome outcome = bench.runner.Run(*program, NoHeartbeat);
+    EXPECT_FALSE(outcome.reason) << phase.name << ": " << Describe(outcome.reason);
+    EXPECT_TRUE(bench.Safe()) << phase.name;
+  }
+}
+
+TEST(FirstOut, TellsTheFirstCauseFromWhatFollowed) {
+  RunnerSettings settings = TestSettings();
+  settings.limits.output_torque_Nm = 30.0;
+  SpiedBench bench(settings);
+  const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
+  int beats = 0;
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseProgram&) {
+    if (++beats == 1) bench.machine.bench().Inject({.gear_temperature_degC = 80.0});
+  });
+  // Forty Nm are asked for and thirty allowed: that came first, well before the first heartbeat.
+  EXPECT_EQ(outcome.reason.cause, StopCause::kOutputTorqueLimit);
+  EXPECT_EQ(beats, 0);
+  for (const StopReason& followed : outcome.followed) EXPECT_NE(followed.cause, outcome.reason.cause);
+}
+
+TEST(FirstOut, KeepsTheSamplesBeforeAndAfter) {
+  SpiedBench bench;
+  const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
+  int beats = 0;
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseProgram&) {
+    if (++beats == 20) bench.machine.bench().Inject({.load_fault = true});
+  });
+  ASSERT_EQ(outcome.black_box.size(), 1u);
+  const auto time_s = outcome.black_box.front().record.Doubles("time_s");
+  const double stop_s = std::chrono::duration<double>(outcome.reason.time).count();
+  EXPECT_NEAR(time_s.front(), stop_s - 9.0, 0.1);  // ten seconds in all, one of them after the stop
+  EXPECT_NEAR(time_s.back(), stop_s + 1.0, 0.1);
+}
+
+TEST(Pause, WaitsForTheEndOfAMeasurementAndCutsALoadRun) {
+  SpiedBench bench;
+  bench.request = StopRequest::kPause;
+  const auto sweep = MakeProgram(TestSweep(), TestSpecimen(), 0.0, 0.01);
+  EXPECT_FALSE(bench.runner.Run(*sweep, NoHeartbeat).reason);
+  bench.request = StopRequest::kNone;
+  const auto run = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
+  const PhaseOutcome outcome = bench.runner.Run(*run, [&](const PhaseProgram& program) {
+    if (program.credited_load_s() > 20.0) bench.request = StopRequest::kPause;
+  });
+  EXPECT_EQ(outcome.reason.cause, StopCause::kPauseRequested);
+  EXPECT_GT(outcome.credited_load_s, 20.0);
+  EXPECT_LT(outcome.credited_load_s, 22.0);
+  EXPECT_EQ(outcome.records.size(), 1u);
+  EXPECT_TRUE(bench.Safe());
+}
+
+TEST(LoadRun, ServesWhatIsLeftAndNoMore) {
+  SpiedBench bench;
+  const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 45.0, 0.01);
+  const auto start = bench.devices.clock.Now();
+  const PhaseOutcome outcome = bench.runner.Run(*program, NoHeartbeat);
+  EXPECT_FALSE(outcome.reason);
+  EXPECT_NEAR(outcome.credited_load_s, 60.0, 0.011);
+  const double took_s = std::chrono::duration<double>(bench.devices.clock.Now() - start).count();
+  EXPECT_NEAR(took_s, 15.0, 1.5);  // ramps and brakes beside it
+}
+
+TEST(Suspend, GoesOnByItselfWhenTheGearHasCooledDown) {
+  RunnerSettings settings = TestSettings();
+  settings.suspend.trip_temperature_degC = 60.0;
+  settings.suspend.resume_temperature_degC = 50.0;
+  SpiedBench bench(settings);
+  const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseProgram& running) {
+    if (running.credited_load_s() > 10.0) bench.machine.bench().Inject({.gear_temperature_degC = 65.0});
+  });
+  EXPECT_EQ(outcome.reason.cause, StopCause::kTemperatureSuspend);
+  EXPECT_TRUE(bench.Safe());
+  EXPECT_FALSE(bench.runner.WaitUntilRecovered(NoHeartbeat));
+  EXPECT_LT(bench.devices.sampler.Read().gear_temperature_degC, 51.0);
+}
+
+}  // namespace
+}  // namespace strainwave::bench
