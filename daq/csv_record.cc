@@ -330,7 +330,7 @@ class CsvReader {
           Add({header_line_, 1}, rule_break.what, rule_break.expected);
           break;
         case RecordPart::Level::kCell:
-          
+          if (column->bad_rows.contains(part.row)) break;
           Add(PlaceOfCell(part.row, static_cast<std::size_t>(column - columns_.begin())), rule_break.what,
               rule_break.expected);
           break;

@@ -43,15 +43,21 @@ void DemandWritable(const Record& record, const std::string& path) {
   }
 }
 
+// Each group on the way is made here and not by the library, which would note the time of day in those
+// between.
 Hdf5Handle OpenOrCreateGroup(hid_t file, const std::string& path) {
-  if (path == "/") return {H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose};
-  const Hdf5Handle link_properties(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  Check(H5Pset_create_intermediate_group(link_properties.get(), 1));
   const Hdf5Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   Check(H5Pset_link_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
   Check(H5Pset_attr_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
   Check(H5Pset_obj_track_times(properties.get(), false));
-  return {H5Gcreate2(file, path.c_str(), link_properties.get(), properties.get(), H5P_DEFAULT), H5Gclose};
+  for (std::size_t end = path.find('/', 1); end != path.npos; end = path.find('/', end + 1)) {
+    const std::string above = path.substr(0, end);
+    if (Check(H5Lexists(file, above.c_str(), H5P_DEFAULT)) > 0) continue;
+    const Hdf5Handle made(H5Gcreate2(file, above.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+                          H5Gclose);
+  }
+  if (path == "/") return {H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose};
+  return {H5Gcreate2(file, path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose};
 }
 
 struct Child {

@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "analysis/units.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/campaign_runner.h"
@@ -71,6 +72,19 @@ double ParsePace(const std::string& text) {
   return pace;
 }
 
+// The truth of a sweep is that at its own standstills.
+SimulatedTest TestOf(const schedules::Schedule& schedule, double pace, const std::string& truth) {
+  SimulatedTest test{schedule.specimen.ratio, RadFromDeg(1.0), 360, pace, truth};
+  for (const auto& phase : schedule.phases) {
+    const auto* sweep = std::get_if<schedules::TransmissionErrorSweep>(&phase.parameters);
+    if (sweep == nullptr) continue;
+    test.sweep_step_rad = sweep->step_rad;
+    test.sweep_steps = sweep->steps;
+    break;
+  }
+  return test;
+}
+
 ExitCode CodeOf(const CampaignEnd& end) {
   switch (end.kind) {
     case CampaignEnd::Kind::kCompleted:
@@ -119,7 +133,7 @@ int Run(const RunOptions& options) {
   ListenToSignals();
   CampaignEnd end;
   {
-    const auto machine = MakeMachine(inputs.bench, inputs.schedule, pace, options.truth);
+    const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth));
     TerminalProgress progress(std::max(1, journal.LastCompleteCycle() + 1));
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, g_request, progress);
     const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();

@@ -11,9 +11,9 @@ namespace strainwave::bench {
 namespace {
 
 // The nominal plant with what the bench file says differently.
-analysis::model::PlantModel ModelOf(const BenchDescription& description, const schedules::Schedule& schedule) {
+analysis::model::PlantModel ModelOf(const BenchDescription& description, double ratio) {
   analysis::model::PlantModel model = analysis::model::DefaultPlantModel();
-  model.ratio = schedule.specimen.ratio;
+  model.ratio = ratio;
   schedules::FindingList findings;
   for (const TermDescription& term : description.simulation.terms) {
     try {
@@ -34,8 +34,7 @@ analysis::model::PlantModel ModelOf(const BenchDescription& description, const s
 
 }  // namespace
 
-std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, const schedules::Schedule& schedule,
-                                          double pace, const std::filesystem::path& truth) {
+std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, const SimulatedTest& test) {
   if (!description.simulated) {
     throw CampaignError(ExitCode::kMachineFailed,
                         fmt::format("{}: error: this build drives no real devices yet (expected simulated: true)",
@@ -44,8 +43,8 @@ std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, c
   SimulatedBenchSettings settings;
   settings.seed = description.simulation.seed;
   settings.time_skew_s = description.simulation.time_skew_s;
-  settings.pace = pace;
-  return std::make_unique<SimulatedMachine>(ModelOf(description, schedule), settings, schedule, truth);
+  settings.pace = test.pace;
+  return std::make_unique<SimulatedMachine>(ModelOf(description, test.ratio), settings, test);
 }
 
 }  // namespace strainwave::bench

@@ -6,17 +6,24 @@
 
 #include "bench/configuration/bench_description.h"
 #include "bench/roles/bench_machine.h"
-#include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
 
+/// What a simulated bench must know of the test besides its own file.
+struct SimulatedTest {
+  double ratio{80.0};
+  /// Standstills at which the truth of the transmission error is told: those of the sweep.
+  double sweep_step_rad{};
+  int sweep_steps{};
+  double pace{1.0};             // times real time; infinity: as fast as it can
+  std::filesystem::path truth;  // file that gets one row a cycle of what only the simulation knows; empty: none
+};
+
 /// The bench that a bench file describes.
-/// @param pace   of a simulated bench: times real time; infinity: as fast as it can.
-/// @param truth  of a simulated bench: file that gets one row a cycle of what only the simulation knows; empty:
-///   none. Rows are added; of two with one cycle number the last counts.
+/// @param test  for a simulated bench. Rows are added to the truth file; of two with one cycle number the last
+///   counts.
 /// @throws CampaignError for a bench that this build has no devices for; BenchFileError for a plant term or a
 ///   parameter that there is not.
-std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, const schedules::Schedule& schedule,
-                                          double pace, const std::filesystem::path& truth);
+std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, const SimulatedTest& test);
 
 }  // namespace strainwave::bench

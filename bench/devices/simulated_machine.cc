@@ -11,23 +11,9 @@
 #include "analysis/units.h"
 
 namespace strainwave::bench {
-namespace {
-
-schedules::TransmissionErrorSweep SweepOf(const schedules::Schedule& schedule) {
-  for (const auto& phase : schedule.phases) {
-    if (const auto* sweep = std::get_if<schedules::TransmissionErrorSweep>(&phase.parameters)) return *sweep;
-  }
-  schedules::TransmissionErrorSweep usual;
-  usual.step_rad = RadFromDeg(1.0);
-  usual.steps = 360;
-  return usual;
-}
-
-}  // namespace
-
 SimulatedMachine::SimulatedMachine(const analysis::model::PlantModel& model, const SimulatedBenchSettings& settings,
-                                   const schedules::Schedule& schedule, const std::filesystem::path& truth)
-    : bench_(model, settings), sweep_(SweepOf(schedule)), truth_(truth) {}
+                                   const SimulatedTest& test)
+    : bench_(model, settings), test_(test) {}
 
 BenchDevices SimulatedMachine::Devices() {
   return {bench_.driving_servo(), bench_.load_servo(), bench_.sampler(), bench_.clock()};
@@ -49,21 +35,21 @@ void SimulatedMachine::RestoreMemory(std::span<const std::byte> memory) {
 }
 
 void SimulatedMachine::CycleMeasured(int cycle) {
-  if (truth_.empty()) return;
-  const bool fresh = !std::filesystem::exists(truth_);
-  std::ofstream file(truth_, std::ios::app);
+  if (test_.truth.empty()) return;
+  const bool fresh = !std::filesystem::exists(test_.truth);
+  std::ofstream file(test_.truth, std::ios::app);
   if (fresh) {
     file << "cycle,k1_Nm_per_rad,k2_Nm_per_rad,k3_Nm_per_rad,e_avg_arcmin,e_max_arcmin,hysteresis_arcmin,"
             "friction_torque_Nm,series_compliance_rad_per_Nm,gear_temperature_degC,input_revolutions,time_s\n";
   }
-  const BenchTruth truth = bench_.TruthNow(sweep_.step_rad, sweep_.steps);
+  const BenchTruth truth = bench_.TruthNow(test_.sweep_step_rad, test_.sweep_steps);
   file << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", cycle, truth.k1_Nm_per_rad, truth.k2_Nm_per_rad,
                       truth.k3_Nm_per_rad, ArcminFromRad(truth.e_avg_rad), ArcminFromRad(truth.e_max_rad),
                       ArcminFromRad(truth.hysteresis_rad), truth.friction_torque_Nm,
                       truth.series_compliance_rad_per_Nm, truth.gear_temperature_degC, truth.input_revolutions,
                       truth.time_s);
   file.flush();
-  if (!file) throw std::system_error(errno, std::generic_category(), truth_.string());
+  if (!file) throw std::system_error(errno, std::generic_category(), test_.truth.string());
 }
 
 }  // namespace strainwave::bench

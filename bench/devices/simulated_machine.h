@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
+#include "bench/devices/make_machine.h"
 #include "bench/devices/simulated/simulated_bench.h"
 #include "bench/roles/bench_machine.h"
-#include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
 
@@ -13,7 +11,7 @@ namespace strainwave::bench {
 class SimulatedMachine final : public BenchMachine {
  public:
   SimulatedMachine(const analysis::model::PlantModel& model, const SimulatedBenchSettings& settings,
-                   const schedules::Schedule& schedule, const std::filesystem::path& truth);
+                   const SimulatedTest& test);
 
   BenchDevices Devices() override;
   bool simulated() const override { return true; }
@@ -29,8 +27,7 @@ class SimulatedMachine final : public BenchMachine {
  private:
   SimulatedBench bench_;
   BenchMemory memory_;
-  schedules::TransmissionErrorSweep sweep_;  // the truth of a sweep is that at its own standstills
-  std::filesystem::path truth_;
+  SimulatedTest test_;
 };
 
 }  // namespace strainwave::bench

@@ -69,23 +69,25 @@ struct Layer {
 };
 
 std::string SlopeElement(std::string_view id, int piece, const analysis::Estimate& k_Nm_per_rad,
-                         double from_Nm, double to_Nm, std::string_view colour) {
+                         double from_Nm, double to_Nm, double linewidth, std::string_view colour) {
   constexpr std::array<std::string_view, 3> kNames{"K₁", "K₂", "K₃"};
   return fmt::format(
-      "$spring_{}_{} using 1:2 with lines linewidth 3 linecolor rgb '{}' title {}", id, piece, colour,
+      "$spring_{}_{} using 1:2 with lines linewidth {} linecolor rgb '{}' title {}", id, piece, linewidth,
+      colour,
       Quoted(fmt::format("{} = {}, {:g} to {:g} Nm", kNames[static_cast<std::size_t>(piece - 1)],
                          EstimateText(k_Nm_per_rad, "Nm/rad"), from_Nm, to_Nm)));
 }
 
-Layer MakeLayer(std::string_view id, const HysteresisCurve& curve, const PictureColour& colour) {
+// `rim` widens the lines of a cycle that lies below another, so that it stays visible where they agree.
+Layer MakeLayer(std::string_view id, const HysteresisCurve& curve, const PictureColour& colour, double rim) {
   Check(curve);
   const std::vector<double> twist_arcmin = ToArcmin(curve.twist_rad);
   const bool fitted = !curve.fitted_torque_Nm.empty();
   Layer layer;
   layer.data = DataBlock(fmt::format("loop_{}", id),
                          {twist_arcmin, curve.torque_Nm, fitted ? curve.fitted_torque_Nm : curve.torque_Nm});
-  layer.loops = fmt::format("$loop_{} using 1:2 with lines linewidth 3.5 linecolor rgb '{}' title {}", id,
-                            colour.pale, Quoted(curve.label + ", measured"));
+  layer.loops = fmt::format("$loop_{} using 1:2 with lines linewidth {} linecolor rgb '{}' title {}", id,
+                            3.5 + rim, colour.pale, Quoted(curve.label + ", measured"));
   if (fitted) {
     layer.loops += fmt::format(",\\\n  $loop_{} using 1:3 with lines linewidth 1 linecolor rgb '{}' title {}",
                                id, colour.dark, Quoted(curve.label + ", fitted loop"));
@@ -107,9 +109,10 @@ Layer MakeLayer(std::string_view id, const HysteresisCurve& curve, const Picture
     layer.data += DataBlock(fmt::format("spring_{}_{}", id, piece), {x, y});
   }
   const analysis::TestTorques& t = curve.torques;
-  layer.slopes = SlopeElement(id, 1, curve.k1_Nm_per_rad, 0.0, t.t1_Nm, colour.dark) + ",\\\n  " +
-                 SlopeElement(id, 2, curve.k2_Nm_per_rad, t.t1_Nm, t.t2_Nm, colour.plain) + ",\\\n  " +
-                 SlopeElement(id, 3, curve.k3_Nm_per_rad, t.t2_Nm, t.t3_Nm, colour.dark);
+  layer.slopes = SlopeElement(id, 1, curve.k1_Nm_per_rad, 0.0, t.t1_Nm, 2.5 + rim, colour.dark) + ",\\\n  " +
+                 SlopeElement(id, 2, curve.k2_Nm_per_rad, t.t1_Nm, t.t2_Nm, 2.5 + rim, colour.plain) +
+                 ",\\\n  " +
+                 SlopeElement(id, 3, curve.k3_Nm_per_rad, t.t2_Nm, t.t3_Nm, 2.5 + rim, colour.dark);
   return layer;
 }
 
@@ -117,11 +120,11 @@ Layer MakeLayer(std::string_view id, const HysteresisCurve& curve, const Picture
 
 void DrawHysteresis(const std::string& title, const HysteresisCurve& first,
                     const std::optional<HysteresisCurve>& last, const std::filesystem::path& stem) {
-  const Layer lower = MakeLayer("first", first, kFirstColour);
+  const Layer lower = MakeLayer("first", first, kFirstColour, last ? 3.5 : 0.0);
   std::string script = lower.data;
   std::string elements = lower.loops + ",\\\n  " + lower.slopes;
   if (last) {
-    const Layer upper = MakeLayer("last", *last, kLastColour);
+    const Layer upper = MakeLayer("last", *last, kLastColour, 0.0);
     script += upper.data;
     elements += ",\\\n  " + upper.loops + ",\\\n  " + upper.slopes;
   }

@@ -103,7 +103,8 @@ std::string OrderList(std::span<const OrderLine> named, std::span<const OrderLin
     y -= row_height;
     std::string name = line.name;
     if (line.aliased) {
-      name += fmt::format(" (seen at {:g})", line.alias_order_per_output_rev);
+      // To a tenth: the fold of a sweep whose steps are not quite equal is no round number.
+      name += fmt::format(" (seen at {:g})", std::round(10.0 * line.alias_order_per_output_rev) / 10.0);
     }
     commands += ListLabel(fmt::format("{:g}", line.order_per_output_rev), order_right, y, "right", kInk);
     commands += ListLabel(name, name_left, y, "left", kInk);

@@ -13,12 +13,12 @@ namespace {
 // Share of records whose 95 % interval holds the truth, per slope, in per cent.
 std::array<double, 3> Coverage(StiffnessMethod method, double autoregression, double torque_noise_Nm,
                                double twist_noise_rad, const std::vector<double>& path_Nm) {
-  constexpr int kRecords = 300;
+  constexpr int kRecords = 500;
   const LoopTruth truth;
   std::array<double, 3> held{};
   for (std::uint32_t seed = 1; seed <= kRecords; ++seed) {
     const LoopNoise noise{torque_noise_Nm, twist_noise_rad, autoregression, seed};
-    const SimulatedRecord record = SimulateLoop(truth, path_Nm, 2000, noise);
+    const SimulatedRecord record = SimulateLoop(truth, path_Nm, 1500, noise);
     const TorsionalStiffness fit = MeasureStiffness(record.View(), {7.0, 25.0, 34.0}, method);
     const Estimate* slopes[3] = {&fit.k1_Nm_per_rad, &fit.k2_Nm_per_rad, &fit.k3_Nm_per_rad};
     const double truths[3] = {truth.k1_Nm_per_rad, truth.k2_Nm_per_rad, truth.k3_Nm_per_rad};

@@ -125,7 +125,7 @@ TEST(StiffnessChecks, NameALoopThatDoesNotClose) {
   ASSERT_EQ(fit.failed_checks.size(), 1U);
   // The slip less the 0.129′ that the first sample lies above the returning branch.
   EXPECT_EQ(fit.failed_checks[0].substr(0, 79),
-            "loop not closed: the twist ends 0.371 arcmin from where it was at -0.068 Nm (ex");
+            "loop not closed: the twist ends 0.372 arcmin from where it was at -0.136 Nm (ex");
 }
 
 TEST(StiffnessChecks, NameARampThatNeverComesBack) {

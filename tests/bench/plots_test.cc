@@ -218,9 +218,9 @@ TEST_F(Pictures, OfHysteresisRejectColumnsOfTwoLengths) {
 
 TEST_F(Pictures, OfTransmissionErrorNameDirectionsAndOrders) {
   const analysis::TransmissionError first{
-      .cw = Sweep(1.2), .ccw = Sweep(1.1), .lost_motion_rad = {}, .failed_checks = {}};
+      .cw = Sweep(1.2), .ccw = Sweep(1.1), .lost_motion_rad = {}, .failed_checks = {}, .notes = {}};
   const analysis::TransmissionError last{
-      .cw = Sweep(1.5), .ccw = Sweep(1.4), .lost_motion_rad = {}, .failed_checks = {}};
+      .cw = Sweep(1.5), .ccw = Sweep(1.4), .lost_motion_rad = {}, .failed_checks = {}, .notes = {}};
   DrawTransmissionError("unit A", {"cycle 1", first}, TransmissionErrorCurve{"cycle 12", last}, Stem());
   ExpectBothFilesAndNothingElse();
   for (const char* text :

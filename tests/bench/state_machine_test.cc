@@ -67,7 +67,7 @@ TEST(StateMachine, NoPhaseBeginsBeforeReferencingIsDone) {
   for (const BenchState state : {BenchState::kFaulted, BenchState::kIdle, BenchState::kReferencing}) {
     for (const BenchEvent event : kAllEvents) {
       const auto next = Next(state, event);
-      if (next) EXPECT_FALSE(TorqueAllowed(*next)) << Name(state);
+      EXPECT_FALSE(next && TorqueAllowed(*next)) << Name(state);
     }
   }
 }
@@ -76,7 +76,7 @@ TEST(StateMachine, TorqueIsReachedFromReadyAlone) {
   for (const BenchState state : kAllStates) {
     for (const BenchEvent event : kAllEvents) {
       const auto next = Next(state, event);
-      if (next && TorqueAllowed(*next)) EXPECT_EQ(state, BenchState::kReady);
+      EXPECT_TRUE(!next || !TorqueAllowed(*next) || state == BenchState::kReady) << Name(state);
     }
   }
 }

@@ -122,7 +122,7 @@ inline schedules::HysteresisTest TestHysteresis() {
 class SpiedBench {
  public:
   explicit SpiedBench(const RunnerSettings& settings = TestSettings())
-      : machine(analysis::model::DefaultPlantModel(), {}, {}, {}),
+      : machine(analysis::model::DefaultPlantModel(), {}, {}),
         driving(machine.bench().driving_servo(), machine.bench().clock()),
         load(machine.bench().load_servo(), machine.bench().clock()),
         devices{driving, load, machine.bench().sampler(), machine.bench().clock()},

@@ -110,7 +110,7 @@ TEST_F(Campaign, IsNotResumedWithAnotherSchedule) {
   EXPECT_EQ(resumed.exit_code, 2);
   EXPECT_EQ(resumed.error, Path() +
                                ": error: the schedule has changed since the start (expected the frozen schedule.yaml; "
-                               "the difference is:\n  line 33: -cycles: 3\n  line 33: +cycles: 4\n  )\n");
+                               "the difference is:\n  line 34: -cycles: 3\n  line 34: +cycles: 4\n  )\n");
 }
 
 TEST_F(Campaign, SaysWhichCycleFileIsMissing) {
@@ -133,7 +133,7 @@ TEST_F(Campaign, SaysWhichCycleFileIsCut) {
   const ProgramResult again = RunProgram({"recompute", copy.string()});
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_EQ(again.error, file.string() + ": error: not a complete HDF5 file (truncated: 100000 of " +
-                             std::to_string(size) + " bytes) (expected a file that was written to its end)\n");
+                             std::to_string(size) + " bytes) (expected the file as it was written)\n");
 }
 
 TEST_F(Campaign, IsNotReadFromAForeignDatabase) {
@@ -223,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(BySignal, FourWaysToEnd,
                          testing::Values(Verb{"QuickStop", SIGINT, "quick_stop"}, Verb{"Shutdown", SIGTERM, "shutdown"},
                                          Verb{"Pause", SIGUSR1, "pause"},
                                          Verb{"FinishCycle", SIGUSR2, "finish_cycle"}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& instance) { return instance.param.name; });
 
 }  // namespace
 }  // namespace strainwave

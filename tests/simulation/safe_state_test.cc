@@ -84,8 +84,9 @@ TEST_P(SafeState, IsReachedWithinOneControlPeriodAndTheCauseIsNamed) {
 
 INSTANTIATE_TEST_SUITE_P(OfEveryPhase, SafeState,
                          testing::Combine(testing::Range<std::size_t>(0, 4), testing::Range<std::size_t>(0, 7)),
-                         [](const auto& info) {
-                           return PhaseCases()[std::get<0>(info.param)].name + Ways()[std::get<1>(info.param)].name;
+                         [](const auto& instance) {
+                           return PhaseCases()[std::get<0>(instance.param)].name +
+                                  Ways()[std::get<1>(instance.param)].name;
                          });
 
 TEST(SafeStateOnException, IsReachedBeforeTheExceptionLeaves) {
@@ -168,7 +169,8 @@ TEST(LoadRun, ServesWhatIsLeftAndNoMore) {
   EXPECT_FALSE(outcome.reason);
   EXPECT_NEAR(outcome.credited_load_s, 60.0, 0.011);
   const double took_s = std::chrono::duration<double>(bench.devices.clock.Now() - start).count();
-  EXPECT_NEAR(took_s, 15.0, 1.5);  // ramps and brakes beside it
+  EXPECT_GE(took_s, 15.0);
+  EXPECT_LE(took_s, 19.0);  // ramps, brakes, and parking: at most half a turn of the output, 1 s at 2400 rpm
 }
 
 TEST(Suspend, GoesOnByItselfWhenTheGearHasCooledDown) {

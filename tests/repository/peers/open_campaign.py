@@ -13,6 +13,7 @@ import sys
 import h5py
 import numpy
 
+MOST_SHOWN = 20
 TABLES = ("cycles", "phases", "results", "events", "calibrations", "operator_notes")
 # Endings of column names that carry a unit, as the contract has them.
 UNITS = ("_deg", "_rad", "_arcmin", "_rpm", "_rad_per_s", "_Nm", "_N", "_m", "_m_per_s", "_m_per_s2", "_s", "_degC",
@@ -108,9 +109,10 @@ def main():
                                          f"unexpected {sorted(present - expected)}")
     for name in sorted(expected & present):
         check_cycle_file(folder / "cycles" / name, findings)
-    for finding in findings:
+    for finding in findings[:MOST_SHOWN]:
         print(f"error: {finding}", file=sys.stderr)
     if findings:
+        print(f"{len(findings)} findings", file=sys.stderr)
         return 1
     print(f"{folder}: {len(cycles)} cycles open with sqlite3 and h5py, and hold what the contract promises")
     return 0
