@@ -11,7 +11,8 @@
 
 namespace strainwave::analysis {
 
-/// Argument checks of this folder: each throws std::invalid_argument with the argument, its value and the rule.
+/// Argument checks of this folder: each throws std::invalid_argument with the argument, its value and the
+/// rule.
 inline void RequireFinite(std::string_view name, double value) {
   if (!std::isfinite(value)) {
     throw std::invalid_argument(fmt::format("{} = {} is not finite", name, value));
@@ -38,8 +39,8 @@ inline void RequireNotNegative(std::string_view name, double value) {
   }
 }
 
-inline void RequireSameLength(std::string_view name, std::span<const double> values, std::string_view other_name,
-                              std::span<const double> others) {
+inline void RequireSameLength(std::string_view name, std::span<const double> values,
+                              std::string_view other_name, std::span<const double> others) {
   if (values.size() != others.size()) {
     throw std::invalid_argument(fmt::format("{} has {} values, {} has {} (expected the same number)", name,
                                             values.size(), other_name, others.size()));

@@ -74,7 +74,8 @@ Eigen::MatrixXd LongRunCovariance(const Eigen::MatrixXd& scores, Eigen::Index me
 
 Eigen::MatrixXd ScoreCovariance(const Eigen::MatrixXd& scores, std::span<const double> residuals) {
   const double rho = LagOneCorrelation(residuals);
-  const Eigen::Map<const Eigen::VectorXd> column(residuals.data(), static_cast<Eigen::Index>(residuals.size()));
+  const Eigen::Map<const Eigen::VectorXd> column(residuals.data(),
+                                                 static_cast<Eigen::Index>(residuals.size()));
   const Eigen::MatrixXd white = Whiten(column, rho);
   const Eigen::Index memory = MemoryLength({white.data(), residuals.size()});
   return LongRunCovariance(Whiten(scores, rho), memory) / ((1.0 - rho) * (1.0 - rho));

@@ -7,20 +7,21 @@
 
 namespace strainwave::analysis {
 
-/// Rating of the wave-generator bearing and the overload limits of the flexspline. Defaults: CSF size 20, ratio 80.
+/// Rating of the wave-generator bearing and the overload limits of the flexspline. Defaults: CSF size 20,
+/// ratio 80.
 struct GearRating {
-  double rated_torque_Nm = 34.0;                            // at the output
-  double rated_speed_rad_per_s = RadPerSFromRpm(2000.0);    // at the input
-  double l10_s = SecondsFromHours(7000.0);                  // life that 90 of 100 reach at the rating
-  double ratcheting_torque_Nm = 350.0;                      // at the output: teeth jump
-  double buckling_torque_Nm = 330.0;                        // at the output: the flexspline's wall buckles
+  double rated_torque_Nm = 34.0;                          // at the output
+  double rated_speed_rad_per_s = RadPerSFromRpm(2000.0);  // at the input
+  double l10_s = SecondsFromHours(7000.0);                // life that 90 of 100 reach at the rating
+  double ratcheting_torque_Nm = 350.0;                    // at the output: teeth jump
+  double buckling_torque_Nm = 330.0;                      // at the output: the flexspline's wall buckles
 };
 
 /// A stretch of constant load.
 struct LoadBlock {
-  double output_torque_Nm{};          // either sign
-  double input_speed_rad_per_s{};     // either sign
-  double duration_s{};                // from 0 up
+  double output_torque_Nm{};       // either sign
+  double input_speed_rad_per_s{};  // either sign
+  double duration_s{};             // from 0 up
 };
 
 /// Life at a load: L₁₀ (T_r / T)³ (N_r / N), infinite without torque or speed.

@@ -20,7 +20,8 @@ constexpr double kMedianRangePerSigma = 0.953873;
 
 }  // namespace
 
-std::optional<ControlLimits> NextValueLimits(std::span<const double> history, const ControlChartOptions& options) {
+std::optional<ControlLimits> NextValueLimits(std::span<const double> history,
+                                             const ControlChartOptions& options) {
   if (options.window < kMinValues) {
     throw std::invalid_argument(
         fmt::format("window = {} is too short (expected at least {})", options.window, kMinValues));

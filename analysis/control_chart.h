@@ -9,9 +9,9 @@ namespace strainwave::analysis {
 
 /// How the limits of an individuals chart on a slowly trending series are made.
 struct ControlChartOptions {
-  std::size_t window = 20;    // of the last values, at least 6
-  double width = 3.0;         // limits at centre ± width standard deviations, positive
-  double sigma_floor = 0.0;   // no narrower than this, e.g. the gauge's repeatability
+  std::size_t window = 20;   // of the last values, at least 6
+  double width = 3.0;        // limits at centre ± width standard deviations, positive
+  double sigma_floor = 0.0;  // no narrower than this, e.g. the gauge's repeatability
 };
 
 /// Where the next value is expected.
@@ -25,14 +25,15 @@ struct ControlLimits {
   bool IsOutlier(double value) const { return !(value >= lower && value <= upper); }
 };
 
-/// Centre and limits for the next value of a series whose level drifts (BENCH row 39): a line through the last values by
-/// Theil and Sen (median of all slopes, median of the offsets), carried on by one; σ from the median moving range about
-/// that line, over 0.9539. Neither is moved by a few outliers in the history. The limits include the line's own error,
-/// σ² (1 + 1/n + (x − x̄)²/Sₓₓ), as for least squares.
+/// Centre and limits for the next value of a series whose level drifts (BENCH row 39): a line through the
+/// last values by Theil and Sen (median of all slopes, median of the offsets), carried on by one; σ from the
+/// median moving range about that line, over 0.9539. Neither is moved by a few outliers in the history. The
+/// limits include the line's own error, σ² (1 + 1/n + (x − x̄)²/Sₓₓ), as for least squares.
 ///
 /// @param history  oldest first, one value a cycle; NaN stands for a cycle without a value.
 /// @returns none with fewer than 6 values in the window.
 /// @throws std::invalid_argument if the options break their rules.
-std::optional<ControlLimits> NextValueLimits(std::span<const double> history, const ControlChartOptions& options = {});
+std::optional<ControlLimits> NextValueLimits(std::span<const double> history,
+                                             const ControlChartOptions& options = {});
 
 }  // namespace strainwave::analysis

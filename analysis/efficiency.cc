@@ -62,7 +62,8 @@ Efficiency MeasureEfficiency(const SteadyRotation& rotation) {
                                      output_torque.standard_error / output_torque.value);
   result.efficiency = {value, std::abs(value) * relative};
   if (value > 1.0) {
-    result.failed_checks.push_back(fmt::format("more power comes out than goes in: efficiency {:.4g}", value));
+    result.failed_checks.push_back(
+        fmt::format("more power comes out than goes in: efficiency {:.4g}", value));
   }
   if (!std::isfinite(value)) {
     result.failed_checks.push_back("no power goes in");
@@ -78,7 +79,9 @@ std::optional<Estimate> MeasureStartingTorque(std::span<const double> torque_Nm,
   RequireFinite("torque_Nm", torque_Nm);
   RequireFinite("speed_rad_per_s", speed_rad_per_s);
   RequirePositive("speed_threshold_rad_per_s", speed_threshold_rad_per_s);
-  const auto moves = [&](std::size_t i, double sign) { return sign * speed_rad_per_s[i] > speed_threshold_rad_per_s; };
+  const auto moves = [&](std::size_t i, double sign) {
+    return sign * speed_rad_per_s[i] > speed_threshold_rad_per_s;
+  };
   for (std::size_t i = 0; i + 2 < speed_rad_per_s.size(); ++i) {
     const double sign = speed_rad_per_s[i] > 0.0 ? 1.0 : -1.0;
     if (!moves(i, sign) || !moves(i + 1, sign) || !moves(i + 2, sign)) {

@@ -15,7 +15,8 @@ struct Moments {
   double variance{};
 };
 
-// Depths (max f − fᵢ) / σ of the values that can come out on top, thinned: each stands for `weight` neighbours in order.
+// Depths (max f − fᵢ) / σ of the values that can come out on top, thinned: each stands for `weight`
+// neighbours in order.
 struct Contenders {
   std::vector<double> depths;
   double weight{1.0};

@@ -11,8 +11,9 @@ struct RangeUnderNoise {
   double root_mean_square_error{};  // of max − min with noise against max − min without; includes the bias
 };
 
-/// The largest of n values fᵢ + σ εᵢ has the distribution Π Φ((x − fᵢ) / σ); its mean and variance are integrated, those of the
-/// smallest likewise, and the two taken as independent (they are when far apart compared with σ).
+/// The largest of n values fᵢ + σ εᵢ has the distribution Π Φ((x − fᵢ) / σ); its mean and variance are
+/// integrated, those of the smallest likewise, and the two taken as independent (they are when far apart
+/// compared with σ).
 ///
 /// @param curve  the noise-free values, at least one.
 /// @throws std::invalid_argument if `curve` is empty or σ is negative or not finite.

@@ -25,7 +25,8 @@ void RequireArguments(std::span<const double> angle_rad, std::span<const double>
 Harmonic MakeHarmonic(double order, const LinearFit& fit, Eigen::Index column) {
   const double c = fit.coefficients(column);
   const double s = fit.coefficients(column + 1);
-  Harmonic harmonic{.order = order, .amplitude = {std::hypot(c, s), 0.0}, .phase_rad = {std::atan2(s, c), kPi}};
+  Harmonic harmonic{
+      .order = order, .amplitude = {std::hypot(c, s), 0.0}, .phase_rad = {std::atan2(s, c), kPi}};
   const auto covariance = fit.covariance.block<2, 2>(column, column);
   if (harmonic.amplitude.value > 0.0) {
     const Eigen::Vector2d along = Eigen::Vector2d(c, s) / harmonic.amplitude.value;
@@ -88,7 +89,8 @@ std::vector<double> IntegerOrderSpectrum(std::span<const double> angle_rad, std:
   const double step_rad = (*high - *low) / static_cast<double>(angle_rad.size() - 1);
   const double nyquist = step_rad > 0.0 ? kPi / step_rad : 0.0;
   // The line at Nyquist itself has no phase of its own.
-  const int last = std::clamp(static_cast<int>(std::ceil(nyquist * (1.0 - 1e-6))) - 1, 0, std::max(0, max_order));
+  const int last =
+      std::clamp(static_cast<int>(std::ceil(nyquist * (1.0 - 1e-6))) - 1, 0, std::max(0, max_order));
 
   double mean = 0.0;
   for (double value : values) {

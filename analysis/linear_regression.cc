@@ -14,8 +14,8 @@
 namespace strainwave::analysis {
 namespace {
 
-// (AᵀA)⁻¹ with unit columns in between, so that columns of very different size do not lose digits; zero rows and
-// columns where the factorisation found a column to be made up of the others.
+// (AᵀA)⁻¹ with unit columns in between, so that columns of very different size do not lose digits; zero rows
+// and columns where the factorisation found a column to be made up of the others.
 Eigen::MatrixXd NormalInverse(const Eigen::MatrixXd& a, Eigen::Index* rank) {
   const Eigen::Index p = a.cols();
   Eigen::VectorXd scale = a.colwise().norm();
@@ -46,8 +46,8 @@ LinearFit FitLinear(const Eigen::MatrixXd& design, const Eigen::VectorXd& y, Err
   const Eigen::Index n = design.rows();
   const Eigen::Index p = design.cols();
   if (n != y.size()) {
-    throw std::invalid_argument(fmt::format("y has {} values, design has {} rows (expected the same number)",
-                                            y.size(), n));
+    throw std::invalid_argument(
+        fmt::format("y has {} values, design has {} rows (expected the same number)", y.size(), n));
   }
   if (n < p) {
     throw std::invalid_argument(

@@ -14,8 +14,8 @@ enum class ErrorModel {
 /// A linear least-squares fit y ≈ X b.
 struct LinearFit {
   Eigen::VectorXd coefficients;
-  Eigen::MatrixXd covariance;  // of the coefficients
-  Eigen::VectorXd residuals;   // y − X b
+  Eigen::MatrixXd covariance;            // of the coefficients
+  Eigen::VectorXd residuals;             // y − X b
   double residual_standard_deviation{};  // with n − rank in the denominator; 0 when nothing is left
   Eigen::Index rank{};
 
@@ -29,8 +29,9 @@ struct LinearFit {
 /// @throws std::invalid_argument if the row counts differ or n < p.
 LinearFit FitLinear(const Eigen::MatrixXd& design, const Eigen::VectorXd& y, ErrorModel errors);
 
-/// Covariance of least-squares parameters with Jacobian J and residuals r: (JᵀJ)⁻¹ S (JᵀJ)⁻¹ with S the long-run
-/// covariance of the scores Jᵢ rᵢ, times n / (n − p). Parameters whose column is zero get zero variance.
+/// Covariance of least-squares parameters with Jacobian J and residuals r: (JᵀJ)⁻¹ S (JᵀJ)⁻¹ with S the
+/// long-run covariance of the scores Jᵢ rᵢ, times n / (n − p). Parameters whose column is zero get zero
+/// variance.
 Eigen::MatrixXd SandwichCovariance(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residuals);
 
 }  // namespace strainwave::analysis

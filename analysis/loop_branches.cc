@@ -101,7 +101,8 @@ std::optional<Estimate> TwistAtTorque(std::span<const double> torque_Nm, std::sp
                                       double reach_Nm) {
   constexpr std::size_t kMinSamples = 4;
   const auto [low, high] = std::minmax(torque_Nm[branch.first], torque_Nm[branch.last]);
-  if (level_Nm < low - reach_Nm || level_Nm > high + reach_Nm || branch.last - branch.first + 1 < kMinSamples) {
+  if (level_Nm < low - reach_Nm || level_Nm > high + reach_Nm ||
+      branch.last - branch.first + 1 < kMinSamples) {
     return std::nullopt;
   }
   std::vector<std::size_t> near;

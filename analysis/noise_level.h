@@ -9,10 +9,11 @@ namespace strainwave::analysis {
 
 /// What a slowly moving signal shows of its own noise.
 struct NoiseLevel {
-  /// Of the white part, from the median of |second differences|, so that slopes, reversals and spikes do not count.
+  /// Of the white part, from the median of |second differences|, so that slopes, reversals and spikes do not
+  /// count.
   double standard_deviation{};
-  /// Smallest difference of neighbours that is not zero: the resolution of a quantised signal, and next to nothing
-  /// for a continuous one.
+  /// Smallest difference of neighbours that is not zero: the resolution of a quantised signal, and next to
+  /// nothing for a continuous one.
   double step{};
 };
 
@@ -23,8 +24,8 @@ NoiseLevel EstimateNoise(std::span<const double> signal);
 /// 10 standard deviations (a dwell of 10⁵ samples spans about 9) and 1.5 steps.
 double ReversalThreshold(const NoiseLevel& noise);
 
-/// Indices of single or double samples that stand off the median of their five neighbours by more than noise and
-/// motion explain (8 standard deviations + 4 median steps of the record).
+/// Indices of single or double samples that stand off the median of their five neighbours by more than noise
+/// and motion explain (8 standard deviations + 4 median steps of the record).
 std::vector<std::size_t> FindSpikes(std::span<const double> signal, const NoiseLevel& noise);
 
 /// Replaces the samples at `indices` (ascending) by the straight line between their good neighbours.

@@ -27,8 +27,8 @@ void RequireLoop(const TorsionLoop& loop, const TestTorques& torques) {
   RequireAtLeast("torque_Nm", loop.torque_Nm, kMinSamples);
   RequireFinite("torque_Nm", loop.torque_Nm);
   RequireFinite("twist_rad", loop.twist_rad);
-  const bool in_order = torques.t1_Nm > 0.0 && torques.t1_Nm < torques.t2_Nm && torques.t2_Nm < torques.t3_Nm &&
-                        std::isfinite(torques.t3_Nm);
+  const bool in_order = torques.t1_Nm > 0.0 && torques.t1_Nm < torques.t2_Nm &&
+                        torques.t2_Nm < torques.t3_Nm && std::isfinite(torques.t3_Nm);
   if (!in_order) {
     throw std::invalid_argument(
         fmt::format("t1_Nm = {}, t2_Nm = {}, t3_Nm = {} are out of order (expected 0 < t1 < t2 < t3)",
@@ -59,8 +59,8 @@ bool Settled(const PreparedLoop& loop, const Branch& branch) {
   return branch.rising ? start_Nm <= -loop.torques.t1_Nm : start_Nm >= loop.torques.t1_Nm;
 }
 
-// Mean twist at a torque over the branches of one direction: over the settled ones; else over these prolonged by the
-// level (a record that ends at zero torque); else over what there is.
+// Mean twist at a torque over the branches of one direction: over the settled ones; else over these prolonged
+// by the level (a record that ends at zero torque); else over what there is.
 Estimate MeanTwist(const PreparedLoop& loop, double level_Nm, bool rising) {
   const double window_Nm = loop.ZeroWindow_Nm();
   struct Choice {
@@ -94,19 +94,21 @@ Estimate MeanTwist(const PreparedLoop& loop, double level_Nm, bool rising) {
   return {kNaN, kNaN};
 }
 
-double Hypotenuse(double a, double b, double c, double d) { return std::hypot(std::hypot(a, b), std::hypot(c, d)); }
+double Hypotenuse(double a, double b, double c, double d) {
+  return std::hypot(std::hypot(a, b), std::hypot(c, d));
+}
 
 void CheckTorqueReached(const PreparedLoop& loop, std::vector<std::string>* failed) {
   constexpr double kShareOfPeak = 0.98;
   const auto [low, high] = std::minmax_element(loop.torque_Nm.begin(), loop.torque_Nm.end());
   const double t3_Nm = loop.torques.t3_Nm;
   if (*high < kShareOfPeak * t3_Nm) {
-    failed->push_back(fmt::format("torque not reached: {:.4g} Nm at most (expected at least 98 % of {:.4g} Nm)", *high,
-                                  t3_Nm));
+    failed->push_back(fmt::format(
+        "torque not reached: {:.4g} Nm at most (expected at least 98 % of {:.4g} Nm)", *high, t3_Nm));
   }
   if (*low > -kShareOfPeak * t3_Nm) {
-    failed->push_back(fmt::format("torque not reached: {:.4g} Nm at least (expected at most 98 % of {:.4g} Nm)", *low,
-                                  -t3_Nm));
+    failed->push_back(fmt::format(
+        "torque not reached: {:.4g} Nm at least (expected at most 98 % of {:.4g} Nm)", *low, -t3_Nm));
   }
 }
 
@@ -127,9 +129,11 @@ void CheckSegments(const PreparedLoop& loop, std::vector<std::string>* failed) {
   }
 }
 
-// The twist has to come back to where it was at the same torque. By how much the loop's two branches differ there is no
-// failure, since the first sample may lie on either of them or, before the friction has settled, between.
-void CheckClosed(const PreparedLoop& loop, const TorsionalStiffness& result, std::vector<std::string>* failed) {
+// The twist has to come back to where it was at the same torque. By how much the loop's two branches differ
+// there is no failure, since the first sample may lie on either of them or, before the friction has settled,
+// between.
+void CheckClosed(const PreparedLoop& loop, const TorsionalStiffness& result,
+                 std::vector<std::string>* failed) {
   const std::size_t n = loop.torque_Nm.size();
   const std::size_t few = std::min<std::size_t>(n / 8, 5);
   const auto mean_of = [few](const std::vector<double>& x, std::size_t first) {
@@ -154,8 +158,8 @@ void CheckClosed(const PreparedLoop& loop, const TorsionalStiffness& result, std
     }
     const bool earlier_branch = loop.branches.size() > 1 && passage < loop.branches.back().first;
     if (!earlier_branch) {
-      failed->push_back(fmt::format("loop not closed: torque goes from {:.3g} to {:.3g} Nm and never comes back",
-                                    start_Nm, end_Nm));
+      failed->push_back(fmt::format(
+          "loop not closed: torque goes from {:.3g} to {:.3g} Nm and never comes back", start_Nm, end_Nm));
       return;
     }
     there_rad = loop.twist_rad[passage];
@@ -163,7 +167,8 @@ void CheckClosed(const PreparedLoop& loop, const TorsionalStiffness& result, std
     there_rad += (end_Nm - start_Nm) / result.k1_Nm_per_rad.value;
   }
   const auto [low, high] = std::minmax_element(loop.twist_rad.begin(), loop.twist_rad.end());
-  const double width_rad = std::isfinite(result.hysteresis_rad.value) ? std::abs(result.hysteresis_rad.value) : 0.0;
+  const double width_rad =
+      std::isfinite(result.hysteresis_rad.value) ? std::abs(result.hysteresis_rad.value) : 0.0;
   const double noise_rad = Hypotenuse(loop.twist_noise_rad.standard_deviation, loop.twist_noise_rad.step,
                                       loop.torque_noise_Nm.standard_deviation / result.k1_Nm_per_rad.value,
                                       loop.torque_noise_Nm.step / result.k1_Nm_per_rad.value);
@@ -171,10 +176,10 @@ void CheckClosed(const PreparedLoop& loop, const TorsionalStiffness& result, std
   const double allowed_rad = width_rad + 6.0 * noise_rad + 0.002 * (*high - *low);
   const double gap_rad = end_rad - there_rad;
   if (std::isfinite(allowed_rad) && std::abs(gap_rad) > allowed_rad) {
-    failed->push_back(fmt::format("loop not closed: the twist ends {:.3g} arcmin from where it was at {:.3g} Nm "
-                                  "(expected within {:.3g} arcmin)",
-                                  ArcminFromRad(gap_rad), end_Nm,
-                                  ArcminFromRad(allowed_rad)));
+    failed->push_back(
+        fmt::format("loop not closed: the twist ends {:.3g} arcmin from where it was at {:.3g} Nm "
+                    "(expected within {:.3g} arcmin)",
+                    ArcminFromRad(gap_rad), end_Nm, ArcminFromRad(allowed_rad)));
   }
 }
 
@@ -184,8 +189,7 @@ void CheckStiffness(const TorsionalStiffness& result, std::vector<std::string>* 
     if (std::isnan(slopes[k]->value)) {
       failed->push_back(fmt::format("stiffness K{} is not in the record", k + 1));
     } else if (!(slopes[k]->value > 0.0) || std::isinf(slopes[k]->value)) {
-      failed->push_back(
-          fmt::format("stiffness not positive: K{} = {:.4g} Nm/rad", k + 1, slopes[k]->value));
+      failed->push_back(fmt::format("stiffness not positive: K{} = {:.4g} Nm/rad", k + 1, slopes[k]->value));
     }
   }
 }
@@ -214,8 +218,8 @@ PreparedLoop PrepareLoop(const TorsionLoop& loop, const TestTorques& torques) {
       twist_rad = -twist_rad;
     }
   }
-  prepared.branches = SplitBranches(prepared.torque_Nm, std::max(ReversalThreshold(prepared.torque_noise_Nm),
-                                                                 0.02 * torques.t3_Nm));
+  prepared.branches = SplitBranches(
+      prepared.torque_Nm, std::max(ReversalThreshold(prepared.torque_noise_Nm), 0.02 * torques.t3_Nm));
   return prepared;
 }
 

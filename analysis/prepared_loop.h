@@ -11,8 +11,8 @@
 
 namespace strainwave::analysis {
 
-/// A torsion loop made ready for the three methods: arguments checked, single spikes bridged, the twist turned to rise
-/// with the torque, the record cut at its reversals.
+/// A torsion loop made ready for the three methods: arguments checked, single spikes bridged, the twist
+/// turned to rise with the torque, the record cut at its reversals.
 struct PreparedLoop {
   TestTorques torques;
   std::vector<double> torque_Nm;
@@ -31,13 +31,14 @@ struct PreparedLoop {
 /// @throws std::invalid_argument as documented at FitStiffnessModel.
 PreparedLoop PrepareLoop(const TorsionLoop& loop, const TestTorques& torques);
 
-/// Width of the loop at zero torque and lost motion, from straight lines through the branches near zero torque. A
-/// branch counts when it comes from a reversal beyond T₁ (elsewhere the friction has not settled); where a direction has
-/// none such, the others stand in. NaN where the record has no loading or no unloading branch at zero torque.
+/// Width of the loop at zero torque and lost motion, from straight lines through the branches near zero
+/// torque. A branch counts when it comes from a reversal beyond T₁ (elsewhere the friction has not settled);
+/// where a direction has none such, the others stand in. NaN where the record has no loading or no unloading
+/// branch at zero torque.
 void MeasureLoopWidth(const PreparedLoop& loop, TorsionalStiffness* result);
 
-/// Appends the checks that every method shares: torque reached on both sides, samples in each segment, loop closed, sign of
-/// the twist, stiffness positive. Call it last.
+/// Appends the checks that every method shares: torque reached on both sides, samples in each segment, loop
+/// closed, sign of the twist, stiffness positive. Call it last.
 void CheckLoop(const PreparedLoop& loop, TorsionalStiffness* result);
 
 /// Turns the slopes of a loop whose twist was turned, so that they say what the record says.

@@ -44,12 +44,14 @@ BlankRamp FitSeriesCompliance(std::span<const double> torque_Nm, std::span<const
 double EncoderError::At(double encoder_angle_rad) const {
   double error_rad = 0.0;
   for (const Harmonic* harmonic : {&once, &twice}) {
-    error_rad += harmonic->amplitude.value * std::cos(harmonic->order * encoder_angle_rad - harmonic->phase_rad.value);
+    error_rad +=
+        harmonic->amplitude.value * std::cos(harmonic->order * encoder_angle_rad - harmonic->phase_rad.value);
   }
   return error_rad;
 }
 
-EncoderError FitEncoderError(std::span<const double> encoder_angle_rad, std::span<const double> reference_angle_rad) {
+EncoderError FitEncoderError(std::span<const double> encoder_angle_rad,
+                             std::span<const double> reference_angle_rad) {
   RequireSameLength("encoder_angle_rad", encoder_angle_rad, "reference_angle_rad", reference_angle_rad);
   RequireAtLeast("encoder_angle_rad", encoder_angle_rad, kMinSamples);
   RequireFinite("encoder_angle_rad", encoder_angle_rad);
@@ -57,8 +59,8 @@ EncoderError FitEncoderError(std::span<const double> encoder_angle_rad, std::spa
   const auto [low, high] = std::minmax_element(encoder_angle_rad.begin(), encoder_angle_rad.end());
   constexpr double kLeastShareOfTurn = 0.9;
   if (*high - *low < kLeastShareOfTurn * kTwoPi) {
-    throw std::invalid_argument(fmt::format("encoder_angle_rad covers {:.4g} deg (expected nine tenths of a turn)",
-                                            DegFromRad(*high - *low)));
+    throw std::invalid_argument(fmt::format(
+        "encoder_angle_rad covers {:.4g} deg (expected nine tenths of a turn)", DegFromRad(*high - *low)));
   }
   std::vector<double> excess_rad(encoder_angle_rad.size());
   for (std::size_t i = 0; i < excess_rad.size(); ++i) {

@@ -16,15 +16,17 @@ namespace strainwave::analysis {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-// Shares of the twist's range after a reversal: left out before anything is known, and the most that may be left out.
+// Shares of the twist's range after a reversal: left out before anything is known, and the most that may be
+// left out.
 constexpr double kFirstGuess = 0.25;
 constexpr double kLongest = 0.45;
 
 struct Sample {
   double torque_Nm{};
   double twist_rad{};
-  double direction{};                // +1 rising, −1 falling
-  double twist_since_reversal_rad{};  // from the reversal that opened the branch, or the record's first sample
+  double direction{};  // +1 rising, −1 falling
+  double
+      twist_since_reversal_rad{};  // from the reversal that opened the branch, or the record's first sample
 };
 
 // φ = φ₀ + Σ cₖ aₖ(T − direction · W), aₖ the part of a torque in segment k.
@@ -71,7 +73,8 @@ double TwistOnLine(const MidLine& line, const Sample& sample, const TestTorques&
 }
 
 // Gauss–Newton in W; all else is linear.
-MidLine FitMidLine(const std::vector<Sample>& all, double left_out_rad, const TestTorques& torques, MidLine line) {
+MidLine FitMidLine(const std::vector<Sample>& all, double left_out_rad, const TestTorques& torques,
+                   MidLine line) {
   std::vector<Sample> samples;
   std::copy_if(all.begin(), all.end(), std::back_inserter(samples),
                [&](const Sample& sample) { return sample.twist_since_reversal_rad >= left_out_rad; });
@@ -109,8 +112,8 @@ MidLine FitMidLine(const std::vector<Sample>& all, double left_out_rad, const Te
   return line;
 }
 
-// Distance from a reversal at which the samples have come down to the mid-line of the others, in bins of 0.5 % of the
-// twist's range; negative if they have not by the longest stretch allowed.
+// Distance from a reversal at which the samples have come down to the mid-line of the others, in bins of 0.5
+// % of the twist's range; negative if they have not by the longest stretch allowed.
 double StickLength(const std::vector<Sample>& samples, const MidLine& line, double range_rad,
                    const TestTorques& torques) {
   constexpr std::size_t kBins = 90;  // up to kLongest
@@ -124,8 +127,10 @@ double StickLength(const std::vector<Sample>& samples, const MidLine& line, doub
     if (!(compliance > 0.0)) {
       continue;
     }
-    const double off_Nm = sample.direction * (sample.twist_rad - TwistOnLine(line, sample, torques)) / compliance;
-    const auto bin = static_cast<std::size_t>(sample.twist_since_reversal_rad / (kLongest * range_rad) * kBins);
+    const double off_Nm =
+        sample.direction * (sample.twist_rad - TwistOnLine(line, sample, torques)) / compliance;
+    const auto bin =
+        static_cast<std::size_t>(sample.twist_since_reversal_rad / (kLongest * range_rad) * kBins);
     if (bin < kBins) {
       sums_Nm[bin] += off_Nm;
       ++counts[bin];

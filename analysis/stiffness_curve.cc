@@ -26,12 +26,12 @@ struct SpringPoint {
 };
 
 struct Spring {
-  double k1, k2, k3;          // Nm/rad
-  double t1, t2;              // Nm
-  double break1, break2;      // rad
-  double break1_shift_k2;     // K₂ · break1: by how much segment 2 moves with ln K₁
-  double break1_shift_k3;     // K₃ · break1
-  double segment2_shift_k3;   // K₃ · (break2 − break1): by how much segment 3 moves with ln K₂
+  double k1, k2, k3;         // Nm/rad
+  double t1, t2;             // Nm
+  double break1, break2;     // rad
+  double break1_shift_k2;    // K₂ · break1: by how much segment 2 moves with ln K₁
+  double break1_shift_k3;    // K₃ · break1
+  double segment2_shift_k3;  // K₃ · (break2 − break1): by how much segment 3 moves with ln K₂
 
   Spring(const double* p, const TestTorques& torques)
       : k1(std::exp(p[kLogK1])),
@@ -133,17 +133,18 @@ void StiffnessCurve::DriveByTwist(const double* parameters, double* residuals, d
   }
 }
 
-// While the element sticks, its torque is c + κφ with κ = W/δ; c is all that has to be remembered of the past, and
-// changes only when the element slides. φ counts from the spring's centre.
+// While the element sticks, its torque is c + κφ with κ = W/δ; c is all that has to be remembered of the
+// past, and changes only when the element slides. φ counts from the spring's centre.
 void StiffnessCurve::DriveByTorque(const double* parameters, double* residuals, double* jacobian) const {
   const std::size_t n = torque_Nm.size();
   const Spring spring(parameters, torques);
   const double friction_Nm = std::exp(parameters[kLogFriction]);
   const double stiffness = friction_Nm * std::exp(-parameters[kLogYieldTwist]);
   const double offset_rad = parameters[kTwistOffset] * twist_scale_rad;
-  StiffnessParameters twist_by = StiffnessParameters::Zero();     // derivatives of φ
-  StiffnessParameters memory_by = StiffnessParameters::Zero();    // derivatives of c
-  StiffnessParameters friction_by = StiffnessParameters::Zero();  // derivatives of the torque of the sliding element
+  StiffnessParameters twist_by = StiffnessParameters::Zero();   // derivatives of φ
+  StiffnessParameters memory_by = StiffnessParameters::Zero();  // derivatives of c
+  StiffnessParameters friction_by =
+      StiffnessParameters::Zero();  // derivatives of the torque of the sliding element
   double memory_Nm = 0.0;
   const auto slide = [&](double input_Nm, double share, double by_start) {
     const double twist = spring.TwistAt(input_Nm - share * friction_Nm, 0.0);

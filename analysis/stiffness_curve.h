@@ -9,8 +9,9 @@
 
 namespace strainwave::analysis {
 
-/// Parameters of the loop model as the solver sees them: logarithms keep stiffness, friction and yield twist positive,
-/// the element's first state is held within ±W (beyond, it has no effect and the solver leaves it there).
+/// Parameters of the loop model as the solver sees them: logarithms keep stiffness, friction and yield twist
+/// positive, the element's first state is held within ±W (beyond, it has no effect and the solver leaves it
+/// there).
 enum StiffnessParameter : int {
   kLogK1,
   kLogK2,
@@ -24,13 +25,13 @@ enum StiffnessParameter : int {
 
 using StiffnessParameters = Eigen::Matrix<double, kStiffnessParameters, 1>;
 
-/// Which of the two measured signals goes into the model; the other one is what it predicts. The noise of the one that
-/// goes in is not seen by least squares and biases the slopes, so it should be the cleaner one.
+/// Which of the two measured signals goes into the model; the other one is what it predicts. The noise of the
+/// one that goes in is not seen by least squares and biases the slopes, so it should be the cleaner one.
 enum class LoopDrive { kTwist, kTorque };
 
-/// Residuals (model − measured, in Nm, times the weight's root) of the model documented at FitStiffnessModel, and their
-/// Jacobian by forward sensitivities; the interface is that of ceres::TinySolver. Driven by torque, the residual is that
-/// of the twist times `torque_per_twist_Nm_per_rad`.
+/// Residuals (model − measured, in Nm, times the weight's root) of the model documented at FitStiffnessModel,
+/// and their Jacobian by forward sensitivities; the interface is that of ceres::TinySolver. Driven by torque,
+/// the residual is that of the twist times `torque_per_twist_Nm_per_rad`.
 struct StiffnessCurve {
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kStiffnessParameters };
@@ -50,8 +51,10 @@ struct StiffnessCurve {
   /// `jacobian` is column-major, samples × parameters, or null.
   bool operator()(const double* parameters, double* residuals, double* jacobian) const;
 
-  /// Model torque at the measured twist, whatever drives the fit. `twist_input` as `monotone_input` for kTwist.
-  std::vector<double> TorqueAtTwist(const StiffnessParameters& parameters, std::span<const double> twist_input) const;
+  /// Model torque at the measured twist, whatever drives the fit. `twist_input` as `monotone_input` for
+  /// kTwist.
+  std::vector<double> TorqueAtTwist(const StiffnessParameters& parameters,
+                                    std::span<const double> twist_input) const;
 
  private:
   void DriveByTwist(const double* parameters, double* residuals, double* jacobian) const;

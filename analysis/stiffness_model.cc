@@ -28,16 +28,18 @@ struct Solution {
 Solution Solve(const StiffnessCurve& curve, const StiffnessParameters& start, int max_iterations) {
   ceres::TinySolver<StiffnessCurve> solver;
   solver.options.max_num_iterations = max_iterations;
-  // Relative to the scale of the residuals; the absolute defaults would stop a noise-free record early.
+  Solution solution{start};
+  Eigen::VectorXd residuals(curve.NumResiduals());
+  curve(start.data(), residuals.data(), nullptr);
+  // Relative to where it starts: the solver's absolute defaults would stop a noise-free record early, and let
+  // a noisy one wander among the kinks of its misfit.
+  solver.options.function_tolerance = 1e-10 * residuals.squaredNorm();
   solver.options.gradient_tolerance = 1e-14;
   solver.options.parameter_tolerance = 1e-11;
-  solver.options.function_tolerance = 0.0;
   solver.options.cost_threshold = 0.0;
   solver.options.initial_trust_region_radius = 1e6;
-  Solution solution{start};
   solver.Solve(curve, &solution.parameters);
   if (solution.parameters.allFinite()) {
-    Eigen::VectorXd residuals(curve.NumResiduals());
     curve(solution.parameters.data(), residuals.data(), nullptr);
     solution.cost = residuals.squaredNorm();
   }
@@ -62,10 +64,12 @@ Linearisation Linearise(const StiffnessCurve& curve, const StiffnessParameters& 
 }
 
 // Huber's weights, and none for a sample that was bridged. Returns false if no sample stands out.
-bool WeighOutliers(const PreparedLoop& loop, const Eigen::VectorXd& residuals, std::vector<double>* weight_root) {
+bool WeighOutliers(const PreparedLoop& loop, const Eigen::VectorXd& residuals,
+                   std::vector<double>* weight_root) {
   constexpr double kBend = 3.0;       // standard deviations up to which a sample has full weight
   constexpr double kStandsOut = 6.0;  // one beyond this makes the record one with outliers
-  const double scale = RobustStandardDeviation({residuals.data(), static_cast<std::size_t>(residuals.size())});
+  const double scale =
+      RobustStandardDeviation({residuals.data(), static_cast<std::size_t>(residuals.size())});
   const bool outliers =
       residuals.cwiseAbs().maxCoeff() > std::max(kStandsOut * scale, 1e-6 * loop.torques.t3_Nm);
   if (!outliers && loop.spikes.empty()) {
@@ -84,8 +88,9 @@ bool WeighOutliers(const PreparedLoop& loop, const Eigen::VectorXd& residuals, s
   return true;
 }
 
-// The misfit has kinks where a sample crosses a break and the element's first state a bound: a gradient may be left
-// at the minimum. So convergence is judged by what further iterations would still change, in standard errors.
+// The misfit has kinks where a sample crosses a break and the element's first state a bound: a gradient may
+// be left at the minimum. So convergence is judged by what further iterations would still change, in standard
+// errors.
 bool HasSettled(const StiffnessCurve& curve, const Solution& solution, const Eigen::MatrixXd& covariance) {
   constexpr double kStill = 0.05;
   const StiffnessParameters change = Solve(curve, solution.parameters, 8).parameters - solution.parameters;
@@ -97,7 +102,8 @@ bool HasSettled(const StiffnessCurve& curve, const Solution& solution, const Eig
   return true;
 }
 
-// Without a loop in the record nothing holds the element: its stiffness W/δ and the spring's could be shared out at will.
+// Without a loop in the record nothing holds the element: its stiffness W/δ and the spring's could be shared
+// out at will.
 bool FrictionIsPoorlyHeld(const StiffnessCurve& curve, const StiffnessParameters& parameters) {
   const Linearisation at = Linearise(curve, parameters);
   const Eigen::MatrixXd covariance = SandwichCovariance(at.jacobian, at.residuals);
@@ -163,13 +169,22 @@ TorsionalStiffness FitStiffnessModel(const TorsionLoop& raw, const TestTorques& 
   }
 
   TorsionalStiffness result;
-  result.friction_torque_Nm = std::exp(best.parameters[kLogFriction]);
-  result.yield_twist_rad = std::exp(best.parameters[kLogYieldTwist]);
+  const bool has_friction = std::exp(best.parameters[kLogFriction]) > 1e-9 * torques.t1_Nm;
+  if (has_friction) {
+    result.friction_torque_Nm = std::exp(best.parameters[kLogFriction]);
+    result.yield_twist_rad = std::exp(best.parameters[kLogYieldTwist]);
+  }
   result.fitted_torque_Nm = curve.TorqueAtTwist(best.parameters, inputs.twist_rad);
   result.rms_residual_Nm = std::sqrt(at.residuals.squaredNorm() / static_cast<double>(at.residuals.size()));
 
   curve.weight_root = weight_root;
   at = Linearise(curve, best.parameters);
+  if (!has_friction) {
+    // What is not in the model costs the slopes no certainty.
+    at.jacobian.col(kLogFriction).setZero();
+    at.jacobian.col(kLogYieldTwist).setZero();
+    at.jacobian.col(kStartShare).setZero();
+  }
   const Eigen::MatrixXd covariance = SandwichCovariance(at.jacobian, at.residuals);
   Estimate* slopes[3] = {&result.k1_Nm_per_rad, &result.k2_Nm_per_rad, &result.k3_Nm_per_rad};
   for (int k = 0; k < 3; ++k) {
@@ -177,7 +192,8 @@ TorsionalStiffness FitStiffnessModel(const TorsionLoop& raw, const TestTorques& 
     // A segment that no sample reaches leaves its column empty.
     const bool seen = at.jacobian.col(k).squaredNorm() > 0.0;
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    *slopes[k] = seen ? Estimate{value, value * std::sqrt(std::max(0.0, covariance(k, k)))} : Estimate{nan, nan};
+    *slopes[k] =
+        seen ? Estimate{value, value * std::sqrt(std::max(0.0, covariance(k, k)))} : Estimate{nan, nan};
   }
 
   MeasureLoopWidth(loop, &result);

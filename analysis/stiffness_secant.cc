@@ -23,21 +23,24 @@ bool StartsAtZero(const PreparedLoop& loop, const Branch& branch) {
 std::optional<Branch> FirstLoading(const PreparedLoop& loop, bool rising) {
   for (const Branch& branch : loop.branches) {
     const double reached_Nm = loop.torque_Nm[branch.last] * (rising ? 1.0 : -1.0);
-    if (branch.rising == rising && StartsAtZero(loop, branch) && reached_Nm >= kShareOfPeak * loop.torques.t3_Nm) {
+    if (branch.rising == rising && StartsAtZero(loop, branch) &&
+        reached_Nm >= kShareOfPeak * loop.torques.t3_Nm) {
       return branch;
     }
   }
   return std::nullopt;
 }
 
-// A narrow line gives the value, so that a knee near by does not shift it. Its few samples cannot tell whether the noise
-// is autocorrelated; a line eight times as wide can, and its error is scaled to the narrow one's share of samples.
+// A narrow line gives the value, so that a knee near by does not shift it. Its few samples cannot tell
+// whether the noise is autocorrelated; a line eight times as wide can, and its error is scaled to the narrow
+// one's share of samples.
 Estimate TwistAt(const PreparedLoop& loop, const Branch& branch, double level_Nm) {
   constexpr double kWider = 8.0;
   const double window_Nm = 0.01 * loop.torques.t1_Nm;
   const double reach_Nm = loop.torques.t1_Nm;  // the caller has made sure that the branch goes there
   const auto narrow = TwistAtTorque(loop.torque_Nm, loop.twist_rad, branch, level_Nm, window_Nm, reach_Nm);
-  const auto wide = TwistAtTorque(loop.torque_Nm, loop.twist_rad, branch, level_Nm, kWider * window_Nm, reach_Nm);
+  const auto wide =
+      TwistAtTorque(loop.torque_Nm, loop.twist_rad, branch, level_Nm, kWider * window_Nm, reach_Nm);
   if (!narrow || !wide) {
     return {kNaN, kNaN};
   }

@@ -10,7 +10,7 @@ namespace strainwave::analysis {
 namespace {
 
 constexpr std::size_t kThinnedSamples = 800;
-constexpr int kYieldTwists = 14;        // grid points, from 0.2 % to 40 % of the twist's range
+constexpr int kYieldTwists = 14;  // grid points, from 0.2 % to 40 % of the twist's range
 constexpr double kSmallestYield = 0.002;
 constexpr double kLargestYield = 0.4;
 constexpr std::size_t kStarts = 2;
@@ -71,7 +71,8 @@ struct GridPoint {
   double cost{};
 };
 
-// Columns: the twist's parts in the three segments, the element's state, a constant (for the offset of the twist).
+// Columns: the twist's parts in the three segments, the element's state, a constant (for the offset of the
+// twist).
 constexpr int kColumns = 5;
 
 void FillSpringColumns(const ThinnedLoop& loop, const MidLine& line, Eigen::MatrixXd* design) {
@@ -86,7 +87,8 @@ void FillSpringColumns(const ThinnedLoop& loop, const MidLine& line, Eigen::Matr
   }
 }
 
-void FillFrictionColumn(const ThinnedLoop& loop, double yield_rad, double start_share, Eigen::MatrixXd* design) {
+void FillFrictionColumn(const ThinnedLoop& loop, double yield_rad, double start_share,
+                        Eigen::MatrixXd* design) {
   double share = start_share;
   for (Eigen::Index i = 0; i < design->rows(); ++i) {
     const auto sample = static_cast<std::size_t>(i);
@@ -98,16 +100,19 @@ void FillFrictionColumn(const ThinnedLoop& loop, double yield_rad, double start_
   }
 }
 
-GridPoint FitGridPoint(const ThinnedLoop& loop, const TestTorques& torques, const MidLine& line, double yield_rad,
-                       double start_share, const Eigen::MatrixXd& design) {
+GridPoint FitGridPoint(const ThinnedLoop& loop, const TestTorques& torques, const MidLine& line,
+                       double yield_rad, double start_share, const Eigen::MatrixXd& design) {
   const Eigen::Map<const Eigen::VectorXd> torque(loop.torque_Nm.data(), design.rows());
   const Eigen::VectorXd scale = design.colwise().norm().cwiseMax(1e-300).cwiseInverse();
   const Eigen::MatrixXd scaled = design * scale.asDiagonal();
-  const Eigen::MatrixXd normal = scaled.transpose() * scaled + 1e-12 * Eigen::MatrixXd::Identity(kColumns, kColumns);
-  const Eigen::VectorXd solution = scale.asDiagonal() * normal.ldlt().solve(scaled.transpose() * torque).eval();
+  const Eigen::MatrixXd normal =
+      scaled.transpose() * scaled + 1e-12 * Eigen::MatrixXd::Identity(kColumns, kColumns);
+  const Eigen::VectorXd solution =
+      scale.asDiagonal() * normal.ldlt().solve(scaled.transpose() * torque).eval();
   GridPoint point;
   point.cost = (design * solution - torque).squaredNorm();
-  // A slope that the thin linear fit leaves undetermined or negative starts from the secant through the knees.
+  // A slope that the thin linear fit leaves undetermined or negative starts from the secant through the
+  // knees.
   const double secant1 = torques.t1_Nm / line.knee1_rad;
   const auto stiffness = [&](double fitted, double fallback) {
     return std::log(fitted > 0.2 * secant1 && fitted < 10.0 * secant1 ? fitted : fallback);

@@ -44,8 +44,9 @@ void AddInQuadrature(Estimate* estimate, double error) {
 
 }  // namespace
 
-TorsionalStiffness MeasureStiffness(const TorsionLoop& loop, const TestTorques& torques, StiffnessMethod method,
-                                    const SeriesCompliance& bench, double torque_gain_relative_se) {
+TorsionalStiffness MeasureStiffness(const TorsionLoop& loop, const TestTorques& torques,
+                                    StiffnessMethod method, const SeriesCompliance& bench,
+                                    double torque_gain_relative_se) {
   const Estimate& compliance = bench.compliance_rad_per_Nm;
   RequireNotNegative("compliance_rad_per_Nm", compliance.value);
   RequireNotNegative("compliance_rad_per_Nm.standard_error", compliance.standard_error);

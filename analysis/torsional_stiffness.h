@@ -34,15 +34,16 @@ struct SeriesCompliance {
   Estimate compliance_rad_per_Nm;
 };
 
-/// Slopes of the three segments, seen from the output, and the width of the loop. A slope that the record does not
-/// hold is NaN, and a failed check says so.
+/// Slopes of the three segments, seen from the output, and the width of the loop. A slope that the record
+/// does not hold is NaN, and a failed check says so.
 struct TorsionalStiffness {
   Estimate k1_Nm_per_rad;       // up to T₁
   Estimate k2_Nm_per_rad;       // T₁ to T₂
   Estimate k3_Nm_per_rad;       // T₂ to T₃
   Estimate hysteresis_rad;      // width of the loop at zero torque
   Estimate lost_motion_rad;     // width of the loop's mid-line between ±4 % of rated torque
-  double friction_torque_Nm{};  // model: of the elasto-plastic element; backbone: half the loop's height
+  double friction_torque_Nm{};  // model: of the elasto-plastic element, 0 where none shows; backbone: half
+                                // the height
   double yield_twist_rad{};     // model only
   double rms_residual_Nm{};     // model only
   /// The fitted loop at the record's samples (model only), for pictures.
@@ -55,39 +56,44 @@ struct TorsionalStiffness {
 ///
 ///   T = g(φ − φ₀) + z,   dz = (W/δ) dφ held within ±W,
 ///
-/// where g is odd, continuous and piecewise linear with slopes K₁, K₂, K₃ and breaks where the spring's own torque is
-/// ±T₁ and ±T₂, and z is one elasto-plastic element of friction torque W and yield twist δ. Free are K₁, K₂, K₃, W, δ,
-/// φ₀ and the element's state at the first sample. The element is driven by the twist made monotone between reversals,
-/// since the noise of the raw twist would ratchet it. Outliers lose weight (Huber, three standard deviations).
-/// The standard errors hold under autocorrelated and uneven noise (analysis/linear_regression.h, SandwichCovariance).
+/// where g is odd, continuous and piecewise linear with slopes K₁, K₂, K₃ and breaks where the spring's own
+/// torque is ±T₁ and ±T₂, and z is one elasto-plastic element of friction torque W and yield twist δ. Free
+/// are K₁, K₂, K₃, W, δ, φ₀ and the element's state at the first sample. The element is driven by the twist
+/// made monotone between reversals, since the noise of the raw twist would ratchet it. Outliers lose weight
+/// (Huber, three standard deviations). The standard errors hold under autocorrelated and uneven noise
+/// (analysis/linear_regression.h, SandwichCovariance).
 ///
 /// @param loop     at least 16 samples; one loop or several, starting anywhere.
-/// @throws std::invalid_argument if lengths differ, a value is not finite, there are fewer than 16 samples, or the
+/// @throws std::invalid_argument if lengths differ, a value is not finite, there are fewer than 16 samples,
+/// or the
 ///   torques are out of order.
 TorsionalStiffness FitStiffnessModel(const TorsionLoop& loop, const TestTorques& torques);
 
-/// The paper's own (003, eq. 4): secants of the loading branch from its start at zero torque to T₁, T₂ and T₃. The
-/// branch is the record's first one that goes from zero torque to T₃ (to −T₃ if none does); a record that stops up to
-/// 2 % short of T₃ is taken to its end. On the way from zero the friction element still winds up, or has shifted the
-/// breaks by its torque W: K₁ of a first loading comes out high, K₂ and K₃ a few per cent low.
-/// Arguments and errors as FitStiffnessModel.
+/// The paper's own (003, eq. 4): secants of the loading branch from its start at zero torque to T₁, T₂ and
+/// T₃. The branch is the record's first one that goes from zero torque to T₃ (to −T₃ if none does); a record
+/// that stops up to 2 % short of T₃ is taken to its end. On the way from zero the friction element still
+/// winds up, or has shifted the breaks by its torque W: K₁ of a first loading comes out high, K₂ and K₃ a few
+/// per cent low. Arguments and errors as FitStiffnessModel.
 TorsionalStiffness FitStiffnessLoading(const TorsionLoop& loop, const TestTorques& torques);
 
-/// Mid-line of loading and unloading branch without the stretch after each reversal where friction still sticks:
-/// both branches moved by half the loop's height W onto the line between them, and the twist regressed on the parts
-/// of that torque below T₁, between T₁ and T₂, and above T₂. The length of the stretch is read off the record: up to
-/// where its samples have come within 5 % of the loop's height (or the noise) of the mid-line of all others.
-/// Arguments and errors as FitStiffnessModel.
+/// Mid-line of loading and unloading branch without the stretch after each reversal where friction still
+/// sticks: both branches moved by half the loop's height W onto the line between them, and the twist
+/// regressed on the parts of that torque below T₁, between T₁ and T₂, and above T₂. The length of the stretch
+/// is read off the record: up to where its samples have come within 5 % of the loop's height (or the noise)
+/// of the mid-line of all others. Arguments and errors as FitStiffnessModel.
 TorsionalStiffness FitStiffnessBackbone(const TorsionLoop& loop, const TestTorques& torques);
 
 /// The stiffness of the gear alone by one of the methods: takes the bench's compliance C out of the twist
-/// (φ − C·T, so that 1/K = 1/K_measured − C and the breaks are those of the gear) and adds to the standard errors
-/// those of C (by a second fit at C + its standard error) and of the transducer's calibration, in quadrature.
+/// (φ − C·T, so that 1/K = 1/K_measured − C and the breaks are those of the gear) and adds to the standard
+/// errors those of C (by a second fit at C + its standard error) and of the transducer's calibration, in
+/// quadrature.
 ///
-/// @param torque_gain_relative_se  relative standard error of the torque transducer's gain (0.003 / √3 for ±0.3 %
+/// @param torque_gain_relative_se  relative standard error of the torque transducer's gain (0.003 / √3 for
+/// ±0.3 %
 ///   read as a rectangular distribution), from 0 up.
 /// @throws std::invalid_argument as FitStiffnessModel, and if C, its error or the gain's error is negative.
-TorsionalStiffness MeasureStiffness(const TorsionLoop& loop, const TestTorques& torques, StiffnessMethod method,
-                                    const SeriesCompliance& bench = {}, double torque_gain_relative_se = 0.0);
+TorsionalStiffness MeasureStiffness(const TorsionLoop& loop, const TestTorques& torques,
+                                    StiffnessMethod method, const SeriesCompliance& bench = {},
+                                    double torque_gain_relative_se = 0.0);
 
 }  // namespace strainwave::analysis

@@ -40,7 +40,9 @@ double MeanStep(std::span<const double> angle_rad) {
   return std::abs(angle_rad.back() - angle_rad.front()) / static_cast<double>(angle_rad.size() - 1);
 }
 
-double Direction(std::span<const double> angle_rad) { return angle_rad.back() >= angle_rad.front() ? 1.0 : -1.0; }
+double Direction(std::span<const double> angle_rad) {
+  return angle_rad.back() >= angle_rad.front() ? 1.0 : -1.0;
+}
 
 // Number of samples of the first revolution: up to the first one that has come round.
 std::size_t FirstRevolution(std::span<const double> output_rad) {
@@ -74,11 +76,12 @@ void CheckSweep(const char* direction, const AngleSweep& sweep, double ratio, st
   const double step_rad = MeanStep(output_rad);
   const double travel_rad = std::abs(output_rad.back() - output_rad.front());
   if (used < kMinSteps) {
-    failed->push_back(fmt::format("{}: {} steps in the revolution (expected at least {})", direction, used, kMinSteps));
+    failed->push_back(
+        fmt::format("{}: {} steps in the revolution (expected at least {})", direction, used, kMinSteps));
   }
   if (travel_rad + 1.5 * step_rad < kTwoPi) {
-    failed->push_back(fmt::format("{}: the sweep covers {:.5g} deg of the output (expected 360 deg)", direction,
-                                  DegFromRad(travel_rad + step_rad)));
+    failed->push_back(fmt::format("{}: the sweep covers {:.5g} deg of the output (expected 360 deg)",
+                                  direction, DegFromRad(travel_rad + step_rad)));
   }
   const double slope = Slope(output_rad, input_rad);
   if (!(std::abs(slope / ratio - 1.0) <= kMaxRatioDeviation)) {
@@ -172,7 +175,8 @@ TransmissionError ComputeTransmissionError(const AngleSweep& cw, const AngleSwee
       result.failed_checks.push_back("the cw and the ccw sweep turn the same way");
     }
     if (const auto lost_rad = MeanDifferenceAtEqualAngle(analysed[0]->error, analysed[1]->error)) {
-      result.lost_motion_rad = {*lost_rad, std::hypot(analysed[0]->mean_error_rad, analysed[1]->mean_error_rad)};
+      result.lost_motion_rad = {*lost_rad,
+                                std::hypot(analysed[0]->mean_error_rad, analysed[1]->mean_error_rad)};
     }
   }
   if (analysed[0]) {

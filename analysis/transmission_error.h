@@ -26,8 +26,8 @@ struct OrderLine {
   double order_per_input_rev{};
   Estimate amplitude_rad;
   double phase_rad{};
-  /// Named source where the order has one ("wave generator, 2nd harmonic"); else empty. Where two candidates appear at one
-  /// order, both names, joined by " or ".
+  /// Named source where the order has one ("wave generator, 2nd harmonic"); else empty. Where two candidates
+  /// appear at one order, both names, joined by " or ".
   std::string name;
   /// True when the sampling folds this order onto another one that the record could not tell apart;
   /// `alias_order_per_output_rev` is then where it appears.
@@ -61,25 +61,26 @@ struct TransmissionError {
 /// revolution of the output (003, eq. 2 and 3; contract, section 2), its order spectrum by harmonic
 /// regression, and the lost motion between the directions.
 ///
-/// The revolution: samples whose output travel from the sweep's first sample, in the sweep's own direction, lies in
-/// [0, 2π) less a quarter step. A longer sweep gives its first revolution.
+/// The revolution: samples whose output travel from the sweep's first sample, in the sweep's own direction,
+/// lies in [0, 2π) less a quarter step. A longer sweep gives its first revolution.
 ///
-/// Orders: a constant and the known candidates (1 and 2 per output turn; 1, 2 and 4 per input turn; tooth engagement,
-/// 2 · ratio + 2 per output turn), each at the order where the sampling makes it appear, and every other integer order that
-/// stands out of the noise (false in one record of a hundred).
+/// Orders: a constant and the known candidates (1 and 2 per output turn; 1, 2 and 4 per input turn; tooth
+/// engagement, 2 · ratio + 2 per output turn), each at the order where the sampling makes it appear, and
+/// every other integer order that stands out of the noise (false in one record of a hundred).
 ///
-/// Standard errors. The noise σ is the residual of that regression, with its degrees of freedom and its autocorrelation.
-/// e_avg: σ/√n; if the sweep's angles are zero at its first sample, the noise of that one sample shifts all others and is
-/// added. e_max: root of the mean square by which max − min under noise σ differs from max − min of the fitted curve, from
-/// the distributions of the largest and the smallest of n independent normal values. Lost motion: both sweeps'
-/// errors of the mean; the common zero falls out.
+/// Standard errors. The noise σ is the residual of that regression, with its degrees of freedom and its
+/// autocorrelation. e_avg: σ/√n; if the sweep's angles are zero at its first sample, the noise of that one
+/// sample shifts all others and is added. e_max: root of the mean square by which max − min under noise σ
+/// differs from max − min of the fitted curve, from the distributions of the largest and the smallest of n
+/// independent normal values. Lost motion: both sweeps' errors of the mean; the common zero falls out.
 ///
-/// Checks: a full revolution covered; at least 36 steps; monotone; input and output turn as the sign of the ratio says and
-/// by its size within 1 %; the two sweeps turn against each other.
+/// Checks: a full revolution covered; at least 36 steps; monotone; input and output turn as the sign of the
+/// ratio says and by its size within 1 %; the two sweeps turn against each other.
 ///
 /// @param cw, ccw  the two sweeps; an empty one is a direction that was not measured.
 /// @param ratio    signed, not zero.
-/// @throws std::invalid_argument if lengths differ, a value is not finite, a sweep has fewer than 8 samples, the ratio is
+/// @throws std::invalid_argument if lengths differ, a value is not finite, a sweep has fewer than 8 samples,
+/// the ratio is
 ///   zero or not finite, or both sweeps are empty.
 TransmissionError ComputeTransmissionError(const AngleSweep& cw, const AngleSweep& ccw, double ratio);
 

@@ -25,18 +25,20 @@ struct PlacedLine {
 std::size_t MaxLines(std::size_t samples) { return samples / 4; }
 
 // Candidates at the orders where they appear; those that appear at one order become one line.
-std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev, std::vector<std::string>* notes) {
+std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev,
+                                        std::vector<std::string>* notes) {
   std::vector<PlacedLine> placed;
   for (const OrderCandidate& candidate : KnownOrders(ratio)) {
     const double appears_at = FoldedOrder(candidate.order, samples_per_rev);
     const bool folded = std::abs(appears_at - candidate.order) > kResolution;
     if (folded) {
-      notes->push_back(fmt::format("order {:.6g} ({}) appears at order {:.4g}: {:.4g} samples per output turn",
-                                   candidate.order, candidate.name, appears_at, samples_per_rev));
+      notes->push_back(
+          fmt::format("order {:.6g} ({}) appears at order {:.4g}: {:.4g} samples per output turn",
+                      candidate.order, candidate.name, appears_at, samples_per_rev));
     }
     if (appears_at < kResolution) {
-      notes->push_back(fmt::format("order {:.6g} ({}) cannot be told from a constant", candidate.order,
-                                   candidate.name));
+      notes->push_back(
+          fmt::format("order {:.6g} ({}) cannot be told from a constant", candidate.order, candidate.name));
       continue;
     }
     const auto same = std::find_if(placed.begin(), placed.end(), [&](const PlacedLine& line) {
@@ -45,18 +47,18 @@ std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev, st
     if (same == placed.end()) {
       placed.push_back({appears_at, candidate.order, candidate.name});
     } else {
-      notes->push_back(fmt::format("orders {:.6g} ({}) and {:.6g} ({}) appear at one order, {:.4g}", same->order,
-                                   same->name, candidate.order, candidate.name, appears_at));
+      notes->push_back(fmt::format("orders {:.6g} ({}) and {:.6g} ({}) appear at one order, {:.4g}",
+                                   same->order, same->name, candidate.order, candidate.name, appears_at));
       same->name += " or " + candidate.name;
     }
   }
   return placed;
 }
 
-// Integer orders that stand out of the noise. The floor comes from the median over all orders, so that lines do not raise
-// it: the squared amplitude of white noise is exponentially distributed.
-void AddFurtherLines(std::span<const double> angle_rad, std::span<const double> residuals, std::size_t max_lines,
-                     std::vector<PlacedLine>* placed) {
+// Integer orders that stand out of the noise. The floor comes from the median over all orders, so that lines
+// do not raise it: the squared amplitude of white noise is exponentially distributed.
+void AddFurtherLines(std::span<const double> angle_rad, std::span<const double> residuals,
+                     std::size_t max_lines, std::vector<PlacedLine>* placed) {
   const std::vector<double> spectrum = IntegerOrderSpectrum(angle_rad, residuals);
   std::vector<double> powers;
   for (std::size_t order = 1; order < spectrum.size(); ++order) {
@@ -96,12 +98,9 @@ std::vector<double> Orders(const std::vector<PlacedLine>& placed) {
 
 std::vector<OrderCandidate> KnownOrders(double ratio) {
   const double size = std::abs(ratio);
-  return {{1.0, "output, once per turn (eccentricity)"},
-          {2.0, "output, twice per turn (ovality)"},
-          {size, "wave generator, 1st harmonic"},
-          {2.0 * size, "wave generator, 2nd harmonic"},
-          {2.0 * size + 2.0, "tooth engagement"},
-          {4.0 * size, "wave generator, 4th harmonic"}};
+  return {{1.0, "output, once per turn (eccentricity)"}, {2.0, "output, twice per turn (ovality)"},
+          {size, "wave generator, 1st harmonic"},        {2.0 * size, "wave generator, 2nd harmonic"},
+          {2.0 * size + 2.0, "tooth engagement"},        {4.0 * size, "wave generator, 4th harmonic"}};
 }
 
 OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<const double> error_rad,
@@ -116,8 +115,8 @@ OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<
   }
   const std::vector<double> known = Orders(placed);
   analysis.fit = FitHarmonics(output_angle_rad, error_rad, known, ErrorModel::kIndependent);
-  AddFurtherLines(output_angle_rad, analysis.fit.residuals, std::min(max_lines, placed.size() + kMaxFurtherLines),
-                  &placed);
+  AddFurtherLines(output_angle_rad, analysis.fit.residuals,
+                  std::min(max_lines, placed.size() + kMaxFurtherLines), &placed);
   analysis.fit = FitHarmonics(output_angle_rad, error_rad, Orders(placed), ErrorModel::kAutocorrelated);
 
   for (std::size_t k = 0; k < placed.size(); ++k) {

@@ -26,7 +26,9 @@ struct OrderAnalysis {
   std::vector<std::string> notes;
 };
 
-/// @param output_angle_rad, error_rad  the samples of one full revolution, at least 8, in the order of the sweep.
-OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<const double> error_rad, double ratio);
+/// @param output_angle_rad, error_rad  the samples of one full revolution, at least 8, in the order of the
+/// sweep.
+OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<const double> error_rad,
+                            double ratio);
 
 }  // namespace strainwave::analysis

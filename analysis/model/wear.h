@@ -58,7 +58,7 @@ struct WearEffects {
   double tooth_hysteresis{0.3};
   double grease_hysteresis{0.15};
   double run_in_kinematic{0.05};
-  double tooth_kinematic{0.4};
+  double tooth_kinematic{0.46};
   double flexspline_kinematic{0.15};
   double run_in_friction{0.12};
   double tooth_friction{0.10};

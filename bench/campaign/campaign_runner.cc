@@ -346,6 +346,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   }
   RemoveUnfinished();
   Transition(BenchEvent::kStored);
+  quality_.TakeGauge(journal_);
   quality_.Accept(cycle_, stored.results);
   progress_.CycleStored(cycle_, stored.results);
   if (!stored.failed_checks.empty() &&

@@ -24,6 +24,7 @@ StoredCycle AnalyzePreparation(std::span<const NamedRecord> records, const Cycle
   // The repeats are measured after the blank, so they are already corrected by what it has shown.
   CycleContext corrected = context;
   Apply(stored.calibrations, corrected.corrections);
+  corrected.corrections.repeatability.clear();  // it is what the repeats are to show
   std::map<int, std::vector<NamedRecord>> repeats;
   for (const NamedRecord& named : records) {
     const int repeat = RepeatOf(named.group);
@@ -47,6 +48,10 @@ CycleContext ContextOf(const Journal& journal, const schedules::Schedule& schedu
   CycleContext context;
   context.ratio = schedule.specimen.ratio;
   context.corrections.torque_gain_relative_se = bench.transducer.relative_gain_uncertainty;
+  context.corrections.encoder_accuracy_rad = bench.output_encoder.accuracy_rad;
+  for (const Calibration& gauge : journal.CalibrationsLike(kRepeatabilityPrefix)) {
+    context.corrections.repeatability[gauge.name.substr(kRepeatabilityPrefix.size())] = gauge.value;
+  }
   context.declared_temperature_degC = schedule.measurements.declared_temperature_degC;
   context.temperature_tolerance_K = schedule.measurements.temperature_tolerance_K;
   std::vector<Calibration> calibrations;

@@ -57,8 +57,10 @@ class Results {
   void Add(std::string quantity, const Estimate& estimate, const std::string& flag) {
     analysis_.results.push_back({std::move(quantity), estimate.value, estimate.standard_error, flag});
   }
-  void AddArcmin(std::string quantity, const Estimate& angle_rad, const std::string& flag) {
-    Add(std::move(quantity), {ArcminFromRad(angle_rad.value), ArcminFromRad(angle_rad.standard_error)}, flag);
+  void AddArcmin(const std::string& quantity, const Estimate& angle_rad, const CycleContext& context, bool zeroed,
+                 const std::string& flag) {
+    const Estimate arcmin{ArcminFromRad(angle_rad.value), ArcminFromRad(angle_rad.standard_error)};
+    Add(quantity, WithEncoderUncertainty(arcmin, quantity, context.corrections, zeroed), flag);
   }
   // Why the numbers of a measurement are not good; empty when they are.
   std::string Flag(const std::vector<std::string>& failed_checks, const std::string& measurement) {
@@ -83,9 +85,9 @@ double Mean(std::span<const double> values) {
 std::string WithThermalFlag(std::string flag, const daq::Record& record, const CycleContext& context) {
   const double temperature_degC = Mean(record.Doubles("temperature_degC"));
   if (std::abs(temperature_degC - context.declared_temperature_degC) <= context.temperature_tolerance_K) return flag;
-  if (!flag.empty()) flag += "; ";
-  return flag + fmt::format("measured at {:.1f} degC, declared are {:.1f} ± {:.1f} degC", temperature_degC,
-                            context.declared_temperature_degC, context.temperature_tolerance_K);
+  if (!flag.empty()) return flag;
+  return fmt::format("{} at {:.1f} degC, declared are {:.1f} ± {:.1f} degC", kThermalFlag, temperature_degC,
+                     context.declared_temperature_degC, context.temperature_tolerance_K);
 }
 
 void AddTransmissionError(const daq::Record& record, const CycleContext& context, CycleAnalysis& analysis) {
@@ -95,14 +97,14 @@ void AddTransmissionError(const daq::Record& record, const CycleContext& context
   const std::string flag =
       WithThermalFlag(results.Flag(error.failed_checks, "transmission error"), record, context);
   if (error.cw) {
-    results.AddArcmin("e_avg_arcmin", error.cw->e_avg_rad, flag);
-    results.AddArcmin("e_max_arcmin", error.cw->e_max_rad, flag);
+    results.AddArcmin("e_avg_arcmin", error.cw->e_avg_rad, context, true, flag);
+    results.AddArcmin("e_max_arcmin", error.cw->e_max_rad, context, false, flag);
   }
   if (error.ccw) {
-    results.AddArcmin("e_avg_ccw_arcmin", error.ccw->e_avg_rad, flag);
-    results.AddArcmin("e_max_ccw_arcmin", error.ccw->e_max_rad, flag);
+    results.AddArcmin("e_avg_ccw_arcmin", error.ccw->e_avg_rad, context, true, flag);
+    results.AddArcmin("e_max_ccw_arcmin", error.ccw->e_max_rad, context, false, flag);
   }
-  if (error.lost_motion_rad) results.AddArcmin("lost_motion_arcmin", *error.lost_motion_rad, flag);
+  if (error.lost_motion_rad) results.AddArcmin("lost_motion_arcmin", *error.lost_motion_rad, context, false, flag);
 }
 
 // Mean of independent estimates.
@@ -129,16 +131,17 @@ void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod met
   }
   if (main_method) flag = WithThermalFlag(std::move(flag), *loops.front(), context);
   const auto add = [&](const char* name, Estimate analysis::TorsionalStiffness::* field) {
-    results.Add(fmt::format("{}{}_Nm_per_rad", name, suffix),
-                AddCommonUncertainty(MeanOf(fits, field), context.corrections), flag);
+    const std::string quantity = fmt::format("{}{}_Nm_per_rad", name, suffix);
+    results.Add(quantity, WithBenchUncertainty(MeanOf(fits, field), quantity, context.corrections), flag);
   };
   add("k1", &analysis::TorsionalStiffness::k1_Nm_per_rad);
   add("k2", &analysis::TorsionalStiffness::k2_Nm_per_rad);
   add("k3", &analysis::TorsionalStiffness::k3_Nm_per_rad);
   if (!main_method) return;
-  results.AddArcmin("hysteresis_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::hysteresis_rad), flag);
-  results.AddArcmin("hysteresis_lost_motion_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::lost_motion_rad),
+  results.AddArcmin("hysteresis_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::hysteresis_rad), context, false,
                     flag);
+  results.AddArcmin("hysteresis_lost_motion_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::lost_motion_rad),
+                    context, false, flag);
   analysis.stiffness = std::move(fits.front());
   analysis.loop = loops.front();
 }

@@ -23,6 +23,9 @@ struct CycleContext {
   double temperature_tolerance_K{};
 };
 
+/// How the flag of a result begins that is sound but was not measured in the declared thermal state.
+inline constexpr std::string_view kThermalFlag = "measured";
+
 /// Results of one cycle and what pictures need of them.
 struct CycleAnalysis {
   std::vector<Result> results;

@@ -264,11 +264,22 @@ void Journal::SetCalibration(const Calibration& calibration, std::string_view ut
 }
 
 std::optional<Calibration> Journal::FindCalibration(std::string_view name) const {
-  Statement statement =
-      database_.Prepare("SELECT name, value, standard_error, unit, source FROM calibrations WHERE name = ?");
-  statement.Bind(name);
-  if (!statement.Step()) return std::nullopt;
-  return Calibration{statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3), statement.Text(4)};
+  for (Calibration& calibration : CalibrationsLike(name)) {
+    if (calibration.name == name) return std::move(calibration);
+  }
+  return std::nullopt;
+}
+
+std::vector<Calibration> Journal::CalibrationsLike(std::string_view prefix) const {
+  Statement statement = database_.Prepare(
+      "SELECT name, value, standard_error, unit, source FROM calibrations WHERE substr(name, 1, ?) = ? ORDER BY name");
+  statement.Bind(static_cast<std::int64_t>(prefix.size())).Bind(prefix);
+  std::vector<Calibration> calibrations;
+  while (statement.Step()) {
+    calibrations.push_back(
+        {statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3), statement.Text(4)});
+  }
+  return calibrations;
 }
 
 }  // namespace strainwave::bench

@@ -107,6 +107,8 @@ class Journal {
   std::vector<Hole> Holes() const;
   void SetCalibration(const Calibration& calibration, std::string_view utc);
   std::optional<Calibration> FindCalibration(std::string_view name) const;
+  /// All whose name begins so, by name.
+  std::vector<Calibration> CalibrationsLike(std::string_view prefix) const;
 
  private:
   explicit Journal(Database database) : database_(std::move(database)) {}

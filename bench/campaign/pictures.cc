@@ -13,7 +13,6 @@
 #include "bench/plots/hysteresis_picture.h"
 #include "bench/plots/transmission_error_picture.h"
 #include "bench/plots/trend_picture.h"
-#include "daq/record_rules.h"
 
 namespace strainwave::bench {
 namespace {
@@ -51,11 +50,6 @@ HysteresisCurve CurveOf(std::string label, const analysis::TorsionalStiffness& s
   curve.k3_Nm_per_rad = stiffness.k3_Nm_per_rad;
   curve.friction_torque_Nm = stiffness.friction_torque_Nm;
   return curve;
-}
-
-analysis::TestTorques TorquesOf(const daq::Record& record) {
-  return {*daq::MetadataNumber(record, "t1_Nm"), *daq::MetadataNumber(record, "t2_Nm"),
-          *daq::MetadataNumber(record, "t3_Nm")};
 }
 
 DrawnCycle Load(const CampaignFolder& folder, int cycle, const CycleContext& context) {
@@ -156,7 +150,7 @@ std::vector<std::filesystem::path> DrawRecord(const daq::Record& record, analysi
   const auto stiffness = StiffnessOf(record, method, {});
   const std::vector<double> twist_rad = TwistOf(record, 0.0);
   DrawHysteresis(source.filename().string(),
-                 CurveOf("measured", stiffness, twist_rad, record.Doubles("torque_Nm"), TorquesOf(record)),
+                 CurveOf("measured", stiffness, twist_rad, record.Doubles("torque_Nm"), TestTorquesOf(record)),
                  std::nullopt, stem);
   return {stem};
 }

@@ -3,10 +3,10 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/core.h>
 
-#include "analysis/control_chart.h"
 #include "analysis/repeatability.h"
 #include "analysis/units.h"
 #include "bench/campaign/cycle_results.h"
@@ -21,29 +21,51 @@ constexpr std::size_t kHistory = 50;
 constexpr std::size_t kFewest = 12;
 constexpr double kControlWidth = 5.0;
 
-std::string UnitOf(const std::string& quantity) { return quantity.ends_with("arcmin") ? "arcmin" : "Nm/rad"; }
+// The unit that a quantity's name ends in.
+std::string UnitOf(const std::string& quantity) {
+  for (const auto& [ending, unit] : {std::pair{"arcmin", "arcmin"}, std::pair{"Nm_per_rad", "Nm/rad"},
+                                     std::pair{"percent", "%"}, std::pair{"degC", "degC"},
+                                     std::pair{"m_per_s2", "m/s2"}}) {
+    if (quantity.ends_with(ending)) return unit;
+  }
+  return "";
+}
+
+// Nothing is wrong with the value itself; at most it was not taken in the declared thermal state.
+bool IsSound(const Result& result) { return result.flag.empty() || result.flag.starts_with(kThermalFlag); }
 
 }  // namespace
 
 QualityControl::QualityControl(const schedules::Schedule& schedule, const Journal& journal) : schedule_(schedule) {
-  for (const char* quantity : kControlled) {
-    for (const auto& [cycle, value] : journal.Series(quantity)) history_[quantity].push_back(value);
-    auto& values = history_[quantity];
-    if (values.size() > kHistory) values.erase(values.begin(), values.end() - kHistory);
+  TakeGauge(journal);
+  // The same values in the same order as they came, so that a resumed campaign judges as one that was never cut.
+  for (const CycleRow& row : journal.Cycles()) {
+    if (row.outcome == "complete") Accept(row.cycle, journal.Results(row.cycle, 0));
   }
-  if (const auto k2 = journal.Series("k2_Nm_per_rad"); !k2.empty()) first_k2_Nm_per_rad_ = k2.front().second;
+}
+
+void QualityControl::TakeGauge(const Journal& journal) {
+  for (const Calibration& gauge : journal.CalibrationsLike(kRepeatabilityPrefix)) {
+    gauge_[gauge.name.substr(kRepeatabilityPrefix.size())] = gauge.value;
+  }
+}
+
+std::optional<analysis::ControlLimits> QualityControl::LimitsOf(const std::string& quantity) const {
+  const auto history = history_.find(quantity);
+  if (history == history_.end() || history->second.size() < kFewest) return std::nullopt;
+  const auto gauge = gauge_.find(quantity);
+  // Three sigmas would call every few hundredth good value an outlier; a measurement taken again costs minutes.
+  return analysis::NextValueLimits(
+      history->second, {.width = kControlWidth, .sigma_floor = gauge == gauge_.end() ? 0.0 : gauge->second});
 }
 
 std::vector<std::string> QualityControl::Outliers(const std::vector<Result>& results) const {
   std::vector<std::string> outliers;
   for (const char* quantity : kControlled) {
     const auto result = FindResult(results, quantity);
-    const auto history = history_.find(quantity);
-    if (!result || !result->flag.empty() || history == history_.end()) continue;
-    // Three moving-range sigmas give a false alarm every few hundred cycles and quantity; a measurement taken
-    // again costs minutes, so the limits are wide.
-    const auto limits = analysis::NextValueLimits(history->second, {.width = kControlWidth});
-    if (history->second.size() < kFewest || !limits || !limits->IsOutlier(result->value)) continue;
+    if (!result || !IsSound(*result)) continue;
+    const auto limits = LimitsOf(quantity);
+    if (!limits || !limits->IsOutlier(result->value)) continue;
     outliers.push_back(fmt::format("{} = {:.5g} is outside of its control limits {:.5g} to {:.5g}", quantity,
                                    result->value, limits->lower, limits->upper));
   }
@@ -54,7 +76,7 @@ std::optional<std::string> QualityControl::StopCriterion(const std::vector<Resul
   const schedules::StopCriteria& stop = schedule_.stop;
   const auto good = [&](std::string_view quantity) -> std::optional<double> {
     const auto result = FindResult(results, quantity);
-    return result && result->flag.empty() ? std::optional(result->value) : std::nullopt;
+    return result && IsSound(*result) ? std::optional(result->value) : std::nullopt;
   };
   if (const auto k2 = good("k2_Nm_per_rad"); k2 && stop.k2_below_share_of_first && first_k2_Nm_per_rad_) {
     const double limit = *stop.k2_below_share_of_first * *first_k2_Nm_per_rad_;
@@ -81,13 +103,15 @@ void QualityControl::Accept(int cycle, const std::vector<Result>& results) {
   if (cycle == 0) return;
   for (const char* quantity : kControlled) {
     const auto result = FindResult(results, quantity);
-    if (!result || !result->flag.empty()) continue;
+    if (!result || !IsSound(*result)) continue;
+    const auto limits = LimitsOf(quantity);
     auto& values = history_[quantity];
+    if (limits && limits->IsOutlier(result->value)) values.clear();
     values.push_back(result->value);
     if (values.size() > kHistory) values.erase(values.begin());
   }
   const auto k2 = FindResult(results, "k2_Nm_per_rad");
-  if (!first_k2_Nm_per_rad_ && k2 && k2->flag.empty()) first_k2_Nm_per_rad_ = k2->value;
+  if (!first_k2_Nm_per_rad_ && k2 && IsSound(*k2)) first_k2_Nm_per_rad_ = k2->value;
 }
 
 std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>& repeats) {
@@ -101,11 +125,12 @@ std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>&
     }
     if (values.size() < 2) continue;
     const auto gauge = analysis::EstimateRepeatability(values);
+    const double widened = gauge.limit_95 / (1.96 * std::numbers::sqrt2);
     const std::string source = fmt::format("{} repeats before the first cycle", values.size());
-    calibrations.push_back({"repeatability_" + first.quantity, gauge.repeatability_sd,
-                            gauge.repeatability_sd / std::sqrt(2.0 * gauge.degrees_of_freedom), UnitOf(first.quantity),
-                            source});
-    calibrations.push_back({"repeatability_limit_" + first.quantity, gauge.limit_95, 0.0, UnitOf(first.quantity), source});
+    const auto name = [&](std::string_view prefix) { return std::string(prefix) + first.quantity; };
+    calibrations.push_back({name(kRepeatabilityPrefix), widened, widened / std::sqrt(2.0 * gauge.degrees_of_freedom),
+                            UnitOf(first.quantity), source});
+    calibrations.push_back({name(kRepeatabilityLimitPrefix), gauge.limit_95, 0.0, UnitOf(first.quantity), source});
   }
   return calibrations;
 }

@@ -4,8 +4,10 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "analysis/control_chart.h"
 #include "bench/campaign/journal.h"
 #include "schedules/reader/schedule.h"
 
@@ -18,23 +20,34 @@ class QualityControl {
   /// Takes up what the journal already holds.
   QualityControl(const schedules::Schedule& schedule, const Journal& journal);
 
+  /// The repeats of the preparation have been evaluated.
+  void TakeGauge(const Journal& journal);
+
   /// Quantities that lie outside of their control limits, in words; empty: none.
   std::vector<std::string> Outliers(const std::vector<Result>& results) const;
 
   /// A stop criterion that these results meet, in words.
   std::optional<std::string> StopCriterion(const std::vector<Result>& results) const;
 
-  /// The cycle is stored: its unflagged values become part of the history.
+  /// The cycle is stored: its values become part of the history. One that is still outside of the limits after it
+  /// was measured again is a step, and the history begins anew with it.
   void Accept(int cycle, const std::vector<Result>& results);
 
  private:
+  std::optional<analysis::ControlLimits> LimitsOf(const std::string& quantity) const;
+
   const schedules::Schedule& schedule_;
   std::map<std::string, std::vector<double>> history_;  // newest last
+  std::map<std::string, double> gauge_;                 // repeatability, where it was measured
   std::optional<double> first_k2_Nm_per_rad_;
 };
 
-/// Repeatability of each quantity from the repeats of the preparation, as calibrations
-/// "repeatability_QUANTITY": value = standard deviation of one measurement.
+inline constexpr std::string_view kRepeatabilityPrefix = "repeatability_";
+inline constexpr std::string_view kRepeatabilityLimitPrefix = "limit_95_";
+
+/// Repeatability of each quantity from the repeats of the preparation, as calibrations: "repeatability_QUANTITY",
+/// the standard deviation of one measurement (widened as Student's t asks, so that 1.96 of it hold 95 %), and
+/// "limit_95_QUANTITY", by which two of them differ in 5 of 100 cases.
 std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>& repeats);
 
 }  // namespace strainwave::bench

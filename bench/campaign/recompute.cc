@@ -51,7 +51,12 @@ std::vector<RecomputedCycle> RecomputeCampaign(const CampaignFolder& folder, con
                                                const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<RecomputedCycle> cycles;
   for (const CycleRow& row : journal.Cycles()) {
-    if (row.outcome == "complete") cycles.push_back({row.cycle, {}, journal.Results(row.cycle, 0), false});
+    if (row.outcome != "complete") continue;
+    RecomputedCycle cycle{row.cycle, {}, {journal.Results(row.cycle, 0)}, false};
+    for (const int repeat : journal.RepeatsOf(row.cycle)) {
+      if (repeat > 0) cycle.stored.push_back(journal.Results(row.cycle, repeat));
+    }
+    cycles.push_back(std::move(cycle));
   }
   std::atomic<std::size_t> next{0};
   std::atomic<std::size_t> done{0};
@@ -68,7 +73,9 @@ std::vector<RecomputedCycle> RecomputeCampaign(const CampaignFolder& folder, con
           records = ReadCycleRecords(folder, cycle.cycle);
         }
         cycle.again = AnalyzeForStore(records, cycle.cycle, context);
-        cycle.equal = SameResults(cycle.again.results, cycle.stored);
+        std::vector<std::vector<Result>> again{cycle.again.results};
+        again.insert(again.end(), cycle.again.repeats.begin(), cycle.again.repeats.end());
+        cycle.equal = std::ranges::equal(again, cycle.stored, SameResults);
       } catch (const std::exception& error) {
         const std::lock_guard lock(reporting);
         findings.emplace_back(cycle.cycle, error.what());

@@ -15,7 +15,7 @@ namespace strainwave::bench {
 struct RecomputedCycle {
   int cycle{};
   StoredCycle again;
-  std::vector<Result> stored;  // what the journal holds
+  std::vector<std::vector<Result>> stored;  // what the journal holds: the cycle, then its repeats
   bool equal{};                // bit for bit, all quantities
 };
 

@@ -1,29 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/record_results.h"
 
-#include <charconv>
 #include <cmath>
-#include <stdexcept>
+#include <initializer_list>
 
 #include "analysis/units.h"
+#include "daq/record_rules.h"
 
 namespace strainwave::bench {
 namespace {
-
-// Defaults of contract section 3.
-constexpr double kDefaultRatio = 80.0;
-constexpr analysis::TestTorques kDefaultTorques{7.0, 25.0, 34.0};
-
-double NumberOr(const daq::Record& record, std::string_view key, double fallback) {
-  const auto text = record.Metadata(key);
-  if (!text) return fallback;
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
-  if (error != std::errc() || end != text->data() + text->size()) {
-    throw std::invalid_argument("metadata " + std::string(key) + " = '" + *text + "' is not a number");
-  }
-  return value;
-}
 
 bool AnglesAreAbsolute(const daq::Record& record) { return record.Metadata("absolute") == "true"; }
 
@@ -51,6 +36,17 @@ void TakeOff(const EncoderCorrection& correction, std::span<const double> encode
   for (std::size_t i = 0; i < angle_rad.size(); ++i) angle_rad[i] -= error_at(encoder_deg[i]) - first;
 }
 
+double RootOfSquares(std::initializer_list<double> parts) {
+  double sum = 0.0;
+  for (const double part : parts) sum += part * part;
+  return std::sqrt(sum);
+}
+
+double RepeatabilityOf(const BenchCorrections& corrections, std::string_view quantity) {
+  const auto found = corrections.repeatability.find(quantity);
+  return found == corrections.repeatability.end() ? 0.0 : found->second;
+}
+
 struct Sweep {
   std::vector<double> input_rad;
   std::vector<double> output_rad;
@@ -71,27 +67,38 @@ analysis::TransmissionError TransmissionErrorOf(const daq::Record& record, const
     sweep.output_rad.push_back(output_rad[i]);
   }
   return analysis::ComputeTransmissionError({cw.input_rad, cw.output_rad}, {ccw.input_rad, ccw.output_rad},
-                                            NumberOr(record, "ratio", kDefaultRatio));
+                                            *daq::MetadataNumber(record, "ratio"));
+}
+
+analysis::TestTorques TestTorquesOf(const daq::Record& record) {
+  return {*daq::MetadataNumber(record, "t1_Nm"), *daq::MetadataNumber(record, "t2_Nm"),
+          *daq::MetadataNumber(record, "t3_Nm")};
 }
 
 analysis::TorsionalStiffness StiffnessOf(const daq::Record& record, analysis::StiffnessMethod method,
                                          const BenchCorrections& corrections) {
   const std::vector<double> twist_rad = AngleColumn(record, "output_angle_deg");
-  const analysis::TestTorques torques{NumberOr(record, "t1_Nm", kDefaultTorques.t1_Nm),
-                                      NumberOr(record, "t2_Nm", kDefaultTorques.t2_Nm),
-                                      NumberOr(record, "t3_Nm", kDefaultTorques.t3_Nm)};
   const analysis::TorsionLoop loop{record.Doubles("time_s"), record.Doubles("torque_Nm"), twist_rad};
   const analysis::SeriesCompliance value_only{{corrections.series_compliance.compliance_rad_per_Nm.value, 0.0}};
-  return analysis::MeasureStiffness(loop, torques, method, value_only, 0.0);
+  return analysis::MeasureStiffness(loop, TestTorquesOf(record), method, value_only, 0.0);
 }
 
-analysis::Estimate AddCommonUncertainty(const analysis::Estimate& stiffness, const BenchCorrections& corrections) {
+analysis::Estimate WithBenchUncertainty(const analysis::Estimate& stiffness, std::string_view quantity,
+                                        const BenchCorrections& corrections) {
   const double from_gain = stiffness.value * corrections.torque_gain_relative_se;
   const double from_compliance = stiffness.value * stiffness.value *
                                  corrections.series_compliance.compliance_rad_per_Nm.standard_error;
-  return {stiffness.value,
-          std::sqrt(stiffness.standard_error * stiffness.standard_error + from_gain * from_gain +
-                    from_compliance * from_compliance)};
+  return {stiffness.value, RootOfSquares({stiffness.standard_error, from_gain, from_compliance,
+                                          RepeatabilityOf(corrections, quantity)})};
+}
+
+analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin, std::string_view quantity,
+                                          const BenchCorrections& corrections, bool zeroed) {
+  // A rectangular distribution of this half width.
+  const double at_zero_rad = zeroed ? corrections.encoder_accuracy_rad / std::sqrt(3.0) : 0.0;
+  return {angle_arcmin.value,
+          RootOfSquares({angle_arcmin.standard_error, ArcminFromRad(corrections.encoder.standard_error_rad),
+                         ArcminFromRad(at_zero_rad), RepeatabilityOf(corrections, quantity)})};
 }
 
 }  // namespace strainwave::bench

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/torsional_stiffness.h"
@@ -26,19 +30,31 @@ struct BenchCorrections {
   analysis::SeriesCompliance series_compliance;
   double torque_gain_relative_se{};
   EncoderCorrection encoder;
+  double encoder_accuracy_rad{};  // of the output encoder, half width
+  /// Standard deviation of one measurement repeated on this bench, by quantity ("k1_Nm_per_rad"); what no single
+  /// record can say of itself: how the gear seats when it is locked, where the drives come to rest.
+  std::map<std::string, double, std::less<>> repeatability;
 };
 
 /// Transmission error of a record of that kind (contract, sections 2 and 3).
 analysis::TransmissionError TransmissionErrorOf(const daq::Record& record, const BenchCorrections& corrections);
 
+/// T1, T2 and T3 of a record, with the contract's defaults.
+analysis::TestTorques TestTorquesOf(const daq::Record& record);
+
 /// Torsional stiffness of a hysteresis record, series compliance removed. The standard errors hold what the
-/// record itself says; `AddCommonUncertainty` adds what all records of a bench share.
+/// record itself says; `WithBenchUncertainty` adds what the bench must say.
 analysis::TorsionalStiffness StiffnessOf(const daq::Record& record, analysis::StiffnessMethod method,
                                          const BenchCorrections& corrections);
 
-/// Adds the uncertainty of the torque calibration and of the series compliance to a stiffness. They are the
-/// same for every loop, so averaging loops does not shrink them.
-analysis::Estimate AddCommonUncertainty(const analysis::Estimate& stiffness_Nm_per_rad,
+/// Adds to a stiffness what its records cannot say of themselves: the uncertainty of the torque calibration and of
+/// the series compliance, which averaging loops does not shrink, and the repeatability of the quantity.
+analysis::Estimate WithBenchUncertainty(const analysis::Estimate& stiffness_Nm_per_rad, std::string_view quantity,
                                         const BenchCorrections& corrections);
+
+/// The same for an angle in arcmin: the encoder's correction and the repeatability. `zeroed` for values that hang on
+/// the angle of one sample, such as e_avg, which bring the accuracy of the encoder at that sample with them.
+analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin, std::string_view quantity,
+                                          const BenchCorrections& corrections, bool zeroed);
 
 }  // namespace strainwave::bench

@@ -10,6 +10,7 @@
 
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/pictures.h"
+#include "bench/campaign/quality.h"
 #include "bench/plots/gnuplot.h"
 
 namespace strainwave::bench {
@@ -73,7 +74,7 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
   for (const auto& column : kColumns) {
     const auto before = FindResult(first, column.quantity);
     const auto after = FindResult(last, column.quantity);
-    const auto gauge = journal.FindCalibration(std::string("repeatability_limit_") + column.quantity);
+    const auto gauge = journal.FindCalibration(std::string(kRepeatabilityLimitPrefix) + column.quantity);
     if (!before || !after || !gauge) continue;
     const double change = after->value - before->value;
     const double limit = gauge->value;

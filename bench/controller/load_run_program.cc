@@ -68,17 +68,17 @@ StepResult LoadRunProgram::Step(const Readings& readings, double elapsed_s, Benc
   return StepResult::kRunning;
 }
 
-// Comes to rest without load, then turns the output to the nearest zero of its encoder: whatever is measured next
-// begins at the same teeth, however the load run ended.
+// Comes to rest without load, then parks where measurements begin: whatever is measured next starts from the same
+// teeth, however the load run ended.
 StepResult LoadRunProgram::WindDownStep(const Readings& readings, BenchDevices& devices) noexcept {
   devices.load.CommandTorque(torque_.Step(0.0, period_s_));
   if (!parking_) {
     devices.driving.CommandSpeed(speed_.Step(0.0, period_s_));
     parking_ = speed_.value() == 0.0 && torque_.value() == 0.0;
+    home_input_rad_ = HomeInput_rad(readings, ratio_);
     return StepResult::kRunning;
   }
-  const double home_output_rad = kTwoPi * std::round(readings.output_angle_rad / kTwoPi);
-  const double remaining_rad = ratio_ * (home_output_rad - readings.output_angle_rad);
+  const double remaining_rad = home_input_rad_ - readings.input_angle_rad;
   const double approach = ApproachSpeed(remaining_rad, parameters_.input_speed_rad_per_s,
                                         kParkingDeceleration * parameters_.input_acceleration_rad_per_s2);
   // The last stretch in proportion to what is left, which the root law would overshoot by one period.

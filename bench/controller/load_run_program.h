@@ -9,7 +9,7 @@
 namespace strainwave::bench {
 
 /// Turns the output clockwise and back at constant input speed while the load servo brakes it with constant
-/// torque, until the load time is served; then parks the output at its zero. What an earlier attempt has served already is given as
+/// torque, until the load time is served; then parks where measurements begin. What an earlier attempt has served already is given as
 /// `credited_s` and not run again.
 class LoadRunProgram final : public PhaseProgram {
  public:
@@ -53,6 +53,7 @@ class LoadRunProgram final : public PhaseProgram {
   bool under_load_{};
   bool winding_down_{};
   bool parking_{};
+  double home_input_rad_{};
   Ramp speed_;
   Ramp torque_;
   Interval interval_;

@@ -1,7 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/controller/phase_program.h"
 
+#include <cmath>
+
+#include "analysis/units.h"
+
 namespace strainwave::bench {
+
+double HomeInput_rad(const Readings& readings, double ratio) noexcept {
+  const double home_output_rad = kTwoPi * std::round(readings.output_angle_rad / kTwoPi);
+  const double near_rad = readings.input_angle_rad + ratio * (home_output_rad - readings.output_angle_rad);
+  return kTwoPi * std::round(near_rad / kTwoPi);
+}
 
 bool BroughtUp(ServoDrive& drive) noexcept {
   const DriveActual actual = drive.Actual();

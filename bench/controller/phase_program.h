@@ -64,6 +64,12 @@ class PhaseProgram {
   virtual std::vector<NamedRecord> TakeRecords() = 0;
 };
 
+/// Input angle at which every measurement begins: the whole turn of the input encoder at which the output stands
+/// nearest to a zero of its own encoder. Both encoders are absolute, so it is the same teeth and the same angle of
+/// the wave generator in every cycle; going by the output encoder alone, transmission error and wind-up where
+/// it stands now would move the start by a degree of the input.
+double HomeInput_rad(const Readings& readings, double ratio) noexcept;
+
 /// Releases the brake as soon as the drive holds the shaft; true once it is released.
 bool BroughtUp(ServoDrive& drive) noexcept;
 

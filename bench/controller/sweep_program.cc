@@ -32,10 +32,7 @@ double SweepProgram::share_done() const noexcept {
 }
 
 void SweepProgram::SetUp(const Readings& readings, BenchDevices& devices) {
-  // The reference is the output encoder's zero nearest to where it stands, so that every sweep of a campaign
-  // meets the same teeth.
-  const double home_output_rad = kTwoPi * std::round(readings.output_angle_rad / kTwoPi);
-  home_input_rad_ = readings.input_angle_rad + ratio_ * (home_output_rad - readings.output_angle_rad);
+  home_input_rad_ = HomeInput_rad(readings, ratio_);
   target_rad_ = readings.input_angle_rad;
   devices.driving.Enable(DriveMode::kPosition);
   devices.load.Enable(DriveMode::kTorque);

@@ -119,10 +119,10 @@ void RenderPictureWith(const std::string& program, const std::string& script, co
   // One terminal counts type in pixels, the other in points: the scale makes one script serve both.
   const std::string both = fmt::format(
       "set encoding utf8\n"
-      "set terminal svg size {0},{1} font 'sans-serif,15' background rgb 'white' noenhanced\n"
+      "set terminal svg size {0},{1} font 'sans-serif,15' rounded background rgb 'white' noenhanced\n"
       "set output {2}\n{4}\nunset output\n"
       "reset\n"
-      "set terminal pngcairo size {0},{1} font 'sans-serif,15' fontscale 0.75 background rgb 'white' "
+      "set terminal pngcairo size {0},{1} font 'sans-serif,15' fontscale 0.75 rounded background rgb 'white' "
       "noenhanced\n"
       "set output {3}\n{4}\nunset output\n",
       size.width_px, size.height_px, Quoted(svg.string()), Quoted(png.string()), script);

@@ -75,7 +75,8 @@ TEST(NextValueLimits, LooksAtTheWindowOnlyAndSkipsMissingValues) {
 
 TEST(NextValueLimits, WantsSixValues) {
   EXPECT_FALSE(NextValueLimits(std::vector<double>{1, 2, 3, 4, 5}));
-  EXPECT_EQ(MessageOf([] { NextValueLimits({}, {.window = 3}); }), "window = 3 is too short (expected at least 6)");
+  EXPECT_EQ(MessageOf([] { NextValueLimits({}, {.window = 3}); }),
+            "window = 3 is too short (expected at least 6)");
   EXPECT_EQ(MessageOf([] { NextValueLimits({}, {.width = 0.0}); }), "width = 0 is not a positive number");
 }
 

@@ -39,7 +39,8 @@ TEST(MeasureEfficiency, IsPowerOutOverPowerInOnWhicheverSideDrives) {
   EXPECT_NEAR(driven.efficiency.value, 75.0 / 120.0, 1e-12);
   EXPECT_FALSE(driven.back_driven);
   // The same with both shafts turning the other way.
-  EXPECT_NEAR(MeasureEfficiency(MakeRotation(-0.6, -200.0, -30.0, -2.5).View()).efficiency.value, 0.625, 1e-12);
+  EXPECT_NEAR(MeasureEfficiency(MakeRotation(-0.6, -200.0, -30.0, -2.5).View()).efficiency.value, 0.625,
+              1e-12);
   // The load drives: 75 W in at the output, 40 W out at the input.
   const Efficiency back = MeasureEfficiency(MakeRotation(-0.2, 200.0, -30.0, 2.5).View());
   EXPECT_TRUE(back.back_driven);
@@ -50,7 +51,8 @@ TEST(MeasureEfficiency, ItsErrorCoversTheTruth) {
   int held = 0;
   constexpr int kTrials = 300;
   for (std::uint32_t seed = 1; seed <= kTrials; ++seed) {
-    const Estimate value = MeasureEfficiency(MakeRotation(0.6, 200.0, 30.0, 2.5, 0.1, seed).View()).efficiency;
+    const Estimate value =
+        MeasureEfficiency(MakeRotation(0.6, 200.0, 30.0, 2.5, 0.1, seed).View()).efficiency;
     held += std::abs(value.value - 0.625) < 1.96 * value.standard_error ? 1 : 0;
   }
   EXPECT_GE(held, 0.90 * kTrials);
@@ -79,12 +81,15 @@ TEST(MeasureStartingTorque, IsWhereTheSpeedLeavesZeroForGood) {
   ASSERT_TRUE(start);
   EXPECT_NEAR(start->value, 0.1195, 1e-12);
   EXPECT_NEAR(start->standard_error, 0.0005, 1e-6);
-  EXPECT_FALSE(MeasureStartingTorque(std::span(torque_Nm).first(100), std::span(speed_rad_per_s).first(100), 0.1));
+  EXPECT_FALSE(
+      MeasureStartingTorque(std::span(torque_Nm).first(100), std::span(speed_rad_per_s).first(100), 0.1));
 }
 
 TEST(Efficiency, RefusesBadArguments) {
   const std::vector<double> few(5, 1.0);
-  EXPECT_EQ(MessageOf([&] { MeasureEfficiency({few, few, few, few}); }),
+  EXPECT_EQ(MessageOf([&] {
+              MeasureEfficiency({few, few, few, few});
+            }),
             "input_torque_Nm has 5 values (expected at least 8)");
   const std::vector<double> eight(8, 1.0);
   EXPECT_EQ(MessageOf([&] { MeasureStartingTorque(eight, eight, 0.0); }),

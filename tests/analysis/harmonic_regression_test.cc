@@ -60,7 +60,8 @@ TEST(FitHarmonics, ItsErrorsCoverTheTruth) {
       values.push_back(std::cos(2.0 * angle - 1.0) + noise);
     }
     const Harmonic harmonic = FitHarmonics(angle_rad, values, std::array{2.0}).harmonics[0];
-    amplitude_held += std::abs(harmonic.amplitude.value - 1.0) < 1.96 * harmonic.amplitude.standard_error ? 1 : 0;
+    amplitude_held +=
+        std::abs(harmonic.amplitude.value - 1.0) < 1.96 * harmonic.amplitude.standard_error ? 1 : 0;
     phase_held += std::abs(harmonic.phase_rad.value - 1.0) < 1.96 * harmonic.phase_rad.standard_error ? 1 : 0;
   }
   EXPECT_GE(amplitude_held, 0.90 * kTrials);
@@ -73,7 +74,8 @@ TEST(FitHarmonics, RefusesBadArguments) {
   const std::vector<double> three = {0, 1, 2};
   EXPECT_EQ(MessageOf([&] { FitHarmonics(three, three, std::array{1.0}); }),
             "values has 3 values (expected at least 4)");
-  EXPECT_EQ(MessageOf([&] { FitHarmonics(three, three, std::array{-1.0}); }), "order = -1 is not a positive number");
+  EXPECT_EQ(MessageOf([&] { FitHarmonics(three, three, std::array{-1.0}); }),
+            "order = -1 is not a positive number");
 }
 
 TEST(FoldedOrder, IsWhereSamplesShowALine) {

@@ -26,12 +26,12 @@ Eigen::VectorXd AutoregressiveNoise(Eigen::Index n, double rho, std::uint32_t se
 
 // NIST StRD "Norris": certified slope, offset, their standard deviations and the residual's.
 TEST(FitLinear, AgreesWithTheCertifiedValuesOfNorris) {
-  const double y[] = {0.1,   338.8, 118.1, 888.0, 9.2,   228.1, 668.5, 998.5, 449.1, 778.9, 559.2, 0.3,
-                      0.1,   778.1, 668.8, 339.3, 448.9, 10.8,  557.7, 228.3, 998.0, 888.8, 119.6, 0.3,
-                      0.6,   557.6, 339.3, 888.0, 998.5, 778.9, 10.2,  117.6, 228.9, 668.4, 449.2, 0.2};
-  const double x[] = {0.2,   337.4, 118.2, 884.6, 10.1,  226.5, 666.3, 996.3, 448.6, 777.0, 558.2, 0.4,
-                      0.6,   775.5, 666.9, 338.0, 447.5, 11.6,  556.0, 228.1, 995.8, 887.6, 120.2, 0.3,
-                      0.3,   556.8, 339.1, 887.2, 999.0, 779.0, 11.1,  118.3, 229.2, 669.1, 448.9, 0.5};
+  const double y[] = {0.1, 338.8, 118.1, 888.0, 9.2,   228.1, 668.5, 998.5, 449.1, 778.9, 559.2, 0.3,
+                      0.1, 778.1, 668.8, 339.3, 448.9, 10.8,  557.7, 228.3, 998.0, 888.8, 119.6, 0.3,
+                      0.6, 557.6, 339.3, 888.0, 998.5, 778.9, 10.2,  117.6, 228.9, 668.4, 449.2, 0.2};
+  const double x[] = {0.2, 337.4, 118.2, 884.6, 10.1,  226.5, 666.3, 996.3, 448.6, 777.0, 558.2, 0.4,
+                      0.6, 775.5, 666.9, 338.0, 447.5, 11.6,  556.0, 228.1, 995.8, 887.6, 120.2, 0.3,
+                      0.3, 556.8, 339.1, 887.2, 999.0, 779.0, 11.1,  118.3, 229.2, 669.1, 448.9, 0.5};
   Eigen::MatrixXd design(36, 2);
   Eigen::VectorXd values(36);
   for (Eigen::Index i = 0; i < 36; ++i) {
@@ -84,9 +84,13 @@ TEST(FitLinear, ItsErrorsCoverTheTruthUnderColouredNoise) {
 }
 
 TEST(FitLinear, RefusesMoreColumnsThanRows) {
-  EXPECT_EQ(MessageOf([] { FitLinear(Eigen::MatrixXd::Ones(2, 3), Eigen::VectorXd::Ones(2), ErrorModel::kIndependent); }),
+  EXPECT_EQ(MessageOf([] {
+              FitLinear(Eigen::MatrixXd::Ones(2, 3), Eigen::VectorXd::Ones(2), ErrorModel::kIndependent);
+            }),
             "design has 2 rows (expected at least as many as its 3 columns)");
-  EXPECT_EQ(MessageOf([] { FitLinear(Eigen::MatrixXd::Ones(4, 1), Eigen::VectorXd::Ones(3), ErrorModel::kIndependent); }),
+  EXPECT_EQ(MessageOf([] {
+              FitLinear(Eigen::MatrixXd::Ones(4, 1), Eigen::VectorXd::Ones(3), ErrorModel::kIndependent);
+            }),
             "y has 3 values, design has 4 rows (expected the same number)");
 }
 
@@ -105,7 +109,8 @@ TEST(LongRunCovariance, IsTheBartlettSumOfAutocovariances) {
 
 TEST(VarianceInflation, IsThatOfAFirstOrderAutoregression) {
   const Eigen::VectorXd x = AutoregressiveNoise(100000, 0.5, 4);
-  EXPECT_NEAR(VarianceInflation({x.data(), static_cast<std::size_t>(x.size())}), (1.0 + 0.5) / (1.0 - 0.5), 0.3);
+  EXPECT_NEAR(VarianceInflation({x.data(), static_cast<std::size_t>(x.size())}), (1.0 + 0.5) / (1.0 - 0.5),
+              0.3);
 }
 
 }  // namespace

@@ -57,7 +57,9 @@ TEST(IsLargerThanGauge, IsWrongInFiveOfAHundredUnchangedPairs) {
 TEST(EstimateRepeatability, RefusesValuesWithoutARepeat) {
   EXPECT_EQ(MessageOf([] { EstimateRepeatability(std::vector<double>{1.0}); }),
             "repeats: no group has two values (expected one at least)");
-  EXPECT_EQ(MessageOf([] { IsLargerThanGauge(1.0, EstimateRepeatability(std::vector<double>{1.0, 2.0}), 0, 1); }),
+  EXPECT_EQ(MessageOf([] {
+              IsLargerThanGauge(1.0, EstimateRepeatability(std::vector<double>{1.0, 2.0}), 0, 1);
+            }),
             "count_before = 0, count_after = 1 (expected at least 1 each)");
 }
 

@@ -55,13 +55,16 @@ TEST(FitEncoderError, RecoversEccentricityAndTiltSoThatTheyCanBeTakenOff) {
   std::vector<double> reference_rad;
   for (int i = 0; i < 360; ++i) {
     const double angle = RadFromDeg(i);
-    const double error = RadFromArcsec(82.0) * std::cos(angle - 0.5) + RadFromArcsec(4.0) * std::cos(2.0 * angle + 1.0);
+    const double error =
+        RadFromArcsec(82.0) * std::cos(angle - 0.5) + RadFromArcsec(4.0) * std::cos(2.0 * angle + 1.0);
     encoder_rad.push_back(angle);
     reference_rad.push_back(angle - error + 0.01 + RadFromArcsec(0.5) * normal(engine));
   }
   const EncoderError error = FitEncoderError(encoder_rad, reference_rad);
-  EXPECT_NEAR(ArcsecFromRad(error.once.amplitude.value), 82.0, 4.0 * ArcsecFromRad(error.once.amplitude.standard_error));
-  EXPECT_NEAR(ArcsecFromRad(error.twice.amplitude.value), 4.0, 4.0 * ArcsecFromRad(error.twice.amplitude.standard_error));
+  EXPECT_NEAR(ArcsecFromRad(error.once.amplitude.value), 82.0,
+              4.0 * ArcsecFromRad(error.once.amplitude.standard_error));
+  EXPECT_NEAR(ArcsecFromRad(error.twice.amplitude.value), 4.0,
+              4.0 * ArcsecFromRad(error.twice.amplitude.standard_error));
   EXPECT_NEAR(ArcsecFromRad(error.once.amplitude.standard_error), 0.5 * std::sqrt(2.0 / 360.0), 0.01);
   for (std::size_t i = 0; i < encoder_rad.size(); ++i) {
     EXPECT_NEAR(encoder_rad[i] - error.At(encoder_rad[i]) - reference_rad[i], -0.01, RadFromArcsec(2.5));

@@ -10,8 +10,8 @@
 #include "analysis/torsional_stiffness.h"
 #include "analysis/units.h"
 
-/// The loop model solved the other way round from the fit: torque is commanded, and the twist follows event by event (a break
-/// of the spring, the yield of the element, a reversal), with tangent stiffnesses only.
+/// The loop model solved the other way round from the fit: torque is commanded, and the twist follows event
+/// by event (a break of the spring, the yield of the element, a reversal), with tangent stiffnesses only.
 namespace strainwave::analysis {
 
 struct LoopTruth {
@@ -68,8 +68,8 @@ class SimulatedGear {
   // Slope of the spring when moving that way, and the torque left until it changes.
   double SpringTangent(double way, double* to_break_Nm) {
     const double breaks_Nm[] = {-truth_.t2_Nm, -truth_.t1_Nm, truth_.t1_Nm, truth_.t2_Nm};
-    const double slopes[] = {truth_.k3_Nm_per_rad, truth_.k2_Nm_per_rad, truth_.k1_Nm_per_rad, truth_.k2_Nm_per_rad,
-                             truth_.k3_Nm_per_rad};
+    const double slopes[] = {truth_.k3_Nm_per_rad, truth_.k2_Nm_per_rad, truth_.k1_Nm_per_rad,
+                             truth_.k2_Nm_per_rad, truth_.k3_Nm_per_rad};
     std::size_t segment = 0;  // number of breaks that lie behind
     for (double break_Nm : breaks_Nm) {
       segment += way > 0.0 ? (spring_Nm_ >= break_Nm ? 1 : 0) : (spring_Nm_ > break_Nm ? 1 : 0);
@@ -102,10 +102,11 @@ struct SimulatedRecord {
   TorsionLoop View() const { return {time_s, torque_Nm, twist_rad}; }
 };
 
-/// Ramps through the corner torques in equal steps, `samples` in all; the corners are sampled. The gear starts at rest with
-/// no torque and is first taken to the first corner.
-inline SimulatedRecord SimulateLoop(const LoopTruth& truth, const std::vector<double>& corners_Nm, std::size_t samples,
-                                    const LoopNoise& noise = {}, double series_compliance_rad_per_Nm = 0.0) {
+/// Ramps through the corner torques in equal steps, `samples` in all; the corners are sampled. The gear
+/// starts at rest with no torque and is first taken to the first corner.
+inline SimulatedRecord SimulateLoop(const LoopTruth& truth, const std::vector<double>& corners_Nm,
+                                    std::size_t samples, const LoopNoise& noise = {},
+                                    double series_compliance_rad_per_Nm = 0.0) {
   double way_Nm = 0.0;
   for (std::size_t k = 1; k < corners_Nm.size(); ++k) {
     way_Nm += std::abs(corners_Nm[k] - corners_Nm[k - 1]);
@@ -121,7 +122,8 @@ inline SimulatedRecord SimulateLoop(const LoopTruth& truth, const std::vector<do
   for (std::size_t k = 1; k < corners_Nm.size(); ++k) {
     const double from_Nm = corners_Nm[k - 1];
     const double to_Nm = corners_Nm[k];
-    const auto steps = static_cast<int>(std::lround(std::abs(to_Nm - from_Nm) / way_Nm * static_cast<double>(samples)));
+    const auto steps =
+        static_cast<int>(std::lround(std::abs(to_Nm - from_Nm) / way_Nm * static_cast<double>(samples)));
     for (int i = 1; i <= steps; ++i) {
       add(i == steps ? to_Nm : from_Nm + (to_Nm - from_Nm) * i / steps);
     }

@@ -13,7 +13,7 @@ namespace {
 // Share of records whose 95 % interval holds the truth, per slope, in per cent.
 std::array<double, 3> Coverage(StiffnessMethod method, double autoregression, double torque_noise_Nm,
                                double twist_noise_rad, const std::vector<double>& path_Nm) {
-  constexpr int kRecords = 500;
+  constexpr int kRecords = 300;
   const LoopTruth truth;
   std::array<double, 3> held{};
   for (std::uint32_t seed = 1; seed <= kRecords; ++seed) {

@@ -25,7 +25,8 @@ TEST(FitStiffnessLoading, IsTheSecantsOfTheFirstLoadingFromRest) {
   const double w = truth.friction_Nm;
   const double twist1 = (7.0 - w) / truth.k1_Nm_per_rad;
   const double twist2 = 7.0 / truth.k1_Nm_per_rad + (18.0 - w) / truth.k2_Nm_per_rad;
-  const double twist3 = 7.0 / truth.k1_Nm_per_rad + 18.0 / truth.k2_Nm_per_rad + (9.0 - w) / truth.k3_Nm_per_rad;
+  const double twist3 =
+      7.0 / truth.k1_Nm_per_rad + 18.0 / truth.k2_Nm_per_rad + (9.0 - w) / truth.k3_Nm_per_rad;
   constexpr double kReading = 2e-3;  // the start is read by a line over the first winding-up samples
   EXPECT_NEAR(fit.k1_Nm_per_rad.value, 7.0 / twist1, kReading * 7.0 / twist1);
   EXPECT_NEAR(fit.k2_Nm_per_rad.value, 18.0 / (twist2 - twist1), 1e-6 * fit.k2_Nm_per_rad.value);
@@ -90,9 +91,9 @@ TEST(MeasureStiffness, CombinesTheErrorsOfComplianceAndTransducer) {
   const TorsionalStiffness fit =
       MeasureStiffness(record.View(), kTorques, StiffnessMethod::kModel, {{compliance, error}}, 0.003);
   // 1/K = 1/K_measured − C, so that dK = K² dC; the record itself is free of noise.
-  for (const auto& [slope, value] : {std::pair{fit.k1_Nm_per_rad, truth.k1_Nm_per_rad},
-                                     std::pair{fit.k2_Nm_per_rad, truth.k2_Nm_per_rad},
-                                     std::pair{fit.k3_Nm_per_rad, truth.k3_Nm_per_rad}}) {
+  for (const auto& [slope, value] :
+       {std::pair{fit.k1_Nm_per_rad, truth.k1_Nm_per_rad}, std::pair{fit.k2_Nm_per_rad, truth.k2_Nm_per_rad},
+        std::pair{fit.k3_Nm_per_rad, truth.k3_Nm_per_rad}}) {
     const double expected = std::hypot(value * value * error, 0.003 * value);
     EXPECT_NEAR(slope.standard_error, expected, 0.02 * expected);
   }
@@ -152,19 +153,28 @@ TEST(StiffnessChecks, NameASwappedSign) {
 TEST(StiffnessArguments, AreRefusedByName) {
   const SimulatedRecord record = SimulateLoop({}, kFromRest_Nm, 200);
   const TorsionLoop loop = record.View();
-  EXPECT_EQ(MessageOf([&] { FitStiffnessModel({loop.time_s, loop.torque_Nm.first(100), loop.twist_rad}, kTorques); }),
+  EXPECT_EQ(MessageOf([&] {
+              FitStiffnessModel({loop.time_s, loop.torque_Nm.first(100), loop.twist_rad}, kTorques);
+            }),
             "torque_Nm has 100 values, twist_rad has 201 (expected the same number)");
   EXPECT_EQ(MessageOf([&] {
-              FitStiffnessModel({loop.time_s.first(15), loop.torque_Nm.first(15), loop.twist_rad.first(15)}, kTorques);
+              FitStiffnessModel({loop.time_s.first(15), loop.torque_Nm.first(15), loop.twist_rad.first(15)},
+                                kTorques);
             }),
             "torque_Nm has 15 values (expected at least 16)");
-  EXPECT_EQ(MessageOf([&] { FitStiffnessLoading(loop, {25.0, 7.0, 34.0}); }),
+  EXPECT_EQ(MessageOf([&] {
+              FitStiffnessLoading(loop, {25.0, 7.0, 34.0});
+            }),
             "t1_Nm = 25, t2_Nm = 7, t3_Nm = 34 are out of order (expected 0 < t1 < t2 < t3)");
   std::vector<double> broken = record.twist_rad;
   broken[17] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(MessageOf([&] { FitStiffnessBackbone({loop.time_s, loop.torque_Nm, broken}, kTorques); }),
+  EXPECT_EQ(MessageOf([&] {
+              FitStiffnessBackbone({loop.time_s, loop.torque_Nm, broken}, kTorques);
+            }),
             "twist_rad[17] = nan is not finite");
-  EXPECT_EQ(MessageOf([&] { MeasureStiffness(loop, kTorques, StiffnessMethod::kModel, {{-1e-6, 0.0}}); }),
+  EXPECT_EQ(MessageOf([&] {
+              MeasureStiffness(loop, kTorques, StiffnessMethod::kModel, {{-1e-6, 0.0}});
+            }),
             "compliance_rad_per_Nm = -1e-06 is not a number from 0 up");
   EXPECT_EQ(MessageOf([&] { MeasureStiffness(loop, kTorques, StiffnessMethod::kModel, {}, -0.1); }),
             "torque_gain_relative_se = -0.1 is not a number from 0 up");

@@ -117,7 +117,8 @@ TEST(ComputeTransmissionError, NamesTheOrdersAndTheFoldedOne) {
                          [&](const OrderLine& line) { return line.order_per_output_rev == order; });
   };
   for (const Line& line : kGear) {
-    EXPECT_NEAR(ArcsecFromRad(find(line.order).amplitude_rad.value), line.amplitude_arcsec, 1e-6) << line.order;
+    EXPECT_NEAR(ArcsecFromRad(find(line.order).amplitude_rad.value), line.amplitude_arcsec, 1e-6)
+        << line.order;
   }
   EXPECT_EQ(result.cw->orders.front().name, "wave generator, 2nd harmonic");
   EXPECT_EQ(find(162).name, "tooth engagement");
@@ -126,20 +127,25 @@ TEST(ComputeTransmissionError, NamesTheOrdersAndTheFoldedOne) {
   EXPECT_TRUE(find(320).aliased);
   EXPECT_EQ(find(320).name, "wave generator, 4th harmonic");
   EXPECT_NEAR(find(320).alias_order_per_output_rev, 40.0, 1e-9);
-  EXPECT_EQ(result.notes, Checks{"order 320 (wave generator, 4th harmonic) appears at order 40: 360 samples per output turn"});
+  EXPECT_EQ(
+      result.notes,
+      Checks{"order 320 (wave generator, 4th harmonic) appears at order 40: 360 samples per output turn"});
 }
 
 TEST(ComputeTransmissionError, SaysWhichOrdersTheSamplingCannotTellApart) {
   // 240 samples: 80 stays, 160 appears at 80, 162 at 78, 320 at 80.
   const Sweep sweep = MakeSweep({{80, 6, 1.0}}, {.step_deg = 1.5, .samples = 240});
   const TransmissionError result = ComputeTransmissionError(sweep.View(), {}, kRatio);
-  EXPECT_EQ(result.notes,
-            (Checks{"order 160 (wave generator, 2nd harmonic) appears at order 80: 240 samples per output turn",
-                    "orders 80 (wave generator, 1st harmonic) and 160 (wave generator, 2nd harmonic) appear at one order, 80",
-                    "order 162 (tooth engagement) appears at order 78: 240 samples per output turn",
-                    "order 320 (wave generator, 4th harmonic) appears at order 80: 240 samples per output turn",
-                    "orders 80 (wave generator, 1st harmonic or wave generator, 2nd harmonic) and 320 (wave generator, "
-                    "4th harmonic) appear at one order, 80"}));
+  EXPECT_EQ(
+      result.notes,
+      (Checks{
+          "order 160 (wave generator, 2nd harmonic) appears at order 80: 240 samples per output turn",
+          "orders 80 (wave generator, 1st harmonic) and 160 (wave generator, 2nd harmonic) appear at one "
+          "order, 80",
+          "order 162 (tooth engagement) appears at order 78: 240 samples per output turn",
+          "order 320 (wave generator, 4th harmonic) appears at order 80: 240 samples per output turn",
+          "orders 80 (wave generator, 1st harmonic or wave generator, 2nd harmonic) and 320 (wave generator, "
+          "4th harmonic) appear at one order, 80"}));
   EXPECT_EQ(result.cw->orders.front().name,
             "wave generator, 1st harmonic or wave generator, 2nd harmonic or wave generator, 4th harmonic");
 }
@@ -196,9 +202,11 @@ TEST(TransmissionErrorChecks, SayWhatIsWrong) {
     const Sweep sweep = MakeSweep(kGear, plan);
     return ComputeTransmissionError(sweep.View(), {}, ratio).failed_checks;
   };
-  EXPECT_EQ(checks({.samples = 341}), Checks{"cw: the sweep covers 341 deg of the output (expected 360 deg)"});
+  EXPECT_EQ(checks({.samples = 341}),
+            Checks{"cw: the sweep covers 341 deg of the output (expected 360 deg)"});
   EXPECT_EQ(checks({.samples = 360}), Checks{});
-  EXPECT_EQ(checks({.step_deg = 12.0, .samples = 31}), Checks{"cw: 30 steps in the revolution (expected at least 36)"});
+  EXPECT_EQ(checks({.step_deg = 12.0, .samples = 31}),
+            Checks{"cw: 30 steps in the revolution (expected at least 36)"});
   EXPECT_EQ(checks({.ratio = 100.0}), Checks{"cw: ratio looks like 100, file says 80"});
   EXPECT_EQ(checks({.ratio = -80.0}), Checks{"cw: ratio looks like -80, file says 80"});
   EXPECT_EQ(checks({.ratio = 80.6}), Checks{});
@@ -229,7 +237,9 @@ TEST(TransmissionErrorArguments, AreRefusedByName) {
             "ratio = 0 is not a finite number other than zero");
   EXPECT_EQ(MessageOf([&] { ComputeTransmissionError({}, {}, 80.0); }),
             "cw and ccw are both empty (expected samples of one direction at least)");
-  EXPECT_EQ(MessageOf([&] { ComputeTransmissionError({}, {view.input_angle_rad.first(9), view.output_angle_rad}, 80.0); }),
+  EXPECT_EQ(MessageOf([&] {
+              ComputeTransmissionError({}, {view.input_angle_rad.first(9), view.output_angle_rad}, 80.0);
+            }),
             "ccw.input_angle_rad has 9 values, ccw.output_angle_rad has 361 (expected the same number)");
 }
 

@@ -23,7 +23,7 @@ struct PlantCommands {
 /// between them, the servo's speed loop, in substeps of at most a quarter of a millisecond. Longer steps take
 /// the quasi-static limit: the servo follows its set point, the output is where the torques balance, inertia
 /// counts only through the acceleration of the set point. The two agree for motion that is slow beside the
-/// torsional resonance (some 30 Hz); torque ripple at two per input turn (E14, E15) is only in the short
+/// torsional resonance (some 50 Hz); torque ripple at two per input turn (E14, E15) is only in the short
 /// steps. An input that nothing holds is integrated at any step length.
 ///
 /// Temperatures, wear and what depends on them move on once a second.
