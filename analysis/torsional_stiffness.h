@@ -42,8 +42,7 @@ struct TorsionalStiffness {
   Estimate k3_Nm_per_rad;       // T₂ to T₃
   Estimate hysteresis_rad;      // width of the loop at zero torque
   Estimate lost_motion_rad;     // width of the loop's mid-line between ±4 % of rated torque
-  double friction_torque_Nm{};  // model: of the elasto-plastic element, 0 where none shows; backbone: half
-                                // the height
+  double friction_torque_Nm{};  // model: the element's, 0 where none shows; backbone: half the loop's height
   double yield_twist_rad{};     // model only
   double rms_residual_Nm{};     // model only
   /// The fitted loop at the record's samples (model only), for pictures.

@@ -23,6 +23,13 @@ struct SpecimenScatter {
   double vibration{0.25};
 };
 
+/// Spread from one measurement to the next: how the teeth seat after the gear was turned and locked again (E25,
+/// the magnitudes are general knowledge). Standard deviations of the logarithm, drawn anew for each phase.
+struct SeatingScatter {
+  double stiffness{0.002};
+  double kinematic{0.002};
+};
+
 /// The compiled model: every term's parameters, a term that is off at the values at which it adds nothing.
 struct PlantParameters {
   double ratio{80.0};
@@ -47,6 +54,7 @@ struct PlantParameters {
   WearRates wear;
   WearEffects wear_effects;
   SpecimenScatter scatter;
+  SeatingScatter seating;
   Vibration vibration;
 };
 

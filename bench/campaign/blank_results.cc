@@ -59,7 +59,7 @@ void Apply(std::span<const Calibration> calibrations, BenchCorrections& correcti
   if (const Calibration* compliance = find(kBlankCalibrations[0])) {
     corrections.series_compliance.compliance_rad_per_Nm = {compliance->value, compliance->standard_error};
   }
-  corrections.encoder.harmonics.clear();
+  corrections.encoder = {};
   for (const int order : {1, 2}) {
     const auto place = static_cast<std::size_t>(2 * order - 1);
     const Calibration* cosine = find(kBlankCalibrations[place]);

@@ -9,6 +9,7 @@
 
 #include "analysis/units.h"
 #include "bench/campaign/cycle_context.h"
+#include "bench/campaign/sensor_stamps.h"
 #include "bench/controller/make_program.h"
 #include "bench/controller/standstill_programs.h"
 #include "daq/cycle_file.h"
@@ -237,6 +238,7 @@ void CampaignRunner::KeepRecords(const CycleStep& step, int repeat, int attempt,
     // A load run in several pieces keeps them all, side by side.
     if (step.accumulates && attempt > 1) named.group += fmt::format("_{}", attempt);
   }
+  StampSensors(records, bench_);
   daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records);
   for (NamedRecord& named : records) records_.push_back(std::move(named));
 }
@@ -284,7 +286,9 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   if (!outcome.black_box.empty()) {
     std::filesystem::create_directories(folder_.Faults());
     const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());
-    daq::WriteRecordsAtomically(file, outcome.black_box);
+    std::vector<NamedRecord> black_box = outcome.black_box;
+    StampSensors(black_box, bench_);
+    daq::WriteRecordsAtomically(file, black_box);
   }
   const StopCause cause = outcome.reason.cause;
   const bool device = cause == StopCause::kDriveFault || cause == StopCause::kDriveNotReady ||

@@ -70,10 +70,10 @@ bool DrawTrendPicture(const Journal& journal, const std::string& title, const st
     std::vector<double> cycle, value, standard_error;
   };
   const std::vector<std::tuple<const char*, const char*, const char*>> wanted{
-      {"k1_Nm_per_rad", "K_1", "Nm/rad"},
-      {"k2_Nm_per_rad", "K_2", "Nm/rad"},
-      {"k3_Nm_per_rad", "K_3", "Nm/rad"},
-      {"e_max_arcmin", "e_{max}", "arcmin"}};
+      {"k1_Nm_per_rad", "K₁", "Nm/rad"},
+      {"k2_Nm_per_rad", "K₂", "Nm/rad"},
+      {"k3_Nm_per_rad", "K₃", "Nm/rad"},
+      {"e_max_arcmin", "e_max", "arcmin"}};
   std::map<std::string, Series> series;
   for (const CycleRow& row : journal.Cycles()) {
     if (row.cycle == 0 || row.outcome != "complete") continue;
@@ -117,7 +117,9 @@ std::vector<std::filesystem::path> DrawCampaign(const CampaignFolder& folder, co
   const auto label = [&](int cycle) { return fmt::format("cycle {}", cycle); };
   if (first.analysis.stiffness) {
     const auto curve = [&](const DrawnCycle& drawn, int cycle) {
-      return CurveOf(label(cycle), *drawn.analysis.stiffness, drawn.twist_rad, drawn.torque_Nm, torques);
+      // One loop at its own lock angle; the table's values are means over the angles.
+      const std::string angle = drawn.analysis.loop->Metadata("lock_angle_deg").value_or("");
+      return CurveOf(angle.empty() ? label(cycle) : fmt::format("{} at lock angle {}°", label(cycle), angle), *drawn.analysis.stiffness, drawn.twist_rad, drawn.torque_Nm, torques);
     };
     std::optional<HysteresisCurve> second;
     if (last && last->analysis.stiffness) second = curve(*last, complete.back());

@@ -54,7 +54,10 @@ Status StatusOf(const CampaignFolder& folder) {
   }
   if (const auto checkpoint = ReadCheckpoint(folder.Checkpoint())) {
     status.bench_time_s = checkpoint->time_s;
-    if (status.phase_outcome == "running") status.credited_load_s = checkpoint->credited_load_s;
+    // A checkpoint that is older than the phase says nothing of it.
+    const bool of_this_phase = !rows.empty() && checkpoint->cycle == rows.back().cycle &&
+                               checkpoint->step == rows.back().step && checkpoint->repeat == rows.back().repeat;
+    if (status.phase_outcome == "running" && of_this_phase) status.credited_load_s = checkpoint->credited_load_s;
   }
   const auto plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
   status.remaining_s = plan.cycle.total_s() * (status.cycles - status.complete);

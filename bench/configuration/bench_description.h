@@ -71,6 +71,8 @@ struct BenchDescription {
   std::string name;
   bool simulated{};
   double control_period_s{};
+  /// The shortest period that the bench can keep, for a phase that asks to be logged faster than the usual one.
+  double fast_control_period_s{};
   double vibration_rate_hz{};  // highest sample rate of the accelerometers
   ServoDescription driving_servo;
   ServoDescription load_servo;

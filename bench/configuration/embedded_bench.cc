@@ -11,6 +11,7 @@ bench: 1
 name: embedded simulated bench
 simulated: true
 control_period: 10 ms
+fast_control_period: 1 ms          # while a measurement rotation asks for a higher log rate
 vibration_rate: 51.2 kHz           # the highest; a schedule asks for what it needs
 
 driving_servo:                     # 750 W, with a holding brake

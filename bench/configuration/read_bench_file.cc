@@ -171,6 +171,8 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
   bench.name = map.Text("name");
   bench.simulated = map.Flag("simulated", "false");
   bench.control_period_s = map.Quantity("control_period", Dimension::kTime, Bound::kPositive, "10 ms");
+  bench.fast_control_period_s =
+      map.Quantity("fast_control_period", Dimension::kTime, Bound::kPositive, "1 ms");
   bench.vibration_rate_hz =
       map.Quantity("vibration_rate", Dimension::kFrequency, Bound::kPositive, "51.2 kHz");
   bench.driving_servo = ReadServo(map.Map("driving_servo", Presence::kRequired));

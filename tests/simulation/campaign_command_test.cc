@@ -197,7 +197,7 @@ class FourWaysToEnd : public testing::TestWithParam<Verb> {};
 
 TEST_P(FourWaysToEnd, AreSafeResumableAndTellable) {
   const ScratchFolder scratch;
-  const ProgramResult stopped = InterruptAt(1, GetParam().signal, scratch, "20");
+  const ProgramResult stopped = InterruptAt(1, GetParam().signal, scratch, "200");
   EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
   const auto folder = scratch / "campaign";
   {

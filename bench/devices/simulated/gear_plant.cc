@@ -85,8 +85,12 @@ GearPlant::AtAngle GearPlant::Evaluate(double input_rad) noexcept {
   const model::KinematicValue error = model::EvaluateKinematicError(kinematic_, phasors, harmonics);
   electrical_sine_ = harmonics.sin4;
   const double cos8 = 1.0 - 2.0 * harmonics.sin4 * harmonics.sin4;
-  return {error.error_rad,   error.derivative, model::StiffnessScale(stiffness_ripple_, harmonics.cos2),
-          phasors.input_cos, harmonics.cos2,   cos8,
+  return {seating_.kinematic * error.error_rad,
+          seating_.kinematic * error.derivative,
+          seating_.stiffness * model::StiffnessScale(stiffness_ripple_, harmonics.cos2),
+          phasors.input_cos,
+          harmonics.cos2,
+          cos8,
           phasors.output_sin};
 }
 

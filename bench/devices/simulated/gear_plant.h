@@ -41,6 +41,12 @@ class GearPlant {
   /// Puts a rigid shaft in the gear's place (ratio 1, only the series compliance), or the gear back.
   void MountBlank(bool mounted) noexcept;
   void SetGearTemperature(double temperature_degC) noexcept;
+  /// How the teeth have seated this time, as factors on stiffness and kinematic error.
+  struct Seating {
+    double stiffness{1.0};
+    double kinematic{1.0};
+  };
+  void SetSeating(const Seating& seating) noexcept { seating_ = seating; }
 
   const analysis::model::PlantParameters& specimen() const noexcept { return specimen_; }
   /// The properties of the gear as it is now, worn and at its temperature.
@@ -95,6 +101,7 @@ class GearPlant {
   analysis::model::KinematicSeries kinematic_;
   analysis::model::FrictionAtTemperature friction_;
   double stiffness_ripple_{};
+  Seating seating_;
   double electrical_sine_{};
   StepFactors quasi_static_;
   StepFactors substep_;

@@ -22,7 +22,7 @@ using std::chrono::nanoseconds;
 namespace {
 
 // Streams of noise, so that none of them shifts another.
-enum : std::uint64_t { kSpecimenStream = 1, kSlowStream = 2, kVibrationStream = 3 };
+enum : std::uint64_t { kSpecimenStream = 1, kSlowStream = 2, kVibrationStream = 3, kSeatingStream = 4 };
 
 constexpr double kVibrationRoom_s = 4.0;
 
@@ -87,6 +87,10 @@ class SimulatedBench::Implementation final : public Sampler, public BenchClock {
 
   void BeginPhase(std::uint64_t key) {
     phase_key_ = key;
+    NoiseSource seat(NoiseKey(NoiseKey(settings_.seed, kSeatingStream), key));
+    const model::SeatingScatter& scatter = plant_.specimen().seating;
+    const double stiffness = std::exp(scatter.stiffness * seat());
+    plant_.SetSeating({stiffness, std::exp(scatter.kinematic * seat())});
     sensors_.SeedNoise(NoiseKey(NoiseKey(settings_.seed, kSlowStream), key));
     // What follows the slow states from time to time follows them now, so that a phase that starts from a
     // restored memory sees the same gear as one that the bench came to by running.

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/sensor_stamps.h"
+
+#include <string>
+
+namespace strainwave::bench {
+namespace {
+
+struct Stamp {
+  std::string serial;
+  std::string calibration;
+};
+
+Stamp StampOf(const std::string& column, const std::string& kind, const BenchDescription& bench) {
+  const Stamp driving{bench.driving_servo.serial, "drive parameters"};
+  for (const AccelerometerDescription& accelerometer : bench.accelerometers) {
+    if (column.starts_with(accelerometer.name + "_m_per_s2")) return {accelerometer.serial, accelerometer.calibration};
+  }
+  if (column.starts_with("output_angle")) return {bench.output_encoder.serial, bench.output_encoder.calibration};
+  if (column.starts_with("input_") || column.starts_with("position") || column.starts_with("velocity")) {
+    return {bench.input_encoder.serial, bench.input_encoder.calibration};
+  }
+  if (column.starts_with("motor_torque")) return driving;
+  // The torque of a motion record is what the drive applies; the transducer's stands beside it.
+  if (kind == "motion" && column == "torque_Nm") return driving;
+  if (column.find("torque") != std::string::npos) return {bench.transducer.serial, bench.transducer.calibration};
+  return {};
+}
+
+}  // namespace
+
+void StampSensors(std::span<NamedRecord> records, const BenchDescription& bench) {
+  for (NamedRecord& named : records) {
+    for (daq::Column& column : named.record.columns) {
+      Stamp stamp = StampOf(column.name, named.record.kind, bench);
+      if (stamp.serial.empty()) continue;
+      column.sensor_serial = std::move(stamp.serial);
+      column.calibration = stamp.calibration.empty() ? "none" : std::move(stamp.calibration);
+    }
+  }
+}
+
+}  // namespace strainwave::bench
