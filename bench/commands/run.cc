@@ -137,7 +137,16 @@ int Run(const RunOptions& options) {
     TerminalProgress progress(std::max(1, journal.LastCompleteCycle() + 1));
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, g_request, progress);
     const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();
-    end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt);
+    try {
+      end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt);
+    } catch (const std::exception&) {
+      // The runner has made the bench safe before the exception left it; what is stored stays whole.
+      fmt::print(stderr,
+                 "stopped: torque is off, brakes are on, the campaign is whole; when the cause below is mended, go on "
+                 "with: strainwave run {} --out {} --resume\n",
+                 options.schedule, options.out);
+      throw;
+    }
   }
   if (end.kind == CampaignEnd::Kind::kInterrupted) {
     fmt::print(stderr, "stopped safely; go on with: strainwave run {} --out {} --resume\n", options.schedule,

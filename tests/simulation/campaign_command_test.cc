@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <sys/mount.h>
+
 #include <csignal>
 #include <chrono>
 #include <thread>
@@ -166,6 +168,58 @@ TEST_F(Campaign, IsNotResumedWhereThereIsNone) {
   EXPECT_EQ(resumed.error, (scratch / "none").string() +
                                ": error: there is no campaign to resume (expected a folder with campaign.db; leave "
                                "--resume away to start one)\n");
+}
+
+/// A file system of its own, small or read-only; not mounted where this machine does not let the test mount one.
+class MountedFolder {
+ public:
+  explicit MountedFolder(const std::string& options) {
+    mounted_ = ::mount("tmpfs", folder_.path().c_str(), "tmpfs", 0, options.c_str()) == 0;
+  }
+  MountedFolder(const MountedFolder&) = delete;
+  MountedFolder& operator=(const MountedFolder&) = delete;
+  ~MountedFolder() {
+    if (mounted_) ::umount(folder_.path().c_str());
+  }
+  bool mounted() const { return mounted_; }
+  void Remount(unsigned long flags, const std::string& options) {
+    ::mount("tmpfs", folder_.path().c_str(), "tmpfs", MS_REMOUNT | flags, options.c_str());
+  }
+  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
+
+ private:
+  ScratchFolder folder_;
+  bool mounted_{};
+};
+
+TEST(FullDisk, StopsSafelyAndTheCampaignOpensAndGoesOn) {
+  MountedFolder disk("size=3m");
+  if (!disk.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  const std::string folder = disk / "campaign";
+  const ProgramResult full = RunProgram({"run", kSchedule, "--out", folder});
+  EXPECT_EQ(full.exit_code, 3);
+  EXPECT_NE(full.error.find("stopped: torque is off, brakes are on, the campaign is whole; when the cause below is "
+                            "mended, go on with: strainwave run " +
+                            kSchedule + " --out " + folder + " --resume\n"),
+            std::string::npos)
+      << full.error;
+  EXPECT_NE(full.error.find(": No space left on device\n"), std::string::npos) << full.error;
+  EXPECT_EQ(RunProgram({"status", folder}).exit_code, 0);
+  disk.Remount(0, "size=50m");
+  const ProgramResult resumed = RunProgram({"run", kSchedule, "--out", folder, "--resume"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+  const auto journal = bench::Journal::Open(folder + "/campaign.db", bench::Database::Mode::kReadOnly);
+  EXPECT_EQ(journal.LastCompleteCycle(), 3);
+}
+
+TEST(ReadOnlyFolder, IsRefusedBeforeAnythingMoves) {
+  MountedFolder disk("size=1m");
+  if (!disk.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  disk.Remount(MS_RDONLY, "size=1m");
+  const ProgramResult refused = RunProgram({"run", kSchedule, "--out", disk / "campaign"});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_EQ(refused.error, "error: filesystem error: cannot create directories: Read-only file system [" +
+                               (disk / "campaign") + "]\n");
 }
 
 /// Waits until the journal shows a running phase of the cycle, then sends the signal.
