@@ -23,6 +23,9 @@ constexpr double kTorqueZeroShareOfRange = 0.05;
 // One tooth of a size-20 flexspline is 2.25°; wind-up, transmission error and encoder errors stay below 0.3°.
 constexpr double kEncoderOffsetTolerance_rad = RadFromDeg(0.5);
 
+// How often the rows of a load run under way are written to the disk, by the world's clock.
+constexpr std::chrono::seconds kKeepInterval{10};
+
 RunnerSettings SettingsOf(const schedules::Schedule& schedule, const BenchDescription& bench) {
   return {bench.control_period_s, schedule.limits, schedule.suspend};
 }
@@ -204,7 +207,12 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     if (static_cast<int>(i) < step.index) done_s += planned_s_[i];
   }
   const double this_s = planned_s_[static_cast<std::size_t>(step.index)];
+  auto last_kept = std::chrono::steady_clock::now();
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseProgram& running) {
+    if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
+      last_kept = std::chrono::steady_clock::now();
+      WriteUnfinished(step, repeat, attempt, running.RecordsSoFar());
+    }
     // A measurement that is cut is taken again from its beginning, so a simulated bench goes back there too.
     if (step.accumulates) TakeMemory();
     WriteCheckpoint(step.index, repeat, running.credited_load_s(), blank);
@@ -215,7 +223,11 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
 
   const bool complete = !outcome.reason;
   again = IsSuspend(outcome.reason.cause);
-  if (complete || step.accumulates) KeepRecords(step, repeat, attempt, std::move(outcome.records));
+  if (complete || step.accumulates) {
+    for (NamedRecord& named : WriteUnfinished(step, repeat, attempt, std::move(outcome.records))) {
+      records_.push_back(std::move(named));
+    }
+  }
   TakeMemory();
   WriteCheckpoint(step.index, repeat, outcome.credited_load_s, blank);
   journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause), outcome.credited_load_s - credited_before_s);
@@ -230,8 +242,9 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   return std::nullopt;
 }
 
-void CampaignRunner::KeepRecords(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records) {
-  if (records.empty()) return;
+std::vector<NamedRecord> CampaignRunner::WriteUnfinished(const CycleStep& step, int repeat, int attempt,
+                                                         std::vector<NamedRecord> records) {
+  if (records.empty()) return records;
   const std::string group = repeat == 0 ? step.group : fmt::format("{}/retry_{}", step.group, repeat);
   for (NamedRecord& named : records) {
     named.group = fmt::format("{}/{}", group, named.group);
@@ -240,7 +253,7 @@ void CampaignRunner::KeepRecords(const CycleStep& step, int repeat, int attempt,
   }
   StampSensors(records, bench_);
   daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records);
-  for (NamedRecord& named : records) records_.push_back(std::move(named));
+  return records;
 }
 
 void CampaignRunner::RemoveUnfinished() {

@@ -57,7 +57,9 @@ class CampaignRunner {
   MaybeEnd CheckBetweenPhases();
 
   bool TakeFromEarlierRun(const CycleStep& step, int repeat);
-  void KeepRecords(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records);
+  /// Names the records by their place, and writes them to the step's unfinished file.
+  std::vector<NamedRecord> WriteUnfinished(const CycleStep& step, int repeat, int attempt,
+                                           std::vector<NamedRecord> records);
   void RemoveUnfinished();
   void TakeMemory();
   void WriteCheckpoint(int step, int repeat, double credited_load_s, bool blank);

@@ -145,7 +145,7 @@ std::vector<NamedRecord> HysteresisProgram::TakeRecords() {
     named.record.SetMetadata("t3_Nm", specimen_.t3_Nm);
     named.record.SetMetadata("lock_angle_deg", DegFromRad(parameters_.lock_angles_rad[i]));
     named.record.SetMetadata("sample_rate_hz", parameters_.log_rate_hz);
-    named.record.columns = logs_[i].Take();
+    named.record.columns = logs_[i].Columns();
     records.push_back(std::move(named));
   }
   return records;

@@ -112,7 +112,8 @@ bool LoadRunProgram::Log(const Readings& readings, double elapsed_s) noexcept {
   return kept;
 }
 
-std::vector<NamedRecord> LoadRunProgram::TakeRecords() {
+std::vector<NamedRecord> LoadRunProgram::RecordsSoFar() const {
+  if (log_.rows() == 0) return {};
   NamedRecord named{"load_run", {}};
   named.record.kind = "history";
   named.record.SetMetadata("log_rate_hz", parameters_.log_rate_hz);
@@ -120,7 +121,7 @@ std::vector<NamedRecord> LoadRunProgram::TakeRecords() {
   const std::vector<std::string> single{"input_speed_rpm",        "torque_mean_Nm",  "torque_min_Nm",
                                         "torque_max_Nm",          "motor_torque_Nm", "vibration_rms_m_per_s2",
                                         "ambient_temperature_degC", "gear_temperature_degC"};
-  named.record.columns = log_.Take(single);
+  named.record.columns = log_.Columns(single);
   std::vector<NamedRecord> records;
   records.push_back(std::move(named));
   return records;

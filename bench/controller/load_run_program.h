@@ -24,7 +24,8 @@ class LoadRunProgram final : public PhaseProgram {
   double timeout_s() const override { return 1.2 * parameters_.duration_s + 60.0; }
   double share_done() const noexcept override { return credited_s_ / parameters_.duration_s; }
   double credited_load_s() const noexcept override { return credited_s_; }
-  std::vector<NamedRecord> TakeRecords() override;
+  std::vector<NamedRecord> TakeRecords() override { return RecordsSoFar(); }
+  std::vector<NamedRecord> RecordsSoFar() const override;
 
  private:
   // Of the readings between two rows of the log.

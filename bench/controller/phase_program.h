@@ -60,8 +60,11 @@ class PhaseProgram {
   /// What a failed check saw, when Step says so.
   virtual StopReason failed_check() const noexcept { return {}; }
 
-  /// What was measured so far. An interrupted phase's records are whole rows, cut short.
+  /// What was measured; once, at the end. An interrupted phase's records are whole rows, cut short.
   virtual std::vector<NamedRecord> TakeRecords() = 0;
+  /// The same while a long phase runs, to be kept in case the program dies; nothing where a phase that is cut
+  /// begins anew.
+  virtual std::vector<NamedRecord> RecordsSoFar() const { return {}; }
 };
 
 /// Input angle at which every measurement begins: the whole turn of the input encoder at which the output stands

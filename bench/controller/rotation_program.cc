@@ -110,7 +110,7 @@ std::vector<NamedRecord> RotationProgram::TakeRecords() {
   rotation.record.kind = "motion";
   rotation.record.SetMetadata("sample_rate_hz", parameters_.log_rate_hz);
   const std::vector<std::string> single{"torque_Nm", "output_torque_Nm", "temperature_degC", "velocity_rad_per_s"};
-  rotation.record.columns = log_.Take(single);
+  rotation.record.columns = log_.Columns(single);
   std::vector<NamedRecord> records;
   records.push_back(std::move(vibration));
   records.push_back(std::move(rotation));

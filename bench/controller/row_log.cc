@@ -17,7 +17,7 @@ bool RowLog::Append(std::initializer_list<double> row) noexcept {
   return true;
 }
 
-std::vector<daq::Column> RowLog::Take(std::span<const std::string> single_precision) {
+std::vector<daq::Column> RowLog::Columns(std::span<const std::string> single_precision) const {
   std::vector<daq::Column> taken;
   for (std::size_t i = 0; i < names_.size(); ++i) {
     daq::Column column;
@@ -27,9 +27,8 @@ std::vector<daq::Column> RowLog::Take(std::span<const std::string> single_precis
       std::ranges::transform(columns_[i], narrow.begin(), [](double value) { return static_cast<float>(value); });
       column.values = std::move(narrow);
     } else {
-      column.values = std::move(columns_[i]);
+      column.values = columns_[i];
     }
-    columns_[i] = {};
     taken.push_back(std::move(column));
   }
   return taken;

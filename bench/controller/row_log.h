@@ -23,8 +23,8 @@ class RowLog {
   std::size_t rows() const noexcept { return columns_.empty() ? 0 : columns_.front().size(); }
   std::size_t capacity() const noexcept { return capacity_; }
 
-  /// The columns, moved out. Columns in `single_precision` are stored as float.
-  std::vector<daq::Column> Take(std::span<const std::string> single_precision = {});
+  /// A copy of the columns so far. Columns in `single_precision` are stored as float.
+  std::vector<daq::Column> Columns(std::span<const std::string> single_precision = {}) const;
 
  private:
   std::vector<std::string> names_;

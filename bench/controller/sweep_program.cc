@@ -117,7 +117,7 @@ std::vector<NamedRecord> SweepProgram::TakeRecords() {
   named.record.kind = "transmission_error";
   named.record.SetMetadata("ratio", ratio_);
   named.record.SetMetadata("step_deg", DegFromRad(parameters_.step_rad));
-  named.record.columns = log_.Take();
+  named.record.columns = log_.Columns();
   for (daq::Column& column : named.record.columns) {
     if (column.name != "direction") continue;
     std::vector<daq::Direction> directions;
