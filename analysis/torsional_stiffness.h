@@ -62,6 +62,10 @@ struct TorsionalStiffness {
 /// (Huber, three standard deviations). The standard errors hold under autocorrelated and uneven noise
 /// (analysis/linear_regression.h, SandwichCovariance).
 ///
+/// Limit: a signal made monotone runs outward at its reversals by a part of its noise. Where a sample's step
+/// is about as large as the noise, K3 comes out some 1e-4 high, up to half its standard error, and its 95 %
+/// interval holds the truth in about 90 % of the cases.
+///
 /// @param loop     at least 16 samples; one loop or several, starting anywhere.
 /// @throws std::invalid_argument if lengths differ, a value is not finite, there are fewer than 16 samples,
 /// or the

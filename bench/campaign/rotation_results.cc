@@ -8,6 +8,11 @@
 namespace strainwave::bench {
 namespace {
 
+constexpr std::size_t kFewestRows = 8;
+// Above the swinging of the presliding springs when the brake lets go.
+constexpr double kMovingSpeed_rad_per_s = 5.0;
+constexpr std::size_t kSpeedSamples = 10;
+
 std::vector<double> Numbers(const daq::Record& record, std::string_view name) {
   const daq::Column* column = record.FindColumn(name);
   if (column == nullptr) return {};
@@ -16,6 +21,21 @@ std::vector<double> Numbers(const daq::Record& record, std::string_view name) {
     return {narrow->begin(), narrow->end()};
   }
   return {};
+}
+
+// The breakaway of the unloaded gear, at the input. The drive's own speed is too noisy near zero; the encoder's
+// travel over some samples tells presliding from motion.
+std::vector<Result> StartingTorque(const daq::Record& record, std::span<const double> torque_Nm) {
+  const std::vector<double> time_s = Numbers(record, "time_s");
+  const std::vector<double> position_rad = Numbers(record, "position_rad");
+  std::vector<double> speed(position_rad.size(), 0.0);
+  for (std::size_t i = kSpeedSamples; i < position_rad.size(); ++i) {
+    const std::size_t before = i - kSpeedSamples;
+    speed[i] = (position_rad[i] - position_rad[before]) / (time_s[i] - time_s[before]);
+  }
+  const auto starting = analysis::MeasureStartingTorque(torque_Nm, speed, kMovingSpeed_rad_per_s);
+  if (!starting) return {{"starting_torque_Nm", std::nan(""), 0.0, "the input did not break away"}};
+  return {{"starting_torque_Nm", starting->value, starting->standard_error, ""}};
 }
 
 // About the mean, so that a sensor's offset is no vibration.
@@ -36,8 +56,9 @@ double Rms(std::span<const float> samples) {
 std::vector<Result> RotationResults(const daq::Record& record, double ratio) {
   const std::vector<double> input_torque_Nm = Numbers(record, "torque_Nm");
   const std::vector<double> input_speed = Numbers(record, "velocity_rad_per_s");
+  if (input_torque_Nm.size() < kFewestRows) return {};
   std::vector<double> output_torque_Nm = Numbers(record, "output_torque_Nm");
-  if (input_torque_Nm.size() < 8 || output_torque_Nm.size() != input_torque_Nm.size()) return {};
+  if (output_torque_Nm.empty()) return StartingTorque(record, input_torque_Nm);
   std::vector<double> output_speed;
   for (const double speed : input_speed) output_speed.push_back(speed / ratio);
   // The transducer reads what drives the output on; the gear exerts the opposite on the load.

@@ -8,7 +8,9 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/campaign/campaign.h"
 #include "bench/campaign/cycle_results.h"
+#include "bench/commands/terminal.h"
 #include "bench/campaign/pictures.h"
 #include "bench/campaign/quality.h"
 #include "bench/plots/gnuplot.h"
@@ -135,7 +137,10 @@ int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool jso
   PrintChanges(journal, cycles);
   PrintMethods(journal, cycles);
   const std::vector<Hole> holes = journal.Holes();
-  if (!holes.empty()) fmt::print("\n{} interruption(s); each is in the journal's table holes\n", holes.size());
+  const double longest_pause_s = ReadFrozenInputs(folder).schedule.resume.longest_pause_s;
+  fmt::print("\n{} interruption(s), each in the journal's table holes; after a pause of up to {} it counts as the same "
+             "test\n",
+             holes.size(), DurationText(longest_pause_s));
   fmt::print("\n");
   try {
     for (const auto& picture : DrawCampaign(folder, journal, folder.Pictures())) {

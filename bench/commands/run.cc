@@ -139,6 +139,7 @@ int Run(const RunOptions& options) {
     const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();
     try {
       end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt);
+      journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
     } catch (const std::exception&) {
       // The runner has made the bench safe before the exception left it; what is stored stays whole.
       fmt::print(stderr,

@@ -20,6 +20,7 @@ class HysteresisProgram final : public PhaseProgram {
 
   void SetUp(const Readings& readings, BenchDevices& devices) override;
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
+  bool ready() const noexcept override { return stage_ != Stage::kBringUp && stage_ != Stage::kRelease; }
   double timeout_s() const override { return 60.0 + 2.0 * angles() * loop_s(); }
   double share_done() const noexcept override;
   bool input_locked() const noexcept override { return stage_ == Stage::kRamp; }

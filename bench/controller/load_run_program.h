@@ -21,6 +21,7 @@ class LoadRunProgram final : public PhaseProgram {
     winding_down_ = true;
     return true;
   }
+  bool ready() const noexcept override { return under_load_; }
   double timeout_s() const override { return 1.2 * parameters_.duration_s + 60.0; }
   double share_done() const noexcept override { return credited_s_ / parameters_.duration_s; }
   double credited_load_s() const noexcept override { return credited_s_; }

@@ -18,6 +18,7 @@ constexpr double kHistory_s = 10.0;
 constexpr double kAfterStop_s = 1.0;
 constexpr int kHistoryChannels = 9;
 constexpr double kHeartbeat_s = 1.0;
+constexpr double kLongestBringUp_s = 3.0;  // to operation enabled with the brake released
 
 nanoseconds Nanoseconds(double time_s) { return nanoseconds(std::llround(time_s * 1e9)); }
 
@@ -115,6 +116,7 @@ PhaseOutcome PhaseRunner::Run(PhaseProgram& program, const HeartbeatFunction& he
     readings_ = devices_.sampler.Read();
     bool set_up = false;
     StopReason winding_down;
+    double waiting_for_drives_s = 0.0;
     while (true) {
       const double elapsed_s = duration<double>(next - start).count();
       outcome.reason = OnePeriod(program, elapsed_s, period_s);
@@ -134,6 +136,11 @@ PhaseOutcome PhaseRunner::Run(PhaseProgram& program, const HeartbeatFunction& he
         if (!by_itself) winding_down = {};
       }
       const StepResult result = program.Step(readings_, elapsed_s, devices_);
+      waiting_for_drives_s = program.ready() ? 0.0 : waiting_for_drives_s + period_s;
+      if (waiting_for_drives_s > kLongestBringUp_s) {
+        outcome.reason = {StopCause::kDriveNotReady, waiting_for_drives_s, kLongestBringUp_s, readings_.time};
+        break;
+      }
       if (result == StepResult::kDone) outcome.reason = winding_down;
       if (result == StepResult::kFailedCheck) outcome.reason = program.failed_check();
       if (result == StepResult::kLogFull) outcome.reason = {StopCause::kLogFull, 0.0, 0.0, readings_.time};

@@ -10,6 +10,10 @@ namespace strainwave::bench {
 namespace {
 
 constexpr double kTorqueRate_Nm_per_s = 200.0;
+// A size-20 unit breaks away at a few Ncm; ten times that moves anything that can still move.
+constexpr double kBreakawayRate_Nm_per_s = 0.1;
+constexpr double kMostBreakaway_Nm = 0.5;
+constexpr double kBrokenAway_rad = 0.5;  // of the input
 constexpr double kSpeedReached = 0.995;  // of the asked speed
 
 double MeasureDuration(const schedules::MeasurementRotation& rotation, double ratio) {
@@ -22,8 +26,12 @@ RotationProgram::RotationProgram(const schedules::MeasurementRotation& parameter
     : parameters_(parameters),
       direction_(parameters.clockwise ? 1.0 : -1.0),
       turn_input_rad_(parameters.turns * kTwoPi * std::abs(ratio)),
+      breakaway_(kBreakawayRate_Nm_per_s),
       speed_(parameters.input_acceleration_rad_per_s2),
       torque_(kTorqueRate_Nm_per_s),
+      breakaway_log_({"time_s", "position_rad", "velocity_rad_per_s", "torque_Nm", "temperature_degC"},
+                     static_cast<std::size_t>((kMostBreakaway_Nm / kBreakawayRate_Nm_per_s + 1.0) *
+                                              parameters.log_rate_hz)),
       log_({"time_s", "position_rad", "velocity_rad_per_s", "torque_Nm", "output_angle_deg", "output_torque_Nm",
             "temperature_degC"},
            static_cast<std::size_t>(1.1 * MeasureDuration(parameters, ratio) * parameters.log_rate_hz) + 64) {}
@@ -32,14 +40,15 @@ double RotationProgram::timeout_s() const {
   return 1.5 * turn_input_rad_ / parameters_.input_speed_rad_per_s + 60.0;
 }
 
-void RotationProgram::SetUp(const Readings&, BenchDevices& devices) {
+void RotationProgram::SetUp(const Readings& readings, BenchDevices& devices) {
+  rest_rad_ = readings.input_angle_rad;
   const auto samples = static_cast<std::size_t>(
       1.1 * turn_input_rad_ / parameters_.input_speed_rad_per_s * parameters_.vibration_rate_hz);
   for (auto* channel : {&vibration_.accel_x_m_per_s2, &vibration_.accel_y_m_per_s2, &vibration_.accel_z_m_per_s2,
                         &vibration_.accel_motor_z_m_per_s2}) {
     channel->reserve(samples);
   }
-  devices.driving.Enable(DriveMode::kSpeed);
+  devices.driving.Enable(DriveMode::kTorque);
   devices.load.Enable(DriveMode::kTorque);
 }
 
@@ -50,9 +59,17 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
     case Stage::kBringUp: {
       const bool driving_up = BroughtUp(devices.driving);
       const bool load_up = BroughtUp(devices.load);
-      if (driving_up && load_up) stage_ = Stage::kRunUp;
+      if (driving_up && load_up) {
+        stage_ = Stage::kBreakAway;
+        start_s_ = elapsed_s;
+      }
       return StepResult::kRunning;
     }
+    case Stage::kBreakAway:
+      return BreakAway(readings, elapsed_s, devices);
+    case Stage::kChangeMode:
+      if (BroughtUp(devices.driving)) stage_ = Stage::kRunUp;
+      return StepResult::kRunning;
     case Stage::kRunUp:
       devices.driving.CommandSpeed(speed_.Step(speed, period_s));
       devices.load.CommandTorque(torque_.Step(-direction_ * parameters_.output_torque_Nm, period_s));
@@ -84,6 +101,21 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
   return StepResult::kRunning;
 }
 
+StepResult RotationProgram::BreakAway(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+  const bool kept = breakaway_log_.Append({elapsed_s - start_s_, readings.input_angle_rad,
+                                           readings.input_speed_rad_per_s, readings.motor_torque_Nm,
+                                           readings.gear_temperature_degC});
+  if (!kept) return StepResult::kLogFull;
+  const bool moved = std::abs(readings.input_angle_rad - rest_rad_) > kBrokenAway_rad;
+  if (moved || std::abs(breakaway_.value()) >= kMostBreakaway_Nm) {
+    devices.driving.Enable(DriveMode::kSpeed);
+    stage_ = Stage::kChangeMode;
+    return StepResult::kRunning;
+  }
+  devices.driving.CommandTorque(breakaway_.Step(direction_ * kMostBreakaway_Nm, control_period_s()));
+  return StepResult::kRunning;
+}
+
 void RotationProgram::Collect(BenchDevices& devices) {
   const bool wanted = stage_ == Stage::kMeasure;
   if (wanted && !vibration_running_) devices.sampler.StartVibration(parameters_.vibration_rate_hz);
@@ -111,7 +143,12 @@ std::vector<NamedRecord> RotationProgram::TakeRecords() {
   rotation.record.SetMetadata("sample_rate_hz", parameters_.log_rate_hz);
   const std::vector<std::string> single{"torque_Nm", "output_torque_Nm", "temperature_degC", "velocity_rad_per_s"};
   rotation.record.columns = log_.Columns(single);
+  NamedRecord breakaway{"breakaway", {}};
+  breakaway.record.kind = "motion";
+  breakaway.record.SetMetadata("sample_rate_hz", parameters_.log_rate_hz);
+  breakaway.record.columns = breakaway_log_.Columns(single);
   std::vector<NamedRecord> records;
+  records.push_back(std::move(breakaway));
   records.push_back(std::move(vibration));
   records.push_back(std::move(rotation));
   return records;

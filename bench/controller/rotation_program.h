@@ -8,9 +8,10 @@
 
 namespace strainwave::bench {
 
-/// One rotation of the output at constant speed with raw vibration: runs up, keeps exactly the asked turns
-/// at speed, runs down. Two records: `vibration` (accelerometers) and `rotation` (kind motion: angles,
-/// torques, temperature at the log rate).
+/// One rotation of the output at constant speed with raw vibration. Begins with the unloaded gear's breakaway: the
+/// motor's torque is raised slowly until the input moves. Then runs up, keeps exactly the asked turns at speed, runs
+/// down. Records: `breakaway` and `rotation` (kind motion: angles, torques, temperature at the log rate), and
+/// `vibration` (accelerometers).
 class RotationProgram final : public PhaseProgram {
  public:
   RotationProgram(const schedules::MeasurementRotation& parameters, double ratio);
@@ -19,24 +20,30 @@ class RotationProgram final : public PhaseProgram {
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
   void Collect(BenchDevices& devices) override;
   double control_period_s() const override { return 1.0 / parameters_.log_rate_hz; }
+  bool ready() const noexcept override { return stage_ != Stage::kBringUp && stage_ != Stage::kChangeMode; }
   double timeout_s() const override;
   double share_done() const noexcept override { return share_done_; }
   std::vector<NamedRecord> TakeRecords() override;
 
  private:
-  enum class Stage { kBringUp, kRunUp, kMeasure, kRunDown };
+  enum class Stage { kBringUp, kBreakAway, kChangeMode, kRunUp, kMeasure, kRunDown };
+
+  StepResult BreakAway(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept;
 
   schedules::MeasurementRotation parameters_;
   double direction_;
   double turn_input_rad_;
   Stage stage_{Stage::kBringUp};
+  double rest_rad_{};  // input angle before the breakaway
   double measure_from_rad_{};
   double start_s_{};
   double share_done_{};
   bool vibration_running_{};
+  Ramp breakaway_;
   Ramp speed_;
   Ramp torque_;
   VibrationBlock vibration_;
+  RowLog breakaway_log_;
   RowLog log_;
 };
 

@@ -19,7 +19,7 @@ class SpyDrive final : public ServoDrive {
 
   void Enable(DriveMode mode) noexcept override {
     enabled_at = clock_.Now();
-    drive_.Enable(mode);
+    if (!deaf) drive_.Enable(mode);
   }
   void Disable() noexcept override { drive_.Disable(); }
   void QuickStop() noexcept override {
@@ -46,6 +46,7 @@ class SpyDrive final : public ServoDrive {
   std::chrono::nanoseconds enabled_at{-1};
   std::chrono::nanoseconds quick_stop_at{-1};
   int set_points_after_stop{};
+  bool deaf{};  // never gets enabled
 
  private:
   ServoDrive& drive_;

@@ -115,6 +115,17 @@ TEST(SafeStateAfterAPhase, HoldsWhenItEndedWell) {
   }
 }
 
+TEST(BringUp, GivesUpOnADriveThatNeverGetsEnabled) {
+  for (const PhaseCase& phase : PhaseCases()) {
+    SpiedBench bench;
+    bench.load.deaf = true;
+    const auto program = MakeProgram(phase.parameters, TestSpecimen(), 0.0, 0.01);
+    const PhaseOutcome outcome = bench.runner.Run(*program, NoHeartbeat);
+    EXPECT_EQ(Describe(outcome.reason), "a drive did not reach operation enabled within 3.0 s") << phase.name;
+    EXPECT_TRUE(bench.Safe()) << phase.name;
+  }
+}
+
 TEST(FirstOut, TellsTheFirstCauseFromWhatFollowed) {
   RunnerSettings settings = TestSettings();
   settings.limits.output_torque_Nm = 30.0;
