@@ -23,8 +23,9 @@ struct SpecimenScatter {
   double vibration{0.25};
 };
 
-/// Spread from one measurement to the next: how the teeth seat after the gear was turned and locked again (E25,
-/// the magnitudes are general knowledge). Standard deviations of the logarithm, drawn anew for each phase.
+/// Spread from one measurement to the next: how the teeth seat after the gear was turned and locked again
+/// (E25, the magnitudes are general knowledge). Standard deviations of the logarithm, drawn anew for each
+/// phase.
 struct SeatingScatter {
   double stiffness{0.002};
   double kinematic{0.002};

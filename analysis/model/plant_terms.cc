@@ -212,9 +212,10 @@ void AddLife(PlantParameters& p, std::vector<BoundTerm>& terms) {
                    {Amount("stiffness", "1", sd.stiffness), Amount("kinematic", "1", sd.kinematic),
                     Amount("friction", "1", sd.friction), Amount("wear_rate", "1", sd.wear_rate),
                     Amount("wear_effect", "1", sd.wear_effect), Amount("vibration", "1", sd.vibration)}});
-  terms.push_back({"seating_scatter",
-                   "E25",
-                   {Amount("stiffness", "1", p.seating.stiffness), Amount("kinematic", "1", p.seating.kinematic)}});
+  terms.push_back(
+      {"seating_scatter",
+       "E25",
+       {Amount("stiffness", "1", p.seating.stiffness), Amount("kinematic", "1", p.seating.kinematic)}});
   Vibration& v = p.vibration;
   BoundTerm shaft{"vibration_orders", "E14", {}};
   constexpr std::string_view kOrderNames[] = {"input_1_m_per_s2", "input_2_m_per_s2",  "input_4_m_per_s2",

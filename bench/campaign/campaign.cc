@@ -19,7 +19,8 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-[[noreturn]] void Refuse(const std::filesystem::path& where, const std::string& what, const std::string& expected) {
+[[noreturn]] void Refuse(const std::filesystem::path& where, const std::string& what,
+                         const std::string& expected) {
   throw CampaignError(ExitCode::kWrongInput,
                       fmt::format("{}: error: {} (expected {})", where.string(), what, expected));
 }
@@ -89,12 +90,13 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
   return Journal::Open(folder.Journal(), Database::Mode::kReadWrite);
 }
 
-std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given, Journal& journal,
-                                         bool accept_pause) {
+std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
+                                         Journal& journal, bool accept_pause) {
   const std::string frozen = ReadText(folder.Schedule());
   if (journal.Property("schedule_sha256") != Sha256(frozen)) {
-    Refuse(folder.Schedule(), "the frozen schedule is not the one that the campaign was started with",
-           "the file whose SHA-256 is in the journal, " + journal.Property("schedule_sha256").value_or("none"));
+    Refuse(
+        folder.Schedule(), "the frozen schedule is not the one that the campaign was started with",
+        "the file whose SHA-256 is in the journal, " + journal.Property("schedule_sha256").value_or("none"));
   }
   if (frozen != given.schedule_text) {
     Refuse(folder.root, "the schedule has changed since the start",
@@ -105,7 +107,8 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
   if (!checkpoint) {
     // Killed before the first phase began: there is nothing to go on from, and nothing to lose.
     if (journal.Cycles().empty() || journal.Phases(0).empty()) return ResumePoint{};
-    Refuse(folder.Checkpoint(), "the checkpoint is missing or damaged", "the file that the campaign has written");
+    Refuse(folder.Checkpoint(), "the checkpoint is missing or damaged",
+           "the file that the campaign has written");
   }
   const std::int64_t now_ms = UtcMilliseconds();
   ResumePoint point{*checkpoint, static_cast<double>(now_ms - checkpoint->utc_ms) * 1e-3};
@@ -122,14 +125,17 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
     if (row.outcome != "running") continue;
     double earlier_s = 0.0;
     for (const PhaseRow& other : journal.Phases(cycle)) {
-      if (other.step == row.step && other.repeat == row.repeat && other.id < row.id) earlier_s += other.credited_load_s;
+      if (other.step == row.step && other.repeat == row.repeat && other.id < row.id)
+        earlier_s += other.credited_load_s;
     }
-    const bool same = checkpoint->cycle == row.cycle && checkpoint->step == row.step && checkpoint->repeat == row.repeat;
+    const bool same =
+        checkpoint->cycle == row.cycle && checkpoint->step == row.step && checkpoint->repeat == row.repeat;
     const double credited_s = same ? std::max(0.0, checkpoint->credited_load_s - earlier_s) : 0.0;
     journal.EndPhase(row.id, std::max(row.started_s, checkpoint->time_s), "interrupted", credited_s);
     cut_phase = row.name;
   }
-  const std::string cause = cut_phase.empty() ? "stopped between two phases or on request" : "the program was cut off";
+  const std::string cause =
+      cut_phase.empty() ? "stopped between two phases or on request" : "the program was cut off";
   journal.AddHole({cycle, cut_phase, checkpoint->time_s, UtcText(checkpoint->utc_ms), UtcText(now_ms), cause,
                    "UTC of this machine; bench time stood still"});
   journal.AddEvent({checkpoint->time_s, UtcText(now_ms), cycle, cut_phase, "info", "resume",

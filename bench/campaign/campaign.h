@@ -24,7 +24,8 @@ struct CampaignInputs {
 
 /// Reads both files and checks them against each other; without a bench file, the embedded simulated bench.
 /// @throws schedules::ScheduleError with all findings.
-CampaignInputs ReadInputs(const std::filesystem::path& schedule, const std::optional<std::filesystem::path>& bench);
+CampaignInputs ReadInputs(const std::filesystem::path& schedule,
+                          const std::optional<std::filesystem::path>& bench);
 
 /// The inputs frozen in a campaign's folder.
 /// @throws CampaignError when the folder is not a campaign.
@@ -45,8 +46,8 @@ struct ResumePoint {
 /// @param given  the schedule on the command line; it must be the frozen one.
 /// @throws CampaignError: not a campaign, a changed schedule (with the difference), finished already, a pause
 ///   longer than the schedule allows without `accept_pause`, a journal without its checkpoint.
-std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given, Journal& journal,
-                                         bool accept_pause);
+std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
+                                         Journal& journal, bool accept_pause);
 
 /// Lines that differ, as "-old" and "+new" with line numbers; empty when equal.
 std::string Difference(const std::string& before, const std::string& after);

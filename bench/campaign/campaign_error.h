@@ -7,7 +7,13 @@
 namespace strainwave::bench {
 
 /// Process exit codes (contract, section 1).
-enum class ExitCode : int { kDone = 0, kEndedBadly = 1, kWrongInput = 2, kMachineFailed = 3, kInterrupted = 130 };
+enum class ExitCode : int {
+  kDone = 0,
+  kEndedBadly = 1,
+  kWrongInput = 2,
+  kMachineFailed = 3,
+  kInterrupted = 130
+};
 
 /// Something that the person at the bench can act on, with the exit code that goes with it.
 class CampaignError : public std::runtime_error {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/campaign_runner.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -57,28 +59,30 @@ CampaignRunner::CampaignRunner(const CampaignFolder& folder, const schedules::Sc
       progress_(progress),
       runner_(machine.Devices(), SettingsOf(schedule, bench), request),
       checkpoint_(folder.Checkpoint()),
-      quality_(schedule, journal) {}
+      quality_(schedule, journal),
+      records_(folder, bench) {}
 
 double CampaignRunner::Time_s() const {
-  return time_base_s_ +
-         std::chrono::duration<double>(machine_.Devices().clock.Now() - clock_base_).count();
+  return time_base_s_ + std::chrono::duration<double>(machine_.Devices().clock.Now() - clock_base_).count();
 }
 
 void CampaignRunner::Transition(BenchEvent event) {
   const auto next = Next(state_, event);
   if (!next) {
-    throw std::logic_error(fmt::format("event {} is not allowed in state '{}'", static_cast<int>(event), Name(state_)));
+    throw std::logic_error(
+        fmt::format("event {} is not allowed in state '{}'", static_cast<int>(event), Name(state_)));
   }
   state_ = *next;
 }
 
 void CampaignRunner::Note(std::string_view severity, std::string_view phase, std::string_view code,
                           const std::string& text) {
-  journal_.AddEvent({Time_s(), UtcNow(), cycle_, std::string(phase), std::string(severity), std::string(code), text});
+  journal_.AddEvent(
+      {Time_s(), UtcNow(), cycle_, std::string(phase), std::string(severity), std::string(code), text});
   progress_.Message(severity, text);
 }
 
-CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from) {
+CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from, double pause_s) {
   double expected_offset_rad = kUnknown;
   if (resume_from) {
     machine_.RestoreMemory(resume_from->machine_memory);
@@ -92,6 +96,9 @@ CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from) {
   Transition(BenchEvent::kReset);
   Transition(BenchEvent::kStart);
   if (auto end = Reference(expected_offset_rad)) return *end;
+  if (resume_from) {
+    if (auto end = WarmUp(pause_s)) return *end;
+  }
   for (int cycle = journal_.LastCompleteCycle() + 1; cycle <= schedule_.cycles; ++cycle) {
     if (auto end = RunCycle(cycle)) return *end;
   }
@@ -111,9 +118,41 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   return std::nullopt;
 }
 
+// After a long pause the gear is cold. Where a measurement is next, the cycle's load run goes before it once
+// more, for as long as the gear stood but no longer than the load run itself. It counts as load for nobody's
+// life but the gear's, so the journal says so.
+CampaignRunner::MaybeEnd CampaignRunner::WarmUp(double pause_s) {
+  const std::vector<CycleStep> steps = StepsOf(schedule_, resumed_cycle_);
+  const auto complete = [&](const CycleStep& step) {
+    const auto rows = journal_.Phases(resumed_cycle_);
+    return std::ranges::any_of(
+        rows, [&](const PhaseRow& row) { return row.step == step.index && row.outcome == "complete"; });
+  };
+  const auto next = std::ranges::find_if_not(steps, complete);
+  if (pause_s <= schedule_.resume.re_soak_after_s || next == steps.end() || !next->measurement)
+    return std::nullopt;
+  const auto load = std::find_if(std::make_reverse_iterator(next), steps.rend(),
+                                 [](const CycleStep& step) { return step.accumulates; });
+  if (load == steps.rend()) return std::nullopt;
+  auto run = std::get<schedules::LoadRun>(load->phase->parameters);
+  run.duration_s = std::min(run.duration_s, pause_s);
+  cycle_ = resumed_cycle_;
+  Note("info", load->group, "warm_up",
+       fmt::format("the gear stood for {:.0f} s: {:.0f} s of load before the measurement, not credited",
+                   pause_s, run.duration_s));
+  const auto program = MakeProgram(run, schedule_.specimen, 0.0, bench_.control_period_s);
+  Transition(BenchEvent::kBeginLoadRun);
+  const PhaseOutcome outcome = runner_.Run(*program, [](const PhaseProgram&) {});
+  if (IsFault(outcome.reason.cause)) return EndForFault(outcome, "warm_up");
+  Transition(BenchEvent::kPhaseEnded);
+  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
+  TakeMemory();
+  return std::nullopt;
+}
+
 CampaignRunner::MaybeEnd CampaignRunner::RunCycle(int cycle) {
   cycle_ = cycle;
-  records_.clear();
+  records_.Begin(cycle);
   const std::vector<CycleStep> steps = StepsOf(schedule_, cycle);
   planned_s_.clear();
   for (const CycleStep& step : steps) planned_s_.push_back(step.planned_s);
@@ -122,23 +161,6 @@ CampaignRunner::MaybeEnd CampaignRunner::RunCycle(int cycle) {
     if (auto end = RunStep(step, 0)) return end;
   }
   return StoreCycle(steps);
-}
-
-bool CampaignRunner::TakeFromEarlierRun(const CycleStep& step, int repeat) {
-  bool complete = false;
-  for (const PhaseRow& row : journal_.Phases(cycle_)) {
-    if (row.step != step.index || row.repeat != repeat) continue;
-    complete = complete || row.outcome == "complete";
-    const auto file = folder_.UnfinishedFile(cycle_, step.index, repeat, row.attempt);
-    if (!std::filesystem::exists(file)) continue;
-    // Of a load run every row counts, of anything else the attempt that was completed.
-    if (!step.accumulates && row.outcome != "complete") continue;
-    for (NamedRecord& named : daq::ReadCycleFile(file, daq::Checking::kNone).records) {
-      named.group.erase(0, named.group.find_first_not_of('/'));
-      records_.push_back(std::move(named));
-    }
-  }
-  return complete;
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::CheckBetweenPhases() {
@@ -157,7 +179,9 @@ CampaignRunner::MaybeEnd CampaignRunner::CheckBetweenPhases() {
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::RunStep(const CycleStep& step, int repeat) {
-  if (cycle_ == resumed_cycle_ && TakeFromEarlierRun(step, repeat)) return std::nullopt;
+  if (cycle_ == resumed_cycle_ && records_.TakeFromEarlierRun(step, repeat, journal_.Phases(cycle_))) {
+    return std::nullopt;
+  }
   if (auto end = CheckBetweenPhases()) return end;
   double credited_s = 0.0;
   int attempt = 0;
@@ -211,26 +235,24 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseProgram& running) {
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
-      WriteUnfinished(step, repeat, attempt, running.RecordsSoFar());
+      records_.WriteAhead(step, repeat, attempt, running.RecordsSoFar());
     }
     // A measurement that is cut is taken again from its beginning, so a simulated bench goes back there too.
     if (step.accumulates) TakeMemory();
     WriteCheckpoint(step.index, repeat, running.credited_load_s(), blank);
     const double share = running.share_done();
-    progress_.Update({cycle_, schedule_.cycles, phase.name, share, (done_s + share * this_s) / planned_s, Time_s()});
+    progress_.Update(
+        {cycle_, schedule_.cycles, phase.name, share, (done_s + share * this_s) / planned_s, Time_s()});
   });
   if (blank) machine_.MountBlank(false);
 
   const bool complete = !outcome.reason;
   again = IsSuspend(outcome.reason.cause);
-  if (complete || step.accumulates) {
-    for (NamedRecord& named : WriteUnfinished(step, repeat, attempt, std::move(outcome.records))) {
-      records_.push_back(std::move(named));
-    }
-  }
+  if (complete || step.accumulates) records_.Keep(step, repeat, attempt, std::move(outcome.records));
   TakeMemory();
   WriteCheckpoint(step.index, repeat, outcome.credited_load_s, blank);
-  journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause), outcome.credited_load_s - credited_before_s);
+  journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause),
+                    outcome.credited_load_s - credited_before_s);
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase.name);
   if (again) {
     Note("warning", phase.name, Code(outcome.reason.cause), Describe(outcome.reason));
@@ -240,26 +262,6 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   Transition(BenchEvent::kPhaseEnded);
   if (!complete) return EndForRequest(outcome);
   return std::nullopt;
-}
-
-std::vector<NamedRecord> CampaignRunner::WriteUnfinished(const CycleStep& step, int repeat, int attempt,
-                                                         std::vector<NamedRecord> records) {
-  if (records.empty()) return records;
-  const std::string group = repeat == 0 ? step.group : fmt::format("{}/retry_{}", step.group, repeat);
-  for (NamedRecord& named : records) {
-    named.group = fmt::format("{}/{}", group, named.group);
-    // A load run in several pieces keeps them all, side by side.
-    if (step.accumulates && attempt > 1) named.group += fmt::format("_{}", attempt);
-  }
-  StampSensors(records, bench_);
-  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records);
-  return records;
-}
-
-void CampaignRunner::RemoveUnfinished() {
-  for (const auto& entry : std::filesystem::directory_iterator(folder_.Unfinished())) {
-    std::filesystem::remove(entry.path());
-  }
 }
 
 void CampaignRunner::TakeMemory() {
@@ -328,7 +330,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   const CycleContext context = ContextOf(journal_, schedule_, bench_);
   StoredCycle stored;
   for (int repeat = 0;; ++repeat) {
-    stored = AnalyzeForStore(records_, cycle_, context);
+    stored = AnalyzeForStore(records_.all(), cycle_, context);
     if (cycle_ == 0 || repeat == schedule_.measurements.retries) break;
     std::vector<std::string> doubts = stored.failed_checks;
     for (std::string& outlier : quality_.Outliers(stored.results)) doubts.push_back(std::move(outlier));
@@ -345,7 +347,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   for (const std::string& check : stored.failed_checks) {
     Note("warning", "", "failed_check", fmt::format("cycle {}: {}", cycle_, check));
   }
-  daq::WriteRecordsAtomically(folder_.CycleFile(cycle_), records_,
+  daq::WriteRecordsAtomically(folder_.CycleFile(cycle_), records_.all(),
                               {{"specimen", schedule_.specimen.identity},
                                {"cycle", std::to_string(cycle_)},
                                {"bench", bench_.name},
@@ -361,7 +363,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
     journal_.EndCycle(cycle_, Time_s(), "complete");
     transaction.Commit();
   }
-  RemoveUnfinished();
+  records_.RemoveUnfinished();
   Transition(BenchEvent::kStored);
   quality_.TakeGauge(journal_);
   quality_.Accept(cycle_, stored.results);

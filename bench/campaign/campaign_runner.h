@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/campaign/checkpoint.h"
+#include "bench/campaign/cycle_records.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/cycle_steps.h"
 #include "bench/campaign/folder.h"
@@ -39,13 +40,15 @@ class CampaignRunner {
                  const std::atomic<StopRequest>& request, ProgressSink& progress);
 
   /// @param resume_from  where an earlier run of this campaign was when it ended; nothing at the start.
-  CampaignEnd Run(const std::optional<Checkpoint>& resume_from);
+  /// @param pause_s      how long ago that was, by the world's clock.
+  CampaignEnd Run(const std::optional<Checkpoint>& resume_from, double pause_s = 0.0);
 
  private:
   using MaybeEnd = std::optional<CampaignEnd>;
 
   void Transition(BenchEvent event);
   MaybeEnd Reference(double expected_offset_rad);
+  MaybeEnd WarmUp(double pause_s);
   MaybeEnd RunCycle(int cycle);
   MaybeEnd RunStep(const CycleStep& step, int repeat);
   MaybeEnd RunAttempt(const CycleStep& step, int repeat, int attempt, double credited_before_s, bool& again);
@@ -56,14 +59,10 @@ class CampaignRunner {
   MaybeEnd AfterCycle(const std::vector<Result>& results);
   MaybeEnd CheckBetweenPhases();
 
-  bool TakeFromEarlierRun(const CycleStep& step, int repeat);
-  /// Names the records by their place, and writes them to the step's unfinished file.
-  std::vector<NamedRecord> WriteUnfinished(const CycleStep& step, int repeat, int attempt,
-                                           std::vector<NamedRecord> records);
-  void RemoveUnfinished();
   void TakeMemory();
   void WriteCheckpoint(int step, int repeat, double credited_load_s, bool blank);
-  void Note(std::string_view severity, std::string_view phase, std::string_view code, const std::string& text);
+  void Note(std::string_view severity, std::string_view phase, std::string_view code,
+            const std::string& text);
   double Time_s() const;
 
   CampaignFolder folder_;
@@ -81,9 +80,9 @@ class CampaignRunner {
   std::chrono::nanoseconds clock_base_{};
   int cycle_{};
   int resumed_cycle_{-1};
-  std::vector<NamedRecord> records_;  // of the cycle under way
-  std::vector<std::byte> memory_;     // of a simulated bench, as the next checkpoint will hold it
-  std::vector<double> planned_s_;     // of each step of the cycle under way
+  CycleRecords records_;
+  std::vector<std::byte> memory_;  // of a simulated bench, as the next checkpoint will hold it
+  std::vector<double> planned_s_;  // of each step of the cycle under way
 };
 
 }  // namespace strainwave::bench

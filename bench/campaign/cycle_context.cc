@@ -44,10 +44,12 @@ StoredCycle AnalyzePreparation(std::span<const NamedRecord> records, const Cycle
 
 }  // namespace
 
-CycleContext ContextOf(const Journal& journal, const schedules::Schedule& schedule, const BenchDescription& bench) {
+CycleContext ContextOf(const Journal& journal, const schedules::Schedule& schedule,
+                       const BenchDescription& bench) {
   CycleContext context;
   context.ratio = schedule.specimen.ratio;
   context.corrections.torque_gain_relative_se = bench.transducer.relative_gain_uncertainty;
+  context.corrections.encoder.reference_accuracy_rad = bench.blank_reference_accuracy_rad;
   context.corrections.encoder_accuracy_rad = bench.output_encoder.accuracy_rad;
   for (const Calibration& gauge : journal.CalibrationsLike(kRepeatabilityPrefix)) {
     context.corrections.repeatability[gauge.name.substr(kRepeatabilityPrefix.size())] = gauge.value;

@@ -14,13 +14,14 @@ namespace strainwave::bench {
 
 /// What the analysis of a cycle depends on, from the campaign's own frozen files and calibrations. The same
 /// while the campaign runs and at any later recomputation.
-CycleContext ContextOf(const Journal& journal, const schedules::Schedule& schedule, const BenchDescription& bench);
+CycleContext ContextOf(const Journal& journal, const schedules::Schedule& schedule,
+                       const BenchDescription& bench);
 
 /// Results of a cycle in the form in which they are stored.
 struct StoredCycle {
   std::vector<Result> results;
-  std::vector<std::vector<Result>> repeats;   // cycle 0 only
-  std::vector<Calibration> calibrations;      // cycle 0 only
+  std::vector<std::vector<Result>> repeats;  // cycle 0 only
+  std::vector<Calibration> calibrations;     // cycle 0 only
   std::vector<std::string> failed_checks;
 };
 

@@ -57,10 +57,10 @@ class Results {
   void Add(std::string quantity, const Estimate& estimate, const std::string& flag) {
     analysis_.results.push_back({std::move(quantity), estimate.value, estimate.standard_error, flag});
   }
-  void AddArcmin(const std::string& quantity, const Estimate& angle_rad, const CycleContext& context, bool zeroed,
-                 const std::string& flag) {
+  void AddArcmin(const std::string& quantity, const Estimate& angle_rad, const CycleContext& context,
+                 AngleKind kind, const std::string& flag) {
     const Estimate arcmin{ArcminFromRad(angle_rad.value), ArcminFromRad(angle_rad.standard_error)};
-    Add(quantity, WithEncoderUncertainty(arcmin, quantity, context.corrections, zeroed), flag);
+    Add(quantity, WithEncoderUncertainty(arcmin, quantity, context.corrections, kind), flag);
   }
   // Why the numbers of a measurement are not good; empty when they are.
   std::string Flag(const std::vector<std::string>& failed_checks, const std::string& measurement) {
@@ -84,7 +84,8 @@ double Mean(std::span<const double> values) {
 
 std::string WithThermalFlag(std::string flag, const daq::Record& record, const CycleContext& context) {
   const double temperature_degC = Mean(record.Doubles("temperature_degC"));
-  if (std::abs(temperature_degC - context.declared_temperature_degC) <= context.temperature_tolerance_K) return flag;
+  if (std::abs(temperature_degC - context.declared_temperature_degC) <= context.temperature_tolerance_K)
+    return flag;
   if (!flag.empty()) return flag;
   return fmt::format("{} at {:.1f} degC, declared are {:.1f} ± {:.1f} degC", kThermalFlag, temperature_degC,
                      context.declared_temperature_degC, context.temperature_tolerance_K);
@@ -97,18 +98,20 @@ void AddTransmissionError(const daq::Record& record, const CycleContext& context
   const std::string flag =
       WithThermalFlag(results.Flag(error.failed_checks, "transmission error"), record, context);
   if (error.cw) {
-    results.AddArcmin("e_avg_arcmin", error.cw->e_avg_rad, context, true, flag);
-    results.AddArcmin("e_max_arcmin", error.cw->e_max_rad, context, false, flag);
+    results.AddArcmin("e_avg_arcmin", error.cw->e_avg_rad, context, AngleKind::kZeroed, flag);
+    results.AddArcmin("e_max_arcmin", error.cw->e_max_rad, context, AngleKind::kRange, flag);
   }
   if (error.ccw) {
-    results.AddArcmin("e_avg_ccw_arcmin", error.ccw->e_avg_rad, context, true, flag);
-    results.AddArcmin("e_max_ccw_arcmin", error.ccw->e_max_rad, context, false, flag);
+    results.AddArcmin("e_avg_ccw_arcmin", error.ccw->e_avg_rad, context, AngleKind::kZeroed, flag);
+    results.AddArcmin("e_max_ccw_arcmin", error.ccw->e_max_rad, context, AngleKind::kRange, flag);
   }
-  if (error.lost_motion_rad) results.AddArcmin("lost_motion_arcmin", *error.lost_motion_rad, context, false, flag);
+  if (error.lost_motion_rad)
+    results.AddArcmin("lost_motion_arcmin", *error.lost_motion_rad, context, AngleKind::kMean, flag);
 }
 
 // Mean of independent estimates.
-Estimate MeanOf(std::span<const analysis::TorsionalStiffness> loops, Estimate analysis::TorsionalStiffness::* field) {
+Estimate MeanOf(std::span<const analysis::TorsionalStiffness> loops,
+                Estimate analysis::TorsionalStiffness::*field) {
   Estimate mean;
   for (const auto& loop : loops) {
     mean.value += (loop.*field).value;
@@ -118,8 +121,8 @@ Estimate MeanOf(std::span<const analysis::TorsionalStiffness> loops, Estimate an
   return {mean.value / count, std::sqrt(mean.standard_error) / count};
 }
 
-void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod method, const std::string& suffix,
-                  const CycleContext& context, CycleAnalysis& analysis) {
+void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod method,
+                  const std::string& suffix, const CycleContext& context, CycleAnalysis& analysis) {
   std::vector<analysis::TorsionalStiffness> fits;
   Results results(analysis);
   std::string flag;
@@ -130,7 +133,7 @@ void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod met
     if (main_method) flag += results.Flag(fits.back().failed_checks, "hysteresis");
   }
   if (main_method) flag = WithThermalFlag(std::move(flag), *loops.front(), context);
-  const auto add = [&](const char* name, Estimate analysis::TorsionalStiffness::* field) {
+  const auto add = [&](const char* name, Estimate analysis::TorsionalStiffness::*field) {
     const std::string quantity = fmt::format("{}{}_Nm_per_rad", name, suffix);
     results.Add(quantity, WithBenchUncertainty(MeanOf(fits, field), quantity, context.corrections), flag);
   };
@@ -138,10 +141,11 @@ void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod met
   add("k2", &analysis::TorsionalStiffness::k2_Nm_per_rad);
   add("k3", &analysis::TorsionalStiffness::k3_Nm_per_rad);
   if (!main_method) return;
-  results.AddArcmin("hysteresis_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::hysteresis_rad), context, false,
+  results.AddArcmin("hysteresis_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::hysteresis_rad), context,
+                    AngleKind::kMean, flag);
+  results.AddArcmin("hysteresis_lost_motion_arcmin",
+                    MeanOf(fits, &analysis::TorsionalStiffness::lost_motion_rad), context, AngleKind::kMean,
                     flag);
-  results.AddArcmin("hysteresis_lost_motion_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::lost_motion_rad),
-                    context, false, flag);
   analysis.stiffness = std::move(fits.front());
   analysis.loop = loops.front();
 }
@@ -160,10 +164,12 @@ CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleCont
           std::pair{StiffnessMethod::kBackbone, "_backbone"}}) {
       if (method != context.method) AddStiffness(loops, method, suffix, context, analysis);
     }
-    analysis.results.push_back({"gear_temperature_degC", Mean(loops.front()->Doubles("temperature_degC")), 0.0, ""});
+    analysis.results.push_back(
+        {"gear_temperature_degC", Mean(loops.front()->Doubles("temperature_degC")), 0.0, ""});
   }
   for (const daq::Record* record : Counting(records, "motion")) {
-    for (Result& result : RotationResults(*record, context.ratio)) analysis.results.push_back(std::move(result));
+    for (Result& result : RotationResults(*record, context.ratio))
+      analysis.results.push_back(std::move(result));
   }
   for (const daq::Record* record : Counting(records, "vibration")) {
     for (Result& result : VibrationResults(*record)) analysis.results.push_back(std::move(result));

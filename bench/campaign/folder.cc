@@ -41,10 +41,11 @@ CampaignLock::CampaignLock(const CampaignFolder& folder) {
   if (descriptor_ < 0) ThrowErrno(folder.Lock());
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     ::close(descriptor_);
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: the campaign is running in process {} (expected a folder that no "
-                                    "other process runs)",
-                                    folder.root.string(), Holder(folder)));
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: the campaign is running in process {} (expected a folder that no "
+                    "other process runs)",
+                    folder.root.string(), Holder(folder)));
   }
   const std::string text = fmt::format("{}\n", ::getpid());
   if (::ftruncate(descriptor_, 0) != 0 ||
@@ -104,12 +105,13 @@ std::string UtcText(std::int64_t milliseconds_since_1970) {
   std::tm calendar{};
   gmtime_r(&seconds, &calendar);
   return fmt::format("{:04d}-{:02d}-{:02d}T{:02d}:{:02d}:{:02d}.{:03d}Z", calendar.tm_year + 1900,
-                     calendar.tm_mon + 1, calendar.tm_mday, calendar.tm_hour, calendar.tm_min, calendar.tm_sec,
-                     milliseconds_since_1970 % 1000);
+                     calendar.tm_mon + 1, calendar.tm_mday, calendar.tm_hour, calendar.tm_min,
+                     calendar.tm_sec, milliseconds_since_1970 % 1000);
 }
 
 std::int64_t UtcMilliseconds() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
 

@@ -22,7 +22,8 @@ std::string WithPlantFile(const std::string& text, const std::string& named) {
 
 }  // namespace
 
-CampaignInputs ReadInputs(const std::filesystem::path& schedule, const std::optional<std::filesystem::path>& bench) {
+CampaignInputs ReadInputs(const std::filesystem::path& schedule,
+                          const std::optional<std::filesystem::path>& bench) {
   CampaignInputs inputs;
   inputs.schedule = schedules::ReadSchedule(schedule);
   inputs.schedule_text = ReadText(schedule);
@@ -44,10 +45,11 @@ CampaignInputs ReadInputs(const std::filesystem::path& schedule, const std::opti
 
 CampaignInputs ReadFrozenInputs(const CampaignFolder& folder) {
   if (!std::filesystem::exists(folder.Schedule())) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: not a campaign (expected a folder with schedule.yaml, bench.yaml and "
-                                    "campaign.db)",
-                                    folder.root.string()));
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: not a campaign (expected a folder with schedule.yaml, bench.yaml and "
+                    "campaign.db)",
+                    folder.root.string()));
   }
   return ReadInputs(folder.Schedule(), folder.Bench());
 }

@@ -92,25 +92,28 @@ void Journal::EndCycle(int cycle, double time_s, std::string_view outcome) {
 }
 
 std::vector<CycleRow> Journal::Cycles() const {
-  Statement statement =
-      database_.Prepare("SELECT cycle, outcome, started_s, IFNULL(ended_s, started_s) FROM cycles ORDER BY cycle");
+  Statement statement = database_.Prepare(
+      "SELECT cycle, outcome, started_s, IFNULL(ended_s, started_s) FROM cycles ORDER BY cycle");
   std::vector<CycleRow> rows;
   while (statement.Step()) {
-    rows.push_back({static_cast<int>(statement.Integer(0)), statement.Text(1), statement.Real(2), statement.Real(3)});
+    rows.push_back(
+        {static_cast<int>(statement.Integer(0)), statement.Text(1), statement.Real(2), statement.Real(3)});
   }
   return rows;
 }
 
 int Journal::LastCompleteCycle() const {
-  Statement statement = database_.Prepare("SELECT IFNULL(MAX(cycle), -1) FROM cycles WHERE outcome = 'complete'");
+  Statement statement =
+      database_.Prepare("SELECT IFNULL(MAX(cycle), -1) FROM cycles WHERE outcome = 'complete'");
   statement.Step();
   return static_cast<int>(statement.Integer(0));
 }
 
 std::int64_t Journal::BeginPhase(const PhaseRow& row) {
   database_
-      .Prepare("INSERT INTO phases(cycle, step, repeat, attempt, name, kind, started_s, outcome) "
-               "VALUES(?, ?, ?, ?, ?, ?, ?, 'running')")
+      .Prepare(
+          "INSERT INTO phases(cycle, step, repeat, attempt, name, kind, started_s, outcome) "
+          "VALUES(?, ?, ?, ?, ?, ?, ?, 'running')")
       .Bind(row.cycle)
       .Bind(row.step)
       .Bind(row.repeat)
@@ -156,7 +159,8 @@ std::vector<PhaseRow> Journal::Phases(int cycle) const {
 
 void Journal::AddResults(int cycle, int repeat, const std::vector<Result>& results) {
   Statement statement = database_.Prepare(
-      "INSERT OR REPLACE INTO results(cycle, repeat, quantity, value, standard_error, flag) VALUES(?, ?, ?, ?, ?, ?)");
+      "INSERT OR REPLACE INTO results(cycle, repeat, quantity, value, standard_error, flag) VALUES(?, ?, ?, "
+      "?, ?, ?)");
   for (const Result& result : results) {
     statement.Bind(cycle)
         .Bind(repeat)
@@ -174,7 +178,8 @@ void Journal::ClearResults(int cycle) {
 
 std::vector<Result> Journal::Results(int cycle, int repeat) const {
   Statement statement = database_.Prepare(
-      "SELECT quantity, value, standard_error, flag FROM results WHERE cycle = ? AND repeat = ? ORDER BY quantity");
+      "SELECT quantity, value, standard_error, flag FROM results WHERE cycle = ? AND repeat = ? ORDER BY "
+      "quantity");
   statement.Bind(cycle).Bind(repeat);
   std::vector<Result> results;
   while (statement.Step()) {
@@ -203,7 +208,8 @@ std::vector<int> Journal::RepeatsOf(int cycle) const {
 
 void Journal::AddEvent(const Event& event) {
   database_
-      .Prepare("INSERT INTO events(time_s, utc, cycle, phase, severity, code, text) VALUES(?, ?, ?, ?, ?, ?, ?)")
+      .Prepare(
+          "INSERT INTO events(time_s, utc, cycle, phase, severity, code, text) VALUES(?, ?, ?, ?, ?, ?, ?)")
       .Bind(event.time_s)
       .Bind(event.utc)
       .Bind(event.cycle)
@@ -220,15 +226,17 @@ std::vector<Event> Journal::Events(int newest) const {
   statement.Bind(newest);
   std::vector<Event> events;
   while (statement.Step()) {
-    events.push_back({statement.Real(0), statement.Text(1), static_cast<int>(statement.Integer(2)), statement.Text(3),
-                      statement.Text(4), statement.Text(5), statement.Text(6)});
+    events.push_back({statement.Real(0), statement.Text(1), static_cast<int>(statement.Integer(2)),
+                      statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
   }
   return events;
 }
 
 void Journal::AddHole(const Hole& hole) {
   database_
-      .Prepare("INSERT INTO holes(cycle, phase, time_s, start_utc, end_utc, cause, clock) VALUES(?, ?, ?, ?, ?, ?, ?)")
+      .Prepare(
+          "INSERT INTO holes(cycle, phase, time_s, start_utc, end_utc, cause, clock) VALUES(?, ?, ?, ?, ?, "
+          "?, ?)")
       .Bind(hole.cycle)
       .Bind(hole.phase)
       .Bind(hole.time_s)
@@ -244,16 +252,17 @@ std::vector<Hole> Journal::Holes() const {
       "SELECT cycle, phase, time_s, start_utc, end_utc, cause, clock FROM holes ORDER BY id");
   std::vector<Hole> holes;
   while (statement.Step()) {
-    holes.push_back({static_cast<int>(statement.Integer(0)), statement.Text(1), statement.Real(2), statement.Text(3),
-                     statement.Text(4), statement.Text(5), statement.Text(6)});
+    holes.push_back({static_cast<int>(statement.Integer(0)), statement.Text(1), statement.Real(2),
+                     statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
   }
   return holes;
 }
 
 void Journal::SetCalibration(const Calibration& calibration, std::string_view utc) {
   database_
-      .Prepare("INSERT OR REPLACE INTO calibrations(name, value, standard_error, unit, source, utc) "
-               "VALUES(?, ?, ?, ?, ?, ?)")
+      .Prepare(
+          "INSERT OR REPLACE INTO calibrations(name, value, standard_error, unit, source, utc) "
+          "VALUES(?, ?, ?, ?, ?, ?)")
       .Bind(calibration.name)
       .Bind(calibration.value)
       .Bind(calibration.standard_error)
@@ -272,7 +281,8 @@ std::optional<Calibration> Journal::FindCalibration(std::string_view name) const
 
 std::vector<Calibration> Journal::CalibrationsLike(std::string_view prefix) const {
   Statement statement = database_.Prepare(
-      "SELECT name, value, standard_error, unit, source FROM calibrations WHERE substr(name, 1, ?) = ? ORDER BY name");
+      "SELECT name, value, standard_error, unit, source FROM calibrations WHERE substr(name, 1, ?) = ? ORDER "
+      "BY name");
   statement.Bind(static_cast<std::int64_t>(prefix.size())).Bind(prefix);
   std::vector<Calibration> calibrations;
   while (statement.Step()) {

@@ -57,8 +57,8 @@ DrawnCycle Load(const CampaignFolder& folder, int cycle, const CycleContext& con
   drawn.records = ReadCycleRecords(folder, cycle);
   drawn.analysis = AnalyzeCycle(drawn.records, context);
   if (drawn.analysis.loop != nullptr) {
-    drawn.twist_rad = TwistOf(*drawn.analysis.loop,
-                              context.corrections.series_compliance.compliance_rad_per_Nm.value);
+    drawn.twist_rad =
+        TwistOf(*drawn.analysis.loop, context.corrections.series_compliance.compliance_rad_per_Nm.value);
     const auto torque = drawn.analysis.loop->Doubles("torque_Nm");
     drawn.torque_Nm.assign(torque.begin(), torque.end());
   }
@@ -119,7 +119,8 @@ std::vector<std::filesystem::path> DrawCampaign(const CampaignFolder& folder, co
     const auto curve = [&](const DrawnCycle& drawn, int cycle) {
       // One loop at its own lock angle; the table's values are means over the angles.
       const std::string angle = drawn.analysis.loop->Metadata("lock_angle_deg").value_or("");
-      return CurveOf(angle.empty() ? label(cycle) : fmt::format("{} at lock angle {}°", label(cycle), angle), *drawn.analysis.stiffness, drawn.twist_rad, drawn.torque_Nm, torques);
+      return CurveOf(angle.empty() ? label(cycle) : fmt::format("{} at lock angle {}°", label(cycle), angle),
+                     *drawn.analysis.stiffness, drawn.twist_rad, drawn.torque_Nm, torques);
     };
     std::optional<HysteresisCurve> second;
     if (last && last->analysis.stiffness) second = curve(*last, complete.back());
@@ -144,16 +145,17 @@ std::vector<std::filesystem::path> DrawRecord(const daq::Record& record, analysi
   const std::filesystem::path source = record.source.file;
   const std::filesystem::path stem = into / fmt::format("{}_{}", source.stem().string(), record.kind);
   if (record.kind == "transmission_error") {
-    DrawTransmissionError(source.filename().string(), {record.kind, TransmissionErrorOf(record, {})}, std::nullopt,
-                          stem);
+    DrawTransmissionError(source.filename().string(), {record.kind, TransmissionErrorOf(record, {})},
+                          std::nullopt, stem);
     return {stem};
   }
   if (record.kind != "hysteresis") return {};
   const auto stiffness = StiffnessOf(record, method, {});
   const std::vector<double> twist_rad = TwistOf(record, 0.0);
-  DrawHysteresis(source.filename().string(),
-                 CurveOf("measured", stiffness, twist_rad, record.Doubles("torque_Nm"), TestTorquesOf(record)),
-                 std::nullopt, stem);
+  DrawHysteresis(
+      source.filename().string(),
+      CurveOf("measured", stiffness, twist_rad, record.Doubles("torque_Nm"), TestTorquesOf(record)),
+      std::nullopt, stem);
   return {stem};
 }
 

@@ -14,8 +14,8 @@ struct ProgressState {
   int cycle{};   // 0: preparation
   int cycles{};  // of the schedule
   std::string_view phase;
-  double phase_share{};    // done of the phase
-  double cycle_share{};    // done of the cycle, phases weighted by their planned duration
+  double phase_share{};  // done of the phase
+  double cycle_share{};  // done of the cycle, phases weighted by their planned duration
   double bench_time_s{};
 };
 

@@ -15,17 +15,17 @@ namespace strainwave::bench {
 namespace {
 
 // Quantities that are kept under control limits.
-constexpr std::array kControlled{"k1_Nm_per_rad", "k2_Nm_per_rad", "k3_Nm_per_rad", "e_max_arcmin",
-                                 "lost_motion_arcmin", "hysteresis_arcmin"};
+constexpr std::array kControlled{"k1_Nm_per_rad", "k2_Nm_per_rad",      "k3_Nm_per_rad",
+                                 "e_max_arcmin",  "lost_motion_arcmin", "hysteresis_arcmin"};
 constexpr std::size_t kHistory = 50;
 constexpr std::size_t kFewest = 12;
 constexpr double kControlWidth = 5.0;
 
 // The unit that a quantity's name ends in.
 std::string UnitOf(const std::string& quantity) {
-  for (const auto& [ending, unit] : {std::pair{"arcmin", "arcmin"}, std::pair{"Nm_per_rad", "Nm/rad"},
-                                     std::pair{"percent", "%"}, std::pair{"degC", "degC"},
-                                     std::pair{"m_per_s2", "m/s2"}}) {
+  for (const auto& [ending, unit] :
+       {std::pair{"arcmin", "arcmin"}, std::pair{"Nm_per_rad", "Nm/rad"}, std::pair{"percent", "%"},
+        std::pair{"degC", "degC"}, std::pair{"m_per_s2", "m/s2"}}) {
     if (quantity.ends_with(ending)) return unit;
   }
   return "";
@@ -36,9 +36,11 @@ bool IsSound(const Result& result) { return result.flag.empty() || result.flag.s
 
 }  // namespace
 
-QualityControl::QualityControl(const schedules::Schedule& schedule, const Journal& journal) : schedule_(schedule) {
+QualityControl::QualityControl(const schedules::Schedule& schedule, const Journal& journal)
+    : schedule_(schedule) {
   TakeGauge(journal);
-  // The same values in the same order as they came, so that a resumed campaign judges as one that was never cut.
+  // The same values in the same order as they came, so that a resumed campaign judges as one that was never
+  // cut.
   for (const CycleRow& row : journal.Cycles()) {
     if (row.outcome == "complete") Accept(row.cycle, journal.Results(row.cycle, 0));
   }
@@ -54,7 +56,8 @@ std::optional<analysis::ControlLimits> QualityControl::LimitsOf(const std::strin
   const auto history = history_.find(quantity);
   if (history == history_.end() || history->second.size() < kFewest) return std::nullopt;
   const auto gauge = gauge_.find(quantity);
-  // Three sigmas would call every few hundredth good value an outlier; a measurement taken again costs minutes.
+  // Three sigmas would call every few hundredth good value an outlier; a measurement taken again costs
+  // minutes.
   return analysis::NextValueLimits(
       history->second, {.width = kControlWidth, .sigma_floor = gauge == gauge_.end() ? 0.0 : gauge->second});
 }
@@ -91,7 +94,9 @@ std::optional<std::string> QualityControl::StopCriterion(const std::vector<Resul
   }
   if (stop.vibration_rms_above_m_per_s2) {
     for (const Result& result : results) {
-      if (!result.quantity.starts_with("vibration_rms_") || result.value <= *stop.vibration_rms_above_m_per_s2) continue;
+      if (!result.quantity.starts_with("vibration_rms_") ||
+          result.value <= *stop.vibration_rms_above_m_per_s2)
+        continue;
       return fmt::format("{} = {:.2f} m/s2 is above {:.2f} m/s2", result.quantity, result.value,
                          *stop.vibration_rms_above_m_per_s2);
     }
@@ -128,9 +133,11 @@ std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>&
     const double widened = gauge.limit_95 / (1.96 * std::numbers::sqrt2);
     const std::string source = fmt::format("{} repeats before the first cycle", values.size());
     const auto name = [&](std::string_view prefix) { return std::string(prefix) + first.quantity; };
-    calibrations.push_back({name(kRepeatabilityPrefix), widened, widened / std::sqrt(2.0 * gauge.degrees_of_freedom),
-                            UnitOf(first.quantity), source});
-    calibrations.push_back({name(kRepeatabilityLimitPrefix), gauge.limit_95, 0.0, UnitOf(first.quantity), source});
+    calibrations.push_back({name(kRepeatabilityPrefix), widened,
+                            widened / std::sqrt(2.0 * gauge.degrees_of_freedom), UnitOf(first.quantity),
+                            source});
+    calibrations.push_back(
+        {name(kRepeatabilityLimitPrefix), gauge.limit_95, 0.0, UnitOf(first.quantity), source});
   }
   return calibrations;
 }

@@ -29,8 +29,8 @@ class QualityControl {
   /// A stop criterion that these results meet, in words.
   std::optional<std::string> StopCriterion(const std::vector<Result>& results) const;
 
-  /// The cycle is stored: its values become part of the history. One that is still outside of the limits after it
-  /// was measured again is a step, and the history begins anew with it.
+  /// The cycle is stored: its values become part of the history. One that is still outside of the limits
+  /// after it was measured again is a step, and the history begins anew with it.
   void Accept(int cycle, const std::vector<Result>& results);
 
  private:
@@ -45,9 +45,9 @@ class QualityControl {
 inline constexpr std::string_view kRepeatabilityPrefix = "repeatability_";
 inline constexpr std::string_view kRepeatabilityLimitPrefix = "limit_95_";
 
-/// Repeatability of each quantity from the repeats of the preparation, as calibrations: "repeatability_QUANTITY",
-/// the standard deviation of one measurement (widened as Student's t asks, so that 1.96 of it hold 95 %), and
-/// "limit_95_QUANTITY", by which two of them differ in 5 of 100 cases.
+/// Repeatability of each quantity from the repeats of the preparation, as calibrations:
+/// "repeatability_QUANTITY", the standard deviation of one measurement (widened as Student's t asks, so
+/// that 1.96 of it hold 95 %), and "limit_95_QUANTITY", by which two of them differ in 5 of 100 cases.
 std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>& repeats);
 
 }  // namespace strainwave::bench

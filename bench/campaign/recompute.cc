@@ -36,19 +36,20 @@ bool SameResults(std::vector<Result> a, std::vector<Result> b) {
 std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, int cycle) {
   const auto file = folder.CycleFile(cycle);
   if (!std::filesystem::exists(file)) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: the file of cycle {} is missing (expected the raw records that the "
-                                    "journal says were stored)",
-                                    file.string(), cycle));
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: the file of cycle {} is missing (expected the raw records that the "
+                    "journal says were stored)",
+                    file.string(), cycle));
   }
   auto records = daq::ReadCycleFile(file, daq::Checking::kNone).records;
   for (NamedRecord& named : records) named.group.erase(0, named.group.find_first_not_of('/'));
   return records;
 }
 
-std::vector<RecomputedCycle> RecomputeCampaign(const CampaignFolder& folder, const Journal& journal,
-                                               const CycleContext& context,
-                                               const std::function<void(std::size_t, std::size_t)>& progress) {
+std::vector<RecomputedCycle> RecomputeCampaign(
+    const CampaignFolder& folder, const Journal& journal, const CycleContext& context,
+    const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<RecomputedCycle> cycles;
   for (const CycleRow& row : journal.Cycles()) {
     if (row.outcome != "complete") continue;

@@ -16,7 +16,7 @@ struct RecomputedCycle {
   int cycle{};
   StoredCycle again;
   std::vector<std::vector<Result>> stored;  // what the journal holds: the cycle, then its repeats
-  bool equal{};                // bit for bit, all quantities
+  bool equal{};                             // bit for bit, all quantities
 };
 
 /// What is stored of a cycle in order: records by their group's name without the leading slash.

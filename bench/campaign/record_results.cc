@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <numbers>
 
 #include "analysis/units.h"
 #include "daq/record_rules.h"
@@ -54,7 +55,8 @@ struct Sweep {
 
 }  // namespace
 
-analysis::TransmissionError TransmissionErrorOf(const daq::Record& record, const BenchCorrections& corrections) {
+analysis::TransmissionError TransmissionErrorOf(const daq::Record& record,
+                                                const BenchCorrections& corrections) {
   const auto directions = record.Directions("direction");
   const std::vector<double> input_rad = AngleColumn(record, "input_angle_deg");
   std::vector<double> output_rad = AngleColumn(record, "output_angle_deg");
@@ -79,26 +81,37 @@ analysis::TorsionalStiffness StiffnessOf(const daq::Record& record, analysis::St
                                          const BenchCorrections& corrections) {
   const std::vector<double> twist_rad = AngleColumn(record, "output_angle_deg");
   const analysis::TorsionLoop loop{record.Doubles("time_s"), record.Doubles("torque_Nm"), twist_rad};
-  const analysis::SeriesCompliance value_only{{corrections.series_compliance.compliance_rad_per_Nm.value, 0.0}};
+  const analysis::SeriesCompliance value_only{
+      {corrections.series_compliance.compliance_rad_per_Nm.value, 0.0}};
   return analysis::MeasureStiffness(loop, TestTorquesOf(record), method, value_only, 0.0);
 }
 
 analysis::Estimate WithBenchUncertainty(const analysis::Estimate& stiffness, std::string_view quantity,
                                         const BenchCorrections& corrections) {
   const double from_gain = stiffness.value * corrections.torque_gain_relative_se;
-  const double from_compliance = stiffness.value * stiffness.value *
-                                 corrections.series_compliance.compliance_rad_per_Nm.standard_error;
+  const double from_compliance =
+      stiffness.value * stiffness.value * corrections.series_compliance.compliance_rad_per_Nm.standard_error;
   return {stiffness.value, RootOfSquares({stiffness.standard_error, from_gain, from_compliance,
                                           RepeatabilityOf(corrections, quantity)})};
 }
 
 analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin, std::string_view quantity,
-                                          const BenchCorrections& corrections, bool zeroed) {
-  // A rectangular distribution of this half width.
-  const double at_zero_rad = zeroed ? corrections.encoder_accuracy_rad / std::sqrt(3.0) : 0.0;
+                                          const BenchCorrections& corrections, AngleKind kind) {
+  // Half widths are those of rectangular distributions. An error of the reference is one of the corrected
+  // encoder, at worst of opposite sign at the two readings of a range.
+  const EncoderCorrection& encoder = corrections.encoder;
+  const bool corrected = !encoder.harmonics.empty();
+  const double reference_rad = corrected ? encoder.reference_accuracy_rad / std::sqrt(3.0) : 0.0;
+  const double at_zero_rad =
+      kind == AngleKind::kZeroed ? corrections.encoder_accuracy_rad / std::sqrt(3.0) : 0.0;
+  const double of_range_rad =
+      kind == AngleKind::kRange
+          ? RootOfSquares({std::numbers::sqrt2 * encoder.residual_rad, 2.0 * reference_rad})
+          : 0.0;
   return {angle_arcmin.value,
-          RootOfSquares({angle_arcmin.standard_error, ArcminFromRad(corrections.encoder.standard_error_rad),
-                         ArcminFromRad(at_zero_rad), RepeatabilityOf(corrections, quantity)})};
+          RootOfSquares({angle_arcmin.standard_error, ArcminFromRad(encoder.standard_error_rad),
+                         ArcminFromRad(at_zero_rad), ArcminFromRad(of_range_rad),
+                         RepeatabilityOf(corrections, quantity)})};
 }
 
 }  // namespace strainwave::bench

@@ -22,7 +22,9 @@ struct EncoderCorrection {
     double sine_rad{};
   };
   std::vector<Harmonic> harmonics;
-  double standard_error_rad{};
+  double standard_error_rad{};      // of the correction
+  double residual_rad{};            // of one reading after the correction
+  double reference_accuracy_rad{};  // half width, of what the correction was measured against
 };
 
 /// What the bench knows of itself that a record does not say: all zero for a record from elsewhere.
@@ -31,13 +33,14 @@ struct BenchCorrections {
   double torque_gain_relative_se{};
   EncoderCorrection encoder;
   double encoder_accuracy_rad{};  // of the output encoder, half width
-  /// Standard deviation of one measurement repeated on this bench, by quantity ("k1_Nm_per_rad"); what no single
-  /// record can say of itself: how the gear seats when it is locked, where the drives come to rest.
+  /// Standard deviation of one measurement repeated on this bench, by quantity ("k1_Nm_per_rad"); what no
+  /// single record can say of itself: how the gear seats when it is locked, where the drives come to rest.
   std::map<std::string, double, std::less<>> repeatability;
 };
 
 /// Transmission error of a record of that kind (contract, sections 2 and 3).
-analysis::TransmissionError TransmissionErrorOf(const daq::Record& record, const BenchCorrections& corrections);
+analysis::TransmissionError TransmissionErrorOf(const daq::Record& record,
+                                                const BenchCorrections& corrections);
 
 /// T1, T2 and T3 of a record, with the contract's defaults.
 analysis::TestTorques TestTorquesOf(const daq::Record& record);
@@ -47,14 +50,22 @@ analysis::TestTorques TestTorquesOf(const daq::Record& record);
 analysis::TorsionalStiffness StiffnessOf(const daq::Record& record, analysis::StiffnessMethod method,
                                          const BenchCorrections& corrections);
 
-/// Adds to a stiffness what its records cannot say of themselves: the uncertainty of the torque calibration and of
-/// the series compliance, which averaging loops does not shrink, and the repeatability of the quantity.
-analysis::Estimate WithBenchUncertainty(const analysis::Estimate& stiffness_Nm_per_rad, std::string_view quantity,
-                                        const BenchCorrections& corrections);
+/// Adds to a stiffness what its records cannot say of themselves: the uncertainty of the torque calibration
+/// and of the series compliance, which averaging loops does not shrink, and the repeatability of the
+/// quantity.
+analysis::Estimate WithBenchUncertainty(const analysis::Estimate& stiffness_Nm_per_rad,
+                                        std::string_view quantity, const BenchCorrections& corrections);
 
-/// The same for an angle in arcmin: the encoder's correction and the repeatability. `zeroed` for values that hang on
-/// the angle of one sample, such as e_avg, which bring the accuracy of the encoder at that sample with them.
+/// What a quantity in arcmin is made of, as far as the encoder's errors go.
+enum class AngleKind {
+  kRange,   // difference of two readings, such as e_max
+  kMean,    // mean over a turn, such as lost motion
+  kZeroed,  // hangs on the angle of one sample, such as e_avg
+};
+
+/// The same for an angle in arcmin: the encoder's correction, what it leaves of each reading, the accuracy of
+/// the encoder at the sample that is taken as zero, and the repeatability.
 analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin, std::string_view quantity,
-                                          const BenchCorrections& corrections, bool zeroed);
+                                          const BenchCorrections& corrections, AngleKind kind);
 
 }  // namespace strainwave::bench

@@ -23,8 +23,8 @@ std::vector<double> Numbers(const daq::Record& record, std::string_view name) {
   return {};
 }
 
-// The breakaway of the unloaded gear, at the input. The drive's own speed is too noisy near zero; the encoder's
-// travel over some samples tells presliding from motion.
+// The breakaway of the unloaded gear, at the input. The drive's own speed is too noisy near zero; the
+// encoder's travel over some samples tells presliding from motion.
 std::vector<Result> StartingTorque(const daq::Record& record, std::span<const double> torque_Nm) {
   const std::vector<double> time_s = Numbers(record, "time_s");
   const std::vector<double> position_rad = Numbers(record, "position_rad");
@@ -67,8 +67,8 @@ std::vector<Result> RotationResults(const daq::Record& record, double ratio) {
       analysis::MeasureEfficiency({input_torque_Nm, input_speed, output_torque_Nm, output_speed});
   std::string flag;
   for (const std::string& check : efficiency.failed_checks) flag += (flag.empty() ? "" : "; ") + check;
-  return {{"efficiency_percent", 100.0 * efficiency.efficiency.value, 100.0 * efficiency.efficiency.standard_error,
-           flag}};
+  return {{"efficiency_percent", 100.0 * efficiency.efficiency.value,
+           100.0 * efficiency.efficiency.standard_error, flag}};
 }
 
 std::vector<Result> VibrationResults(const daq::Record& record) {

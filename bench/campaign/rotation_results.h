@@ -8,8 +8,8 @@
 
 namespace strainwave::bench {
 
-/// Of the measurement rotation's slow channels: the efficiency, or of its breakaway, which has no output torque, the
-/// starting torque.
+/// Of the measurement rotation's slow channels: the efficiency, or of its breakaway, which has no output
+/// torque, the starting torque.
 std::vector<Result> RotationResults(const daq::Record& record, double ratio);
 
 /// Of its vibration: RMS of each accelerometer about its mean.

@@ -14,16 +14,19 @@ struct Stamp {
 Stamp StampOf(const std::string& column, const std::string& kind, const BenchDescription& bench) {
   const Stamp driving{bench.driving_servo.serial, "drive parameters"};
   for (const AccelerometerDescription& accelerometer : bench.accelerometers) {
-    if (column.starts_with(accelerometer.name + "_m_per_s2")) return {accelerometer.serial, accelerometer.calibration};
+    if (column.starts_with(accelerometer.name + "_m_per_s2"))
+      return {accelerometer.serial, accelerometer.calibration};
   }
-  if (column.starts_with("output_angle")) return {bench.output_encoder.serial, bench.output_encoder.calibration};
+  if (column.starts_with("output_angle"))
+    return {bench.output_encoder.serial, bench.output_encoder.calibration};
   if (column.starts_with("input_") || column.starts_with("position") || column.starts_with("velocity")) {
     return {bench.input_encoder.serial, bench.input_encoder.calibration};
   }
   if (column.starts_with("motor_torque")) return driving;
   // The torque of a motion record is what the drive applies; the transducer's stands beside it.
   if (kind == "motion" && column == "torque_Nm") return driving;
-  if (column.find("torque") != std::string::npos) return {bench.transducer.serial, bench.transducer.calibration};
+  if (column.find("torque") != std::string::npos)
+    return {bench.transducer.serial, bench.transducer.calibration};
   return {};
 }
 

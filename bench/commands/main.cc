@@ -48,7 +48,8 @@ int Guarded(const strainwave::bench::Action& action) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "strainwave runs accelerated life tests of harmonic drives and tells what the reducer is really doing.\n"
+      "strainwave runs accelerated life tests of harmonic drives and tells what the reducer is really "
+      "doing.\n"
       "Example: strainwave run schedules/quick.yaml --out campaigns/first");
   app.require_subcommand(1);
   app.set_version_flag("--version", STRAINWAVE_VERSION);

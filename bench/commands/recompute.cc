@@ -62,20 +62,23 @@ nlohmann::json RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
 }
 
 void PrintCampaignText(const nlohmann::json& report) {
-  fmt::print("{}\n{:>6} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11}\n", report["folder"].get<std::string>(), "cycle", "e_avg '",
-             "e_max '", "lost '", "K1 Nm/rad", "K2 Nm/rad", "K3 Nm/rad");
+  fmt::print("{}\n{:>6} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11}\n", report["folder"].get<std::string>(),
+             "cycle", "e_avg '", "e_max '", "lost '", "K1 Nm/rad", "K2 Nm/rad", "K3 Nm/rad");
   for (const auto& row : report["cycles"]) {
     fmt::print("{:>6}", row["cycle"].get<int>());
     for (const auto& [key, width, decimals] :
-         {std::tuple{"e_avg_arcmin", 9, 4}, std::tuple{"e_max_arcmin", 9, 4}, std::tuple{"lost_motion_arcmin", 9, 4},
-          std::tuple{"k1_Nm_per_rad", 11, 1}, std::tuple{"k2_Nm_per_rad", 11, 1}, std::tuple{"k3_Nm_per_rad", 11, 1}}) {
+         {std::tuple{"e_avg_arcmin", 9, 4}, std::tuple{"e_max_arcmin", 9, 4},
+          std::tuple{"lost_motion_arcmin", 9, 4}, std::tuple{"k1_Nm_per_rad", 11, 1},
+          std::tuple{"k2_Nm_per_rad", 11, 1}, std::tuple{"k3_Nm_per_rad", 11, 1}}) {
       const bool known = row.contains(key) && row[key].is_number();
-      known ? fmt::print(" {:>{}.{}f}", row[key].get<double>(), width, decimals) : fmt::print(" {:>{}}", "-", width);
+      known ? fmt::print(" {:>{}.{}f}", row[key].get<double>(), width, decimals)
+            : fmt::print(" {:>{}}", "-", width);
     }
     fmt::print("{}\n", row["equals_stored"].get<bool>() ? "" : "  differs from what is stored");
   }
   fmt::print("{} of {} cycles equal what was stored while the campaign ran, bit for bit\n",
-             report["cycles_equal_to_stored"].get<std::size_t>(), report["cycles_recomputed"].get<std::size_t>());
+             report["cycles_equal_to_stored"].get<std::size_t>(),
+             report["cycles_recomputed"].get<std::size_t>());
 }
 
 int Recompute(const RecomputeOptions& options) {
@@ -99,9 +102,10 @@ int Recompute(const RecomputeOptions& options) {
     }
   }
   if (reports.empty()) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: no record to recompute (expected transmission_error or hysteresis)",
-                                    options.paths.front()));
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: no record to recompute (expected transmission_error or hysteresis)",
+                    options.paths.front()));
   }
   if (options.json) fmt::print("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
   return static_cast<int>(ExitCode::kDone);

@@ -49,6 +49,7 @@ nlohmann::json TransmissionErrorJson(const daq::Record& record) {
   }
   if (error.lost_motion_rad) AddEstimate(report, "lost_motion_arcmin", *error.lost_motion_rad);
   report["failed_checks"] = error.failed_checks;
+  report["notes"] = error.notes;
   return report;
 }
 
@@ -75,9 +76,9 @@ nlohmann::json HysteresisJson(const daq::Record& record, StiffnessMethod method)
   }
   report["failed_checks"] = stiffness.failed_checks;
   nlohmann::json methods;
-  for (const auto& [name, other] : {std::pair{"model", StiffnessMethod::kModel},
-                                    std::pair{"loading", StiffnessMethod::kLoading},
-                                    std::pair{"backbone", StiffnessMethod::kBackbone}}) {
+  for (const auto& [name, other] :
+       {std::pair{"model", StiffnessMethod::kModel}, std::pair{"loading", StiffnessMethod::kLoading},
+        std::pair{"backbone", StiffnessMethod::kBackbone}}) {
     nlohmann::json row;
     AddStiffness(row, other == method ? stiffness : StiffnessOf(record, other, {}));
     methods[name] = std::move(row);
@@ -91,10 +92,11 @@ nlohmann::json HysteresisJson(const daq::Record& record, StiffnessMethod method)
 nlohmann::json RecordJson(const daq::Record& record, StiffnessMethod method) {
   if (record.kind == "transmission_error") return TransmissionErrorJson(record);
   if (record.kind == "hysteresis") return HysteresisJson(record, method);
-  throw CampaignError(ExitCode::kWrongInput,
-                      fmt::format("{}: error: kind '{}' has nothing to recompute (expected transmission_error or "
-                                  "hysteresis)",
-                                  record.source.file, record.kind));
+  throw CampaignError(
+      ExitCode::kWrongInput,
+      fmt::format("{}: error: kind '{}' has nothing to recompute (expected transmission_error or "
+                  "hysteresis)",
+                  record.source.file, record.kind));
 }
 
 std::string RecordText(const nlohmann::json& report, const std::string& source) {
@@ -103,13 +105,16 @@ std::string RecordText(const nlohmann::json& report, const std::string& source) 
     if (!value.is_number() || key.ends_with("_se")) continue;
     text += fmt::format("  {:28} {:12.5g}", key, value.get<double>());
     const std::string se = key + "_se";
-    if (report.contains(se) && report[se].is_number()) text += fmt::format(" ± {:.2g}", report[se].get<double>());
+    if (report.contains(se) && report[se].is_number())
+      text += fmt::format(" ± {:.2g}", report[se].get<double>());
     text += "\n";
   }
   if (report.contains("methods")) {
     text += "  methods side by side              K1          K2          K3  Nm/rad\n";
     for (const auto& [name, row] : report["methods"].items()) {
-      const auto number = [&](const char* key) { return row[key].is_number() ? row[key].get<double>() : 0.0; };
+      const auto number = [&](const char* key) {
+        return row[key].is_number() ? row[key].get<double>() : 0.0;
+      };
       text += fmt::format("    {:20} {:11.0f} {:11.0f} {:11.0f}\n", name, number("k1_Nm_per_rad"),
                           number("k2_Nm_per_rad"), number("k3_Nm_per_rad"));
     }
@@ -117,10 +122,13 @@ std::string RecordText(const nlohmann::json& report, const std::string& source) 
   if (report.contains("orders")) {
     text += "  order a turn (output, input)   amplitude, arcmin\n";
     for (const auto& row : report["orders"]) {
-      text += fmt::format("    {:8.2f} {:8.4f}           {:8.4f}  {}\n", row["order_per_output_rev"].get<double>(),
-                          row["order_per_input_rev"].get<double>(), row["amplitude_arcmin"].get<double>(),
-                          row["name"].get<std::string>());
+      text += fmt::format("    {:8.2f} {:8.4f}           {:8.4f}  {}\n",
+                          row["order_per_output_rev"].get<double>(), row["order_per_input_rev"].get<double>(),
+                          row["amplitude_arcmin"].get<double>(), row["name"].get<std::string>());
     }
+  }
+  if (report.contains("notes")) {
+    for (const auto& note : report["notes"]) text += fmt::format("  note: {}\n", note.get<std::string>());
   }
   for (const auto& check : report["failed_checks"]) {
     text += fmt::format("  check failed: {}\n", check.get<std::string>());

@@ -10,9 +10,9 @@
 
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/cycle_results.h"
-#include "bench/commands/terminal.h"
 #include "bench/campaign/pictures.h"
 #include "bench/campaign/quality.h"
+#include "bench/commands/terminal.h"
 #include "bench/plots/gnuplot.h"
 
 namespace strainwave::bench {
@@ -26,10 +26,10 @@ struct TableColumn {
 };
 
 constexpr TableColumn kColumns[] = {
-    {"e_avg_arcmin", "e_avg '", 8, 3},    {"e_max_arcmin", "e_max '", 8, 3},
+    {"e_avg_arcmin", "e_avg '", 8, 3},      {"e_max_arcmin", "e_max '", 8, 3},
     {"lost_motion_arcmin", "lost '", 8, 3}, {"k1_Nm_per_rad", "K1 Nm/rad", 10, 0},
-    {"k2_Nm_per_rad", "K2 Nm/rad", 10, 0}, {"k3_Nm_per_rad", "K3 Nm/rad", 10, 0},
-    {"hysteresis_arcmin", "hyst '", 8, 3}, {"gear_temperature_degC", "degC", 7, 1},
+    {"k2_Nm_per_rad", "K2 Nm/rad", 10, 0},  {"k3_Nm_per_rad", "K3 Nm/rad", 10, 0},
+    {"hysteresis_arcmin", "hyst '", 8, 3},  {"gear_temperature_degC", "degC", 7, 1},
 };
 constexpr std::size_t kMostRows = 24;
 
@@ -60,7 +60,8 @@ void PrintTable(const Journal& journal, const std::vector<int>& cycles) {
         continue;
       }
       fmt::print(" {:>{}.{}f}", result->value, column.width, column.decimals);
-      if (!result->flag.empty() && flags.find(result->flag) == std::string::npos) flags += "  " + result->flag;
+      if (!result->flag.empty() && flags.find(result->flag) == std::string::npos)
+        flags += "  " + result->flag;
     }
     fmt::print("{}\n", flags);
   }
@@ -71,8 +72,8 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
   if (cycles.size() < 2) return;
   const std::vector<Result> first = journal.Results(cycles.front(), 0);
   const std::vector<Result> last = journal.Results(cycles.back(), 0);
-  fmt::print("\nchange from cycle {} to {}, beside the repeatability limit of one difference (95 %)\n", cycles.front(),
-             cycles.back());
+  fmt::print("\nchange from cycle {} to {}, beside the repeatability limit of one difference (95 %)\n",
+             cycles.front(), cycles.back());
   for (const auto& column : kColumns) {
     const auto before = FindResult(first, column.quantity);
     const auto after = FindResult(last, column.quantity);
@@ -80,8 +81,9 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
     if (!before || !after || !gauge) continue;
     const double change = after->value - before->value;
     const double limit = gauge->value;
-    fmt::print("  {:22} {:>+12.{}f}   gauge {:>10.{}f}   {}\n", column.quantity, change, column.decimals + 1, limit,
-               column.decimals + 1, std::abs(change) > limit ? "larger than the gauge" : "within the gauge");
+    fmt::print("  {:22} {:>+12.{}f}   gauge {:>10.{}f}   {}\n", column.quantity, change, column.decimals + 1,
+               limit, column.decimals + 1,
+               std::abs(change) > limit ? "larger than the gauge" : "within the gauge");
   }
 }
 
@@ -89,8 +91,8 @@ void PrintMethods(const Journal& journal, const std::vector<int>& cycles) {
   if (cycles.empty()) return;
   const std::vector<Result> results = journal.Results(cycles.back(), 0);
   fmt::print("\ncycle {}, three ways to read K from the same loops\n", cycles.back());
-  for (const auto& [title, middle] :
-       {std::pair{"model", ""}, std::pair{"loading (secants)", "_loading"}, std::pair{"backbone", "_backbone"}}) {
+  for (const auto& [title, middle] : {std::pair{"model", ""}, std::pair{"loading (secants)", "_loading"},
+                                      std::pair{"backbone", "_backbone"}}) {
     fmt::print("  {:18}", title);
     for (const char* k : {"k1", "k2", "k3"}) {
       const auto value = FindResult(results, fmt::format("{}{}_Nm_per_rad", k, middle));
@@ -104,7 +106,8 @@ void PrintMethods(const Journal& journal, const std::vector<int>& cycles) {
 nlohmann::json CampaignJson(const CampaignFolder& folder, const Journal& journal) {
   nlohmann::json cycles = nlohmann::json::array();
   for (const CycleRow& row : journal.Cycles()) {
-    if (row.cycle > 0 && row.outcome == "complete") cycles.push_back(CycleJson(row.cycle, journal.Results(row.cycle, 0)));
+    if (row.cycle > 0 && row.outcome == "complete")
+      cycles.push_back(CycleJson(row.cycle, journal.Results(row.cycle, 0)));
   }
   return {{"kind", "campaign"}, {"folder", folder.root.string()}, {"cycles", std::move(cycles)}};
 }
@@ -138,9 +141,11 @@ int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool jso
   PrintMethods(journal, cycles);
   const std::vector<Hole> holes = journal.Holes();
   const double longest_pause_s = ReadFrozenInputs(folder).schedule.resume.longest_pause_s;
-  fmt::print("\n{} interruption(s), each in the journal's table holes; after a pause of up to {} it counts as the same "
-             "test\n",
-             holes.size(), DurationText(longest_pause_s));
+  fmt::print(
+      "\n{} interruption(s), each in the journal's table holes; after a pause of up to {} it counts as the "
+      "same "
+      "test\n",
+      holes.size(), DurationText(longest_pause_s));
   fmt::print("\n");
   try {
     for (const auto& picture : DrawCampaign(folder, journal, folder.Pictures())) {

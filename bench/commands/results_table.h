@@ -10,12 +10,13 @@
 
 namespace strainwave::bench {
 
-/// Results of a campaign on standard output: the table of transmission error and stiffness a cycle, the change
-/// from first to last cycle beside the repeatability, and the pictures and paths; or the same as JSON.
+/// Results of a campaign on standard output: the table of transmission error and stiffness a cycle, the
+/// change from first to last cycle beside the repeatability, and the pictures and paths; or the same as JSON.
 /// @return exit code 0.
 int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool json);
 
-/// One cycle as an object: every quantity by its name, `_se` beside it, and why a value is not good in `flags`.
+/// One cycle as an object: every quantity by its name, `_se` beside it, and why a value is not good in
+/// `flags`.
 nlohmann::json CycleJson(int cycle, const std::vector<Result>& results);
 
 }  // namespace strainwave::bench

@@ -66,8 +66,9 @@ double ParsePace(const std::string& text) {
   char* end = nullptr;
   const double pace = std::strtod(text.c_str(), &end);
   if (end == text.c_str() || *end != '\0' || !(pace > 0.0)) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("--pace {}: error: not a pace (expected max, real, or a number above 0)", text));
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("--pace {}: error: not a pace (expected max, real, or a number above 0)", text));
   }
   return pace;
 }
@@ -106,16 +107,18 @@ int Run(const RunOptions& options) {
       options.bench.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.bench);
   CampaignInputs inputs = ReadInputs(options.schedule, bench_file);
   if (!std::filesystem::exists(folder.Journal()) && options.resume) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: there is no campaign to resume (expected a folder with campaign.db; "
-                                    "leave --resume away to start one)",
-                                    folder.root.string()));
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: there is no campaign to resume (expected a folder with campaign.db; "
+                    "leave --resume away to start one)",
+                    folder.root.string()));
   }
   if (!options.resume && std::filesystem::exists(folder.Journal())) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: the folder holds a campaign already (expected a new folder, or "
-                                    "--resume to go on with it)",
-                                    folder.root.string()));
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: the folder holds a campaign already (expected a new folder, or "
+                    "--resume to go on with it)",
+                    folder.root.string()));
   }
   std::filesystem::create_directories(folder.root);
   const CampaignLock lock(folder);
@@ -138,12 +141,14 @@ int Run(const RunOptions& options) {
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, g_request, progress);
     const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();
     try {
-      end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt);
+      end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt,
+                       resume ? resume->pause_s : 0.0);
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
     } catch (const std::exception&) {
       // The runner has made the bench safe before the exception left it; what is stored stays whole.
       fmt::print(stderr,
-                 "stopped: torque is off, brakes are on, the campaign is whole; when the cause below is mended, go on "
+                 "stopped: torque is off, brakes are on, the campaign is whole; when the cause below is "
+                 "mended, go on "
                  "with: strainwave run {} --out {} --resume\n",
                  options.schedule, options.out);
       throw;
@@ -160,20 +165,24 @@ int Run(const RunOptions& options) {
 }  // namespace
 
 void AddRun(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "run",
-      "Run a campaign from a schedule file.\n"
-      "Ctrl-C is the quick stop: torque off, brakes on, everything kept, exit code 130. Softer ends: strainwave stop.\n"
-      "Example: strainwave run schedules/quick.yaml --out campaigns/first");
+  CLI::App* command =
+      app.add_subcommand("run",
+                         "Run a campaign from a schedule file.\n"
+                         "Ctrl-C is the quick stop: torque off, brakes on, everything kept, exit code 130. "
+                         "Softer ends: strainwave stop.\n"
+                         "Example: strainwave run schedules/quick.yaml --out campaigns/first");
   auto options = std::make_shared<RunOptions>();
   command->add_option("SCHEDULE", options->schedule, "schedule file (YAML)")->required();
-  command->add_option("--bench", options->bench, "bench file (YAML); without it, the embedded simulated bench");
+  command->add_option("--bench", options->bench,
+                      "bench file (YAML); without it, the embedded simulated bench");
   command->add_option("--out", options->out, "the campaign's folder")->required();
   command->add_flag("--resume", options->resume, "go on with the campaign in the folder");
-  command->add_flag("--accept-pause", options->accept_pause, "resume even after a pause longer than the schedule allows");
+  command->add_flag("--accept-pause", options->accept_pause,
+                    "resume even after a pause longer than the schedule allows");
   command->add_option("--pace", options->pace, "of a simulated bench: max, real, or N times real time")
       ->capture_default_str();
-  command->add_option("--truth", options->truth, "of a simulated bench: file for the truth that only it knows (CSV)");
+  command->add_option("--truth", options->truth,
+                      "of a simulated bench: file for the truth that only it knows (CSV)");
   command->add_flag("--json", options->json, "results as JSON on standard output");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

@@ -56,15 +56,18 @@ Status StatusOf(const CampaignFolder& folder) {
     status.bench_time_s = checkpoint->time_s;
     // A checkpoint that is older than the phase says nothing of it.
     const bool of_this_phase = !rows.empty() && checkpoint->cycle == rows.back().cycle &&
-                               checkpoint->step == rows.back().step && checkpoint->repeat == rows.back().repeat;
-    if (status.phase_outcome == "running" && of_this_phase) status.credited_load_s = checkpoint->credited_load_s;
+                               checkpoint->step == rows.back().step &&
+                               checkpoint->repeat == rows.back().repeat;
+    if (status.phase_outcome == "running" && of_this_phase)
+      status.credited_load_s = checkpoint->credited_load_s;
   }
   const auto plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
   status.remaining_s = plan.cycle.total_s() * (status.cycles - status.complete);
   if (status.complete > 0) status.last_results = journal.Results(status.complete, 0);
   status.events = journal.Events(kEventsShown);
   for (const Event& event : journal.Events(1000)) {
-    if (event.code == "resume" || event.code == "completed") break;  // a later start has answered what was before
+    if (event.code == "resume" || event.code == "completed")
+      break;  // a later start has answered what was before
     if (event.severity == "alarm") status.alarms.push_back(event);
   }
   status.holes = journal.Holes();
@@ -73,13 +76,13 @@ Status StatusOf(const CampaignFolder& folder) {
 
 void Print(const Status& status, const CampaignFolder& folder) {
   fmt::print("{}: {}\n", folder.root.string(),
-             status.process > 0 ? fmt::format("running in process {}", status.process)
+             status.process > 0                 ? fmt::format("running in process {}", status.process)
              : status.complete == status.cycles ? "complete"
                                                 : "not running");
   fmt::print("  cycles       {} of {} complete\n", status.complete, status.cycles);
   if (!status.phase_outcome.empty()) {
-    fmt::print("  phase        {} ({}), load credited in this cycle {:.0f} s\n", status.phase, status.phase_outcome,
-               status.credited_load_s);
+    fmt::print("  phase        {} ({}), load credited in this cycle {:.0f} s\n", status.phase,
+               status.phase_outcome, status.credited_load_s);
   }
   fmt::print("  bench time   {} so far, about {} to go\n", DurationText(status.bench_time_s),
              DurationText(status.remaining_s));
@@ -98,7 +101,8 @@ void Print(const Status& status, const CampaignFolder& folder) {
 nlohmann::json Json(const Status& status) {
   nlohmann::json alarms = nlohmann::json::array();
   for (const Event& alarm : status.alarms) {
-    alarms.push_back({{"utc", alarm.utc}, {"code", alarm.code}, {"text", alarm.text}, {"cycle", alarm.cycle}});
+    alarms.push_back(
+        {{"utc", alarm.utc}, {"code", alarm.code}, {"text", alarm.text}, {"cycle", alarm.cycle}});
   }
   nlohmann::json holes = nlohmann::json::array();
   for (const Hole& hole : status.holes) {
@@ -126,10 +130,10 @@ nlohmann::json Json(const Status& status) {
 }  // namespace
 
 void AddStatus(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "status",
-      "Progress, phase, time to go, last results, open alarms and interruptions of a campaign, running or not.\n"
-      "Example: strainwave status campaigns/first");
+  CLI::App* command = app.add_subcommand("status",
+                                         "Progress, phase, time to go, last results, open alarms and "
+                                         "interruptions of a campaign, running or not.\n"
+                                         "Example: strainwave status campaigns/first");
   auto options = std::make_shared<StatusOptions>();
   command->add_option("DIR", options->folder, "the campaign's folder")->required();
   command->add_flag("--json", options->json, "JSON on standard output");

@@ -29,9 +29,10 @@ int Stop(const StopOptions& options) {
   const CampaignFolder folder{options.folder};
   const int process = CampaignLock::Holder(folder);
   if (process <= 0) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: nobody runs this campaign (expected the folder of a running one)",
-                                    folder.root.string()));
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: nobody runs this campaign (expected the folder of a running one)",
+                    folder.root.string()));
   }
   if (::kill(process, Signals().at(options.verb)) != 0) {
     throw std::system_error(errno, std::generic_category(), fmt::format("process {}", process));
@@ -43,12 +44,13 @@ int Stop(const StopOptions& options) {
 }  // namespace
 
 void AddStop(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "stop",
-      "End a running campaign: at the next checkpoint (pause), after the cycle (finish-cycle), after ramping down "
-      "(shutdown), or at once (quick-stop).\nEach leaves torque off, brakes on, and a campaign that --resume goes on "
-      "with.\nThis is not an emergency stop: that one is wired.\n"
-      "Example: strainwave stop campaigns/first finish-cycle");
+  CLI::App* command = app.add_subcommand("stop",
+                                         "End a running campaign: at the next checkpoint (pause), after the "
+                                         "cycle (finish-cycle), after ramping down "
+                                         "(shutdown), or at once (quick-stop).\nEach leaves torque off, "
+                                         "brakes on, and a campaign that --resume goes on "
+                                         "with.\nThis is not an emergency stop: that one is wired.\n"
+                                         "Example: strainwave stop campaigns/first finish-cycle");
   auto options = std::make_shared<StopOptions>();
   command->add_option("DIR", options->folder, "the campaign's folder")->required();
   command->add_option("VERB", options->verb, "pause, finish-cycle, shutdown or quick-stop")

@@ -64,7 +64,8 @@ void TerminalProgress::Draw(double share, double eta_s) {
     return;
   }
   const int full = static_cast<int>(std::lround(share * kBarWidth));
-  fmt::print(stderr, "\r\033[K[{}{}] {:5.1f} %  {}  {} left", std::string(static_cast<std::size_t>(full), '#'),
+  fmt::print(stderr, "\r\033[K[{}{}] {:5.1f} %  {}  {} left",
+             std::string(static_cast<std::size_t>(full), '#'),
              std::string(static_cast<std::size_t>(kBarWidth - full), '.'), 100.0 * share, where, eta);
   std::fflush(stderr);
   line_open_ = true;

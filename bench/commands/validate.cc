@@ -53,7 +53,8 @@ LifePlan LifeOf(const schedules::Schedule& schedule, const schedules::Plan& plan
   life.cycle_share = LifeShare(schedule.specimen, plan.cycle_load_blocks);
   life.whole_share = LifeShare(schedule.specimen, plan.once_load_blocks) + life.cycle_share * plan.cycles;
   for (const auto& blocks : {plan.once_load_blocks, plan.cycle_load_blocks}) {
-    for (const auto& block : blocks) life.peak_torque_Nm = std::max(life.peak_torque_Nm, block.output_torque_Nm);
+    for (const auto& block : blocks)
+      life.peak_torque_Nm = std::max(life.peak_torque_Nm, block.output_torque_Nm);
   }
   life.margins = analysis::MarginsAtPeak(RatingOf(schedule.specimen), life.peak_torque_Nm);
   return life;
@@ -79,7 +80,8 @@ void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan,
              schedule.specimen.model);
   PrintPhases("once, before the first cycle", plan.preparation);
   if (plan.repeats.total_s() > 0.0) {
-    fmt::print("  {:24} {:22} {:>14}\n", fmt::format("measurements, {} times", schedule.measurements.repeatability_repeats),
+    fmt::print("  {:24} {:22} {:>14}\n",
+               fmt::format("measurements, {} times", schedule.measurements.repeatability_repeats),
                "repeatability", DurationText(plan.repeats.total_s()));
   }
   PrintPhases("each cycle", plan.phases);
@@ -98,12 +100,16 @@ void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan,
   }
   fmt::print("  {:38} {:>23} {:>12}\n\n", "together", "", BytesText(static_cast<double>(plan.disk_bytes)));
   const auto& specimen = schedule.specimen;
-  fmt::print("life\n  wave-generator bearing: {:.1f} % of L10 used by the whole campaign (cube law, Miner sum; {:.4f} % a "
-             "cycle)\n",
-             100.0 * life.whole_share, 100.0 * life.cycle_share);
-  fmt::print("  highest load {:.1f} Nm: ratcheting at {:.0f} Nm is {:.1f} times that, buckling at {:.0f} Nm {:.1f} times\n\n",
-             life.peak_torque_Nm, specimen.ratcheting_torque_Nm, life.margins.ratcheting,
-             specimen.buckling_torque_Nm, life.margins.buckling);
+  fmt::print(
+      "life\n  wave-generator bearing: {:.1f} % of L10 used by the whole campaign (cube law, Miner sum; "
+      "{:.4f} % a "
+      "cycle)\n",
+      100.0 * life.whole_share, 100.0 * life.cycle_share);
+  fmt::print(
+      "  highest load {:.1f} Nm: ratcheting at {:.0f} Nm is {:.1f} times that, buckling at {:.0f} Nm {:.1f} "
+      "times\n\n",
+      life.peak_torque_Nm, specimen.ratcheting_torque_Nm, life.margins.ratcheting,
+      specimen.buckling_torque_Nm, life.margins.buckling);
   fmt::print("interlocks, watched every control period in every phase\n");
   for (const auto& row : Interlocks::Table()) {
     fmt::print("  {:22} {:28} {}\n", row.signal, row.limit, row.action);
@@ -123,7 +129,8 @@ nlohmann::json PhasesJson(const std::vector<schedules::PhaseTime>& phases) {
 void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life) {
   nlohmann::json streams = nlohmann::json::array();
   for (const auto& stream : plan.streams) {
-    streams.push_back({{"name", stream.name}, {"rows_per_cycle", stream.rows_per_cycle}, {"bytes", stream.bytes_total}});
+    streams.push_back(
+        {{"name", stream.name}, {"rows_per_cycle", stream.rows_per_cycle}, {"bytes", stream.bytes_total}});
   }
   const nlohmann::json document{
       {"valid", true},
@@ -136,8 +143,8 @@ void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan,
       {"measuring_time_s", plan.measuring_s},
       {"other_time_s", plan.other_s},
       {"wall_time_s", plan.wall_s},
-      {"expected_end_utc",
-       fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(plan.expected_end)))},
+      {"expected_end_utc", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                                       fmt::gmtime(std::chrono::system_clock::to_time_t(plan.expected_end)))},
       {"disk_bytes", plan.disk_bytes},
       {"streams", streams},
       {"bearing_life_share", life.whole_share},
@@ -148,8 +155,8 @@ void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan,
 
 int Validate(const ValidateOptions& options) {
   const CampaignInputs inputs =
-      ReadInputs(options.schedule, options.bench.empty() ? std::nullopt
-                                                         : std::optional<std::filesystem::path>(options.bench));
+      ReadInputs(options.schedule,
+                 options.bench.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.bench));
   schedules::FindingList warnings = schedules::ValidateSchedule(inputs.schedule);
   warnings.Append(CheckScheduleAgainstBench(inputs.schedule, inputs.bench));
   for (const auto& finding : warnings.items()) {
@@ -164,13 +171,14 @@ int Validate(const ValidateOptions& options) {
 }  // namespace
 
 void AddValidate(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand(
-      "validate",
-      "Check a schedule and its bench, and print the plan: phases, durations, end, disk, life. Touches no device.\n"
-      "Example: strainwave validate schedules/paper.yaml");
+  CLI::App* command = app.add_subcommand("validate",
+                                         "Check a schedule and its bench, and print the plan: phases, "
+                                         "durations, end, disk, life. Touches no device.\n"
+                                         "Example: strainwave validate schedules/paper.yaml");
   auto options = std::make_shared<ValidateOptions>();
   command->add_option("SCHEDULE", options->schedule, "schedule file (YAML)")->required();
-  command->add_option("--bench", options->bench, "bench file (YAML); without it, the embedded simulated bench");
+  command->add_option("--bench", options->bench,
+                      "bench file (YAML); without it, the embedded simulated bench");
   command->add_flag("--json", options->json, "the plan as JSON on standard output");
   command->callback([options, &action] { action = [options] { return Validate(*options); }; });
 }

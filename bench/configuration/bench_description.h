@@ -71,7 +71,8 @@ struct BenchDescription {
   std::string name;
   bool simulated{};
   double control_period_s{};
-  /// The shortest period that the bench can keep, for a phase that asks to be logged faster than the usual one.
+  /// The shortest period that the bench can keep, for a phase that asks to be logged faster than the usual
+  /// one.
   double fast_control_period_s{};
   double vibration_rate_hz{};  // highest sample rate of the accelerometers
   ServoDescription driving_servo;
@@ -80,6 +81,8 @@ struct BenchDescription {
   TransducerDescription transducer;
   EncoderDescription input_encoder;
   EncoderDescription output_encoder;
+  /// Half width of the error of the angle that the blank test holds the output encoder against.
+  double blank_reference_accuracy_rad{};
   std::vector<AccelerometerDescription> accelerometers;
   SimulationDescription simulation;
 

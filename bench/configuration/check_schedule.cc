@@ -26,10 +26,10 @@ struct Abilities {
 };
 
 Abilities AbilitiesOf(const BenchDescription& bench, double ratio) {
-  return {
-      bench.load_servo.peak_torque_Nm * bench.load_reducer_ratio, bench.driving_servo.peak_torque_Nm * ratio,
-      bench.load_servo.peak_speed_rad_per_s / bench.load_reducer_ratio * ratio, 1.0 / bench.control_period_s,
-      1.0 / bench.fast_control_period_s};
+  return {bench.load_servo.peak_torque_Nm * bench.load_reducer_ratio,
+          bench.driving_servo.peak_torque_Nm * ratio,
+          bench.load_servo.peak_speed_rad_per_s / bench.load_reducer_ratio * ratio,
+          1.0 / bench.control_period_s, 1.0 / bench.fast_control_period_s};
 }
 
 class BenchCheck {

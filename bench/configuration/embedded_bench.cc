@@ -48,6 +48,8 @@ output_encoder:                    # at the output of the gear
   calibration: SIM-CAL-OUTPUT
   sign: 1
 
+blank_reference_accuracy: 0.5 arcsec   # of the encoder on the blank that the output encoder is held against
+
 accelerometers:
   - {name: accel_x, serial: SIM-ACC-X, sensitivity: 100 mV/g, range: 50 g, calibration: SIM-CAL-X}
   - {name: accel_y, serial: SIM-ACC-Y, sensitivity: 100 mV/g, range: 50 g, calibration: SIM-CAL-Y}

@@ -181,6 +181,8 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
   bench.transducer = ReadTransducer(map.Map("torque_transducer", Presence::kRequired), context);
   bench.input_encoder = ReadEncoder(map.Map("input_encoder", Presence::kRequired), context);
   bench.output_encoder = ReadEncoder(map.Map("output_encoder", Presence::kRequired), context);
+  bench.blank_reference_accuracy_rad =
+      map.Quantity("blank_reference_accuracy", Dimension::kAngle, Bound::kPositive, "0.5 arcsec");
   bench.accelerometers = ReadAccelerometers(map.MapList("accelerometers", Presence::kOptional), context);
   const bool has_simulation = map.has("simulation");
   bench.simulation = ReadSimulation(map.Map("simulation", Presence::kOptional), folder, context);

@@ -13,7 +13,7 @@ namespace {
 constexpr double kTurnSpeed_rad_per_s = RadPerSFromRpm(300.0);
 constexpr double kTurnAcceleration_rad_per_s2 = 1000.0;
 constexpr double kMostOvershoot = 1.1;  // of the torque that the load servo is asked for
-constexpr double kLockSettle_s = 0.3;  // brake closed and torque off before the load comes on
+constexpr double kLockSettle_s = 0.3;   // brake closed and torque off before the load comes on
 
 }  // namespace
 
@@ -68,8 +68,8 @@ void HysteresisProgram::BeginAngle(const Readings& readings, double elapsed_s) n
   stage_start_s_ = elapsed_s;
 }
 
-// The load servo commands its own torque; friction between it and the transducer keeps some of it. So the ramp
-// goes on until the transducer has seen the peak, up to a share above it.
+// The load servo commands its own torque; friction between it and the transducer keeps some of it. So the
+// ramp goes on until the transducer has seen the peak, up to a share above it.
 bool HysteresisProgram::Ramped(const Readings& readings) noexcept {
   const double peak_Nm = peaks_Nm_[peak_];
   const double most_Nm = kMostOvershoot * peak_Nm;
@@ -78,7 +78,8 @@ bool HysteresisProgram::Ramped(const Readings& readings) noexcept {
   return peak_Nm != 0.0 && std::copysign(1.0, peak_Nm) * (readings.output_torque_Nm - peak_Nm) >= 0.0;
 }
 
-StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
+                                   BenchDevices& devices) noexcept {
   const double in_stage_s = elapsed_s - stage_start_s_;
   switch (stage_) {
     case Stage::kBringUp: {
@@ -115,8 +116,8 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s, B
       if (elapsed_s + 0.5 * period_s_ >= next_row_s_) {
         next_row_s_ += 1.0 / parameters_.log_rate_hz;
         if (!logs_[angle_].Append({elapsed_s - loop_start_s_, readings.output_torque_Nm,
-                                   DegFromRad(readings.output_angle_rad), DegFromRad(readings.input_angle_rad),
-                                   readings.gear_temperature_degC})) {
+                                   DegFromRad(readings.output_angle_rad),
+                                   DegFromRad(readings.input_angle_rad), readings.gear_temperature_degC})) {
           return StepResult::kLogFull;
         }
       }

@@ -96,7 +96,8 @@ StopReason SuspendMonitor::Check(const Readings& readings, double period_s) noex
 }
 
 bool SuspendMonitor::Recovered(const Readings& readings, double period_s) noexcept {
-  const bool clear = readings.bad_channels == 0 && readings.gear_temperature_degC < rule_.resume_temperature_degC;
+  const bool clear =
+      readings.bad_channels == 0 && readings.gear_temperature_degC < rule_.resume_temperature_degC;
   clear_for_s_ = clear ? clear_for_s_ + period_s : 0.0;
   if (clear_for_s_ < rule_.dwell_s) return false;
   bad_for_s_ = 0.0;

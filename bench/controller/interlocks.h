@@ -17,8 +17,8 @@ namespace strainwave::bench {
 struct InterlockInputs {
   DriveActual driving;
   DriveActual load;
-  bool input_locked{};   // the twist limit holds only then
-  double twist_rad{};    // output travel since the input was locked
+  bool input_locked{};  // the twist limit holds only then
+  double twist_rad{};   // output travel since the input was locked
   std::chrono::nanoseconds now{};
 };
 

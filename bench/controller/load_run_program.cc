@@ -13,8 +13,8 @@ namespace {
 // remains, and would take for ever to finish.
 constexpr double kTurnTolerance_rad = 0.05;  // of the input
 constexpr double kCreepSpeed_rad_per_s = 1.0;
-constexpr double kParked_rad = 0.005;        // of the input
-constexpr double kParkingPeriods = 10.0;     // time constant of the last stretch
+constexpr double kParked_rad = 0.005;         // of the input
+constexpr double kParkingPeriods = 10.0;      // time constant of the last stretch
 constexpr double kParkingDeceleration = 0.5;  // of the acceleration allowed
 
 std::size_t ExpectedRows(const schedules::LoadRun& run) {
@@ -32,8 +32,8 @@ LoadRunProgram::LoadRunProgram(const schedules::LoadRun& parameters, double rati
       credited_s_(credited_s),
       speed_(parameters.input_acceleration_rad_per_s2),
       torque_(parameters.torque_rate_Nm_per_s),
-      log_({"time_s", "input_speed_rpm", "torque_mean_Nm", "torque_min_Nm", "torque_max_Nm", "motor_torque_Nm",
-            "vibration_rms_m_per_s2", "gear_temperature_degC", "ambient_temperature_degC"},
+      log_({"time_s", "input_speed_rpm", "torque_mean_Nm", "torque_min_Nm", "torque_max_Nm",
+            "motor_torque_Nm", "vibration_rms_m_per_s2", "gear_temperature_degC", "ambient_temperature_degC"},
            ExpectedRows(parameters)) {}
 
 void LoadRunProgram::SetUp(const Readings& readings, BenchDevices& devices) {
@@ -68,8 +68,8 @@ StepResult LoadRunProgram::Step(const Readings& readings, double elapsed_s, Benc
   return StepResult::kRunning;
 }
 
-// Comes to rest without load, then parks where measurements begin: whatever is measured next starts from the same
-// teeth, however the load run ended.
+// Comes to rest without load, then parks where measurements begin: whatever is measured next starts from the
+// same teeth, however the load run ended.
 StepResult LoadRunProgram::WindDownStep(const Readings& readings, BenchDevices& devices) noexcept {
   devices.load.CommandTorque(torque_.Step(0.0, period_s_));
   if (!parking_) {
@@ -85,7 +85,8 @@ StepResult LoadRunProgram::WindDownStep(const Readings& readings, BenchDevices& 
   const double gentle = remaining_rad / (kParkingPeriods * period_s_);
   const double wanted = std::abs(gentle) < std::abs(approach) ? gentle : approach;
   devices.driving.CommandSpeed(speed_.Step(wanted, period_s_));
-  const bool parked = std::abs(remaining_rad) < kParked_rad && std::abs(speed_.value()) < kParked_rad / period_s_;
+  const bool parked =
+      std::abs(remaining_rad) < kParked_rad && std::abs(speed_.value()) < kParked_rad / period_s_;
   return parked ? StepResult::kDone : StepResult::kRunning;
 }
 
@@ -118,9 +119,14 @@ std::vector<NamedRecord> LoadRunProgram::RecordsSoFar() const {
   named.record.kind = "history";
   named.record.SetMetadata("log_rate_hz", parameters_.log_rate_hz);
   named.record.SetMetadata("credited_load_s", credited_s_);
-  const std::vector<std::string> single{"input_speed_rpm",        "torque_mean_Nm",  "torque_min_Nm",
-                                        "torque_max_Nm",          "motor_torque_Nm", "vibration_rms_m_per_s2",
-                                        "ambient_temperature_degC", "gear_temperature_degC"};
+  const std::vector<std::string> single{"input_speed_rpm",
+                                        "torque_mean_Nm",
+                                        "torque_min_Nm",
+                                        "torque_max_Nm",
+                                        "motor_torque_Nm",
+                                        "vibration_rms_m_per_s2",
+                                        "ambient_temperature_degC",
+                                        "gear_temperature_degC"};
   named.record.columns = log_.Columns(single);
   std::vector<NamedRecord> records;
   records.push_back(std::move(named));

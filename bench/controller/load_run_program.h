@@ -9,8 +9,8 @@
 namespace strainwave::bench {
 
 /// Turns the output clockwise and back at constant input speed while the load servo brakes it with constant
-/// torque, until the load time is served; then parks where measurements begin. What an earlier attempt has served already is given as
-/// `credited_s` and not run again.
+/// torque, until the load time is served; then parks where measurements begin. What an earlier attempt has
+/// served already is given as `credited_s` and not run again.
 class LoadRunProgram final : public PhaseProgram {
  public:
   LoadRunProgram(const schedules::LoadRun& parameters, double ratio, double credited_s, double period_s);

@@ -42,8 +42,8 @@ class PhaseProgram {
   /// Between control periods, where memory may be allocated: fast channels are taken over here.
   virtual void Collect(BenchDevices&) {}
 
-  /// Asks the phase to come to rest by itself and be done before its time, with what it has so far. False where
-  /// it cannot be cut: a measurement is taken whole or not at all.
+  /// Asks the phase to come to rest by itself and be done before its time, with what it has so far. False
+  /// where it cannot be cut: a measurement is taken whole or not at all.
   virtual bool WindDown() noexcept { return false; }
 
   /// Control period that the phase's own sampling asks for; the bench's where that is shorter.
@@ -69,10 +69,10 @@ class PhaseProgram {
   virtual std::vector<NamedRecord> RecordsSoFar() const { return {}; }
 };
 
-/// Input angle at which every measurement begins: the whole turn of the input encoder at which the output stands
-/// nearest to a zero of its own encoder. Both encoders are absolute, so it is the same teeth and the same angle of
-/// the wave generator in every cycle; going by the output encoder alone, transmission error and wind-up where
-/// it stands now would move the start by a degree of the input.
+/// Input angle at which every measurement begins: the whole turn of the input encoder at which the output
+/// stands nearest to a zero of its own encoder. Both encoders are absolute, so it is the same teeth and the
+/// same angle of the wave generator in every cycle; going by the output encoder alone, transmission error and
+/// wind-up where it stands now would move the start by a degree of the input.
 double HomeInput_rad(const Readings& readings, double ratio) noexcept;
 
 /// Releases the brake as soon as the drive holds the shaft; true once it is released.

@@ -177,9 +177,15 @@ void PhaseRunner::AfterFault(PhaseProgram& program, PhaseOutcome& outcome) {
     }
   }
   std::vector<std::vector<double>> kept = history_.Unroll();
-  constexpr std::array<const char*, kHistoryChannels> kNames{
-      "time_s",          "input_angle_deg",        "output_angle_deg",         "input_speed_rpm",       "torque_Nm",
-      "motor_torque_Nm", "gear_temperature_degC",  "ambient_temperature_degC", "vibration_rms_m_per_s2"};
+  constexpr std::array<const char*, kHistoryChannels> kNames{"time_s",
+                                                             "input_angle_deg",
+                                                             "output_angle_deg",
+                                                             "input_speed_rpm",
+                                                             "torque_Nm",
+                                                             "motor_torque_Nm",
+                                                             "gear_temperature_degC",
+                                                             "ambient_temperature_degC",
+                                                             "vibration_rms_m_per_s2"};
   NamedRecord box{"black_box", {}};
   box.record.kind = "history";
   box.record.SetMetadata("stop_time_s", duration<double>(outcome.reason.time).count());

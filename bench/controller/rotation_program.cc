@@ -32,9 +32,10 @@ RotationProgram::RotationProgram(const schedules::MeasurementRotation& parameter
       breakaway_log_({"time_s", "position_rad", "velocity_rad_per_s", "torque_Nm", "temperature_degC"},
                      static_cast<std::size_t>((kMostBreakaway_Nm / kBreakawayRate_Nm_per_s + 1.0) *
                                               parameters.log_rate_hz)),
-      log_({"time_s", "position_rad", "velocity_rad_per_s", "torque_Nm", "output_angle_deg", "output_torque_Nm",
-            "temperature_degC"},
-           static_cast<std::size_t>(1.1 * MeasureDuration(parameters, ratio) * parameters.log_rate_hz) + 64) {}
+      log_({"time_s", "position_rad", "velocity_rad_per_s", "torque_Nm", "output_angle_deg",
+            "output_torque_Nm", "temperature_degC"},
+           static_cast<std::size_t>(1.1 * MeasureDuration(parameters, ratio) * parameters.log_rate_hz) + 64) {
+}
 
 double RotationProgram::timeout_s() const {
   return 1.5 * turn_input_rad_ / parameters_.input_speed_rad_per_s + 60.0;
@@ -42,10 +43,10 @@ double RotationProgram::timeout_s() const {
 
 void RotationProgram::SetUp(const Readings& readings, BenchDevices& devices) {
   rest_rad_ = readings.input_angle_rad;
-  const auto samples = static_cast<std::size_t>(
-      1.1 * turn_input_rad_ / parameters_.input_speed_rad_per_s * parameters_.vibration_rate_hz);
-  for (auto* channel : {&vibration_.accel_x_m_per_s2, &vibration_.accel_y_m_per_s2, &vibration_.accel_z_m_per_s2,
-                        &vibration_.accel_motor_z_m_per_s2}) {
+  const auto samples = static_cast<std::size_t>(1.1 * turn_input_rad_ / parameters_.input_speed_rad_per_s *
+                                                parameters_.vibration_rate_hz);
+  for (auto* channel : {&vibration_.accel_x_m_per_s2, &vibration_.accel_y_m_per_s2,
+                        &vibration_.accel_z_m_per_s2, &vibration_.accel_motor_z_m_per_s2}) {
     channel->reserve(samples);
   }
   devices.driving.Enable(DriveMode::kTorque);
@@ -101,10 +102,11 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
   return StepResult::kRunning;
 }
 
-StepResult RotationProgram::BreakAway(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
-  const bool kept = breakaway_log_.Append({elapsed_s - start_s_, readings.input_angle_rad,
-                                           readings.input_speed_rad_per_s, readings.motor_torque_Nm,
-                                           readings.gear_temperature_degC});
+StepResult RotationProgram::BreakAway(const Readings& readings, double elapsed_s,
+                                      BenchDevices& devices) noexcept {
+  const bool kept =
+      breakaway_log_.Append({elapsed_s - start_s_, readings.input_angle_rad, readings.input_speed_rad_per_s,
+                             readings.motor_torque_Nm, readings.gear_temperature_degC});
   if (!kept) return StepResult::kLogFull;
   const bool moved = std::abs(readings.input_angle_rad - rest_rad_) > kBrokenAway_rad;
   if (moved || std::abs(breakaway_.value()) >= kMostBreakaway_Nm) {
@@ -141,7 +143,8 @@ std::vector<NamedRecord> RotationProgram::TakeRecords() {
   NamedRecord rotation{"rotation", {}};
   rotation.record.kind = "motion";
   rotation.record.SetMetadata("sample_rate_hz", parameters_.log_rate_hz);
-  const std::vector<std::string> single{"torque_Nm", "output_torque_Nm", "temperature_degC", "velocity_rad_per_s"};
+  const std::vector<std::string> single{"torque_Nm", "output_torque_Nm", "temperature_degC",
+                                        "velocity_rad_per_s"};
   rotation.record.columns = log_.Columns(single);
   NamedRecord breakaway{"breakaway", {}};
   breakaway.record.kind = "motion";

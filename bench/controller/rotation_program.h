@@ -8,10 +8,10 @@
 
 namespace strainwave::bench {
 
-/// One rotation of the output at constant speed with raw vibration. Begins with the unloaded gear's breakaway: the
-/// motor's torque is raised slowly until the input moves. Then runs up, keeps exactly the asked turns at speed, runs
-/// down. Records: `breakaway` and `rotation` (kind motion: angles, torques, temperature at the log rate), and
-/// `vibration` (accelerometers).
+/// One rotation of the output at constant speed with raw vibration. Begins with the unloaded gear's
+/// breakaway: the motor's torque is raised slowly until the input moves. Then runs up, keeps exactly the
+/// asked turns at speed, runs down. Records: `breakaway` and `rotation` (kind motion: angles, torques,
+/// temperature at the log rate), and `vibration` (accelerometers).
 class RotationProgram final : public PhaseProgram {
  public:
   RotationProgram(const schedules::MeasurementRotation& parameters, double ratio);

@@ -24,7 +24,8 @@ std::vector<daq::Column> RowLog::Columns(std::span<const std::string> single_pre
     column.name = names_[i];
     if (std::ranges::find(single_precision, names_[i]) != single_precision.end()) {
       std::vector<float> narrow(columns_[i].size());
-      std::ranges::transform(columns_[i], narrow.begin(), [](double value) { return static_cast<float>(value); });
+      std::ranges::transform(columns_[i], narrow.begin(),
+                             [](double value) { return static_cast<float>(value); });
       column.values = std::move(narrow);
     } else {
       column.values = columns_[i];

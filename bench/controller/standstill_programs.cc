@@ -35,7 +35,8 @@ StepResult ReferencingProgram::Step(const Readings& readings, double elapsed_s, 
     return StepResult::kFailedCheck;
   }
   if (!std::isnan(expected_offset_rad_)) {
-    const double offset = readings.input_angle_rad / ratio_ - readings.output_angle_rad - expected_offset_rad_;
+    const double offset =
+        readings.input_angle_rad / ratio_ - readings.output_angle_rad - expected_offset_rad_;
     if (std::abs(offset) > tolerances_.angle_rad) {
       failed_ = {StopCause::kReferenceCheck, offset, tolerances_.angle_rad, readings.time};
       return StepResult::kFailedCheck;

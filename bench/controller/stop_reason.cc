@@ -104,8 +104,6 @@ bool IsRequest(StopCause cause) {
          cause == StopCause::kShutdownRequested;
 }
 
-bool IsFault(StopCause cause) {
-  return cause != StopCause::kNone && !IsSuspend(cause) && !IsRequest(cause);
-}
+bool IsFault(StopCause cause) { return cause != StopCause::kNone && !IsSuspend(cause) && !IsRequest(cause); }
 
 }  // namespace strainwave::bench

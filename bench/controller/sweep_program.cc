@@ -22,7 +22,8 @@ SweepProgram::SweepProgram(const schedules::TransmissionErrorSweep& parameters, 
            2 * (static_cast<std::size_t>(parameters.steps) + 1)) {}
 
 double SweepProgram::timeout_s() const {
-  const double turn_s = std::abs(ratio_) * parameters_.step_rad * parameters_.steps / parameters_.input_speed_rad_per_s;
+  const double turn_s =
+      std::abs(ratio_) * parameters_.step_rad * parameters_.steps / parameters_.input_speed_rad_per_s;
   return 60.0 + 4.0 * (turn_s + parameters_.steps * (parameters_.settle_s + parameters_.averaging_s + 0.5));
 }
 

@@ -27,7 +27,8 @@ analysis::model::PlantModel ModelOf(const BenchDescription& description, double 
   }
   if (findings.has_errors()) {
     const auto& simulation = description.simulation;
-    throw BenchFileError(simulation.plant_file.empty() ? description.file_name : simulation.plant_file, findings);
+    throw BenchFileError(simulation.plant_file.empty() ? description.file_name : simulation.plant_file,
+                         findings);
   }
   return model;
 }
@@ -36,9 +37,10 @@ analysis::model::PlantModel ModelOf(const BenchDescription& description, double 
 
 std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, const SimulatedTest& test) {
   if (!description.simulated) {
-    throw CampaignError(ExitCode::kMachineFailed,
-                        fmt::format("{}: error: this build drives no real devices yet (expected simulated: true)",
-                                    description.file_name));
+    throw CampaignError(
+        ExitCode::kMachineFailed,
+        fmt::format("{}: error: this build drives no real devices yet (expected simulated: true)",
+                    description.file_name));
   }
   SimulatedBenchSettings settings;
   settings.seed = description.simulation.seed;

@@ -15,12 +15,14 @@ struct SimulatedTest {
   /// Standstills at which the truth of the transmission error is told: those of the sweep.
   double sweep_step_rad{};
   int sweep_steps{};
-  double pace{1.0};             // times real time; infinity: as fast as it can
-  std::filesystem::path truth;  // file that gets one row a cycle of what only the simulation knows; empty: none
+  double pace{1.0};  // times real time; infinity: as fast as it can
+  std::filesystem::path
+      truth;  // file that gets one row a cycle of what only the simulation knows; empty: none
 };
 
 /// The bench that a bench file describes.
-/// @param test  for a simulated bench. Rows are added to the truth file; of two with one cycle number the last
+/// @param test  for a simulated bench. Rows are added to the truth file; of two with one cycle number the
+/// last
 ///   counts.
 /// @throws CampaignError for a bench that this build has no devices for; BenchFileError for a plant term or a
 ///   parameter that there is not.

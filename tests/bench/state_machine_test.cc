@@ -8,19 +8,35 @@
 namespace strainwave::bench {
 namespace {
 
-const std::vector<BenchState> kAllStates{
-    BenchState::kFaulted,       BenchState::kIdle,       BenchState::kReferencing,
-    BenchState::kReady,         BenchState::kLoadRun,    BenchState::kMeasurementRotation,
-    BenchState::kTransmissionErrorSweep, BenchState::kHysteresisTest, BenchState::kBlankTest,
-    BenchState::kSoak,          BenchState::kSuspended,  BenchState::kStore,
-    BenchState::kFinished};
-const std::vector<BenchEvent> kAllEvents{
-    BenchEvent::kReset,        BenchEvent::kStart,      BenchEvent::kReferenced,
-    BenchEvent::kBeginLoadRun, BenchEvent::kBeginMeasurementRotation, BenchEvent::kBeginTransmissionErrorSweep,
-    BenchEvent::kBeginHysteresisTest, BenchEvent::kBeginBlankTest, BenchEvent::kBeginSoak,
-    BenchEvent::kPhaseEnded,   BenchEvent::kSuspend,    BenchEvent::kResume,
-    BenchEvent::kBeginStore,   BenchEvent::kStored,     BenchEvent::kFinish,
-    BenchEvent::kFault};
+const std::vector<BenchState> kAllStates{BenchState::kFaulted,
+                                         BenchState::kIdle,
+                                         BenchState::kReferencing,
+                                         BenchState::kReady,
+                                         BenchState::kLoadRun,
+                                         BenchState::kMeasurementRotation,
+                                         BenchState::kTransmissionErrorSweep,
+                                         BenchState::kHysteresisTest,
+                                         BenchState::kBlankTest,
+                                         BenchState::kSoak,
+                                         BenchState::kSuspended,
+                                         BenchState::kStore,
+                                         BenchState::kFinished};
+const std::vector<BenchEvent> kAllEvents{BenchEvent::kReset,
+                                         BenchEvent::kStart,
+                                         BenchEvent::kReferenced,
+                                         BenchEvent::kBeginLoadRun,
+                                         BenchEvent::kBeginMeasurementRotation,
+                                         BenchEvent::kBeginTransmissionErrorSweep,
+                                         BenchEvent::kBeginHysteresisTest,
+                                         BenchEvent::kBeginBlankTest,
+                                         BenchEvent::kBeginSoak,
+                                         BenchEvent::kPhaseEnded,
+                                         BenchEvent::kSuspend,
+                                         BenchEvent::kResume,
+                                         BenchEvent::kBeginStore,
+                                         BenchEvent::kStored,
+                                         BenchEvent::kFinish,
+                                         BenchEvent::kFault};
 
 TEST(StateMachine, GoesThroughOneCycle) {
   BenchState state = BenchState::kFaulted;

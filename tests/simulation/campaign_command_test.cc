@@ -5,8 +5,8 @@
 
 #include <sys/mount.h>
 
-#include <csignal>
 #include <chrono>
+#include <csignal>
 #include <thread>
 
 #include "bench/campaign/journal.h"
@@ -50,7 +50,8 @@ TEST_F(Campaign, EndsWellWithATableAndPictures) {
 }
 
 TEST_F(Campaign, HasTheFilesOfTheContract) {
-  for (const char* file : {"schedule.yaml", "bench.yaml", "campaign.db", "cycles/000000.h5", "cycles/000003.h5"}) {
+  for (const char* file :
+       {"schedule.yaml", "bench.yaml", "campaign.db", "cycles/000000.h5", "cycles/000003.h5"}) {
     EXPECT_TRUE(std::filesystem::exists(Path() + "/" + file)) << file;
   }
   EXPECT_EQ(WholeFile(Path() + "/schedule.yaml"), WholeFile(kSchedule));
@@ -97,9 +98,10 @@ TEST_F(Campaign, TellsItsStatus) {
 TEST_F(Campaign, IsNotBegunTwiceInOneFolder) {
   const ProgramResult again = RunProgram({"run", kSchedule, "--out", Path()});
   EXPECT_EQ(again.exit_code, 2);
-  EXPECT_EQ(again.error, Path() +
-                             ": error: the folder holds a campaign already (expected a new folder, or --resume to go "
-                             "on with it)\n");
+  EXPECT_EQ(again.error,
+            Path() +
+                ": error: the folder holds a campaign already (expected a new folder, or --resume to go "
+                "on with it)\n");
 }
 
 TEST_F(Campaign, IsNotResumedWithAnotherSchedule) {
@@ -110,9 +112,10 @@ TEST_F(Campaign, IsNotResumedWithAnotherSchedule) {
   std::ofstream(changed) << text;
   const ProgramResult resumed = RunProgram({"run", changed, "--out", Path(), "--resume"});
   EXPECT_EQ(resumed.exit_code, 2);
-  EXPECT_EQ(resumed.error, Path() +
-                               ": error: the schedule has changed since the start (expected the frozen schedule.yaml; "
-                               "the difference is:\n  line 34: -cycles: 3\n  line 34: +cycles: 4\n  )\n");
+  EXPECT_EQ(resumed.error,
+            Path() +
+                ": error: the schedule has changed since the start (expected the frozen schedule.yaml; "
+                "the difference is:\n  line 34: -cycles: 3\n  line 34: +cycles: 4\n  )\n");
 }
 
 TEST_F(Campaign, SaysWhichCycleFileIsMissing) {
@@ -121,9 +124,10 @@ TEST_F(Campaign, SaysWhichCycleFileIsMissing) {
   std::filesystem::remove(copy / "cycles/000002.h5");
   const ProgramResult again = RunProgram({"recompute", copy.string()});
   EXPECT_EQ(again.exit_code, 2);
-  EXPECT_EQ(again.error, (copy / "cycles/000002.h5").string() +
-                             ": error: the file of cycle 2 is missing (expected the raw records that the journal says "
-                             "were stored)\n");
+  EXPECT_EQ(again.error,
+            (copy / "cycles/000002.h5").string() +
+                ": error: the file of cycle 2 is missing (expected the raw records that the journal says "
+                "were stored)\n");
 }
 
 TEST_F(Campaign, SaysWhichCycleFileIsCut) {
@@ -148,8 +152,9 @@ TEST_F(Campaign, IsNotReadFromAForeignDatabase) {
   }
   const ProgramResult status = RunProgram({"status", copy.string()});
   EXPECT_EQ(status.exit_code, 3);
-  EXPECT_EQ(status.error, (copy / "campaign.db").string() +
-                              ": error: not a campaign journal (expected a database that strainwave run has made)\n");
+  EXPECT_EQ(status.error,
+            (copy / "campaign.db").string() +
+                ": error: not a campaign journal (expected a database that strainwave run has made)\n");
 }
 
 TEST_F(Campaign, IsNotReadFromAFolderThatIsNone) {
@@ -163,14 +168,17 @@ TEST_F(Campaign, IsNotReadFromAFolderThatIsNone) {
 
 TEST_F(Campaign, IsNotResumedWhereThereIsNone) {
   const ScratchFolder scratch;
-  const ProgramResult resumed = RunProgram({"run", kSchedule, "--out", (scratch / "none").string(), "--resume"});
+  const ProgramResult resumed =
+      RunProgram({"run", kSchedule, "--out", (scratch / "none").string(), "--resume"});
   EXPECT_EQ(resumed.exit_code, 2);
-  EXPECT_EQ(resumed.error, (scratch / "none").string() +
-                               ": error: there is no campaign to resume (expected a folder with campaign.db; leave "
-                               "--resume away to start one)\n");
+  EXPECT_EQ(resumed.error,
+            (scratch / "none").string() +
+                ": error: there is no campaign to resume (expected a folder with campaign.db; leave "
+                "--resume away to start one)\n");
 }
 
-/// A file system of its own, small or read-only; not mounted where this machine does not let the test mount one.
+/// A file system of its own, small or read-only; not mounted where this machine does not let the test mount
+/// one.
 class MountedFolder {
  public:
   explicit MountedFolder(const std::string& options) {
@@ -198,10 +206,11 @@ TEST(FullDisk, StopsSafelyAndTheCampaignOpensAndGoesOn) {
   const std::string folder = disk / "campaign";
   const ProgramResult full = RunProgram({"run", kSchedule, "--out", folder});
   EXPECT_EQ(full.exit_code, 3);
-  EXPECT_NE(full.error.find("stopped: torque is off, brakes are on, the campaign is whole; when the cause below is "
-                            "mended, go on with: strainwave run " +
-                            kSchedule + " --out " + folder + " --resume\n"),
-            std::string::npos)
+  EXPECT_NE(
+      full.error.find("stopped: torque is off, brakes are on, the campaign is whole; when the cause below is "
+                      "mended, go on with: strainwave run " +
+                      kSchedule + " --out " + folder + " --resume\n"),
+      std::string::npos)
       << full.error;
   EXPECT_NE(full.error.find(": No space left on device\n"), std::string::npos) << full.error;
   EXPECT_EQ(RunProgram({"status", folder}).exit_code, 0);
@@ -222,21 +231,28 @@ TEST(ReadOnlyFolder, IsRefusedBeforeAnythingMoves) {
                                (disk / "campaign") + "]\n");
 }
 
-/// Waits until the journal shows a running phase of the cycle, then sends the signal.
-ProgramResult InterruptAt(int cycle, int signal, const ScratchFolder& scratch, const std::string& pace) {
-  const auto folder = scratch / "campaign";
-  const pid_t process = StartProgram({"run", kSchedule, "--out", folder.string(), "--pace", pace}, scratch);
+/// Waits until the journal shows a phase of cycle 1 whose name is `phase`, or any where that is empty.
+void WaitForPhase(const std::filesystem::path& folder, const std::string& phase, pid_t process) {
   while (true) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // polling another process: nothing to wait on
-    int status = 0;
-    if (::waitpid(process, &status, WNOHANG) == process) return {-1, "", "ended before it was interrupted"};
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // polling another process: nothing to wait on
+    siginfo_t ended{};
+    ::waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT);
+    if (ended.si_pid == process) return;
     try {
       const auto journal = bench::Journal::Open(folder / "campaign.db", bench::Database::Mode::kReadOnly);
-      if (!journal.Phases(cycle).empty()) break;
+      for (const bench::PhaseRow& row : journal.Phases(1)) {
+        if (phase.empty() || row.name == phase) return;
+      }
     } catch (const bench::DatabaseError&) {
       continue;  // not there yet
     }
   }
+}
+
+ProgramResult InterruptAtCycleOne(int signal, const ScratchFolder& scratch, const std::string& pace) {
+  const auto folder = scratch / "campaign";
+  const pid_t process = StartProgram({"run", kSchedule, "--out", folder.string(), "--pace", pace}, scratch);
+  WaitForPhase(folder, "", process);
   ::kill(process, signal);
   return WaitForProgram(process, scratch);
 }
@@ -251,7 +267,7 @@ class FourWaysToEnd : public testing::TestWithParam<Verb> {};
 
 TEST_P(FourWaysToEnd, AreSafeResumableAndTellable) {
   const ScratchFolder scratch;
-  const ProgramResult stopped = InterruptAt(1, GetParam().signal, scratch, "200");
+  const ProgramResult stopped = InterruptAtCycleOne(GetParam().signal, scratch, "200");
   EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
   const auto folder = scratch / "campaign";
   {
@@ -273,8 +289,31 @@ TEST_P(FourWaysToEnd, AreSafeResumableAndTellable) {
   EXPECT_EQ(journal.Holes().size(), 1u);
 }
 
+TEST(Resume, WarmsUpAfterALongPauseBeforeItMeasures) {
+  const ScratchFolder scratch;
+  std::string text = WholeFile(kSchedule);
+  text.replace(text.find("re_soak_after: 30 min"), 21, "re_soak_after: 1 ms");
+  const std::string schedule = (scratch / "short.yaml").string();
+  std::ofstream(schedule) << text;
+  const auto folder = scratch / "campaign";
+  // Stops between the load run and the measurements: a shutdown cuts the rotation, which is then taken whole.
+  const pid_t process = StartProgram({"run", schedule, "--out", folder.string(), "--pace", "200"}, scratch);
+  WaitForPhase(folder, "measurement_rotation", process);
+  ::kill(process, SIGTERM);
+  ASSERT_EQ(WaitForProgram(process, scratch).exit_code, 130);
+  ASSERT_EQ(RunProgram({"run", schedule, "--out", folder.string(), "--resume"}).exit_code, 0);
+  const auto journal = bench::Journal::Open(folder / "campaign.db", bench::Database::Mode::kReadOnly);
+  bool warmed_up = false;
+  for (const bench::Event& event : journal.Events(100)) warmed_up = warmed_up || event.code == "warm_up";
+  EXPECT_TRUE(warmed_up);
+  double credited_s = 0.0;
+  for (const bench::PhaseRow& row : journal.Phases(1)) credited_s += row.credited_load_s;
+  EXPECT_NEAR(credited_s, 30.0, 0.011);  // the warm-up is load, but not of the test
+}
+
 INSTANTIATE_TEST_SUITE_P(BySignal, FourWaysToEnd,
-                         testing::Values(Verb{"QuickStop", SIGINT, "quick_stop"}, Verb{"Shutdown", SIGTERM, "shutdown"},
+                         testing::Values(Verb{"QuickStop", SIGINT, "quick_stop"},
+                                         Verb{"Shutdown", SIGTERM, "shutdown"},
                                          Verb{"Pause", SIGUSR1, "pause"},
                                          Verb{"FinishCycle", SIGUSR2, "finish_cycle"}),
                          [](const auto& instance) { return instance.param.name; });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every way out of every phase: torque off, brakes on, within one control period, and nothing commanded after.
+// Every way out of every phase: torque off, brakes on, within one control period, and nothing commanded
+// after.
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -83,7 +84,8 @@ TEST_P(SafeState, IsReachedWithinOneControlPeriodAndTheCauseIsNamed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEveryPhase, SafeState,
-                         testing::Combine(testing::Range<std::size_t>(0, 4), testing::Range<std::size_t>(0, 7)),
+                         testing::Combine(testing::Range<std::size_t>(0, 4),
+                                          testing::Range<std::size_t>(0, 7)),
                          [](const auto& instance) {
                            return PhaseCases()[std::get<0>(instance.param)].name +
                                   Ways()[std::get<1>(instance.param)].name;

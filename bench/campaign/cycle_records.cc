@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/cycle_records.h"
+
+#include <filesystem>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/sensor_stamps.h"
+#include "daq/cycle_file.h"
+
+namespace strainwave::bench {
+
+void CycleRecords::Begin(int cycle) {
+  cycle_ = cycle;
+  records_.clear();
+}
+
+bool CycleRecords::TakeFromEarlierRun(const CycleStep& step, int repeat, std::span<const PhaseRow> phases) {
+  bool complete = false;
+  for (const PhaseRow& row : phases) {
+    if (row.step != step.index || row.repeat != repeat) continue;
+    complete = complete || row.outcome == "complete";
+    const auto file = folder_.UnfinishedFile(cycle_, step.index, repeat, row.attempt);
+    if (!std::filesystem::exists(file)) continue;
+    // Of a load run every row counts, of anything else the attempt that was completed.
+    if (!step.accumulates && row.outcome != "complete") continue;
+    for (NamedRecord& named : daq::ReadCycleFile(file, daq::Checking::kNone).records) {
+      named.group.erase(0, named.group.find_first_not_of('/'));
+      records_.push_back(std::move(named));
+    }
+  }
+  return complete;
+}
+
+void CycleRecords::Name(const CycleStep& step, int repeat, int attempt,
+                        std::vector<NamedRecord>& records) const {
+  const std::string group = repeat == 0 ? step.group : fmt::format("{}/retry_{}", step.group, repeat);
+  for (NamedRecord& named : records) {
+    named.group = fmt::format("{}/{}", group, named.group);
+    // A load run in several pieces keeps them all, side by side.
+    if (step.accumulates && attempt > 1) named.group += fmt::format("_{}", attempt);
+  }
+  StampSensors(records, bench_);
+}
+
+void CycleRecords::WriteAhead(const CycleStep& step, int repeat, int attempt,
+                              std::vector<NamedRecord> records) const {
+  if (records.empty()) return;
+  Name(step, repeat, attempt, records);
+  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records);
+}
+
+void CycleRecords::Keep(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records) {
+  if (records.empty()) return;
+  Name(step, repeat, attempt, records);
+  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records);
+  for (NamedRecord& named : records) records_.push_back(std::move(named));
+}
+
+void CycleRecords::RemoveUnfinished() const {
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.Unfinished())) {
+    std::filesystem::remove(entry.path());
+  }
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "bench/campaign/cycle_steps.h"
+#include "bench/campaign/folder.h"
+#include "bench/campaign/journal.h"
+#include "bench/configuration/bench_description.h"
+#include "bench/controller/phase_program.h"
+
+namespace strainwave::bench {
+
+/// The raw records of the cycle under way: in memory, and each finished phase also in a file of its own, so
+/// that a kill costs at most the phase that it cut. When the cycle's own file has appeared they are gone.
+class CycleRecords {
+ public:
+  CycleRecords(const CampaignFolder& folder, const BenchDescription& bench)
+      : folder_(folder), bench_(bench) {}
+
+  void Begin(int cycle);
+  std::span<const NamedRecord> all() const { return records_; }
+
+  /// Takes what an earlier run has left of a step.
+  /// @param phases  of this cycle, from the journal.
+  /// @return true when the step is complete and need not be run.
+  bool TakeFromEarlierRun(const CycleStep& step, int repeat, std::span<const PhaseRow> phases);
+
+  /// Keeps the records of an attempt that has ended.
+  void Keep(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records);
+  /// Writes those of one that is still running, in case the program dies.
+  void WriteAhead(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records) const;
+
+  /// The cycle's own file is on the disk.
+  void RemoveUnfinished() const;
+
+ private:
+  void Name(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord>& records) const;
+
+  CampaignFolder folder_;
+  const BenchDescription& bench_;
+  int cycle_{};
+  std::vector<NamedRecord> records_;
+};
+
+}  // namespace strainwave::bench
