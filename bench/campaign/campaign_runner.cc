@@ -60,10 +60,18 @@ CampaignRunner::CampaignRunner(const CampaignFolder& folder, const schedules::Sc
       runner_(machine.Devices(), SettingsOf(schedule, bench), request),
       checkpoint_(folder.Checkpoint()),
       quality_(schedule, journal),
-      records_(folder, bench) {}
+      records_(folder, bench),
+      preparation_s_(PlannedDuration_s(StepsOf(schedule, 0))),
+      one_cycle_s_(PlannedDuration_s(StepsOf(schedule, 1))) {}
 
 double CampaignRunner::Time_s() const {
   return time_base_s_ + std::chrono::duration<double>(machine_.Devices().clock.Now() - clock_base_).count();
+}
+
+double CampaignRunner::ShareDone(const CycleStep& step, double share_of_step) const {
+  const double before_s = cycle_ == 0 ? 0.0 : preparation_s_ + (cycle_ - 1) * one_cycle_s_;
+  const double whole_s = preparation_s_ + schedule_.cycles * one_cycle_s_;
+  return whole_s > 0.0 ? (before_s + step.begins_s + share_of_step * step.planned_s) / whole_s : 0.0;
 }
 
 void CampaignRunner::Transition(BenchEvent event) {
@@ -154,8 +162,6 @@ CampaignRunner::MaybeEnd CampaignRunner::RunCycle(int cycle) {
   cycle_ = cycle;
   records_.Begin(cycle);
   const std::vector<CycleStep> steps = StepsOf(schedule_, cycle);
-  planned_s_.clear();
-  for (const CycleStep& step : steps) planned_s_.push_back(step.planned_s);
   journal_.BeginCycle(cycle, Time_s());
   for (const CycleStep& step : steps) {
     if (auto end = RunStep(step, 0)) return end;
@@ -224,13 +230,6 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   machine_.BeginPhase(PhaseKey(cycle_, step.index, repeat));
   Transition(BeginEvent(phase.parameters));
 
-  double done_s = 0.0;
-  double planned_s = 0.0;
-  for (std::size_t i = 0; i < planned_s_.size(); ++i) {
-    planned_s += planned_s_[i];
-    if (static_cast<int>(i) < step.index) done_s += planned_s_[i];
-  }
-  const double this_s = planned_s_[static_cast<std::size_t>(step.index)];
   auto last_kept = std::chrono::steady_clock::now();
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseProgram& running) {
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
@@ -240,9 +239,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     // A measurement that is cut is taken again from its beginning, so a simulated bench goes back there too.
     if (step.accumulates) TakeMemory();
     WriteCheckpoint(step.index, repeat, running.credited_load_s(), blank);
-    const double share = running.share_done();
-    progress_.Update(
-        {cycle_, schedule_.cycles, phase.name, share, (done_s + share * this_s) / planned_s, Time_s()});
+    progress_.Update({cycle_, schedule_.cycles, phase.name, ShareDone(step, running.share_done())});
   });
   if (blank) machine_.MountBlank(false);
 

@@ -64,6 +64,8 @@ class CampaignRunner {
   void Note(std::string_view severity, std::string_view phase, std::string_view code,
             const std::string& text);
   double Time_s() const;
+  /// Share of the campaign that is done when this share of a step is.
+  double ShareDone(const CycleStep& step, double share_of_step) const;
 
   CampaignFolder folder_;
   const schedules::Schedule& schedule_;
@@ -78,11 +80,12 @@ class CampaignRunner {
   BenchState state_{BenchState::kFaulted};
   double time_base_s_{};  // bench time of earlier runs
   std::chrono::nanoseconds clock_base_{};
+  CycleRecords records_;
+  double preparation_s_{};  // planned
+  double one_cycle_s_{};    // planned
   int cycle_{};
   int resumed_cycle_{-1};
-  CycleRecords records_;
   std::vector<std::byte> memory_;  // of a simulated bench, as the next checkpoint will hold it
-  std::vector<double> planned_s_;  // of each step of the cycle under way
 };
 
 }  // namespace strainwave::bench

@@ -13,14 +13,18 @@ bool IsMeasurement(const schedules::PhaseParameters& parameters) {
          std::holds_alternative<schedules::HysteresisTest>(parameters);
 }
 
+double PlannedDuration_s(const std::vector<CycleStep>& steps) {
+  return steps.empty() ? 0.0 : steps.back().begins_s + steps.back().planned_s;
+}
+
 std::vector<CycleStep> StepsOf(const schedules::Schedule& schedule, int cycle) {
   const schedules::Plan plan = schedules::MakePlan(schedule, {});
   std::vector<CycleStep> steps;
   const auto add = [&](const schedules::Phase& phase, const schedules::PhaseTime& time, std::string group) {
     const bool measurement = IsMeasurement(phase.parameters);
     const bool accumulates = std::holds_alternative<schedules::LoadRun>(phase.parameters);
-    steps.push_back(
-        {static_cast<int>(steps.size()), &phase, std::move(group), measurement, accumulates, time.total_s()});
+    steps.push_back({static_cast<int>(steps.size()), &phase, std::move(group), measurement, accumulates,
+                     PlannedDuration_s(steps), time.total_s()});
   };
   if (cycle > 0) {
     for (std::size_t i = 0; i < schedule.phases.size(); ++i) {

@@ -14,9 +14,7 @@ struct ProgressState {
   int cycle{};   // 0: preparation
   int cycles{};  // of the schedule
   std::string_view phase;
-  double phase_share{};  // done of the phase
-  double cycle_share{};  // done of the cycle, phases weighted by their planned duration
-  double bench_time_s{};
+  double share{};  // done of the whole campaign, by planned bench time
 };
 
 /// Where a campaign tells people what it does: a terminal, a log, nobody.

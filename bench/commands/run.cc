@@ -137,7 +137,7 @@ int Run(const RunOptions& options) {
   CampaignEnd end;
   {
     const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth));
-    TerminalProgress progress(std::max(1, journal.LastCompleteCycle() + 1));
+    TerminalProgress progress;
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, g_request, progress);
     const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();
     try {

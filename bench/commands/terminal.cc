@@ -28,8 +28,8 @@ std::string DurationText(double time_s) {
   return fmt::format("{} s", seconds);
 }
 
-TerminalProgress::TerminalProgress(int first_cycle)
-    : is_terminal_(::isatty(STDERR_FILENO) == 1), first_cycle_(first_cycle), start_(steady_clock::now()) {}
+TerminalProgress::TerminalProgress()
+    : is_terminal_(::isatty(STDERR_FILENO) == 1), start_(steady_clock::now()) {}
 
 TerminalProgress::~TerminalProgress() { ClearLine(); }
 
@@ -42,16 +42,13 @@ void TerminalProgress::ClearLine() {
 void TerminalProgress::Update(const ProgressState& state) {
   state_ = state;
   phase_ = state.phase;
+  if (first_share_ < 0.0) first_share_ = state.share;
   const auto now = steady_clock::now();
   if (now - last_draw_ < (is_terminal_ ? kTerminalInterval : kLogInterval)) return;
-  const bool first = last_draw_ == steady_clock::time_point{};
   last_draw_ = now;
-  if (first) return;  // nothing is known of the pace yet
-  const double cycles = state.cycles - first_cycle_ + 1.0;
-  const double done = std::max(0.0, state.cycle - first_cycle_ + state.cycle_share);
-  const double share = done / cycles;
+  const double done = state.share - first_share_;
   const double elapsed_s = duration<double>(now - start_).count();
-  Draw(share, share > 0.0 ? elapsed_s * (1.0 - share) / share : -1.0);
+  Draw(state.share, done > 0.0 ? elapsed_s * (1.0 - state.share) / done : -1.0);
 }
 
 void TerminalProgress::Draw(double share, double eta_s) {

@@ -14,8 +14,7 @@ std::string DurationText(double time_s);
 /// Progress on standard error: a bar with the time left on a terminal, a line a minute in a log.
 class TerminalProgress final : public ProgressSink {
  public:
-  /// @param first_cycle  cycles before it were done by an earlier run and say nothing of this one's pace.
-  explicit TerminalProgress(int first_cycle);
+  TerminalProgress();
   ~TerminalProgress() override;
 
   void Update(const ProgressState& state) override;
@@ -27,7 +26,7 @@ class TerminalProgress final : public ProgressSink {
   void Draw(double share, double eta_s);
 
   bool is_terminal_;
-  int first_cycle_;
+  double first_share_{-1.0};  // what earlier runs have done says nothing of this one's pace
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_draw_{};
   ProgressState state_;
