@@ -289,6 +289,43 @@ TEST_P(FourWaysToEnd, AreSafeResumableAndTellable) {
   EXPECT_EQ(journal.Holes().size(), 1u);
 }
 
+/// The small schedule with one text put in the place of another.
+std::string Changed(const ScratchFolder& scratch, const std::string& from, const std::string& to) {
+  std::string text = WholeFile(kSchedule);
+  text.replace(text.find(from), from.size(), to);
+  const std::string schedule = (scratch / "changed.yaml").string();
+  std::ofstream(schedule) << text;
+  return schedule;
+}
+
+TEST(StopCriterion, EndsTheCampaignWithExitCodeOne) {
+  const ScratchFolder scratch;
+  const std::string schedule =
+      Changed(scratch, "measurements:", "stop:\n  e_max_above: 0.5 arcmin\nmeasurements:");
+  const auto folder = scratch / "campaign";
+  const ProgramResult result = RunProgram({"run", schedule, "--out", folder.string()});
+  EXPECT_EQ(result.exit_code, 1) << result.error;
+  const auto journal = bench::Journal::Open(folder / "campaign.db", bench::Database::Mode::kReadOnly);
+  EXPECT_EQ(journal.LastCompleteCycle(), 1);
+  EXPECT_EQ(journal.Events(1).front().code, "stop_criterion");
+}
+
+TEST(Limit, TripsTheBenchKeepsTheSamplesAndTheCampaignCanGoOn) {
+  const ScratchFolder scratch;
+  // The locked bench winds up by more than this at the peak of the blank test.
+  const std::string schedule = Changed(scratch, "twist: 30 arcmin", "twist: 5 arcmin");
+  const auto folder = scratch / "campaign";
+  const ProgramResult result = RunProgram({"run", schedule, "--out", folder.string()});
+  EXPECT_EQ(result.exit_code, 1) << result.error;
+  EXPECT_NE(result.error.find("arcmin is beyond the limit of 5.00 arcmin with the input locked"),
+            std::string::npos)
+      << result.error;
+  const auto status = nlohmann::json::parse(RunProgram({"status", folder.string(), "--json"}).out);
+  ASSERT_EQ(status["alarms"].size(), 1u);
+  EXPECT_EQ(status["alarms"][0]["code"], "twist_limit");
+  EXPECT_FALSE(std::filesystem::is_empty(folder / "faults"));
+}
+
 TEST(Resume, WarmsUpAfterALongPauseBeforeItMeasures) {
   const ScratchFolder scratch;
   std::string text = WholeFile(kSchedule);
