@@ -9,9 +9,10 @@ namespace strainwave::bench {
 namespace {
 
 constexpr std::size_t kFewestRows = 8;
-// Above the swinging of the presliding springs when the brake lets go.
-constexpr double kMovingSpeed_rad_per_s = 5.0;
-constexpr std::size_t kSpeedSamples = 10;
+// When the brake lets go, the input swings on its presliding springs by some hundredths of a radian at some
+// 40 Hz; over this time the swing averages out, and what is left is motion.
+constexpr double kSpeedTime_s = 0.05;
+constexpr double kMovingSpeed_rad_per_s = 2.0;
 
 std::vector<double> Numbers(const daq::Record& record, std::string_view name) {
   const daq::Column* column = record.FindColumn(name);
@@ -29,8 +30,10 @@ std::vector<Result> StartingTorque(const daq::Record& record, std::span<const do
   const std::vector<double> time_s = Numbers(record, "time_s");
   const std::vector<double> position_rad = Numbers(record, "position_rad");
   std::vector<double> speed(position_rad.size(), 0.0);
-  for (std::size_t i = kSpeedSamples; i < position_rad.size(); ++i) {
-    const std::size_t before = i - kSpeedSamples;
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < position_rad.size(); ++i) {
+    while (time_s[i] - time_s[before] > kSpeedTime_s) ++before;
+    if (time_s[i] - time_s[before] < 0.5 * kSpeedTime_s) continue;
     speed[i] = (position_rad[i] - position_rad[before]) / (time_s[i] - time_s[before]);
   }
   const auto starting = analysis::MeasureStartingTorque(torque_Nm, speed, kMovingSpeed_rad_per_s);

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kTorqueRate_Nm_per_s = 200.0;
 // A size-20 unit breaks away at a few Ncm; ten times that moves anything that can still move.
+// The brakes let go of what torque they held; the input gives way by a tenth of a radian before it stands.
+constexpr double kSettle_s = 0.3;
 constexpr double kBreakawayRate_Nm_per_s = 0.1;
 constexpr double kMostBreakaway_Nm = 0.5;
 constexpr double kBrokenAway_rad = 0.5;  // of the input
@@ -41,8 +43,7 @@ double RotationProgram::timeout_s() const {
   return 1.5 * turn_input_rad_ / parameters_.input_speed_rad_per_s + 60.0;
 }
 
-void RotationProgram::SetUp(const Readings& readings, BenchDevices& devices) {
-  rest_rad_ = readings.input_angle_rad;
+void RotationProgram::SetUp(const Readings&, BenchDevices& devices) {
   const auto samples = static_cast<std::size_t>(1.1 * turn_input_rad_ / parameters_.input_speed_rad_per_s *
                                                 parameters_.vibration_rate_hz);
   for (auto* channel : {&vibration_.accel_x_m_per_s2, &vibration_.accel_y_m_per_s2,
@@ -61,11 +62,17 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
       const bool driving_up = BroughtUp(devices.driving);
       const bool load_up = BroughtUp(devices.load);
       if (driving_up && load_up) {
-        stage_ = Stage::kBreakAway;
+        stage_ = Stage::kSettle;
         start_s_ = elapsed_s;
       }
       return StepResult::kRunning;
     }
+    case Stage::kSettle:
+      if (elapsed_s - start_s_ < kSettle_s) return StepResult::kRunning;
+      rest_rad_ = readings.input_angle_rad;
+      start_s_ = elapsed_s;
+      stage_ = Stage::kBreakAway;
+      return StepResult::kRunning;
     case Stage::kBreakAway:
       return BreakAway(readings, elapsed_s, devices);
     case Stage::kChangeMode:

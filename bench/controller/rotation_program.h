@@ -26,7 +26,7 @@ class RotationProgram final : public PhaseProgram {
   std::vector<NamedRecord> TakeRecords() override;
 
  private:
-  enum class Stage { kBringUp, kBreakAway, kChangeMode, kRunUp, kMeasure, kRunDown };
+  enum class Stage { kBringUp, kSettle, kBreakAway, kChangeMode, kRunUp, kMeasure, kRunDown };
 
   StepResult BreakAway(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept;
 

@@ -13,6 +13,7 @@ import json
 import math
 import pathlib
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -168,7 +169,18 @@ def compare(options, journal, reference, kills):
     return (*worst, off_s)
 
 
+def with_cycles(schedule, cycles, folder):
+    """The schedule with another number of cycles, as a file of its own."""
+    text, replaced = re.subn(r"^cycles: \d+", f"cycles: {cycles}", schedule.read_text(encoding="utf-8"), flags=re.M)
+    assert replaced == 1, f"{schedule}: no 'cycles:' to replace"
+    changed = folder / "schedule.yaml"
+    changed.write_text(text, encoding="utf-8")
+    return changed
+
+
 def run_all(options, folder):
+    if options.cycles:
+        options.schedule = with_cycles(options.schedule, options.cycles, folder)
     chance = random.Random(options.seed)
     start = time.monotonic()
     run_for(options, folder / "reference", None)
@@ -197,6 +209,7 @@ def main():
     parser.add_argument("--kills", type=int, default=20, help="default: %(default)s")
     parser.add_argument("--seed", type=int, default=1, help="of the moments; default: %(default)s")
     parser.add_argument("--schedule", type=pathlib.Path, default=CHECKOUT / "schedules" / "quick.yaml")
+    parser.add_argument("--cycles", type=int, help="of the schedule, in place of its own; many spread the kills out")
     parser.add_argument("--program", type=pathlib.Path, default=CHECKOUT / "build" / "strainwave")
     parser.add_argument("--tolerance", type=float, default=1e-3, help="relative, of results; default: %(default)s")
     parser.add_argument("--shortest", type=float, default=0.1, metavar="S",
