@@ -27,6 +27,10 @@ struct CampaignInputs {
 CampaignInputs ReadInputs(const std::filesystem::path& schedule,
                           const std::optional<std::filesystem::path>& bench);
 
+/// What is allowed but should be known before the start: the schedule's own warnings, those that it has on
+/// this bench, and a stiffness that would include the bench's compliance because nothing measures that.
+schedules::FindingList WarningsOf(const CampaignInputs& inputs);
+
 /// The inputs frozen in a campaign's folder.
 /// @throws CampaignError when the folder is not a campaign.
 CampaignInputs ReadFrozenInputs(const CampaignFolder& folder);

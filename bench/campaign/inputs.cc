@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign.h"
@@ -7,6 +9,7 @@
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/read_bench_file.h"
 #include "schedules/reader/read_schedule.h"
+#include "schedules/reader/validate_schedule.h"
 
 namespace strainwave::bench {
 namespace {
@@ -41,6 +44,24 @@ CampaignInputs ReadInputs(const std::filesystem::path& schedule,
   const schedules::FindingList findings = CheckScheduleAgainstBench(inputs.schedule, inputs.bench);
   if (findings.has_errors()) throw schedules::ScheduleError(schedule.string(), findings);
   return inputs;
+}
+
+schedules::FindingList WarningsOf(const CampaignInputs& inputs) {
+  const schedules::Schedule& schedule = inputs.schedule;
+  schedules::FindingList warnings = schedules::ValidateSchedule(schedule);
+  warnings.Append(CheckScheduleAgainstBench(schedule, inputs.bench));
+  const auto is_blank = [](const schedules::Phase& phase) {
+    return std::holds_alternative<schedules::BlankTest>(phase.parameters);
+  };
+  if (std::ranges::any_of(schedule.preparation, is_blank)) return warnings;
+  for (const schedules::Phase& phase : schedule.phases) {
+    if (!std::holds_alternative<schedules::HysteresisTest>(phase.parameters)) continue;
+    warnings.AddWarning(
+        phase.line, 1,
+        "the stiffness will include the twist of couplings and sensor (a blank_test in preparation "
+        "measures and removes it)");
+  }
+  return warnings;
 }
 
 CampaignInputs ReadFrozenInputs(const CampaignFolder& folder) {

@@ -120,6 +120,9 @@ int Run(const RunOptions& options) {
                     "--resume to go on with it)",
                     folder.root.string()));
   }
+  for (const auto& finding : WarningsOf(inputs).items()) {
+    fmt::print(stderr, "{}\n", schedules::FormatFinding(options.schedule, finding));
+  }
   std::filesystem::create_directories(folder.root);
   const CampaignLock lock(folder);
   Journal journal = options.resume ? Journal::Open(folder.Journal(), Database::Mode::kReadWrite)

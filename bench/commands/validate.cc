@@ -13,10 +13,8 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/terminal.h"
-#include "bench/configuration/check_schedule.h"
 #include "bench/controller/interlocks.h"
 #include "schedules/reader/plan.h"
-#include "schedules/reader/validate_schedule.h"
 
 namespace strainwave::bench {
 namespace {
@@ -157,9 +155,7 @@ int Validate(const ValidateOptions& options) {
   const CampaignInputs inputs =
       ReadInputs(options.schedule,
                  options.bench.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.bench));
-  schedules::FindingList warnings = schedules::ValidateSchedule(inputs.schedule);
-  warnings.Append(CheckScheduleAgainstBench(inputs.schedule, inputs.bench));
-  for (const auto& finding : warnings.items()) {
+  for (const auto& finding : WarningsOf(inputs).items()) {
     fmt::print(stderr, "{}\n", schedules::FormatFinding(options.schedule, finding));
   }
   const schedules::Plan plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());

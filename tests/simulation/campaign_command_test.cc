@@ -298,6 +298,20 @@ std::string Changed(const ScratchFolder& scratch, const std::string& from, const
   return schedule;
 }
 
+TEST(Validate, WarnsOfAStiffnessThatIncludesTheBench) {
+  const ScratchFolder scratch;
+  const std::string blank =
+      "preparation:\n  - kind: blank_test\n    peak_torque: 34 Nm\n    torque_rate: 10 Nm/s\n    steps: 36\n";
+  const std::string schedule = Changed(scratch, blank, "");
+  const ProgramResult result = RunProgram({"validate", schedule});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.error,
+            schedule +
+                ":65:1: warning: the stiffness will include the twist of couplings and sensor (a "
+                "blank_test in preparation measures and removes it)\n");
+  EXPECT_EQ(RunProgram({"validate", kSchedule}).error, "");
+}
+
 TEST(StopCriterion, EndsTheCampaignWithExitCodeOne) {
   const ScratchFolder scratch;
   const std::string schedule =
