@@ -36,7 +36,12 @@ std::vector<Result> StartingTorque(const daq::Record& record, std::span<const do
     if (time_s[i] - time_s[before] < 0.5 * kSpeedTime_s) continue;
     speed[i] = (position_rad[i] - position_rad[before]) / (time_s[i] - time_s[before]);
   }
-  const auto starting = analysis::MeasureStartingTorque(torque_Nm, speed, kMovingSpeed_rad_per_s);
+  // The swing may look like motion for a moment; the motion that stays begins after the last rest.
+  std::size_t rest = speed.size();
+  while (rest > 0 && std::abs(speed[rest - 1]) >= kMovingSpeed_rad_per_s) --rest;
+  const std::size_t from = rest > kFewestRows ? rest - kFewestRows : 0;
+  const auto starting = analysis::MeasureStartingTorque(
+      torque_Nm.subspan(from), std::span<const double>(speed).subspan(from), kMovingSpeed_rad_per_s);
   if (!starting) return {{"starting_torque_Nm", std::nan(""), 0.0, "the input did not break away"}};
   return {{"starting_torque_Nm", starting->value, starting->standard_error, ""}};
 }

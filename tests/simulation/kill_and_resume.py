@@ -25,6 +25,9 @@ CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 CREDIT_PER_KILL_S = 1.0
 ROUNDING_S = 1e-6
 LONGEST_RECOVERY_S = 0.15
+# A threshold crossed under noise, and secants through single crossings of a torque: held against their standard
+# errors, all else against the tolerance.
+DECIDED_BY_NOISE = {"starting_torque_Nm"} | {f"k{k}_loading_Nm_per_rad" for k in (1, 2, 3)}
 
 
 class Failure(Exception):
@@ -163,6 +166,10 @@ def compare(options, journal, reference, kills):
         # A mean close to zero is compared by what it could be told from zero.
         scale = max(abs(true_value), abs(true_error or 0.0))
         difference = abs(value - true_value) / scale if scale > 0.0 else float(value != true_value)
+        if key[2] in DECIDED_BY_NOISE:
+            expect(abs(value - true_value) <= 3.0 * math.hypot(standard_error, true_error),
+                   f"{key} is {value} ± {standard_error} (the reference: {true_value} ± {true_error})")
+            continue
         worst = max(worst, (difference, f"cycle {key[0]}, {key[2]}: {value} (the reference: {true_value})"))
     expect(not math.isnan(worst[0]) and worst[0] <= options.tolerance,
            f"relative difference {worst[0]:.3g} above {options.tolerance:g}, {worst[1]}")
