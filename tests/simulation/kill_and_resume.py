@@ -27,6 +27,8 @@ ROUNDING_S = 1e-6
 LONGEST_RECOVERY_S = 0.15
 # A threshold crossed under noise, and secants through single crossings of a torque: held against their standard
 # errors, all else against the tolerance.
+# A turn that begins at another angle, because the gear broke away a moment later, hears other teeth first.
+VIBRATION_TOLERANCE = 0.02
 DECIDED_BY_NOISE = {"starting_torque_Nm"} | {f"k{k}_loading_Nm_per_rad" for k in (1, 2, 3)}
 
 
@@ -169,6 +171,10 @@ def compare(options, journal, reference, kills):
         if key[2] in DECIDED_BY_NOISE:
             expect(abs(value - true_value) <= 3.0 * math.hypot(standard_error, true_error),
                    f"{key} is {value} ± {standard_error} (the reference: {true_value} ± {true_error})")
+            continue
+        if key[2].startswith("vibration_rms_"):
+            expect(difference <= VIBRATION_TOLERANCE,
+                   f"{key} is {value} (the reference: {true_value})")
             continue
         worst = max(worst, (difference, f"cycle {key[0]}, {key[2]}: {value} (the reference: {true_value})"))
     expect(not math.isnan(worst[0]) and worst[0] <= options.tolerance,
