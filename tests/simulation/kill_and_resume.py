@@ -25,10 +25,13 @@ CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 CREDIT_PER_KILL_S = 1.0
 ROUNDING_S = 1e-6
 LONGEST_RECOVERY_S = 0.15
-# A threshold crossed under noise, and secants through single crossings of a torque: held against their standard
-# errors, all else against the tolerance.
+# A value this share of its standard error away is the same value: where a cut load run has parked decides which of
+# the noise a sweep meets.
+INDISTINGUISHABLE = 0.1
 # A turn that begins at another angle, because the gear broke away a moment later, hears other teeth first.
 VIBRATION_TOLERANCE = 0.02
+# A threshold crossed under noise, and secants through single crossings of a torque: held against their standard
+# errors, all else against the tolerance.
 DECIDED_BY_NOISE = {"starting_torque_Nm"} | {f"k{k}_loading_Nm_per_rad" for k in (1, 2, 3)}
 
 
@@ -172,6 +175,8 @@ def compare(options, journal, reference, kills):
             expect(abs(value - true_value) <= 3.0 * math.hypot(standard_error, true_error),
                    f"{key} is {value} ± {standard_error} (the reference: {true_value} ± {true_error})")
             continue
+        if abs(value - true_value) <= INDISTINGUISHABLE * (true_error or 0.0):
+            continue
         if key[2].startswith("vibration_rms_"):
             expect(difference <= VIBRATION_TOLERANCE,
                    f"{key} is {value} (the reference: {true_value})")
@@ -224,7 +229,7 @@ def main():
     parser.add_argument("--schedule", type=pathlib.Path, default=CHECKOUT / "schedules" / "quick.yaml")
     parser.add_argument("--cycles", type=int, help="of the schedule, in place of its own; many spread the kills out")
     parser.add_argument("--program", type=pathlib.Path, default=CHECKOUT / "build" / "strainwave")
-    parser.add_argument("--tolerance", type=float, default=1e-3, help="relative, of results; default: %(default)s")
+    parser.add_argument("--tolerance", type=float, default=1e-3, help="relative, of results that differ by more than a tenth of their error; default: %(default)s")
     parser.add_argument("--shortest", type=float, default=0.1, metavar="S",
                         help="least upper end of the random moments, in seconds; default: %(default)s")
     parser.add_argument("--folder", type=pathlib.Path, help="keep the campaigns here")
