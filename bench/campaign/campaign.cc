@@ -2,6 +2,7 @@
 #include "bench/campaign/campaign.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <sstream>
 #include <vector>
 
@@ -140,6 +141,12 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
                    "UTC of this machine; bench time stood still"});
   journal.AddEvent({checkpoint->time_s, UtcText(now_ms), cycle, cut_phase, "info", "resume",
                     fmt::format("resumed after {:.1f} s: {}", point.pause_s, cause)});
+  if (given.schedule.resume.operator_acknowledges) {
+    const char* user = std::getenv("USER");
+    journal.AddEvent({checkpoint->time_s, UtcText(now_ms), cycle, cut_phase, "info", "acknowledged",
+                      fmt::format("{} has ordered --resume, and with it that shafts may move again",
+                                  user == nullptr ? "a person without a name" : user)});
+  }
   transaction.Commit();
   return point;
 }

@@ -14,7 +14,6 @@ class SimulatedMachine final : public BenchMachine {
                    const SimulatedTest& test);
 
   BenchDevices Devices() override;
-  bool simulated() const override { return true; }
   std::span<const std::byte> Memory() override;
   void RestoreMemory(std::span<const std::byte> memory) override;
   void BeginPhase(std::uint64_t key) override { bench_.BeginPhase(key); }

@@ -19,8 +19,6 @@ class BenchMachine {
   virtual ~BenchMachine() = default;
 
   virtual BenchDevices Devices() = 0;
-  /// True when the clock is not the world's, so that waiting for another thread must not step it.
-  virtual bool simulated() const { return false; }
 
   /// What the bench itself remembers over a power cut: nothing on metal, where the shafts simply stay where
   /// they are. The view holds until the next call.

@@ -30,11 +30,13 @@ LONGEST_RECOVERY_S = 0.15
 INDISTINGUISHABLE = 0.1
 # To start a load run again takes some seconds in which the gear cools.
 COOLED_K = 0.5
-# A turn that begins at another angle, because the gear broke away a moment later, hears other teeth first.
-VIBRATION_TOLERANCE = 0.02
+# A turn that begins at another angle, because the gear broke away a moment later, hears other teeth first; repeats on
+# an undisturbed bench differ by 1.4 % (standard deviation).
+VIBRATION_TOLERANCE = 0.10
+DECIDING_ERRORS = 4.0
 # A threshold crossed under noise, and secants through single crossings of a torque: held against their standard
 # errors, all else against the tolerance.
-DECIDED_BY_NOISE = {"starting_torque_Nm"} | {f"k{k}_loading_Nm_per_rad" for k in (1, 2, 3)}
+DECIDED_BY_NOISE = {"starting_torque_Nm", "efficiency_percent"} | {f"k{k}_loading_Nm_per_rad" for k in (1, 2, 3)}
 
 
 class Failure(Exception):
@@ -174,7 +176,7 @@ def compare(options, journal, reference, kills):
         scale = max(abs(true_value), abs(true_error or 0.0))
         difference = abs(value - true_value) / scale if scale > 0.0 else float(value != true_value)
         if key[2] in DECIDED_BY_NOISE:
-            expect(abs(value - true_value) <= 3.0 * math.hypot(standard_error, true_error),
+            expect(abs(value - true_value) <= DECIDING_ERRORS * math.hypot(standard_error, true_error),
                    f"{key} is {value} ± {standard_error} (the reference: {true_value} ± {true_error})")
             continue
         if abs(value - true_value) <= INDISTINGUISHABLE * (true_error or 0.0):
