@@ -9,8 +9,9 @@ target_compile_options(strainwave_options INTERFACE
   $<$<BOOL:${STRAINWAVE_WARNINGS_AS_ERRORS}>:-Werror>)
 target_include_directories(strainwave_options INTERFACE ${PROJECT_SOURCE_DIR})
 if(STRAINWAVE_SANITIZE)
+  # g++ 12 takes the standard library's own std::function for uninitialized when it instruments it.
   target_compile_options(strainwave_options INTERFACE
-    -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+    -Wno-maybe-uninitialized -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   target_link_options(strainwave_options INTERFACE -fsanitize=address,undefined)
 endif()
 
