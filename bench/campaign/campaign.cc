@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign_error.h"
+#include "daq/whole_file.h"
 
 namespace strainwave::bench {
 namespace {
@@ -68,9 +69,9 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
   }
   std::filesystem::create_directories(folder.Cycles());
   std::filesystem::create_directories(folder.Unfinished());
-  WriteTextAtomically(folder.Schedule(), inputs.schedule_text);
-  WriteTextAtomically(folder.Bench(), inputs.bench_text);
-  if (!inputs.plant_text.empty()) WriteTextAtomically(folder.root / "plant.yaml", inputs.plant_text);
+  daq::WriteFileAtomically(folder.Schedule(), inputs.schedule_text);
+  daq::WriteFileAtomically(folder.Bench(), inputs.bench_text);
+  if (!inputs.plant_text.empty()) daq::WriteFileAtomically(folder.root / "plant.yaml", inputs.plant_text);
   // The journal appears last: a folder without it is not a campaign yet, and may be begun again.
   const std::filesystem::path aside = folder.root / "campaign.db.new";
   std::filesystem::remove(aside);

@@ -131,8 +131,8 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
 // life but the gear's, so the journal says so.
 CampaignRunner::MaybeEnd CampaignRunner::WarmUp(double pause_s) {
   const std::vector<CycleStep> steps = StepsOf(schedule_, resumed_cycle_);
+  const auto rows = journal_.Phases(resumed_cycle_);
   const auto complete = [&](const CycleStep& step) {
-    const auto rows = journal_.Phases(resumed_cycle_);
     return std::ranges::any_of(
         rows, [&](const PhaseRow& row) { return row.step == step.index && row.outcome == "complete"; });
   };
@@ -170,18 +170,10 @@ CampaignRunner::MaybeEnd CampaignRunner::RunCycle(int cycle) {
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::CheckBetweenPhases() {
-  switch (request_.load()) {
-    case StopRequest::kNone:
-    case StopRequest::kFinishCycle:
-      return std::nullopt;
-    case StopRequest::kPause:
-      return EndForRequest({{StopCause::kPauseRequested, 0, 0, {}}, {}, 0, {}, {}});
-    case StopRequest::kShutdown:
-      return EndForRequest({{StopCause::kShutdownRequested, 0, 0, {}}, {}, 0, {}, {}});
-    case StopRequest::kQuickStop:
-      return EndForRequest({{StopCause::kQuickStopRequested, 0, 0, {}}, {}, 0, {}, {}});
-  }
-  return std::nullopt;
+  PhaseOutcome outcome;
+  outcome.reason.cause = CauseOf(request_.load());
+  if (!outcome.reason) return std::nullopt;
+  return EndForRequest(outcome);
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::RunStep(const CycleStep& step, int repeat) {

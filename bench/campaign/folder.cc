@@ -88,18 +88,6 @@ std::string ReadText(const std::filesystem::path& file) {
   return std::move(text).str();
 }
 
-void WriteTextAtomically(const std::filesystem::path& file, std::string_view text) {
-  const std::filesystem::path aside = file.string() + ".partial";
-  const int descriptor = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor < 0) ThrowErrno(aside);
-  const bool written = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-                       ::fsync(descriptor) == 0;
-  const int failure = errno;
-  ::close(descriptor);
-  if (!written) throw std::system_error(failure, std::generic_category(), aside.string());
-  std::filesystem::rename(aside, file);
-}
-
 std::string UtcText(std::int64_t milliseconds_since_1970) {
   const std::time_t seconds = milliseconds_since_1970 / 1000;
   std::tm calendar{};

@@ -48,9 +48,6 @@ std::string Sha256(std::string_view text);
 /// The whole file. @throws std::system_error.
 std::string ReadText(const std::filesystem::path& file);
 
-/// Written aside, synced and renamed. @throws std::system_error.
-void WriteTextAtomically(const std::filesystem::path& file, std::string_view text);
-
 /// "2026-03-01T12:00:00.250Z", from the world's clock; for people, never for intervals.
 std::string UtcNow();
 std::string UtcText(std::int64_t milliseconds_since_1970);

@@ -36,6 +36,21 @@ class SafeOnExit {
 
 }  // namespace
 
+StopCause CauseOf(StopRequest request) {
+  switch (request) {
+    case StopRequest::kPause:
+      return StopCause::kPauseRequested;
+    case StopRequest::kShutdown:
+      return StopCause::kShutdownRequested;
+    case StopRequest::kQuickStop:
+      return StopCause::kQuickStopRequested;
+    case StopRequest::kNone:
+    case StopRequest::kFinishCycle:  // the campaign looks at it after the cycle
+      return StopCause::kNone;
+  }
+  return StopCause::kNone;
+}
+
 PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
                          const std::atomic<StopRequest>& request)
     : devices_(devices),
@@ -64,17 +79,10 @@ InterlockInputs PhaseRunner::Inputs(const PhaseProgram& program) const noexcept 
 }
 
 StopReason PhaseRunner::SoftRequest() const noexcept {
-  switch (request_.load(std::memory_order_relaxed)) {
-    case StopRequest::kPause:
-      return {StopCause::kPauseRequested, 0.0, 0.0, readings_.time};
-    case StopRequest::kShutdown:
-      return {StopCause::kShutdownRequested, 0.0, 0.0, readings_.time};
-    case StopRequest::kNone:
-    case StopRequest::kFinishCycle:  // the campaign looks at it after the cycle
-    case StopRequest::kQuickStop:    // never soft
-      return {};
-  }
-  return {};
+  const StopCause cause = CauseOf(request_.load(std::memory_order_relaxed));
+  // A quick stop is never soft; it has been looked at with the limits.
+  if (cause == StopCause::kNone || cause == StopCause::kQuickStopRequested) return {};
+  return {cause, 0.0, 0.0, readings_.time};
 }
 
 void PhaseRunner::Remember(const Readings& readings) noexcept {

@@ -14,6 +14,9 @@ namespace strainwave::bench {
 /// What a person has asked for; set from a signal handler, read by the control loop.
 enum class StopRequest : int { kNone, kFinishCycle, kPause, kShutdown, kQuickStop };
 
+/// The cause that ends a phase on this request; none for a request that only the end of the cycle answers.
+StopCause CauseOf(StopRequest request);
+
 /// How a phase ended, and everything that is known of why.
 struct PhaseOutcome {
   StopReason reason;                 // none: the phase is complete
