@@ -7,7 +7,8 @@ usage() {
 usage: ./setup.sh VERB
 
   build   install what is missing (Debian 12, apt, as root) and build the program at build/strainwave
-  demo    build, then run schedules/quick.yaml on the simulated bench into a new folder under campaigns/
+  demo    build, run schedules/quick.yaml on the simulated bench into a new folder under campaigns/, then diagnose
+          the transmission error of its first cycle: what a plain simulation would have got wrong
   test    build everything, then run all tests with ctest
 
 A second run with nothing to do takes seconds. Exit code: 0, or that of the step that failed.
@@ -99,7 +100,10 @@ case $1 in
     install_missing_packages
     build strainwave
     mkdir -p campaigns
-    exec build/strainwave run schedules/quick.yaml --out "$(next_campaign)"
+    campaign=$(next_campaign)
+    build/strainwave run schedules/quick.yaml --out "$campaign"
+    echo
+    exec build/strainwave diagnose "$campaign/cycles/000001.h5" --kind transmission_error --out "$campaign/diagnosis"
     ;;
   test)
     install_missing_packages

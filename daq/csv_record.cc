@@ -187,10 +187,23 @@ class CsvReader {
         for (std::size_t c = 0; c < columns_.size(); ++c) PushNothing(columns_[c]);
         ++row_;
       }
-      if (!ReadRowFast(line.text)) ReadRowWithCare(line);
+      if (!ReadRowFast(line.text)) {
+        if (IsCutOffLog(line)) break;
+        ReadRowWithCare(line);
+      }
       ++row_;
     }
     if (row_ == 0) Add({line_number_ + 1, 1}, "no rows follow the header", "at least one line of numbers");
+  }
+
+  // A logger that was killed leaves half a line; what an axis did before is worth having without it.
+  bool IsCutOffLog(const Line& line) {
+    if (record_.kind != "motion" || line.has_end || row_ == 0) return false;
+    const std::vector<Cell> cells = SplitCells(line.text);
+    const bool whole = cells.size() == columns_.size() && NumberFromText(cells.back().text);
+    if (whole || cells.size() > columns_.size()) return false;
+    record_.notes.push_back(fmt::format("line {} is left out: it is cut off", line_number_));
+    return true;
   }
 
   // Rows of plain numbers and directions, the usual case, without a copy of any cell. Leaves the columns as

@@ -21,8 +21,8 @@ constexpr std::array<std::string_view, 3> kLoopRequired{"time_s", "torque_Nm", "
 constexpr std::array<std::string_view, 1> kLoopOptional{"temperature_degC"};
 constexpr std::array<std::string_view, 3> kRotaryRequired{"time_s", "position_rad", "torque_Nm"};
 constexpr std::array<std::string_view, 3> kLinearRequired{"time_s", "position_m", "force_N"};
-constexpr std::array<std::string_view, 3> kMotionOptional{"velocity_rad_per_s", "velocity_m_per_s",
-                                                          "temperature_degC"};
+constexpr std::array<std::string_view, 4> kMotionOptional{"velocity_rad_per_s", "velocity_m_per_s",
+                                                          "temperature_degC", "current_A"};
 constexpr std::array<std::string_view, 5> kVibrationOptional{"time_s", "accel_x_m_per_s2", "accel_y_m_per_s2",
                                                              "accel_z_m_per_s2", "accel_motor_z_m_per_s2"};
 constexpr std::array<std::string_view, 1> kHistoryRequired{"time_s"};
@@ -73,6 +73,22 @@ bool Contains(Names names, std::string_view name) {
 std::size_t CountPresent(const Record& record, Names names) {
   return static_cast<std::size_t>(std::count_if(
       names.begin(), names.end(), [&](std::string_view name) { return record.FindColumn(name) != nullptr; }));
+}
+
+// What the drive applies: the torque or force itself, or the current that has a gain in the metadata.
+bool IsDriveColumn(std::string_view name) { return name == "torque_Nm" || name == "force_N"; }
+
+bool HasCurrentFor(const Record& record, std::string_view name) {
+  return IsDriveColumn(name) && record.FindColumn("current_A") != nullptr;
+}
+
+std::vector<std::string> CurrentGainKeys(const Record& record) {
+  const std::string_view ending = record.FindColumn("position_rad") != nullptr ? "_Nm_per_A" : "_N_per_A";
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : record.metadata) {
+    if (key.ends_with(ending)) keys.push_back(key);
+  }
+  return keys;
 }
 
 // Collects what is found, so that the checks below read as rules.
@@ -126,6 +142,14 @@ void CheckMetadata(const Record& record, Report& report) {
                value ? fmt::format("{} is {}", rule.key, *text) : fmt::format("{} is '{}'", rule.key, *text),
                std::string(value ? Describe(rule.need) : "a number"));
   }
+  if (record.kind == "motion" && record.FindColumn("current_A") != nullptr) {
+    for (const std::string& key : CurrentGainKeys(record)) {
+      const std::optional<double> gain = NumberFromText(*record.Metadata(key));
+      if (gain && Satisfies(*gain, Need::kNotZero)) continue;
+      report.Add({Level::kMetadata, key}, fmt::format("{} is '{}'", key, *record.Metadata(key)),
+                 std::string(Describe(Need::kNotZero)));
+    }
+  }
   const std::optional<std::string> absolute = record.Metadata("absolute");
   if (absolute && *absolute != "true" && *absolute != "false") {
     report.Add({Level::kMetadata, "absolute"}, fmt::format("absolute is '{}'", *absolute), "true or false");
@@ -144,6 +168,17 @@ void CheckMetadata(const Record& record, Report& report) {
   }
 }
 
+void CheckCurrentGain(const Record& record, std::string_view drive_column, Report& report) {
+  const std::vector<std::string> keys = CurrentGainKeys(record);
+  if (keys.size() == 1) return;
+  report.Add({Level::kRecord},
+             keys.empty() ? std::string("current_A has no gain")
+                          : fmt::format("current_A has {} gains: {}", keys.size(), fmt::join(keys, ", ")),
+             fmt::format("one metadata such as {}, or the column {}",
+                         drive_column == "torque_Nm" ? "torque_constant_Nm_per_A" : "force_constant_N_per_A",
+                         drive_column));
+}
+
 void CheckRequiredColumns(const Record& record, const KindRule& rule, Report& report) {
   Names required = rule.required;
   std::string expected = fmt::format("the columns {} in a {} record", fmt::join(required, ", "), rule.kind);
@@ -155,6 +190,10 @@ void CheckRequiredColumns(const Record& record, const KindRule& rule, Report& re
   }
   for (const std::string_view name : required) {
     if (record.FindColumn(name) != nullptr) continue;
+    if (HasCurrentFor(record, name)) {
+      CheckCurrentGain(record, name, report);
+      continue;
+    }
     report.Add({Level::kRecord}, fmt::format("column '{}' is missing", name), expected);
   }
   if (rule.kind != "vibration") return;
@@ -262,8 +301,16 @@ bool IsReadAsDoubles(std::string_view kind, std::string_view column) {
 }
 
 bool IsLinearAxis(const Record& record) {
-  return record.kind == "motion" && CountPresent(record, kRotaryRequired) < kRotaryRequired.size() &&
-         CountPresent(record, kLinearRequired) == kLinearRequired.size();
+  const auto is_there = [&](std::string_view name) {
+    return record.FindColumn(name) != nullptr || HasCurrentFor(record, name);
+  };
+  return record.kind == "motion" && !std::ranges::all_of(kRotaryRequired, is_there) &&
+         std::ranges::all_of(kLinearRequired, is_there);
+}
+
+std::optional<double> CurrentGain(const Record& record) {
+  const std::vector<std::string> keys = CurrentGainKeys(record);
+  return keys.size() == 1 ? MetadataNumber(record, keys.front()) : std::nullopt;
 }
 
 std::optional<double> MetadataNumber(const Record& record, std::string_view key) {

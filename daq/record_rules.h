@@ -30,8 +30,8 @@ struct RuleBreak {
 /// Every rule that `record` breaks; empty for a valid one. Rules: a known kind; the required columns; columns
 /// of equal length with at least one row; numbers and directions where they belong; finite values in every
 /// column that the kind knows, and in every channel of a vibration; `time_s` that never decreases; a ratio
-/// other than zero; 0 < t1 < t2 < t3; positive inertia, mass and sample rate; `absolute` true or false. A
-/// column gives at most `kMostBreaksPerColumn`.
+/// other than zero; 0 < t1 < t2 < t3; positive inertia, mass and sample rate; `absolute` true or false; one gain,
+/// not zero, for a current that stands in a torque's place. A column gives at most `kMostBreaksPerColumn`.
 std::vector<RuleBreak> CheckRecord(const Record& record);
 
 inline constexpr std::size_t kMostBreaksPerColumn = 20;
@@ -54,6 +54,10 @@ bool IsReadAsDoubles(std::string_view kind, std::string_view column);
 
 /// True for a motion record of a linear axis (`position_m`, `force_N`).
 bool IsLinearAxis(const Record& record);
+
+/// What one ampere of `current_A` is, in Nm (N for a linear axis), in a motion record that has the current in
+/// place of `torque_Nm` (`force_N`): the one metadata whose key ends in `_Nm_per_A` (`_N_per_A`).
+std::optional<double> CurrentGain(const Record& record);
 
 /// The number under `key`; without it the default of the contract (`ratio` 80, `t1_Nm` 7, `t2_Nm` 25,
 /// `t3_Nm` 34); else nothing.

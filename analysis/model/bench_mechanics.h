@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "analysis/units.h"
@@ -17,11 +18,36 @@ struct SeriesCompliance {
   double total_rad_per_Nm() const noexcept { return transducer_rad_per_Nm + couplings_rad_per_Nm; }
 };
 
+/// Other ways in which a brake may give way beyond what it holds, beside a speed that grows with the excess.
+/// At the motor shaft; all of them zero in a nominal brake.
+struct BrakeYield {
+  double speed_rad_per_s{};          // one speed, whatever the excess
+  double each_time_rad_per_Nm{};     // with every rise of the excess
+  double only_further_rad_per_Nm{};  // with the excess beyond any since the brake closed
+  double once_rad{};                 // all at once, the first time since the brake closed
+
+  bool any() const noexcept {
+    return speed_rad_per_s != 0.0 || each_time_rad_per_Nm != 0.0 || only_further_rad_per_Nm != 0.0 ||
+           once_rad != 0.0;
+  }
+};
+/// How far the brake gives way in a step.
+/// @param excess_Nm, before_Nm  ≥ 0, beyond the holding torque, now and at the step before.
+/// @param furthest_Nm           largest excess since the brake closed, up to the step before.
+inline double BrakeYield_rad(const BrakeYield& yield, double excess_Nm, double before_Nm, double furthest_Nm,
+                             double step_s) noexcept {
+  if (!(excess_Nm > 0.0)) return 0.0;
+  return yield.speed_rad_per_s * step_s + yield.each_time_rad_per_Nm * std::max(0.0, excess_Nm - before_Nm) +
+         yield.only_further_rad_per_Nm * std::max(0.0, excess_Nm - furthest_Nm) +
+         (furthest_Nm > 0.0 ? 0.0 : yield.once_rad);
+}
+
 /// Holding brake on the motor shaft: elastic up to what it holds, then it slips (E17).
 struct InputBrake {
   double compliance_rad_per_Nm{1.0 / 1.5e4};
   double holding_torque_Nm{2.39};
   double slip_damping_Nms_per_rad{0.2};
+  BrakeYield yield{};
 };
 
 /// Load servo with its 1:70 planetary, seen at the output.

@@ -45,4 +45,15 @@ inline void AdvanceCreep(const CreepStep& step, double torque_Nm, CreepState& st
 
 inline double CreepTwist_rad(const CreepState& state) noexcept { return state[0] + state[1] + state[2]; }
 
+/// A single element: under torque the twist goes on to compliance · torque with one time constant.
+struct ExponentialCreepElement {
+  double compliance_rad_per_Nm{};
+  double time_constant_s{30.0};
+};
+inline double AdvancedCreep_rad(const ExponentialCreepElement& element, double torque_Nm, double step_s,
+                                double creep_rad) noexcept {
+  const double target_rad = element.compliance_rad_per_Nm * torque_Nm;
+  return creep_rad - std::expm1(-step_s / element.time_constant_s) * (target_rad - creep_rad);
+}
+
 }  // namespace strainwave::analysis::model

@@ -4,7 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/units.h"
+
 namespace strainwave::analysis::model {
+
+/// Friction that changes as a whole, in proportion, with temperature or with time since the measurement
+/// began.
+struct FrictionDrift {
+  double share_per_K{};
+  double reference_degC{22.0};
+  double share_per_h{};
+};
+inline double FrictionDriftFactor(const FrictionDrift& drift, double temperature_degC,
+                                  double time_s) noexcept {
+  const double share = drift.share_per_K * (temperature_degC - drift.reference_degC) +
+                       drift.share_per_h * (time_s / SecondsFromHours(1.0));
+  return std::max(0.0, 1.0 + share);
+}
 
 /// Friction of a lubricated component set at the input shaft (E8 to E13), in one law:
 ///
@@ -26,6 +42,7 @@ struct Friction {
   double presliding_rad{0.035};                 // two degrees at the input, E12 [K]
   double periodic_share_1{0.06};                // of the Coulomb level, one per input turn, E13
   double periodic_share_2{0.09};                // two per input turn, E13
+  FrictionDrift drift{};                        // of the whole law
 };
 
 /// The law at one temperature: what is left to evaluate a step.
@@ -46,14 +63,17 @@ inline double ViscousCoefficient(const Friction& friction, double temperature_de
              std::exp(-temperature_degC / friction.viscous_temperature_K);
 }
 
-inline FrictionAtTemperature AtTemperature(const Friction& friction, double temperature_degC) noexcept {
+/// @param time_s  since the measurement began; only what drifts with time depends on it.
+inline FrictionAtTemperature AtTemperature(const Friction& friction, double temperature_degC,
+                                           double time_s = 0.0) noexcept {
+  const double factor = FrictionDriftFactor(friction.drift, temperature_degC, time_s);
   FrictionAtTemperature at;
-  at.coulomb_Nm = friction.coulomb_Nm;
-  at.stribeck_Nm = std::max(0.0, friction.breakaway_Nm - friction.coulomb_Nm);
+  at.coulomb_Nm = factor * friction.coulomb_Nm;
+  at.stribeck_Nm = factor * std::max(0.0, friction.breakaway_Nm - friction.coulomb_Nm);
   at.inverse_stribeck_s_per_rad = 1.0 / friction.stribeck_speed_rad_per_s;
-  at.viscous_Nms_per_rad = ViscousCoefficient(friction, temperature_degC);
-  at.load_coefficient = friction.load_coefficient + friction.flexspline_load_coefficient;
-  at.constant_Nm = friction.flexspline_Nm;
+  at.viscous_Nms_per_rad = factor * ViscousCoefficient(friction, temperature_degC);
+  at.load_coefficient = factor * (friction.load_coefficient + friction.flexspline_load_coefficient);
+  at.constant_Nm = factor * friction.flexspline_Nm;
   at.periodic_share_1 = friction.periodic_share_1;
   at.periodic_share_2 = friction.periodic_share_2;
   return at;

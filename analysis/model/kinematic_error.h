@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstddef>
 
+#include "analysis/model/local_tooth_damage.h"
+#include "analysis/units.h"
+
 namespace strainwave::analysis::model {
 
 /// Orders of the gear's own kinematic error (E1 to E4), in the order of `KinematicError` below. Per input
@@ -13,6 +16,13 @@ namespace strainwave::analysis::model {
 enum class KinematicOrder : unsigned { kInput1, kInput2, kInput4, kTooth, kOutput1, kOutput2 };
 inline constexpr int kKinematicOrders = 6;
 
+/// A damaged tooth: what `LocalToothDamageShape` is multiplied by, and where it is.
+struct LocalToothDamage {
+  double height_rad{};
+  double centre_rad{};                // output angle
+  double width_rad{RadFromDeg(4.0)};  // full width at half height; > 0
+};
+
 /// Kinematic error e = ∑ Aₖ sin(oₖ θ + φₖ), an output angle: θ_out = θ_in/N − e at no load.
 ///
 /// Defaults add up to a peak-to-peak of about one arcmin, the maker's limit for a standard unit (E1 [S]);
@@ -20,6 +30,7 @@ inline constexpr int kKinematicOrders = 6;
 struct KinematicError {
   std::array<double, kKinematicOrders> amplitude_rad{1.8e-5, 8.0e-5, 1.4e-5, 2.0e-5, 3.0e-5, 1.2e-5};
   std::array<double, kKinematicOrders> phase_rad{0.7, 0.0, 1.9, 2.4, 0.4, 4.1};
+  LocalToothDamage damage{};
 };
 
 /// Sine and cosine of input angle and of input angle / ratio: everything periodic is built from these two.
@@ -38,6 +49,7 @@ struct KinematicSeries {
   std::array<double, kKinematicOrders> cosine_rad{};
   std::array<double, kKinematicOrders> order{};
   double inverse_ratio{1.0 / 80.0};
+  LocalToothDamage damage{};
 };
 KinematicSeries CompileKinematicError(const KinematicError& error, double ratio);
 
@@ -57,6 +69,7 @@ inline InputHarmonics HarmonicsOf(const GearPhasors& phasors) noexcept {
   return {sin2, cos2, 2.0 * sin2 * cos2, 1.0 - 2.0 * sin2 * sin2};
 }
 
+/// The orders alone.
 inline KinematicValue EvaluateKinematicError(const KinematicSeries& series, const GearPhasors& phasors,
                                              const InputHarmonics& harmonics) noexcept {
   const double output_sin2 = 2.0 * phasors.output_sin * phasors.output_cos;
@@ -76,7 +89,11 @@ inline KinematicValue EvaluateKinematicError(const KinematicSeries& series, cons
   return value;
 }
 
-/// Convenience for one angle.
+/// With the damaged tooth.
+KinematicValue EvaluateDamagedKinematicError(const KinematicSeries& series, const GearPhasors& phasors,
+                                             const InputHarmonics& harmonics) noexcept;
+
+/// Convenience for one angle; all of it.
 double KinematicErrorAt(const KinematicSeries& series, double input_rad) noexcept;
 
 }  // namespace strainwave::analysis::model

@@ -72,6 +72,7 @@ struct TorqueTransducer {
   double zero_drift_Nm_per_K{0.004};
   double zero_drift_reference_degC{22.0};
   double noise_Nm{0.02};
+  double zero_offset_Nm{};  // shown at no torque, at the reference temperature
 };
 
 /// What the transducer shows without noise.
@@ -80,7 +81,8 @@ inline double TransducerReading_Nm(const TorqueTransducer& transducer, double to
   const double x = torque_Nm / transducer.full_scale_Nm;
   return torque_Nm * (1.0 + transducer.gain_error) +
          transducer.nonlinearity * transducer.full_scale_Nm * (x - x * x * x) +
-         transducer.zero_drift_Nm_per_K * (temperature_degC - transducer.zero_drift_reference_degC);
+         transducer.zero_drift_Nm_per_K * (temperature_degC - transducer.zero_drift_reference_degC) +
+         transducer.zero_offset_Nm;
 }
 
 /// White noise of the slower channels, one standard deviation.

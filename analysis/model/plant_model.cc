@@ -49,6 +49,7 @@ void Apply(const Term& term, BoundTerm& bound) {
     set.push_back(&target);
     if (!std::isfinite(parameter.value)) RejectValue(term.name, parameter, "finite");
     if (target.divides && !(parameter.value > 0.0)) RejectValue(term.name, parameter, "above zero");
+    if (target.not_negative && parameter.value < 0.0) RejectValue(term.name, parameter, "zero or above");
     *target.value = parameter.value;
   }
 }
@@ -110,6 +111,14 @@ PlantParameters CompilePlantModel(const PlantModel& model) {
     text << "torsion_spring.t1_Nm = " << parameters.spring.t1_Nm
          << " must be below t2_Nm = " << parameters.spring.t2_Nm;
     throw std::invalid_argument(text.str());
+  }
+  if (!(std::abs(parameters.deviations.asymmetry_share) < 1.0)) {
+    RejectValue("asymmetric_stiffness", {"asymmetry_share", parameters.deviations.asymmetry_share, "1"},
+                "between -1 and 1");
+  }
+  if (parameters.drive_causes.delay_s > kLongestDriveDelay_s) {
+    RejectValue("drive_time_delay", {"delay_s", parameters.drive_causes.delay_s, "s"},
+                "at most 0.016 (what the simulated bench carries)");
   }
   return parameters;
 }

@@ -3,10 +3,12 @@
 
 #include "analysis/model/bench_mechanics.h"
 #include "analysis/model/creep.h"
+#include "analysis/model/drive_causes.h"
 #include "analysis/model/friction.h"
 #include "analysis/model/gear_twist.h"
 #include "analysis/model/kinematic_error.h"
 #include "analysis/model/measuring_chain.h"
+#include "analysis/model/output_drift.h"
 #include "analysis/model/thermal.h"
 #include "analysis/model/vibration.h"
 #include "analysis/model/wear.h"
@@ -38,7 +40,9 @@ struct PlantParameters {
   ElastoPlasticElement hysteresis{2.33, 8e-5};  // 1 arcmin wide at zero torque
   KinematicError kinematic;
   double stiffness_ripple{0.03};  // e₂ of K(θ) = K₀(1 + e₂ cos 2θ), E7 [K]
+  TwistDeviations deviations{};
   Creep creep;
+  ExponentialCreepElement exponential_creep{};
   Friction friction;
   Thermal thermal;
   Ambient ambient;
@@ -48,8 +52,10 @@ struct PlantParameters {
   Inertia inertia;
   bool has_resonance{true};  // off: the two inertias follow at once, also in short steps
   DrivingServo servo;
+  DriveCauses drive_causes;
   Encoder input_encoder{DefaultInputEncoder()};
   Encoder output_encoder{DefaultOutputEncoder()};
+  OutputDrift output_drift;
   TorqueTransducer transducer;
   SlowChannelNoise noise;
   WearRates wear;
@@ -57,6 +63,7 @@ struct PlantParameters {
   SpecimenScatter scatter;
   SeatingScatter seating;
   Vibration vibration;
+  VibrationCauses vibration_causes;
 };
 
 /// Stiffness factor at an angle of the wave generator, from the cosine of twice that angle.

@@ -14,7 +14,8 @@ struct BoundParameter {
   std::string_view unit;
   double* value;
   double off;
-  bool divides{};  // must be > 0
+  bool divides{};       // must be > 0
+  bool not_negative{};  // must be ≥ 0
 };
 
 struct BoundTerm {

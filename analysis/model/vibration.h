@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "analysis/model/vibration_causes.h"
 #include "analysis/model/wear.h"
 
 namespace strainwave::analysis::model {

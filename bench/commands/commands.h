@@ -16,5 +16,7 @@ void AddRun(CLI::App& app, Action& action);
 void AddStatus(CLI::App& app, Action& action);
 void AddStop(CLI::App& app, Action& action);
 void AddRecompute(CLI::App& app, Action& action);
+void AddDiagnose(CLI::App& app, Action& action);
+void AddSimulate(CLI::App& app, Action& action);
 
 }  // namespace strainwave::bench

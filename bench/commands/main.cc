@@ -59,6 +59,8 @@ int main(int argc, char** argv) {
   strainwave::bench::AddStatus(app, action);
   strainwave::bench::AddStop(app, action);
   strainwave::bench::AddRecompute(app, action);
+  strainwave::bench::AddDiagnose(app, action);
+  strainwave::bench::AddSimulate(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

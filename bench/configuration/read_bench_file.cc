@@ -224,7 +224,11 @@ std::vector<TermDescription> ReadPlantFile(const std::filesystem::path& path) {
   if (!root) throw BenchFileError(path.string(), context.findings);
   YamlMap map(*root, context);
   map.Version("plant");
-  std::vector<TermDescription> terms = ReadTerms(map.MapList("terms", Presence::kRequired), context);
+  // `diagnose` writes there where the terms come from, and may have none to write.
+  const bool diagnosed = map.has("diagnosis");
+  map.Map("diagnosis", Presence::kOptional);
+  std::vector<TermDescription> terms =
+      ReadTerms(map.MapList("terms", diagnosed ? Presence::kOptional : Presence::kRequired), context);
   map.Finish();
   if (context.findings.has_errors()) throw BenchFileError(path.string(), context.findings);
   return terms;

@@ -25,7 +25,8 @@ BenchDescription ReadBenchFile(const std::filesystem::path& path);
 BenchDescription ParseBenchFile(const std::string& text, std::string_view file_name,
                                 const std::filesystem::path& folder = {});
 
-/// Reads the terms of a plant from a file of their own (`plant: 1`, then `terms:`).
+/// Reads the terms of a plant from a file of their own (`plant: 1`, then `terms:`); what `diagnose` has
+/// written there beside them is left alone.
 /// @throws BenchFileError with every error of the file, if there is one.
 std::vector<TermDescription> ReadPlantFile(const std::filesystem::path& path);
 

@@ -222,6 +222,20 @@ INSTANTIATE_TEST_SUITE_P(
                 "r.csv:2:8: error: byte 0xFC is not text (expected a record as CSV in UTF-8, or as HDF5)"}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
+TEST(CsvRecord, LeavesOutTheLineThatALoggerWasKilledIn) {
+  const std::string log = "# kind: motion\ntime_s,position_rad,torque_Nm\n0,1,2\n0.1,1,2\n";
+  for (const char* cut : {"0.2", "0.2,", "0.2,1", "0.2,1,", "0.2,1,-", "0.2,1,1e-"}) {
+    const Record record = ParseCsvRecord(log + cut, "r.csv");
+    EXPECT_EQ(record.rows(), 2U) << cut;
+    EXPECT_EQ(record.notes, std::vector<std::string>{"line 5 is left out: it is cut off"}) << cut;
+  }
+  EXPECT_EQ(ParseCsvRecord(log + "0.2,1,2", "r.csv").rows(), 3U);
+  EXPECT_EQ(ErrorOf(log + "0.2,1\n"),
+            "r.csv:5:6: error: the line has 2 cells (expected 3, as in the header)");
+  EXPECT_EQ(ErrorOf(log + "0.2,1,2,3"),
+            "r.csv:5:9: error: the line has 4 cells (expected 3, as in the header)");
+}
+
 TEST(CsvRecord, ReportsEverythingAtOnceInTheOrderOfLines) {
   EXPECT_EQ(ErrorOf("# kind: hysteresis\n# t1_Nm: x\ntime_s,torque_Nm\n0,1\n2,abc\n1,inf\n"),
             "r.csv:2:10: error: t1_Nm is 'x' (expected a number)\n"

@@ -60,6 +60,48 @@ TEST(CheckRecord, LooksAtFurtherColumnsOnlyWhereTheyAreChannels) {
   EXPECT_EQ(CheckRecord(vibration)[0].what, "mic_Pa is nan");
 }
 
+Record SampleMotion() {
+  Record record;
+  record.kind = "motion";
+  record.columns.push_back({"time_s", std::vector{0.0, 0.1}, "", ""});
+  record.columns.push_back({"position_rad", std::vector{0.0, 0.2}, "", ""});
+  record.columns.push_back({"current_A", std::vector{1.0, -2.0}, "", ""});
+  return record;
+}
+
+TEST(CheckRecord, TakesACurrentWithItsGainForATorque) {
+  Record record = SampleMotion();
+  record.SetMetadata("torque_constant_Nm_per_A", 0.117);
+  EXPECT_TRUE(CheckRecord(record).empty());
+  EXPECT_EQ(CurrentGain(record), 0.117);
+  EXPECT_FALSE(IsLinearAxis(record));
+  record.columns[1].name = "position_m";
+  ASSERT_EQ(CheckRecord(record).size(), 1U);
+  EXPECT_EQ(CheckRecord(record)[0].what, "current_A has no gain");
+  EXPECT_EQ(CheckRecord(record)[0].expected,
+            "one metadata such as force_constant_N_per_A, or the column force_N");
+  record.SetMetadata("force_constant_N_per_A", 30.0);
+  EXPECT_TRUE(CheckRecord(record).empty());
+  EXPECT_EQ(CurrentGain(record), 30.0);
+  EXPECT_TRUE(IsLinearAxis(record));
+}
+
+TEST(CheckRecord, WantsOneGainOfACurrentThatIsANumber) {
+  Record record = SampleMotion();
+  ASSERT_EQ(CheckRecord(record).size(), 1U);
+  EXPECT_EQ(CheckRecord(record)[0].what, "current_A has no gain");
+  EXPECT_EQ(CheckRecord(record)[0].expected,
+            "one metadata such as torque_constant_Nm_per_A, or the column torque_Nm");
+  record.SetMetadata("kt_Nm_per_A", "0");
+  ASSERT_EQ(CheckRecord(record).size(), 1U);
+  EXPECT_EQ(CheckRecord(record)[0].what, "kt_Nm_per_A is '0'");
+  EXPECT_EQ(CheckRecord(record)[0].expected, "a number other than zero");
+  record.SetMetadata("kt_Nm_per_A", "0.1");
+  record.SetMetadata("gain_Nm_per_A", "0.2");
+  ASSERT_EQ(CheckRecord(record).size(), 1U);
+  EXPECT_EQ(CheckRecord(record)[0].what, "current_A has 2 gains: kt_Nm_per_A, gain_Nm_per_A");
+}
+
 TEST(UnitOf, ReadsTheUnitThatANameEndsIn) {
   EXPECT_EQ(UnitOf("torque_Nm"), "Nm");
   EXPECT_EQ(UnitOf("output_angle_deg"), "deg");

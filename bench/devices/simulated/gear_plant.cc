@@ -30,13 +30,21 @@ GearPlant::GearPlant(const model::PlantParameters& specimen)
     : specimen_(specimen), ratio_(specimen.ratio), inverse_ratio_(1.0 / specimen.ratio) {
   const double room = model::AmbientTemperature_degC(specimen_.ambient, 0.0);
   state_.thermal = {room, room, room};
+  has_drive_causes_ = specimen_.drive_causes.any_torque();
+  has_brake_yield_ = specimen_.brake.yield.any();
+  has_exponential_creep_ = specimen_.exponential_creep.compliance_rad_per_Nm != 0.0;
+  delay_ = DelayLine(specimen_.drive_causes.delay_s);
+  extended_ = has_drive_causes_ || has_brake_yield_ || has_exponential_creep_ || delay_.delays() ||
+              specimen_.deviations.any() || specimen_.kinematic.damage.height_rad != 0.0;
   RefreshProperties();
   // The output starts at its encoder's zero, unloaded.
-  state_.mount_offset_rad = Evaluate(0.0).error_rad;
+  state_.mount_offset_rad = Evaluate<true>(0.0).error_rad;
 }
 
 void GearPlant::SetState(const PlantState& state) noexcept {
   state_ = state;
+  measurement_start_s_ = state_.time_s;
+  delay_.Clear();
   ratio_ = state_.blank_mounted ? 1.0 : specimen_.ratio;
   inverse_ratio_ = 1.0 / ratio_;
   RefreshProperties();
@@ -56,12 +64,14 @@ void GearPlant::MountBlank(bool mounted) noexcept {
   state_.gear_torque_Nm = 0.0;
   state_.twist_rad = 0.0;
   state_.hysteresis_anchor_rad = 0.0;
+  state_.further_anchor_rad = {};
+  state_.exponential_creep_rad = 0.0;
   state_.grip_anchor_rad = state_.output_rad;
   state_.friction_anchor_rad = state_.input_rad;
   state_.brake_anchor_rad = state_.input_rad;
   state_.creep_rad = {};
   state_.mount_offset_rad =
-      state_.output_rad - state_.input_rad / ratio_ + Evaluate(state_.input_rad).error_rad;
+      state_.output_rad - state_.input_rad / ratio_ + Evaluate<true>(state_.input_rad).error_rad;
 }
 
 bool GearPlant::dynamics_possible() const noexcept {
@@ -79,10 +89,13 @@ void GearPlant::PrepareFactors(StepFactors& factors, double step_s) const noexce
   factors.position = -std::expm1(-step_s * specimen_.servo.position_gain_per_s);
 }
 
+template <bool kExtended>
 GearPlant::AtAngle GearPlant::Evaluate(double input_rad) noexcept {
   const model::GearPhasors phasors = model::PhasorsAt(input_rad, inverse_ratio_);
   const model::InputHarmonics harmonics = model::HarmonicsOf(phasors);
-  const model::KinematicValue error = model::EvaluateKinematicError(kinematic_, phasors, harmonics);
+  const model::KinematicValue error =
+      kExtended ? model::EvaluateDamagedKinematicError(kinematic_, phasors, harmonics)
+                : model::EvaluateKinematicError(kinematic_, phasors, harmonics);
   electrical_sine_ = harmonics.sin4;
   const double cos8 = 1.0 - 2.0 * harmonics.sin4 * harmonics.sin4;
   return {seating_.kinematic * error.error_rad,
@@ -93,6 +106,8 @@ GearPlant::AtAngle GearPlant::Evaluate(double input_rad) noexcept {
           cos8,
           phasors.output_sin};
 }
+template GearPlant::AtAngle GearPlant::Evaluate<true>(double) noexcept;
+template GearPlant::AtAngle GearPlant::Evaluate<false>(double) noexcept;
 
 model::OutputGrip GearPlant::Grip() const noexcept {
   const model::LoadTrain& load = specimen_.load;
@@ -130,6 +145,7 @@ void GearPlant::StepBrakes(const PlantCommands& commands, double step_s) noexcep
       state_.input_speed_rad_per_s = 0.0;
       state_.servo_integral_Nm = 0.0;
       const double compliance = state_.blank_mounted ? 0.0 : specimen_.brake.compliance_rad_per_Nm;
+      state_.brake_excess_Nm = state_.brake_furthest_excess_Nm = 0.0;
       state_.brake_anchor_rad = state_.input_rad - compliance * state_.gear_torque_Nm * inverse_ratio_;
     }
   }
@@ -146,18 +162,27 @@ void GearPlant::StepBrakes(const PlantCommands& commands, double step_s) noexcep
   }
 }
 
-void GearPlant::Step(const PlantCommands& commands, double step_s) noexcept {
-  StepBrakes(commands, step_s);
+template <bool kExtended>
+void GearPlant::StepPieces(const PlantCommands& commands, double step_s) noexcept {
   const bool held = state_.input_brake_closed || commands.input == PlantCommands::Input::kSpeed ||
                     commands.input == PlantCommands::Input::kPosition;
   if (dynamics_possible() && (step_s <= kLongestDynamicStep_s || !held)) {
-    StepDynamic(commands, step_s);
+    StepDynamic<kExtended>(commands, step_s);
   } else {
     const int pieces = step_s > kLongestQuasiStaticStep_s
                            ? static_cast<int>(std::ceil(step_s / kLongestQuasiStaticStep_s))
                            : 1;
     const double piece_s = step_s / pieces;
-    for (int piece = 0; piece < pieces; ++piece) StepQuasiStatic(commands, piece_s);
+    for (int piece = 0; piece < pieces; ++piece) StepQuasiStatic<kExtended>(commands, piece_s);
+  }
+}
+
+void GearPlant::Step(const PlantCommands& commands, double step_s) noexcept {
+  StepBrakes(commands, step_s);
+  if (extended_) {
+    StepPieces<true>(commands, step_s);
+  } else {
+    StepPieces<false>(commands, step_s);
   }
 }
 
@@ -182,8 +207,11 @@ double GearPlant::SlipBrake(double step_s) noexcept {
   if (state_.blank_mounted) return 0.0;  // the fixture clamps the blank to the frame
   const double on_brake_Nm = state_.gear_torque_Nm * inverse_ratio_;
   const double beyond_Nm = std::abs(on_brake_Nm) - specimen_.brake.holding_torque_Nm;
+  double slip_rad = 0.0;
+  if (has_brake_yield_) slip_rad = YieldOfBrake(std::max(0.0, beyond_Nm), step_s);
   if (beyond_Nm <= 0.0) return 0.0;
-  return std::copysign(beyond_Nm / specimen_.brake.slip_damping_Nms_per_rad * step_s, on_brake_Nm);
+  slip_rad += beyond_Nm / specimen_.brake.slip_damping_Nms_per_rad * step_s;
+  return std::copysign(slip_rad, on_brake_Nm);
 }
 
 void GearPlant::Account(double travel_rad, double friction_Nm, double step_s) noexcept {
@@ -224,6 +252,7 @@ void GearPlant::RefreshProperties() noexcept {
   if (state_.blank_mounted) {
     law_.spring = {model::kRigid_Nm_per_rad, model::kRigid_Nm_per_rad, model::kRigid_Nm_per_rad, 7.0, 25.0};
     law_.hysteresis = {0.0, 1.0};
+    law_.deviations = {};
     kinematic_ = {};
     kinematic_.inverse_ratio = inverse_ratio_;
     friction_ = {};
@@ -239,6 +268,7 @@ void GearPlant::RefreshProperties() noexcept {
     }
     law_.hysteresis = specimen_.hysteresis;
     law_.hysteresis.limit_Nm *= worn.hysteresis;
+    law_.deviations = specimen_.deviations;
     model::KinematicError error = specimen_.kinematic;
     for (std::size_t k = 0; k < model::kKinematicOrders; ++k) error.amplitude_rad[k] *= worn.kinematic[k];
     kinematic_ = model::CompileKinematicError(error, ratio_);
@@ -252,9 +282,10 @@ void GearPlant::RefreshProperties() noexcept {
     friction.load_coefficient *= worn.load_friction;
     friction.flexspline_Nm *= worn.flexspline_loss;
     friction.flexspline_load_coefficient *= worn.flexspline_loss;
-    friction_ = model::AtTemperature(friction, state_.thermal.gear_degC);
+    friction_ = model::AtTemperature(friction, state_.thermal.gear_degC, measurement_time_s());
     stiffness_ripple_ = specimen_.stiffness_ripple;
   }
+  damping_Nms_per_rad_ = ShortStepDamping();
   free_curve_ = locked_curve_ = model::CurveOf(law_);
   if (!state_.blank_mounted) {
     locked_curve_.series_compliance_rad_per_Nm += specimen_.brake.compliance_rad_per_Nm / (ratio_ * ratio_);

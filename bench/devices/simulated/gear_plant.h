@@ -2,6 +2,7 @@
 #pragma once
 
 #include "analysis/model/plant_parameters.h"
+#include "bench/devices/simulated/delay_line.h"
 #include "bench/devices/simulated/plant_state.h"
 
 namespace strainwave::bench {
@@ -24,7 +25,10 @@ struct PlantCommands {
 /// the quasi-static limit: the servo follows its set point, the output is where the torques balance, inertia
 /// counts only through the acceleration of the set point. The two agree for motion that is slow beside the
 /// torsional resonance (some 50 Hz); torque ripple at two per input turn (E14, E15) is only in the short
-/// steps. An input that nothing holds is integrated at any step length.
+/// steps, and so is the delay of the drive. An input that nothing holds is integrated at any step length.
+///
+/// Effects that a nominal gear does not have (`TwistDeviations`, `DriveCauses`, ...) cost nothing while they
+/// are off. In short steps the rate dependence of the gear is limited to what the integration carries.
 ///
 /// Temperatures, wear and what depends on them move on once a second.
 class GearPlant {
@@ -36,7 +40,8 @@ class GearPlant {
   void Step(const PlantCommands& commands, double step_s) noexcept;
 
   const PlantState& state() const noexcept { return state_; }
-  /// Takes over a state; what depends on the slow states follows it.
+  /// Takes over a state; what depends on the slow states follows it. A measurement begins: time counts from
+  /// here for what drifts or acts in windows of time, and no torque is on its way.
   void SetState(const PlantState& state) noexcept;
   /// Puts a rigid shaft in the gear's place (ratio 1, only the series compliance), or the gear back.
   void MountBlank(bool mounted) noexcept;
@@ -55,6 +60,8 @@ class GearPlant {
   const analysis::model::FrictionAtTemperature& friction() const noexcept { return friction_; }
   double ratio() const noexcept { return ratio_; }
   double room_degC() const noexcept { return room_degC_; }
+  /// Since the last state was taken over.
+  double measurement_time_s() const noexcept { return state_.time_s - measurement_start_s_; }
   /// Sine of four times the input angle: one period for each pole pair of the motor.
   double electrical_sine() const noexcept { return electrical_sine_; }
 
@@ -72,16 +79,35 @@ class GearPlant {
   };
 
   void PrepareFactors(StepFactors& factors, double step_s) const noexcept;
+  template <bool kExtended>
   AtAngle Evaluate(double input_rad) noexcept;
+  template <bool kExtended>
+  void StepPieces(const PlantCommands& commands, double step_s) noexcept;
   void StepBrakes(const PlantCommands& commands, double step_s) noexcept;
   void CloseLoadBrake(bool closed) noexcept;
+  template <bool kExtended>
   void StepQuasiStatic(const PlantCommands& commands, double step_s) noexcept;
+  template <bool kExtended>
   void StepDynamic(const PlantCommands& commands, double step_s) noexcept;
+  template <bool kExtended>
   void Substep(const PlantCommands& commands, double step_s) noexcept;
   double ReflectedInertia() const noexcept;
   double ReachableSpeed(double wanted_rad_per_s, double step_s) const noexcept;
   double ApproachSpeed(double remaining_rad, double wanted_rad_per_s) const noexcept;
   double ServoTorque(const PlantCommands& commands, double step_s) noexcept;
+  // What a nominal gear does not have (gear_plant_causes.cc). Steps come in two: the extended one looks which
+  // of these effects are on, the other knows that none is.
+  analysis::model::TwistSolution Balance(const analysis::model::TwistCurve& curve, double scale,
+                                         const analysis::model::OutputGrip& grip, double no_load_rad,
+                                         double load_Nm, double step_s) noexcept;
+  analysis::model::TwistSolution AtDeflection(const analysis::model::TwistCurve& curve, double scale,
+                                              double deflection_rad) noexcept;
+  void MoveFurtherAnchors() noexcept;
+  double YieldOfBrake(double excess_Nm, double step_s) noexcept;
+  void AdvanceExponentialCreep(double step_s) noexcept;
+  double ShortStepDamping() const noexcept;
+  double ExtraDrag_Nm(double speed_rad_per_s) const noexcept;
+  double ExtraLoad_Nm(double input_rad) const noexcept;
   double DisturbedLoad(const PlantCommands& commands, double output_sin) const noexcept;
   double InputFriction(double dry_Nm, double speed_rad_per_s) noexcept;
   double SlipBrake(double step_s) noexcept;
@@ -101,11 +127,18 @@ class GearPlant {
   analysis::model::KinematicSeries kinematic_;
   analysis::model::FrictionAtTemperature friction_;
   double stiffness_ripple_{};
+  bool extended_{};  // any effect that a nominal gear does not have
+  bool has_drive_causes_{};
+  bool has_exponential_creep_{};
+  bool has_brake_yield_{};
+  double damping_Nms_per_rad_{};  // of the twist in short steps
+  double measurement_start_s_{};
   Seating seating_;
   double electrical_sine_{};
   StepFactors quasi_static_;
   StepFactors substep_;
   PlantState state_;
+  DelayLine delay_;
 };
 
 }  // namespace strainwave::bench

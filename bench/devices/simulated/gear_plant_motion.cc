@@ -39,6 +39,7 @@ double GearPlant::ApproachSpeed(double remaining_rad, double wanted_rad_per_s) c
   return std::clamp(wanted_rad_per_s, -most, most);
 }
 
+template <bool kExtended>
 void GearPlant::StepQuasiStatic(const PlantCommands& commands, double step_s) noexcept {
   PrepareFactors(quasi_static_, step_s);
   PlantState& s = state_;
@@ -67,23 +68,28 @@ void GearPlant::StepQuasiStatic(const PlantCommands& commands, double step_s) no
 
   // Locked, the brake gives way with the torque; that part is counted as compliance in series.
   const double held_rad = s.input_brake_closed ? s.brake_anchor_rad : s.input_rad;
-  const AtAngle at = Evaluate(held_rad);
+  const AtAngle at = Evaluate<kExtended>(held_rad);
   const double load_Nm = DisturbedLoad(commands, at.output_sin) -
                          specimen_.inertia.output_kgm2 * acceleration * inverse_ratio_ -
                          specimen_.load.drag_viscous_Nms_per_rad * speed * inverse_ratio_;
-  const double no_load_rad =
+  double no_load_rad =
       held_rad * inverse_ratio_ + s.mount_offset_rad - at.error_rad + model::CreepTwist_rad(s.creep_rad);
+  if (kExtended && has_exponential_creep_) no_load_rad += s.exponential_creep_rad;
   const model::TwistCurve& curve = s.input_brake_closed ? locked_curve_ : free_curve_;
   const model::OutputGrip grip = Grip();
-  const model::TwistSolution solution = model::SolveTwist(curve, at.stiffness_scale, s.hysteresis_anchor_rad,
-                                                          grip, no_load_rad, load_Nm, s.twist_rad);
+  const model::TwistSolution solution =
+      kExtended && curve.deviates ? Balance(curve, at.stiffness_scale, grip, no_load_rad, load_Nm, step_s)
+                                  : model::SolveTwist(curve, at.stiffness_scale, s.hysteresis_anchor_rad,
+                                                      grip, no_load_rad, load_Nm, s.twist_rad);
   s.twist_rad = solution.twist_rad;
   s.gear_torque_Nm = solution.torque_Nm;
   s.output_rad = solution.output_rad;
   s.output_speed_rad_per_s = (s.output_rad - from_output_rad) / step_s;
   s.hysteresis_anchor_rad = model::MovedAnchor(curve.hysteresis, s.twist_rad, s.hysteresis_anchor_rad);
+  if (kExtended && curve.deviates) MoveFurtherAnchors();
   s.grip_anchor_rad = model::MovedAnchor(grip.element, s.output_rad, s.grip_anchor_rad);
   model::AdvanceCreep(quasi_static_.creep, s.gear_torque_Nm, s.creep_rad);
+  if (kExtended && has_exponential_creep_) AdvanceExponentialCreep(step_s);
 
   double friction_Nm = 0.0;
   if (s.input_brake_closed) {
@@ -94,19 +100,22 @@ void GearPlant::StepQuasiStatic(const PlantCommands& commands, double step_s) no
   } else {
     const double dry_Nm = model::DryFriction_Nm(friction_, speed, s.gear_torque_Nm, at.cos1, at.cos2);
     friction_Nm = InputFriction(dry_Nm, speed);
+    if (kExtended && has_drive_causes_) friction_Nm += ExtraDrag_Nm(speed);
     const double back_Nm = s.gear_torque_Nm * inverse_ratio_ * (1.0 - ratio_ * at.error_derivative);
     // The steady part is kept apart: short steps that follow go on from it.
     const bool driven = commands.input != PlantCommands::Input::kFree;
     s.servo_integral_Nm = driven ? friction_Nm - back_Nm + specimen_.servo.cogging_Nm * at.cos8 : 0.0;
+    if (kExtended && driven && has_drive_causes_) s.servo_integral_Nm += ExtraLoad_Nm(held_rad);
     s.motor_torque_Nm = s.servo_integral_Nm + specimen_.inertia.input_kgm2 * acceleration;
   }
   Account(s.input_rad - from_rad, friction_Nm, step_s);
 }
 
+template <bool kExtended>
 void GearPlant::StepDynamic(const PlantCommands& commands, double step_s) noexcept {
   const int substeps = static_cast<int>(std::ceil(step_s / kSubstep_s - 1e-9));
   const double substep_s = step_s / substeps;
-  for (int i = 0; i < substeps; ++i) Substep(commands, substep_s);
+  for (int i = 0; i < substeps; ++i) Substep<kExtended>(commands, substep_s);
 }
 
 double GearPlant::ServoTorque(const PlantCommands& commands, double step_s) noexcept {
@@ -139,6 +148,7 @@ double GearPlant::ServoTorque(const PlantCommands& commands, double step_s) noex
   return torque_Nm;
 }
 
+template <bool kExtended>
 void GearPlant::Substep(const PlantCommands& commands, double step_s) noexcept {
   PrepareFactors(substep_, step_s);
   PlantState& s = state_;
@@ -149,20 +159,26 @@ void GearPlant::Substep(const PlantCommands& commands, double step_s) noexcept {
   const bool locked = s.input_brake_closed;
   if (locked) s.brake_anchor_rad += SlipBrake(step_s);
   const double held_rad = locked ? s.brake_anchor_rad : s.input_rad;
-  const AtAngle at = Evaluate(held_rad);
-  const double creep_rad = model::CreepTwist_rad(s.creep_rad);
+  const AtAngle at = Evaluate<kExtended>(held_rad);
+  double creep_rad = model::CreepTwist_rad(s.creep_rad);
+  if (kExtended && has_exponential_creep_) creep_rad += s.exponential_creep_rad;
   const double deflection_rad =
       s.output_rad - (held_rad * inverse_ratio_ + s.mount_offset_rad - at.error_rad + creep_rad);
   const model::TwistCurve& curve = locked ? locked_curve_ : free_curve_;
-  const model::TwistSolution solution = model::SolveTwistAtDeflection(
-      curve, at.stiffness_scale, s.hysteresis_anchor_rad, deflection_rad, s.twist_rad);
+  const model::TwistSolution solution =
+      kExtended && curve.deviates
+          ? AtDeflection(curve, at.stiffness_scale, deflection_rad)
+          : model::SolveTwistAtDeflection(curve, at.stiffness_scale, s.hysteresis_anchor_rad, deflection_rad,
+                                          s.twist_rad);
   const double input_speed = locked ? 0.0 : s.input_speed_rad_per_s;
   const double slip_speed =
       s.output_speed_rad_per_s - input_speed * inverse_ratio_ * (1.0 - ratio_ * at.error_derivative);
   s.twist_rad = solution.twist_rad;
   s.hysteresis_anchor_rad = model::MovedAnchor(curve.hysteresis, s.twist_rad, s.hysteresis_anchor_rad);
-  s.gear_torque_Nm = solution.torque_Nm + specimen_.inertia.damping_Nms_per_rad * slip_speed;
+  if (kExtended && curve.deviates) MoveFurtherAnchors();
+  s.gear_torque_Nm = solution.torque_Nm + damping_Nms_per_rad_ * slip_speed;
   model::AdvanceCreep(substep_.creep, s.gear_torque_Nm, s.creep_rad);
+  if (kExtended && has_exponential_creep_) AdvanceExponentialCreep(step_s);
 
   const model::OutputGrip grip = Grip();
   const double gripped_Nm = model::ElementTorque(grip.element, s.output_rad, grip.anchor_rad) +
@@ -177,16 +193,28 @@ void GearPlant::Substep(const PlantCommands& commands, double step_s) noexcept {
     s.input_rad = held_rad + specimen_.brake.compliance_rad_per_Nm * s.gear_torque_Nm * inverse_ratio_;
     s.input_speed_rad_per_s = 0.0;
     s.motor_torque_Nm = s.servo_integral_Nm = 0.0;
+    if (kExtended) delay_.Clear();
   } else {
     const double dry_Nm = model::DryFriction_Nm(friction_, input_speed, s.gear_torque_Nm, at.cos1, at.cos2);
     friction_Nm = InputFriction(dry_Nm, input_speed);
     s.motor_torque_Nm = ServoTorque(commands, step_s);
+    double acting_Nm = s.motor_torque_Nm;
+    if (kExtended && delay_.delays()) acting_Nm = delay_.Next(acting_Nm, step_s);
+    if (kExtended && has_drive_causes_) {
+      friction_Nm += ExtraDrag_Nm(input_speed);
+      acting_Nm -= ExtraLoad_Nm(s.input_rad);
+    }
     const double back_Nm = s.gear_torque_Nm * inverse_ratio_ * (1.0 - ratio_ * at.error_derivative);
-    const double net_Nm = s.motor_torque_Nm - specimen_.servo.cogging_Nm * at.cos8 + back_Nm - friction_Nm;
+    const double net_Nm = acting_Nm - specimen_.servo.cogging_Nm * at.cos8 + back_Nm - friction_Nm;
     s.input_speed_rad_per_s += step_s * net_Nm / specimen_.inertia.input_kgm2;
     s.input_rad += step_s * s.input_speed_rad_per_s;
   }
   Account(s.input_rad - from_rad, friction_Nm, step_s);
 }
+
+template void GearPlant::StepQuasiStatic<true>(const PlantCommands&, double) noexcept;
+template void GearPlant::StepQuasiStatic<false>(const PlantCommands&, double) noexcept;
+template void GearPlant::StepDynamic<true>(const PlantCommands&, double) noexcept;
+template void GearPlant::StepDynamic<false>(const PlantCommands&, double) noexcept;
 
 }  // namespace strainwave::bench

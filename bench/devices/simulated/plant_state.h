@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "analysis/model/creep.h"
 #include "analysis/model/thermal.h"
 #include "analysis/model/wear.h"
@@ -23,11 +25,15 @@ struct PlantState {
   // Elastic and frictional elements.
   double twist_rad{};
   double hysteresis_anchor_rad{};
+  std::array<double, 2> further_anchor_rad{};  // of the further friction elements
   double grip_anchor_rad{};
   double friction_anchor_rad{};
   double brake_anchor_rad{};
-  double mount_offset_rad{};  // output angle at input zero, no load, no error
+  double brake_excess_Nm{};           // beyond what it holds, at the last step
+  double brake_furthest_excess_Nm{};  // since it closed
+  double mount_offset_rad{};          // output angle at input zero, no load, no error
   analysis::model::CreepState creep_rad{};
+  double exponential_creep_rad{};
   // Brakes: closed is what the mechanics do, some time after the command.
   bool input_brake_closed{true};
   bool load_brake_closed{true};

@@ -61,7 +61,8 @@ class SimulatedBench::Implementation final : public Sampler, public BenchClock {
       : settings_(settings),
         plant_(Specimen(description, settings)),
         sensors_(plant_.specimen(), settings.time_skew_s),
-        vibration_(plant_.specimen().vibration, description.ratio, settings.seed) {
+        vibration_(plant_.specimen().vibration, description.ratio, settings.seed,
+                   plant_.specimen().vibration_causes) {
     BeginPhase(0);
     Report();
   }
@@ -272,8 +273,11 @@ BenchTruth SimulatedBench::TruthNow(double step_rad, int steps, std::optional<do
   truth.k2_Nm_per_rad = law.spring.k2_Nm_per_rad;
   truth.k3_Nm_per_rad = law.spring.k3_Nm_per_rad;
   truth.series_compliance_rad_per_Nm = law.series_compliance_rad_per_Nm;
-  truth.hysteresis_rad = model::HysteresisWidth_rad(law.spring, law.hysteresis);
   truth.friction_torque_Nm = law.hysteresis.limit_Nm;
+  for (const model::ElastoPlasticElement& further : law.deviations.further_friction) {
+    truth.friction_torque_Nm += further.limit_Nm;
+  }
+  truth.hysteresis_rad = model::HysteresisWidth_rad(law.spring, {truth.friction_torque_Nm, 1.0});
 
   const double home_output_rad = kTwoPi * std::round(state.output_rad / kTwoPi);
   const double start_rad =

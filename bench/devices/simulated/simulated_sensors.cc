@@ -26,7 +26,11 @@ SimulatedSensors::SimulatedSensors(const model::PlantParameters& specimen, doubl
       output_noise_rad_(specimen.output_encoder.noise_rad),
       input_encoder_(specimen.input_encoder),
       output_encoder_(specimen.output_encoder),
-      time_skew_s_(time_skew_s) {}
+      time_skew_s_(time_skew_s),
+      drift_(specimen.output_drift),
+      defect_square_(model::SquaresAt(specimen.vibration_causes, specimen.vibration.reference_speed_rad_per_s,
+                                      specimen.ratio)),
+      has_drift_(drift_.drift_rad_per_K != 0.0 || drift_.rate_rad_per_s != 0.0) {}
 
 void SimulatedSensors::FollowVibration(const GearPlant& plant) noexcept {
   const PlantState& state = plant.state();
@@ -43,6 +47,8 @@ void SimulatedSensors::FollowVibration(const GearPlant& plant) noexcept {
     for (std::size_t m = 0; m < model::kVibrationModes; ++m) {
       mesh += Square(vibration_.mode_gain[c][m] * at_reference.mode_m_per_s2[m]);
     }
+    shaft += Square(vibration_.order_gain[c][0]) * defect_square_.fourth;
+    mesh += Square(vibration_.mode_gain[c][0]) * defect_square_.second;
     if (shaft + mesh <= strongest) continue;
     strongest = shaft + mesh;
     vibration_square_ = {shaft, mesh, Square(vibration_.sensor_noise_m_per_s2)};
@@ -55,8 +61,11 @@ Readings SimulatedSensors::Measure(const GearPlant& plant, std::chrono::nanoseco
   readings.time = time;
   readings.input_angle_rad = input_encoder_.Reading(state.input_rad, input_noise_rad_ * noise_());
   const double late_rad = time_skew_s_ * state.output_speed_rad_per_s;
-  readings.output_angle_rad =
-      output_encoder_.Reading(state.output_rad + late_rad, output_noise_rad_ * noise_());
+  double beside_rad = output_noise_rad_ * noise_();
+  if (has_drift_) {
+    beside_rad += model::OutputDrift_rad(drift_, state.thermal.gear_degC, plant.measurement_time_s());
+  }
+  readings.output_angle_rad = output_encoder_.Reading(state.output_rad + late_rad, beside_rad);
   readings.input_speed_rad_per_s = state.input_speed_rad_per_s + slow_noise_.speed_rad_per_s * noise_();
   readings.output_torque_Nm =
       model::TransducerReading_Nm(transducer_, state.gear_torque_Nm, state.thermal.housing_degC) +

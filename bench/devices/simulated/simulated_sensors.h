@@ -33,6 +33,9 @@ class SimulatedSensors {
   EncoderError input_encoder_;
   EncoderError output_encoder_;
   double time_skew_s_;
+  analysis::model::OutputDrift drift_;
+  analysis::model::CauseSquares defect_square_;  // at the reference speed
+  bool has_drift_;
   NoiseSource noise_;
   // Mean square of the strongest channel by power of the speed (relative to the reference): 4, 2, 0.
   std::array<double, 3> vibration_square_{};

@@ -34,8 +34,12 @@ struct Phasor {
 
 }  // namespace
 
-VibrationSynthesis::VibrationSynthesis(const model::Vibration& vibration, double ratio, std::uint64_t seed)
-    : vibration_(vibration), ratio_(ratio), seed_(seed) {
+VibrationSynthesis::VibrationSynthesis(const model::Vibration& vibration, double ratio, std::uint64_t seed,
+                                       const model::VibrationCauses& causes)
+    : vibration_(vibration),
+      causes_(causes, ratio, vibration.reference_speed_rad_per_s),
+      ratio_(ratio),
+      seed_(seed) {
   for (std::size_t channel = 0; channel < kChannels; ++channel) {
     for (std::size_t k = 0; k < kOrders; ++k) {
       const double gain = vibration_.order_gain[channel][k];
@@ -65,6 +69,7 @@ void VibrationSynthesis::Start(double sample_rate_hz, std::uint64_t key, double 
   noise_ = NoiseSource(key);
   for (double& factor : run_factor_) factor = std::exp(vibration_.scatter_per_run * noise_());
   DriftAt(bench_time_s);
+  causes_.Start(sample_rate_hz, key);
   resonators_ = {};
   tuned_Hz_ = {};
   lost_ = 0;
@@ -80,20 +85,7 @@ void VibrationSynthesis::TuneResonators(const model::VibrationSources& sources) 
   for (std::size_t m = 0; m < kModes; ++m) {
     if (tuned_Hz_[m] == sources.mode_Hz[m]) continue;
     tuned_Hz_[m] = sources.mode_Hz[m];
-    Resonator& resonator = resonators_[m];
-    // A mode above the band is not heard.
-    if (tuned_Hz_[m] >= 0.45 * sample_rate_hz_) {
-      resonator.gain = 0.0;
-      continue;
-    }
-    const double angle = kTwoPi * tuned_Hz_[m] / sample_rate_hz_;
-    const double radius = std::exp(-vibration_.mode_damping[m] * angle);
-    resonator.a1 = 2.0 * radius * std::cos(angle);
-    resonator.a2 = -radius * radius;
-    // Gain for which white noise of variance one comes out with variance one (AR(2) process).
-    const double a1 = resonator.a1;
-    const double a2 = resonator.a2;
-    resonator.gain = std::sqrt((1.0 + a2) * ((1.0 - a2) * (1.0 - a2) - a1 * a1) / (1.0 - a2));
+    resonators_[m].Tune(tuned_Hz_[m], vibration_.mode_damping[m], sample_rate_hz_);
   }
 }
 
@@ -122,6 +114,9 @@ void VibrationSynthesis::Advance(double step_s, double from_rad, double to_rad,
   std::array<double, kModes> mode;
   for (std::size_t m = 0; m < kModes; ++m) mode[m] = sources.mode_m_per_s2[m] * run_factor_[kOrders + m];
   const double noise_level = std::hypot(sources.broadband_m_per_s2, vibration_.sensor_noise_m_per_s2);
+  const bool has_defects = causes_.any();
+  const double speed_rad_per_s = (to_rad - from_rad) / step_s;
+  double defect_rad = start_rad;
 
   for (; next_sample_s_ < step_s; next_sample_s_ += period_s) {
     const Phasor second = input * input;
@@ -143,11 +138,12 @@ void VibrationSynthesis::Advance(double step_s, double from_rad, double to_rad,
     const double drive = random * (kFrictionDrive + kImpactDrive * std::max(0.0, second.c));
     std::array<double, kModes> ringing;
     for (std::size_t m = 0; m < kModes; ++m) {
-      Resonator& r = resonators_[m];
-      const double y = r.gain * drive + r.a1 * r.y1 + r.a2 * r.y2;
-      r.y2 = r.y1;
-      r.y1 = y;
-      ringing[m] = mode[m] * y;
+      ringing[m] = mode[m] * resonators_[m].Driven(drive);
+    }
+    VibrationCauseSynthesis::Sample defects{};
+    if (has_defects) {
+      defects = causes_.Next(defect_rad, speed_rad_per_s);
+      defect_rad += per_sample_rad;
     }
     const bool room = samples_[0].size() < capacity_;
     if (!room) ++lost_;
@@ -157,6 +153,10 @@ void VibrationSynthesis::Advance(double step_s, double from_rad, double to_rad,
         value += in_phase_[channel][k] * cosine[k] - quadrature_[channel][k] * sine[k];
       }
       for (std::size_t m = 0; m < kModes; ++m) value += vibration_.mode_gain[channel][m] * ringing[m];
+      if (has_defects) {
+        value += vibration_.order_gain[channel][0] * defects.shaft_m_per_s2 +
+                 vibration_.mode_gain[channel][0] * defects.housing_m_per_s2;
+      }
       if (room) samples_[channel].push_back(static_cast<float>(sensitivity_[channel] * value));
     }
     input = input * input_turn;

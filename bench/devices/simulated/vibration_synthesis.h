@@ -6,6 +6,8 @@
 
 #include "analysis/model/vibration.h"
 #include "bench/devices/simulated/noise_source.h"
+#include "bench/devices/simulated/resonator.h"
+#include "bench/devices/simulated/vibration_cause_synthesis.h"
 #include "bench/roles/sampler.h"
 
 namespace strainwave::bench {
@@ -13,12 +15,14 @@ namespace strainwave::bench {
 /// Makes the samples of the four accelerometers from the motion of the wave generator: order-tracked lines
 /// at 1, 2, 4 and 2.025 per input turn; tooth mesh at 160 and 162 per input turn with sidebands at two per
 /// input turn and one per output turn; three resonances rung by friction noise and mesh impacts; broadband
-/// and sensor noise. Amplitudes follow speed, load, temperature and wear (analysis/model/vibration.h).
+/// and sensor noise; and what defects add. Amplitudes follow speed, load, temperature and wear
+/// (analysis/model/vibration.h).
 class VibrationSynthesis {
  public:
   /// @param ratio   of the gear, input turns per output turn.
   /// @param seed    of the specimen and its sensors: decides the slow drift of their sensitivity.
-  VibrationSynthesis(const analysis::model::Vibration& vibration, double ratio, std::uint64_t seed);
+  VibrationSynthesis(const analysis::model::Vibration& vibration, double ratio, std::uint64_t seed,
+                     const analysis::model::VibrationCauses& causes = {});
 
   /// Starts a recording; `key` seeds its noise. Room for `capacity_s` between two drains.
   void Start(double sample_rate_hz, std::uint64_t key, double bench_time_s, double capacity_s);
@@ -34,15 +38,11 @@ class VibrationSynthesis {
   std::uint64_t lost_samples() const noexcept { return lost_; }
 
  private:
-  struct Resonator {
-    double a1{}, a2{}, gain{};
-    double y1{}, y2{};
-  };
-
   void TuneResonators(const analysis::model::VibrationSources& sources) noexcept;
   void DriftAt(double bench_time_s) noexcept;
 
   analysis::model::Vibration vibration_;
+  VibrationCauseSynthesis causes_;
   double ratio_;
   std::uint64_t seed_;
   bool running_{};

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/diagnose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "analysis/diagnosis/heldout.h"
+#include "analysis/diagnosis/residual_tests.h"
+#include "analysis/diagnosis/selection.h"
+#include "analysis/noise_level.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+std::vector<double> ResidualsOf(const Study& study, const ModelFit& fit) {
+  std::vector<double> residuals(study.measured().begin(), study.measured().end());
+  for (std::size_t i = 0; i < residuals.size(); ++i)
+    residuals[i] -= fit.predicted(static_cast<Eigen::Index>(i));
+  return residuals;
+}
+
+// Single samples of a residual that stand off the median of their eight neighbours while those next to them
+// do not: nothing physical lasts one sample.
+std::vector<std::size_t> FindLoneSamples(std::span<const double> residual) {
+  constexpr std::size_t kReach = 4;
+  constexpr double kStandsOff = 5.5;  // standard deviations; one clean sample in 26 million
+  constexpr double kNextTo = 0.35;    // of the spike
+  std::vector<std::size_t> lone;
+  if (residual.size() < 4 * kReach) return lone;
+  std::vector<double> off(residual.size(), 0.0);
+  for (std::size_t i = kReach; i + kReach < residual.size(); ++i) {
+    std::array<double, 2 * kReach> near{};
+    std::copy_n(residual.begin() + static_cast<std::ptrdiff_t>(i - kReach), kReach, near.begin());
+    std::copy_n(residual.begin() + static_cast<std::ptrdiff_t>(i + 1), kReach, near.begin() + kReach);
+    std::nth_element(near.begin(), near.begin() + kReach, near.end());
+    off[i] = residual[i] - near[kReach];
+  }
+  const double limit = kStandsOff * RobustStandardDeviation(off);
+  for (std::size_t i = kReach; i + kReach < residual.size(); ++i) {
+    const double size = std::abs(off[i]);
+    if (size > limit && std::abs(off[i - 1]) < kNextTo * size && std::abs(off[i + 1]) < kNextTo * size) {
+      lone.push_back(i);
+    }
+  }
+  return lone;
+}
+
+// Takes the weight from single samples that stand off their neighbours; true if there were new ones.
+bool LeaveOutSpikes(const Study& study, const ModelFit& fit, std::vector<double>& weights) {
+  if (!study.SpikesAreOutliers()) return false;
+  const std::vector<double> residuals = ResidualsOf(study, fit);
+  bool any = false;
+  for (std::size_t s = 0; s < study.stretches().size(); ++s) {
+    const std::size_t first = study.stretches()[s];
+    const std::size_t last = s + 1 < study.stretches().size() ? study.stretches()[s + 1] : residuals.size();
+    const std::span<const double> stretch(residuals.data() + first, last - first);
+    for (const auto& found : {FindSpikes(stretch, EstimateNoise(stretch)), FindLoneSamples(stretch)}) {
+      for (const std::size_t spike : found) {
+        any = any || weights[first + spike] > 0.0;
+        weights[first + spike] = 0.0;
+      }
+    }
+  }
+  return any;
+}
+
+double SquareSum(const Study& study, const ModelFit& fit, std::span<const double> weights) {
+  const std::vector<double> residuals = ResidualsOf(study, fit);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) sum += weights[i] * residuals[i] * residuals[i];
+  return sum;
+}
+
+Finding Report(const Judge& judge, const ScoredModel& model, std::size_t cause, double explainable,
+               const DiagnoseOptions& options) {
+  const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
+  const auto place = static_cast<std::size_t>(
+      std::find(model.fit.causes.begin(), model.fit.causes.end(), cause) - model.fit.causes.begin());
+  Finding finding{cause, model.fit.cause_parameters[place], {}, 0.0, {}};
+  finding.evidence = JudgeCause(judge, model, without, cause, options.family_error).evidence;
+  const double lost = SquareSum(judge.study(), without.fit, judge.weights()) -
+                      SquareSum(judge.study(), model.fit, judge.weights());
+  finding.share_of_explainable = explainable > 0.0 ? std::clamp(lost / explainable, 0.0, 1.0) : 0.0;
+  finding.indistinguishable_from = RivalsOf(judge, model, cause);
+  return finding;
+}
+
+}  // namespace
+
+Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
+  Diagnosis diagnosis;
+  diagnosis.weights.assign(study.measured().size(), 1.0);
+  for (int round = 0; round < 2; ++round) {
+    const ModelFit fit = study.Fit(options.given_causes, diagnosis.weights, nullptr, FitPurpose::kCompare);
+    if (!LeaveOutSpikes(study, fit, diagnosis.weights)) break;
+  }
+  auto judge = std::make_unique<Judge>(study, diagnosis.weights, options);
+  Selection selection = Select(*judge, options.given_causes, options);
+  // What looked like noise beside a missing effect may stand out now.
+  if (LeaveOutSpikes(study, selection.model.fit, diagnosis.weights)) {
+    judge = std::make_unique<Judge>(study, diagnosis.weights, options);
+    selection = Select(*judge, options.given_causes, options);
+  }
+  const ScoredModel nominal = judge->Fit(options.given_causes, nullptr, FitPurpose::kReport);
+  const ScoredModel extended =
+      judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kReport);
+  diagnosis.nominal = nominal.fit;
+  diagnosis.extended = extended.fit;
+  diagnosis.candidates = std::move(selection.candidates);
+  diagnosis.noise_floor = study.NoiseFloor();
+
+  const double floor = diagnosis.noise_floor;
+  const double explainable =
+      SquareSum(study, nominal.fit, diagnosis.weights) - judge->samples() * floor * floor;
+  bool local = false;
+  for (const std::size_t cause : extended.fit.causes) {
+    if (std::find(options.given_causes.begin(), options.given_causes.end(), cause) !=
+        options.given_causes.end()) {
+      continue;
+    }
+    Finding finding = Report(*judge, extended, cause, explainable, options);
+    const CauseRule& rule = study.causes()[cause];
+    local = local || rule.local;
+    diagnosis.candidates.push_back({cause, finding.evidence, true, {}});
+    (rule.named ? diagnosis.causes : diagnosis.corrections).push_back(std::move(finding));
+  }
+  const auto by_evidence = [](const auto& a, const auto& b) {
+    return a.evidence.delta_bic > b.evidence.delta_bic;
+  };
+  std::sort(diagnosis.causes.begin(), diagnosis.causes.end(), by_evidence);
+  std::sort(diagnosis.corrections.begin(), diagnosis.corrections.end(), by_evidence);
+  std::sort(diagnosis.candidates.begin(), diagnosis.candidates.end(), by_evidence);
+
+  const Folds& folds = judge->folds(local);
+  const std::vector<double> before = HeldOutResiduals(study, diagnosis.weights, folds, nominal.fit);
+  const bool found = !diagnosis.causes.empty() || !diagnosis.corrections.empty();
+  const std::vector<double> after =
+      found ? HeldOutResiduals(study, diagnosis.weights, folds, extended.fit) : before;
+  diagnosis.nominal_heldout_rmse = HeldOutRmse(before, diagnosis.weights);
+  diagnosis.extended_heldout_rmse = HeldOutRmse(after, diagnosis.weights);
+  if (found) diagnosis.gain = EstimateGain(before, after, diagnosis.weights, folds, options.seed);
+
+  diagnosis.verdict = !diagnosis.causes.empty()        ? Verdict::kEffectFound
+                      : !diagnosis.corrections.empty() ? Verdict::kUnnamedStructure
+                                                       : Verdict::kNoEffect;
+  const std::vector<double> left = ResidualsOf(study, extended.fit);
+  const double nominal_variance = diagnosis.nominal_heldout_rmse * diagnosis.nominal_heldout_rmse;
+  const double extended_variance = diagnosis.extended_heldout_rmse * diagnosis.extended_heldout_rmse;
+  if (nominal_variance > 0.0) {
+    diagnosis.leftover.share_of_residual_variance =
+        std::clamp((extended_variance - floor * floor) / nominal_variance, 0.0, 1.0);
+  }
+  diagnosis.leftover.ljung_box_p = LjungBoxP(left, diagnosis.weights, study.stretches(), 0);
+  diagnosis.leftover.runs_p = RunsP(left, diagnosis.weights, study.stretches());
+  diagnosis.leftover.signature = DescribeLeftover(
+      study, Eigen::Map<const Eigen::VectorXd>(left.data(), static_cast<Eigen::Index>(left.size())),
+      diagnosis.weights);
+  const auto outliers = std::count(diagnosis.weights.begin(), diagnosis.weights.end(), 0.0);
+  if (outliers > 0)
+    diagnosis.notes.push_back(
+        fmt::format("{} samples stand off their neighbours and were left out", outliers));
+  return diagnosis;
+}
+
+}  // namespace strainwave::analysis::diagnosis

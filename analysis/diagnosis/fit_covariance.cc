@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/fit_covariance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "analysis/diagnosis/noise_likelihood.h"
+
+namespace strainwave::analysis::diagnosis {
+
+using Eigen::Index;
+namespace {
+
+// Rows filtered backwards in time by 1 / A(z) within each stretch: Σ = σ² A⁻¹ A⁻ᵀ, so that JᵀΣJ is σ² times
+// the square of A⁻ᵀ J.
+Eigen::MatrixXd ColourBackwards(Eigen::MatrixXd rows, const NoiseFit& noise,
+                                std::span<const std::size_t> stretches) {
+  for (std::size_t s = 0; s < stretches.size(); ++s) {
+    const auto first = static_cast<Index>(stretches[s]);
+    const Index last = s + 1 < stretches.size() ? static_cast<Index>(stretches[s + 1]) : rows.rows();
+    for (Index i = last - 1; i >= first; --i) {
+      for (Index k = 1; k <= noise.order && i + k < last; ++k) {
+        rows.row(i) += noise.coefficients[static_cast<std::size_t>(k - 1)] * rows.row(i + k);
+      }
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+Eigen::MatrixXd FitCovariance(const Eigen::MatrixXd& sensitivities, std::span<const double> measured,
+                              const Eigen::VectorXd& predicted, std::span<const double> weights,
+                              std::span<const std::size_t> stretches, int largest_noise_order) {
+  const Index p = sensitivities.cols();
+  std::vector<double> residual(measured.begin(), measured.end());
+  Eigen::MatrixXd used = sensitivities;
+  double square_sum = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    residual[i] -= predicted(static_cast<Index>(i));
+    if (weights[i] > 0.0) {
+      square_sum += residual[i] * residual[i];
+      count += 1.0;
+    } else {
+      used.row(static_cast<Index>(i)).setZero();
+    }
+  }
+  // Columns of one size: parameters in radians and in turns share a matrix.
+  Eigen::VectorXd scale(p);
+  for (Index j = 0; j < p; ++j) {
+    const double norm = used.col(j).norm();
+    scale(j) = norm > 0.0 ? 1.0 / norm : 0.0;
+    used.col(j) *= scale(j);
+  }
+  const NoiseFit noise =
+      FitNoise(residual, weights, stretches, largest_noise_order, std::max(std::sqrt(square_sum), 1e-300));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(used.transpose() * used);
+  const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
+  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr(
+      [&](double value) { return value > 1e-12 * largest ? 1.0 / value : 0.0; });
+  const Eigen::MatrixXd bread =
+      eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  const double freedom = std::max(1.0, count - static_cast<double>(p));
+  Eigen::MatrixXd covariance = square_sum / freedom * bread;
+  if (noise.order > 0) {
+    const Eigen::MatrixXd coloured = ColourBackwards(used, noise, stretches);
+    covariance = noise.innovation_sd * noise.innovation_sd * count / freedom *
+                 (bread * (coloured.transpose() * coloured) * bread);
+  }
+  return scale.asDiagonal() * covariance * scale.asDiagonal();
+}
+
+}  // namespace strainwave::analysis::diagnosis

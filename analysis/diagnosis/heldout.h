@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "analysis/diagnosis/diagnose.h"
+#include "analysis/diagnosis/study.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// How a record is held out: blocks of whole stretches of samples, each in one of a few folds.
+struct Folds {
+  std::vector<std::size_t> block_of;  // one a sample
+  std::vector<std::size_t> fold_of;   // one a sample
+  std::size_t blocks{};
+  std::size_t folds{};
+};
+
+/// Blocks of `length` samples (never across a stretch), dealt to at most five folds so that neighbours fall
+/// into different ones and no fold follows a regular pattern.
+/// @throws std::invalid_argument if the record does not give two blocks.
+Folds MakeFolds(std::size_t samples, std::span<const std::size_t> stretches, std::size_t length);
+
+/// Residuals of samples that the fit has not seen: each fold is predicted by a fit to the others, started
+/// from `whole`. A sample without weight is left at 0.
+std::vector<double> HeldOutResiduals(const Study& study, std::span<const double> weights, const Folds& folds,
+                                     const ModelFit& whole);
+
+double HeldOutRmse(std::span<const double> residuals, std::span<const double> weights);
+
+/// Reduction of the RMSE from `before` to `after` (both held out), with a 95 % interval from 2000 resamples
+/// of whole blocks.
+GainEstimate EstimateGain(std::span<const double> before, std::span<const double> after,
+                          std::span<const double> weights, const Folds& folds, unsigned long long seed);
+
+}  // namespace strainwave::analysis::diagnosis

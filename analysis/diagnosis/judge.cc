@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <utility>
+
+#include "analysis/autocorrelation.h"
+#include "analysis/diagnosis/selection.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// A local cause may cover a few samples: its blocks are this much shorter.
+constexpr std::size_t kShortBlocks = 20;
+
+std::vector<double> ResidualsOf(const Study& study, const ModelFit& fit) {
+  const std::span<const double> measured = study.measured();
+  std::vector<double> residuals(measured.size());
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    residuals[i] = measured[i] - fit.predicted(static_cast<Eigen::Index>(i));
+  }
+  return residuals;
+}
+
+}  // namespace
+
+Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOptions&)
+    : study_(study),
+      weights_(std::move(weights)),
+      folds_(MakeFolds(study.measured().size(), study.stretches(), study.BlockLength())),
+      short_folds_(MakeFolds(study.measured().size(), study.stretches(),
+                             std::max<std::size_t>(2, study.BlockLength() / kShortBlocks))) {
+  for (const double weight : weights_) samples_ += weight > 0.0 ? 1.0 : 0.0;
+  for (const double value : study.measured()) scale_ = std::max(scale_, std::abs(value));
+  scale_ = std::max(scale_, 1e-300);
+}
+
+ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* start, FitPurpose purpose) const {
+  ScoredModel model{study_.Fit(causes, weights_, start, purpose), {}};
+  if (model.fit.usable) {
+    model.noise = FitNoise(ResidualsOf(study_, model.fit), weights_, study_.stretches(),
+                           study_.LargestNoiseOrder(), scale_);
+  }
+  return model;
+}
+
+Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) const {
+  Comparison comparison;
+  if (!richer.fit.usable || !poorer.fit.usable) return comparison;
+  const int more = richer.fit.free_parameters - poorer.fit.free_parameters;
+  comparison.likelihood_ratio = LikelihoodRatio(richer.noise, poorer.noise);
+  comparison.delta_bic = comparison.likelihood_ratio - more * std::log(samples_);
+  comparison.likelihood_ratio = std::max(0.0, comparison.likelihood_ratio);
+  const double freedom = samples_ - richer.fit.free_parameters;
+  if (more > 0 && freedom > 2.0) {
+    const double f = std::expm1(std::min(700.0, comparison.likelihood_ratio / samples_)) * freedom / more;
+    const boost::math::fisher_f distribution(more, freedom);
+    comparison.p_value = boost::math::cdf(boost::math::complement(distribution, f));
+  }
+  return comparison;
+}
+
+double Judge::Corrected(double p_value, const CauseRule& rule) const {
+  const double looks = std::max(1.0, rule.trials) * static_cast<double>(study_.causes().size());
+  return -std::expm1(looks * std::log1p(-std::min(p_value, 0.999999)));
+}
+
+double Judge::HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const NoiseFit& noise,
+                          bool local) const {
+  const Folds& used = folds(local);
+  const std::vector<double> before = HeldOutResiduals(study_, weights_, used, poorer);
+  const std::vector<double> after = HeldOutResiduals(study_, weights_, used, richer);
+  double gain = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) gain += before[i] * before[i] - after[i] * after[i];
+  double inflation = 1.0;
+  if (noise.order > 0) inflation = VarianceInflation(ResidualsOf(study_, richer));
+  const double variance = noise.innovation_sd * noise.innovation_sd;
+  return variance > 0.0 ? gain / (2.0 * variance * inflation) : 0.0;
+}
+
+std::string Judge::Objection(const ModelFit& fit, std::size_t cause, double away_from_zero) const {
+  const auto place = std::find(fit.causes.begin(), fit.causes.end(), cause);
+  if (!fit.usable || place == fit.causes.end()) return "no fit";
+  const CauseRule& rule = study_.causes()[cause];
+  const auto& parameters = fit.cause_parameters[static_cast<std::size_t>(place - fit.causes.begin())];
+  for (const ParameterRule& expected : rule.parameters) {
+    const auto found = std::find_if(parameters.begin(), parameters.end(),
+                                    [&](const ParameterValue& value) { return value.name == expected.name; });
+    if (found == parameters.end()) continue;
+    if (!(found->value >= expected.low && found->value <= expected.high)) {
+      return fmt::format("{} = {:.4g} {} is outside {:.4g} to {:.4g}", expected.name, found->value,
+                         expected.unit, expected.low, expected.high);
+    }
+    if (expected.amount && !(std::abs(found->value) > away_from_zero * found->standard_error)) {
+      return fmt::format("{} = {:.3g} ± {:.2g} {} is not away from zero", expected.name, found->value,
+                         found->standard_error, expected.unit);
+    }
+  }
+  return {};
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/noise_likelihood.h"
+#include "analysis/diagnosis/study.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A shape that a residual may have, at the best place that a search found.
+struct LeftoverView {
+  Eigen::MatrixXd columns;   // samples × coefficients
+  int degrees_of_freedom{};  // coefficients that are free beside the residual's mean
+  double places{1.0};        // searched
+  /// A place can be moved without a grid, which counts √(likelihood ratio / 2) times more (Baluev, MNRAS 385
+  /// (2008) 1279, eq. 6).
+  bool continuous{};
+  std::function<std::string(const Eigen::VectorXd& coefficients)> describe;
+
+  double PlacesSearched(double likelihood_ratio) const;
+};
+
+/// Best lines over angles and over time, windows, dependences on the other regressors; those over angles
+/// first.
+std::vector<LeftoverView> LookAtLeftover(const Study& study, std::span<const double> residual,
+                                         std::span<const double> weights, const NoiseFit& noise);
+
+/// Means over bins of a regressor, and before them a straight line where it has more than two values.
+void AddDependence(const Study& study, const Regressor& regressor, std::span<const double> weights,
+                   std::vector<LeftoverView>& views);
+
+/// How many searches LookAtLeftover makes.
+std::size_t CountViews(const Study& study);
+
+/// Orders per turn that an evenly stepped angle folds into one another: 2π / step, in the unit of orders; 0
+/// where the steps are not even (deviations above 2 % of a step) or there are none.
+double FoldingOrder(std::span<const double> angle_rad, std::span<const double> weights);
+
+/// A regressor's title "output angle / deg" in two parts.
+struct TitleParts {
+  std::string quantity;
+  std::string unit;
+};
+TitleParts SplitTitle(const Regressor& regressor);
+
+/// "output turn" for output_angle, "turn of position" for position.
+std::string TurnOf(const Regressor& regressor);
+
+}  // namespace strainwave::analysis::diagnosis

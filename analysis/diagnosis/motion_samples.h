@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/records.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A stretch of a record without gaps, at even steps.
+struct EvenStretch {
+  std::size_t record{};
+  double start_s{};
+  double step_s{};
+  std::vector<double> position;
+  std::vector<double> torque;
+  std::vector<double> velocity;          // empty: none, or none that can be used
+  std::vector<double> temperature_degC;  // empty: none
+  std::vector<bool> clipped;             // torque at the end of its range
+};
+
+/// Motion records made ready: even steps, one unit for position, what was noticed.
+struct MotionSamples {
+  std::vector<EvenStretch> stretches;
+  std::size_t records{};
+  bool linear{};
+  std::optional<double> inertia;
+  double position_noise{};  // standard deviations of the white parts
+  double velocity_noise{};
+  double torque_noise{};
+  double position_step{};  // of a quantised position; 0 for a continuous one
+  std::vector<std::string> warnings;
+};
+
+/// @throws std::invalid_argument for a technician: too short, nothing moves, torque constant or mostly
+/// clipped.
+MotionSamples PrepareMotion(std::span<const MotionData> records);
+
+/// Standard deviation of the white part of even samples: median |difference| of the order, from the first to
+/// the eighth, that leaves least, so that no motion counts. 0 for fewer than 16 samples.
+double WhiteNoise(std::span<const double> samples);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/scans.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
+#include <unsupported/Eigen/FFT>
+
+#include "analysis/noise_level.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+struct Sums {
+  double w, y, c, s, yc, ys, cc, ss, cs;
+};
+
+// Drop of the weighted sum of squares by a line with a floating mean.
+double DropOf(const Sums& sums) {
+  if (!(sums.w > 0.0)) return 0.0;
+  const double yc = sums.yc - sums.y * sums.c / sums.w;
+  const double ys = sums.ys - sums.y * sums.s / sums.w;
+  const double cc = sums.cc - sums.c * sums.c / sums.w;
+  const double ss = sums.ss - sums.s * sums.s / sums.w;
+  const double cs = sums.cs - sums.c * sums.s / sums.w;
+  const double determinant = cc * ss - cs * cs;
+  // Where cosine and sine fall together (a folded order at a symmetric place) one of them is left.
+  if (determinant < 1e-9 * sums.w * sums.w) {
+    return cc > ss ? (cc > 1e-9 * sums.w ? yc * yc / cc : 0.0) : (ss > 1e-9 * sums.w ? ys * ys / ss : 0.0);
+  }
+  return (ss * yc * yc + cc * ys * ys - 2.0 * cs * yc * ys) / determinant;
+}
+
+double SpanOf(std::span<const double> values) {
+  if (values.empty()) return 0.0;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+// Between two grid points either side of `order`: golden section on the exact sums.
+LinePeak Refine(std::span<const double> angle, std::span<const double> residual,
+                std::span<const double> weights, double order, double half_width, double lowest) {
+  constexpr double kGolden = 0.6180339887498949;
+  double low = std::max(order - half_width, lowest);
+  double high = order + half_width;
+  double a = high - kGolden * (high - low);
+  double b = low + kGolden * (high - low);
+  double at_a = LineDrop(angle, residual, weights, a);
+  double at_b = LineDrop(angle, residual, weights, b);
+  for (int i = 0; i < 12; ++i) {
+    if (at_a > at_b) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - kGolden * (high - low);
+      at_a = LineDrop(angle, residual, weights, a);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + kGolden * (high - low);
+      at_b = LineDrop(angle, residual, weights, b);
+    }
+  }
+  return at_a > at_b ? LinePeak{a, at_a} : LinePeak{b, at_b};
+}
+
+// Median within `reach` grid points to either side, taken on a coarse raster; never zero.
+std::vector<double> LocalLevel(const std::vector<double>& drops, std::size_t reach) {
+  std::vector<double> level(drops.size());
+  double sum = 0.0;
+  for (const double drop : drops) sum += drop;
+  const double least = 1e-3 * sum / static_cast<double>(drops.size()) + 1e-300;
+  const std::size_t raster = std::max<std::size_t>(1, reach / 4);
+  for (std::size_t first = 0; first < drops.size(); first += raster) {
+    const std::size_t middle = std::min(first + raster / 2, drops.size() - 1);
+    const auto from = drops.begin() + static_cast<std::ptrdiff_t>(middle > reach ? middle - reach : 0);
+    const auto to = drops.begin() + static_cast<std::ptrdiff_t>(std::min(middle + reach + 1, drops.size()));
+    const double here = std::max(least, Median({from, to}));
+    std::fill(level.begin() + static_cast<std::ptrdiff_t>(first),
+              level.begin() + static_cast<std::ptrdiff_t>(std::min(first + raster, drops.size())), here);
+  }
+  return level;
+}
+
+}  // namespace
+
+double LineDrop(std::span<const double> angle, std::span<const double> residual,
+                std::span<const double> weights, double order) {
+  Sums sums{};
+  for (std::size_t i = 0; i < angle.size(); ++i) {
+    const double w = weights[i];
+    if (!(w > 0.0)) continue;
+    const double c = std::cos(order * angle[i]);
+    const double s = std::sin(order * angle[i]);
+    sums.w += w;
+    sums.y += w * residual[i];
+    sums.c += w * c;
+    sums.s += w * s;
+    sums.yc += w * residual[i] * c;
+    sums.ys += w * residual[i] * s;
+    sums.cc += w * c * c;
+    sums.ss += w * s * s;
+    sums.cs += w * c * s;
+  }
+  return DropOf(sums);
+}
+
+double IndependentOrders(std::span<const double> angle_rad, double lowest_order, double highest_order) {
+  return std::max(1.0, (highest_order - lowest_order) * SpanOf(angle_rad) / kTwoPi);
+}
+
+std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<const double> residual,
+                                std::span<const double> weights, double lowest_order, double highest_order,
+                                std::size_t count) {
+  const double span = SpanOf(angle_rad);
+  if (!(span > 0.0) || !(highest_order > lowest_order) || count == 0) return {};
+  constexpr double kOversampling = 4.0;
+  const double cell = kTwoPi / span;
+  const double step = cell / kOversampling;
+  // Samples fall into bins of an eighth of the shortest period of the doubled order at most.
+  const double bins_needed = 8.0 * 2.0 * (highest_order + cell) / step;
+  std::size_t bins = 1024;
+  while (static_cast<double>(bins) < bins_needed && bins < (std::size_t{1} << 22)) bins *= 2;
+  const double first = *std::min_element(angle_rad.begin(), angle_rad.end());
+  const double per_bin = kTwoPi / step / static_cast<double>(bins);
+
+  double mean_weight = 0.0;
+  double mean = 0.0;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    mean_weight += weights[i];
+    mean += weights[i] * residual[i];
+  }
+  if (!(mean_weight > 0.0)) return {};
+  mean /= mean_weight;
+  // Real part: weights; imaginary part: weighted residuals. One transform gives both.
+  std::vector<std::complex<double>> binned(bins);
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    const auto bin = static_cast<std::size_t>((angle_rad[i] - first) / per_bin + 0.5) % bins;
+    binned[bin] += std::complex<double>(weights[i], weights[i] * (residual[i] - mean));
+  }
+  std::vector<std::complex<double>> spectrum;
+  Eigen::FFT<double> fft;
+  fft.fwd(spectrum, binned);
+  const auto parts = [&](std::size_t k) {
+    const std::complex<double> z = spectrum[k % bins];
+    const std::complex<double> mirrored = std::conj(spectrum[(bins - k % bins) % bins]);
+    return std::pair{0.5 * (z + mirrored), std::complex<double>(0.0, -0.5) * (z - mirrored)};
+  };
+  const auto from = static_cast<std::size_t>(std::max(1.0, std::ceil(lowest_order / step)));
+  const auto to = std::min(static_cast<std::size_t>(std::floor(highest_order / step)) + 1, bins / 4);
+  if (to <= from) return {};
+  std::vector<double> drops(to - from + 1, 0.0);
+  for (std::size_t k = from; k <= to; ++k) {
+    const auto [window, data] = parts(k);
+    const auto doubled = parts(2 * k).first;
+    drops[k - from] = DropOf({.w = mean_weight,
+                              .y = 0.0,
+                              .c = window.real(),
+                              .s = -window.imag(),
+                              .yc = data.real(),
+                              .ys = -data.imag(),
+                              .cc = 0.5 * (mean_weight + doubled.real()),
+                              .ss = 0.5 * (mean_weight - doubled.real()),
+                              .cs = -0.5 * doubled.imag()});
+  }
+  const std::vector<double> level = LocalLevel(drops, static_cast<std::size_t>(30.0 * kOversampling));
+  const auto prominence = [&](std::size_t place) { return drops[place] / level[place]; };
+  std::vector<std::size_t> places(drops.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::sort(places.begin(), places.end(),
+            [&](std::size_t a, std::size_t b) { return prominence(a) > prominence(b); });
+  std::vector<LinePeak> peaks;
+  for (const std::size_t place : places) {
+    if (peaks.size() == count || !(drops[place] > 0.0)) break;
+    const double order = static_cast<double>(place + from) * step;
+    const bool close = std::any_of(peaks.begin(), peaks.end(),
+                                   [&](const LinePeak& peak) { return std::abs(peak.order - order) < cell; });
+    if (!close) peaks.push_back(Refine(angle_rad, residual, weights, order, step, 0.5 * lowest_order));
+  }
+  return peaks;
+}
+
+std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,
+                                    std::span<const double> weights, double narrowest, double widest,
+                                    std::size_t count) {
+  std::vector<std::size_t> order(place.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
+  std::vector<double> at;
+  std::vector<double> weight_sum{0.0};
+  std::vector<double> value_sum{0.0};
+  for (const std::size_t i : order) {
+    if (!(weights[i] > 0.0)) continue;
+    at.push_back(place[i]);
+    weight_sum.push_back(weight_sum.back() + weights[i]);
+    value_sum.push_back(value_sum.back() + weights[i] * residual[i]);
+  }
+  if (at.size() < 3 || !(narrowest > 0.0)) return {};
+  const double all = weight_sum.back();
+  const double mean = value_sum.back() / all;
+  std::vector<WindowPeak> found;
+  for (double width = narrowest; width <= widest * 1.0001; width *= std::sqrt(2.0)) {
+    for (double low = at.front() - 0.5 * width; low < at.back(); low += 0.25 * width) {
+      const auto first = static_cast<std::size_t>(std::lower_bound(at.begin(), at.end(), low) - at.begin());
+      const auto last =
+          static_cast<std::size_t>(std::lower_bound(at.begin(), at.end(), low + width) - at.begin());
+      const double inside = weight_sum[last] - weight_sum[first];
+      if (last < first + 2 || inside > 0.9 * all) continue;
+      const double sum = value_sum[last] - value_sum[first] - mean * inside;
+      found.push_back({low + 0.5 * width, width, sum * sum / (inside * (1.0 - inside / all))});
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const WindowPeak& a, const WindowPeak& b) { return a.drop > b.drop; });
+  std::vector<WindowPeak> peaks;
+  for (const WindowPeak& peak : found) {
+    if (peaks.size() == count) break;
+    const bool close = std::any_of(peaks.begin(), peaks.end(), [&](const WindowPeak& other) {
+      return std::abs(peak.centre - other.centre) < std::max(peak.width, other.width);
+    });
+    if (!close) peaks.push_back(peak);
+  }
+  return peaks;
+}
+
+}  // namespace strainwave::analysis::diagnosis

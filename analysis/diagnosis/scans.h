@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace strainwave::analysis::diagnosis {
+
+/// A line found in a residual: cos and sin of `order` × angle, with the drop of the weighted sum of squares
+/// that it brings.
+struct LinePeak {
+  double order{};
+  double drop{};
+};
+
+/// Lomb–Scargle search for lines over an unevenly sampled angle (or time: order in rad/s): the `count`
+/// highest peaks of the generalised periodogram between two orders, refined between grid points, strongest
+/// first, at least one resolution cell (2π / span of the angle) apart. Source: Zechmeister & Kürster, A&A 496
+/// (2009) 577 (floating mean).
+std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<const double> residual,
+                                std::span<const double> weights, double lowest_order, double highest_order,
+                                std::size_t count);
+
+/// Drop of the weighted sum of squares by a line of this very order, with a floating mean.
+double LineDrop(std::span<const double> angle_rad, std::span<const double> residual,
+                std::span<const double> weights, double order);
+
+/// Independent orders in that range: the number of trials of the search.
+double IndependentOrders(std::span<const double> angle_rad, double lowest_order, double highest_order);
+
+/// A stretch of a regressor in which the residual's mean differs from zero.
+struct WindowPeak {
+  double centre{};
+  double width{};  // full width
+  double drop{};   // of the weighted sum of squares
+};
+
+/// The `count` best windows over widths from `narrowest` to `widest` (a factor of √2 apart) and all centres,
+/// at least a width apart, strongest first.
+std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,
+                                    std::span<const double> weights, double narrowest, double widest,
+                                    std::size_t count);
+
+}  // namespace strainwave::analysis::diagnosis

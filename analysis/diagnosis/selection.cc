@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kAsGood = 6.0;         // of BIC: odds of 20 to 1
+constexpr double kClearlyBetter = 2.0;  // for an exchange of one cause for another
+constexpr double kLeastBic = 2.0;
+constexpr double kRivalAwayFromZero =
+    2.0;  // standard errors; a rival need not be proven, only not be excluded
+// A shape without a cause has to explain this much more than the best cause to take its place: our formulae
+// are not nature's, and a free curve always follows the last few percent better.
+constexpr double kCorrectionLead = 10.0;
+constexpr double kCorrectionShare = 0.15;
+// A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
+constexpr double kLeastShare = 0.004;
+
+struct Candidate {
+  std::size_t cause{};
+  ScoredModel model;
+  Comparison against;
+  double score{};  // BIC less what the places searched cost
+};
+
+double ScoreOf(const Comparison& comparison, const CauseRule& rule) {
+  return comparison.delta_bic - 2.0 * std::log(std::max(1.0, rule.trials));
+}
+
+bool Contains(std::span<const std::size_t> causes, std::size_t cause) {
+  return std::find(causes.begin(), causes.end(), cause) != causes.end();
+}
+
+// The strongest first; a cause stands before a correction that does not lead it by enough.
+void Rank(const Study& study, std::vector<Candidate>& candidates) {
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  const auto named = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+    return study.causes()[candidate.cause].named;
+  });
+  if (named == candidates.begin() || named == candidates.end()) return;
+  const double lead =
+      kCorrectionLead + kCorrectionShare * std::max(0.0, candidates.front().against.likelihood_ratio);
+  if (candidates.front().score < named->score + lead) std::rotate(candidates.begin(), named, named + 1);
+}
+
+// All candidates beside a model, each fitted with it.
+std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& model) {
+  std::vector<Candidate> candidates;
+  for (std::size_t cause = 0; cause < judge.study().causes().size(); ++cause) {
+    if (Contains(model.fit.causes, cause)) continue;
+    Candidate candidate{cause, judge.Fit(With(model.fit.causes, cause), &model.fit), {}, -1e300};
+    if (!candidate.model.fit.usable) continue;
+    candidate.against = judge.Compare(candidate.model, model);
+    candidate.score = ScoreOf(candidate.against, judge.study().causes()[cause]);
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+// Share of clean records in which this may be found. What comes on top of something found has to be clearer:
+// it may be the misfit of a formula that is not nature's.
+double ErrorAllowed(const ScoredModel& model, std::size_t given, const DiagnoseOptions& options) {
+  return model.fit.causes.size() > given ? 0.1 * options.family_error : options.family_error;
+}
+
+bool LooksPossible(const Judge& judge, const Candidate& candidate, double error) {
+  return candidate.against.delta_bic > kLeastBic &&
+         judge.Corrected(candidate.against.p_value, judge.study().causes()[candidate.cause]) < error;
+}
+
+// Two effects of which neither shows while the other one is still in the residual: slow ones pass together
+// for the memory of the noise. The strongest candidate as if the noise were white, and the best one beside
+// it, if each is needed beside the other.
+std::optional<ScoredModel> FindPair(const Judge& judge, const ScoredModel& model,
+                                    const std::vector<Candidate>& candidates, double error) {
+  if (model.noise.order == 0 || candidates.empty()) return std::nullopt;
+  const auto white = [&](const Candidate& candidate) {
+    const CauseRule& rule = judge.study().causes()[candidate.cause];
+    return 2.0 * candidate.model.noise.log_likelihood.front() - 2.0 * std::log(std::max(1.0, rule.trials)) -
+           candidate.model.fit.free_parameters * std::log(judge.samples()) -
+           (rule.named ? 0.0 : kCorrectionLead);
+  };
+  const auto first =
+      std::max_element(candidates.begin(), candidates.end(),
+                       [&](const Candidate& a, const Candidate& b) { return white(a) < white(b); });
+  std::vector<Candidate> seconds = FitCandidates(judge, first->model);
+  Rank(judge.study(), seconds);
+  for (const Candidate& second : seconds) {
+    if (!LooksPossible(judge, second, error)) continue;
+    const ScoredModel& pair = second.model;
+    for (const std::size_t cause : {first->cause, second.cause}) {
+      const ScoredModel without = judge.Fit(Without(pair.fit.causes, cause), &pair.fit);
+      if (!JudgeCause(judge, pair, without, cause, error).passed) return std::nullopt;
+    }
+    return pair;
+  }
+  return std::nullopt;
+}
+
+// Drops what the rest of the model does not need any more.
+bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
+                  ScoredModel& model) {
+  for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
+    if (Contains(given, cause) || model.fit.causes.size() < 2) continue;
+    ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
+    const Comparison comparison = judge.Compare(model, without);
+    const double p = judge.Corrected(comparison.p_value, judge.study().causes()[cause]);
+    if (comparison.delta_bic > kLeastBic && p < options.family_error) continue;
+    model = std::move(without);
+    return true;
+  }
+  return false;
+}
+
+// Exchanges a cause for one that does better in its place.
+bool Exchange(const Judge& judge, std::span<const std::size_t> given, ScoredModel& model, double explained) {
+  const auto& rules = judge.study().causes();
+  for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
+    if (Contains(given, cause)) continue;
+    const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
+    if (!without.fit.usable) continue;
+    const double own = ScoreOf(judge.Compare(model, without), rules[cause]);
+    for (std::size_t other = 0; other < rules.size(); ++other) {
+      if (Contains(model.fit.causes, other)) continue;
+      ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
+      if (!exchanged.fit.usable) continue;
+      double lead = ScoreOf(judge.Compare(exchanged, without), rules[other]) - own;
+      if (rules[cause].named && !rules[other].named) lead -= kCorrectionLead + kCorrectionShare * explained;
+      if (!rules[cause].named && rules[other].named)
+        lead += kCorrectionLead + kCorrectionShare * std::max(0.0, own);
+      if (lead < kClearlyBetter) continue;
+      exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
+      if (!judge.Objection(exchanged.fit, other).empty()) continue;
+      model = std::move(exchanged);
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::size_t> Without(std::span<const std::size_t> causes, std::size_t cause) {
+  std::vector<std::size_t> rest;
+  std::copy_if(causes.begin(), causes.end(), std::back_inserter(rest),
+               [&](std::size_t other) { return other != cause; });
+  return rest;
+}
+
+std::vector<std::size_t> With(std::span<const std::size_t> causes, std::size_t cause) {
+  std::vector<std::size_t> more(causes.begin(), causes.end());
+  more.insert(std::upper_bound(more.begin(), more.end(), cause), cause);
+  return more;
+}
+
+CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const ScoredModel& without,
+                           std::size_t cause, double error_allowed) {
+  const CauseRule& rule = judge.study().causes()[cause];
+  const Comparison comparison = judge.Compare(with, without);
+  CandidateResult result{
+      cause, {comparison.delta_bic, judge.Corrected(comparison.p_value, rule), 0.0}, false, {}};
+  if (!(result.evidence.p_value < error_allowed) || !(comparison.delta_bic > kLeastBic)) {
+    result.objection = "not beyond chance";
+    return result;
+  }
+  result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, rule.local);
+  const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kReport);
+  result.objection = judge.Objection(reported.fit, cause);
+  if (result.objection.empty() && !(result.evidence.heldout_gain > 0.0)) {
+    result.objection = "does not predict held-out data better";
+  }
+  result.passed = result.objection.empty();
+  return result;
+}
+
+Selection Select(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options) {
+  Selection selection;
+  selection.model = judge.Fit(given, nullptr);
+  const ScoredModel first = selection.model;
+  std::map<std::size_t, CandidateResult> judged;
+  for (std::size_t step = 0;; ++step) {
+    const ScoredModel& model = selection.model;
+    const double explained = judge.Compare(model, first).likelihood_ratio;
+    std::vector<Candidate> candidates = FitCandidates(judge, model);
+    Rank(judge.study(), candidates);
+    judged.clear();
+    const Candidate* chosen = nullptr;
+    const double error = ErrorAllowed(model, given.size(), options);
+    const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
+    for (const Candidate& candidate : candidates) {
+      CandidateResult result{
+          candidate.cause,
+          {candidate.against.delta_bic,
+           judge.Corrected(candidate.against.p_value, judge.study().causes()[candidate.cause]), 0.0},
+          false,
+          "not beyond chance"};
+      if (chosen == nullptr && !full && LooksPossible(judge, candidate, error)) {
+        result = JudgeCause(judge, candidate.model, model, candidate.cause, error);
+        if (result.passed && candidate.against.likelihood_ratio < kLeastShare * explained) {
+          result.passed = false;
+          result.objection =
+              "too small beside what was found already to be told from a misfit of its formula";
+        }
+        if (result.passed) chosen = &candidate;
+      } else if (LooksPossible(judge, candidate, error)) {
+        result.objection = "another candidate explains more";
+      }
+      judged[candidate.cause] = std::move(result);
+    }
+    if (options.progress) {
+      options.progress(
+          chosen == nullptr ? "no further effect" : "found " + judge.study().causes()[chosen->cause].name,
+          static_cast<double>(step + 1) / static_cast<double>(options.max_effects + 1));
+    }
+    double brought = 0.0;
+    if (chosen != nullptr) {
+      brought = chosen->against.likelihood_ratio;
+      selection.model = ScoredModel(chosen->model);
+    } else {
+      std::optional<ScoredModel> pair =
+          full ? std::nullopt : FindPair(judge, model, candidates, options.family_error);
+      if (!pair) break;
+      brought = judge.Compare(*pair, model).likelihood_ratio;
+      selection.model = std::move(*pair);
+    }
+    for (int round = 0; round < 3; ++round) {
+      const bool exchanged = selection.model.fit.causes.size() > given.size() + 1 &&
+                             Exchange(judge, given, selection.model, explained + brought);
+      const bool dropped = DropNeedless(judge, given, options, selection.model);
+      if (!exchanged && !dropped) break;
+    }
+    if (step > 2 * options.max_effects) break;  // exchanges that go in circles
+  }
+  for (auto& [cause, result] : judged) selection.candidates.push_back(std::move(result));
+  return selection;
+}
+
+std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, std::size_t cause) {
+  const auto& rules = judge.study().causes();
+  if (!rules[cause].named) return {};
+  std::vector<std::string> rivals = rules[cause].aliases;
+  const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
+  if (!without.fit.usable) return rivals;
+  const double own = ScoreOf(judge.Compare(model, without), rules[cause]);
+  for (std::size_t other = 0; other < rules.size(); ++other) {
+    if (!rules[other].named || Contains(model.fit.causes, other)) continue;
+    ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
+    if (!exchanged.fit.usable) continue;
+    const Comparison comparison = judge.Compare(exchanged, without);
+    if (ScoreOf(comparison, rules[other]) < own - kAsGood) continue;
+    exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
+    if (!judge.Objection(exchanged.fit, other, kRivalAwayFromZero).empty()) continue;
+    // One cause in two forms (a drift by time, or by temperature): the form is what cannot be told.
+    const bool same = rules[other].name == rules[cause].name && !rules[other].parameters.empty();
+    rivals.push_back(same ? rules[other].name + " as " + rules[other].parameters.front().name
+                          : rules[other].name);
+  }
+  return rivals;
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/diagnose.h"
+#include "analysis/diagnosis/heldout.h"
+#include "analysis/diagnosis/noise_likelihood.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A fitted set of causes with the noise that it leaves.
+struct ScoredModel {
+  ModelFit fit;
+  NoiseFit noise;
+};
+
+/// What one model is ahead of another one by.
+struct Comparison {
+  double likelihood_ratio{};  // 2 Δ log-likelihood, never below 0
+  double delta_bic{};
+  double p_value{1.0};  // of one look, not yet corrected
+};
+
+/// Fits and compares sets of causes of one study under one set of weights.
+class Judge {
+ public:
+  Judge(const Study& study, std::vector<double> weights, const DiagnoseOptions& options);
+
+  const Study& study() const { return study_; }
+  std::span<const double> weights() const { return weights_; }
+  double samples() const { return samples_; }
+
+  ScoredModel Fit(std::span<const std::size_t> causes, const ModelFit* start,
+                  FitPurpose purpose = FitPurpose::kCompare) const;
+  Comparison Compare(const ScoredModel& richer, const ScoredModel& poorer) const;
+
+  /// p-value of one look, times the places that the cause's search looked at and the candidates there are.
+  double Corrected(double p_value, const CauseRule& rule) const;
+
+  /// Log-likelihood of held-out blocks that `richer` gains over `poorer`, in nats, with their autocorrelation
+  /// taken off. Blocks are short where `local` is set.
+  double HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const NoiseFit& noise, bool local) const;
+
+  const Folds& folds(bool local) const { return local ? short_folds_ : folds_; }
+
+  /// Why this cause's parameters are not believed; empty if they are. The fit is to be one for reporting.
+  /// `away_from_zero`: standard errors that an amount has to be.
+  std::string Objection(const ModelFit& fit, std::size_t cause, double away_from_zero = 3.0) const;
+
+ private:
+  const Study& study_;
+  std::vector<double> weights_;
+  double samples_{};
+  double scale_{};
+  Folds folds_;
+  Folds short_folds_;
+};
+
+/// The set without one cause, or with one more; ascending.
+std::vector<std::size_t> Without(std::span<const std::size_t> causes, std::size_t cause);
+std::vector<std::size_t> With(std::span<const std::size_t> causes, std::size_t cause);
+
+/// Forward selection with backward check and exchange, from the causes in `start` (which stay).
+struct Selection {
+  ScoredModel model;
+  std::vector<CandidateResult> candidates;  // those that are not in the model, as judged beside it
+};
+Selection Select(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options);
+
+/// Evidence of one cause of a model against the model without it.
+CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const ScoredModel& without,
+                           std::size_t cause, double error_allowed);
+
+/// Names of causes that would fit as well (within 6 of BIC) in the place of `cause`.
+std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, std::size_t cause);
+
+}  // namespace strainwave::analysis::diagnosis

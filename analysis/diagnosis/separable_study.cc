@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/separable_study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "analysis/diagnosis/fit_covariance.h"
+#include "analysis/diagnosis/separable_fit.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr int kSearchRounds = 6;  // for each start of a new cause
+constexpr int kFinalRounds = 12;
+
+// Numbers of a solution in the order of TermSet: coefficients, then shapes, term after term.
+std::vector<double> NumbersOf(const SeparableSolution& solution) {
+  std::vector<double> numbers;
+  for (std::size_t t = 0; t < solution.coefficients.size(); ++t) {
+    numbers.insert(numbers.end(), solution.coefficients[t].begin(), solution.coefficients[t].end());
+    numbers.insert(numbers.end(), solution.shapes[t].begin(), solution.shapes[t].end());
+  }
+  return numbers;
+}
+
+TermSet NominalTerms(const SeparableModel& model) {
+  TermSet set;
+  set.samples = model.measured.size();
+  for (const SeparableTerm& term : model.nominal) set.terms.push_back(&term);
+  return set;
+}
+
+// Shapes of a cause in a fit; empty if the fit does not have it.
+std::vector<double> KnownShapes(const SeparableModel& model, const ModelFit* fit, std::size_t cause) {
+  std::vector<double> shapes;
+  if (fit == nullptr) return shapes;
+  std::size_t at = 0;
+  for (const SeparableTerm& term : model.nominal) at += term.columns + term.shapes.size();
+  for (const std::size_t known : fit->causes) {
+    const SeparableTerm& term = model.causes[known];
+    if (known == cause) {
+      for (std::size_t s = 0; s < term.shapes.size(); ++s)
+        shapes.push_back(fit->state[at + term.columns + s]);
+      return shapes;
+    }
+    at += term.columns + term.shapes.size();
+  }
+  return shapes;
+}
+
+// The best solution with the last term of the set, whose shapes `before` does not have yet; nothing if the
+// record gives no place to start from.
+std::optional<SeparableSolution> SearchShapes(const SeparableModel& model, const TermSet& set,
+                                              std::span<const double> weights,
+                                              const SeparableSolution& before) {
+  std::vector<double> residual(model.measured);
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    residual[i] -= before.predicted(static_cast<Eigen::Index>(i));
+  std::optional<SeparableSolution> best;
+  for (const std::vector<double>& shape : set.terms.back()->starts({residual, weights})) {
+    std::vector<std::vector<double>> joined = before.shapes;
+    joined.push_back(shape);
+    SeparableSolution candidate =
+        RefineShapes(set, model.measured, weights,
+                     SolveCoefficients(set, model.measured, weights, std::move(joined)), kSearchRounds);
+    if (!best || candidate.weighted_square_sum < best->weighted_square_sum) best = std::move(candidate);
+  }
+  return best;
+}
+
+// Numbers of the fit as people read them, term after term.
+void Describe(const TermSet& set, const Eigen::MatrixXd& covariance, std::size_t nominal_terms,
+              ModelFit& fit) {
+  Eigen::Index at = 0;
+  for (std::size_t t = 0; t < set.terms.size(); ++t) {
+    const SeparableTerm& term = *set.terms[t];
+    const std::size_t count = term.columns + term.shapes.size();
+    const auto width = static_cast<Eigen::Index>(count);
+    std::vector<ParameterValue> values =
+        term.describe({fit.state.data() + at, count}, covariance.block(at, at, width, width));
+    if (t < nominal_terms) {
+      fit.nominal.insert(fit.nominal.end(), values.begin(), values.end());
+    } else {
+      fit.cause_parameters.push_back(std::move(values));
+    }
+    at += width;
+  }
+}
+
+}  // namespace
+
+SeparableStudy::SeparableStudy(SeparableModel model) : model_(std::move(model)) {
+  if (model_.causes.size() != model_.rules.size()) {
+    throw std::invalid_argument(fmt::format("a separable study has {} causes and {} rules (expected as many)",
+                                            model_.causes.size(), model_.rules.size()));
+  }
+  for (const Regressor& regressor : model_.regressors) {
+    if (regressor.values.size() != model_.measured.size()) {
+      throw std::invalid_argument(
+          fmt::format("regressor {} has {} values, the response {} (expected as many)", regressor.name,
+                      regressor.values.size(), model_.measured.size()));
+    }
+  }
+}
+
+std::vector<UserQuantity> SeparableStudy::Quantities(const Eigen::VectorXd& predicted) const {
+  return model_.quantities ? model_.quantities(predicted) : std::vector<UserQuantity>{};
+}
+
+ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
+                             const ModelFit* start, FitPurpose purpose) const {
+  // Known terms first, then one after the other those whose shapes have to be searched for.
+  TermSet set = NominalTerms(model_);
+  std::vector<std::vector<double>> shapes(model_.nominal.size());
+  std::vector<std::size_t> searched;
+  std::vector<std::size_t> order;
+  for (const std::size_t cause : cause_indices) {
+    std::vector<double> known = KnownShapes(model_, start, cause);
+    if (known.size() < model_.causes[cause].shapes.size()) {
+      searched.push_back(cause);
+      continue;
+    }
+    set.terms.push_back(&model_.causes[cause]);
+    shapes.push_back(std::move(known));
+    order.push_back(cause);
+  }
+  SeparableSolution solution = SolveCoefficients(set, model_.measured, weights, std::move(shapes));
+  for (const std::size_t cause : searched) {
+    set.terms.push_back(&model_.causes[cause]);
+    order.push_back(cause);
+    std::optional<SeparableSolution> found = SearchShapes(model_, set, weights, solution);
+    if (!found) return {};
+    solution = std::move(*found);
+  }
+  solution = RefineShapes(set, model_.measured, weights, std::move(solution), kFinalRounds);
+
+  // Back into ascending order of the causes.
+  std::vector<std::size_t> rank(order.size());
+  std::iota(rank.begin(), rank.end(), std::size_t{0});
+  std::sort(rank.begin(), rank.end(), [&](std::size_t a, std::size_t b) { return order[a] < order[b]; });
+  TermSet sorted_set = NominalTerms(model_);
+  std::vector<std::vector<double>> sorted_shapes(model_.nominal.size());
+  ModelFit fit;
+  for (const std::size_t i : rank) {
+    sorted_set.terms.push_back(set.terms[model_.nominal.size() + i]);
+    sorted_shapes.push_back(solution.shapes[model_.nominal.size() + i]);
+    fit.causes.push_back(order[i]);
+  }
+  if (!std::is_sorted(order.begin(), order.end())) {
+    solution = SolveCoefficients(sorted_set, model_.measured, weights, std::move(sorted_shapes));
+  }
+  fit.predicted = solution.predicted;
+  fit.state = NumbersOf(solution);
+  fit.free_parameters = static_cast<int>(fit.state.size());
+  fit.usable = solution.predicted.allFinite();
+  const auto numbers = static_cast<Eigen::Index>(fit.state.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(numbers, numbers);
+  if (purpose == FitPurpose::kReport) {
+    covariance = FitCovariance(Sensitivities(sorted_set, solution), model_.measured, solution.predicted,
+                               weights, model_.stretches, model_.largest_noise_order);
+  }
+  Describe(sorted_set, covariance, model_.nominal.size(), fit);
+  return fit;
+}
+
+Eigen::VectorXd SeparableStudy::Predict(std::span<const ParameterValue> nominal,
+                                        std::span<const NamedCause> causes) const {
+  const auto samples = static_cast<Eigen::Index>(model_.measured.size());
+  Eigen::VectorXd predicted = Eigen::VectorXd::Zero(samples);
+  // `describe` of zeros tells the names, in order.
+  const auto add = [&](const SeparableTerm& term, std::string_view owner,
+                       std::span<const ParameterValue> given) {
+    const std::size_t width = term.columns + term.shapes.size();
+    std::vector<double> zeros(width, 0.0);
+    for (std::size_t s = 0; s < term.shapes.size(); ++s) zeros[term.columns + s] = term.shapes[s].high;
+    const auto square = static_cast<Eigen::Index>(width);
+    std::vector<double> values;
+    for (const ParameterValue& expected : term.describe(zeros, Eigen::MatrixXd::Zero(square, square))) {
+      const auto match = std::find_if(given.begin(), given.end(), [&](const ParameterValue& value) {
+        return value.name == expected.name;
+      });
+      if (match == given.end()) {
+        throw std::invalid_argument(
+            fmt::format("{} has no parameter {} (expected in {})", owner, expected.name, expected.unit));
+      }
+      values.push_back(match->value);
+    }
+    const std::vector<double> numbers = term.restore(values);
+    Eigen::MatrixXd columns(samples, static_cast<Eigen::Index>(term.columns));
+    term.fill({numbers.data() + term.columns, term.shapes.size()}, columns);
+    predicted += columns * Eigen::Map<const Eigen::VectorXd>(numbers.data(), columns.cols());
+  };
+  for (const SeparableTerm& term : model_.nominal) add(term, "the nominal model", nominal);
+  for (const NamedCause& cause : causes) {
+    // A cause may come in two forms (a drift by time, or by temperature): the parameters tell which.
+    const auto matches = [&](const CauseRule& rule) {
+      return rule.name == cause.name &&
+             std::all_of(rule.parameters.begin(), rule.parameters.end(), [&](const ParameterRule& expected) {
+               return std::any_of(cause.parameters.begin(), cause.parameters.end(),
+                                  [&](const ParameterValue& value) { return value.name == expected.name; });
+             });
+    };
+    std::size_t index = 0;
+    while (index < model_.rules.size() && !matches(model_.rules[index])) ++index;
+    if (index == model_.rules.size()) {
+      index = 0;
+      while (index < model_.rules.size() && model_.rules[index].name != cause.name) ++index;
+    }
+    if (index == model_.rules.size()) {
+      throw std::invalid_argument(fmt::format("there is no cause '{}' for records of this kind", cause.name));
+    }
+    add(model_.causes[index], cause.name, cause.parameters);
+  }
+  return predicted;
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+
+#include "analysis/diagnosis/study.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A number on which a term depends in a curved way: an order, a centre, a time constant. Fits keep it in
+/// [low, high].
+struct ShapeRange {
+  double low{};
+  double high{};
+  double step{};  // about what a change has to be to matter: for derivatives, and the first trust region
+};
+
+/// What a search for shapes is given: what the rest of the model leaves.
+struct Remainder {
+  std::span<const double> residual;
+  std::span<const double> weights;
+};
+
+/// A term that is linear in its coefficients once its shapes are fixed.
+struct SeparableTerm {
+  std::size_t columns{1};
+  std::vector<ShapeRange> shapes;
+  /// Fills n × columns at these shapes.
+  std::function<void(std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design)> fill;
+  /// Shapes to start from, best first, a few; unused without shapes.
+  std::function<std::vector<std::vector<double>>(const Remainder& remainder)> starts;
+  /// Coefficients (then shapes) as people read them; `covariance` is of both together.
+  std::function<std::vector<ParameterValue>(std::span<const double> numbers,
+                                            const Eigen::MatrixXd& covariance)>
+      describe;
+  /// The inverse: coefficients, then shapes, from the parameters that `describe` makes (in its order).
+  std::function<std::vector<double>(std::span<const double> values)> restore;
+};
+
+/// What a study of separable terms consists of. The first `nominal_terms` have no shapes.
+struct SeparableModel {
+  std::vector<double> measured;
+  std::vector<std::size_t> stretches{0};
+  std::vector<SeparableTerm> nominal;
+  std::vector<SeparableTerm> causes;  // in the order of `rules`
+  std::vector<CauseRule> rules;
+  std::vector<Regressor> regressors;
+  std::string unit;
+  double unit_per_si{1.0};
+  double noise_floor{};
+  std::size_t block_length{1};
+  int largest_noise_order{4};
+  bool spikes_are_outliers{true};
+  std::vector<std::string> warnings;
+  std::function<std::vector<UserQuantity>(const Eigen::VectorXd& predicted)> quantities;
+};
+
+/// A study whose terms are separable: linear coefficients by projection, shapes by Gauss–Newton on what the
+/// projection leaves (variable projection; Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413), from several
+/// starts for a cause that the starting fit does not have yet.
+class SeparableStudy final : public Study {
+ public:
+  /// @throws std::invalid_argument if sizes do not agree.
+  explicit SeparableStudy(SeparableModel model);
+
+  std::span<const double> measured() const override { return model_.measured; }
+  std::span<const std::size_t> stretches() const override { return model_.stretches; }
+  const std::vector<CauseRule>& causes() const override { return model_.rules; }
+  const std::vector<Regressor>& regressors() const override { return model_.regressors; }
+  std::string unit() const override { return model_.unit; }
+  double unit_per_si() const override { return model_.unit_per_si; }
+  double NoiseFloor() const override { return model_.noise_floor; }
+  std::size_t BlockLength() const override { return model_.block_length; }
+  int LargestNoiseOrder() const override { return model_.largest_noise_order; }
+  bool SpikesAreOutliers() const override { return model_.spikes_are_outliers; }
+  const std::vector<std::string>& warnings() const override { return model_.warnings; }
+  std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override;
+  ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
+               const ModelFit* start, FitPurpose purpose) const override;
+  Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
+                          std::span<const NamedCause> causes) const override;
+
+ private:
+  SeparableModel model_;
+  Eigen::MatrixXd nominal_design_;
+};
+
+/// The describe/restore pair of A cos θ + B sin θ = amplitude · cos(θ − phase): amplitude in a unit
+/// (`amplitude_name`, times `unit_per_si`), phase in degrees. For terms of exactly two columns (cosine, sine)
+/// and no shapes, or with shapes described by `ShapeDescription` behind them.
+struct ShapeDescription {
+  std::string name;
+  std::string unit;
+  double unit_per_si{1.0};
+};
+void DescribeAsHarmonic(SeparableTerm& term, std::string amplitude_name, std::string unit, double unit_per_si,
+                        std::vector<ShapeDescription> shapes = {});
+
+/// The pair of coefficients, then shapes, each a number of its own.
+void DescribeEach(SeparableTerm& term, std::vector<ShapeDescription> numbers);
+
+}  // namespace strainwave::analysis::diagnosis

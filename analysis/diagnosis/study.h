@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace strainwave::analysis::diagnosis {
+
+/// Where a cause lies. Undecided where the record's kind cannot tell (an encoder's eccentricity and the
+/// output's own look the same).
+enum class Where { kBench, kUnit, kUndecided };
+
+/// A number of a model as people read it, in the unit that its name ends in.
+struct ParameterValue {
+  std::string name;  // "amplitude_arcmin"
+  std::string unit;  // "arcmin"
+  double value{};
+  double standard_error{};
+};
+
+/// What is known of a parameter before the data: a fitted value outside is a wrong number, or another effect.
+struct ParameterRule {
+  std::string name;
+  std::string unit;
+  double low{};
+  double high{};
+  /// True for a size that is zero where the effect is not there: it has to be away from zero by its error.
+  bool amount{};
+};
+
+/// One way in which the nominal model may fall short.
+struct CauseRule {
+  std::string name{};      // the contract's; for a correction what it is made of ("line over output angle")
+  std::string sentence{};  // for a technician: what it is and what usually makes it
+  Where where{Where::kUndecided};
+  std::string effect{};  // row of the effects catalogue, "E4"; or empty
+  std::vector<ParameterRule> parameters{};
+  int degrees_of_freedom{1};  // parameters that it adds
+  /// How many independent places its search looks at (orders, windows): multiplies the p-value.
+  double trials{1.0};
+  /// Stays within a short stretch of the record, so that it is held out in short blocks.
+  bool local{};
+  /// False for a correction: a shape without a physical cause, which competes with the causes so that none
+  /// of them has to stand in for it. Never reported as a cause.
+  bool named{true};
+  /// What the record cannot tell from it although it is no cause of the list ("line at 40.00 per output
+  /// turn").
+  std::vector<std::string> aliases{};
+  /// A measurement that would separate it from its rivals or from bench and unit: a comment line, and below
+  /// it phases of a schedule as `run` takes them (YAML). Empty where there is none.
+  std::string to_settle{};
+};
+
+/// One quantity that the response may depend on, sample by sample, in SI; for the residual's views and tests.
+struct Regressor {
+  std::string name;   // "output_angle", "input_angle", "speed", "torque", "temperature", "time", "direction"
+  std::string title;  // with the unit of the picture's axis, "output angle / deg"
+  double per_unit{1.0};  // SI times this is what the axis shows
+  std::vector<double> values;
+  bool angle{};  // counted in turns of 2π: orders per turn make sense
+};
+
+/// The model with a set of causes, fitted.
+struct ModelFit {
+  std::vector<std::size_t> causes;  // indices into Study::causes(), ascending
+  std::vector<ParameterValue> nominal;
+  std::vector<std::vector<ParameterValue>> cause_parameters;  // one list a cause, in the order of `causes`
+  Eigen::VectorXd predicted;                                  // all samples, those without weight, too
+  int free_parameters{};
+  std::vector<double> state;  // the fit's own numbers, to start the next one from; its layout is the study's
+  bool usable{};              // false: no solution inside the hard bounds; everything else is then void
+};
+
+/// What a fit is for: candidates are compared by their likelihood alone; what is reported needs errors.
+enum class FitPurpose { kCompare, kReport };
+
+/// A quantity that users care for, as the record has it and as a model predicts it.
+struct UserQuantity {
+  std::string name;  // "e_max_arcmin"
+  double measured{};
+  double predicted{};
+};
+
+/// Records of one kind that are to be explained together: the measured response, the nominal model, the
+/// causes that may be missing in it. One class a kind; the engine (diagnose.h) knows no kind.
+class Study {
+ public:
+  virtual ~Study() = default;
+
+  /// Response, one value a sample, in SI; the samples of several records one after the other in time order.
+  virtual std::span<const double> measured() const = 0;
+  /// First sample of each stretch without a gap (records, directions), ascending from 0.
+  virtual std::span<const std::size_t> stretches() const = 0;
+  virtual const std::vector<CauseRule>& causes() const = 0;
+  virtual const std::vector<Regressor>& regressors() const = 0;
+
+  /// Unit of the response for people and how many of it make one SI unit ("arcmin", 3437.7).
+  virtual std::string unit() const = 0;
+  virtual double unit_per_si() const = 0;
+
+  /// Fits nominal parameters and the causes with these indices (ascending) together.
+  /// @param weights  one a sample, ≥ 0; zero keeps a sample out of the fit (held out, or an outlier).
+  /// @param start    a fit of the same or another set of causes to start from, or null.
+  virtual ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
+                       const ModelFit* start, FitPurpose purpose) const = 0;
+
+  /// Standard deviation of the noise without a model, SI: from repeats at equal position where the record has
+  /// them, else from what changes fastest. 0 where the record cannot tell.
+  virtual double NoiseFloor() const = 0;
+
+  /// Samples in a block that is held out in one piece: a turn, a loop, a time in which the noise has
+  /// forgotten.
+  virtual std::size_t BlockLength() const = 0;
+
+  /// Largest order of the autoregressive noise that candidates are judged under; 0 takes it as white.
+  virtual int LargestNoiseOrder() const { return 4; }
+
+  /// True where a sample that stands off its neighbours is a disturbance of the measurement, and is left out.
+  virtual bool SpikesAreOutliers() const { return true; }
+
+  /// Quantities that users care for, of this record and of a model's prediction of it; empty where none.
+  virtual std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const = 0;
+
+  /// What was noticed about the record itself ("ratio looks like 100, file says 80"): sentences.
+  virtual const std::vector<std::string>& warnings() const = 0;
+
+  /// Response of the model with parameters by name, as a ModelFit reported them; for simulating. `causes` by
+  /// name with their parameters.
+  struct NamedCause {
+    std::string name;
+    std::vector<ParameterValue> parameters;
+  };
+  /// @throws std::invalid_argument naming an unknown cause, or a parameter that is unknown or missing.
+  virtual Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
+                                  std::span<const NamedCause> causes) const = 0;
+};
+
+}  // namespace strainwave::analysis::diagnosis

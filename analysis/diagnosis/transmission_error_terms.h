@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/separable_study.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// Samples of transmission-error records, one after the other, as the terms need them.
+struct TransmissionErrorSamples {
+  std::vector<double> input_rad;
+  std::vector<double> output_rad;
+  std::vector<double> error_rad;  // input / ratio − output
+  std::vector<double> direction;  // +1 cw, −1 ccw
+  std::vector<double> time_s;     // the sample's number where the record has no time
+  std::vector<double> torque_Nm;
+  std::vector<double> temperature_degC;
+  std::vector<std::size_t> record;  // which record a sample belongs to
+  std::size_t records{};
+  bool has_time{};
+  double ratio{80.0};
+  double samples_per_turn{};  // of the output, where the steps are even; else 0
+};
+
+/// Largest less smallest; 0 for none.
+double SpanOf(const std::vector<double>& values);
+
+/// Appends the causes of the contract and those that the effects catalogue adds (tooth engagement, E2), then
+/// the corrections; a cause that the record did not excite is left out, with a warning.
+void AddTransmissionErrorCauses(const TransmissionErrorSamples& samples, SeparableModel& model);
+
+/// Shapes without a cause: free lines over the output angle, a ripple in a window, curves over time and
+/// torque.
+void AddTransmissionErrorCorrections(const TransmissionErrorSamples& samples, SeparableModel& model);
+
+/// Standard deviation of the noise: of the differences between samples of different sweeps at the same output
+/// angle where there are enough, else of second differences; known orders and drifts are taken off before.
+double TransmissionErrorFloor_rad(const TransmissionErrorSamples& samples);
+
+/// Cosine and sine of an order over an angle, as a term described by amplitude and phase.
+SeparableTerm HarmonicTerm(const std::vector<double>& angle_rad, double order, std::string amplitude_name,
+                           std::string unit, double unit_per_si);
+
+/// One column that is given, scaled so that its coefficient reads in `description`'s unit.
+SeparableTerm ColumnTerm(std::vector<double> column, ShapeDescription description);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace strainwave::analysis::diagnosis {
+
+/// A lightly damped oscillator that noise drives, in white noise: y = u + v. From one sample to the next its
+/// own past foretells part of it; what is left are the innovations, which are white, so that sums of their
+/// squares compare models as they do for any other term.
+struct Narrowband {
+  double frequency_Hz{};
+  double damping_ratio{};
+  double log_ratio{};  // ln(variance of u / variance of v)
+};
+
+/// e[k] = y[k] + a₁ y[k−1] + a₂ y[k−2] − c₁ e[k−1] − c₂ e[k−2]: the poles of the oscillator over those of the
+/// best predictor (spectral factor of both noises together).
+struct InnovationFilter {
+  double a1{}, a2{}, c1{}, c2{};
+  double variance{1.0};  // of the innovations, with v's as one
+};
+InnovationFilter FilterOf(const Narrowband& narrowband, double period_s);
+
+/// Filters each column in place. Filtering begins anew where `breaks` says so; at a sample that is missing
+/// the prediction stands in and the innovation is zero.
+void ApplyFilter(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
+                 Eigen::Ref<Eigen::MatrixXd> columns);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/core.h>
+
+#include "analysis/diagnosis/diagnose.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/folder.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/terminal.h"
+#include "bench/diagnosis/diagnosis_json.h"
+#include "bench/diagnosis/diagnosis_pictures.h"
+#include "bench/diagnosis/diagnosis_text.h"
+#include "bench/diagnosis/extended_model.h"
+#include "bench/diagnosis/nominal_models.h"
+#include "bench/diagnosis/residual_views.h"
+#include "bench/plots/gnuplot.h"
+#include "daq/whole_file.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace diagnosis = analysis::diagnosis;
+
+struct DiagnoseCommand {
+  std::vector<std::string> paths;
+  std::string model;
+  std::string out;
+  RecordChoice choice;
+  unsigned long long seed{1};
+  bool json{};
+};
+
+// A line on a terminal with the share done and the time left; nothing in a log.
+class ShareLine {
+ public:
+  ~ShareLine() { Clear(); }
+
+  void Show(const std::string& step, double share) {
+    if (!is_terminal_) return;
+    const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const std::string left = share > 0.02 ? DurationText(elapsed_s * (1.0 - share) / share) + " left" : "";
+    fmt::print(stderr, "\r\033[K{:5.1f} %  {}  {}", 100.0 * share, step, left);
+    open_ = true;
+  }
+
+  void Clear() {
+    if (open_) fmt::print(stderr, "\r\033[K");
+    open_ = false;
+  }
+
+ private:
+  bool is_terminal_{::isatty(STDERR_FILENO) == 1};
+  bool open_{};
+  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
+};
+
+// What the diagnosis itself takes of the time; the rest are pictures.
+constexpr double kShareOfFits = 0.8;
+
+diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, const std::optional<ExtendedModel>& model,
+                                  const DiagnoseCommand& command, ShareLine& line) {
+  diagnosis::DiagnoseOptions options;
+  options.seed = command.seed;
+  if (model) options.given_causes = GivenCauses(*model, *input.study, command.model);
+  options.progress = [&](const std::string& step, double share) {
+    line.Show(step, share * (command.out.empty() ? 1.0 : kShareOfFits));
+  };
+  try {
+    return diagnosis::Diagnose(*input.study, options);
+  } catch (const std::invalid_argument& error) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: {}", input.records.front().file, error.what()));
+  }
+}
+
+std::optional<ExtendedModel> ReadModel(const DiagnoseCommand& command, const std::string& kind) {
+  if (command.model.empty()) return std::nullopt;
+  ExtendedModel model = ReadExtendedModel(command.model);
+  if (model.kind != kind) {
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: the model is of kind {}, the records of kind {} (expected one "
+                    "kind)",
+                    command.model, model.kind, kind));
+  }
+  return model;
+}
+
+// The plant's terms of a model; what the simulated bench has no place for stays out with a word.
+PlantMapping PlantOf(const ExtendedModel& model, const MappingContext& context) {
+  if (model.kind == "campaign") return {{}, {"the model of a campaign has no terms of the plant"}};
+  try {
+    return PlantTermsOf(model.kind, model.nominal, NamedCausesOf(model, false), context);
+  } catch (const std::invalid_argument& error) {
+    return {{}, {error.what()}};
+  }
+}
+
+int Run(const DiagnoseCommand& command) {
+  ShareLine line;
+  const StudyInput input = ReadStudyInput(command.paths, command.choice);
+  const std::optional<ExtendedModel> given = ReadModel(command, input.kind);
+  const diagnosis::Diagnosis result = RunDiagnosis(input, given, command, line);
+  DiagnosisReport report{
+      input, result, command.model, given ? given->nominal : DataSheetParameters(input.kind), {}};
+  if (result.verdict == diagnosis::Verdict::kUnnamedStructure) {
+    const std::vector<double> residual = ResidualOf(*input.study, result.nominal);
+    report.formula = diagnosis::ProposeFormula(
+        *input.study,
+        Eigen::Map<const Eigen::VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size())),
+        result.weights, command.seed);
+  }
+  const nlohmann::ordered_json document = DiagnosisJson(report);
+  std::string files;
+  std::string picture_trouble;
+  if (!command.out.empty()) {
+    const std::filesystem::path folder = command.out;
+    std::filesystem::create_directories(folder);
+    ExtendedModel model = ExtendedModelOf(input, result, UtcNow());
+    model.plant = PlantOf(model, input.mapping);
+    daq::WriteFileAtomically(folder / "extended_model.yaml", ExtendedModelText(model));
+    daq::WriteFileAtomically(folder / "diagnosis.json", document.dump(2) + "\n");
+    std::vector<std::filesystem::path> pictures;
+    try {
+      pictures = DrawDiagnosis(report, folder, [&](double share) {
+        line.Show("pictures", kShareOfFits + (1.0 - kShareOfFits) * share);
+      });
+    } catch (const GnuplotError& error) {
+      picture_trouble = error.what();
+    }
+    files = FilesText(folder / "extended_model.yaml", pictures);
+  }
+  line.Clear();
+  command.json ? fmt::print("{}\n", document.dump(2)) : fmt::print("{}{}", DiagnosisText(report), files);
+  if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
+  fmt::print(stderr, "error: no pictures: {}\n", picture_trouble);
+  return static_cast<int>(ExitCode::kMachineFailed);
+}
+
+}  // namespace
+
+void AddDiagnose(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "diagnose",
+      "Show what the simulation gets wrong about measured records of one kind, name the cause, write the "
+      "extended model, and measure the gain.\n"
+      "Example: strainwave diagnose loop.csv --out diagnosis");
+  auto options = std::make_shared<DiagnoseCommand>();
+  command
+      ->add_option(
+          "RECORD", options->paths,
+          "record files (CSV, HDF5), fitted together; or one campaign folder: its results cycle by cycle")
+      ->required();
+  command->add_option("--model", options->model,
+                      "extended_model.yaml to go on from: its causes count as known");
+  command->add_option("--out", options->out,
+                      "folder for extended_model.yaml, diagnosis.json and the pictures (SVG and PNG)");
+  command->add_option("--kind", options->choice.kind, "of files with records of several kinds: the one meant")
+      ->check(CLI::IsMember({"transmission_error", "hysteresis", "motion", "vibration"}));
+  command->add_option("--group", options->choice.group,
+                      "of HDF5 files: only records with this in the name of their group");
+  command->add_option("--seed", options->seed, "of the bootstrap")->capture_default_str();
+  command->add_flag("--json", options->json, "the diagnosis as JSON on standard output");
+  command->callback([options, &action] { action = [options] { return Run(*options); }; });
+}
+
+}  // namespace strainwave::bench

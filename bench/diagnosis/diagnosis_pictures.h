@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "bench/diagnosis/diagnosis_report.h"
+
+namespace strainwave::bench {
+
+/// The pictures of a diagnosis, each as SVG and PNG: `measured_over_simulated`, `residual`,
+/// `residual_over_REGRESSOR` for each regressor, `order_spectrum`, and `candidates`. Long records are thinned
+/// for drawing; means and spectra are those of all samples.
+///
+/// @param progress  called with the share done; may be empty.
+/// @return the pictures' paths without ending, those that tell most first.
+/// @throws GnuplotError, std::filesystem::filesystem_error as RenderPicture does.
+std::vector<std::filesystem::path> DrawDiagnosis(const DiagnosisReport& report,
+                                                 const std::filesystem::path& folder,
+                                                 const std::function<void(double)>& progress = {});
+
+/// One picture of those above.
+void DrawResponse(const DiagnosisReport& report, const std::filesystem::path& stem);
+void DrawResidual(const DiagnosisReport& report, const std::filesystem::path& stem);
+void DrawResidualOver(const DiagnosisReport& report, std::size_t regressor,
+                      const std::filesystem::path& stem);
+void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::path& stem);
+void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& stem);
+
+}  // namespace strainwave::bench

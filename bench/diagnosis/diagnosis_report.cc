@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/diagnosis/diagnosis_report.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace strainwave::bench {
+namespace {
+
+namespace diagnosis = analysis::diagnosis;
+
+// The structure stays or it does not: the first thing to know of what has no name.
+std::string AgainOf(const std::string& kind) {
+  if (kind == "transmission_error") {
+    return "# the same sweep twice, in half the step: what belongs to the gear comes back at the same angle\n"
+           "- kind: transmission_error\n"
+           "  input_speed: 300 rpm\n"
+           "  step: 0.5 deg\n"
+           "  steps: 1440\n"
+           "  directions: both\n";
+  }
+  if (kind == "hysteresis") {
+    return "# two loops at another rate, at two lock angles: what belongs to the gear comes back in each\n"
+           "- kind: hysteresis\n"
+           "  peak_torque: 34 Nm\n"
+           "  torque_rate: 1 Nm/s\n"
+           "  hold: 10 s\n"
+           "  loops: 2\n"
+           "  lock_angles: [0 deg, 90 deg]\n";
+  }
+  if (kind == "campaign") return {};
+  return "# the same turns at another speed and without load: what follows the angle keeps its order, what\n"
+         "# follows time or speed does not\n"
+         "- kind: measurement_rotation\n"
+         "  output_torque: 5 Nm\n"
+         "  input_speed: 1200 rpm\n"
+         "  turns: 2\n";
+}
+
+void AddOnce(const std::string& entry, std::vector<std::string>& entries) {
+  if (!entry.empty() && std::ranges::find(entries, entry) == entries.end()) entries.push_back(entry);
+}
+
+}  // namespace
+
+std::string VerdictText(diagnosis::Verdict verdict) {
+  switch (verdict) {
+    case diagnosis::Verdict::kEffectFound:
+      return "effect_found";
+    case diagnosis::Verdict::kNoEffect:
+      return "no_effect";
+    case diagnosis::Verdict::kUnnamedStructure:
+      return "unnamed_structure";
+  }
+  return {};
+}
+
+std::string CandidateName(const diagnosis::Study& study, std::size_t index) {
+  const diagnosis::CauseRule& rule = study.causes()[index];
+  const auto namesakes = std::ranges::count(study.causes(), rule.name, &diagnosis::CauseRule::name);
+  std::string name = rule.name;
+  if (namesakes > 1 && !rule.parameters.empty()) name += ": " + rule.parameters.front().name;
+  return rule.named ? name : "(" + name + ")";
+}
+
+std::string SpokenParameter(const diagnosis::ParameterValue& parameter) {
+  std::string words = parameter.name;
+  const bool is_order = words.starts_with("order_per_");
+  std::string behind = parameter.unit;
+  if (is_order) {
+    behind = words.substr(std::string_view("order_").size());
+    words = "order";
+  } else if (const std::string ending = "_" + parameter.unit; words.ends_with(ending)) {
+    words.resize(words.size() - ending.size());
+  }
+  for (std::string* text : {&words, &behind}) std::ranges::replace(*text, '_', ' ');
+  const std::string value =
+      is_order ? fmt::format("{:.2f}", parameter.value) : fmt::format("{:.3g}", parameter.value);
+  return fmt::format("{} {}{}{}", words, value, behind.empty() || behind == "1" ? "" : " ",
+                     behind == "1" ? "" : behind);
+}
+
+std::string SignatureOf(const DiagnosisReport& report) {
+  std::vector<std::string> parts;
+  for (const diagnosis::Finding& correction : report.result.corrections) {
+    std::vector<std::string> numbers;
+    for (const auto& parameter : correction.parameters) numbers.push_back(SpokenParameter(parameter));
+    parts.push_back(
+        fmt::format("{}: {}", report.input.study->causes()[correction.index].name, fmt::join(numbers, ", ")));
+  }
+  const std::string& left = report.result.leftover.signature;
+  if (!left.empty()) parts.push_back(parts.empty() ? left : "besides: " + left);
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+std::vector<std::string> MeasurementsToSettle(const DiagnosisReport& report) {
+  const std::vector<diagnosis::CauseRule>& rules = report.input.study->causes();
+  std::vector<std::string> entries;
+  for (const diagnosis::Finding& cause : report.result.causes) {
+    const diagnosis::CauseRule& rule = rules[cause.index];
+    if (!cause.indistinguishable_from.empty() || rule.where == diagnosis::Where::kUndecided) {
+      AddOnce(rule.to_settle, entries);
+    }
+    for (const std::string& rival : cause.indistinguishable_from) {
+      for (const diagnosis::CauseRule& other : rules) {
+        if (other.name == rival) AddOnce(other.to_settle, entries);
+      }
+    }
+  }
+  if (report.result.verdict == diagnosis::Verdict::kUnnamedStructure) {
+    AddOnce(AgainOf(report.input.kind), entries);
+  }
+  return entries;
+}
+
+}  // namespace strainwave::bench

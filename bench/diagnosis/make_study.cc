@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/diagnosis/make_study.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/diagnosis/campaign_data.h"
+#include "bench/diagnosis/record_checks.h"
+#include "bench/diagnosis/record_data.h"
+#include "daq/read_records.h"
+#include "daq/record_rules.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace diagnosis = analysis::diagnosis;
+using daq::Record;
+
+template <typename Data>
+std::vector<Data> AllOf(std::span<const Record> records, Data (*data_of)(const Record&)) {
+  std::vector<Data> all;
+  for (const Record& record : records) all.push_back(data_of(record));
+  return all;
+}
+
+bool IsDiagnosed(const std::string& kind) {
+  return kind == "transmission_error" || kind == "hysteresis" || kind == "motion" || kind == "vibration";
+}
+
+std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const RecordChoice& choice) {
+  std::vector<Record> records;
+  std::set<std::string> kinds;
+  for (const std::string& path : paths) {
+    if (std::filesystem::is_directory(path)) {
+      throw CampaignError(ExitCode::kWrongInput,
+                          fmt::format("{}: error: a campaign stands beside other paths (expected one "
+                                      "campaign folder alone, or record files)",
+                                      path));
+    }
+    for (Record& record : daq::ReadRecords(path)) {
+      if (!choice.group.empty() && record.source.group.find(choice.group) == std::string::npos) continue;
+      if (choice.kind.empty() ? !IsDiagnosed(record.kind) && record.source.first_data_line == 0
+                              : record.kind != choice.kind)
+        continue;
+      if (!IsDiagnosed(record.kind)) {
+        throw RecordRefusal(record, fmt::format("a record of kind {} cannot be diagnosed (expected {})",
+                                                record.kind, kDiagnosedKinds));
+      }
+      kinds.insert(record.kind);
+      records.push_back(std::move(record));
+    }
+  }
+  if (records.empty()) {
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: no record to diagnose{}{} (expected {})", paths.front(),
+                    choice.kind.empty() ? "" : " of kind " + choice.kind,
+                    choice.group.empty() ? "" : " in a group with '" + choice.group + "' in its name",
+                    kDiagnosedKinds));
+  }
+  if (kinds.size() > 1) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: the records are of {} kinds: {} (expected one kind; --kind "
+                                    "chooses it)",
+                                    paths.front(), kinds.size(), fmt::join(kinds, ", ")));
+  }
+  return records;
+}
+
+MappingContext MappingOf(const Record& record) {
+  MappingContext mapping;
+  mapping.ratio = daq::MetadataNumber(record, "ratio").value_or(mapping.ratio);
+  mapping.t1_Nm = daq::MetadataNumber(record, "t1_Nm").value_or(mapping.t1_Nm);
+  mapping.t2_Nm = daq::MetadataNumber(record, "t2_Nm").value_or(mapping.t2_Nm);
+  if (record.FindColumn("time_s") != nullptr) {
+    const std::vector<double> time_s = record.CopyAsDoubles("time_s");
+    mapping.duration_s = time_s.back() - time_s.front();
+  }
+  if (record.FindColumn("temperature_degC") != nullptr) {
+    const std::vector<double> temperature_degC = record.CopyAsDoubles("temperature_degC");
+    const double sum = std::accumulate(temperature_degC.begin(), temperature_degC.end(), 0.0);
+    mapping.temperature_degC = sum / static_cast<double>(temperature_degC.size());
+  }
+  if (record.kind == "vibration") {
+    const auto data = VibrationDataOf(record);
+    if (!data.input_speed_rad_per_s.empty())
+      mapping.input_speed_rad_per_s = data.input_speed_rad_per_s.front();
+  }
+  return mapping;
+}
+
+// The study of all, or the words of what is wrong at the record that it is wrong with.
+std::unique_ptr<diagnosis::Study> MakeStudyOrSay(std::span<const Record> records) {
+  try {
+    return MakeStudy(records);
+  } catch (const std::invalid_argument& error) {
+    for (const Record& record : records) {
+      if (records.size() == 1) break;
+      try {
+        MakeStudy({&record, 1});
+      } catch (const std::invalid_argument& alone) {
+        throw RecordRefusal(record, alone.what());
+      }
+    }
+    throw RecordRefusal(records.front(), error.what());
+  }
+}
+
+StudyInput ReadCampaign(const std::string& path) {
+  const CampaignFolder folder{path};
+  const CampaignInputs inputs = ReadFrozenInputs(folder);
+  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
+  const diagnosis::CampaignData data = CampaignDataOf(folder, journal);
+  StudyInput input;
+  input.kind = "campaign";
+  input.records.push_back({path, "", Sha256(ReadText(folder.Journal())), data.cycle.size()});
+  const auto& specimen = inputs.schedule.specimen;
+  input.mapping.ratio = specimen.ratio;
+  input.mapping.t1_Nm = specimen.t1_Nm;
+  input.mapping.t2_Nm = specimen.t2_Nm;
+  try {
+    input.study = diagnosis::MakeCampaignStudy(data);
+  } catch (const std::invalid_argument& error) {
+    throw CampaignError(ExitCode::kWrongInput, fmt::format("{}: error: {}", path, error.what()));
+  }
+  return input;
+}
+
+}  // namespace
+
+std::unique_ptr<diagnosis::Study> MakeStudy(std::span<const Record> records) {
+  const std::string& kind = records.front().kind;
+  if (kind == "transmission_error")
+    return diagnosis::MakeTransmissionErrorStudy(AllOf(records, TransmissionErrorDataOf));
+  if (kind == "hysteresis") return diagnosis::MakeHysteresisStudy(AllOf(records, HysteresisDataOf));
+  if (kind == "motion") return diagnosis::MakeMotionStudy(AllOf(records, MotionDataOf));
+  return diagnosis::MakeVibrationStudy(AllOf(records, VibrationDataOf));
+}
+
+StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordChoice& choice) {
+  StudyInput input;
+  if (paths.size() == 1 && std::filesystem::is_directory(paths.front())) {
+    input = ReadCampaign(paths.front());
+  } else {
+    const std::vector<Record> records = ReadChosen(paths, choice);
+    input.kind = records.front().kind;
+    input.mapping = MappingOf(records.front());
+    const auto add_warning = [&](const Record& record, const std::string& text) {
+      input.warnings.push_back(records.size() == 1 ? text : record.source.file + ": " + text);
+    };
+    for (const Record& record : records) {
+      const bool same_file = !input.records.empty() && input.records.back().file == record.source.file;
+      input.records.push_back({record.source.file, record.source.group,
+                               same_file ? input.records.back().sha256 : Sha256(ReadText(record.source.file)),
+                               record.rows()});
+      for (const std::string& note : record.notes) add_warning(record, note);
+      for (const std::string& doubt : CheckForDiagnosis(record)) add_warning(record, doubt);
+    }
+    input.study = MakeStudyOrSay(records);
+  }
+  for (const std::string& warning : input.study->warnings()) input.warnings.push_back(warning);
+  return input;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/study.h"
+#include "bench/diagnosis/plant_mapping.h"
+#include "daq/record.h"
+
+namespace strainwave::bench {
+
+/// Where a record of a diagnosis is, so that anyone can see later that it is the same one.
+struct RecordIdentity {
+  std::string file;
+  std::string group;   // of an HDF5 file; empty for CSV
+  std::string sha256;  // of the whole file
+  std::size_t rows{};
+};
+
+/// Which records of the files are meant; empty texts take all.
+struct RecordChoice {
+  std::string kind;
+  std::string group;  // part of an HDF5 group's path
+};
+
+/// Records of one kind, or a campaign, ready to be diagnosed.
+struct StudyInput {
+  std::string kind;  // the contract's, or "campaign"
+  std::vector<RecordIdentity> records;
+  std::vector<std::string> warnings;  // what was noticed about the records, in sentences
+  MappingContext mapping;
+  std::unique_ptr<analysis::diagnosis::Study> study;
+};
+
+inline constexpr std::string_view kDiagnosedKinds = "transmission_error, hysteresis, motion or vibration";
+
+/// The study of records that are all of one kind; nothing is checked but what the study itself checks.
+/// @throws std::invalid_argument where they cannot be diagnosed, in words for a technician.
+std::unique_ptr<analysis::diagnosis::Study> MakeStudy(std::span<const daq::Record> records);
+
+/// Reads record files, or one campaign folder, and checks them.
+/// @throws daq::RecordError for a file that breaks the rules of records; CampaignError with
+///   `FILE: error: WHAT (what was expected)` for records that cannot be diagnosed: mixed kinds, none of the
+///   kind chosen, and whatever `CheckRecord`'s kin or the study refuse.
+StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordChoice& choice);
+
+}  // namespace strainwave::bench

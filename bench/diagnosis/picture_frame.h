@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/diagnosis/diagnosis_report.h"
+
+/// What the pictures of a diagnosis share.
+namespace strainwave::bench {
+
+inline constexpr std::size_t kMostDrawn = 4000;
+
+/// True where something was added to the nominal model.
+bool IsExtended(const DiagnosisReport& report);
+
+/// "measured", "nominal model", "+ backlash", as keys and titles call them.
+std::string NominalName(const DiagnosisReport& report);
+std::string ExtendedName(const DiagnosisReport& report);
+
+/// "twist", "transmission error": what the response of a kind is.
+std::string ResponseName(std::string_view kind);
+
+/// Panels one above the other: from the top in pixels, each between its edges.
+struct PanelEdges {
+  double top{};  // share of the picture's height
+  double bottom{};
+};
+struct PanelLayout {
+  double height_px{};
+  std::vector<PanelEdges> panels;
+};
+/// @param gap_px  between panels: for a key, or for an axis and a key.
+PanelLayout StackPanels(std::size_t count, double panel_px, double gap_px);
+
+std::string PanelMargins(const PanelEdges& panel);
+std::string TitleLabel(const std::string& title, double height_px);
+
+/// What is drawn in which colour, as a row of coloured words above a panel; texts that do not fit are cut.
+struct LegendEntry {
+  std::string_view colour;
+  std::string text;
+};
+/// @param gap_px  above the panel's upper edge.
+std::string Legend(const std::vector<LegendEntry>& entries, const PanelEdges& panel, double height_px,
+                   double gap_px = 14.0);
+
+/// "[low:high]" with a margin; around a level where all are equal.
+std::string RangeText(std::span<const double> values, double margin = 0.05);
+
+/// Values of the indices, times `factor`.
+std::vector<double> Picked(std::span<const double> values, std::span<const std::size_t> indices,
+                           double factor = 1.0);
+
+/// A data block whose lines break where a stretch begins.
+std::string BrokenBlock(const std::string& name, std::span<const std::size_t> indices,
+                        std::span<const std::size_t> stretches,
+                        std::initializer_list<std::span<const double>> columns);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "analysis/diagnosis/records.h"
+#include "daq/record.h"
+
+/// Records in field units as the structs in SI that studies are made of.
+namespace strainwave::bench {
+
+analysis::diagnosis::TransmissionErrorData TransmissionErrorDataOf(const daq::Record& record);
+analysis::diagnosis::HysteresisData HysteresisDataOf(const daq::Record& record);
+/// A current in the torque's place is multiplied by its gain.
+analysis::diagnosis::MotionData MotionDataOf(const daq::Record& record);
+/// Every column of numbers is a channel but time, temperature and `input_speed_rpm`
+/// (`input_speed_rad_per_s`).
+analysis::diagnosis::VibrationData VibrationDataOf(const daq::Record& record);
+
+/// The columns that are channels of a vibration record, in its order.
+std::vector<std::string> VibrationChannelsOf(const daq::Record& record);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measured over simulated, and what is left of the difference.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "bench/diagnosis/diagnosis_pictures.h"
+#include "bench/diagnosis/picture_frame.h"
+#include "bench/diagnosis/residual_views.h"
+#include "bench/plots/gnuplot.h"
+#include "bench/plots/script.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace diagnosis = analysis::diagnosis;
+using diagnosis::Regressor;
+
+constexpr std::string_view kMeasuredColour = "#444444";
+
+// What a kind is drawn over: what a person would choose for the abscissa.
+struct Abscissa {
+  std::string title{"sample"};
+  std::vector<double> place;
+};
+
+Abscissa AbscissaOf(const diagnosis::Study& study, std::initializer_list<std::string_view> wanted) {
+  for (const std::string_view name : wanted) {
+    const auto found = std::ranges::find(study.regressors(), name, &Regressor::name);
+    if (found == study.regressors().end()) continue;
+    Abscissa abscissa{found->title, found->values};
+    for (double& place : abscissa.place) place *= found->per_unit;
+    return abscissa;
+  }
+  Abscissa abscissa;
+  abscissa.place.resize(study.measured().size());
+  std::iota(abscissa.place.begin(), abscissa.place.end(), 0.0);
+  return abscissa;
+}
+
+Abscissa ResponseAbscissa(const DiagnosisReport& report) {
+  const diagnosis::Study& study = *report.input.study;
+  if (report.input.kind == "transmission_error") return AbscissaOf(study, {"output_angle"});
+  if (report.input.kind == "hysteresis") return AbscissaOf(study, {"torque"});
+  if (report.input.kind == "campaign") return AbscissaOf(study, {"cycle", "load_time", "time"});
+  return AbscissaOf(study, {"time"});
+}
+
+// The samples around the place where the nominal model is off most, inside one stretch.
+std::vector<std::size_t> DetailOf(const DiagnosisReport& report, std::size_t length) {
+  const std::vector<double> residual = ResidualOf(*report.input.study, report.result.nominal);
+  const std::vector<double>& weights = report.result.weights;
+  length = std::min(length, residual.size());
+  double sum = 0.0;
+  double best = -1.0;
+  std::size_t best_end = length;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    sum += weights[i] * residual[i] * residual[i];
+    if (i >= length) sum -= weights[i - length] * residual[i - length] * residual[i - length];
+    if (i + 1 >= length && sum > best) {
+      best = sum;
+      best_end = i + 1;
+    }
+  }
+  const std::span<const std::size_t> stretches = report.input.study->stretches();
+  const auto next = std::upper_bound(stretches.begin(), stretches.end(), best_end - 1 - length / 2);
+  const std::size_t first = std::max(best_end - length, *std::prev(next));
+  const std::size_t last = std::min(best_end, next == stretches.end() ? residual.size() : *next);
+  std::vector<std::size_t> indices(last - first);
+  std::iota(indices.begin(), indices.end(), first);
+  return indices;
+}
+
+// A line through so many turns would be a bush.
+bool IsZigzag(const std::vector<double>& values) {
+  std::size_t turns = 0;
+  for (std::size_t i = 2; i < values.size(); ++i) {
+    if ((values[i] - values[i - 1]) * (values[i - 1] - values[i - 2]) < 0.0) ++turns;
+  }
+  return 4 * turns > values.size();
+}
+
+// Values far from zero are drawn from a round one on, so that the axis stays readable.
+double ShiftOf(const DiagnosisReport& report) {
+  const auto [low, high] = std::ranges::minmax(report.input.study->measured());
+  const double unit = report.input.study->unit_per_si();
+  const double middle = 0.5 * (low + high) * unit;
+  return std::abs(middle) > 5.0 * (high - low) * unit ? std::round(middle) : 0.0;
+}
+
+// One panel's data and what is drawn of it.
+std::string ResponsePanel(const DiagnosisReport& report, const Abscissa& abscissa, const std::string& name,
+                          std::span<const std::size_t> indices, bool whole, std::string& data,
+                          std::vector<double>& drawn) {
+  const diagnosis::Study& study = *report.input.study;
+  const double unit = study.unit_per_si();
+  const double shift = ShiftOf(report);
+  const auto& nominal = report.result.nominal.predicted;
+  const auto& extended = report.result.extended.predicted;
+  const auto count = static_cast<std::size_t>(nominal.size());
+  const auto place = Picked(abscissa.place, indices);
+  auto measured = Picked(study.measured(), indices, unit);
+  auto before = Picked({nominal.data(), count}, indices, unit);
+  auto after = Picked({extended.data(), count}, indices, unit);
+  for (auto* values : {&measured, &before, &after}) {
+    for (double& value : *values) value -= shift;
+    drawn.insert(drawn.end(), values->begin(), values->end());
+  }
+  data += BrokenBlock(name, indices, study.stretches(), {place, measured, before, after});
+  const bool points = whole && IsZigzag(before);
+  const auto style = [&](std::string_view colour, int shape) {
+    return points ? fmt::format("points pointtype {} pointsize 0.5 linecolor rgb '{}'", shape, colour)
+                  : fmt::format("lines linewidth 1.6 linecolor rgb '{}'", colour);
+  };
+  std::string plot = fmt::format(
+      "plot ${0} using 1:2 with points pointtype 7 pointsize {1} linecolor rgb '{2}',\\\n"
+      "  ${0} using 1:3 with {3}",
+      name, whole ? 0.45 : 0.7, kMeasuredColour, style(kLastColour.plain, 6));
+  if (IsExtended(report)) {
+    plot += fmt::format(",\\\n  ${} using 1:4 with {}", name, style(kFirstColour.plain, 4));
+  }
+  return plot + "\n";
+}
+
+std::string FrameCommands(double height_px, const std::string& title) {
+  return CommonStyle() + TitleLabel(title, height_px) +
+         "set multiplot\nset lmargin at screen 0.085\nset rmargin at screen 0.975\nunset key\n"
+         "set xzeroaxis linetype 1 linewidth 0.8 linecolor rgb '#AAAAAA'\n";
+}
+
+std::string MissLabel(const diagnosis::Study& study) {
+  return fmt::format("set ylabel {}\n", Quoted(fmt::format("measured - simulated ({})", study.unit())));
+}
+
+// Only the lowest panel has numbers and words below it.
+std::string AxisBelow(bool lowest, const std::string& title) {
+  return fmt::format("set format x '{}'\nset xlabel {} offset 0,0.4\n", lowest ? "%g" : "",
+                     lowest ? Quoted(title) : "''");
+}
+
+}  // namespace
+
+void DrawResponse(const DiagnosisReport& report, const std::filesystem::path& stem) {
+  const diagnosis::Study& study = *report.input.study;
+  const Abscissa abscissa = ResponseAbscissa(report);
+  const std::size_t samples = study.measured().size();
+  const auto whole = Thinned(samples, kMostDrawn);
+  // A branch of a loop spans much more twist than a model errs by.
+  const std::size_t parts = report.input.kind == "hysteresis" ? 60 : 12;
+  const auto detail = DetailOf(report, std::clamp<std::size_t>(samples / parts, 40, 1500));
+  const PanelLayout layout = StackPanels(2, 330.0, 66.0);
+  const double shift = ShiftOf(report);
+  std::string data;
+  std::vector<double> drawn;
+  const std::string above = ResponsePanel(report, abscissa, "whole", whole, true, data, drawn);
+  std::string script = FrameCommands(layout.height_px, "measured and simulated");
+  script +=
+      fmt::format("set ylabel {}\nset xlabel {} offset 0,0.4\n",
+                  Quoted(fmt::format("{}{} ({})", ResponseName(report.input.kind),
+                                     shift == 0.0 ? "" : fmt::format(" less {:.10g}", shift), study.unit())),
+                  Quoted(abscissa.title));
+  script += fmt::format("set yrange {}\nset xrange {}\n", RangeText(drawn),
+                        RangeText(Picked(abscissa.place, whole), 0.01));
+  std::vector<LegendEntry> legend{{kMeasuredColour, "measured"}, {kLastColour.plain, NominalName(report)}};
+  if (IsExtended(report)) legend.push_back({kFirstColour.plain, ExtendedName(report)});
+  script += Legend(legend, layout.panels[0], layout.height_px);
+  script += PanelMargins(layout.panels[0]) + above + "unset label 1000\n";
+  drawn.clear();
+  const std::string below = ResponsePanel(report, abscissa, "detail", detail, false, data, drawn);
+  script += Legend({{{"#666666", "in detail, where the " + NominalName(report) + " is off most"}}},
+                   layout.panels[1], layout.height_px);
+  script += fmt::format("set yrange {}\nset xrange {}\n", RangeText(drawn),
+                        RangeText(Picked(abscissa.place, detail), 0.02));
+  script += PanelMargins(layout.panels[1]) + below + "unset multiplot\n";
+  RenderPicture(data + script, stem, {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
+}
+
+void DrawResidual(const DiagnosisReport& report, const std::filesystem::path& stem) {
+  const diagnosis::Study& study = *report.input.study;
+  const Abscissa abscissa = AbscissaOf(study, {"time", "cycle"});
+  const auto indices = Thinned(study.measured().size(), kMostDrawn);
+  const auto place = Picked(abscissa.place, indices);
+  const bool extended = IsExtended(report);
+  const PanelLayout layout = StackPanels(extended ? 2 : 1, 300.0, 44.0);
+  const double unit = study.unit_per_si();
+  const double floor = 2.0 * report.result.noise_floor * unit;
+  const auto before = Picked(ResidualOf(study, report.result.nominal), indices, unit);
+  const auto after = Picked(ResidualOf(study, report.result.extended), indices, unit);
+  std::string script = FrameCommands(layout.height_px, "what the simulation misses") + MissLabel(study);
+  script += fmt::format("set xrange {}\nset yrange {}\n", RangeText(place, 0.01), RangeText(before));
+  if (floor > 0.0) {
+    script += fmt::format(
+        "set object 1 rectangle from graph 0, first {:.6g} to graph 1, first {:.6g} behind fillcolor rgb "
+        "'#E8E8E8' fillstyle solid 1 noborder\n",
+        -floor, floor);
+  }
+  const std::string band = floor > 0.0 ? " (grey: 2 standard deviations of the noise)" : "";
+  for (std::size_t k = 0; k < layout.panels.size(); ++k) {
+    const std::string_view colour = k == 0 ? kLastColour.plain : kFirstColour.plain;
+    script += AxisBelow(k + 1 == layout.panels.size(), abscissa.title);
+    script += Legend({{{colour, k == 0 ? NominalName(report) + band : ExtendedName(report)}}},
+                     layout.panels[k], layout.height_px);
+    script += PanelMargins(layout.panels[k]);
+    script += fmt::format(
+        "plot $residual using 1:{} with points pointtype 7 pointsize 0.35 linecolor rgb '{}'\nunset label "
+        "1000\n",
+        k + 2, colour);
+  }
+  RenderPicture(DataBlock("residual", {place, before, after}) + script + "unset multiplot\n", stem,
+                {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
+}
+
+void DrawResidualOver(const DiagnosisReport& report, std::size_t regressor,
+                      const std::filesystem::path& stem) {
+  const diagnosis::Study& study = *report.input.study;
+  const Regressor& over = study.regressors()[regressor];
+  const std::string quantity = over.title.substr(0, over.title.find(" / "));
+  const std::vector<double> places = PlacesOf(over);
+  const auto indices = Thinned(places.size(), kMostDrawn);
+  const PanelLayout layout = StackPanels(IsExtended(report) ? 2 : 1, 300.0, 44.0);
+  std::string data;
+  std::string script = FrameCommands(layout.height_px, "what the simulation misses, over " + quantity) +
+                       MissLabel(study) + fmt::format("set xrange {}\n", RangeText(places, 0.02));
+  for (std::size_t k = 0; k < layout.panels.size(); ++k) {
+    const bool nominal = k == 0;
+    std::vector<double> residual =
+        ResidualOf(study, nominal ? report.result.nominal : report.result.extended);
+    for (double& value : residual) value *= study.unit_per_si();
+    const BinnedMeans means = BinMeans(places, residual, report.result.weights);
+    const auto drawn = Picked(residual, indices);
+    data += DataBlock(fmt::format("points{}", k), {Picked(places, indices), drawn});
+    data += DataBlock(fmt::format("means{}", k), {means.place, means.mean, means.two_standard_errors});
+    if (nominal) script += fmt::format("set yrange {}\n", RangeText(drawn));
+    const PictureColour& colour = nominal ? kLastColour : kFirstColour;
+    script += AxisBelow(k + 1 == layout.panels.size(),
+                        over.title + (IsFolded(over) ? ", turns folded into one" : ""));
+    script += Legend({{{colour.dark, "mean and 2 standard errors"},
+                       {colour.plain, nominal ? NominalName(report) : ExtendedName(report)}}},
+                     layout.panels[k], layout.height_px);
+    script += PanelMargins(layout.panels[k]);
+    script += fmt::format(
+        "plot $points{0} using 1:2 with points pointtype 7 pointsize 0.3 linecolor rgb '{1}',\\\n"
+        "  $means{0} using 1:2:3 with yerrorbars pointtype 7 pointsize 0.8 linewidth 1.8 linecolor rgb "
+        "'{2}'\n"
+        "unset label 1000\n",
+        k, colour.pale, colour.dark);
+  }
+  RenderPicture(data + script + "unset multiplot\n", stem,
+                {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
+}
+
+}  // namespace strainwave::bench

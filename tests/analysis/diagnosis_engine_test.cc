@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <random>
+
+#include "analysis/diagnosis/diagnose.h"
+#include "analysis/diagnosis/heldout.h"
+#include "analysis/diagnosis/noise_likelihood.h"
+#include "analysis/diagnosis/scans.h"
+#include "analysis/diagnosis/separable_study.h"
+#include "analysis/units.h"
+#include "tests/analysis/message_of.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+std::vector<double> WhiteNoise(std::size_t n, double sd, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, sd);
+  std::vector<double> noise(n);
+  for (double& value : noise) value = normal(random);
+  return noise;
+}
+
+SeparableTerm Column(std::vector<double> values, std::string name) {
+  SeparableTerm term;
+  term.fill = [values](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < values.size(); ++i) design(static_cast<Eigen::Index>(i), 0) = values[i];
+  };
+  DescribeEach(term, {{std::move(name), "1", 1.0}});
+  return term;
+}
+
+// A constant and a ramp as the nominal model; a square wave, a bump of unknown place and a second square wave
+// that is hidden behind the first one as candidates.
+struct ToyRecord {
+  std::vector<double> x;
+  std::vector<double> square;
+  explicit ToyRecord(std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      x.push_back(static_cast<double>(i) / static_cast<double>(n));
+      square.push_back(i / 7 % 2 == 0 ? 1.0 : -1.0);
+    }
+  }
+};
+
+SeparableModel ToyModel(const ToyRecord& record, std::vector<double> measured) {
+  SeparableModel model;
+  model.nominal.push_back(Column(std::vector<double>(record.x.size(), 1.0), "offset"));
+  model.nominal.push_back(Column(record.x, "slope"));
+  model.causes.push_back(Column(record.square, "square_size"));
+  model.rules.push_back({.name = "square", .parameters = {{"square_size", "1", -10.0, 10.0, true}}});
+  SeparableTerm bump;
+  bump.shapes = {{0.0, 1.0, 0.02}};
+  bump.fill = [x = record.x](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double away = (x[i] - shapes[0]) / 0.02;
+      design(static_cast<Eigen::Index>(i), 0) = std::exp(-0.5 * away * away);
+    }
+  };
+  bump.starts = [x = record.x](const Remainder& remainder) {
+    std::vector<std::vector<double>> starts;
+    for (const WindowPeak& peak : FindWindows(x, remainder.residual, remainder.weights, 0.02, 0.08, 3)) {
+      starts.push_back({peak.centre});
+    }
+    return starts;
+  };
+  DescribeEach(bump, {{"height", "1", 1.0}, {"centre", "1", 1.0}});
+  model.causes.push_back(std::move(bump));
+  model.rules.push_back({.name = "bump",
+                         .parameters = {{"height", "1", 0.0, 10.0, true}},
+                         .degrees_of_freedom = 2,
+                         .trials = 25.0,
+                         .local = true});
+  model.measured = std::move(measured);
+  model.block_length = record.x.size() / 20;
+  model.noise_floor = 0.1;
+  model.unit = "V";
+  return model;
+}
+
+TEST(FindLines, FindsAnOrderAmongUnevenSamplesAndRefinesIt) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0.0, 4.0 * kPi);
+  std::vector<double> angle;
+  std::vector<double> residual;
+  const std::vector<double> noise = WhiteNoise(900, 0.5, 4);
+  for (std::size_t i = 0; i < 900; ++i) {
+    angle.push_back(uniform(random));
+    residual.push_back(1.7 + 0.3 * std::cos(37.4 * angle.back() - 1.0) + noise[i]);
+  }
+  const std::vector<double> weights(900, 1.0);
+  const auto peaks = FindLines(angle, residual, weights, 0.5, 200.0, 2);
+  ASSERT_EQ(peaks.size(), 2u);
+  // Three standard deviations of the order: sqrt(24 / n) · sd / amplitude / span = 0.022.
+  EXPECT_NEAR(peaks[0].order, 37.4, 0.065);
+  // Half the amplitude squared a sample.
+  EXPECT_NEAR(peaks[0].drop, 900 * 0.045, 15.0);
+  EXPECT_GT(peaks[0].drop, 3.0 * peaks[1].drop);
+}
+
+TEST(FindLines, SeesALineInColouredNoiseBesideTheNoisesOwnSwell) {
+  std::vector<double> angle;
+  std::vector<double> residual;
+  const std::vector<double> white = WhiteNoise(2000, 1.0, 5);
+  double state = 0.0;
+  for (std::size_t i = 0; i < 2000; ++i) {
+    angle.push_back(kTwoPi * static_cast<double>(i) / 1000.0);
+    state = 0.95 * state + white[i];
+    residual.push_back(state + 0.25 * std::cos(300.0 * angle.back()));
+  }
+  const auto peaks = FindLines(angle, residual, std::vector<double>(2000, 1.0), 0.5, 450.0, 1);
+  ASSERT_EQ(peaks.size(), 1u);
+  EXPECT_NEAR(peaks[0].order, 300.0, 0.3);
+}
+
+TEST(FindWindows, FindsWhereTheMeanIsRaised) {
+  std::vector<double> place;
+  std::vector<double> residual = WhiteNoise(500, 0.2, 6);
+  for (std::size_t i = 0; i < 500; ++i) {
+    place.push_back(static_cast<double>(i));
+    if (i >= 210 && i < 240) residual[i] += 0.4;
+  }
+  const auto windows = FindWindows(place, residual, std::vector<double>(500, 1.0), 5.0, 100.0, 1);
+  ASSERT_EQ(windows.size(), 1u);
+  EXPECT_NEAR(windows[0].centre, 225.0, 5.0);
+  EXPECT_NEAR(windows[0].width, 30.0, 10.0);
+}
+
+TEST(FitNoise, FindsTheMemoryOfAutoregressiveNoiseAndNoneInWhiteNoise) {
+  std::vector<double> x = WhiteNoise(4000, 1.0, 7);
+  const std::vector<double> weights(4000, 1.0);
+  const std::vector<std::size_t> one{0};
+  EXPECT_EQ(FitNoise(x, weights, one, 4, 1.0).order, 0);
+  for (std::size_t i = 1; i < x.size(); ++i) x[i] += 0.6 * x[i - 1];
+  const NoiseFit fit = FitNoise(x, weights, one, 4, 1.0);
+  EXPECT_EQ(fit.order, 1);
+  EXPECT_NEAR(fit.coefficients[0], 0.6, 0.04);
+  EXPECT_NEAR(fit.innovation_sd, 1.0, 0.04);
+}
+
+TEST(MakeFolds, DealsWholeBlocksThatNeverCrossAStretch) {
+  const std::vector<std::size_t> stretches{0, 95};
+  const Folds folds = MakeFolds(200, stretches, 20);
+  EXPECT_EQ(folds.folds, 5u);
+  EXPECT_NE(folds.block_of[94], folds.block_of[95]);
+  std::vector<std::size_t> count(folds.folds, 0);
+  for (std::size_t i = 0; i < 200; ++i) ++count[folds.fold_of[i]];
+  for (const std::size_t samples : count) EXPECT_GE(samples, 20u);
+  for (std::size_t i = 1; i < 200; ++i) {
+    if (folds.block_of[i] == folds.block_of[i - 1]) {
+      EXPECT_EQ(folds.fold_of[i], folds.fold_of[i - 1]);
+    }
+  }
+}
+
+TEST(MakeFolds, RefusesARecordOfOneBlock) {
+  EXPECT_EQ(
+      MessageOf([] { MakeFolds(30, std::vector<std::size_t>{0}, 100); }),
+      "the record is too short to hold anything out: 30 samples, one block of 100 (expected at least two "
+      "blocks)");
+}
+
+TEST(SeparableStudy, IntervalsHoldTheTruthAsOftenAsTheySay) {
+  const ToyRecord record(400);
+  int held = 0;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::vector<double> measured = WhiteNoise(400, 0.1, 100 + seed);
+    for (std::size_t i = 0; i < 400; ++i) {
+      const double away = (record.x[i] - 0.431) / 0.02;
+      measured[i] += 2.0 - record.x[i] + 0.3 * std::exp(-0.5 * away * away);
+    }
+    const SeparableStudy study(ToyModel(record, measured));
+    const std::vector<std::size_t> bump{1};
+    const ModelFit fit = study.Fit(bump, std::vector<double>(400, 1.0), nullptr, FitPurpose::kReport);
+    const ParameterValue& centre = fit.cause_parameters[0][1];
+    held += std::abs(centre.value - 0.431) < 1.96 * centre.standard_error ? 1 : 0;
+  }
+  // 95 % of 300, within three standard deviations of that count.
+  EXPECT_GE(held, 285 - 12);
+  EXPECT_LE(held, 285 + 12);
+}
+
+TEST(SeparableStudy, PredictsWhatItsOwnParametersDescribe) {
+  const ToyRecord record(400);
+  const SeparableStudy study(ToyModel(record, WhiteNoise(400, 0.1, 9)));
+  const std::vector<std::size_t> both{0, 1};
+  const ModelFit fit = study.Fit(both, std::vector<double>(400, 1.0), nullptr, FitPurpose::kCompare);
+  const std::vector<Study::NamedCause> causes{{"square", fit.cause_parameters[0]},
+                                              {"bump", fit.cause_parameters[1]}};
+  EXPECT_LT((study.Predict(fit.nominal, causes) - fit.predicted).norm(), 1e-12);
+  const std::vector<Study::NamedCause> unknown{{"ghost", {}}};
+  EXPECT_EQ(MessageOf([&] { study.Predict(fit.nominal, unknown); }),
+            "there is no cause 'ghost' for records of this kind");
+}
+
+TEST(Diagnose, FindsNothingInCleanRecords) {
+  const ToyRecord record(400);
+  int alarms = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    std::vector<double> measured = WhiteNoise(400, 0.1, 500 + seed);
+    for (std::size_t i = 0; i < 400; ++i) measured[i] += 5.0 * record.x[i];
+    alarms += Diagnose(SeparableStudy(ToyModel(record, measured))).verdict == Verdict::kNoEffect ? 0 : 1;
+  }
+  // 0.5 % allowed: five or more of 200 would come up once in 270 such tests.
+  EXPECT_LE(alarms, 4);
+}
+
+TEST(Diagnose, FindsTwoEffectsAndWhatTheyBringOnUnseenData) {
+  const ToyRecord record(400);
+  std::vector<double> measured = WhiteNoise(400, 0.1, 11);
+  for (std::size_t i = 0; i < 400; ++i) {
+    const double away = (record.x[i] - 0.7) / 0.02;
+    measured[i] += 1.0 + 0.06 * record.square[i] + 0.4 * std::exp(-0.5 * away * away);
+  }
+  const SeparableStudy study(ToyModel(record, measured));
+  const Diagnosis diagnosis = Diagnose(study);
+  ASSERT_EQ(diagnosis.verdict, Verdict::kEffectFound);
+  ASSERT_EQ(diagnosis.causes.size(), 2u);
+  EXPECT_EQ(study.causes()[diagnosis.causes[0].index].name, "bump");
+  EXPECT_EQ(study.causes()[diagnosis.causes[1].index].name, "square");
+  EXPECT_NEAR(diagnosis.causes[1].parameters[0].value, 0.06, 0.02);
+  EXPECT_NEAR(diagnosis.extended_heldout_rmse, 0.1, 0.012);
+  EXPECT_GT(diagnosis.gain.low, 0.0);
+  EXPECT_GT(diagnosis.gain.high, diagnosis.gain.reduction);
+}
+
+TEST(Diagnose, NamesTheRivalWhereTwoCausesFitEquallyWell) {
+  const ToyRecord record(400);
+  std::vector<double> measured = WhiteNoise(400, 0.1, 12);
+  for (std::size_t i = 0; i < 400; ++i) measured[i] += 0.1 * record.square[i];
+  SeparableModel model = ToyModel(record, measured);
+  model.causes.push_back(Column(record.square, "twin_size"));
+  model.rules.push_back({.name = "twin", .parameters = {{"twin_size", "1", -10.0, 10.0, true}}});
+  const SeparableStudy study(std::move(model));
+  const Diagnosis diagnosis = Diagnose(study);
+  ASSERT_EQ(diagnosis.causes.size(), 1u);
+  ASSERT_EQ(diagnosis.causes[0].indistinguishable_from.size(), 1u);
+  EXPECT_NE(study.causes()[diagnosis.causes[0].index].name, diagnosis.causes[0].indistinguishable_from[0]);
+}
+
+TEST(Diagnose, RefusesACauseWhoseParameterIsOutsideItsRange) {
+  const ToyRecord record(400);
+  std::vector<double> measured = WhiteNoise(400, 0.1, 13);
+  for (std::size_t i = 0; i < 400; ++i) measured[i] += 0.2 * record.square[i];
+  SeparableModel model = ToyModel(record, measured);
+  model.rules[0].parameters[0].high = 0.1;
+  const Diagnosis diagnosis = Diagnose(SeparableStudy(std::move(model)));
+  EXPECT_EQ(diagnosis.verdict, Verdict::kNoEffect);
+  ASSERT_FALSE(diagnosis.candidates.empty());
+  EXPECT_EQ(diagnosis.candidates[0].objection.substr(0, 14), "square_size = ");
+}
+
+TEST(Diagnose, CreditsAStructureWithoutANameToNoCause) {
+  const ToyRecord record(400);
+  std::vector<double> measured = WhiteNoise(400, 0.1, 14);
+  for (std::size_t i = 0; i < 400; ++i) measured[i] += 0.2 * std::sin(40.0 * record.x[i]);
+  SeparableModel model = ToyModel(record, measured);
+  SeparableTerm line;
+  line.columns = 2;
+  line.fill = [x = record.x](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      design(static_cast<Eigen::Index>(i), 0) = std::cos(40.0 * x[i]);
+      design(static_cast<Eigen::Index>(i), 1) = std::sin(40.0 * x[i]);
+    }
+  };
+  DescribeAsHarmonic(line, "amplitude", "1", 1.0);
+  model.causes.push_back(std::move(line));
+  model.rules.push_back({.name = "line", .degrees_of_freedom = 2, .named = false});
+  const Diagnosis diagnosis = Diagnose(SeparableStudy(std::move(model)));
+  EXPECT_EQ(diagnosis.verdict, Verdict::kUnnamedStructure);
+  EXPECT_TRUE(diagnosis.causes.empty());
+  ASSERT_EQ(diagnosis.corrections.size(), 1u);
+  EXPECT_NEAR(diagnosis.corrections[0].parameters[0].value, 0.2, 0.03);
+}
+
+TEST(Diagnose, LeavesOutSamplesThatStandOff) {
+  const ToyRecord record(400);
+  std::vector<double> measured = WhiteNoise(400, 0.1, 15);
+  measured[77] += 1.5;
+  measured[301] -= 4.0;
+  const Diagnosis diagnosis = Diagnose(SeparableStudy(ToyModel(record, measured)));
+  EXPECT_EQ(diagnosis.verdict, Verdict::kNoEffect);
+  EXPECT_EQ(diagnosis.weights[77], 0.0);
+  EXPECT_EQ(diagnosis.weights[301], 0.0);
+  EXPECT_NEAR(diagnosis.nominal_heldout_rmse, 0.1, 0.015);
+}
+
+TEST(Diagnose, TakesGivenCausesAsPartOfTheNominalModel) {
+  const ToyRecord record(400);
+  std::vector<double> measured = WhiteNoise(400, 0.1, 16);
+  for (std::size_t i = 0; i < 400; ++i) measured[i] += 0.2 * record.square[i];
+  DiagnoseOptions options;
+  options.given_causes = {0};
+  const Diagnosis diagnosis = Diagnose(SeparableStudy(ToyModel(record, measured)), options);
+  EXPECT_EQ(diagnosis.verdict, Verdict::kNoEffect);
+  EXPECT_NEAR(diagnosis.nominal_heldout_rmse, 0.1, 0.015);
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "analysis/diagnosis/diagnose.h"
+#include "analysis/diagnosis/records.h"
+#include "analysis/units.h"
+#include "tests/analysis/message_of.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// What one sample of the sweep knows, for an effect to be hidden in it.
+struct Place {
+  double input_rad;
+  double output_rad;
+  double direction;
+  double time_s;
+  double torque_Nm;
+  double temperature_degC;
+};
+using Effect = std::function<double(const Place&)>;  // arcmin
+
+constexpr double kNoise_arcmin = 0.02;
+
+// One turn each way in steps of `step_deg` at ratio 80, 0.5 arcmin of second harmonic, and the effect.
+TransmissionErrorData Sweep(unsigned seed, const Effect& effect, double step_deg = 1.0) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, RadFromArcmin(kNoise_arcmin));
+  std::normal_distribution<double> torque_noise(0.0, 0.5);
+  TransmissionErrorData record;
+  const int steps = static_cast<int>(std::lround(360.0 / step_deg));
+  for (int i = 0; i < 2 * steps; ++i) {
+    const bool clockwise = i < steps;
+    const double along_deg = step_deg * (clockwise ? i : 2 * steps - 1 - i);
+    Place place{
+        80.0 * RadFromDeg(along_deg), RadFromDeg(along_deg), clockwise ? 1.0 : -1.0, 2.0 * i, 0.0, 0.0};
+    place.torque_Nm = 5.0 * std::sin(0.013 * place.time_s) + torque_noise(random);
+    place.temperature_degC = 25.0 + 0.002 * place.time_s + 0.3 * std::sin(0.004 * place.time_s);
+    const double error =
+        RadFromArcmin(0.3 + 0.5 * std::cos(2.0 * place.input_rad - 0.8) + effect(place)) + noise(random);
+    record.input_angle_rad.push_back(place.input_rad);
+    record.output_angle_rad.push_back(place.input_rad / 80.0 - error);
+    record.direction.push_back(clockwise ? 1 : -1);
+    record.time_s.push_back(place.time_s);
+    record.torque_Nm.push_back(place.torque_Nm);
+    record.temperature_degC.push_back(place.temperature_degC);
+  }
+  return record;
+}
+
+struct Answer {
+  std::unique_ptr<Study> study;
+  Diagnosis diagnosis;
+
+  std::string name() const {
+    return diagnosis.causes.empty() ? "none" : study->causes()[diagnosis.causes.front().index].name;
+  }
+  double value(const std::string& parameter) const {
+    for (const ParameterValue& value : diagnosis.causes.front().parameters) {
+      if (value.name == parameter) return value.value;
+    }
+    return NAN;
+  }
+};
+
+Answer Ask(const TransmissionErrorData& record) {
+  Answer answer;
+  answer.study = MakeTransmissionErrorStudy({&record, 1});
+  answer.diagnosis = Diagnose(*answer.study);
+  return answer;
+}
+
+TEST(TransmissionErrorStudy, NamesEachCauseOfTheListAndItsSize) {
+  struct Case {
+    std::string name;
+    std::string parameter;
+    double value;
+    double tolerance;
+    Effect effect;
+  };
+  const std::vector<Case> cases{
+      {"wave_generator_first_harmonic", "amplitude_arcmin", 0.02, 0.005,
+       [](const Place& at) { return 0.02 * std::cos(at.input_rad + 1.0); }},
+      {"wave_generator_fourth_harmonic", "amplitude_arcmin", 0.02, 0.005,
+       [](const Place& at) { return 0.02 * std::cos(4.0 * at.input_rad + 1.0); }},
+      {"output_eccentricity", "amplitude_arcmin", 0.02, 0.005,
+       [](const Place& at) { return 0.02 * std::cos(at.output_rad + 2.0); }},
+      {"circular_spline_ovality", "amplitude_arcmin", 0.02, 0.005,
+       [](const Place& at) { return 0.02 * std::cos(2.0 * at.output_rad + 3.0); }},
+      {"tooth_engagement", "amplitude_arcmin", 0.02, 0.005,
+       [](const Place& at) { return 0.02 * std::cos(162.0 * at.output_rad); }},
+      {"backlash", "backlash_arcmin", 0.03, 0.006, [](const Place& at) { return 0.015 * at.direction; }},
+      {"thermal_drift", "drift_arcmin_per_K", 0.03, 0.006,
+       [](const Place& at) { return 0.03 * (at.temperature_degC - 25.0); }},
+      {"local_tooth_damage", "centre_deg", 212.0, 0.6,
+       [](const Place& at) {
+         return 0.12 * std::exp(-0.5 * std::pow((DegFromRad(at.output_rad) - 212.0) / 1.5, 2.0));
+       }},
+      {"load_windup", "windup_arcmin_per_Nm", 0.006, 0.001,
+       [](const Place& at) { return 0.006 * at.torque_Nm; }}};
+  for (const Case& hidden : cases) {
+    const Answer answer = Ask(Sweep(31, hidden.effect));
+    EXPECT_EQ(answer.name(), hidden.name);
+    if (answer.diagnosis.causes.empty()) continue;
+    EXPECT_EQ(answer.diagnosis.causes.size(), 1u) << hidden.name;
+    EXPECT_NEAR(answer.value(hidden.parameter), hidden.value, hidden.tolerance) << hidden.name;
+  }
+}
+
+TEST(TransmissionErrorStudy, SaysWhatTheStepsFoldTheFourthHarmonicOnto) {
+  const Effect fourth = [](const Place& at) { return 0.05 * std::cos(4.0 * at.input_rad); };
+  const Answer folded = Ask(Sweep(32, fourth));
+  ASSERT_EQ(folded.name(), "wave_generator_fourth_harmonic");
+  const auto& rivals = folded.diagnosis.causes.front().indistinguishable_from;
+  ASSERT_EQ(rivals.size(), 1u);
+  EXPECT_EQ(rivals.front(), "line at 40.00 per output turn");
+  const Answer fine = Ask(Sweep(33, fourth, 0.5));
+  ASSERT_EQ(fine.name(), "wave_generator_fourth_harmonic");
+  EXPECT_TRUE(fine.diagnosis.causes.front().indistinguishable_from.empty());
+}
+
+TEST(TransmissionErrorStudy, LeavesAnOrderOutsideTheListWithoutAName) {
+  const Answer answer = Ask(Sweep(34, [](const Place& at) { return 0.03 * std::cos(7.0 * at.output_rad); }));
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
+  ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
+  const auto& parameters = answer.diagnosis.corrections.front().parameters;
+  EXPECT_EQ(parameters.back().name, "order_per_output_turn");
+  EXPECT_NEAR(parameters.back().value, 7.0, 0.1);
+}
+
+TEST(TransmissionErrorStudy, TakesAWrongNumberForNoMissingEffect) {
+  // Twice the second harmonic and another offset than any catalogue has: parameters of the nominal model.
+  const Answer answer =
+      Ask(Sweep(35, [](const Place& at) { return 4.0 + 0.8 * std::cos(2.0 * at.input_rad - 0.8); }));
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoEffect);
+  EXPECT_NEAR(answer.diagnosis.nominal_heldout_rmse, RadFromArcmin(kNoise_arcmin), RadFromArcmin(0.002));
+  EXPECT_NEAR(answer.diagnosis.noise_floor, RadFromArcmin(kNoise_arcmin), RadFromArcmin(0.003));
+}
+
+TEST(TransmissionErrorStudy, JoinsRecordsWithAnOffsetEach) {
+  const Effect eccentric = [](const Place& at) { return 0.01 * std::cos(at.output_rad + 2.0); };
+  std::vector<TransmissionErrorData> records{Sweep(36, eccentric), Sweep(37, eccentric)};
+  const auto study = MakeTransmissionErrorStudy(records);
+  EXPECT_EQ(study->measured().size(), 1440u);
+  const Diagnosis diagnosis = Diagnose(*study);
+  ASSERT_EQ(diagnosis.causes.size(), 1u);
+  EXPECT_EQ(study->causes()[diagnosis.causes.front().index].name, "output_eccentricity");
+  EXPECT_EQ(diagnosis.nominal.nominal[1].name, "offset_2_arcmin");
+}
+
+TEST(TransmissionErrorStudy, SaysWhyARecordCannotBeJudged) {
+  TransmissionErrorData record = Sweep(38, [](const Place&) { return 0.0; });
+  const auto make = [&] { MakeTransmissionErrorStudy({&record, 1}); };
+  const auto cut = [&](std::size_t samples) {
+    for (auto* column : {&record.input_angle_rad, &record.output_angle_rad, &record.time_s, &record.torque_Nm,
+                         &record.temperature_degC}) {
+      column->resize(samples);
+    }
+    record.direction.resize(samples);
+  };
+  cut(80);
+  EXPECT_EQ(MessageOf(make), "the output turns by 79.0 deg only (expected at least 90 deg)");
+  cut(40);
+  EXPECT_EQ(MessageOf(make),
+            "the record is too short to hold anything out: 40 samples (expected at least 60)");
+  record = Sweep(38, [](const Place&) { return 0.0; });
+  for (double& angle : record.output_angle_rad) angle = 1.0;
+  EXPECT_EQ(MessageOf(make), "output_angle_deg is constant (expected a sweep over the output)");
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a diagnosis writes: JSON, text, the extended model. The diagnosis itself is made up here.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "analysis/diagnosis/records.h"
+#include "bench/configuration/read_bench_file.h"
+#include "bench/diagnosis/diagnosis_json.h"
+#include "bench/diagnosis/diagnosis_pictures.h"
+#include "bench/diagnosis/diagnosis_text.h"
+#include "bench/diagnosis/extended_model.h"
+#include "bench/diagnosis/nominal_models.h"
+#include "tests/daq/scratch_folder.h"
+#include "tests/schedules/schedule_text.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace diagnosis = analysis::diagnosis;
+using diagnosis::ParameterValue;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kArcminPerRad = 3437.746770784939;
+
+/// 720 samples over one turn whose response follows the angle; answers without fitting anything.
+class MadeUpStudy final : public diagnosis::Study {
+ public:
+  MadeUpStudy() {
+    for (int i = 0; i < 720; ++i) {
+      const double angle = i * 6.283185307179586 / 720.0;
+      angle_.push_back(angle);
+      measured_.push_back((0.4 * std::cos(angle) + 0.02 * std::sin(911.0 * i)) / kArcminPerRad);
+    }
+    regressors_.push_back({"output_angle", "output angle / deg", 57.29577951308232, angle_, true});
+    rules_.push_back(
+        {.name = "output_eccentricity",
+         .sentence = "an error once per turn",
+         .where = diagnosis::Where::kUndecided,
+         .effect = "E3",
+         .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 60.0, true}},
+         .to_settle = "# remount the encoder\n- kind: transmission_error\n  input_speed: 300 rpm\n"});
+    rules_.push_back({.name = "backlash", .sentence = "lost motion", .where = diagnosis::Where::kUnit});
+    rules_.push_back({.name = "line over output angle", .sentence = "", .named = false});
+  }
+  std::span<const double> measured() const override { return measured_; }
+  std::span<const std::size_t> stretches() const override { return stretches_; }
+  const std::vector<diagnosis::CauseRule>& causes() const override { return rules_; }
+  const std::vector<diagnosis::Regressor>& regressors() const override { return regressors_; }
+  std::string unit() const override { return "arcmin"; }
+  double unit_per_si() const override { return kArcminPerRad; }
+  diagnosis::ModelFit Fit(std::span<const std::size_t>, std::span<const double>, const diagnosis::ModelFit*,
+                          diagnosis::FitPurpose) const override {
+    return {};
+  }
+  double NoiseFloor() const override { return 0.02 / kArcminPerRad; }
+  std::size_t BlockLength() const override { return 36; }
+  std::vector<diagnosis::UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override {
+    return {{"e_max_arcmin", 0.84, (predicted.maxCoeff() - predicted.minCoeff()) * kArcminPerRad}};
+  }
+  const std::vector<std::string>& warnings() const override { return warnings_; }
+  Eigen::VectorXd Predict(std::span<const ParameterValue>, std::span<const NamedCause>) const override {
+    return {};
+  }
+
+  const std::vector<double>& angle() const { return angle_; }
+
+ private:
+  std::vector<double> angle_;
+  std::vector<double> measured_;
+  std::vector<std::size_t> stretches_{0};
+  std::vector<diagnosis::CauseRule> rules_;
+  std::vector<diagnosis::Regressor> regressors_;
+  std::vector<std::string> warnings_;
+};
+
+struct MadeUp {
+  MadeUp() {
+    auto made_up = std::make_unique<MadeUpStudy>();
+    const std::size_t samples = made_up->angle().size();
+    input.kind = "transmission_error";
+    input.records.push_back({"/somewhere/sweep.csv", "", std::string(64, 'a'), samples});
+    input.warnings.push_back("3.0 % of the time stamps repeat the one before");
+    result.nominal.nominal = {{"offset_arcmin", "arcmin", 0.0, 0.01}};
+    result.nominal.predicted = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(samples));
+    result.extended = result.nominal;
+    result.weights.assign(samples, 1.0);
+    result.noise_floor = 0.02 / kArcminPerRad;
+    result.nominal_heldout_rmse = result.extended_heldout_rmse = 0.28 / kArcminPerRad;
+    for (std::size_t i = 0; i < samples; ++i)
+      once_.push_back(0.4 * std::cos(made_up->angle()[i]) / kArcminPerRad);
+    input.study = std::move(made_up);
+  }
+
+  DiagnosisReport Report() const { return {input, result, "", {{"offset_arcmin", "arcmin", 0.1, 0.0}}, {}}; }
+
+  void Find() {
+    result.verdict = diagnosis::Verdict::kEffectFound;
+    const std::vector<ParameterValue> parameters{{"amplitude_arcmin", "arcmin", 0.4, 0.002},
+                                                 {"phase_deg", "deg", -0.1, kNaN}};
+    result.causes.push_back({0, parameters, {812.5, 0.0, 400.0}, 0.99, {"backlash"}});
+    result.extended.causes = {0};
+    result.extended.cause_parameters = {parameters};
+    result.extended.predicted =
+        Eigen::Map<Eigen::VectorXd>(once_.data(), static_cast<Eigen::Index>(once_.size()));
+    result.extended_heldout_rmse = 0.021 / kArcminPerRad;
+    result.candidates = {{0, {812.5, 0.0, 400.0}, true, ""},
+                         {1, {-2.0, 0.3, kNaN}, false, "not away from zero"}};
+    result.gain = {0.925, 0.91, 0.94};
+    result.leftover.share_of_residual_variance = 0.01;
+  }
+
+  void FindUnnamed() {
+    result.verdict = diagnosis::Verdict::kUnnamedStructure;
+    result.corrections.push_back({2,
+                                  {{"order_per_output_turn", "1/turn", 7.0, 0.01},
+                                   {"amplitude_arcmin", "arcmin", 0.2134, 0.004},
+                                   {"phase_deg", "deg", 12.0, 1.0}},
+                                  {99.0, 1e-20, 50.0},
+                                  0.9,
+                                  {}});
+    result.extended.causes = {2};
+    result.extended.cause_parameters = {result.corrections[0].parameters};
+  }
+
+  StudyInput input;
+  diagnosis::Diagnosis result;
+
+ private:
+  std::vector<double> once_;
+};
+
+MadeUp Found() {
+  MadeUp made_up;
+  made_up.Find();
+  return made_up;
+}
+
+MadeUp Unnamed() {
+  MadeUp made_up;
+  made_up.FindUnnamed();
+  return made_up;
+}
+
+TEST(DiagnosisJson, HasEveryFieldOfTheContract) {
+  const MadeUp made_up = Found();
+  const auto json = nlohmann::json::parse(DiagnosisJson(made_up.Report()).dump());
+  EXPECT_EQ(json["verdict"], "effect_found");
+  EXPECT_EQ(json["kind"], "transmission_error");
+  EXPECT_EQ(json["nominal"]["parameters"]["offset_arcmin"]["before"], 0.1);
+  EXPECT_NEAR(json["nominal"]["heldout_rmse"].get<double>(), 0.28, 1e-12);
+  EXPECT_EQ(json["nominal"]["unit"], "arcmin");
+  ASSERT_EQ(json["causes"].size(), 1u);
+  const auto& cause = json["causes"][0];
+  EXPECT_EQ(cause["name"], "output_eccentricity");
+  EXPECT_EQ(cause["where"], "undecided");
+  EXPECT_EQ(cause["parameters"]["amplitude_arcmin"],
+            (nlohmann::json{{"value", 0.4}, {"se", 0.002}, {"unit", "arcmin"}}));
+  EXPECT_EQ(cause["evidence"]["delta_bic"], 812.5);
+  EXPECT_EQ(cause["indistinguishable_from"], nlohmann::json::array({"backlash"}));
+  EXPECT_NEAR(json["extended"]["heldout_rmse"].get<double>(), 0.021, 1e-12);
+  EXPECT_NEAR(json["extended"]["noise_floor"].get<double>(), 0.02, 1e-12);
+  EXPECT_EQ(json["gain"]["heldout_rmse_reduction"], 0.925);
+  EXPECT_EQ(json["gain"]["ci95"], nlohmann::json::array({0.91, 0.94}));
+  EXPECT_EQ(json["unexplained"]["share_of_residual_variance"], 0.01);
+  EXPECT_EQ(json["unexplained"]["signature"], "");
+  ASSERT_EQ(json["to_settle"].size(), 1u);
+  EXPECT_TRUE(json["to_settle"][0].is_string());
+  EXPECT_EQ(json["warnings"].size(), 1u);
+  EXPECT_NEAR(json["quantities"]["e_max_arcmin"]["extended"].get<double>(), 0.8, 1e-9);
+}
+
+TEST(DiagnosisJson, KnowsNoProbabilityOfZeroAndNoNaN) {
+  const MadeUp made_up = Found();
+  const std::string text = DiagnosisJson(made_up.Report()).dump();
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_GT(json["causes"][0]["evidence"]["p_value"].get<double>(), 0.0);
+  EXPECT_TRUE(json["causes"][0]["parameters"]["phase_deg"]["se"].is_null());
+  EXPECT_TRUE(json["candidates"][1]["evidence"]["heldout_log_likelihood_gain"].is_number());
+  EXPECT_EQ(text.find("nan"), std::string::npos);
+}
+
+TEST(DiagnosisJson, TellsWhatHasNoNameByItsNumbers) {
+  const MadeUp made_up = Unnamed();
+  const auto json = nlohmann::json::parse(DiagnosisJson(made_up.Report()).dump());
+  EXPECT_EQ(json["verdict"], "unnamed_structure");
+  EXPECT_TRUE(json["causes"].empty());
+  EXPECT_EQ(json["unexplained"]["signature"],
+            "line over output angle: order 7.00 per output turn, amplitude 0.213 arcmin, phase 12 deg");
+  EXPECT_EQ(json["corrections"][0]["physical"], false);
+}
+
+TEST(DiagnosisText, OpensWithTheVerdict) {
+  EXPECT_TRUE(
+      DiagnosisText(MadeUp().Report())
+          .starts_with("Nothing is missing in the simulation: it explains these records down to their "
+                       "noise.\n"));
+  EXPECT_TRUE(
+      DiagnosisText(Found().Report())
+          .starts_with("One effect is missing in the simulation: output_eccentricity or backlash (bench "
+                       "or unit).\n"));
+  EXPECT_EQ(
+      VerdictSentence(Unnamed().Report()),
+      "Something is missing in the simulation that no known cause explains: line over output angle: order "
+      "7.00 per output turn, amplitude 0.213 arcmin, phase 12 deg.");
+}
+
+TEST(DiagnosisText, ShowsEvidenceGainAndTheNextMeasurement) {
+  const std::string text = DiagnosisText(Found().Report());
+  for (const char* part :
+       {"amplitude_arcmin                     0.4000 ± 0.0020 arcmin", "   (before: 0.1)",
+        "yes output_eccentricity", " no backlash", "not away from zero",
+        "0.28 -> 0.021 arcmin, 92 % less (91 to 94 % with 95 %\n             confidence); noise 0.02 arcmin",
+        "             - kind: transmission_error\n", "e_max_arcmin", "sha256 aaaaaaaaaaaa"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\nin\n" << text;
+  }
+}
+
+TEST(ExtendedModel, ReadsBackAsItWasWritten) {
+  const daq::ScratchFolder folder;
+  const MadeUp made_up = Found();
+  ExtendedModel model = ExtendedModelOf(made_up.input, made_up.result, "2026-03-01T12:00:00Z");
+  model.corrections.push_back(
+      {"line over output angle", "undecided", {{"order_per_output_turn", "1/turn", 7.0, 0.5}}});
+  model.plant.terms.push_back({"creep", false, {{"share_per_decade", 0.125}}, 0});
+  model.plant.terms.push_back({"kinematic_input_1", true, {{"amplitude_rad", 1e-7}, {"phase_rad", -3.0}}, 0});
+  model.plant.not_run.push_back("nothing else");
+  std::ofstream(folder / "extended_model.yaml") << ExtendedModelText(model);
+  const ExtendedModel read = ReadExtendedModel(folder / "extended_model.yaml");
+  EXPECT_EQ(read.kind, model.kind);
+  EXPECT_EQ(read.date, "2026-03-01T12:00:00Z");
+  EXPECT_EQ(read.noise_floor, model.noise_floor);
+  const auto expect_equal = [](const std::vector<ParameterValue>& a, const std::vector<ParameterValue>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_EQ(a[i].name, b[i].name);
+      EXPECT_EQ(a[i].unit, b[i].unit);
+      EXPECT_EQ(a[i].value, b[i].value);
+      EXPECT_EQ(a[i].standard_error, std::isfinite(b[i].standard_error) ? b[i].standard_error : 0.0);
+    }
+  };
+  expect_equal(read.nominal, model.nominal);
+  ASSERT_EQ(read.causes.size(), 1u);
+  EXPECT_EQ(read.causes[0].name, "output_eccentricity");
+  EXPECT_EQ(read.causes[0].where, "undecided");
+  expect_equal(read.causes[0].parameters, model.causes[0].parameters);
+  ASSERT_EQ(read.corrections.size(), 1u);
+  expect_equal(read.corrections[0].parameters, model.corrections[0].parameters);
+  EXPECT_EQ(NamedCausesOf(read, false).size(), 1u);
+  EXPECT_EQ(NamedCausesOf(read, true).size(), 2u);
+  EXPECT_EQ(GivenCauses(read, *made_up.input.study, "m.yaml"), std::vector<std::size_t>{0});
+}
+
+TEST(ExtendedModel, IsAPlantFileOfTheSimulatedBench) {
+  const daq::ScratchFolder folder;
+  const MadeUp made_up = Found();
+  ExtendedModel model = ExtendedModelOf(made_up.input, made_up.result, "2026-03-01T12:00:00Z");
+  std::ofstream(folder / "none.yaml") << ExtendedModelText(model);
+  EXPECT_TRUE(ReadPlantFile(folder / "none.yaml").empty());
+  model.plant.terms.push_back({"creep", false, {{"share_per_decade", 0.125}}, 0});
+  std::ofstream(folder / "one.yaml") << ExtendedModelText(model);
+  const auto terms = ReadPlantFile(folder / "one.yaml");
+  ASSERT_EQ(terms.size(), 1u);
+  EXPECT_EQ(terms[0].name, "creep");
+  EXPECT_FALSE(terms[0].enabled);
+  EXPECT_EQ(terms[0].parameters, (std::vector<std::pair<std::string, double>>{{"share_per_decade", 0.125}}));
+}
+
+TEST(ExtendedModel, SaysWithItsPlaceWhatIsWrongInAFile) {
+  const daq::ScratchFolder folder;
+  const std::string file = (folder / "m.yaml").string();
+  std::ofstream(file) << "plant: 1\nterms: []\ndiagnosis:\n  kind: weather\n  nominal:\n"
+                         "    - {parameter: offset_arcmin, value: much}\n";
+  try {
+    ReadExtendedModel(file);
+    FAIL() << "the file was taken";
+  } catch (const ModelFileError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              file +
+                  ":4:9: error: kind = weather: not known (expected transmission_error, hysteresis, motion, "
+                  "vibration or campaign)\n" +
+                  file + ":6:41: error: value = much: not a number (expected a plain number, as in '0.5')");
+  }
+}
+
+TEST(DiagnosisPictures, AreAllThereAsSvgAndPng) {
+  const daq::ScratchFolder folder;
+  const MadeUp made_up = Found();
+  const auto pictures = DrawDiagnosis(made_up.Report(), folder / "pictures");
+  std::vector<std::string> names;
+  for (const auto& picture : pictures) {
+    names.push_back(picture.filename().string());
+    EXPECT_GT(std::filesystem::file_size(picture.string() + ".svg"), 1000u);
+    EXPECT_GT(std::filesystem::file_size(picture.string() + ".png"), 1000u);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"measured_over_simulated", "residual",
+                                             "residual_over_output_angle", "order_spectrum", "candidates"}));
+}
+
+/// `fragment` as the value of `key`, two blanks further in.
+std::string Section(const std::string& key, const std::string& fragment) {
+  std::string text = key + ":\n";
+  std::size_t at = 0;
+  while (at < fragment.size()) {
+    const std::size_t end = std::min(fragment.find('\n', at), fragment.size());
+    text += "  " + fragment.substr(at, end - at) + "\n";
+    at = end + 1;
+  }
+  return text;
+}
+
+/// What the reader says of a good schedule with the fragment as the phases of its cycle, or, where a person
+/// has to mount the blank for it, as its preparation.
+std::string SaidOfScheduleWith(const std::string& fragment) {
+  std::string text = schedules::GoodSchedule();
+  const std::size_t from = text.find("phases:\n");
+  if (fragment.find("kind: blank_test") != std::string::npos) {
+    return schedules::MessageOf(text.insert(from, Section("preparation", fragment)));
+  }
+  return schedules::MessageOf(
+      text.replace(from, text.find("measurements:") - from, Section("phases", fragment)));
+}
+
+diagnosis::CampaignData SampleCampaign() {
+  diagnosis::CampaignData data;
+  data.series = {{"k2_Nm_per_rad", {}, {}}, {"e_max_arcmin", {}, {}}};
+  for (int cycle = 1; cycle <= 120; ++cycle) {
+    data.cycle.push_back(cycle);
+    data.time_s.push_back(2400.0 * cycle);
+    data.load_time_s.push_back(1800.0 * cycle);
+    data.temperature_degC.push_back(35.0 + 3.0 * std::sin(0.17 * cycle));
+    data.sensor_serials.push_back(cycle < 60 ? "A" : "B");
+    data.series[0].value.push_back(2.5e4 - 3.0 * cycle + 20.0 * std::sin(911.0 * cycle));
+    data.series[1].value.push_back(1.0 + 0.001 * cycle + 0.01 * std::sin(577.0 * cycle));
+    for (auto& series : data.series) series.standard_error.push_back(series.value.back() * 0.001);
+  }
+  return data;
+}
+
+void ExpectFragmentsToBeSchedules(const diagnosis::Study& study, const std::string& kind) {
+  for (const diagnosis::CauseRule& rule : study.causes()) {
+    if (rule.to_settle.empty()) continue;
+    EXPECT_TRUE(rule.to_settle.starts_with("# ")) << kind << ", " << rule.name << ": " << rule.to_settle;
+    if (rule.to_settle.find("\n-") == std::string::npos) continue;  // something to be done by hand
+    EXPECT_EQ(SaidOfScheduleWith(rule.to_settle), "") << kind << ", " << rule.name;
+  }
+}
+
+TEST(MeasurementsToSettle, AreSchedulesForEveryCauseOfEveryKind) {
+  for (const char* kind : {"transmission_error", "hysteresis", "motion", "vibration"}) {
+    const std::vector<daq::Record> records{UsualExcitation(kind, {.temperature = true, .torque = true})};
+    ExpectFragmentsToBeSchedules(*MakeStudy(records), kind);
+  }
+  ExpectFragmentsToBeSchedules(*diagnosis::MakeCampaignStudy(SampleCampaign()), "campaign");
+}
+
+TEST(MeasurementsToSettle, AreThereForWhatHasNoName) {
+  for (const char* kind : {"transmission_error", "hysteresis", "motion", "vibration"}) {
+    MadeUp made_up = Unnamed();
+    made_up.input.kind = kind;
+    const auto entries = MeasurementsToSettle(made_up.Report());
+    ASSERT_EQ(entries.size(), 1u);
+    EXPECT_EQ(SaidOfScheduleWith(entries[0]), "") << kind;
+  }
+}
+
+}  // namespace
+}  // namespace strainwave::bench

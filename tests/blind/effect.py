@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a hidden effect is; its matched-filter size in sigmas; the scale that gives it a wanted size."""
+import dataclasses
+import math
+import typing
+
+import numpy
+
+
+@dataclasses.dataclass
+class Effect:
+    """One effect with everything drawn but its size. `act` belongs to the kind, which knows how to apply it."""
+    name: str
+    act: typing.Callable
+    describe: typing.Callable  # scale -> {parameter: (value, unit)}
+    first_scale: float
+    most_scale: float  # beyond it the effect is no longer physically plausible
+    signature: typing.Optional[dict] = None  # only effects outside the list: how a good program would point at them
+    tolerance: float = 0.005  # of the size that is asked for
+
+
+def recursion(push, keep):
+    """y[k] = keep y[k-1] + push[k], by doubling strides instead of a loop over the samples."""
+    out, stride = push.copy(), 1
+    while stride < len(out) and keep > 1e-18:
+        ahead = keep * out[:-stride]
+        out[stride:] += ahead
+        keep, stride = keep * keep, 2 * stride
+    return out
+
+
+def whiten(values, rho):
+    """AR(1) noise of unit variance becomes white noise of unit variance; `values` end with the axis of the samples."""
+    if rho == 0.0:
+        return values
+    whitened = numpy.empty_like(values)
+    whitened[..., 0] = values[..., 0]
+    whitened[..., 1:] = (values[..., 1:] - rho * values[..., :-1]) / math.sqrt(1.0 - rho * rho)
+    return whitened
+
+
+class Ruler:
+    """Measures in sigmas what is left of a signal when the nominal model has taken what it can."""
+
+    def __init__(self, regressors, noise_sd, rho):
+        self.noise_sd = noise_sd
+        self.rho = rho
+        columns = whiten(regressors.T, rho)
+        columns = columns / numpy.linalg.norm(columns, axis=1, keepdims=True).clip(1e-300)
+        left, singular, _ = numpy.linalg.svd(columns.T, full_matrices=False)
+        self.basis = left[:, singular > 1e-9 * singular[0]]
+
+    def left_over(self, signal):
+        """Whitened `signal` (channels x samples, response units) in noise sigmas, off the nominal columns."""
+        scaled = whiten(signal, self.rho) / self.noise_sd
+        return scaled - (scaled @ self.basis) @ self.basis.T
+
+    def sigma(self, signal):
+        return float(numpy.linalg.norm(self.left_over(signal)))
+
+    def share_left(self, signal):
+        """0: the nominal model mimics the signal fully; 1: not at all."""
+        raw = float(numpy.linalg.norm(whiten(signal, self.rho) / self.noise_sd))
+        return self.sigma(signal) / raw if raw > 0.0 else 0.0
+
+
+def scale_for(experiment, ruler, effect, wanted_sigma):
+    """The scale at which `effect`, alone, has `wanted_sigma`; None where no plausible scale reaches it."""
+    nominal = experiment.respond([])
+
+    def sigma_at(scale):
+        return ruler.sigma(experiment.respond([(effect, scale)]) - nominal)
+
+    low, high = 0.0, effect.most_scale
+    scale = min(effect.first_scale, effect.most_scale)
+    for step in range(25):
+        sigma = sigma_at(scale)
+        if not math.isfinite(sigma) or sigma <= 0.0:
+            low, scale = scale, 2.0 * scale
+        elif abs(sigma / wanted_sigma - 1.0) < effect.tolerance:
+            return scale
+        else:
+            if sigma < wanted_sigma:
+                low = scale
+            else:
+                high = scale
+            # Most effects are nearly proportional to their scale; where they are not, halving the bracket takes over.
+            guess = scale * wanted_sigma / sigma
+            inside = low < guess < high
+            scale = guess if inside and step < 8 else 0.5 * (low + high)
+        if low >= 0.999 * effect.most_scale or scale > effect.most_scale:
+            return None
+    return None

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sums up the results: the issue's numbers, per kind, per cause, what failed, and the tables behind the pictures."""
+import collections
+import json
+import statistics
+
+import plots
+
+SIGMA_EDGES = (3.0, 4.0, 5.0, 7.0, 10.0, 20.0, 60.0)
+DEFAULT_LIMITS = {"right": 0.9, "wrong": 0.05}
+GOOD = {"one": ("right",), "two": ("both",), "null": ("right",), "outside": ("right",), "wrong_number": ("right",)}
+
+
+def limits(parser, words):
+    """None: nothing is required."""
+    if words is None:
+        return None
+    found = dict(DEFAULT_LIMITS)
+    for word in words:
+        name, _, share = word.partition("=")
+        try:
+            found[name] = float(share)
+        except ValueError:
+            parser.error("--require: NAME=SHARE with a number, not %s" % word)
+        if name not in DEFAULT_LIMITS:
+            parser.error("--require: right or wrong, not %s" % name)
+    return found
+
+
+def _share(results, good):
+    hits = sum(map(bool, map(good, results)))
+    return {"count": hits, "of": len(results), "share": hits / len(results) if results else None}
+
+
+def _clear(result):
+    return bool(result["sigma"]) and min(result["sigma"]) >= 5.0 * 0.99
+
+
+def _status(*names):
+    return lambda result: result["status"] in names
+
+
+def _wrong_name(result):
+    return bool(result["excess"])
+
+
+def _had_a_close_rival(result):
+    rival = result["nearest_rival"]
+    return result["status"] != "right" and rival is not None and rival["apart_sigma"] < 3.0
+
+
+def _issue_numbers(results):
+    by = collections.defaultdict(list)
+    for result in results:
+        by[result["situation"]].append(result)
+    one, clear_one = by["one"], [r for r in by["one"] if _clear(r)]
+    two, clear_two = by["two"], [r for r in by["two"] if _clear(r)]
+    outside, clear_outside = by["outside"], [r for r in by["outside"] if _clear(r)]
+    parameters = [p for r in results for p in r["parameters"]]
+    ratios = [r["heldout_ratio"] for r in results if r["heldout_ratio"] is not None]
+    lines = collections.OrderedDict()
+    for label, group in (("5 sigma and up", clear_one), ("all sizes", one)):
+        lines["one effect, %s: right name" % label] = _share(group, _status("right"))
+        lines["one effect, %s: wrong name or a name too many" % label] = _share(group, _wrong_name)
+        lines["one effect, %s: declared indistinguishable" % label] = _share(group, _status("indistinguishable"))
+        lines["one effect, %s: not right, a rival within 3 sigma" % label] = _share(group, _had_a_close_rival)
+        lines["one effect, %s: missed" % label] = _share(group, _status("missed"))
+    lines["nothing hidden: no_effect"] = _share(by["null"], _status("right"))
+    lines["wrong nominal numbers: no_effect"] = _share(by["wrong_number"], _status("right"))
+    for label, group in (("both 5 sigma and up", clear_two), ("all sizes", two)):
+        lines["two effects, %s: both named" % label] = _share(group, _status("both"))
+        lines["two effects, %s: at least one named" % label] = _share(group, _status("both", "one"))
+        lines["two effects, %s: a wrong name" % label] = _share(group, _wrong_name)
+    for label, group in (("5 sigma and up", clear_outside), ("all sizes", outside)):
+        lines["outside the list, %s: unnamed_structure" % label] = _share(group, _status("right"))
+        lines["outside the list, %s: with the right order or window" % label] = _share(
+            group, lambda r: r["status"] == "right" and r.get("signature_right"))
+    lines["parameters inside their 95 % interval"] = _share(parameters, lambda p: p["inside"])
+    lines["errors"] = _share(results, _status("error"))
+    return lines, statistics.median(ratios) if ratios else None
+
+
+def _wall(results):
+    walls = sorted(r["wall_s"] for r in results)
+    small = [r["wall_s"] for r in results if r["samples"] <= 10000]
+    large = [r for r in results if r["kind"] == "motion" and r["samples"] > 50000]
+    return {"median_s": statistics.median(walls), "max_s": walls[-1],
+            "max_s_up_to_10000_samples": max(small) if small else None,
+            "max_s_motion_above_50000_samples": max(r["wall_s"] for r in large) if large else None,
+            "peak_rss_MB": max(r["peak_rss_MB"] for r in results)}
+
+
+def summarise(results, arguments):
+    lines, ratio = _issue_numbers(results)
+    kinds = {}
+    for kind in sorted({r["kind"] for r in results}):
+        kinds[kind] = {}
+        for situation, good in GOOD.items():
+            group = [r for r in results if r["kind"] == kind and r["situation"] == situation]
+            group = [r for r in group if not r["sigma"] or _clear(r)]
+            kinds[kind][situation] = _share(group, _status(*good))
+    causes = {}
+    for cause in sorted({(r["kind"], r["true"][0]) for r in results if r["situation"] == "one"}):
+        group = [r for r in results if r["situation"] == "one" and (r["kind"], r["true"][0]) == cause]
+        causes["/".join(cause)] = {"right_5_sigma": _share([r for r in group if _clear(r)], _status("right")),
+                                   "wrong_name": _share(group, _wrong_name)}
+    names = ("seed", "cases", "only", "kind", "cause", "mode", "clear", "program", "out")
+    kept = {name: arguments[name] for name in names}
+    return {"arguments": kept, "cases": len(results), "numbers": lines, "heldout_rmse_over_noise_median": ratio,
+            "kinds_5_sigma": kinds, "causes": causes, "wall": _wall(results),
+            "failed": [failure_line(r) for r in results if r["status"] not in GOOD[r["situation"]] or r["excess"]]}
+
+
+def failure_line(result):
+    true = " + ".join("%s %.1f sigma" % pair for pair in zip(result["true"] or [result["outside"]], result["sigma"]))
+    true = true or "nothing"
+    named = " + ".join(result["named"]) or result["verdict"] or "exit code %s" % result.get("exit_code")
+    rivals = " (or %s)" % ", ".join(result["rivals"]) if result.get("rivals") else ""
+    nuisances = " [%s]" % ", ".join(result["nuisances"]) if result["nuisances"] else ""
+    if result["nearest_rival"]:
+        nuisances += " nearest rival %(name)s, %(apart_sigma).1f sigma apart" % result["nearest_rival"]
+    return "%4d %s %s, %s: %s -> %s%s%s" % (result["case"], result["status"], result["kind"], result["situation"], true,
+                                            named, rivals, nuisances)
+
+
+def _words(share):
+    return "%d of %d" % (share["count"], share["of"]) + (", %.1f %%" % (100.0 * share["share"]) if share["of"] else "")
+
+
+def text(summary, results):
+    out = ["", "%d cases, seed %d" % (summary["cases"], summary["arguments"]["seed"])]
+    out += ["  %-58s %s" % (name, _words(share)) for name, share in summary["numbers"].items() if share["of"]]
+    if summary["heldout_rmse_over_noise_median"] is not None:
+        out.append("  %-58s %.3f" % ("held-out RMSE over true noise, median", summary["heldout_rmse_over_noise_median"]))
+    wall = summary["wall"]
+    out.append("  %-58s median %.2f s, max %.2f s, peak memory %.0f MB"
+               % ("wall time a record", wall["median_s"], wall["max_s"], wall["peak_rss_MB"]))
+    for name, label in (("max_s_up_to_10000_samples", "up to 10 000 samples: max"),
+                        ("max_s_motion_above_50000_samples", "motion above 50 000 samples: max")):
+        if wall[name] is not None:
+            out.append("  %-58s %.2f s" % (label, wall[name]))
+    out += ["", "right, at 5 sigma and up where there is an effect:"]
+    out.append("  %-20s" % "" + "".join("%-22s" % situation for situation in GOOD))
+    for kind, row in summary["kinds_5_sigma"].items():
+        cells = (_words(row[situation]) if row[situation]["of"] else "" for situation in GOOD)
+        out.append("  %-20s" % kind + "".join("%-22s" % cell for cell in cells))
+    out += ["", "one effect, by cause: right at 5 sigma and up; a wrong name at any size:"]
+    for cause, row in summary["causes"].items():
+        out.append("  %-52s%-22s%s" % (cause, _words(row["right_5_sigma"]), _words(row["wrong_name"])))
+    if summary["failed"]:
+        out += ["", "not right (run again: --only NUMBER with the same other options):"]
+        out += ["  " + line for line in summary["failed"]]
+    return "\n".join(out + ["", "all of it: %s" % summary["arguments"]["out"]])
+
+
+def write(folder, results, summary):
+    (folder / "summary.json").write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
+    (folder / "summary.txt").write_text(text(summary, results) + "\n", encoding="utf-8")
+    (folder / "results.jsonl").write_text("".join(json.dumps(result) + "\n" for result in results), encoding="utf-8")
+    plots.detection_curve(folder, results, SIGMA_EDGES)
+    plots.confusion(folder, results)
+
+
+def exit_code(summary, wanted):
+    """1 where the required shares are not reached. Right and wrong count over all cases with a right answer to give."""
+    if not wanted:
+        return 0
+    right = sum(share["count"] for row in summary["kinds_5_sigma"].values() for share in row.values())
+    of = sum(share["of"] for row in summary["kinds_5_sigma"].values() for share in row.values())
+    wrong = max(summary["numbers"][name]["share"] or 0.0 for name in
+                ("one effect, 5 sigma and up: wrong name or a name too many",
+                 "two effects, both 5 sigma and up: a wrong name"))
+    return 0 if of and right / of >= wanted["right"] and wrong <= wanted["wrong"] else 1
