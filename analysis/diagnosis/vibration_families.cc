@@ -20,7 +20,6 @@ using Best = std::optional<VibrationSolution>;
 constexpr double kRange = 3.0;  // standard errors of the angle's scale that a known order may be off by
 constexpr int kMostLineHarmonics = 12;
 constexpr std::size_t kMostLines = 10;
-constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
 
 VibrationTerm LinesTerm(const VibrationRemainder& remainder, std::size_t index) {
@@ -213,15 +212,15 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
     starts.push_back(StartOf(remainder, combs[c]));
   std::vector<TrainStart> trains;
   for (const RingPlace& ring : FindRings(remainder, 3)) {
-    const auto found = FindTrains(remainder, ring, lowest, highest, kModulations, 4, allowed);
-    trains.insert(trains.end(), found.begin(), found.end());
+    for (const double sideband : {0.0, 2.0, 1.0}) {
+      const auto found = FindTrains(remainder, ring, lowest, highest, sideband, 2, allowed);
+      trains.insert(trains.end(), found.begin(), found.end());
+    }
   }
   std::sort(trains.begin(), trains.end(),
             [](const TrainStart& a, const TrainStart& b) { return a.excess > b.excess; });
   for (std::size_t t = 0; t < std::min<std::size_t>(6, trains.size()); ++t) starts.push_back(trains[t]);
-  Best best = SearchImpulses(remainder, index, starts, {1.0, 2.0}, [&](double order) {
-    return order > lowest && order < highest && allowed(order);
-  });
+  Best best = SearchImpulses(remainder, index, starts, {1.0, 2.0});
   std::vector<double> bases;
   for (std::size_t c = 0; c < std::min<std::size_t>(3, combs.size()); ++c) bases.push_back(combs[c].order);
   // A few low harmonics need no search of their own: the strongest lines say where they may be.
@@ -293,9 +292,9 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
     if (comb.excess > 6.0 && comb.last >= first) starts.push_back(StartOf(remainder, comb));
     if (turns * output < 0.8) break;
   }
-  std::vector<double> modulations;
-  if (turns * output > 0.5) modulations = {output};
-  if (Best rings = SearchImpulses(remainder, index, starts, modulations, [](double) { return false; })) {
+  const bool whole_turn = turns * output > 0.5;
+  if (Best rings = SearchImpulses(remainder, index, starts,
+                                  whole_turn ? std::vector{output} : std::vector<double>{})) {
     Keep(std::move(*rings), best);
   }
   return best;

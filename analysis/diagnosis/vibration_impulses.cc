@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "analysis/diagnosis/vibration_families.h"
@@ -50,7 +49,8 @@ Best FirstLook(const VibrationRemainder& remainder, std::size_t index, const Tra
     for (const double share : {1.0, 0.87, 1.15}) {
       if (share * start.ring.ring_Hz > 0.97 * remainder.samples().highest_Hz()) continue;
       if (share != 1.0 && (known || spread < 0.1)) continue;
-      if (known && std::abs(std::log(damping / start.ring.damping_ratio)) > 1.3) continue;
+      if (known && (damping < 0.3 * start.ring.damping_ratio || damping > 3.0 * start.ring.damping_ratio))
+        continue;
       Keep(remainder.With(RingTerm(remainder, index, start.order, share * start.ring.ring_Hz, damping), 0),
            best);
     }
@@ -81,27 +81,6 @@ bool IsOneLine(const VibrationRemainder& remainder, const VibrationSolution& sol
   return beyond < kBeyondLine + kBeyondLineShare * by_line;
 }
 
-// Refines a first look, a period of the ring to both sides, and with each modulation.
-void Improve(const VibrationRemainder& remainder, VibrationSolution look,
-             const std::vector<double>& modulations, Best& best) {
-  Best plain = remainder.solver().Refine(std::move(look), 12);
-  for (const double periods : {-1.0, 1.0}) {
-    VibrationTerm moved = plain->terms.back();
-    for (std::size_t r = 3; r < moved.shapes.size(); ++r) {
-      moved.shapes[r] += periods * moved.shapes[0] * TurnHz(remainder) / moved.shapes[1];
-    }
-    Keep(remainder.With(std::move(moved), 6), plain);
-  }
-  const VibrationTerm simple = plain->terms.back();
-  Keep(std::move(*plain), best);
-  for (const double modulation : modulations) {
-    VibrationTerm term = simple;
-    term.lines = {{0.0, modulation}};
-    term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
-    Keep(remainder.With(std::move(term), 8), best);
-  }
-}
-
 }  // namespace
 
 Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
@@ -114,19 +93,26 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
   std::sort(looks.begin(), looks.end(), [](const auto& a, const auto& b) { return a.bic() < b.bic(); });
   looks.resize(std::min(looks.size(), kMostRefined));
   Best best;
-  for (VibrationSolution& look : looks) Improve(remainder, std::move(look), modulations, best);
-  if (!best) return best;
-  // Every second impulse, or each twice: the same harmonics, or half of them.
-  const VibrationTerm found = best->terms.back();
-  for (const double multiple : {0.5, 2.0, 3.0}) {
-    const double order = multiple * found.shapes[0];
-    if (!allowed(order)) continue;
-    if (Best look = FirstLook(remainder, index, {order, {found.shapes[1], found.shapes[2]}, 0.0})) {
-      // A look that is far behind does not catch up.
-      if (look->bic() < best->bic() + 60.0) Improve(remainder, std::move(*look), modulations, best);
+  for (VibrationSolution& look : looks) {
+    Best plain = remainder.solver().Refine(std::move(look), 12);
+    // A period of the ring earlier or later looks much alike.
+    for (const double periods : {-1.0, 1.0}) {
+      VibrationTerm moved = plain->terms.back();
+      for (std::size_t r = 3; r < moved.shapes.size(); ++r) {
+        moved.shapes[r] += periods * moved.shapes[0] * TurnHz(remainder) / moved.shapes[1];
+      }
+      Keep(remainder.With(std::move(moved), 6), plain);
+    }
+    const VibrationTerm simple = plain->terms.back();
+    Keep(std::move(*plain), best);
+    for (const double modulation : modulations) {
+      VibrationTerm term = simple;
+      term.lines = {{0.0, modulation}};
+      term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
+      Keep(remainder.With(std::move(term), 8), best);
     }
   }
-  if (IsOneLine(remainder, *best)) return std::nullopt;
+  if (best && IsOneLine(remainder, *best)) return std::nullopt;
   return best;
 }
 

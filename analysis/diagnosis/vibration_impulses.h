@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -14,7 +13,6 @@ namespace strainwave::analysis::diagnosis {
 /// (orders of the input angle). Nothing where a single line explains most of it.
 std::optional<VibrationSolution> SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
                                                 const std::vector<TrainStart>& starts,
-                                                const std::vector<double>& modulations,
-                                                const std::function<bool(double order)>& allowed);
+                                                const std::vector<double>& modulations);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -14,10 +14,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kLeastExcess = 9.0;
-constexpr double kEdge = 7.0;  // half-widths of the resonance that count
-constexpr double kLeastOverlap = 0.4;
-constexpr int kMostHarmonics = 12;
-constexpr double kLargestDamping = 0.12;
+constexpr double kEdge = 2.5;  // half-widths of the resonance that count
 
 // A channel's residual, matched to the ring, over orders of the input angle.
 struct MatchedOrders {
@@ -49,7 +46,7 @@ MatchedOrders MatchOrders(const VibrationRemainder& remainder, const RingPlace& 
   matched.step = 0.2 / run.turns;
   const auto orders = static_cast<std::size_t>(std::max(2.0, (last - matched.first) / matched.step + 1.0));
   // What is matched to a narrow ring changes slowly beside it: a few samples a bandwidth are enough.
-  const double bandwidth_Hz = 2.5 * kEdge * half_width / kTwoPi;
+  const double bandwidth_Hz = 8.0 * half_width / kTwoPi;
   const auto stride = static_cast<std::size_t>(std::clamp(1.0 / (bandwidth_Hz * run.period_s), 1.0, 1e4));
   const double variance = remainder.base().variance();
   // Of a sum over impulses: one a turn, none of which overlap.
@@ -89,7 +86,7 @@ double Overlap(const RingPlace& ring, double apart_Hz) {
     const double off = ((nearest + k) * apart_Hz - ring.ring_Hz) / half_width;
     sum += 1.0 / (1.0 + off * off);
   }
-  return sum * apart_Hz / (kPi * half_width);
+  return std::max(0.05, sum * apart_Hz / (kPi * half_width));
 }
 
 }  // namespace
@@ -99,8 +96,7 @@ std::vector<RingPlace> FindRings(const VibrationRemainder& remainder, std::size_
   std::vector<RingPlace> rings;
   const double lowest = std::max(20.0, 8.0 * spectrum.cell());
   for (const NoiseBand& band : FindBands(spectrum, lowest, 0.95 * spectrum.highest(), 4.0, false, count)) {
-    rings.push_back(
-        {band.centre_Hz, std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.008, kLargestDamping)});
+    rings.push_back({band.centre_Hz, std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.008, 0.3)});
   }
   for (const SpectrumPeak& peak : FindPeaks(spectrum, lowest, 0.95 * spectrum.highest(), 1)) {
     rings.push_back({peak.order, 0.02});
@@ -109,63 +105,45 @@ std::vector<RingPlace> FindRings(const VibrationRemainder& remainder, std::size_
 }
 
 std::vector<TrainStart> FindTrains(const VibrationRemainder& remainder, const RingPlace& ring, double lowest,
-                                   double highest, std::span<const double> sidebands, std::size_t count,
+                                   double highest, double sideband, std::size_t count,
                                    const std::function<bool(double order)>& allowed) {
   const VibrationRun& run = remainder.samples().runs.front();
-  const double reach = *std::ranges::max_element(sidebands);
-  const MatchedOrders matched = MatchOrders(remainder, ring, reach);
+  const MatchedOrders matched = MatchOrders(remainder, ring, sideband);
   const std::size_t channels = matched.of_channel.size();
-  const double from = matched.first + reach;
+  const double from = matched.first + sideband;
   const double to =
-      matched.first + matched.step * static_cast<double>(matched.of_channel[0].size() - 1) - reach;
+      matched.first + matched.step * static_cast<double>(matched.of_channel[0].size() - 1) - sideband;
   const double turn_Hz = run.mean_speed_rad_per_s / kTwoPi;
-  const double centre = ring.ring_Hz / turn_Hz;
-  const bool even = run.speed_spread < 0.03;
-  const auto highest_counted = [&](double order) {
-    return std::min(to, centre + 0.5 * kMostHarmonics * order);
-  };
+  const std::vector<double> sides = sideband > 0.0 ? std::vector{0.0, -sideband, sideband} : std::vector{0.0};
+  const double cells = static_cast<double>(channels * sides.size());
   std::vector<TrainStart> found;
-  std::vector<Complex> lines;
-  for (double order = lowest; order < highest; order += 0.4 * order / (run.turns * highest_counted(order))) {
+  for (double order = lowest; order < highest; order += 0.4 * order / (run.turns * to)) {
     if (!allowed(order)) continue;
-    const double overlap = even ? Overlap(ring, order * turn_Hz) : 1.0;
-    auto first = static_cast<int>(std::ceil(from / order));
-    auto last = static_cast<int>(std::floor(to / order));
-    const auto nearest = static_cast<int>(std::lround(centre / order));
-    first = std::max(first, nearest - kMostHarmonics / 2);
-    last = std::min(last, nearest + kMostHarmonics / 2);
-    if (last < first || overlap < kLeastOverlap) continue;
-    const auto harmonics = static_cast<std::size_t>(last - first + 1);
-    const std::size_t places = last > first ? 4 * harmonics : 1;
-    const auto power_of = [&](double side) {
-      lines.clear();
+    const auto first = static_cast<int>(std::ceil(from / order));
+    const auto last = static_cast<int>(std::floor(to / order));
+    if (last < first) continue;
+    const int places = 4 * (last - first + 1);
+    const bool even = run.speed_spread < 0.03;
+    // As a sum of so many impulses a turn, each of one order's worth.
+    const double scale = order * (even ? 1.0 / Overlap(ring, order * turn_Hz) : 1.0);
+    double most = 0.0;
+    for (int p = 0; p < (last > first ? places : 1); ++p) {
+      const Complex turn = std::polar(1.0, kTwoPi * static_cast<double>(p) / places);
+      double sum = 0.0;
       for (std::size_t c = 0; c < channels; ++c) {
-        for (int k = first; k <= last; ++k) lines.push_back(matched.At(c, k * order + side));
-      }
-      std::vector<double> powers(places, 0.0);
-      for (std::size_t p = 0; p < places; ++p) {
-        const Complex turn = std::polar(1.0, kTwoPi * static_cast<double>(p) / static_cast<double>(places));
-        for (std::size_t c = 0; c < channels; ++c) {
+        for (const double side : sides) {
           Complex amplitude{};
-          for (std::size_t k = harmonics; k-- > 0;) amplitude = amplitude * turn + lines[c * harmonics + k];
-          powers[p] += std::norm(amplitude) * order / overlap;
+          Complex phase = 1.0;
+          for (int k = first; k <= last; ++k) {
+            amplitude += phase * matched.At(c, k * order + side);
+            phase *= turn;
+          }
+          sum += std::norm(amplitude);
         }
       }
-      return powers;
-    };
-    const std::vector<double> plain = power_of(0.0);
-    double excess = 0.0;
-    for (const double sideband : sidebands) {
-      std::vector<double> powers = plain;
-      if (sideband > 0.0) {
-        for (const double side : {-sideband, sideband}) {
-          const std::vector<double> more = power_of(side);
-          for (std::size_t p = 0; p < places; ++p) powers[p] += more[p];
-        }
-      }
-      const double cells = static_cast<double>(channels) * (sideband > 0.0 ? 3.0 : 1.0);
-      excess = std::max(excess, ExcessOf(*std::ranges::max_element(powers), cells));
+      most = std::max(most, sum);
     }
+    const double excess = ExcessOf(scale * most, cells);
     if (excess > kLeastExcess) found.push_back({order, ring, excess});
   }
   std::sort(found.begin(), found.end(),

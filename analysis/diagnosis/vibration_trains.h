@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "analysis/diagnosis/vibration_starts.h"
@@ -33,7 +32,7 @@ std::vector<RingPlace> FindRings(const VibrationRemainder& remainder, std::size_
 /// ones.
 /// @param allowed   says which orders count.
 std::vector<TrainStart> FindTrains(const VibrationRemainder& remainder, const RingPlace& ring, double lowest,
-                                   double highest, std::span<const double> sidebands, std::size_t count,
+                                   double highest, double sideband, std::size_t count,
                                    const std::function<bool(double order)>& allowed);
 
 }  // namespace strainwave::analysis::diagnosis
