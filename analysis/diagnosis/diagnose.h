@@ -69,7 +69,7 @@ struct Diagnosis {
 
 struct DiagnoseOptions {
   double family_error{0.005};  // share of clean records in which anything at all may be found
-  std::size_t max_effects{4};
+  std::size_t max_effects{8};
   /// Causes that the model has already: in the nominal model of this run, refitted, not reported as found.
   std::vector<std::size_t> given_causes;
   unsigned long long seed{1};                                                // of the bootstrap

@@ -74,31 +74,48 @@ bool LooksPossible(const Judge& judge, const Candidate& candidate, double error)
          judge.Corrected(candidate.against.p_value, judge.study().causes()[candidate.cause]) < error;
 }
 
-// Two effects of which neither shows while the other one is still in the residual: slow ones pass together
-// for the memory of the noise. The strongest candidate as if the noise were white, and the best one beside
-// it, if each is needed beside the other.
-std::optional<ScoredModel> FindPair(const Judge& judge, const ScoredModel& model,
-                                    const std::vector<Candidate>& candidates, double error) {
-  if (model.noise.order == 0 || candidates.empty()) return std::nullopt;
-  const auto white = [&](const Candidate& candidate) {
-    const CauseRule& rule = judge.study().causes()[candidate.cause];
-    return 2.0 * candidate.model.noise.log_likelihood.front() - 2.0 * std::log(std::max(1.0, rule.trials)) -
-           candidate.model.fit.free_parameters * std::log(judge.samples()) -
-           (rule.named ? 0.0 : kCorrectionLead);
+// Effects none of which shows while the others are still in the residual: slow ones pass together for the
+// memory of the noise. The strongest candidate as if the noise were white, the strongest beside it, and so
+// on; then what the memory of what is left explains as well is taken out again, weakest first.
+std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& model, std::size_t most,
+                                        double error) {
+  if (model.noise.order == 0) return std::nullopt;
+  const auto& rules = judge.study().causes();
+  const auto white = [&](const Candidate& candidate, const ScoredModel& poorer) {
+    const CauseRule& rule = rules[candidate.cause];
+    const double ahead =
+        2.0 * (candidate.model.noise.log_likelihood.front() - poorer.noise.log_likelihood.front());
+    const int more = candidate.model.fit.free_parameters - poorer.fit.free_parameters;
+    const double lead = rule.named ? 0.0 : kCorrectionLead + kCorrectionShare * std::max(0.0, ahead);
+    return ahead - 2.0 * std::log(std::max(1.0, rule.trials)) - more * std::log(judge.samples()) - lead;
   };
-  const auto first =
-      std::max_element(candidates.begin(), candidates.end(),
-                       [&](const Candidate& a, const Candidate& b) { return white(a) < white(b); });
-  std::vector<Candidate> seconds = FitCandidates(judge, first->model);
-  Rank(judge.study(), seconds);
-  for (const Candidate& second : seconds) {
-    if (!LooksPossible(judge, second, error)) continue;
-    const ScoredModel& pair = second.model;
-    for (const std::size_t cause : {first->cause, second.cause}) {
-      const ScoredModel without = judge.Fit(Without(pair.fit.causes, cause), &pair.fit);
-      if (!JudgeCause(judge, pair, without, cause, error).passed) return std::nullopt;
+  ScoredModel all = model;
+  while (all.fit.causes.size() < model.fit.causes.size() + most) {
+    std::vector<Candidate> candidates = FitCandidates(judge, all);
+    const auto best = std::max_element(
+        candidates.begin(), candidates.end(),
+        [&](const Candidate& a, const Candidate& b) { return white(a, all) < white(b, all); });
+    if (best == candidates.end() || white(*best, all) < kClearlyBetter) break;
+    all = std::move(best->model);
+  }
+  while (all.fit.causes.size() > model.fit.causes.size()) {
+    std::size_t weakest = 0;
+    double least = 1e300;
+    bool passed = true;
+    for (const std::size_t cause : all.fit.causes) {
+      if (Contains(model.fit.causes, cause)) continue;
+      const ScoredModel without = judge.Fit(Without(all.fit.causes, cause), &all.fit);
+      const CandidateResult result = JudgeCause(judge, all, without, cause, error);
+      // What fails goes before what passes, and the weaker before the stronger.
+      const double strength = result.evidence.delta_bic + (result.passed ? 1e9 : 0.0);
+      passed = passed && result.passed;
+      if (strength < least) {
+        least = strength;
+        weakest = cause;
+      }
     }
-    return pair;
+    if (passed) return all;
+    all = judge.Fit(Without(all.fit.causes, weakest), &all.fit);
   }
   return std::nullopt;
 }
@@ -223,11 +240,12 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
       brought = chosen->against.likelihood_ratio;
       selection.model = ScoredModel(chosen->model);
     } else {
-      std::optional<ScoredModel> pair =
-          full ? std::nullopt : FindPair(judge, model, candidates, options.family_error);
-      if (!pair) break;
-      brought = judge.Compare(*pair, model).likelihood_ratio;
-      selection.model = std::move(*pair);
+      const std::size_t most = given.size() + options.max_effects - model.fit.causes.size();
+      std::optional<ScoredModel> together =
+          full ? std::nullopt : FindTogether(judge, model, most, options.family_error);
+      if (!together) break;
+      brought = judge.Compare(*together, model).likelihood_ratio;
+      selection.model = std::move(*together);
     }
     for (int round = 0; round < 3; ++round) {
       const bool exchanged = selection.model.fit.causes.size() > given.size() + 1 &&
