@@ -18,7 +18,6 @@ using Eigen::Index;
 constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr double kEdge = 3.0;  // cycles that a level needs to be one
 constexpr double kDay_s = 86400.0;
-constexpr double kHours1000_s = 3.6e6;
 
 double SpanOf(std::span<const double> values) {
   if (values.empty()) return 0.0;
@@ -129,7 +128,7 @@ void AddSlopeChange(const LayoutPointer& layout, SeparableModel& model) {
   const SeriesNumber size{.what = "rate_change",
                           .per = "per_1000h",
                           .unit_per = "/(1000 h)",
-                          .factor = kHours1000_s / layout->load_span_s};
+                          .factor = 3.6e6 / layout->load_span_s};
   const double cycles = static_cast<double>(layout->cycles());
   const ShapeRange range{0.08 * cycles, 0.92 * cycles, 0.02 * cycles};
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
@@ -169,6 +168,10 @@ void AddDailyTemperature(const LayoutPointer& layout, SeparableModel& model) {
     // At least three cycles a day, or the day folds onto something slower.
     if (SpanOf(layout->time_s) / static_cast<double>(layout->cycles() - 1) > kDay_s / 3.0) return;
   }
+  const SeriesNumber size{.what = measured ? "" : "amplitude",
+                          .per = measured ? "per_K" : "",
+                          .unit_per = measured ? "/K" : "",
+                          .factor = 1.0};
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
     CauseRule rule{
         .name = "daily_temperature",
@@ -188,16 +191,13 @@ void AddDailyTemperature(const LayoutPointer& layout, SeparableModel& model) {
       const double mean = Eigen::Map<const Eigen::VectorXd>(layout->temperature_degC.data(),
                                                             static_cast<Index>(layout->cycles()))
                               .mean();
-      const SeriesNumber size{.what = "", .per = "per_K", .unit_per = "/K", .factor = 1.0};
       term = SeriesTerm(layout, choice, 1, [layout, mean](std::span<const double>, Eigen::MatrixXd& course) {
         for (Index c = 0; c < course.rows(); ++c) {
           course(c, 0) = layout->temperature_degC[static_cast<std::size_t>(c)] - mean;
         }
       });
       DescribeSeries(term, layout, choice, {size}, {});
-      AddSizes(*layout, choice, size, rule);
     } else {
-      const SeriesNumber size{.what = "amplitude", .per = "", .unit_per = "", .factor = 1.0};
       term = SeriesTerm(layout, choice, 2, [layout](std::span<const double>, Eigen::MatrixXd& course) {
         for (Index c = 0; c < course.rows(); ++c) {
           const double angle = kTwoPi * layout->time_s[static_cast<std::size_t>(c)] / kDay_s;
@@ -206,8 +206,8 @@ void AddDailyTemperature(const LayoutPointer& layout, SeparableModel& model) {
         }
       });
       DescribeSeriesAsHarmonic(term, layout, choice);
-      AddSizes(*layout, choice, size, rule);
     }
+    AddSizes(*layout, choice, size, rule);
     model.causes.push_back(std::move(term));
     model.rules.push_back(std::move(rule));
   }

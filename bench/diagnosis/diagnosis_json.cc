@@ -90,8 +90,11 @@ Json CandidatesJson(const DiagnosisReport& report) {
   Json candidates = Json::array();
   for (const diagnosis::CandidateResult& candidate : report.result.candidates) {
     const diagnosis::CauseRule& rule = report.input.study->causes()[candidate.index];
+    std::vector<std::string> parameters;
+    for (const diagnosis::ParameterRule& parameter : rule.parameters) parameters.push_back(parameter.name);
     candidates.push_back({{"name", rule.name},
                           {"cause", rule.named},
+                          {"parameters", parameters},
                           {"passed", candidate.passed},
                           {"evidence", EvidenceJson(candidate.evidence)},
                           {"objection", candidate.objection}});

@@ -65,6 +65,11 @@ std::string CandidateName(const diagnosis::Study& study, std::size_t index) {
   return rule.named ? name : "(" + name + ")";
 }
 
+std::string ProbabilityText(double p) {
+  if (!(p > 1e-99)) return "<1e-99";
+  return p >= 0.001 ? fmt::format("{:.3f}", p) : fmt::format("{:.0e}", p);
+}
+
 std::string SpokenParameter(const diagnosis::ParameterValue& parameter) {
   std::string words = parameter.name;
   const bool is_order = words.starts_with("order_per_");

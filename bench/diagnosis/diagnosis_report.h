@@ -36,6 +36,9 @@ std::vector<std::string> MeasurementsToSettle(const DiagnosisReport& report);
 /// temperature) with the parameter that tells them apart.
 std::string CandidateName(const analysis::diagnosis::Study& study, std::size_t index);
 
+/// "0.012", "3e-20", "<1e-99": a probability for people.
+std::string ProbabilityText(double p);
+
 /// "amplitude 0.213 arcmin", "order 7.00 per output turn": a parameter as it is read out.
 std::string SpokenParameter(const analysis::diagnosis::ParameterValue& parameter);
 

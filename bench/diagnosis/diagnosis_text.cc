@@ -20,6 +20,7 @@ using diagnosis::ParameterValue;
 
 constexpr std::size_t kLineWidth = 110;
 constexpr std::size_t kCandidatesShown = 12;
+constexpr double kCloseToNoise = 1.2;
 
 std::string WhereWords(diagnosis::Where where) {
   switch (where) {
@@ -79,12 +80,14 @@ std::string ParametersText(const std::vector<ParameterValue>& parameters,
 std::string MeasuredText(const DiagnosisReport& report) {
   std::size_t samples = 0;
   for (const RecordIdentity& record : report.input.records) samples += record.rows;
+  const std::size_t records = report.input.records.size();
   std::string text =
-      Section("measured", fmt::format("{} of kind {}, {} samples together",
-                                      report.input.records.size() == 1
-                                          ? std::string("one record")
-                                          : fmt::format("{} records", report.input.records.size()),
-                                      report.input.kind, samples));
+      Section("measured",
+              report.input.kind == "campaign"
+                  ? fmt::format("a campaign of {} cycles", samples)
+                  : fmt::format("{} of kind {}, {} samples{}",
+                                records == 1 ? std::string("one record") : fmt::format("{} records", records),
+                                report.input.kind, samples, records == 1 ? "" : " together"));
   for (const RecordIdentity& record : report.input.records) {
     text += fmt::format("             {}{}  sha256 {}\n", record.file,
                         record.group.empty() ? "" : " " + record.group, record.sha256.substr(0, 12));
@@ -135,11 +138,6 @@ std::string FoundText(const DiagnosisReport& report) {
   return text;
 }
 
-std::string ProbabilityText(double p) {
-  if (!(p > 1e-99)) return "<1e-99";
-  return p >= 0.001 ? fmt::format("{:.3f}", p) : fmt::format("{:.0e}", p);
-}
-
 // Held-out data are asked only of a candidate that chance does not explain.
 std::string HeldOutText(double gain) {
   return gain == 0.0 || !std::isfinite(gain) ? "-" : fmt::format("{:+.1f}", gain);
@@ -152,8 +150,7 @@ std::string CandidatesText(const DiagnosisReport& report) {
   for (const diagnosis::CandidateResult& candidate : report.result.candidates) {
     if (shown == kCandidatesShown && !candidate.passed) continue;
     ++shown;
-    const CauseRule& rule = report.input.study->causes()[candidate.index];
-    const std::string name = rule.named ? rule.name : "(" + rule.name + ")";
+    const std::string name = CandidateName(*report.input.study, candidate.index);
     text += fmt::format("  {} {:<44} {:>9.1f} {:>8} {:>9}  {}\n", candidate.passed ? "yes" : " no", name,
                         candidate.evidence.delta_bic, ProbabilityText(candidate.evidence.p_value),
                         HeldOutText(candidate.evidence.heldout_gain),
@@ -217,7 +214,7 @@ std::string NextText(const DiagnosisReport& report) {
   const std::vector<std::string> entries = MeasurementsToSettle(report);
   if (entries.empty()) {
     return report.result.verdict == diagnosis::Verdict::kNoEffect
-               ? Section("next", "nothing: the simulation may be trusted for records of this kind")
+               ? Section("next", "nothing that this diagnosis can name")
                : Section("next", "run extended_model.yaml (diagnose --out) in place of the nominal model");
   }
   std::string text = Section("next", "measure what these records cannot tell:");
@@ -237,7 +234,15 @@ std::string NextText(const DiagnosisReport& report) {
 std::string VerdictSentence(const DiagnosisReport& report) {
   const diagnosis::Diagnosis& result = report.result;
   if (result.verdict == diagnosis::Verdict::kNoEffect) {
-    return "Nothing is missing in the simulation: it explains these records down to their noise.";
+    const double excess = result.noise_floor > 0.0 ? result.nominal_heldout_rmse / result.noise_floor : 1.0;
+    if (excess < kCloseToNoise) {
+      return "Nothing is missing in the simulation: it explains these records down to their noise.";
+    }
+    return fmt::format(
+        "Nothing was found missing in the simulation, but it does not explain these records down to their "
+        "noise: "
+        "its error on unseen data is {:.2g} times that (too few data, or noise that is not white).",
+        excess);
   }
   if (result.verdict == diagnosis::Verdict::kUnnamedStructure) {
     const std::string signature = SignatureOf(report);

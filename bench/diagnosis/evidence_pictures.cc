@@ -47,7 +47,7 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
     shortest = std::min(shortest, x);
     names += fmt::format("{}{} {:g}", k == 0 ? "" : ", ",
                          Quoted(CandidateName(*report.input.study, candidate.index)), y);
-    const std::string words = candidate.passed ? fmt::format("passed, p = {:.1g}", candidate.evidence.p_value)
+    const std::string words = candidate.passed ? "passed, p " + ProbabilityText(candidate.evidence.p_value)
                                                : candidate.objection.substr(0, kLongestObjection);
     labels +=
         fmt::format("set label {} at first {:.5g},{:.5g} left offset 0.8,0 font ',13' textcolor rgb '{}'\n",

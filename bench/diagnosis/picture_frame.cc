@@ -75,9 +75,9 @@ std::string Legend(const std::vector<LegendEntry>& entries, const PanelEdges& pa
     const auto room = static_cast<std::size_t>(std::max(0.0, (kRight_px - x_px) / kCharacter_px - 2.0));
     std::string text = entry.text;
     if (text.size() > room) text = text.substr(0, room > 3 ? room - 3 : 0) + "...";
-    commands +=
-        fmt::format("set label {} {} at screen {:.5f},{:.5f} left font ',14' textcolor rgb '{}'\n", ++tag,
-                    Quoted("\u25CF " + text), x_px / kWidth_px, panel.top + gap_px / height_px, entry.colour);
+    commands += fmt::format("set label {} {} at screen {:.5f},{:.5f} left font ',14' textcolor rgb '{}'\n",
+                            ++tag, Quoted((entry.marked ? "\u25CF " : "") + text), x_px / kWidth_px,
+                            panel.top + gap_px / height_px, entry.colour);
     x_px += kCharacter_px * static_cast<double>(text.size() + 2) + kSpace_px;
   }
   // Panels that had more entries before.

@@ -43,6 +43,7 @@ std::string TitleLabel(const std::string& title, double height_px);
 struct LegendEntry {
   std::string_view colour;
   std::string text;
+  bool marked{true};  // with a dot in its colour
 };
 /// @param gap_px  above the panel's upper edge.
 std::string Legend(const std::vector<LegendEntry>& entries, const PanelEdges& panel, double height_px,

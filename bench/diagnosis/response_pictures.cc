@@ -169,7 +169,7 @@ void DrawResponse(const DiagnosisReport& report, const std::filesystem::path& st
   script += PanelMargins(layout.panels[0]) + above + "unset label 1000\n";
   drawn.clear();
   const std::string below = ResponsePanel(report, abscissa, "detail", detail, false, data, drawn);
-  script += Legend({{{"#666666", "in detail, where the " + NominalName(report) + " is off most"}}},
+  script += Legend({{{"#666666", "in detail, where the " + NominalName(report) + " is off most", false}}},
                    layout.panels[1], layout.height_px);
   script += fmt::format("set yrange {}\nset xrange {}\n", RangeText(drawn),
                         RangeText(Picked(abscissa.place, detail), 0.02));

@@ -85,7 +85,8 @@ TEST(ProposeFormula, WritesALineInTheUnitsOfTheEdge) {
     for (const double value : residual) all += value * value;
     const SparseFormula proposed = Propose(record, residual);
     std::smatch match;
-    const std::regex expected(R"(residual / arcmin = (0\.\d+) cos\((\S+) output_angle - (\d+) deg\)( [+-] 0\.0\d+)?)");
+    const std::regex expected(
+        R"(residual / arcmin = (0\.\d+) cos\((\S+) output_angle - (\d+) deg\)( [+-] 0\.0\d+)?)");
     ASSERT_TRUE(std::regex_match(proposed.formula, match, expected)) << seed << ": " << proposed.formula;
     // Amplitude to 0.1 · √(2 / 900), four times that.
     EXPECT_NEAR(std::stod(match[1]), 0.1, 0.02) << proposed.formula;

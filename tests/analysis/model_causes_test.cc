@@ -214,7 +214,8 @@ TEST(LocalToothDamage, HasTheDerivativeThatDifferencesGive) {
     const double slope =
         (KinematicErrorAt(series, input + 1e-4) - KinematicErrorAt(series, input - 1e-4)) / 2e-4;
     const GearPhasors phasors = PhasorsAt(input, 1.0 / 80.0);
-    EXPECT_NEAR(EvaluateDamagedKinematicError(series, phasors, HarmonicsOf(phasors)).derivative, slope, 1e-10);
+    EXPECT_NEAR(EvaluateDamagedKinematicError(series, phasors, HarmonicsOf(phasors)).derivative, slope,
+                1e-10);
   }
 }
 
