@@ -6,28 +6,72 @@
 
 namespace strainwave::analysis::model {
 
-/// Share of the breakaway surplus that is left at a speed: exp(−(ω/ω_s)²), 1 at rest (E8).
-inline double StribeckShare(double speed, double stribeck_speed) noexcept {
-  const double relative = speed / stribeck_speed;
-  return std::abs(relative) < 6.0 ? std::exp(-relative * relative) : 0.0;
+/// Share of the breakaway surplus that is left at a speed: exp(−|ω/ω_s|^δ), 1 at rest (E8). δ = 2 is usual;
+/// 0.5 to 2 has been measured (Armstrong-Hélouvry, Dupont & Canudas de Wit, Automatica 30 (1994) 1083).
+inline double StribeckShare(double speed, double stribeck_speed, double exponent = 2.0) noexcept {
+  const double relative = std::abs(speed) / stribeck_speed;
+  const double power = exponent == 2.0 ? relative * relative : std::pow(relative, exponent);
+  return power < 36.0 ? std::exp(-power) : 0.0;
 }
 
-/// The far side of a joint with play, moved by contact alone: it stays until the near side has crossed the
-/// gap of this width, then follows at half a gap's distance.
-class Play {
+/// A load behind a gap, driven by the motion of the near side through contact alone: a stiff, damped contact
+/// at either end of the gap, which pushes and never pulls, and dry friction of the load's own. All per unit
+/// of the load's inertia. Where the load brakes itself it crosses the gap after the motion reverses; where it
+/// coasts, as soon as the near side slows down (E4).
+class LooseLoad {
  public:
-  Play(double width, double near, double first_direction) noexcept
-      : half_(0.5 * width), far_(near - (first_direction < 0.0 ? -half_ : half_)) {}
+  struct Numbers {
+    double gap{};
+    double friction{};           // as an acceleration
+    double contact_rad_per_s{};  // of the load on the contact
+    double contact_damping{0.5};
+  };
+  LooseLoad(const Numbers& numbers, double near, double near_speed) noexcept
+      : numbers_(numbers),
+        near_(near),
+        near_speed_(near_speed),
+        load_(near - std::copysign(0.5 * numbers.gap, near_speed)),
+        speed_(near_speed) {}
 
-  /// @returns position of the far side.
-  double Follow(double near) noexcept {
-    far_ = std::clamp(far_, near - half_, near + half_);
-    return far_;
+  /// Moves on by a step, over which the near side goes to `near` smoothly.
+  /// @returns push of the contact on the load at its end.
+  double Follow(double near, double near_speed, double step_s) noexcept {
+    const double stiffness = numbers_.contact_rad_per_s * numbers_.contact_rad_per_s;
+    const double drag = 2.0 * numbers_.contact_damping * numbers_.contact_rad_per_s;
+    const double half = 0.5 * numbers_.gap;
+    const int steps = std::max(1, static_cast<int>(std::ceil(step_s * numbers_.contact_rad_per_s / kFine)));
+    const double h = step_s / steps;
+    double push = 0.0;
+    for (int k = 1; k <= steps; ++k) {
+      // Cubic between the ends, by position and speed.
+      const double u = static_cast<double>(k) / steps;
+      const double v = 1.0 - u;
+      const double at = v * v * ((1.0 + 2.0 * u) * near_ + u * step_s * near_speed_) +
+                        u * u * ((1.0 + 2.0 * v) * near - v * step_s * near_speed);
+      const double at_speed = 6.0 * u * v * (near - near_) / step_s + v * (v - 2.0 * u) * near_speed_ +
+                              u * (u - 2.0 * v) * near_speed;
+      const double lead = at - load_;
+      push = 0.0;
+      if (lead > half) {
+        push = std::max(stiffness * (lead - half) + drag * (at_speed - speed_), 0.0);
+      } else if (lead < -half) {
+        push = std::min(stiffness * (lead + half) + drag * (at_speed - speed_), 0.0);
+      }
+      // Friction stops, it does not turn round.
+      const double free = speed_ + h * push;
+      speed_ = free - std::clamp(free, -h * numbers_.friction, h * numbers_.friction);
+      load_ += h * speed_;
+    }
+    near_ = near;
+    near_speed_ = near_speed;
+    return push;
   }
 
  private:
-  double half_;
-  double far_;
+  static constexpr double kFine = 0.15;  // of a step, in radians of the contact's own swing
+  Numbers numbers_;
+  double near_, near_speed_;
+  double load_, speed_;
 };
 
 /// A second inertia behind a spring and a damper, driven by the motion of the near side: the twist x = far −
@@ -49,7 +93,7 @@ class SecondInertia {
     speed_by_speed_ = c - damping_ / root * s;
   }
 
-  /// Moves on by a step, over which the acceleration changes to `acceleration`.
+  /// Moves on by a step, over which the acceleration changes to `acceleration`; the first call only starts.
   /// @returns acceleration of the far side less that of the near side.
   double Step(double acceleration) noexcept {
     const double slope = started_ ? (acceleration - last_) / step_ : 0.0;

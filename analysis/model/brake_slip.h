@@ -12,14 +12,15 @@ inline double TorqueBeyond_Nm(double torque_Nm, double holding_torque_Nm) noexce
   return std::copysign(std::max(std::abs(torque_Nm) - holding_torque_Nm, 0.0), torque_Nm);
 }
 
-/// What a step in which the torque goes in a straight line adds to the time beyond the holding torque (counted
-/// with the torque's sign, s) and to the impulse beyond it (Nm·s): a brake that slips at one speed follows the
-/// first, one whose speed grows with the excess the second. Exact.
+/// What a step in which the torque goes in a straight line adds to the time beyond the holding torque
+/// (counted with the torque's sign, s) and to the impulse beyond it (Nm·s): a brake that slips at one speed
+/// follows the first, one whose speed grows with the excess the second. Exact.
 struct BeyondHolding {
   double time_s{};
   double impulse_Nms{};
 };
-inline BeyondHolding StepBeyond(double from_Nm, double to_Nm, double holding_torque_Nm, double step_s) noexcept {
+inline BeyondHolding StepBeyond(double from_Nm, double to_Nm, double holding_torque_Nm,
+                                double step_s) noexcept {
   const double begin_Nm = TorqueBeyond_Nm(from_Nm, holding_torque_Nm);
   const double end_Nm = TorqueBeyond_Nm(to_Nm, holding_torque_Nm);
   const double change_Nm = to_Nm - from_Nm;

@@ -6,7 +6,8 @@
 
 namespace strainwave::analysis::model {
 
-/// Creep as a sum of Kelvin-Voigt elements: after a unit step the ladder has gone to Σ weight · (1 − e^(−t/τ)).
+/// Creep as a sum of Kelvin-Voigt elements: after a unit step the ladder has gone to Σ weight · (1 −
+/// e^(−t/τ)).
 struct CreepLadder {
   struct Rung {
     double time_constant_s{};
@@ -19,7 +20,8 @@ inline CreepLadder ExponentialCreep(double time_constant_s) { return {{{time_con
 
 /// Logarithmic creep, log₁₀(1 + t / t₀) up to `longest_s` (E22). The weights follow from
 ///   ln(1 + t/t₀) = ∫ (1 − e^(−t/τ)) e^(−t₀/τ) d ln τ  (Frullani's integral with x = 1/τ),
-/// taken at three points a decade; the slowest part of it is a straight line. Within 0.002 of a decade's step.
+/// taken at three points a decade; the slowest part of it is a straight line. Within 0.002 of a decade's
+/// step.
 inline CreepLadder LogarithmicCreep(double onset_s, double longest_s) {
   constexpr double kLn10 = 2.302585092994046;
   constexpr double kStep = kLn10 / 3.0;
@@ -34,8 +36,8 @@ inline CreepLadder LogarithmicCreep(double onset_s, double longest_s) {
   return ladder;
 }
 
-/// Share of the way to a new load that a rung goes in a step, and the mean over the step of what is left of the
-/// way, for loads that change in a straight line.
+/// Share of the way to a new load that a rung goes in a step, and the mean over the step of what is left of
+/// the way, for loads that change in a straight line.
 struct RungStep {
   double gone{};       // 1 − e^(−dt/τ)
   double mean_gone{};  // 1 − (1 − e^(−dt/τ)) τ/dt

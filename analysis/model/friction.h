@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/model/axis_motion.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::model {
@@ -33,6 +34,7 @@ struct Friction {
   double coulomb_Nm{0.025};
   double breakaway_Nm{0.036};                    // F_s
   double stribeck_speed_rad_per_s{10.0};         // E8: dip below 50 to 200 rpm [K]
+  double stribeck_exponent{2.0};                 // axis_motion.h
   double viscous_floor_Nms_per_rad{2.0e-5};      // F_v at high temperature
   double viscous_at_0_degC_Nms_per_rad{4.6e-4};  // what temperature takes away, E10
   double viscous_temperature_K{20.0};  // a decade of no-load torque between −10 and 40 °C, E10 [S]
@@ -50,6 +52,7 @@ struct FrictionAtTemperature {
   double coulomb_Nm{};
   double stribeck_Nm{};
   double inverse_stribeck_s_per_rad{};
+  double stribeck_exponent{2.0};
   double viscous_Nms_per_rad{};
   double load_coefficient{};
   double constant_Nm{};
@@ -71,6 +74,7 @@ inline FrictionAtTemperature AtTemperature(const Friction& friction, double temp
   at.coulomb_Nm = factor * friction.coulomb_Nm;
   at.stribeck_Nm = factor * std::max(0.0, friction.breakaway_Nm - friction.coulomb_Nm);
   at.inverse_stribeck_s_per_rad = 1.0 / friction.stribeck_speed_rad_per_s;
+  at.stribeck_exponent = friction.stribeck_exponent;
   at.viscous_Nms_per_rad = factor * ViscousCoefficient(friction, temperature_degC);
   at.load_coefficient = factor * (friction.load_coefficient + friction.flexspline_load_coefficient);
   at.constant_Nm = factor * friction.flexspline_Nm;
@@ -84,9 +88,8 @@ inline FrictionAtTemperature AtTemperature(const Friction& friction, double temp
 inline double DryFriction_Nm(const FrictionAtTemperature& friction, double speed_rad_per_s,
                              double output_torque_Nm, double cos1, double cos2) noexcept {
   const double relative = speed_rad_per_s * friction.inverse_stribeck_s_per_rad;
-  double level = friction.coulomb_Nm;
-  // Beyond five Stribeck speeds the exponential is below 1e-10.
-  if (std::abs(relative) < 5.0) level += friction.stribeck_Nm * std::exp(-relative * relative);
+  double level =
+      friction.coulomb_Nm + friction.stribeck_Nm * StribeckShare(relative, 1.0, friction.stribeck_exponent);
   level *= 1.0 + friction.periodic_share_1 * cos1 + friction.periodic_share_2 * cos2;
   return level + friction.constant_Nm + friction.load_coefficient * std::abs(output_torque_Nm);
 }

@@ -9,7 +9,8 @@ void AddFriction(PlantParameters& p, std::vector<BoundTerm>& terms) {
   terms.push_back({"stribeck_friction",
                    "E8",
                    {Amount("breakaway_Nm", "Nm", f.breakaway_Nm),
-                    Scale("stribeck_speed_rad_per_s", "rad/s", f.stribeck_speed_rad_per_s)}});
+                    Scale("stribeck_speed_rad_per_s", "rad/s", f.stribeck_speed_rad_per_s),
+                    Scale("stribeck_exponent", "1", f.stribeck_exponent)}});
   terms.push_back(
       {"viscous_friction", "E8", {Amount("floor_Nms_per_rad", "Nm·s/rad", f.viscous_floor_Nms_per_rad)}});
   terms.push_back({"thermal_friction",

@@ -127,7 +127,8 @@ void MapMotion(Parameters nominal, std::span<const NamedCause> causes, const Map
     if (cause.name == "stribeck_friction") {
       plant.Set("stribeck_friction",
                 {{"breakaway_Nm", coulomb_Nm + Require(cause, "stribeck_Nm")},
-                 {"stribeck_speed_rad_per_s", Require(cause, "stribeck_speed_rad_per_s")}});
+                 {"stribeck_speed_rad_per_s", Require(cause, "stribeck_speed_rad_per_s")},
+                 {"stribeck_exponent", Find(cause.parameters, "stribeck_exponent").value_or(2.0)}});
     } else if (cause.name == "asymmetric_friction") {
       plant.Set("asymmetric_viscous_friction",
                 {{"difference_Nms_per_rad", Require(cause, "viscous_difference_Nms_per_rad")}});

@@ -91,7 +91,7 @@ double CauseTorque(const diagnosis::Study::NamedCause& cause, const Row& row) {
       return parameter.name.starts_with("stribeck_") && !parameter.name.starts_with("stribeck_speed");
     });
     return (amount == numbers.end() ? 0.0 : amount->value) * row.direction *
-           model::StribeckShare(row.velocity, speed);
+           model::StribeckShare(row.velocity, speed, Number(numbers, "stribeck_exponent"));
   }
   if (cause.name == "asymmetric_friction") {
     return 0.5 * Number(numbers, "viscous_difference") * row.direction * row.velocity;

@@ -11,8 +11,8 @@
 #include "analysis/diagnosis/records.h"
 #include "analysis/units.h"
 
-/// Hysteresis records made by another route than the fitted model: everything is stepped in small increments of
-/// time with tangent stiffnesses and rates, nothing is solved.
+/// Hysteresis records made by another route than the fitted model: everything is stepped in small increments
+/// of time with tangent stiffnesses and rates, nothing is solved.
 namespace strainwave::analysis::diagnosis {
 
 struct GeneratedGear {
@@ -21,26 +21,26 @@ struct GeneratedGear {
   double k3_Nm_per_rad{3.0e4};
   double t1_Nm{7.0};
   double t2_Nm{25.0};
-  std::vector<double> friction_Nm{1.2};     // of each element
+  std::vector<double> friction_Nm{1.2};  // of each element
   std::vector<double> yield_rad{1.0e-4};
-  double dead_zone_rad{};                   // in the spring, beside the friction
-  double outside_dead_zone_rad{};           // in series with both
-  double stiffer_share{};                   // (K+ − K−) / (K+ + K−)
+  double dead_zone_rad{};          // in the spring, beside the friction
+  double outside_dead_zone_rad{};  // in series with both
+  double stiffer_share{};          // (K+ − K−) / (K+ + K−)
   double hardening_Nm_per_rad3{};
   double damper_Nms_per_rad{};
-  double creep_share_per_decade{};          // three Kelvin-Voigt elements, one a decade, from `creep_s` on
-  double creep_share{};                     // one element of `creep_s`
+  double creep_share_per_decade{};  // three Kelvin-Voigt elements, one a decade, from `creep_s` on
+  double creep_share{};             // one element of `creep_s`
   double creep_s{2.0};
   double slip_from_Nm{1e9};
-  double slip_rad_per_Nms{};                // speed by the excess over `slip_from_Nm`
-  double slip_rad_per_s{};                  // one speed beyond it
+  double slip_rad_per_Nms{};  // speed by the excess over `slip_from_Nm`
+  double slip_rad_per_s{};    // one speed beyond it
 };
 
 struct GeneratedSensors {
   double torque_offset_Nm{};
   double torque_noise_Nm{0.01};
   double angle_noise_rad{RadFromArcmin(0.01)};
-  double autoregression{};                  // of the angle's noise
+  double autoregression{};  // of the angle's noise
   double angle_offset_rad{0.002};
   std::function<double(double time_s, double temperature_K)> drift_rad;
   std::function<double(double time_s, double torque_Nm, double angle_rad, bool rising)> unlisted_rad;
@@ -71,7 +71,8 @@ class SteppedGear {
         double stiffness = SpringSlope(twist_rad_);
         for (std::size_t j = 0; j < element_Nm_.size(); ++j) {
           const double way = left_Nm > 0.0 ? 1.0 : -1.0;
-          if (way * element_Nm_[j] < gear_.friction_Nm[j]) stiffness += gear_.friction_Nm[j] / gear_.yield_rad[j];
+          if (way * element_Nm_[j] < gear_.friction_Nm[j])
+            stiffness += gear_.friction_Nm[j] / gear_.yield_rad[j];
         }
         Twist(left_Nm / (gear_.damper_Nms_per_rad / step_s * kParts + 0.5 * stiffness));
       }
@@ -83,7 +84,8 @@ class SteppedGear {
       while (change_Nm > 0.0) {
         double stiffness = SpringSlope(twist_rad_);
         for (std::size_t j = 0; j < element_Nm_.size(); ++j) {
-          if (way * element_Nm_[j] < gear_.friction_Nm[j]) stiffness += gear_.friction_Nm[j] / gear_.yield_rad[j];
+          if (way * element_Nm_[j] < gear_.friction_Nm[j])
+            stiffness += gear_.friction_Nm[j] / gear_.yield_rad[j];
         }
         const double part_rad = std::min(change_Nm / stiffness, kMost_rad);
         Twist(way * part_rad);
@@ -97,7 +99,8 @@ class SteppedGear {
     }
     const double beyond_Nm = std::abs(torque_Nm) - gear_.slip_from_Nm;
     if (beyond_Nm > 0.0) {
-      slip_rad_ += std::copysign(step_s, torque_Nm) * (gear_.slip_rad_per_s + gear_.slip_rad_per_Nms * beyond_Nm);
+      slip_rad_ +=
+          std::copysign(step_s, torque_Nm) * (gear_.slip_rad_per_s + gear_.slip_rad_per_Nms * beyond_Nm);
     }
   }
 
@@ -118,7 +121,9 @@ class SteppedGear {
     }
   }
 
-  double Scale(double twist_rad) const { return twist_rad > 0.0 ? 1.0 + gear_.stiffer_share : 1.0 - gear_.stiffer_share; }
+  double Scale(double twist_rad) const {
+    return twist_rad > 0.0 ? 1.0 + gear_.stiffer_share : 1.0 - gear_.stiffer_share;
+  }
 
   double SpringSlope(double twist_rad) const {
     const double in_zone = 0.5 * gear_.dead_zone_rad;
@@ -126,7 +131,7 @@ class SteppedGear {
     const double scale = Scale(twist_rad);
     const double knee1 = gear_.t1_Nm / (gear_.k1_Nm_per_rad * scale);
     const double knee2 = knee1 + (gear_.t2_Nm - gear_.t1_Nm) / (gear_.k2_Nm_per_rad * scale);
-    double slope = size < 0.0 ? 0.01 * gear_.k1_Nm_per_rad
+    double slope = size < 0.0     ? 0.01 * gear_.k1_Nm_per_rad
                    : size < knee1 ? gear_.k1_Nm_per_rad * scale
                    : size < knee2 ? gear_.k2_Nm_per_rad * scale
                                   : gear_.k3_Nm_per_rad * scale;
@@ -152,7 +157,8 @@ class SteppedGear {
 
 /// Starts at rest without torque and goes along the path, sampled at equal times; `samples` in all, about.
 inline HysteresisData GenerateLoop(const GeneratedGear& gear, const GeneratedSensors& sensors,
-                                   const std::vector<PathLeg>& path, std::size_t samples, std::uint32_t seed) {
+                                   const std::vector<PathLeg>& path, std::size_t samples,
+                                   std::uint32_t seed) {
   double duration_s = 0.0;
   double at_Nm = 0.0;
   for (const PathLeg& leg : path) {
@@ -173,16 +179,20 @@ inline HysteresisData GenerateLoop(const GeneratedGear& gear, const GeneratedSen
   double held_s = 0.0;
   bool rising = true;
   for (std::size_t i = 0; i < samples; ++i) {
-    const double temperature_K = 1.0 - std::exp(-time_s / (0.4 * duration_s)) + 0.3 * std::sin(5.0 * time_s / duration_s);
+    const double temperature_K =
+        1.0 - std::exp(-time_s / (0.4 * duration_s)) + 0.3 * std::sin(5.0 * time_s / duration_s);
     double angle_rad = sensors.angle_offset_rad + stepped.Angle_rad();
     if (sensors.drift_rad) angle_rad += sensors.drift_rad(time_s, temperature_K);
-    if (sensors.unlisted_rad) angle_rad += sensors.unlisted_rad(time_s, torque_Nm, stepped.Angle_rad(), rising);
+    if (sensors.unlisted_rad)
+      angle_rad += sensors.unlisted_rad(time_s, torque_Nm, stepped.Angle_rad(), rising);
     record.time_s.push_back(time_s);
-    record.torque_Nm.push_back(torque_Nm + sensors.torque_offset_Nm + sensors.torque_noise_Nm * normal(engine));
+    record.torque_Nm.push_back(torque_Nm + sensors.torque_offset_Nm +
+                               sensors.torque_noise_Nm * normal(engine));
     record.output_angle_rad.push_back(angle_rad + sensors.angle_noise_rad * noise);
     noise = sensors.autoregression * noise +
             std::sqrt(1.0 - sensors.autoregression * sensors.autoregression) * normal(engine);
-    if (sensors.has_temperature) record.temperature_degC.push_back(24.0 + temperature_K + 0.02 * normal(engine));
+    if (sensors.has_temperature)
+      record.temperature_degC.push_back(24.0 + temperature_K + 0.02 * normal(engine));
     for (int k = 0; k < kSubsteps; ++k) {
       if (leg < path.size()) {
         const double left_Nm = path[leg].to_Nm - torque_Nm;

@@ -17,6 +17,7 @@ class Effect:
     most_scale: float  # beyond it the effect is no longer physically plausible
     signature: typing.Optional[dict] = None  # only effects outside the list: how a good program would point at them
     tolerance: float = 0.005  # of the size that is asked for
+    least_scale: float = 0.0  # below it the effect is not physically plausible either
 
 
 def recursion(push, keep):
@@ -78,7 +79,7 @@ def scale_for(experiment, ruler, effect, wanted_sigma):
         if not math.isfinite(sigma) or sigma <= 0.0:
             low, scale = scale, 2.0 * scale
         elif abs(sigma / wanted_sigma - 1.0) < effect.tolerance:
-            return scale
+            return scale if scale >= effect.least_scale else None
         else:
             if sigma < wanted_sigma:
                 low = scale
@@ -88,6 +89,6 @@ def scale_for(experiment, ruler, effect, wanted_sigma):
             guess = scale * wanted_sigma / sigma
             inside = low < guess < high
             scale = guess if inside and step < 8 else 0.5 * (low + high)
-        if low >= 0.999 * effect.most_scale or scale > effect.most_scale:
+        if low >= 0.999 * effect.most_scale or scale > effect.most_scale or high <= effect.least_scale:
             return None
     return None

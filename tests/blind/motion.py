@@ -174,14 +174,15 @@ class Motion:
                            None, {"order": (order, "1/rev")})
 
     def _backlash(self, rng):
-        share = rng.uniform(0.4, 0.8)
+        share = 10.0 ** rng.uniform(-1.8, -0.1)  # of the inertia, behind the gap
         contact_hz = min(max(12.0 * self.path.highest_hz, 8.0), 40.0)
         reach = float(numpy.ptp(self._motion(self.time_s)[0]))
         reaction = backlash_reaction(self.path, self.duration_s, contact_hz, rng.uniform(0.3, 0.7),
                                      self.coulomb / self.inertia * rng.uniform(0.2, 0.6))
         return Effect("backlash", lambda scale, t: share * self.inertia * reaction(scale, t),
                       lambda scale: {"gap": (scale, "m" if self.linear else "rad")}, 0.002 * reach, 0.08 * reach,
-                      tolerance=0.015)  # knocks make the size a ragged function of the gap
+                      tolerance=0.015,  # knocks make the size a ragged function of the gap
+                      least_scale=0.0005 * reach)
 
     def _disturbance(self, rng):
         windows = []

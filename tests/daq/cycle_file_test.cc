@@ -9,6 +9,7 @@
 #include "daq/hdf5_handle.h"
 #include "daq/read_records.h"
 #include "daq/record_error.h"
+#include "daq/sensor_serials.h"
 #include "tests/daq/sample_records.h"
 #include "tests/daq/scratch_folder.h"
 
@@ -194,6 +195,16 @@ TEST(CycleFile, SaysThatAForeignFileHasNoRecord) {
   EXPECT_EQ(message(), path + ": error: not an HDF5 file (expected an HDF5 file)");
   EXPECT_EQ(MessageOf<RecordError>([&] { ReadCycleFile(folder.path()); }),
             folder.path().string() + ": error: Is a directory (expected a record file)");
+}
+
+TEST(ReadSensorSerials, NamesEachSensorOnceWithItsColumn) {
+  const ScratchFolder folder;
+  std::vector<NamedRecord> records = Samples();
+  records.push_back({"again", SampleLoop()});  // the same transducer a second time
+  WriteRecordsAtomically(folder / "serials.h5", records);
+  EXPECT_EQ(ReadSensorSerials(folder / "serials.h5"),
+            (std::vector<std::string>{"accel_x_m_per_s2=A-1", "torque_Nm=0815"}));
+  EXPECT_THROW(ReadSensorSerials(folder / "none.h5"), RecordError);
 }
 
 TEST(ReadRecords, TellsHdf5FromCsvByContentAndNotByName) {

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "analysis/diagnosis/hysteresis/formed_effect.h"
+#include "analysis/diagnosis/hysteresis/phases.h"
+#include "analysis/model/creep_ladder.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+class CreepEffect final : public FormedEffect {
+ public:
+  explicit CreepEffect(const LoopRecords& records)
+      : FormedEffect(records, {{"creep_share_per_decade", "1", 1.0}, {"creep_share", "1", 1.0}},
+                     "creep_rms_arcmin", "time_constant_s", "s"),
+        shortest_s_(2.0 * records.step_s),
+        longest_s_(0.6 * records.duration_s),
+        duration_s_(records.duration_s) {
+    const double range_arcmin = ArcminFromRad(records.twist_range_rad);
+    rule = {
+        .name = "creep",
+        .sentence =
+            "twist goes on at constant torque: after-effect of the flexspline or of glued joints; a brake "
+            "that gives way slowly looks the same within one loop (hold the torque, then take it off and "
+            "wait)",
+        .where = Where::kUnit,
+        .effect = "E22",
+        .parameters = {{"creep_share_per_decade", "1", 0.0, 0.2, false},
+                       {"creep_share", "1", 0.0, 0.5, false},
+                       {"creep_rms_arcmin", "arcmin", 0.0, range_arcmin, true},
+                       {"time_constant_s", "s", 0.0, 1.01 * longest_s_, false}},
+        .degrees_of_freedom = 2,
+        .trials = 4.0,
+        .to_settle = fmt::format(
+            "# long holds at each end\n{}",
+            PhaseText(records, {.name = "holds", .torque_rate_Nm_per_s = 3.0, .hold_s = 120.0, .loops = 2}))};
+    numbers = {{0.0, 1.0, 0.0, true, false},
+               {0.0, 1.0, 1e-6, false, true},
+               {std::log(shortest_s_), std::log(longest_s_), 1e-4, false, false}};
+    follows_gear = true;
+  }
+
+  void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd& gear_rad,
+           Eigen::VectorXd& total_rad) const override {
+    if (v[1] == 0.0) return;
+    const double time_s = std::exp(v[2]);
+    const model::CreepLadder ladder =
+        v[0] < 0.5 ? model::LogarithmicCreep(time_s, duration_s_) : model::ExponentialCreep(time_s);
+    std::vector<model::RungStep> steps(ladder.rungs.size());
+    std::vector<double> state(ladder.rungs.size());
+    for (std::size_t r = 0; r < grid.records(); ++r) {
+      // At rest at the first sample's twist, whatever that came from: the rest is in the record's offset.
+      std::fill(state.begin(), state.end(), 0.0);
+      double last_step_s = -1.0;
+      const double rest_rad = gear_rad(static_cast<Eigen::Index>(grid.starts[r]));
+      for (std::size_t i = grid.starts[r] + 1; i < grid.starts[r + 1]; ++i) {
+        const double step_s = grid.time_s[i] - grid.time_s[i - 1];
+        // Equal steps share their exponentials.
+        if (!(std::abs(step_s - last_step_s) <= 1e-3 * step_s)) {
+          last_step_s = step_s;
+          for (std::size_t k = 0; k < steps.size(); ++k) {
+            steps[k] = model::StepOf(ladder.rungs[k].time_constant_s, step_s);
+          }
+        }
+        const auto index = static_cast<Eigen::Index>(i);
+        const double from = gear_rad(index - 1) - rest_rad;
+        const double to = gear_rad(index) - rest_rad;
+        double sum = 0.0;
+        for (std::size_t k = 0; k < steps.size(); ++k) {
+          state[k] = model::AdvanceRung(steps[k], state[k], from, to);
+          sum += ladder.rungs[k].weight * state[k];
+        }
+        total_rad(index) += v[1] * sum;
+      }
+    }
+  }
+
+  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+    std::vector<std::vector<double>> starts;
+    constexpr int kPlaces = 5;
+    for (const double form : {0.0, 1.0}) {
+      for (int k = 0; k < kPlaces; ++k) {
+        const double place = (k + 0.5) / kPlaces;
+        starts.push_back({form, 0.0, std::log(shortest_s_) + place * std::log(longest_s_ / shortest_s_)});
+      }
+    }
+    return starts;
+  }
+
+ private:
+  double shortest_s_;
+  double longest_s_;
+  double duration_s_;
+};
+
+class ThermalDrift final : public FormedEffect {
+ public:
+  explicit ThermalDrift(const LoopRecords& records)
+      : FormedEffect(records,
+                     {{"drift_arcmin_per_K", "arcmin/K", 1.0},
+                      {"drift_arcmin_per_min", "arcmin/min", 60.0},
+                      {"drift_arcmin", "arcmin", 1.0}},
+                     "drift_rms_arcmin", "time_constant_s", "s"),
+        has_temperature_(!records.samples.temperature_K.empty()),
+        duration_s_(records.duration_s) {
+    const double range_arcmin = ArcminFromRad(records.twist_range_rad);
+    rule = {
+        .name = "thermal_drift",
+        .sentence =
+            "the angle follows temperature or time, not torque: mount, encoder or gear grow as they warm up "
+            "(let the bench soak, or measure at rest without torque for as long)",
+        .where = Where::kUndecided,
+        .effect = "E10",
+        .parameters = {{"time_constant_s", "s", 0.0, 3.0 * duration_s_, false}},
+        .degrees_of_freedom = 1,
+        .trials = has_temperature_ ? 4.0 : 3.0,
+        .to_settle = fmt::format("# after a soak: drift goes with time and temperature, creep with torque\n"
+                                 "- {{kind: soak, below_temperature: 25 degC, at_most: 2 h}}\n{}",
+                                 PhaseText(records, {.name = "after-soak", .loops = 4}))};
+    for (const Form& form : forms_) {
+      rule.parameters.push_back({form.name, form.unit, -100.0 * range_arcmin, 100.0 * range_arcmin, false});
+    }
+    rule.parameters.push_back({size_name_, "arcmin", 0.0, 3.0 * range_arcmin, true});
+    numbers = {{0.0, 2.0, 0.0, true, false},
+               {-100.0 * range_arcmin, 100.0 * range_arcmin, 1e-6 * range_arcmin, false, true},
+               {std::log(0.1 * duration_s_), std::log(2.0 * duration_s_), 1e-4, false, false}};
+  }
+
+  void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd&,
+           Eigen::VectorXd& total_rad) const override {
+    const double amount_rad = RadFromArcmin(v[1]);
+    const auto form = std::lround(v[0]);
+    const double time_constant_s = std::exp(v[2]);
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      double shape = 0.0;
+      if (form == 0) {
+        shape = grid.temperature_K.empty() ? 0.0 : grid.temperature_K[i];
+      } else {
+        shape = form == 1 ? grid.time_s[i] : -std::expm1(-grid.time_s[i] / time_constant_s);
+      }
+      total_rad(static_cast<Eigen::Index>(i)) += amount_rad * shape;
+    }
+  }
+
+  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+    std::vector<std::vector<double>> starts;
+    if (has_temperature_) starts.push_back({0.0, 0.0, std::log(duration_s_)});
+    starts.push_back({1.0, 0.0, std::log(duration_s_)});
+    for (const double share : {0.15, 0.4, 1.0}) starts.push_back({2.0, 0.0, std::log(share * duration_s_)});
+    return starts;
+  }
+
+ private:
+  bool HasShape(double form) const override { return form > 1.5; }
+
+  bool has_temperature_;
+  double duration_s_;
+};
+
+}  // namespace
+
+void AppendAddedEffects(const LoopRecords& records, LoopEffects& effects) {
+  effects.push_back(std::make_unique<CreepEffect>(records));
+  AppendBrakeSlip(records, effects);
+  effects.push_back(std::make_unique<ThermalDrift>(records));
+}
+
+}  // namespace strainwave::analysis::diagnosis

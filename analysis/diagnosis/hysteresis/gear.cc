@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/hysteresis/gear.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/model/asymmetric_stiffness.h"
+#include "analysis/model/cubic_hardening.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// Of a step between points where a damper works, so that corners and kinks fall between parts.
+constexpr int kPartsOfStep = 4;
+
+struct Tangent {
+  double torque_Nm;
+  double stiffness_Nm_per_rad;
+};
+
+// The spring of one side with its knees as twists: dead zone, K1, K2, K3.
+struct Side {
+  std::array<double, 3> knee_rad;
+  std::array<double, 3> knee_Nm;
+  std::array<double, 4> slope;
+};
+
+Side MakeSide(const GearLaw& law, double sign) {
+  const model::TorsionSpring& spring = law.spring;
+  const double scale = model::StiffnessOnSide(law.asymmetry_share, sign);
+  Side side{};
+  side.slope = {spring.k1_Nm_per_rad * scale, spring.k1_Nm_per_rad * scale, spring.k2_Nm_per_rad * scale,
+                spring.k3_Nm_per_rad * scale};
+  if (law.backlash_beside_friction && law.backlash.width_rad > 0.0) {
+    const double edge_Nm = law.backlash.torque_Nm;
+    side.knee_Nm[0] = edge_Nm;
+    side.knee_rad[0] = edge_Nm / side.slope[1] + model::BacklashTwist_rad(law.backlash, edge_Nm);
+    side.slope[0] = edge_Nm / side.knee_rad[0];
+  }
+  side.knee_Nm[1] = spring.t1_Nm;
+  side.knee_rad[1] = side.knee_rad[0] + (spring.t1_Nm - side.knee_Nm[0]) / side.slope[1];
+  side.knee_Nm[2] = spring.t2_Nm;
+  side.knee_rad[2] = side.knee_rad[1] + (spring.t2_Nm - spring.t1_Nm) / side.slope[2];
+  return side;
+}
+
+// The law with everything worked out that does not change along a record.
+class Gear {
+ public:
+  explicit Gear(const GearLaw& law)
+      : law_(law), positive_(MakeSide(law, 1.0)), negative_(MakeSide(law, -1.0)) {
+    for (std::size_t j = 0; j < law.friction_elements; ++j)
+      stiffness_[j] = law.friction[j].stiffness_Nm_per_rad();
+  }
+
+  Tangent Spring(double twist_rad) const {
+    const bool turned = twist_rad < 0.0;
+    const Side& side = turned ? negative_ : positive_;
+    const double size = std::abs(twist_rad);
+    double torque;
+    double slope;
+    if (size <= side.knee_rad[0]) {
+      slope = side.slope[0];
+      torque = slope * size;
+    } else if (size <= side.knee_rad[1]) {
+      slope = side.slope[1];
+      torque = side.knee_Nm[0] + slope * (size - side.knee_rad[0]);
+    } else if (size <= side.knee_rad[2]) {
+      slope = side.slope[2];
+      torque = side.knee_Nm[1] + slope * (size - side.knee_rad[1]);
+    } else {
+      slope = side.slope[3];
+      torque = side.knee_Nm[2] + slope * (size - side.knee_rad[2]);
+    }
+    if (law_.hardening_Nm_per_rad3 != 0.0) {
+      torque += model::CubicTorque_Nm(law_.hardening_Nm_per_rad3, size);
+      slope += model::CubicStiffness_Nm_per_rad(law_.hardening_Nm_per_rad3, size);
+    }
+    return {turned ? -torque : torque, slope};
+  }
+
+  // Goes from one torque to another in a straight line.
+  void GoTo(double from_Nm, double to_Nm, double step_s) {
+    const int parts = law_.viscous_Nms_per_rad > 0.0 ? kPartsOfStep : 1;
+    for (int part = 1; part < parts; ++part)
+      TakeTo(from_Nm + (to_Nm - from_Nm) * part / parts, step_s / parts);
+    TakeTo(to_Nm, step_s / parts);
+  }
+
+  // At a torque with the elements in given states.
+  void StartAt(double torque_Nm, const std::array<double, kFrictionElements>& share) {
+    double carried_Nm = 0.0;
+    for (std::size_t j = 0; j < law_.friction_elements; ++j)
+      carried_Nm += share[j] * law_.friction[j].limit_Nm;
+    twist_rad_ = Solve(0.0, [&](double twist) {
+      Tangent at = Spring(twist);
+      at.torque_Nm += carried_Nm - torque_Nm;
+      return at;
+    });
+    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
+      anchor_rad_[j] = twist_rad_ - share[j] * law_.friction[j].yield_rad;
+    }
+    damper_Nm_ = 0.0;
+  }
+
+  double twist_rad() const { return twist_rad_; }
+
+ private:
+  // Goes to a torque after `step_s`.
+  void TakeTo(double torque_Nm, double step_s) {
+    if (law_.viscous_Nms_per_rad > 0.0 && !(step_s > 0.0)) return;  // a damper does not jump
+    const double before_rad = twist_rad_;
+    double damper = 0.0;
+    double carried_over_Nm = 0.0;
+    if (law_.viscous_Nms_per_rad > 0.0) {
+      // Between the backward difference and the mean of both ends, so that a straight spring's relaxation is
+      // exact (exponential fitting; Liniger & Willoughby, SIAM J. Numer. Anal. 7 (1970) 47).
+      const double decay = step_s * Spring(before_rad).stiffness_Nm_per_rad / law_.viscous_Nms_per_rad;
+      const double end_weight = decay > 1e-4 ? -1.0 / std::expm1(-decay) - 1.0 / decay : 0.5;
+      damper = law_.viscous_Nms_per_rad / step_s / end_weight;
+      carried_over_Nm = (1.0 - end_weight) / end_weight * damper_Nm_;
+    }
+    twist_rad_ = Solve(before_rad, [&](double twist) {
+      Tangent at = Spring(twist);
+      at.torque_Nm += damper * (twist - before_rad) - torque_Nm - carried_over_Nm;
+      at.stiffness_Nm_per_rad += damper;
+      for (std::size_t j = 0; j < law_.friction_elements; ++j) {
+        const double stuck_Nm = (twist - anchor_rad_[j]) * stiffness_[j];
+        const double limit_Nm = law_.friction[j].limit_Nm;
+        if (std::abs(stuck_Nm) < limit_Nm) {
+          at.torque_Nm += stuck_Nm;
+          at.stiffness_Nm_per_rad += stiffness_[j];
+        } else {
+          at.torque_Nm += std::copysign(limit_Nm, stuck_Nm);
+        }
+      }
+      return at;
+    });
+    damper_Nm_ = damper * (twist_rad_ - before_rad) - carried_over_Nm;
+    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
+      anchor_rad_[j] = model::MovedAnchor(law_.friction[j], twist_rad_, anchor_rad_[j]);
+    }
+  }
+
+  // Zero of a rising function; Newton's method, exact in one step where no kink lies between, kept in a
+  // bracket.
+  template <typename Function>
+  static double Solve(double start_rad, const Function& function) {
+    constexpr double kTolerance_Nm = 1e-11;
+    constexpr int kMostSteps = 60;
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+    double x = start_rad;
+    for (int step = 0; step < kMostSteps; ++step) {
+      const Tangent at = function(x);
+      if (std::abs(at.torque_Nm) < kTolerance_Nm) break;
+      (at.torque_Nm > 0.0 ? high : low) = x;
+      double next = x - at.torque_Nm / at.stiffness_Nm_per_rad;
+      if (next == x) break;
+      if (!(next > low && next < high)) next = 0.5 * (low + high);
+      x = next;
+    }
+    return x;
+  }
+
+  const GearLaw& law_;
+  Side positive_;
+  Side negative_;
+  std::array<double, kFrictionElements> stiffness_{};
+  std::array<double, kFrictionElements> anchor_rad_{};
+  double twist_rad_{};
+  double damper_Nm_{};
+};
+
+}  // namespace
+
+void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_rad) {
+  twist_rad.resize(static_cast<Eigen::Index>(grid.size()));
+  const bool outside = !law.backlash_beside_friction && law.backlash.width_rad > 0.0;
+  Gear gear(law);
+  for (std::size_t r = 0; r < grid.records(); ++r) {
+    for (std::size_t i = grid.starts[r]; i < grid.starts[r + 1]; ++i) {
+      const double torque_Nm = grid.torque_Nm[i] - law.torque_offset_Nm;
+      if (i == grid.starts[r]) {
+        gear.StartAt(torque_Nm, law.start_share[r]);
+      } else {
+        const double before_Nm = grid.torque_Nm[i - 1] - law.torque_offset_Nm;
+        const double step_s = grid.time_s[i] - grid.time_s[i - 1];
+        if (std::isnan(grid.turn_Nm[i])) {
+          gear.GoTo(before_Nm, torque_Nm, step_s);
+        } else {
+          const double turn_Nm = grid.turn_Nm[i] - law.torque_offset_Nm;
+          gear.GoTo(before_Nm, turn_Nm, grid.turn_share[i] * step_s);
+          gear.GoTo(turn_Nm, torque_Nm, (1.0 - grid.turn_share[i]) * step_s);
+        }
+      }
+      double twist = gear.twist_rad();
+      if (outside) twist += model::BacklashTwist_rad(law.backlash, torque_Nm);
+      twist_rad(static_cast<Eigen::Index>(i)) = twist;
+    }
+  }
+}
+
+}  // namespace strainwave::analysis::diagnosis

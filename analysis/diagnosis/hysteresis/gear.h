@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+#include <vector>
+
+#include "analysis/diagnosis/hysteresis/record.h"
+#include "analysis/model/backlash.h"
+#include "analysis/model/elasto_plastic.h"
+#include "analysis/model/torsion_spring.h"
+
+namespace strainwave::analysis::diagnosis {
+
+inline constexpr std::size_t kFrictionElements = 7;
+
+/// The gear under torque, input locked:
+///
+///   T − T₀ = g(φ) + a φ³ + Σ zⱼ(φ) + c φ̇,
+///
+/// g the piecewise-linear spring (stiffer under torque of one sign by the asymmetry), zⱼ elasto-plastic
+/// friction elements, T₀ the offset of the torque signal. The dead zone lies either beside the friction, in
+/// series with the spring alone, or outside of both.
+struct GearLaw {
+  model::TorsionSpring spring;
+  std::array<model::ElastoPlasticElement, kFrictionElements> friction{};
+  std::size_t friction_elements{1};
+  /// State of each element at a record's first sample as a share of its limit, −1 to 1; one row a record.
+  std::vector<std::array<double, kFrictionElements>> start_share;
+  double asymmetry_share{};
+  double hardening_Nm_per_rad3{};
+  double viscous_Nms_per_rad{};
+  double torque_offset_Nm{};
+  model::Backlash backlash;
+  bool backlash_beside_friction{};
+};
+
+/// Twist at every point of a grid. Solved exactly between kinks; a damper by small steps.
+void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_rad);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "analysis/diagnosis/hysteresis/effects.h"
+#include "analysis/diagnosis/hysteresis/phases.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// An effect of one number that goes straight into the law.
+class OneNumber final : public LoopEffect {
+ public:
+  OneNumber(CauseRule the_rule, FitNumber number, double GearLaw::*member) : member_(member) {
+    rule = std::move(the_rule);
+    number.amount = true;
+    numbers = {number};
+    shapes_gear = true;
+  }
+
+  void ShapeGear(std::span<const double> v, GearLaw& law) const override { law.*member_ = v[0]; }
+  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override { return {{0.0}}; }
+  std::vector<ParameterValue> Describe(std::span<const double> v,
+                                       const Eigen::MatrixXd& covariance) const override {
+    const std::vector<double> se = ErrorsOf(covariance);
+    const ParameterRule& p = rule.parameters[0];
+    return {{p.name, p.unit, v[0], se[0]}};
+  }
+  std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
+    return {RequireParameter(rule, parameters, rule.parameters[0].name)};
+  }
+
+ private:
+  double GearLaw::*member_;
+};
+
+// Numbers: 0 outside of the friction, 1 beside it; width in arcmin; ln of the torque at the zone's ends.
+class BacklashEffect final : public LoopEffect {
+ public:
+  explicit BacklashEffect(const LoopRecords& records) : start_torque_Nm_(0.02 * records.t1_Nm) {
+    const double range_arcmin = ArcminFromRad(records.twist_range_rad);
+    const double least_Nm = 1e-3 * records.t1_Nm;
+    const double most_Nm = 0.15 * records.t1_Nm;
+    rule = {
+        .name = "backlash",
+        .sentence =
+            "a dead zone about zero torque, in which the output turns with next to no stiffness: worn teeth "
+            "or a loose key or coupling (move the encoder to the gear's own flange to tell them apart)",
+        .where = Where::kUnit,
+        .effect = "E4",
+        .parameters = {{"backlash_arcmin", "arcmin", 0.0, 0.6 * range_arcmin, true},
+                       {"dead_zone_torque_Nm", "Nm", 0.0, 1.001 * most_Nm, false},
+                       {"beside_friction", "1", 0.0, 1.0, false}},
+        .degrees_of_freedom = 2,
+        .trials = 2.0,
+        .to_settle = TwoAngles(records)};
+    numbers = {{0.0, 1.0, 0.0, true, false},
+               {0.0, 0.8 * range_arcmin, 1e-5 * range_arcmin, false, true},
+               {std::log(least_Nm), std::log(most_Nm), 1e-4, false, false}};
+    shapes_gear = true;
+  }
+
+  void ShapeGear(std::span<const double> v, GearLaw& law) const override {
+    law.backlash_beside_friction = v[0] > 0.5;
+    law.backlash = {RadFromArcmin(v[1]), std::exp(v[2])};
+  }
+  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+    const double start = std::log(start_torque_Nm_);
+    return {{0.0, 0.0, start}, {1.0, 0.0, start}};
+  }
+  std::vector<ParameterValue> Describe(std::span<const double> v,
+                                       const Eigen::MatrixXd& covariance) const override {
+    const std::vector<double> se = ErrorsOf(covariance);
+    const double torque_Nm = std::exp(v[2]);
+    return {{"backlash_arcmin", "arcmin", v[1], se[1]},
+            {"dead_zone_torque_Nm", "Nm", torque_Nm, torque_Nm * se[2]},
+            {"beside_friction", "1", v[0], 0.0}};
+  }
+  std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
+    const double* torque_Nm = FindParameter(parameters, "dead_zone_torque_Nm");
+    const double* beside = FindParameter(parameters, "beside_friction");
+    return {beside == nullptr ? 0.0 : *beside, RequireParameter(rule, parameters, "backlash_arcmin"),
+            std::log(torque_Nm == nullptr ? start_torque_Nm_ : std::max(*torque_Nm, 1e-6))};
+  }
+
+ private:
+  double start_torque_Nm_;
+};
+
+}  // namespace
+
+void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
+  const double half_range_rad = 0.5 * records.twist_range_rad;
+  const double peak_Nm = records.peak_torque_Nm;
+  effects.push_back(std::make_unique<BacklashEffect>(records));
+
+  CauseRule asymmetry{
+      .name = "asymmetric_stiffness",
+      .sentence =
+          "the gear is stiffer under torque of one sign: teeth that bear on one flank first, a "
+          "flexspline that was overloaded one way; a mount that bends one way looks the same",
+      .where = Where::kUnit,
+      .effect = "E5",
+      .parameters = {{"asymmetry_share", "1", -0.5, 0.5, true}},
+      .degrees_of_freedom = 1,
+      .to_settle = TwoAngles(records)};
+  effects.push_back(std::make_unique<OneNumber>(std::move(asymmetry), FitNumber{-0.6, 0.6, 1e-6, false, true},
+                                                &GearLaw::asymmetry_share));
+
+  const double hardest = 0.8 * peak_Nm / (half_range_rad * half_range_rad * half_range_rad);
+  CauseRule hardening{
+      .name = "cubic_hardening",
+      .sentence =
+          "stiffness rises smoothly with the twist, beyond K1 to K3: more teeth come to bear as "
+          "the flexspline winds up",
+      .where = Where::kUnit,
+      .effect = "E5",
+      .parameters = {{"hardening_Nm_per_rad3", "Nm/rad3", 0.0, hardest, true}},
+      .degrees_of_freedom = 1,
+      .to_settle = fmt::format("# further out, where the gear allows it\n{}",
+                               PhaseText(records, {.name = "further", .peak_share = 1.4}))};
+  effects.push_back(std::make_unique<OneNumber>(std::move(hardening),
+                                                FitNumber{0.0, 2.0 * hardest, 1e-6 * hardest, false, true},
+                                                &GearLaw::hardening_Nm_per_rad3));
+
+  const double most_offset_Nm = 0.3 * records.t3_Nm;
+  CauseRule offset{
+      .name = "torque_zero_offset",
+      .sentence =
+          "the torque signal is shifted: the transducer was not zeroed, or something hangs on the "
+          "output (zero it unloaded, with couplings loose)",
+      .where = Where::kBench,
+      .effect = "",
+      .parameters = {{"offset_Nm", "Nm", -most_offset_Nm, most_offset_Nm, true}},
+      .degrees_of_freedom = 1,
+      .to_settle = fmt::format("# with the torque signal zeroed on the unloaded output\n{}",
+                               PhaseText(records, {.name = "zeroed"}))};
+  effects.push_back(std::make_unique<OneNumber>(
+      std::move(offset),
+      FitNumber{-1.2 * most_offset_Nm, 1.2 * most_offset_Nm, 1e-6 * records.t1_Nm, false, true},
+      &GearLaw::torque_offset_Nm));
+
+  AppendDistributedFriction(records, effects);
+
+  // As much damping as takes all the torque at the mean rate of the twist.
+  const double rate_rad_per_s = 2.0 * records.twist_range_rad *
+                                static_cast<double>(records.branches.size() - 1) / 2.0 /
+                                static_cast<double>(records.samples.records()) / records.duration_s;
+  const double most_viscous = 0.5 * peak_Nm / rate_rad_per_s;
+  CauseRule rate{
+      .name = "rate_dependence",
+      .sentence =
+          "the loop widens with the torque rate, as with viscous friction: stiff grease or cold; an "
+          "angle that is sampled later than the torque looks the same",
+      .where = Where::kUnit,
+      .effect = "E22",
+      .parameters = {{"viscous_Nms_per_rad", "Nm s/rad", 0.0, most_viscous, true}},
+      .degrees_of_freedom = 1,
+      .to_settle = fmt::format(
+          "# the same loop slowly and fast: what is the rate's doing grows ten times\n{}{}",
+          PhaseText(records, {.name = "slow", .torque_rate_Nm_per_s = 0.5, .hold_s = 30.0, .loops = 2}),
+          PhaseText(records, {.name = "fast", .torque_rate_Nm_per_s = 5.0, .hold_s = 30.0, .loops = 2}))};
+  effects.push_back(std::make_unique<OneNumber>(
+      std::move(rate), FitNumber{0.0, 2.0 * most_viscous, 1e-6 * most_viscous, false, true},
+      &GearLaw::viscous_Nms_per_rad));
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/hysteresis/record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include "analysis/arguments.h"
+#include "analysis/diagnosis/hysteresis/checks.h"
+#include "analysis/diagnosis/hysteresis/signal.h"
+#include "analysis/loop_branches.h"
+#include "analysis/noise_level.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// A record whose twist falls with the torque has one of the two signs swapped.
+bool FallsWithTorque(std::span<const double> torque_Nm, std::span<const double> twist_rad) {
+  const auto n = static_cast<double>(torque_Nm.size());
+  const double mean_torque = std::accumulate(torque_Nm.begin(), torque_Nm.end(), 0.0) / n;
+  const double mean_twist = std::accumulate(twist_rad.begin(), twist_rad.end(), 0.0) / n;
+  double covariance = 0.0;
+  for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
+    covariance += (torque_Nm[i] - mean_torque) * (twist_rad[i] - mean_twist);
+  }
+  return covariance < 0.0;
+}
+
+// The torque that drives the model.
+std::vector<double> DrivingTorque(const HysteresisData& record, double compliance_rad_per_Nm) {
+  std::vector<double> torque_Nm = record.torque_Nm;
+  const double noise_Nm = SampleNoise(torque_Nm);
+  InterpolateOver(torque_Nm, LoneSpikes(torque_Nm, noise_Nm));
+  const double followed = FollowedShare(torque_Nm, record.output_angle_rad, compliance_rad_per_Nm);
+  const std::vector<double> clean_Nm = WithoutNoise(record.time_s, torque_Nm, noise_Nm);
+  for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
+    torque_Nm[i] = clean_Nm[i] + followed * (torque_Nm[i] - clean_Nm[i]);
+  }
+  return torque_Nm;
+}
+
+void AppendRate(std::span<const double> time_s, std::span<const double> torque_Nm,
+                std::vector<double>& rate) {
+  const std::size_t n = time_s.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t a = i < 2 ? 0 : i - 2;
+    const std::size_t b = std::min(i + 2, n - 1);
+    const double span_s = time_s[b] - time_s[a];
+    rate.push_back(span_s > 0.0 ? (torque_Nm[b] - torque_Nm[a]) / span_s : 0.0);
+  }
+}
+
+// Times that repeat are spread over the gap to the next one.
+std::vector<double> RisingTimes(const std::vector<double>& time_s) {
+  std::vector<double> rising(time_s);
+  for (std::size_t i = 0; i < rising.size();) {
+    std::size_t next = i + 1;
+    while (next < rising.size() && time_s[next] <= time_s[i]) ++next;
+    const double until = next < rising.size() ? time_s[next] : time_s[i];
+    for (std::size_t k = i + 1; k < next; ++k) {
+      rising[k] =
+          time_s[i] + (until - time_s[i]) * static_cast<double>(k - i) / static_cast<double>(next - i);
+    }
+    i = next;
+  }
+  return rising;
+}
+
+double MedianStep(const std::vector<double>& time_s) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
+  return Median(std::move(steps));
+}
+
+void AppendTemperature(std::span<const HysteresisData> records, LoopGrid& grid) {
+  std::vector<double> all;
+  for (const HysteresisData& record : records) {
+    if (record.temperature_degC.empty()) return;
+    const std::vector<double> clean = WithoutNoise(RisingTimes(record.time_s), record.temperature_degC,
+                                                   SampleNoise(record.temperature_degC));
+    all.insert(all.end(), clean.begin(), clean.end());
+  }
+  const double mean = std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
+  for (double& value : all) value -= mean;
+  const auto [low, high] = std::minmax_element(all.begin(), all.end());
+  double noise = 0.0;
+  for (const HysteresisData& record : records) noise = std::max(noise, SampleNoise(record.temperature_degC));
+  constexpr double kStandsStill_K = 0.05;
+  if (*high - *low > std::max(kStandsStill_K, 3.0 * noise)) grid.temperature_K = std::move(all);
+}
+
+void AppendBranches(std::span<const double> torque_Nm, double t3_Nm, LoopRecords& prepared) {
+  const std::size_t base = prepared.samples.direction.size();
+  const std::vector<Branch> branches = SplitBranches(
+      torque_Nm,
+      std::max(0.02 * std::min(t3_Nm, 2.0 * prepared.peak_torque_Nm), 6.0 * SampleNoise(torque_Nm)));
+  prepared.samples.direction.resize(base + torque_Nm.size(), 1.0);
+  for (const Branch& branch : branches) {
+    const std::size_t first = branch.first == 0 ? 0 : branch.first + 1;
+    prepared.branches.push_back(base + first);
+    for (std::size_t i = first; i <= branch.last; ++i) {
+      prepared.samples.direction[base + i] = branch.rising ? 1.0 : -1.0;
+    }
+  }
+}
+
+double NoiseFloorOf(const LoopRecords& prepared) {
+  // The mean compliance takes most of the motion off, and what the gear follows of the torque's fluctuation.
+  const LoopGrid& grid = prepared.samples;
+  double square_sum = 0.0;
+  for (std::size_t r = 0; r < grid.records(); ++r) {
+    const std::size_t first = grid.starts[r];
+    const std::size_t count = grid.starts[r + 1] - first;
+    std::vector<double> angle(grid.twist_rad.begin() + static_cast<std::ptrdiff_t>(first),
+                              grid.twist_rad.begin() + static_cast<std::ptrdiff_t>(first + count));
+    for (std::size_t i = 0; i < count; ++i) {
+      angle[i] -= prepared.compliance_rad_per_Nm() * grid.torque_Nm[first + i];
+    }
+    const double noise = LastingNoise(angle);
+    square_sum += noise * noise * static_cast<double>(count);
+  }
+  return std::sqrt(square_sum / static_cast<double>(grid.size()));
+}
+
+void AppendTurns(std::span<const double> time_s, std::span<const double> torque_Nm, double noise_Nm,
+                 LoopGrid& grid) {
+  const std::size_t base = grid.turn_Nm.size();
+  grid.turn_Nm.resize(base + torque_Nm.size(), std::numeric_limits<double>::quiet_NaN());
+  grid.turn_share.resize(base + torque_Nm.size(), 0.0);
+  for (const Turn& turn : FindTurns(time_s, torque_Nm, noise_Nm)) {
+    grid.turn_Nm[base + turn.before + 1] = turn.value;
+    grid.turn_share[base + turn.before + 1] = turn.share;
+  }
+}
+
+std::size_t BlockLengthOf(const LoopRecords& prepared) {
+  const std::size_t n = prepared.samples.size();
+  const std::size_t loops = (prepared.branches.size() - 1) / 2 / prepared.samples.records();
+  const std::size_t of_record = n / prepared.samples.records();
+  if (loops >= 3) return std::max<std::size_t>(of_record / loops, 1);
+  return std::max<std::size_t>(n / 20, 1);
+}
+
+void RequireOneKind(std::span<const HysteresisData> records) {
+  if (records.empty()) throw std::invalid_argument("there is no record (expected at least one)");
+  for (const HysteresisData& record : records) {
+    RequireDiagnosableLoop(record);
+    if (record.t1_Nm != records[0].t1_Nm || record.t2_Nm != records[0].t2_Nm) {
+      throw std::invalid_argument(fmt::format(
+          "records differ in their knees: t1_Nm = {}, t2_Nm = {} and t1_Nm = {}, t2_Nm = {} (expected one "
+          "gear in all of them)",
+          records[0].t1_Nm, records[0].t2_Nm, record.t1_Nm, record.t2_Nm));
+    }
+  }
+}
+
+}  // namespace
+
+LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
+  RequireOneKind(records);
+  LoopRecords prepared;
+  prepared.t1_Nm = records[0].t1_Nm;
+  prepared.t2_Nm = records[0].t2_Nm;
+  prepared.t3_Nm = records[0].t3_Nm;
+  LoopGrid& grid = prepared.samples;
+  for (const HysteresisData& record : records) {
+    const auto [low, high] =
+        std::minmax_element(record.output_angle_rad.begin(), record.output_angle_rad.end());
+    const auto [low_Nm, high_Nm] = std::minmax_element(record.torque_Nm.begin(), record.torque_Nm.end());
+    const double peak_Nm = std::max(std::abs(*low_Nm), std::abs(*high_Nm));
+    const double range_rad = *high - *low;
+    prepared.peak_torque_Nm = std::max(prepared.peak_torque_Nm, peak_Nm);
+    prepared.twist_range_rad = std::max(prepared.twist_range_rad, range_rad);
+    const auto odd = OddThingsAbout(record, range_rad, peak_Nm);
+    prepared.warnings.insert(prepared.warnings.end(), odd.begin(), odd.end());
+
+    HysteresisData turned = record;
+    turned.time_s = RisingTimes(record.time_s);
+    if (FallsWithTorque(record.torque_Nm, record.output_angle_rad)) {
+      for (double& torque_Nm : turned.torque_Nm) torque_Nm = -torque_Nm;
+      prepared.warnings.push_back(
+          "the angle falls with the torque: the sign of one of them is swapped; torque is taken "
+          "with the other sign");
+    }
+    const std::vector<double> torque_Nm = DrivingTorque(turned, range_rad / (*high_Nm - *low_Nm));
+    AppendBranches(torque_Nm, record.t3_Nm, prepared);
+    AppendTurns(turned.time_s, torque_Nm, SampleNoise(turned.torque_Nm), grid);
+    AppendRate(turned.time_s, torque_Nm, prepared.torque_rate_Nm_per_s);
+    grid.starts.push_back(grid.size());
+    const double centre_rad = 0.5 * (*low + *high);
+    const std::vector<double> place_rad =
+        WithoutNoise(turned.time_s, record.output_angle_rad, SampleNoise(record.output_angle_rad));
+    prepared.centre_rad.push_back(centre_rad);
+    for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
+      grid.time_s.push_back(turned.time_s[i] - turned.time_s[0]);
+      grid.torque_Nm.push_back(torque_Nm[i]);
+      grid.twist_rad.push_back(record.output_angle_rad[i] - centre_rad);
+      grid.place_rad.push_back(place_rad[i] - centre_rad);
+      grid.weight.push_back(1.0);
+      prepared.measured_rad.push_back(record.output_angle_rad[i]);
+      prepared.measured_torque_Nm.push_back(turned.torque_Nm[i]);
+    }
+    prepared.duration_s = std::max(prepared.duration_s, grid.time_s.back());
+    prepared.step_s = std::max(prepared.step_s, MedianStep(turned.time_s));
+  }
+  grid.starts.push_back(grid.size());
+  prepared.branches.push_back(grid.size());
+  AppendTemperature(records, grid);
+  if (!(prepared.duration_s > 0.0)) {
+    throw std::invalid_argument("time_s stands still (expected it to rise)");
+  }
+  prepared.step_s = std::max(prepared.step_s, prepared.duration_s / static_cast<double>(grid.size()));
+  prepared.noise_floor_rad = NoiseFloorOf(prepared);
+  prepared.block_length = BlockLengthOf(prepared);
+  return prepared;
+}
+
+LoopGrid Condense(const LoopRecords& records, std::span<const double> weights, std::size_t most) {
+  const LoopGrid& all = records.samples;
+  const std::size_t run = most == 0 ? 1 : (all.size() + most - 1) / most;
+  if (run <= 1) {
+    LoopGrid same = all;
+    same.weight.assign(weights.begin(), weights.end());
+    return same;
+  }
+  LoopGrid grid;
+  const auto append_mean = [&](std::size_t first, std::size_t end) {
+    double weight = 0.0;
+    for (std::size_t i = first; i < end; ++i) weight += weights[i];
+    const auto mean = [&](const std::vector<double>& values) {
+      double sum = 0.0;
+      for (std::size_t i = first; i < end; ++i) sum += weight > 0.0 ? weights[i] * values[i] : values[i];
+      return sum / (weight > 0.0 ? weight : static_cast<double>(end - first));
+    };
+    grid.time_s.push_back(mean(all.time_s));
+    grid.torque_Nm.push_back(mean(all.torque_Nm));
+    grid.twist_rad.push_back(mean(all.twist_rad));
+    grid.place_rad.push_back(mean(all.place_rad));
+    grid.weight.push_back(weight);
+    if (!all.temperature_K.empty()) grid.temperature_K.push_back(mean(all.temperature_K));
+    grid.direction.push_back(all.direction[first]);
+    grid.turn_Nm.push_back(all.turn_Nm[first]);
+    grid.turn_share.push_back(all.turn_share[first]);
+  };
+  std::size_t record = 0;
+  for (std::size_t b = 0; b + 1 < records.branches.size(); ++b) {
+    const std::size_t first = records.branches[b];
+    const std::size_t end = records.branches[b + 1];
+    if (record < all.records() && first == all.starts[record]) {
+      grid.starts.push_back(grid.size());
+      ++record;
+    }
+    // The first sample of a record holds the start, the last one of a branch is the reversal.
+    std::size_t i = first;
+    if (first == all.starts[record - 1]) append_mean(i, i + 1), ++i;
+    while (i + 1 < end) {
+      const std::size_t stop = std::min(i + run, end - 1);
+      append_mean(i, stop);
+      i = stop;
+    }
+    if (i < end) append_mean(i, end);
+  }
+  grid.starts.push_back(grid.size());
+  return grid;
+}
+
+}  // namespace strainwave::analysis::diagnosis

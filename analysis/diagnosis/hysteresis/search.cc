@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/hysteresis/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "analysis/prepared_loop.h"
+#include "analysis/stiffness_start.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t kSearchPoints = 1500;
+constexpr int kMostIterations = 25;
+constexpr int kFitted = 2;  // of the ranked starts
+
+Eigen::VectorXd RootsOf(const std::vector<double>& weights) {
+  return Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Index>(weights.size())).cwiseSqrt();
+}
+
+// Column space of what the fitted numbers can follow.
+Eigen::MatrixXd OrthonormalColumns(const Eigen::MatrixXd& derivatives) {
+  std::vector<Index> used;
+  for (Index k = 0; k < derivatives.cols(); ++k) {
+    if (derivatives.col(k).squaredNorm() > 0.0) used.push_back(k);
+  }
+  Eigen::MatrixXd columns = derivatives(Eigen::all, used);
+  for (Index k = 0; k < columns.cols(); ++k) columns.col(k).normalize();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
+}
+
+struct RankedStart {
+  Eigen::VectorXd numbers;
+  double gain{};  // drop of the sum of squares, to first order
+};
+
+// Puts the amounts where they bring most, to first order, and says how much.
+RankedStart RankStart(const LoopModel& model, std::size_t effect, const LoopGrid& grid, Eigen::VectorXd x,
+                      const Eigen::MatrixXd& followed, const Eigen::VectorXd& residual,
+                      const Eigen::VectorXd& roots, const Eigen::VectorXd& gear_rad) {
+  RankedStart ranked{std::move(x), 0.0};
+  Eigen::MatrixXd columns = roots.asDiagonal() * model.AmountColumns(ranked.numbers, grid, effect, gear_rad);
+  columns -= followed * (followed.transpose() * columns).eval();
+  const Eigen::MatrixXd normal = columns.transpose() * columns;
+  const Eigen::VectorXd drive = columns.transpose() * residual;
+  const double floor = 1e-12 * normal.diagonal().maxCoeff();
+  Eigen::VectorXd sizes =
+      (normal + floor * Eigen::MatrixXd::Identity(normal.rows(), normal.cols())).ldlt().solve(drive);
+  const std::vector<int> amounts = model.Amounts(ranked.numbers, effect);
+  for (std::size_t j = 0; j < amounts.size(); ++j) {
+    const FitNumber& number = model.numbers()[static_cast<std::size_t>(amounts[j])];
+    double& value = ranked.numbers[amounts[j]];
+    const double before = value;
+    const double size = sizes(static_cast<Index>(j));
+    value = std::isfinite(size) ? std::clamp(before + size, number.low, number.high) : before;
+    sizes(static_cast<Index>(j)) = value - before;
+  }
+  ranked.gain = 2.0 * sizes.dot(drive) - sizes.dot(normal * sizes);
+  return ranked;
+}
+
+// What a fitted model leaves on a grid, and what its numbers can follow.
+class Surroundings {
+ public:
+  Surroundings(const LoopModel& model, const Eigen::VectorXd& x, const LoopGrid& grid)
+      : roots_(RootsOf(grid.weight)), law_(model.LawOf(x)) {
+    FillTwist(law_, grid, gear_rad_);
+    Eigen::MatrixXd derivatives;
+    const Eigen::VectorXd predicted = model.Predict(x, grid, derivatives);
+    residual_ = Eigen::Map<const Eigen::VectorXd>(grid.twist_rad.data(), predicted.size()) - predicted;
+    followed_ = OrthonormalColumns(roots_.asDiagonal() * derivatives);
+  }
+
+  LoopRemainder Remainder(const LoopRecords& records, const LoopGrid& grid) const {
+    return {records, grid, law_, {residual_.data(), static_cast<std::size_t>(residual_.size())}};
+  }
+
+  // Proposed numbers of one effect, put into `base`, the most promising first.
+  std::vector<RankedStart> Rank(const LoopModel& model, std::size_t effect, const LoopGrid& grid,
+                                const std::vector<std::vector<double>>& proposals,
+                                const Eigen::VectorXd& base) const {
+    const Eigen::VectorXd weighted = roots_.cwiseProduct(residual_);
+    std::vector<RankedStart> ranked;
+    for (const std::vector<double>& proposal : proposals) {
+      Eigen::VectorXd start = base;
+      std::copy(proposal.begin(), proposal.end(), model.Of(effect, start).begin());
+      ranked.push_back(
+          RankStart(model, effect, grid, std::move(start), followed_, weighted, roots_, gear_rad_));
+    }
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const RankedStart& a, const RankedStart& b) { return a.gain > b.gain; });
+    return ranked;
+  }
+
+ private:
+  Eigen::VectorXd roots_;
+  GearLaw law_;
+  Eigen::VectorXd residual_;
+  Eigen::MatrixXd followed_;
+  Eigen::VectorXd gear_rad_;
+};
+
+// n ln(cost) + k ln(n): what a better fit has to pay for further numbers.
+double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSolution& solution) {
+  const auto n = static_cast<double>(grid.size());
+  return n * std::log(std::max(solution.cost, 1e-300)) + model.FreeParameters(solution.numbers) * std::log(n);
+}
+
+// Fits the most promising start of each form, up to a few of them.
+void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std::size_t effect,
+             const LoopGrid& grid, LoopSolution& best) {
+  const bool has_forms = model.effects()[effect]->numbers.front().held;
+  std::vector<double> forms;
+  int fits = 0;
+  for (const RankedStart& start : ranked) {
+    const double form = model.Of(effect, start.numbers)[0];
+    if (has_forms && std::find(forms.begin(), forms.end(), form) != forms.end()) continue;
+    forms.push_back(form);
+    LoopSolution solution = SolveLoop(model, grid, start.numbers, kMostIterations);
+    if (!std::isfinite(best.cost) ||
+        PenalisedCost(model, grid, solution) < PenalisedCost(model, grid, best)) {
+      best = std::move(solution);
+    }
+    if (++fits == kFitted) return;
+  }
+}
+
+// The nominal numbers that the grid search of the stiffness fit proposes for one record.
+std::vector<Eigen::VectorXd> ProposedStarts(const LoopRecords& records, std::size_t record) {
+  const LoopGrid& grid = records.samples;
+  const std::size_t first = grid.starts[record];
+  const std::size_t count = grid.starts[record + 1] - first;
+  const TorsionLoop raw{std::span(grid.time_s).subspan(first, count),
+                        std::span(grid.torque_Nm).subspan(first, count),
+                        std::span(grid.twist_rad).subspan(first, count)};
+  const TestTorques torques{
+      .t1_Nm = records.t1_Nm, .t2_Nm = records.t2_Nm, .t3_Nm = std::max(records.t3_Nm, 1.01 * records.t2_Nm)};
+  const PreparedLoop loop = PrepareLoop(raw, torques);
+  const ThinnedLoop thinned = ThinLoop(loop, MakeLoopInputs(loop));
+  std::vector<Eigen::VectorXd> starts;
+  for (const StiffnessParameters& p : StiffnessStarts(loop, thinned, records.twist_range_rad)) {
+    Eigen::VectorXd x(kFirstOfRecord + kNumbersOfRecord);
+    x << p[kLogK1], p[kLogK2], p[kLogK3], p[kLogFriction],
+        std::log(ArcminFromRad(std::exp(p[kLogYieldTwist]))),
+        ArcminFromRad(p[kTwistOffset] * records.twist_range_rad), p[kStartShare];
+    starts.push_back(std::move(x));
+  }
+  return starts;
+}
+
+}  // namespace
+
+Eigen::VectorXd FindNominal(const LoopRecords& records) {
+  const LoopModel model(records, {});
+  const LoopGrid grid = Condense(records, records.samples.weight, kSearchPoints);
+  std::vector<Eigen::VectorXd> starts;
+  for (std::size_t r = 0; r < records.samples.records(); ++r) {
+    const std::vector<Eigen::VectorXd> proposed = ProposedStarts(records, r);
+    const int own = kFirstOfRecord + kNumbersOfRecord * static_cast<int>(r);
+    for (std::size_t s = 0; s < proposed.size() && r == 0; ++s) {
+      starts.push_back(Eigen::VectorXd::Zero(model.size()));
+      starts.back().head(kFirstOfRecord) = proposed[s].head(kFirstOfRecord);
+    }
+    for (Eigen::VectorXd& start : starts) {
+      start.segment(own, kNumbersOfRecord) = proposed[0].segment(kFirstOfRecord, kNumbersOfRecord);
+    }
+  }
+  // The yield twist decides which valley a fit ends in.
+  const Eigen::VectorXd first = starts.front();
+  for (const double factor : {0.25, 4.0}) {
+    starts.push_back(first);
+    starts.back()[kLnYield] += std::log(factor);
+  }
+  LoopSolution best{first, std::numeric_limits<double>::infinity()};
+  for (const Eigen::VectorXd& start : starts) {
+    LoopSolution solution = SolveLoop(model, grid, start, kMostIterations);
+    if (solution.cost < best.cost) best = std::move(solution);
+  }
+  return best.numbers;
+}
+
+LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
+                              const LoopGrid& grid, const Eigen::VectorXd& x) {
+  std::vector<const LoopEffect*> others = model.effects();
+  const LoopEffect& added = *others[effect];
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(effect));
+  const LoopModel poorer(records, others);
+  // The numbers of the effect lie in one piece.
+  Eigen::VectorXd without(poorer.size());
+  const auto place = static_cast<Index>(model.Of(effect, x).data() - x.data());
+  const auto count = static_cast<Index>(added.numbers.size());
+  without << x.head(place), x.tail(x.size() - place - count);
+
+  LoopSolution best{x, std::numeric_limits<double>::infinity()};
+  const Surroundings beside(poorer, without, grid);
+  FitBest(beside.Rank(model, effect, grid, added.Starts(beside.Remainder(records, grid)), x), model, effect,
+          grid, best);
+  if (!std::isfinite(best.cost)) return best;
+
+  const Surroundings with(model, best.numbers, grid);
+  const auto forms = added.RicherForms(model.Of(effect, best.numbers), with.Remainder(records, grid));
+  if (!forms.empty()) {
+    LoopSolution richer{best.numbers, std::numeric_limits<double>::infinity()};
+    FitBest(with.Rank(model, effect, grid, forms, best.numbers), model, effect, grid, richer);
+    constexpr double kClearly = 10.0;
+    if (PenalisedCost(model, grid, richer) < PenalisedCost(model, grid, best) - kClearly)
+      best = std::move(richer);
+  }
+  return best;
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/hysteresis/signal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "analysis/noise_level.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// Variance of 1 −4 6 −4 1 under white noise.
+constexpr double kFourthDifference = 70.0;
+
+std::vector<double> FourthDifferences(std::span<const double> x) {
+  std::vector<double> differences;
+  for (std::size_t i = 4; i < x.size(); ++i) {
+    differences.push_back(x[i] - 4.0 * x[i - 1] + 6.0 * x[i - 2] - 4.0 * x[i - 3] + x[i - 4]);
+  }
+  return differences;
+}
+
+// Parabola through samples of a growing stretch, seen from one place.
+class GrowingParabola {
+ public:
+  void Add(double x, double y) {
+    double power = 1.0;
+    for (double& sum : x_) {
+      sum += power;
+      power *= x;
+    }
+    y_[0] += y;
+    y_[1] += y * x;
+    y_[2] += y * x * x;
+  }
+
+  struct Point {
+    double value;
+    double variance;  // over that of a sample
+  };
+  // Value at x = 0, by the cofactors of the normal matrix; none where the samples do not hold a parabola.
+  std::optional<Point> AtZero() const {
+    const double c0 = x_[2] * x_[4] - x_[3] * x_[3];
+    const double c1 = x_[3] * x_[2] - x_[1] * x_[4];
+    const double c2 = x_[1] * x_[3] - x_[2] * x_[2];
+    const double determinant = x_[0] * c0 + x_[1] * c1 + x_[2] * c2;
+    if (!(determinant > 1e-9 * x_[0] * x_[2] * x_[4])) return std::nullopt;
+    return Point{(c0 * y_[0] + c1 * y_[1] + c2 * y_[2]) / determinant, c0 / determinant};
+  }
+
+ private:
+  std::array<double, 5> x_{};
+  std::array<double, 3> y_{};
+};
+
+constexpr std::size_t kLongest = 64;
+
+// The longest stretch that may be used at `at`, to its left, its right or both, before the parabola leaves
+// what shorter ones say.
+GrowingParabola::Point LongestAgreeing(std::span<const double> t, std::span<const double> y, std::size_t at,
+                                       double noise, bool left, bool right) {
+  constexpr double kAgree = 1.6;  // standard errors
+  GrowingParabola parabola;
+  parabola.Add(0.0, y[at]);
+  GrowingParabola::Point best{y[at], 1.0};
+  double low = y[at] - kAgree * noise;
+  double high = y[at] + kAgree * noise;
+  const std::size_t before = left ? at : kLongest;
+  const std::size_t after = right ? t.size() - 1 - at : kLongest;
+  const std::size_t room = std::min({before, after, kLongest});
+  const std::size_t nearest = std::max<std::size_t>(at, 1);
+  const double scale = t[nearest] - t[nearest - 1] > 0.0 ? t[nearest] - t[nearest - 1] : 1.0;
+  std::size_t next = left && right ? 2 : 4;
+  for (std::size_t reach = 1; reach <= room; ++reach) {
+    if (left) parabola.Add((t[at - reach] - t[at]) / scale, y[at - reach]);
+    if (right) parabola.Add((t[at + reach] - t[at]) / scale, y[at + reach]);
+    if (reach != next) continue;
+    next = reach * 3 / 2;
+    const auto point = parabola.AtZero();
+    if (!point) break;
+    const double error = kAgree * noise * std::sqrt(point->variance);
+    low = std::max(low, point->value - error);
+    high = std::min(high, point->value + error);
+    if (low > high) break;
+    if (point->variance < best.variance) best = *point;
+  }
+  return best;
+}
+
+// Straight line through a few samples.
+struct ShortLine {
+  double at_end;  // value at the sample next to the gap
+  double slope;
+  double misfit;  // rms
+};
+ShortLine LineThrough(std::span<const double> t, std::span<const double> y, double end_s) {
+  const auto n = static_cast<double>(t.size());
+  double mean_t = 0.0;
+  double mean_y = 0.0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    mean_t += t[i] / n;
+    mean_y += y[i] / n;
+  }
+  double tt = 0.0;
+  double ty = 0.0;
+  double yy = 0.0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    tt += (t[i] - mean_t) * (t[i] - mean_t);
+    ty += (t[i] - mean_t) * (y[i] - mean_y);
+    yy += (y[i] - mean_y) * (y[i] - mean_y);
+  }
+  const double slope = tt > 0.0 ? ty / tt : 0.0;
+  return {mean_y + slope * (end_s - mean_t), slope, std::sqrt(std::max(0.0, yy - slope * ty) / n)};
+}
+
+}  // namespace
+
+double SampleNoise(std::span<const double> signal) {
+  if (signal.size() < 6) return 0.0;
+  double deviation = RobustStandardDeviation(FourthDifferences(signal)) / std::sqrt(kFourthDifference);
+  std::size_t repeated = 0;
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < signal.size(); ++i) {
+    const double difference = std::abs(signal[i] - signal[i - 1]);
+    if (difference == 0.0) {
+      ++repeated;
+    } else {
+      step = std::min(step, difference);
+    }
+  }
+  const bool stepped = repeated > signal.size() / 10 && std::isfinite(step);
+  if (stepped) deviation = std::hypot(deviation, step / std::sqrt(12.0));
+  return deviation;
+}
+
+std::vector<double> WithoutNoise(std::span<const double> time_s, std::span<const double> signal,
+                                 double noise) {
+  std::vector<double> clean(signal.begin(), signal.end());
+  if (!(noise > 0.0) || signal.size() < 6) return clean;
+  for (std::size_t i = 0; i < signal.size(); ++i) {
+    GrowingParabola::Point best{signal[i], 1.0};
+    for (const auto& [left, right] : {std::pair{true, true}, {true, false}, {false, true}}) {
+      const GrowingParabola::Point point = LongestAgreeing(time_s, signal, i, noise, left, right);
+      if (point.variance < best.variance) best = point;
+    }
+    clean[i] = best.value;
+  }
+  return clean;
+}
+
+std::vector<std::size_t> LoneSpikes(std::span<const double> signal, double noise) {
+  constexpr double kBeyondNoise = 8.0;
+  constexpr double kBeyondTurn = 3.0;
+  std::vector<std::size_t> spikes;
+  for (std::size_t i = 2; i + 2 < signal.size(); ++i) {
+    const double off = std::abs(signal[i] - 0.5 * (signal[i - 1] + signal[i + 1]));
+    const double turn = std::abs((signal[i + 2] - signal[i + 1]) - (signal[i - 1] - signal[i - 2]));
+    if (off > kBeyondNoise * noise && off > kBeyondTurn * turn && off > 0.0) spikes.push_back(i);
+  }
+  return spikes;
+}
+
+double FollowedShare(std::span<const double> drive, std::span<const double> response, double slope) {
+  const std::vector<double> x = FourthDifferences(drive);
+  const std::vector<double> y = FourthDifferences(response);
+  const double x_limit = 5.0 * RobustStandardDeviation(x);
+  const double y_limit = 5.0 * RobustStandardDeviation(y);
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (std::abs(x[i]) > x_limit || std::abs(y[i]) > y_limit) continue;
+    xx += slope * slope * x[i] * x[i];
+    xy += slope * x[i] * y[i];
+    yy += y[i] * y[i];
+    count += 1.0;
+  }
+  if (!(xx > 0.0) || count < 20.0) return 0.0;
+  const double share = xy / xx;
+  // Neighbouring fourth differences are not independent: as if one in three were.
+  const double error = std::sqrt(3.0 * std::max(yy - share * xy, 0.0) / count / xx);
+  return share > 4.0 * error ? std::clamp(share, 0.0, 1.0) : 0.0;
+}
+
+std::vector<Turn> FindTurns(std::span<const double> time_s, std::span<const double> signal, double noise) {
+  constexpr std::size_t kReach = 5;
+  constexpr double kSharp = 4.0;
+  constexpr double kStraight = 0.03;  // of the turn
+  std::vector<Turn> turns;
+  for (std::size_t i = kReach; i + kReach < signal.size(); ++i) {
+    const double step_s = time_s[i + 1] - time_s[i];
+    const ShortLine left = LineThrough(time_s.subspan(i + 1 - kReach, kReach),
+                                       signal.subspan(i + 1 - kReach, kReach), time_s[i]);
+    const ShortLine right =
+        LineThrough(time_s.subspan(i + 1, kReach), signal.subspan(i + 1, kReach), time_s[i + 1]);
+    const double turn = std::abs(left.slope - right.slope) * step_s;
+    const double allowed = 2.0 * noise + kStraight * turn;
+    if (!(turn > kSharp * noise) || !(turn > 0.0) || left.misfit > allowed || right.misfit > allowed)
+      continue;
+    const double share =
+        (right.at_end - right.slope * step_s - left.at_end) / (left.slope - right.slope) / step_s;
+    if (share > 0.0 && share < 1.0) turns.push_back({i, share, left.at_end + left.slope * share * step_s});
+  }
+  return turns;
+}
+
+double LastingNoise(std::span<const double> signal) {
+  if (signal.size() < 40) return 0.0;
+  struct Level {
+    double lag;
+    double variance;  // of a second difference over the lag, by that of white noise
+    double weight;
+  };
+  std::vector<Level> levels;
+  for (std::size_t lag = 1; lag <= 16 && 16 * lag < signal.size(); lag *= 2) {
+    std::vector<double> differences;
+    for (std::size_t i = 2 * lag; i < signal.size(); ++i) {
+      differences.push_back(signal[i] - 2.0 * signal[i - lag] + signal[i - 2 * lag]);
+    }
+    const double deviation = RobustStandardDeviation(differences);
+    if (!(deviation > 0.0)) return 0.0;
+    levels.push_back({static_cast<double>(lag), deviation * deviation / 6.0, 1.0 / static_cast<double>(lag)});
+  }
+  // Of noise with lag-1 correlation ρ: 6 − 8 ρ^lag + 2 ρ^(2 lag), over 6. White unless memory explains
+  // clearly more.
+  const auto misfit_of = [&](double rho, double& variance) {
+    double sum = 0.0;
+    double weights = 0.0;
+    for (const Level& level : levels) {
+      const double memory = std::pow(rho, level.lag);
+      sum += level.weight * std::log(level.variance * 6.0 / (6.0 - 8.0 * memory + 2.0 * memory * memory));
+      weights += level.weight;
+    }
+    const double mean = sum / weights;
+    variance = std::exp(mean);
+    double misfit = 0.0;
+    for (const Level& level : levels) {
+      const double memory = std::pow(rho, level.lag);
+      const double off = std::log(level.variance * 6.0 / (6.0 - 8.0 * memory + 2.0 * memory * memory)) - mean;
+      misfit += level.weight * off * off;
+    }
+    return misfit;
+  };
+  double white = 0.0;
+  const double without = misfit_of(0.0, white);
+  double best = without;
+  double variance = white;
+  for (double rho = 0.1; rho < 0.94; rho += 0.05) {
+    double there = 0.0;
+    const double misfit = misfit_of(rho, there);
+    if (misfit < best) {
+      best = misfit;
+      variance = there;
+    }
+  }
+  // Curvature grows with the distance, too, but without end: memory has to make the levels agree.
+  const double chance = 20.0 / static_cast<double>(signal.size());
+  const bool remembers = without > chance && best < 0.2 * without;
+  return std::sqrt(remembers ? variance : levels.front().variance);
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace strainwave::analysis::diagnosis {
+
+/// Standard deviation of the white part of a signal from its fourth differences, so that ramps, corners and
+/// smooth curves do not count; resolution included where neighbours often read the same. 0 below 6 values.
+double SampleNoise(std::span<const double> signal);
+
+/// The signal without its white noise: at each sample the parabola over the longest stretch, to its left, its
+/// right or both, over which parabolas of all lengths agree within the noise. Corners and reversals stay
+/// where they are.
+/// @param time_s  rising; the abscissa of the parabolas.
+/// @param noise   standard deviation; 0 returns the signal.
+/// Source: intersection of confidence intervals, Katkovnik, IEEE Trans. Signal Process. 47 (1999) 2567.
+std::vector<double> WithoutNoise(std::span<const double> time_s, std::span<const double> signal,
+                                 double noise);
+
+/// Single samples that stand off their neighbours by more than noise and by more than the signal turns there.
+std::vector<std::size_t> LoneSpikes(std::span<const double> signal, double noise);
+
+/// By how much `response` follows the fluctuation of `drive` from sample to sample: the slope between their
+/// fourth differences, as a share of `slope`, 0 to 1. 0 where that cannot be told from nothing.
+double FollowedShare(std::span<const double> drive, std::span<const double> response, double slope);
+
+/// A place between two samples at which a signal turns from one straight line into another.
+struct Turn {
+  std::size_t before{};  // sample that it comes after
+  double share{};        // of the time to the next sample, 0 to 1
+  double value{};        // of the signal there
+};
+/// Turns that are sharper than the noise: a ramp that ends between two samples goes further than either of
+/// them says.
+std::vector<Turn> FindTurns(std::span<const double> time_s, std::span<const double> signal, double noise);
+
+/// Standard deviation of the noise on a signal of straight pieces, first-order autoregressive noise included:
+/// from its second differences over 1, 2, 4, 8 and 16 samples, which grow with the distance as far as noise
+/// remembers itself. 0 below 40 values.
+double LastingNoise(std::span<const double> signal);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "analysis/diagnosis/fit_covariance.h"
+#include "analysis/diagnosis/hysteresis/checks.h"
+#include "analysis/diagnosis/hysteresis/model.h"
+#include "analysis/diagnosis/hysteresis/search.h"
+#include "analysis/diagnosis/records.h"
+#include "analysis/torsional_stiffness.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+// Comparisons are made on means of a few samples where there are more than this.
+constexpr std::size_t kComparisonPoints = 2000;
+constexpr int kMostIterations = 25;
+
+std::string OfRecord(const std::string& name, std::size_t record) {
+  return record == 0 ? name : fmt::format("{}_{}", name, record + 1);
+}
+
+// Hysteresis of one or several records: twist as the response to the measured torque.
+class HysteresisStudy final : public Study {
+ public:
+  explicit HysteresisStudy(std::span<const HysteresisData> data) : records_(PrepareLoopRecords(data)) {
+    AppendGearEffects(records_, effects_);
+    AppendAddedEffects(records_, effects_);
+    AppendCorrections(records_, effects_);
+    for (const auto& effect : effects_) rules_.push_back(effect->rule);
+    stretches_.assign(records_.samples.starts.begin(), records_.samples.starts.end() - 1);
+    nominal_start_ = FindNominal(records_);
+    warnings_ = records_.warnings;
+    const GearLaw law = LoopModel(records_, {}).LawOf(nominal_start_);
+    const double k[] = {law.spring.k1_Nm_per_rad, law.spring.k2_Nm_per_rad, law.spring.k3_Nm_per_rad};
+    const std::string common = CommonStiffnessChange(k, records_.t1_Nm, records_.t2_Nm);
+    if (!common.empty()) warnings_.push_back(common);
+    AppendRegressors();
+  }
+
+  std::span<const double> measured() const override { return records_.measured_rad; }
+  std::span<const std::size_t> stretches() const override { return stretches_; }
+  const std::vector<CauseRule>& causes() const override { return rules_; }
+  const std::vector<Regressor>& regressors() const override { return regressors_; }
+  std::string unit() const override { return "arcmin"; }
+  double unit_per_si() const override { return ArcminFromRad(1.0); }
+  double NoiseFloor() const override { return records_.noise_floor_rad; }
+  std::size_t BlockLength() const override { return records_.block_length; }
+  const std::vector<std::string>& warnings() const override { return warnings_; }
+
+  ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
+               const ModelFit* start, FitPurpose purpose) const override;
+  std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override;
+  Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
+                          std::span<const NamedCause> causes) const override;
+
+ private:
+  LoopModel ModelOf(std::span<const std::size_t> causes) const;
+  std::vector<bool> UnseenStarts(std::span<const double> weights) const;
+  LoopGrid GridOf(const LoopModel& model, std::span<const double> weights) const;
+  LoopSolution Search(std::span<const std::size_t> causes, std::span<const double> weights,
+                      const ModelFit* start) const;
+  std::vector<ParameterValue> DescribeNominal(const Eigen::VectorXd& x,
+                                              const std::vector<double>& errors) const;
+  Eigen::VectorXd AboutZero(Eigen::VectorXd about_centres) const;
+  void AppendRegressors();
+
+  LoopRecords records_;
+  LoopEffects effects_;
+  std::vector<CauseRule> rules_;
+  std::vector<std::size_t> stretches_;
+  std::vector<Regressor> regressors_;
+  std::vector<std::string> warnings_;
+  Eigen::VectorXd nominal_start_;
+};
+
+void HysteresisStudy::AppendRegressors() {
+  const LoopGrid& samples = records_.samples;
+  regressors_.push_back({"torque", "torque / Nm", 1.0, samples.torque_Nm, false});
+  regressors_.push_back({"torque_rate", "torque rate / (Nm/s)", 1.0, records_.torque_rate_Nm_per_s, false});
+  regressors_.push_back({"output_angle", "output angle / deg", DegFromRad(1.0), records_.measured_rad, true});
+  regressors_.push_back({"time", "time / s", 1.0, samples.time_s, false});
+  regressors_.push_back({"direction", "direction of the torque", 1.0, samples.direction, false});
+  if (!samples.temperature_K.empty()) {
+    regressors_.push_back(
+        {"temperature", "temperature from its mean / K", 1.0, samples.temperature_K, false});
+  }
+}
+
+LoopModel HysteresisStudy::ModelOf(std::span<const std::size_t> causes) const {
+  std::vector<const LoopEffect*> effects;
+  for (const std::size_t cause : causes) effects.push_back(effects_.at(cause).get());
+  return {records_, std::move(effects)};
+}
+
+LoopGrid HysteresisStudy::GridOf(const LoopModel& model, std::span<const double> weights) const {
+  return Condense(records_, weights, model.NeedsAllSamples() ? 0 : kComparisonPoints);
+}
+
+// Records whose first samples have no weight. What state their friction starts in is a condition of the
+// record and not of the model: a fit that does not see it keeps what it was given.
+std::vector<bool> HysteresisStudy::UnseenStarts(std::span<const double> weights) const {
+  constexpr std::size_t kFirstSamples = 8;
+  std::vector<bool> unseen;
+  for (const std::size_t first : stretches_) {
+    unseen.push_back(std::all_of(weights.begin() + static_cast<std::ptrdiff_t>(first),
+                                 weights.begin() + static_cast<std::ptrdiff_t>(first + kFirstSamples),
+                                 [](double weight) { return weight == 0.0; }));
+  }
+  return unseen;
+}
+
+// Starts from what `start` has, and adds what it lacks, one after the other.
+LoopSolution HysteresisStudy::Search(std::span<const std::size_t> causes, std::span<const double> weights,
+                                     const ModelFit* start) const {
+  std::vector<std::size_t> present;
+  Eigen::VectorXd x = nominal_start_;
+  if (start != nullptr && start->usable) {
+    const LoopModel before = ModelOf(start->causes);
+    const Eigen::VectorXd old =
+        Eigen::Map<const Eigen::VectorXd>(start->state.data(), static_cast<Index>(start->state.size()));
+    x = old.head(before.nominal_size());
+    for (std::size_t e = 0; e < start->causes.size(); ++e) {
+      if (!std::binary_search(causes.begin(), causes.end(), start->causes[e])) continue;
+      present.push_back(start->causes[e]);
+      const std::span<const double> own = before.Of(e, old);
+      const Index size = x.size();
+      x.conservativeResize(size + static_cast<Index>(own.size()));
+      std::copy(own.begin(), own.end(), x.data() + size);
+    }
+  }
+  const bool fitted = start != nullptr && start->usable && start->causes == present;
+  LoopSolution solution{x, std::numeric_limits<double>::infinity()};
+  if (!fitted || present.size() == causes.size()) {
+    LoopModel model = ModelOf(present);
+    model.KeepStarts(UnseenStarts(weights));
+    solution = SolveLoop(model, GridOf(model, weights), x, kMostIterations);
+  }
+  for (const std::size_t cause : causes) {
+    if (std::binary_search(present.begin(), present.end(), cause)) continue;
+    const auto place = std::upper_bound(present.begin(), present.end(), cause);
+    const auto effect = static_cast<std::size_t>(place - present.begin());
+    present.insert(place, cause);
+    const LoopModel model = ModelOf(present);
+    Eigen::VectorXd wider = Eigen::VectorXd::Zero(model.size());
+    const auto first = static_cast<Index>(model.Of(effect, std::as_const(wider)).data() - wider.data());
+    wider.head(first) = solution.numbers.head(first);
+    wider.tail(solution.numbers.size() - first) = solution.numbers.tail(solution.numbers.size() - first);
+    solution = FitWithNewEffect(records_, model, effect, GridOf(model, weights), wider);
+    if (!std::isfinite(solution.cost)) return solution;
+  }
+  return solution;
+}
+
+ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
+                              const ModelFit* start, FitPurpose purpose) const {
+  ModelFit fit;
+  fit.causes.assign(cause_indices.begin(), cause_indices.end());
+  const LoopModel model = ModelOf(cause_indices);
+  LoopSolution solution = Search(cause_indices, weights, start);
+  if (!std::isfinite(solution.cost) || !solution.numbers.allFinite()) return fit;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(model.size(), model.size());
+  if (purpose == FitPurpose::kReport) {
+    const LoopGrid all = Condense(records_, weights, 0);
+    solution = SolveLoop(model, all, solution.numbers, kMostIterations);
+    Eigen::MatrixXd derivatives;
+    const Eigen::VectorXd predicted = model.Predict(solution.numbers, all, derivatives);
+    covariance =
+        FitCovariance(derivatives, all.twist_rad, predicted, weights, stretches_, LargestNoiseOrder());
+    fit.predicted = AboutZero(predicted);
+  } else {
+    fit.predicted = AboutZero(model.Predict(solution.numbers, records_.samples));
+  }
+  fit.nominal = DescribeNominal(solution.numbers, ErrorsOf(covariance));
+  for (std::size_t e = 0; e < fit.causes.size(); ++e) {
+    const std::span<const double> own = model.Of(e, std::as_const(solution.numbers));
+    const auto first = static_cast<Index>(own.data() - solution.numbers.data());
+    const auto count = static_cast<Index>(own.size());
+    fit.cause_parameters.push_back(
+        effects_[fit.causes[e]]->Describe(own, covariance.block(first, first, count, count)));
+  }
+  fit.free_parameters = model.FreeParameters(solution.numbers);
+  fit.state.assign(solution.numbers.data(), solution.numbers.data() + solution.numbers.size());
+  fit.usable = fit.predicted.allFinite();
+  return fit;
+}
+
+std::vector<ParameterValue> HysteresisStudy::DescribeNominal(const Eigen::VectorXd& x,
+                                                             const std::vector<double>& errors) const {
+  std::vector<ParameterValue> described;
+  const auto logarithm = [&](const char* name, const char* unit, int k) {
+    const double value = std::exp(x[k]);
+    described.push_back({name, unit, value, value * errors[static_cast<std::size_t>(k)]});
+  };
+  logarithm("k1_Nm_per_rad", "Nm/rad", kLnK1);
+  logarithm("k2_Nm_per_rad", "Nm/rad", kLnK2);
+  // A third segment that no sample reaches is not reported.
+  if (records_.peak_torque_Nm >= kReachesThird * records_.t2_Nm) logarithm("k3_Nm_per_rad", "Nm/rad", kLnK3);
+  logarithm("friction_torque_Nm", "Nm", kLnFriction);
+  logarithm("yield_twist_arcmin", "arcmin", kLnYield);
+  for (std::size_t r = 0; r < records_.samples.records(); ++r) {
+    const int own = kFirstOfRecord + kNumbersOfRecord * static_cast<int>(r);
+    described.push_back({OfRecord("offset_arcmin", r), "arcmin",
+                         x[own] + ArcminFromRad(records_.centre_rad[r]),
+                         errors[static_cast<std::size_t>(own)]});
+    described.push_back(
+        {OfRecord("start_share", r), "1", x[own + 1], errors[static_cast<std::size_t>(own) + 1]});
+  }
+  return described;
+}
+
+Eigen::VectorXd HysteresisStudy::AboutZero(Eigen::VectorXd about_centres) const {
+  const std::vector<std::size_t>& starts = records_.samples.starts;
+  for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
+    about_centres.segment(static_cast<Index>(starts[r]), static_cast<Index>(starts[r + 1] - starts[r]))
+        .array() += records_.centre_rad[r];
+  }
+  return about_centres;
+}
+
+std::vector<UserQuantity> HysteresisStudy::Quantities(const Eigen::VectorXd& predicted) const {
+  std::vector<UserQuantity> quantities;
+  const LoopGrid& samples = records_.samples;
+  const TestTorques torques{.t1_Nm = records_.t1_Nm,
+                            .t2_Nm = records_.t2_Nm,
+                            .t3_Nm = std::max(records_.t3_Nm, 1.01 * records_.t2_Nm)};
+  for (std::size_t r = 0; r < samples.records(); ++r) {
+    const std::size_t first = samples.starts[r];
+    const std::size_t count = samples.starts[r + 1] - first;
+    const auto measure = [&](const double* twist_rad) {
+      return FitStiffnessBackbone({std::span(samples.time_s).subspan(first, count),
+                                   std::span(samples.torque_Nm).subspan(first, count),
+                                   {twist_rad + first, count}},
+                                  torques);
+    };
+    const TorsionalStiffness seen = measure(records_.measured_rad.data());
+    const TorsionalStiffness simulated = measure(predicted.data());
+    const auto add = [&](const char* name, double there, double here) {
+      if (std::isfinite(there) && std::isfinite(here)) quantities.push_back({OfRecord(name, r), there, here});
+    };
+    add("k1_Nm_per_rad", seen.k1_Nm_per_rad.value, simulated.k1_Nm_per_rad.value);
+    add("k2_Nm_per_rad", seen.k2_Nm_per_rad.value, simulated.k2_Nm_per_rad.value);
+    add("k3_Nm_per_rad", seen.k3_Nm_per_rad.value, simulated.k3_Nm_per_rad.value);
+    add("hysteresis_arcmin", ArcminFromRad(seen.hysteresis_rad.value),
+        ArcminFromRad(simulated.hysteresis_rad.value));
+  }
+  return quantities;
+}
+
+Eigen::VectorXd HysteresisStudy::Predict(std::span<const ParameterValue> nominal,
+                                         std::span<const NamedCause> causes) const {
+  const CauseRule whole{.name = "the nominal hysteresis model"};
+  std::vector<std::size_t> indices;
+  for (const NamedCause& cause : causes) {
+    const auto found = std::find_if(rules_.begin(), rules_.end(),
+                                    [&](const CauseRule& rule) { return rule.name == cause.name; });
+    if (found == rules_.end()) {
+      throw std::invalid_argument(fmt::format("{} is no cause of a hysteresis record", cause.name));
+    }
+    indices.push_back(static_cast<std::size_t>(found - rules_.begin()));
+  }
+  const LoopModel model = ModelOf(indices);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(model.size());
+  const auto logarithm = [&](const char* name) {
+    const double value = RequireParameter(whole, nominal, name);
+    if (!(value > 0.0))
+      throw std::invalid_argument(fmt::format("{} = {} is not a positive number", name, value));
+    return std::log(value);
+  };
+  x[kLnK1] = logarithm("k1_Nm_per_rad");
+  x[kLnK2] = logarithm("k2_Nm_per_rad");
+  x[kLnK3] = FindParameter(nominal, "k3_Nm_per_rad") == nullptr ? x[kLnK2] : logarithm("k3_Nm_per_rad");
+  x[kLnFriction] = logarithm("friction_torque_Nm");
+  x[kLnYield] = logarithm("yield_twist_arcmin");
+  for (std::size_t r = 0; r < records_.samples.records(); ++r) {
+    // A record that the model has no numbers for starts as the first one does.
+    const int own = kFirstOfRecord + kNumbersOfRecord * static_cast<int>(r);
+    const double* offset = FindParameter(nominal, OfRecord("offset_arcmin", r));
+    const double* share = FindParameter(nominal, OfRecord("start_share", r));
+    if (share == nullptr) share = FindParameter(nominal, "start_share");
+    x[own] = (offset == nullptr ? RequireParameter(whole, nominal, "offset_arcmin") : *offset) -
+             ArcminFromRad(records_.centre_rad[r]);
+    x[own + 1] = share == nullptr ? 0.0 : *share;
+  }
+  for (std::size_t e = 0; e < indices.size(); ++e) {
+    const std::vector<double> own = effects_[indices[e]]->Restore(causes[e].parameters);
+    std::copy(own.begin(), own.end(), model.Of(e, x).begin());
+  }
+  return AboutZero(model.Predict(x, records_.samples));
+}
+
+}  // namespace
+
+std::unique_ptr<Study> MakeHysteresisStudy(std::span<const HysteresisData> records) {
+  return std::make_unique<HysteresisStudy>(records);
+}
+
+}  // namespace strainwave::analysis::diagnosis

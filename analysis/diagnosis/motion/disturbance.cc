@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "analysis/diagnosis/motion/terms.h"
+#include "analysis/diagnosis/scans.h"
+#include "analysis/noise_level.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kUnlimited = std::numeric_limits<double>::max();
+constexpr std::size_t kMostWindows = 3;
+
+struct Scan {
+  std::vector<double> time_s;  // of the rows
+  double narrowest_s{};
+  double widest_s{};
+};
+
+// Windows that stand out of what the nominal model leaves: one, unless several together are nearly all of it.
+std::size_t CountWindows(const MotionGrid& grid, const Scan& scan) {
+  const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
+  Eigen::VectorXd residual = grid.BesideNominal(measured);
+  const std::vector<double> weights(grid.rows(), 1.0);
+  const double noise = RobustStandardDeviation({residual.data(), grid.rows()});
+  const double excess = residual.squaredNorm() - noise * noise * static_cast<double>(grid.rows());
+  std::size_t count = 0;
+  double explained = 0.0;
+  double strongest = 0.0;
+  for (const WindowPeak& peak : FindWindows(scan.time_s, {residual.data(), grid.rows()}, weights,
+                                            scan.narrowest_s, scan.widest_s, kMostWindows)) {
+    strongest = std::max(strongest, peak.drop);
+    if (peak.drop < 40.0 * noise * noise || peak.drop < 0.1 * strongest) break;
+    ++count;
+    explained += peak.drop;
+  }
+  return explained > 0.6 * excess ? std::max<std::size_t>(count, 1) : 1;
+}
+
+}  // namespace
+
+void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  Scan scan;
+  for (std::size_t row = 0; row < grid->rows(); ++row) scan.time_s.push_back(grid->RowTime_s(row));
+  const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
+  const double duration_s = *last - *first;
+  const double shortest_s = std::max(0.03, 8.0 * grid->row_spacing_s);
+  scan.narrowest_s = 4.0 * grid->row_spacing_s;
+  scan.widest_s = 0.25 * duration_s;
+  if (!(scan.widest_s > 2.0 * scan.narrowest_s)) return;
+  const std::size_t windows = CountWindows(*grid, scan);
+  const double ramp_s = grid->stretches.front().step_s;
+  SeparableTerm term =
+      PointTerm(grid, windows,
+                [grid, ramp_s](std::span<const double> shapes, std::size_t column, std::span<double> points) {
+                  const double start_s = shapes[2 * column];
+                  const double end_s = shapes[2 * column + 1];
+                  for (std::size_t i = 0; i < points.size(); ++i) {
+                    const double since = (grid->time_s[i] - start_s) / ramp_s + 0.5;
+                    const double until = (end_s - grid->time_s[i]) / ramp_s + 0.5;
+                    points[i] = std::clamp(std::min(since, until), 0.0, 1.0);
+                  }
+                });
+  for (std::size_t k = 0; k < 2 * windows; ++k) {
+    term.shapes.push_back({*first - scan.narrowest_s, *last + scan.narrowest_s, 2.0 * grid->row_spacing_s});
+  }
+  term.starts = [scan, windows](const Remainder& remainder) {
+    const std::vector<WindowPeak> peaks =
+        FindWindows(scan.time_s, remainder.residual, remainder.weights, scan.narrowest_s, scan.widest_s,
+                    windows == 1 ? 3 : windows);
+    std::vector<std::vector<double>> starts;
+    if (windows == 1) {
+      for (const WindowPeak& peak : peaks) {
+        starts.push_back({peak.centre - 0.5 * peak.width, peak.centre + 0.5 * peak.width});
+      }
+    } else if (peaks.size() == windows) {
+      starts.emplace_back();
+      for (const WindowPeak& peak : peaks) {
+        starts.back().push_back(peak.centre - 0.5 * peak.width);
+        starts.back().push_back(peak.centre + 0.5 * peak.width);
+      }
+    }
+    return starts;
+  };
+  // Reported in the order of time.
+  const auto name = [](const char* what, std::size_t window, const std::string& unit) {
+    return window == 0 ? fmt::format("{}_{}", what, unit) : fmt::format("{}_{}_{}", what, window + 1, unit);
+  };
+  term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
+    std::vector<std::size_t> order(windows);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return numbers[windows + 2 * a] < numbers[windows + 2 * b];
+    });
+    const auto error = [&](std::size_t k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      return std::sqrt(std::max(0.0, covariance(i, i)));
+    };
+    std::vector<ParameterValue> values;
+    for (std::size_t w = 0; w < windows; ++w) {
+      const std::size_t from = windows + 2 * order[w];
+      values.push_back({name("start", w, "s"), "s", numbers[from], error(from)});
+      values.push_back({name("end", w, "s"), "s", numbers[from + 1], error(from + 1)});
+      values.push_back(
+          {name("torque", w, units.torque()), units.torque(), numbers[order[w]], error(order[w])});
+      values.push_back({name("duration", w, "s"), "s", numbers[from + 1] - numbers[from],
+                        std::hypot(error(from), error(from + 1))});
+    }
+    return values;
+  };
+  term.restore = [windows](std::span<const double> values) {
+    std::vector<double> numbers;
+    for (std::size_t w = 0; w < windows; ++w) numbers.push_back(values[4 * w + 2]);
+    for (std::size_t w = 0; w < windows; ++w) {
+      numbers.push_back(values[4 * w]);
+      numbers.push_back(values[4 * w + 1]);
+    }
+    return numbers;
+  };
+  CauseRule rule{
+      .name = "external_disturbance",
+      .sentence =
+          units.linear
+              ? "a force from outside for a limited time: something touched, pulled or jammed the axis"
+              : "a torque from outside for a limited time: something touched, braked or drove the axis",
+      .where = Where::kBench,
+      .degrees_of_freedom = static_cast<int>(3 * windows),
+      .trials = 2.0 * duration_s / scan.narrowest_s,
+      .local = true};
+  for (std::size_t w = 0; w < windows; ++w) {
+    rule.parameters.push_back(
+        {name("torque", w, units.torque()), units.torque(), -kUnlimited, kUnlimited, true});
+    // Shorter than that it is a knock at most, and more often a reversal that came out badly.
+    rule.parameters.push_back({name("duration", w, "s"), "s", shortest_s, kUnlimited, false});
+  }
+  model.causes.push_back(std::move(term));
+  model.rules.push_back(std::move(rule));
+}
+
+}  // namespace strainwave::analysis::diagnosis

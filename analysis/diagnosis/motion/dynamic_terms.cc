@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "analysis/diagnosis/motion/terms.h"
+#include "analysis/model/axis_motion.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+// Part of a contact's deflection by which the width of a gap is not known.
+constexpr double kContactEdge = 0.1;
+constexpr double kUnlimited = std::numeric_limits<double>::max();
+
+double RootOf(double variance) { return std::sqrt(std::max(0.0, variance)); }
+
+double DurationOf(const MotionGrid& grid) {
+  double duration_s = 0.0;
+  for (const MotionGrid::Stretch& stretch : grid.stretches) {
+    duration_s += stretch.step_s * static_cast<double>(stretch.count);
+  }
+  return duration_s;
+}
+
+// Shapes of a resonance that are tried, and their columns beside the nominal model, each of length 1.
+struct ResonanceMap {
+  std::vector<std::vector<double>> shapes;  // ln frequency in Hz, ln damping ratio
+  Eigen::MatrixXf columns;
+};
+
+void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
+  const double high_Hz = grid->path_cutoff_rad_per_s / kTwoPi;
+  if (!(high_Hz > 3.0 * low_Hz)) return;
+  SeparableTerm term;
+  term.fill = [grid](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    const double natural = kTwoPi * std::exp(shapes[0]);
+    const double damping = std::exp(shapes[1]);
+    std::vector<double> points(grid->time_s.size());
+    for (const MotionGrid::Stretch& stretch : grid->stretches) {
+      model::SecondInertia inertia(natural, damping, stretch.step_s);
+      for (std::size_t i = stretch.first; i < stretch.first + stretch.count; ++i) {
+        points[i] = inertia.Step(grid->passed_acceleration[i]);
+      }
+    }
+    design.col(0) = grid->ProjectPassed(points);
+  };
+  term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03}, {std::log(0.004), std::log(0.8), 0.3}};
+
+  ResonanceMap map;
+  for (const auto& [damping, spacing] :
+       {std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std::pair{0.3, 0.25}}) {
+    for (double log_Hz = std::log(low_Hz) + spacing; log_Hz < std::log(high_Hz); log_Hz += spacing) {
+      map.shapes.push_back({log_Hz, std::log(damping)});
+    }
+  }
+  map.columns.resize(grid->nominal.rows(), static_cast<Index>(map.shapes.size()));
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nominal(grid->nominal);
+  Eigen::MatrixXd column(grid->nominal.rows(), 1);
+  for (std::size_t k = 0; k < map.shapes.size(); ++k) {
+    term.fill(map.shapes[k], column);
+    const double before = column.norm();
+    column -= grid->nominal * nominal.solve(column);
+    const double norm = column.norm();
+    const bool distinct = norm > 1e-3 * before;  // far above the motion it is one with the inertia
+    map.columns.col(static_cast<Index>(k)) =
+        distinct ? Eigen::VectorXf((column / norm).cast<float>()) : Eigen::VectorXf::Zero(column.rows());
+  }
+  term.starts = [map = std::make_shared<const ResonanceMap>(std::move(map))](const Remainder& remainder) {
+    const auto rows = static_cast<Index>(remainder.residual.size());
+    const Eigen::VectorXf weighted =
+        Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), rows)
+            .cwiseProduct(Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), rows))
+            .cast<float>();
+    const Eigen::VectorXf drops = (map->columns.transpose() * weighted).cwiseAbs();
+    std::vector<std::vector<double>> starts;
+    Eigen::VectorXf left = drops;
+    while (starts.size() < 3) {
+      Index best = 0;
+      if (!(left.maxCoeff(&best) > 0.0F)) break;
+      const std::vector<double>& shape = map->shapes[static_cast<std::size_t>(best)];
+      starts.push_back(shape);
+      for (std::size_t k = 0; k < map->shapes.size(); ++k) {
+        if (std::abs(map->shapes[k][0] - shape[0]) < 0.15) left(static_cast<Index>(k)) = 0.0F;
+      }
+    }
+    return starts;
+  };
+  const double reference = std::max(grid->prefit(0), 1e-300);
+  const std::string inertia = units.linear ? "second_mass_kg" : "second_inertia_kgm2";
+  term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
+    const double frequency_Hz = std::exp(numbers[1]);
+    const double damping = std::exp(numbers[2]);
+    const double error = RootOf(covariance(0, 0));
+    return std::vector<ParameterValue>{
+        {"frequency_Hz", "Hz", frequency_Hz, frequency_Hz * RootOf(covariance(1, 1))},
+        {"damping_ratio", "1", damping, damping * RootOf(covariance(2, 2))},
+        {"inertia_share", "1", numbers[0] / reference, error / reference},
+        {inertia, units.inertia(), numbers[0], error}};
+  };
+  term.restore = [](std::span<const double> values) {
+    return std::vector<double>{values[3], std::log(std::max(values[0], 1e-9)),
+                               std::log(std::max(values[1], 1e-9))};
+  };
+  model.causes.push_back(std::move(term));
+  model.rules.push_back({.name = "torsional_resonance",
+                         .sentence = "a second inertia behind a compliance swings: a soft coupling, shaft, "
+                                     "screw or gear between drive and load",
+                         .where = Where::kUndecided,
+                         .effect = "E15",
+                         .parameters = {{"inertia_share", "1", 0.0, 1.5, true},
+                                        {"frequency_Hz", "Hz", 1.02 * low_Hz, 0.98 * high_Hz, false},
+                                        {"damping_ratio", "1", 0.0, 0.75, false}},
+                         .degrees_of_freedom = 3,
+                         .trials = std::max(4.0, 4.0 * std::log(high_Hz / low_Hz)),
+                         .to_settle = units.linear ? ""
+                                                   : "# the same motion with another inertia on the output: "
+                                                     "the frequency moves if the compliance is the unit's\n"
+                                                     "- kind: load_run\n  name: other-inertia\n  duration: 1 "
+                                                     "min\n  output_torque: 0 Nm\n  input_speed: 500 rpm\n"});
+}
+
+// What a gap does to the torque, per unit of the load's inertia: the push over the gap less that without one.
+void FillLooseLoad(const MotionGrid& grid, const model::LooseLoad::Numbers& numbers,
+                   std::vector<double>& points) {
+  model::LooseLoad::Numbers tight = numbers;
+  tight.gap = 0.0;
+  for (const MotionGrid::Stretch& stretch : grid.stretches) {
+    model::LooseLoad loose_load(numbers, grid.position[stretch.first], grid.velocity[stretch.first]);
+    model::LooseLoad tight_load(tight, grid.position[stretch.first], grid.velocity[stretch.first]);
+    points[stretch.first] = 0.0;
+    for (std::size_t i = stretch.first + 1; i < stretch.first + stretch.count; ++i) {
+      points[i] = loose_load.Follow(grid.position[i], grid.velocity[i], stretch.step_s) -
+                  tight_load.Follow(grid.position[i], grid.velocity[i], stretch.step_s);
+    }
+  }
+}
+
+void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  const auto [first, last] = std::minmax_element(grid->position.begin(), grid->position.end());
+  const double low = std::max(6.0 * grid->position_noise, 5e-5 * (*last - *first));
+  const double high = 0.25 * (*last - *first);
+  const double inertia = std::abs(grid->prefit(0));
+  const double braking = std::abs(grid->prefit(2)) / std::max(inertia, 1e-300);
+  const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
+  // A contact swings faster than the motion, else it is a resonance, and slower than the points tell.
+  const double low_Hz = 4.0;
+  const double high_Hz = 0.35 / grid->stretches.front().step_s;
+  if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;
+  SeparableTerm term = PointTerm(
+      grid, 1, [grid, braking](std::span<const double> shapes, std::size_t, std::span<double> points) {
+        std::vector<double> pushes(points.size());
+        FillLooseLoad(*grid,
+                      {.gap = std::exp(shapes[0]),
+                       .friction = std::abs(shapes[1]) * braking,
+                       .contact_rad_per_s = kTwoPi * std::exp(shapes[2]),
+                       .contact_damping = shapes[3]},
+                      pushes);
+        std::ranges::copy(pushes, points.begin());
+      });
+  term.shapes = {{std::log(low), std::log(high), 0.1},
+                 {0.0, 4.0, 0.1},
+                 {std::log(low_Hz), std::log(high_Hz), 0.1},
+                 {0.1, 1.5, 0.1}};
+  term.starts = [grid, term, low, high, low_Hz, high_Hz](const Remainder& remainder) {
+    std::vector<std::vector<double>> candidates;
+    for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 16)) {
+      for (const double share : {0.2, 0.8, 2.5}) {
+        for (const double contact_Hz : {12.0, 35.0, 100.0}) {
+          if (contact_Hz < low_Hz || contact_Hz > high_Hz) continue;
+          candidates.push_back({std::log(gap), share, std::log(contact_Hz), 0.5});
+        }
+      }
+    }
+    StartSearch search(*grid, term, remainder);
+    std::vector<std::vector<double>> starts = BestStarts(*grid, term, candidates, remainder, 4);
+    for (auto& start : starts) start = search.Polish(std::move(start), {0.1, 0.3, 0.2, 0.15});
+    return starts;
+  };
+  const std::string gap_name = units.linear ? "backlash_m" : "backlash_rad";
+  const std::string inertia_name = units.linear ? "load_mass_kg" : "load_inertia_kgm2";
+  const std::string friction_name = "load_friction_" + units.torque();
+  term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
+    const auto error = [&](Index k) { return RootOf(covariance(k, k)); };
+    const double gap = std::exp(numbers[1]);
+    const double deceleration = numbers[2] * braking;
+    const double contact_Hz = std::exp(numbers[3]);
+    // The edge of the gap is no sharper than the contact gives way.
+    const double deflection = acceleration / std::pow(kTwoPi * contact_Hz, 2);
+    return std::vector<ParameterValue>{
+        {gap_name, units.position(), gap, std::hypot(gap * error(1), kContactEdge * deflection)},
+        {inertia_name, units.inertia(), numbers[0], error(0)},
+        {friction_name, units.torque(), numbers[0] * deceleration,
+         std::hypot(error(0) * deceleration, numbers[0] * braking * error(2))},
+        {"contact_Hz", "Hz", contact_Hz, contact_Hz * error(3)},
+        {"contact_damping_ratio", "1", numbers[4], error(4)}};
+  };
+  term.restore = [=](std::span<const double> values) {
+    return std::vector<double>{values[1], std::log(std::max(values[0], 1e-300)),
+                               values[2] / std::max(values[1] * braking, 1e-300), std::log(values[3]),
+                               values[4]};
+  };
+  model.causes.push_back(std::move(term));
+  model.rules.push_back(
+      {.name = "backlash",
+       .sentence = "the load comes loose where the motion turns or slows down, and knocks where a gap is "
+                   "crossed: play in a coupling, key, nut or the teeth",
+       .where = Where::kUndecided,
+       .effect = "E4",
+       .parameters = {{gap_name, units.position(), 1.05 * low, 0.95 * high, true},
+                      {inertia_name, units.inertia(), 0.0, 1.3 * inertia, true}},
+       .degrees_of_freedom = 5,
+       .trials = 8.0,
+       .to_settle =
+           units.linear
+               ? ""
+               : "# input locked, load to and fro: play of the gear shows as a "
+                 "dead zone, that of the drive's coupling does not\n"
+                 "- {kind: hysteresis, peak_torque: 34 Nm, torque_rate: 3 Nm/s, hold: 0.5 s, loops: 1}\n"});
+}
+
+}  // namespace
+
+void AddDynamicCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  AddResonance(grid, units, model);
+  AddBacklash(grid, units, model);
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/diagnosis/motion/terms.h"
+#include "analysis/model/axis_motion.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kUnlimited = std::numeric_limits<double>::max();
+constexpr double kExcited = 0.002;     // of a column's variance that has to lie beside the nominal terms
+constexpr double kFewestShare = 0.01;  // of the motion that a regime of speed has to make up
+
+void NotExcited(SeparableModel& model, const char* cause, const std::string& why) {
+  model.warnings.push_back(fmt::format("no verdict on {}: {}", cause, why));
+}
+
+void Add(SeparableModel& model, SeparableTerm term, CauseRule rule) {
+  model.causes.push_back(std::move(term));
+  model.rules.push_back(std::move(rule));
+}
+
+void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  const double fast = QuantileOfMagnitude(grid->velocity, 0.95);
+  const double slow = QuantileOfMagnitude(grid->velocity, kFewestShare);
+  const double low = std::max({slow, 3.0 * grid->sign_width, 0.005 * fast});
+  const double high = 0.5 * fast;
+  if (!(high > 3.0 * low)) {
+    NotExcited(model, "stribeck_friction",
+               fmt::format("speeds from {:.3g} to {:.3g} {} only (expected slow motion, too)", slow, fast,
+                           units.speed()));
+    return;
+  }
+  SeparableTerm term =
+      PointTerm(grid, 1, [grid](std::span<const double> shapes, std::size_t, std::span<double> points) {
+        const double speed = std::exp(shapes[0]);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          points[i] = grid->direction[i] * model::StribeckShare(grid->velocity[i], speed, shapes[1]);
+        }
+      });
+  term.shapes = {{std::log(low), std::log(high), 0.3}, {0.5, 2.5, 0.2}};
+  term.starts = [grid, term, low, high](const Remainder& remainder) {
+    std::vector<std::vector<double>> candidates;
+    for (const double speed : GeometricSteps(1.1 * low, 0.9 * high, 8))
+      candidates.push_back({std::log(speed), 1.5});
+    return BestStarts(*grid, term, candidates, remainder, 2);
+  };
+  const std::string amount = "stribeck_" + units.torque();
+  const std::string speed = "stribeck_speed_" + units.speed_suffix();
+  term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
+    const double at = std::exp(numbers[1]);
+    return std::vector<ParameterValue>{
+        {amount, units.torque(), numbers[0], std::sqrt(std::max(0.0, covariance(0, 0)))},
+        {speed, units.speed(), at, at * std::sqrt(std::max(0.0, covariance(1, 1)))},
+        {"stribeck_exponent", "1", numbers[2], std::sqrt(std::max(0.0, covariance(2, 2)))}};
+  };
+  term.restore = [](std::span<const double> values) {
+    return std::vector<double>{values[0], std::log(std::max(values[1], 1e-300)), values[2]};
+  };
+  Add(model, std::move(term),
+      {.name = "stribeck_friction",
+       .sentence = "friction falls with speed at low speed: the lubricant film is not closed yet (Stribeck)",
+       .where = Where::kUnit,
+       .effect = "E8",
+       .parameters = {{amount, units.torque(), 0.0, kUnlimited, true},
+                      {speed, units.speed(), 1.01 * low, 0.99 * high, false}},
+       .degrees_of_freedom = 3,
+       .trials = 4.0,
+       .to_settle =
+           units.linear
+               ? ""
+               : "# steady turns at several low speeds, both ways\n- kind: load_run\n  name: slow-turns\n"
+                 "  duration: 5 min\n  output_torque: 0 Nm\n  input_speed: 20 rpm\n"});
+}
+
+void AddAsymmetry(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  double forward = 0.0;
+  for (const double direction : grid->direction) forward += direction > 0.0 ? 1.0 : 0.0;
+  const double share = forward / static_cast<double>(grid->direction.size());
+  std::vector<double> points(grid->velocity.size());
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = 0.5 * grid->direction[i] * grid->velocity[i];
+  Eigen::VectorXd column = grid->Project(points);
+  if (std::min(share, 1.0 - share) < 0.05) {
+    NotExcited(model, "asymmetric_friction", "the axis moves in one direction only (expected both)");
+    return;
+  }
+  if (ShareBesideNominal(*grid, column) < kExcited) {
+    NotExcited(model, "asymmetric_friction", "one speed only in each direction (expected several)");
+    return;
+  }
+  SeparableTerm term = FixedTerm(std::move(column));
+  const std::string name = "viscous_difference_" + units.viscous_suffix();
+  DescribeEach(term, {{name, units.viscous(), 1.0}});
+  Add(model, std::move(term),
+      {.name = "asymmetric_friction",
+       .sentence = "friction at equal speed differs by direction: one flank of the teeth, or of the screw, "
+                   "is worn or "
+                   "carries another load",
+       .where = Where::kUnit,
+       .parameters = {{name, units.viscous(), -kUnlimited, kUnlimited, true}}});
+}
+
+void AddDrag(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  std::vector<double> points(grid->velocity.size());
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = grid->velocity[i] * std::abs(grid->velocity[i]);
+  Eigen::VectorXd column = grid->Project(points);
+  if (ShareBesideNominal(*grid, column) < kExcited) {
+    NotExcited(model, "quadratic_drag", "speeds are too much alike (expected slow and fast motion)");
+    return;
+  }
+  SeparableTerm term = FixedTerm(std::move(column));
+  const std::string name = units.linear ? "drag_Ns2_per_m2" : "drag_Nms2_per_rad2";
+  const std::string unit = units.linear ? "Ns²/m²" : "Nms²/rad²";
+  DescribeEach(term, {{name, unit, 1.0}});
+  Add(model, std::move(term),
+      {.name = "quadratic_drag",
+       .sentence = "a resistance that rises with the square of speed: churning of grease or oil, or air",
+       .where = Where::kUnit,
+       .parameters = {{name, unit, 0.0, kUnlimited, true}}});
+}
+
+void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  const bool by_temperature = !grid->temperature_degC.empty();
+  const std::vector<double>& follows = by_temperature ? grid->temperature_degC : grid->time_s;
+  const auto [low, high] = std::minmax_element(follows.begin(), follows.end());
+  const double range = *high - *low;
+  if (by_temperature ? range < 1.0 : range < 8.0) {
+    NotExcited(model, "thermal_friction_drift",
+               by_temperature
+                   ? fmt::format("temperature changes by {:.2g} K only (expected 1 K and more)", range)
+                   : fmt::format("the record lasts {:.2g} s, without temperature (expected minutes)", range));
+    return;
+  }
+  const double per_unit = by_temperature ? 1.0 : 1.0 / 3600.0;
+  const double start = follows.front();
+  double centre = 0.0;
+  for (const double value : follows) centre += value / static_cast<double>(follows.size());
+  Eigen::MatrixXd columns(grid->nominal.rows(), 2);
+  std::vector<double> points(follows.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = (follows[i] - centre) * per_unit * grid->velocity[i];
+  columns.col(0) = grid->Project(points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = (follows[i] - centre) * per_unit * grid->direction[i];
+  columns.col(1) = grid->Project(points);
+  if (ShareBesideNominal(*grid, columns.col(0)) < kExcited &&
+      ShareBesideNominal(*grid, columns.col(1)) < kExcited) {
+    NotExcited(model, "thermal_friction_drift",
+               "temperature and motion go together (expected the same motion again later)");
+    return;
+  }
+  // Relative drift of the friction at the record's typical speed, related to its start.
+  double typical = 0.0;
+  for (const double velocity : grid->velocity) typical += velocity * velocity;
+  typical = std::sqrt(typical / static_cast<double>(grid->velocity.size()));
+  const double friction = std::max(grid->prefit(1) * typical + grid->prefit(2), 1e-300);
+  const double since_start = (start - centre) * per_unit;
+  const std::string suffix = by_temperature ? "per_K" : "per_h";
+  const std::string inverse = by_temperature ? "1/K" : "1/h";
+  const std::string viscous = fmt::format("viscous_drift_{}_{}", units.viscous_suffix(), suffix);
+  const std::string coulomb = fmt::format("coulomb_drift_{}_{}", units.torque(), suffix);
+  SeparableTerm term = FixedTerm(std::move(columns));
+  const std::string per = by_temperature ? "/K" : "/h";
+  term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
+    const Eigen::Vector2d weights(typical, 1.0);
+    const double slope = numbers[0] * typical + numbers[1];
+    const double at_start = friction + slope * since_start;
+    const double slope_error =
+        std::sqrt(std::max(0.0, weights.dot(covariance.topLeftCorner<2, 2>() * weights)));
+    return std::vector<ParameterValue>{
+        {"drift_" + suffix, inverse, slope / at_start, slope_error * friction / (at_start * at_start)},
+        {viscous, units.viscous() + per, numbers[0], std::sqrt(std::max(0.0, covariance(0, 0)))},
+        {coulomb, units.torque() + per, numbers[1], std::sqrt(std::max(0.0, covariance(1, 1)))}};
+  };
+  term.restore = [](std::span<const double> values) { return std::vector<double>{values[1], values[2]}; };
+  Add(model, std::move(term),
+      {.name = "thermal_friction_drift",
+       .sentence = by_temperature ? "friction follows temperature: the grease thins or thickens"
+                                  : "friction changes in the course of the record: grease that warms or "
+                                    "cools (no temperature in "
+                                    "the record to prove it)",
+       .where = Where::kUnit,
+       .effect = "E10",
+       .parameters = {{"drift_" + suffix, inverse, -kUnlimited, kUnlimited, true}},
+       .degrees_of_freedom = 2,
+       .to_settle = units.linear ? ""
+                                 : "# the same motion on a cold gear and on a warm one, with temperature "
+                                   "recorded\n- {kind: soak, below_temperature: 25 degC, at_most: 1 h}\n"});
+}
+
+}  // namespace
+
+void AddFrictionCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  AddStribeck(grid, units, model);
+  AddAsymmetry(grid, units, model);
+  AddDrag(grid, units, model);
+  AddLoadCause(grid, units, model);
+  AddThermalDrift(grid, units, model);
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/motion/grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "analysis/diagnosis/motion/bandwidth.h"
+#include "analysis/diagnosis/motion/rows.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t kMostRows = 16000;
+constexpr std::size_t kFewestRows = 60;
+constexpr double kPointsPerSigma = 2.5;  // steps of the points in a σ of the low-pass, at least
+constexpr double kClearly = 12.0;  // in −2 log-likelihood: what a detail of the nominal model has to bring
+
+void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, const PointLayout& layout,
+               MotionGrid& grid) {
+  const double step_s = samples.step_s;
+  const int from_velocity = bandwidth.by_velocity ? 1 : 0;
+  const std::vector<double>& moved = bandwidth.by_velocity ? samples.velocity : samples.position;
+  const KernelTaps position = MakeKernel(bandwidth.fine_sigma_s, step_s, 0);
+  const KernelTaps velocity = MakeKernel(bandwidth.fine_sigma_s, step_s, 1 - from_velocity);
+  const KernelTaps passed_velocity = MakeKernel(bandwidth.path_sigma_s, step_s, 1 - from_velocity);
+  const KernelTaps passed_acceleration = MakeKernel(bandwidth.path_sigma_s, step_s, 2 - from_velocity);
+  const KernelTaps passed_torque = MakeKernel(bandwidth.sigma_s, step_s, 0);
+  // Temperatures change slowly: the mean over a fiftieth of the record.
+  const std::size_t half = std::max<std::size_t>(1, samples.temperature_degC.size() / 100);
+  std::vector<double> sums{0.0};
+  for (const double temperature : samples.temperature_degC) sums.push_back(sums.back() + temperature);
+  for (std::size_t i = layout.margin; i + layout.margin < samples.position.size(); i += layout.stride) {
+    grid.time_s.push_back(samples.start_s + static_cast<double>(i) * step_s);
+    grid.position.push_back(position.At(samples.position, i));
+    grid.velocity.push_back(velocity.At(moved, i));
+    grid.passed_velocity.push_back(passed_velocity.At(moved, i));
+    grid.passed_acceleration.push_back(passed_acceleration.At(moved, i));
+    grid.passed_torque.push_back(passed_torque.At(samples.torque, i));
+    if (!samples.temperature_degC.empty()) {
+      const std::size_t from = i > half ? i - half : 0;
+      const std::size_t to = std::min(i + half + 1, samples.temperature_degC.size());
+      grid.temperature_degC.push_back((sums[to] - sums[from]) / static_cast<double>(to - from));
+    }
+  }
+}
+
+void SetDirection(MotionGrid& grid, double width) {
+  grid.sign_width = width;
+  grid.direction.resize(grid.velocity.size());
+  for (std::size_t i = 0; i < grid.velocity.size(); ++i) {
+    grid.direction[i] = width > 0.0
+                            ? std::erf(grid.velocity[i] / (std::sqrt(2.0) * width))
+                            : static_cast<double>((grid.velocity[i] > 0.0) - (grid.velocity[i] < 0.0));
+  }
+  grid.nominal.col(2) = grid.Project(grid.direction);
+}
+
+// The sign of velocity may change over a small speed instead of at once: a detail, as long as it is small.
+void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque) {
+  const Eigen::MatrixXd usual = UsualEffects(grid);
+  const auto left = [&] {
+    Eigen::MatrixXd design(grid.nominal.rows(), grid.nominal.cols() + usual.cols());
+    design << grid.nominal, usual;
+    return (torque - design * design.colPivHouseholderQr().solve(torque)).squaredNorm();
+  };
+  double least = left();
+  const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
+  for (const double share : {0.003, 0.006, 0.012, 0.025}) {
+    const double before = grid.sign_width;
+    if (share * speed <= grid.velocity_noise) continue;
+    SetDirection(grid, share * speed);
+    const double now = left();
+    if (static_cast<double>(grid.rows()) * std::log(least / now) > kClearly) {
+      least = now;
+    } else {
+      SetDirection(grid, before);
+    }
+  }
+}
+
+}  // namespace
+
+double QuantileOfMagnitude(std::span<const double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::vector<double> magnitudes;
+  for (const double value : values) magnitudes.push_back(std::abs(value));
+  const auto place =
+      magnitudes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(magnitudes.begin(), place, magnitudes.end());
+  return *place;
+}
+
+Eigen::VectorXd MotionGrid::Project(std::span<const double> points) const {
+  Eigen::VectorXd values(static_cast<Index>(rows()));
+  for (std::size_t row = 0; row < rows(); ++row) {
+    values(static_cast<Index>(row)) = stretches[stretch_of_row[row]].low_pass.At(points, point_of_row[row]);
+  }
+  return values;
+}
+
+Eigen::VectorXd MotionGrid::ProjectPassed(std::span<const double> points) const {
+  Eigen::VectorXd values(static_cast<Index>(rows()));
+  for (std::size_t row = 0; row < rows(); ++row) {
+    values(static_cast<Index>(row)) = points[point_of_row[row]];
+  }
+  return values;
+}
+
+Eigen::VectorXd MotionGrid::Project(std::span<const double> points, int derivative, double shift_s) const {
+  Eigen::VectorXd values(static_cast<Index>(rows()));
+  std::size_t made_for = stretches.size();
+  KernelTaps kernel;
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const std::size_t s = stretch_of_row[row];
+    if (s != made_for) {
+      kernel = MakeKernel(sigma_s, stretches[s].step_s, derivative, shift_s);
+    }
+    made_for = s;
+    const auto first = static_cast<std::ptrdiff_t>(stretches[s].first);
+    const auto last = first + static_cast<std::ptrdiff_t>(stretches[s].count) - 1;
+    const std::ptrdiff_t from =
+        static_cast<std::ptrdiff_t>(point_of_row[row]) - static_cast<std::ptrdiff_t>(kernel.reach);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < kernel.taps.size(); ++k) {
+      const std::ptrdiff_t at = std::clamp(from + static_cast<std::ptrdiff_t>(k), first, last);
+      sum += kernel.taps[k] * points[static_cast<std::size_t>(at)];
+    }
+    values(static_cast<Index>(row)) = sum;
+  }
+  return values;
+}
+
+std::vector<double> MotionGrid::Later(std::span<const double> passed_points, double shift_s) const {
+  std::vector<double> later(passed_points.size());
+  for (const Stretch& stretch : stretches) {
+    const auto last = static_cast<std::ptrdiff_t>(stretch.count) - 1;
+    const auto value = [&](std::ptrdiff_t k) {
+      return passed_points[stretch.first + static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, last))];
+    };
+    const double shift = shift_s / stretch.step_s;
+    const double whole = std::floor(shift);
+    const double u = shift - whole;
+    for (std::ptrdiff_t i = 0; i <= last; ++i) {
+      // Cubic through four neighbours: what has passed the low-pass is smooth at the points' step.
+      const std::ptrdiff_t k = i + static_cast<std::ptrdiff_t>(whole);
+      const double a = value(k - 1);
+      const double b = value(k);
+      const double c = value(k + 1);
+      const double d = value(k + 2);
+      later[stretch.first + static_cast<std::size_t>(i)] =
+          -u * (u - 1.0) * (u - 2.0) / 6.0 * a + (u * u - 1.0) * (u - 2.0) / 2.0 * b -
+          u * (u + 1.0) * (u - 2.0) / 2.0 * c + u * (u * u - 1.0) / 6.0 * d;
+    }
+  }
+  return later;
+}
+
+Eigen::MatrixXd UsualEffects(const MotionGrid& grid) {
+  Eigen::MatrixXd usual(grid.nominal.rows(), grid.linear ? 5 : 7);
+  const double middle_s = 0.5 * (grid.time_s.front() + grid.time_s.back());
+  std::vector<double> points(grid.time_s.size());
+  for (Index column = 0; column < usual.cols(); ++column) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double v = grid.velocity[i];
+      const double s = v > 0.0 ? 1.0 : -1.0;
+      const double t = grid.time_s[i] - middle_s;
+      const double all[] = {std::abs(v),
+                            v * v * s,
+                            s * std::abs(grid.passed_acceleration[i]),
+                            t * v,
+                            t * s,
+                            std::cos(grid.position[i]),
+                            std::sin(grid.position[i])};
+      points[i] = all[column];
+    }
+    usual.col(column) = grid.Project(points);
+  }
+  return usual;
+}
+
+Eigen::VectorXd MotionGrid::BesideNominal(const Eigen::VectorXd& column) const {
+  return column - nominal * nominal.colPivHouseholderQr().solve(column);
+}
+
+MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s) {
+  const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
+  MotionGrid grid;
+  grid.linear = samples.linear;
+  grid.sigma_s = bandwidth.sigma_s;
+  grid.cutoff_rad_per_s = kHalfPower / bandwidth.sigma_s;
+  grid.path_cutoff_rad_per_s = kHalfPower / bandwidth.path_sigma_s;
+  grid.fine_sigma_s = bandwidth.fine_sigma_s;
+  grid.velocity_noise = bandwidth.velocity_noise;
+  grid.smooth_path = bandwidth.path_sigma_s > bandwidth.sigma_s;
+  grid.position_noise = samples.position_noise;
+  std::vector<PointLayout> layouts;
+  for (const EvenStretch& raw : samples.stretches) {
+    PointLayout layout;
+    layout.margin =
+        std::max(MakeKernel(std::max(bandwidth.fine_sigma_s, bandwidth.path_sigma_s), raw.step_s, 0).reach,
+                 MakeKernel(bandwidth.sigma_s, raw.step_s, 0).reach);
+    layout.stride = std::max<std::size_t>(
+        1, static_cast<std::size_t>(bandwidth.sigma_s / (kPointsPerSigma * raw.step_s)));
+    layouts.push_back(layout);
+    MotionGrid::Stretch stretch;
+    stretch.record = raw.record;
+    stretch.first = grid.time_s.size();
+    stretch.step_s = raw.step_s * static_cast<double>(layout.stride);
+    stretch.low_pass = MakeKernel(bandwidth.sigma_s, stretch.step_s, 0);
+    AddPoints(raw, bandwidth, layout, grid);
+    stretch.count = grid.time_s.size() - stretch.first;
+    grid.stretches.push_back(std::move(stretch));
+  }
+  if (grid.temperature_degC.size() != grid.time_s.size()) grid.temperature_degC.clear();
+
+  const double step_s = samples.stretches.front().step_s;
+  const auto gain = [&](int derivative) {
+    return NoiseGain(
+        MakeKernel(derivative == 0 ? bandwidth.sigma_s : bandwidth.path_sigma_s, step_s, derivative));
+  };
+  grid.noise_floor =
+      std::hypot(gain(0) * samples.torque_noise,
+                 bandwidth.inertia * (bandwidth.by_velocity ? gain(1) * samples.velocity_noise
+                                                            : gain(2) * samples.position_noise));
+  ChooseMotionRows(samples, layouts, bandwidth.coulomb, expected_delay_s, grid);
+  const auto rows = static_cast<Index>(grid.rows());
+  if (grid.rows() < kFewestRows) {
+    throw std::invalid_argument(
+        "too little of the record moves to hold any of it out (expected an axis that is in motion for some "
+        "150 "
+        "samples and more)");
+  }
+
+  grid.nominal.setZero(rows, 3 + static_cast<Index>(samples.records));
+  grid.nominal.col(0) = grid.ProjectPassed(grid.passed_acceleration);
+  grid.nominal.col(1) = grid.ProjectPassed(grid.passed_velocity);
+  for (Index row = 0; row < rows; ++row) {
+    const std::size_t record = grid.stretches[grid.stretch_of_row[static_cast<std::size_t>(row)]].record;
+    grid.nominal(row, 3 + static_cast<Index>(record)) = 1.0;
+  }
+  const Eigen::VectorXd torque = grid.ProjectPassed(grid.passed_torque);
+  SetDirection(grid, grid.velocity_noise);
+  ChooseSignWidth(grid, torque);
+  grid.measured.assign(torque.data(), torque.data() + rows);
+  grid.prefit = grid.nominal.colPivHouseholderQr().solve(torque);
+  return grid;
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "analysis/diagnosis/motion/kernel.h"
+#include "analysis/diagnosis/motion/samples.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A motion record as the terms need it, on two grids.
+///
+/// Points: position, velocity and so on at (nearly) the record's own rate, smoothed only as much as their
+/// noise asks for. Terms that are not linear in the motion are evaluated there.
+///
+/// Rows: the response. Torque and all terms pass one and the same low-pass (motion_kernel.h) and are taken at
+/// a spacing that leaves white noise white, so that noise of the acceleration does not shrink the inertia
+/// (parallel filtering; Gautier, ICRA 1997). What a fit reports as RMSE or noise floor is that of the
+/// low-passed torque at the rows.
+///
+/// Left out of the rows: what lies within a low-pass's length of a gap, of clipped torque, or of a rest,
+/// where Coulomb friction may take any value below its limit; and what motion_rows.h says of reversals.
+struct MotionGrid {
+  /// A stretch of points at even steps.
+  struct Stretch {
+    std::size_t record{};
+    std::size_t first{};  // point
+    std::size_t count{};
+    double step_s{};
+    KernelTaps low_pass;
+  };
+  std::vector<Stretch> stretches;
+  bool linear{};
+  double sigma_s{};                // of the low-pass
+  double cutoff_rad_per_s{};       // of the low-pass: half power
+  double fine_sigma_s{};           // of the points' own smoothing
+  double path_cutoff_rad_per_s{};  // of the motion: nothing faster is known of it
+  bool smooth_path{};              // the motion itself is slower than the torque: it is smoothed on its own
+  double velocity_noise{};         // of the points
+  double position_noise{};
+  double sign_width{};  // speed over which the sign of velocity changes
+
+  // Points.
+  std::vector<double> time_s;
+  std::vector<double> position;
+  std::vector<double> velocity;
+  std::vector<double> direction;         // −1 to 1: smooth sign of velocity
+  std::vector<double> temperature_degC;  // empty: none; as smooth as temperatures are
+  std::vector<double> passed_velocity;   // through the low-pass already
+  std::vector<double> passed_acceleration;
+  std::vector<double> passed_torque;
+
+  // Rows.
+  std::vector<std::size_t> point_of_row;
+  std::vector<std::size_t> stretch_of_row;
+  std::vector<std::size_t> response_stretches;  // first row of each run without a gap
+  std::vector<double> measured;                 // torque, low-passed
+  Eigen::MatrixXd nominal;  // rows × (acceleration, velocity, direction, one for each record)
+  Eigen::VectorXd prefit;   // the nominal numbers by least squares
+  double noise_floor{};     // of the low-passed torque
+  double row_spacing_s{};
+
+  std::size_t rows() const { return point_of_row.size(); }
+  double RowTime_s(std::size_t row) const { return time_s[point_of_row[row]]; }
+  /// Low-pass of a quantity of the points, at the rows.
+  Eigen::VectorXd Project(std::span<const double> points) const;
+  /// The same, its derivative and at a later time: beyond the ends of a stretch the last value goes on.
+  Eigen::VectorXd Project(std::span<const double> points, int derivative, double shift_s) const;
+  /// A quantity that has passed the low-pass already, at the rows.
+  Eigen::VectorXd ProjectPassed(std::span<const double> points) const;
+  /// A passed quantity a time later, at the points.
+  std::vector<double> Later(std::span<const double> passed_points, double shift_s) const;
+  /// What least squares by the nominal terms leaves of a column.
+  Eigen::VectorXd BesideNominal(const Eigen::VectorXd& column) const;
+};
+
+/// @param expected_delay_s  by which the torque acts late: reversals show in it that much earlier; 0 where it
+///   does not.
+/// @throws std::invalid_argument where too little motion is left.
+MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s);
+
+/// Columns of effects that may be in any record, so that they do not decide on its details: drag, asymmetry,
+/// load, drift, weight.
+Eigen::MatrixXd UsualEffects(const MotionGrid& grid);
+
+/// Value below which `share` of |values| lie.
+double QuantileOfMagnitude(std::span<const double> values, double share);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/motion/kernel.h"
+
+#include <array>
+#include <cmath>
+
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr int kFlatness = 6;                    // terms of the exponential series that are kept
+constexpr double kWidth = 2.9918 / kHalfPower;  // σ of the Gaussian in it, over the header's
+constexpr double kReach = 6.0 * kWidth;         // σ
+
+// The kernel's derivative: Σⱼ (−½)ʲ/j! · σ²ʲ · G⁽²ʲ⁺ᵏ⁾, with G⁽ⁿ⁾ = (−1)ⁿ Heₙ(u) G / σⁿ.
+double KernelValue(double time_s, double header_sigma_s, int derivative) {
+  const double sigma_s = kWidth * header_sigma_s;
+  const double u = time_s / sigma_s;
+  std::array<double, 2 * kFlatness + 2> hermite{};
+  hermite[0] = 1.0;
+  hermite[1] = u;
+  for (std::size_t n = 2; n < hermite.size(); ++n) {
+    hermite[n] = u * hermite[n - 1] - static_cast<double>(n - 1) * hermite[n - 2];
+  }
+  double sum = 0.0;
+  double factor = 1.0;
+  for (int j = 0; j < kFlatness; ++j) {
+    sum += factor * hermite[static_cast<std::size_t>(2 * j + derivative)];
+    factor *= -0.5 / (j + 1);
+  }
+  const double gauss = std::exp(-0.5 * u * u) / (std::sqrt(kTwoPi) * sigma_s);
+  return (derivative % 2 == 0 ? 1.0 : -1.0) * sum * gauss / std::pow(sigma_s, derivative);
+}
+
+}  // namespace
+
+double KernelTaps::At(std::span<const double> samples, std::size_t place) const {
+  const double* from = samples.data() + (place - reach);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < taps.size(); ++k) sum += taps[k] * from[k];
+  return sum;
+}
+
+KernelTaps MakeKernel(double sigma_s, double step_s, int derivative, double shift_s) {
+  KernelTaps kernel;
+  kernel.reach = static_cast<std::size_t>(std::ceil((kReach * sigma_s + std::abs(shift_s)) / step_s));
+  kernel.taps.resize(2 * kernel.reach + 1);
+  for (std::size_t k = 0; k < kernel.taps.size(); ++k) {
+    const double offset_s = (static_cast<double>(k) - static_cast<double>(kernel.reach)) * step_s;
+    kernel.taps[k] = step_s * KernelValue(shift_s - offset_s, sigma_s, derivative);
+  }
+  // What the cut tails leave out: a constant has to stay one, and to have no derivatives.
+  double sum = 0.0;
+  for (const double tap : kernel.taps) sum += tap;
+  if (derivative == 0) {
+    for (double& tap : kernel.taps) tap /= sum;
+  } else {
+    for (double& tap : kernel.taps) tap -= sum / static_cast<double>(kernel.taps.size());
+  }
+  return kernel;
+}
+
+double NoiseGain(const KernelTaps& kernel) {
+  double sum = 0.0;
+  for (const double tap : kernel.taps) sum += tap * tap;
+  return std::sqrt(sum);
+}
+
+}  // namespace strainwave::analysis::diagnosis

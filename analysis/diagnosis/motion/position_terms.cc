@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/diagnosis/motion/terms.h"
+#include "analysis/diagnosis/scans.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kUnlimited = std::numeric_limits<double>::max();
+constexpr double kHighestPerTurn = 1200.0;
+constexpr double kHighestPerM = 2e5;
+
+// Position in turns of what orders count: radians, or for a linear axis 2π times metres.
+std::vector<double> AngleOf(const std::vector<double>& position, bool linear) {
+  std::vector<double> angle = position;
+  if (linear) {
+    for (double& value : angle) value *= kTwoPi;
+  }
+  return angle;
+}
+
+std::vector<double> AtRows(const MotionGrid& grid, const std::vector<double>& points) {
+  std::vector<double> values;
+  values.reserve(grid.rows());
+  for (const std::size_t point : grid.point_of_row) values.push_back(points[point]);
+  return values;
+}
+
+void AddRipple(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  const std::vector<double> angle = AngleOf(grid->position, units.linear);
+  const std::vector<double> angle_at_rows = AtRows(*grid, angle);
+  const auto [first, last] = std::minmax_element(angle_at_rows.begin(), angle_at_rows.end());
+  const double turns = (*last - *first) / kTwoPi;
+  // Slower than one and a half periods in the record it is a smooth function of position; faster than the
+  // low-pass lets through at the slow end of the motion, or than the position resolves, it leaves no trace.
+  const double slow = QuantileOfMagnitude(AngleOf(grid->velocity, units.linear), 0.25);
+  double high = units.linear ? kHighestPerM : kHighestPerTurn;
+  if (slow > 0.0) high = std::min(high, grid->cutoff_rad_per_s / slow);
+  if (grid->position_noise > 0.0) {
+    high = std::min(high, 0.5 / (grid->position_noise * (units.linear ? kTwoPi : 1.0)));
+  }
+  const double low = std::max(units.linear ? 0.0 : 0.5, 1.5 / turns);
+  if (!(high > 2.0 * low)) {
+    model.warnings.push_back(
+        fmt::format("no verdict on position_periodic_torque: the axis moves over {:.3g} {} only, or too "
+                    "fast for its sampling",
+                    units.linear ? *last / kTwoPi - *first / kTwoPi : turns, units.linear ? "m" : "turns"));
+    return;
+  }
+  SeparableTerm term = PointTerm(
+      grid, 2, [angle](std::span<const double> shapes, std::size_t column, std::span<double> points) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          points[i] = column == 0 ? std::cos(shapes[0] * angle[i]) : std::sin(shapes[0] * angle[i]);
+        }
+      });
+  const double cell = 1.0 / turns;
+  term.shapes = {{0.9 * low, 1.1 * high, 0.2 * cell}};
+  // A line of one per turn is gravity's.
+  const auto is_gravity = [=](double order) { return !units.linear && std::abs(order - 1.0) < 0.1 * cell; };
+  term.starts = [=](const Remainder& remainder) {
+    std::vector<std::vector<double>> starts;
+    for (const LinePeak& peak :
+         FindLines(angle_at_rows, remainder.residual, remainder.weights, low, high, 5)) {
+      if (!is_gravity(peak.order) && starts.size() < 3) starts.push_back({peak.order});
+    }
+    return starts;
+  };
+  const std::string name = units.linear ? "periods_per_m" : "order_per_turn";
+  DescribeAsHarmonic(term, "amplitude_" + units.torque(), units.torque(), 1.0,
+                     {{name, units.linear ? "1/m" : "1", 1.0}});
+  model.causes.push_back(std::move(term));
+  model.rules.push_back(
+      {.name = "position_periodic_torque",
+       .sentence = units.linear
+                       ? "a force that repeats with position: the pitch of a screw, magnets, balls or teeth"
+                       : "a torque that repeats with position: cogging of the motor (slots and poles), teeth "
+                         "of the gear, "
+                         "an encoder or coupling off centre",
+       .where = Where::kUndecided,
+       .effect = "E13",
+       .parameters = {{"amplitude_" + units.torque(), units.torque(), 0.0, kUnlimited, true},
+                      {name, units.linear ? "1/m" : "1", low, high, false}},
+       .degrees_of_freedom = 3,
+       .trials = IndependentOrders(angle_at_rows, low, high),
+       .to_settle = units.linear
+                        ? ""
+                        : "# without the gear cogging stays, with it and at another speed the gear's own "
+                          "goes with the turn\n"
+                          "- kind: load_run\n  name: other-speed\n  duration: 5 min\n  output_torque: 0 Nm\n"
+                          "  input_speed: 100 rpm\n"});
+}
+
+void AddGravity(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  if (units.linear) return;
+  const auto [first, last] = std::minmax_element(grid->position.begin(), grid->position.end());
+  if (*last - *first < 0.5) {
+    model.warnings.push_back(fmt::format(
+        "no verdict on gravity_load: the axis turns by {:.3g} degrees only (expected 30 and more)",
+        DegFromRad(*last - *first)));
+    return;
+  }
+  Eigen::MatrixXd columns(grid->nominal.rows(), 2);
+  std::vector<double> points(grid->position.size());
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = std::cos(grid->position[i]);
+  columns.col(0) = grid->Project(points);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = std::sin(grid->position[i]);
+  columns.col(1) = grid->Project(points);
+  SeparableTerm term = FixedTerm(std::move(columns));
+  DescribeAsHarmonic(term, "amplitude_Nm", "Nm", 1.0);
+  model.causes.push_back(std::move(term));
+  model.rules.push_back(
+      {.name = "gravity_load",
+       .sentence = "a torque once per turn, sine of the position: weight off the axis, of what the axis "
+                   "carries or of the bench",
+       .where = Where::kUndecided,
+       .effect = "E21",
+       .parameters = {{"amplitude_Nm", "Nm", 0.0, kUnlimited, true}},
+       .degrees_of_freedom = 2,
+       .to_settle =
+           "# turn the lever or flange by 90 degrees on the axis: weight of the bench turns with it\n"
+           "- kind: load_run\n  name: slow-turns\n  duration: 5 min\n  output_torque: 0 Nm\n  input_speed: "
+           "50 rpm\n"});
+}
+
+}  // namespace
+
+void AddPositionCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  AddRipple(grid, units, model);
+  AddGravity(grid, units, model);
+}
+
+}  // namespace strainwave::analysis::diagnosis

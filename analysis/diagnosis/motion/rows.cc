@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/motion/rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr std::size_t kShortestRun = 4;  // rows between two gaps that are of use
+constexpr double kTolerated = 0.4;       // error by a reversal's time, over the noise
+constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
+// Part of the smoothing's width by which a kink of the velocity moves its zero.
+constexpr double kBlurredReversal = 0.15;
+
+// One at points of a rest: slower than can be told from standing, for longer than a reversal takes.
+std::vector<double> RestsOf(const MotionGrid& grid) {
+  const double slow = std::max(3.0 * grid.velocity_noise, 2e-3 * QuantileOfMagnitude(grid.velocity, 0.95));
+  std::vector<double> rests(grid.velocity.size(), 0.0);
+  for (const MotionGrid::Stretch& stretch : grid.stretches) {
+    const double shortest_s = std::max(6.0 * grid.fine_sigma_s, 3.0 * grid.sigma_s);
+    const std::size_t end = stretch.first + stretch.count;
+    for (std::size_t i = stretch.first; i < end;) {
+      std::size_t next = i;
+      while (next < end && std::abs(grid.velocity[next]) < slow) ++next;
+      if (static_cast<double>(next - i) * stretch.step_s > shortest_s) {
+        std::fill(rests.begin() + static_cast<std::ptrdiff_t>(i),
+                  rests.begin() + static_cast<std::ptrdiff_t>(next), 1.0);
+      }
+      i = std::max(next, i + 1);
+    }
+  }
+  return rests;
+}
+
+double ShareUnderKernel(const KernelTaps& kernel, std::span<const double> marks, std::size_t place) {
+  double marked = 0.0;
+  double all = 0.0;
+  for (std::size_t k = 0; k < kernel.taps.size(); ++k) {
+    const double weight = std::abs(kernel.taps[k]);
+    all += weight;
+    marked += weight * marks[place - kernel.reach + k];
+  }
+  return marked / all;
+}
+
+// Largest magnitude of the filter from each tap outwards, by the second: what a step of 1 a second long does.
+std::vector<double> EnvelopeOf(const MotionGrid::Stretch& stretch) {
+  const KernelTaps& kernel = stretch.low_pass;
+  std::vector<double> envelope(kernel.reach + 1);
+  double largest = 0.0;
+  for (std::size_t k = kernel.reach + 1; k-- > 0;) {
+    largest = std::max(largest, std::abs(kernel.taps[kernel.reach + k]));
+    envelope[k] = largest / stretch.step_s;
+  }
+  return envelope;
+}
+
+// At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
+std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, double expected_delay_s) {
+  std::vector<double> errors(grid.velocity.size(), 0.0);
+  for (const MotionGrid::Stretch& stretch : grid.stretches) {
+    const std::vector<double> envelope = EnvelopeOf(stretch);
+    const auto half = std::max<std::size_t>(
+        1, static_cast<std::size_t>(std::lround(2.0 * grid.fine_sigma_s / stretch.step_s)));
+    const std::size_t end = stretch.first + stretch.count;
+    for (std::size_t i = stretch.first + 1; i < end; ++i) {
+      if (grid.velocity[i - 1] * grid.velocity[i] > 0.0) continue;
+      const std::size_t from = i > stretch.first + half ? i - half : stretch.first;
+      const std::size_t to = std::min(i + half, end - 1);
+      const double change = std::abs(grid.velocity[to] - grid.velocity[from]);
+      const double acceleration =
+          std::max(change, grid.velocity_noise) / (static_cast<double>(to - from) * stretch.step_s);
+      const double uncertain_s = (acceleration > 0.0 ? grid.velocity_noise / acceleration : 0.0) +
+                                 (grid.smooth_path ? 0.1 : 1.0) * kBlurredReversal * grid.fine_sigma_s;
+      const auto reach =
+          envelope.size() + static_cast<std::size_t>((uncertain_s + expected_delay_s) / stretch.step_s);
+      for (std::size_t k = i > stretch.first + reach ? i - reach : stretch.first;
+           k < std::min(i + reach, end); ++k) {
+        // Where the torque acts late, the reversal shows in it before it shows in the motion.
+        const double after_s = (static_cast<double>(k) - static_cast<double>(i) + 0.5) * stretch.step_s;
+        const double away_s = std::max({after_s, -after_s - expected_delay_s, 0.0});
+        const auto tap = static_cast<std::size_t>(std::max(0.0, away_s - uncertain_s) / stretch.step_s);
+        if (tap < envelope.size()) errors[k] += 2.0 * coulomb * uncertain_s * envelope[tap];
+      }
+    }
+  }
+  return errors;
+}
+
+// The error that is tolerated: a part of the noise, or more where that would leave too little.
+double ToleratedError(double noise, const std::vector<double>& errors) {
+  std::vector<double> sorted = errors;
+  const auto place =
+      sorted.begin() + static_cast<std::ptrdiff_t>((1.0 - kMostLeftOut) * static_cast<double>(sorted.size()));
+  std::nth_element(sorted.begin(), place, sorted.end());
+  return std::max(kTolerated * noise, *place);
+}
+
+}  // namespace
+
+void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts, double coulomb,
+                      double expected_delay_s, MotionGrid& grid) {
+  const std::vector<double> rests = RestsOf(grid);
+  const std::vector<double> errors = ReversalErrors(grid, coulomb, expected_delay_s);
+  const double tolerated = ToleratedError(grid.noise_floor, errors);
+  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
+    const MotionGrid::Stretch& stretch = grid.stretches[s];
+    const EvenStretch& raw = samples.stretches[s];
+    const KernelTaps at_samples = MakeKernel(grid.sigma_s, raw.step_s, 0);
+    std::vector<double> clipped(raw.clipped.begin(), raw.clipped.end());
+    const auto spacing = std::max<std::size_t>(
+        1, static_cast<std::size_t>(std::lround(kRowSpacing * grid.sigma_s / stretch.step_s)));
+    std::size_t run = grid.point_of_row.size();
+    const auto end_run = [&] {
+      if (grid.point_of_row.size() - run < kShortestRun) {
+        grid.point_of_row.resize(run);
+        grid.stretch_of_row.resize(run);
+      } else {
+        grid.response_stretches.push_back(run);
+      }
+      run = grid.point_of_row.size();
+    };
+    for (std::size_t i = stretch.low_pass.reach; i + stretch.low_pass.reach < stretch.count; i += spacing) {
+      const std::size_t sample = layouts[s].SampleOf(i);
+      if (sample < at_samples.reach || sample + at_samples.reach >= raw.position.size()) continue;
+      if (errors[stretch.first + i] > tolerated ||
+          ShareUnderKernel(stretch.low_pass, rests, stretch.first + i) > 0.05 ||
+          ShareUnderKernel(at_samples, clipped, sample) > 1e-3) {
+        end_run();
+        continue;
+      }
+      grid.point_of_row.push_back(stretch.first + i);
+      grid.stretch_of_row.push_back(s);
+    }
+    end_run();
+    grid.row_spacing_s = std::max(grid.row_spacing_s, static_cast<double>(spacing) * stretch.step_s);
+  }
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "analysis/diagnosis/motion/grid.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// Where the points of a stretch lie in its even samples.
+struct PointLayout {
+  std::size_t margin{};  // samples before the first point
+  std::size_t stride{};  // samples a point
+
+  std::size_t SampleOf(std::size_t point_in_stretch) const { return margin + point_in_stretch * stride; }
+};
+
+/// Chooses the rows of a grid that has its points: evenly, but for what MotionGrid leaves out. The time of a
+/// reversal is known no better than velocity noise and smoothing let it; rows in which Coulomb friction makes
+/// more of that than noise are left out, too, unless reversals are so frequent that little would be left.
+/// @param coulomb  about; `grid.noise_floor` is what it is compared with
+void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts, double coulomb,
+                      double expected_delay_s, MotionGrid& grid);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/motion/samples.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "analysis/diagnosis/motion/time.h"
+#include "analysis/diagnosis/motion/units.h"
+#include "analysis/noise_level.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr std::size_t kFewestSamples = 150;
+constexpr double kClippedWarning = 0.005;
+constexpr double kClippedError = 0.4;
+constexpr std::size_t kFewLevels = 20;  // fewer torque levels are a command in steps, not a clipped signal
+
+// Samples at one end of the torque's range, where it stays for three and more.
+std::vector<bool> FindClipped(std::span<const double> torque) {
+  std::vector<bool> clipped(torque.size(), false);
+  std::set<double> levels;
+  for (const double value : torque) {
+    levels.insert(value);
+    if (levels.size() > kFewLevels) break;
+  }
+  if (levels.size() <= kFewLevels) return clipped;
+  const auto [low, high] = std::minmax_element(torque.begin(), torque.end());
+  for (const double end : {*low, *high}) {
+    for (std::size_t i = 0; i < torque.size();) {
+      std::size_t next = i;
+      while (next < torque.size() && torque[next] == end) ++next;
+      if (next >= i + 3)
+        std::fill(clipped.begin() + static_cast<std::ptrdiff_t>(i),
+                  clipped.begin() + static_cast<std::ptrdiff_t>(next), true);
+      i = std::max(next, i + 1);
+    }
+  }
+  return clipped;
+}
+
+// Step of a quantised signal: the smallest change, if nearly all changes are whole multiples of it.
+double QuantisationStep(std::span<const double> samples) {
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double change = std::abs(samples[i] - samples[i - 1]);
+    if (change > 0.0) changes.push_back(change);
+  }
+  if (changes.size() < 8) return 0.0;
+  std::vector<double> sorted = changes;
+  std::sort(sorted.begin(), sorted.end());
+  const double step = sorted[sorted.size() / 50];
+  std::size_t whole = 0;
+  std::size_t small = 0;
+  for (const double change : changes) {
+    const double multiple = change / step;
+    if (multiple > 50.0) continue;  // rounding of the file would blur them
+    ++small;
+    if (std::abs(multiple - std::round(multiple)) < 0.05) ++whole;
+  }
+  return small > 20 && static_cast<double>(whole) > 0.9 * static_cast<double>(small) ? step : 0.0;
+}
+
+void CheckTravel(const MotionData& record, const std::string& name) {
+  const auto [low, high] = std::minmax_element(record.position.begin(), record.position.end());
+  const double range = *high - *low;
+  const NoiseLevel noise = EstimateNoise(record.position);
+  if (range <= std::max(12.0 * noise.standard_deviation, 0.0) || !(range > 0.0)) {
+    throw std::invalid_argument(
+        fmt::format("{}the position stays within {:.3g} {} (expected an axis that moves)", name, range,
+                    record.linear ? "m" : "rad"));
+  }
+}
+
+}  // namespace
+
+double WhiteNoise(std::span<const double> samples) {
+  if (samples.size() < 16) return 0.0;
+  std::vector<double> differences(samples.begin(), samples.end());
+  double least = 0.0;
+  double gain = 1.0;  // sum of squared binomial coefficients: C(2p, p)
+  for (int order = 1; order <= 8; ++order) {
+    for (std::size_t i = 0; i + 1 < differences.size(); ++i)
+      differences[i] = differences[i + 1] - differences[i];
+    differences.pop_back();
+    gain *= (4.0 * order - 2.0) / order;
+    const double noise = RobustStandardDeviation(differences) / std::sqrt(gain);
+    if (order == 1 || noise < least) least = noise;
+  }
+  return least;
+}
+
+MotionSamples PrepareMotion(std::span<const MotionData> records) {
+  MotionSamples samples;
+  samples.records = records.size();
+  if (records.empty()) throw std::invalid_argument("no motion record (expected at least one)");
+  samples.linear = records.front().linear;
+  std::vector<double> position_noise;
+  std::vector<double> velocity_noise;
+  std::vector<double> torque_noise;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const std::string name = records.size() > 1 ? fmt::format("record {}: ", r + 1) : std::string{};
+    MotionData record = records[r];
+    if (record.linear != samples.linear) {
+      throw std::invalid_argument(
+          fmt::format("{}a linear axis and a rotary one together (expected records of one "
+                      "axis)",
+                      name));
+    }
+    if (record.time_s.size() < kFewestSamples) {
+      throw std::invalid_argument(
+          fmt::format("{}{} samples are too few to hold any out (expected at least {})", name,
+                      record.time_s.size(), kFewestSamples));
+    }
+    if (record.inertia && !samples.inertia) samples.inertia = record.inertia;
+    CheckTravel(record, name);
+    const auto [low, high] = std::minmax_element(record.torque.begin(), record.torque.end());
+    if (!(*high > *low)) {
+      throw std::invalid_argument(fmt::format("{}the {} is {:.4g} {} throughout (expected one that changes)",
+                                              name, record.linear ? "force" : "torque", *low,
+                                              record.linear ? "N" : "Nm"));
+    }
+    const std::vector<bool> clipped = FindClipped(record.torque);
+    const double share = static_cast<double>(std::count(clipped.begin(), clipped.end(), true)) /
+                         static_cast<double>(clipped.size());
+    if (share > kClippedWarning) {
+      const std::string text = fmt::format(
+          "{}{:.0f} % of the samples stand at the end of the {}'s range ({:.4g} to {:.4g} "
+          "{}): saturated",
+          name, 100.0 * share, record.linear ? "force" : "torque", *low, *high, record.linear ? "N" : "Nm");
+      if (share > kClippedError) throw std::invalid_argument(text + " (expected a record inside the range)");
+      samples.warnings.push_back(text + "; they are left out");
+    }
+    SettleUnits(record, name, samples.warnings);
+    const double step = QuantisationStep(record.position);
+    samples.position_step = std::max(samples.position_step, step);
+    const double torque_step = QuantisationStep(record.torque);
+    for (EvenStretch& stretch : EvenStretches(record, clipped, name, samples.warnings)) {
+      stretch.record = r;
+      position_noise.push_back(std::max(WhiteNoise(stretch.position), step / std::sqrt(12.0)));
+      torque_noise.push_back(std::max(WhiteNoise(stretch.torque), torque_step / std::sqrt(12.0)));
+      if (!stretch.velocity.empty()) {
+        velocity_noise.push_back(
+            std::max(WhiteNoise(stretch.velocity), QuantisationStep(stretch.velocity) / std::sqrt(12.0)));
+      }
+      samples.stretches.push_back(std::move(stretch));
+    }
+  }
+  if (samples.stretches.empty()) {
+    throw std::invalid_argument("no stretch without a gap is long enough (expected 40 samples and more)");
+  }
+  samples.position_noise = Median(position_noise);
+  samples.velocity_noise = Median(velocity_noise);
+  samples.torque_noise = Median(torque_noise);
+  return samples;
+}
+
+}  // namespace strainwave::analysis::diagnosis

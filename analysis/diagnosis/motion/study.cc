@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "analysis/diagnosis/motion/delay.h"
+#include "analysis/diagnosis/motion/grid.h"
+#include "analysis/diagnosis/motion/samples.h"
+#include "analysis/diagnosis/motion/terms.h"
+#include "analysis/diagnosis/motion/units.h"
+#include "analysis/diagnosis/records.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// Rows of one period of the motion, as reversals show it; within bounds that leave enough blocks to hold out.
+std::size_t BlockLength(const MotionGrid& grid) {
+  std::size_t reversals = 0;
+  double last = 0.0;
+  const double certain = 0.05 * QuantileOfMagnitude(grid.velocity, 0.95);
+  for (const double velocity : grid.velocity) {
+    if (std::abs(velocity) < certain) continue;
+    if (last * velocity < 0.0) ++reversals;
+    last = velocity;
+  }
+  const std::size_t period = reversals > 1 ? 2 * grid.rows() / reversals : grid.rows();
+  return std::clamp<std::size_t>(period, std::max<std::size_t>(12, grid.rows() / 100),
+                                 std::max<std::size_t>(12, grid.rows() / 15));
+}
+
+void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  const auto at_rows = [&](const std::vector<double>& points) {
+    std::vector<double> values;
+    values.reserve(grid.rows());
+    for (const std::size_t point : grid.point_of_row) values.push_back(points[point]);
+    return values;
+  };
+  model.regressors.push_back({.name = "position",
+                              .title = units.linear ? "position / mm" : "position / deg",
+                              .per_unit = units.linear ? 1e3 : DegFromRad(1.0),
+                              .values = at_rows(grid.position),
+                              .angle = !units.linear});
+  model.regressors.push_back(
+      {.name = "speed",
+       .title = "velocity / " + (units.linear ? std::string("mm/s") : std::string("rpm")),
+       .per_unit = units.linear ? 1e3 : RpmFromRadPerS(1.0),
+       .values = at_rows(grid.velocity)});
+  model.regressors.push_back({.name = "acceleration",
+                              .title = units.linear ? "acceleration / m/s²" : "acceleration / rad/s²",
+                              .values = at_rows(grid.passed_acceleration)});
+  model.regressors.push_back(
+      {.name = "torque", .title = units.linear ? "force / N" : "torque / Nm", .values = model.measured});
+  model.regressors.push_back({.name = "time", .title = "time / s", .values = at_rows(grid.time_s)});
+  model.regressors.push_back({.name = "direction", .title = "direction", .values = at_rows(grid.direction)});
+  if (!grid.temperature_degC.empty()) {
+    model.regressors.push_back(
+        {.name = "temperature", .title = "temperature / °C", .values = at_rows(grid.temperature_degC)});
+  }
+}
+
+// The grid, made again where the torque acts late: reversals show in it before they show in the motion.
+SharedGrid MakeSettledGrid(const MotionSamples& samples) {
+  const auto grid = std::make_shared<const MotionGrid>(MakeMotionGrid(samples, 0.0));
+  const double delay_s = EstimateDelay_s(*grid);
+  return delay_s > 0.0 ? std::make_shared<const MotionGrid>(MakeMotionGrid(samples, delay_s)) : grid;
+}
+
+}  // namespace
+
+std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
+  const MotionSamples samples = PrepareMotion(records);
+  const SharedGrid grid = MakeSettledGrid(samples);
+  const MotionUnits units{samples.linear};
+  SeparableModel model;
+  model.measured = grid->measured;
+  model.stretches = grid->response_stretches;
+  model.warnings = samples.warnings;
+  model.unit = units.torque();
+  model.noise_floor = grid->noise_floor;
+  model.block_length = BlockLength(*grid);
+  if (samples.inertia) {
+    const double left =
+        grid->BesideNominal(Eigen::Map<const Eigen::VectorXd>(grid->measured.data(), grid->nominal.rows()))
+            .squaredNorm() /
+        static_cast<double>(grid->rows());
+    const Eigen::MatrixXd others = grid->nominal.rightCols(grid->nominal.cols() - 1);
+    const Eigen::VectorXd acceleration = grid->nominal.col(0);
+    const double own =
+        (acceleration - others * others.colPivHouseholderQr().solve(acceleration)).squaredNorm();
+    const std::string warning = InertiaWarning(grid->prefit(0), *samples.inertia,
+                                               std::sqrt(left / std::max(own, 1e-300)), samples.linear);
+    if (!warning.empty()) model.warnings.push_back(warning);
+  }
+  AddNominalMotion(grid, units, model);
+  AddFrictionCauses(grid, units, model);
+  AddPositionCauses(grid, units, model);
+  AddDynamicCauses(grid, units, model);
+  AddDelayCause(grid, units, model);
+  AddDisturbanceCause(grid, units, model);
+  AddMotionCorrections(grid, units, model);
+  AddRegressors(*grid, units, model);
+  return std::make_unique<SeparableStudy>(std::move(model));
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/diagnosis/motion/grid.h"
+#include "analysis/diagnosis/separable_study.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// Terms outlive the function that makes them and are copied with their study: they own the grid together.
+using SharedGrid = std::shared_ptr<const MotionGrid>;
+
+/// Words for a rotary axis, or for a linear one.
+struct MotionUnits {
+  bool linear{};
+  std::string torque() const { return linear ? "N" : "Nm"; }
+  std::string inertia() const { return linear ? "kg" : "kg m²"; }
+  std::string viscous() const { return linear ? "Ns/m" : "Nms/rad"; }
+  std::string speed() const { return linear ? "m/s" : "rad/s"; }
+  std::string position() const { return linear ? "m" : "rad"; }
+  std::string inertia_name() const { return linear ? "mass_kg" : "inertia_kgm2"; }
+  std::string viscous_suffix() const { return linear ? "Ns_per_m" : "Nms_per_rad"; }
+  std::string speed_suffix() const { return linear ? "m_per_s" : "rad_per_s"; }
+};
+
+/// The nominal model: inertia, viscous and Coulomb friction, an offset for each record.
+void AddNominalMotion(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+
+/// Causes with their rules, and warnings for those that the record did not excite and that are left out.
+void AddFrictionCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+void AddPositionCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+void AddDynamicCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+/// Shapes without a cause.
+void AddMotionCorrections(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+
+/// A term whose columns are evaluated at the points and low-passed: `column_at(shapes, column, points)` fills
+/// one.
+template <typename ColumnAt>
+SeparableTerm PointTerm(SharedGrid grid, std::size_t columns, ColumnAt column_at) {
+  SeparableTerm term;
+  term.columns = columns;
+  term.fill = [grid = std::move(grid), columns, column_at](std::span<const double> shapes,
+                                                           Eigen::Ref<Eigen::MatrixXd> design) {
+    std::vector<double> points(grid->time_s.size());
+    for (std::size_t column = 0; column < columns; ++column) {
+      column_at(shapes, column, std::span<double>(points));
+      design.col(static_cast<Eigen::Index>(column)) = grid->Project(points);
+    }
+  };
+  return term;
+}
+
+/// A term of fixed columns at the rows.
+SeparableTerm FixedTerm(Eigen::MatrixXd columns);
+
+/// Share of a column's variance that the nominal terms do not make up.
+double ShareBesideNominal(const MotionGrid& grid, const Eigen::VectorXd& column);
+
+/// Values from `low` to `high`, both included, at equal ratios.
+std::vector<double> GeometricSteps(double low, double high, std::size_t count);
+
+/// Looks for shapes of a term without fitting the rest again.
+class StartSearch {
+ public:
+  /// All of them outlive the search.
+  StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder);
+
+  /// What the term's columns, beside the nominal ones, take from the remainder's weighted sum of squares.
+  double Drop(std::span<const double> shapes);
+  /// Moves one shape at a time by these steps, then by half of them and so on, while the drop grows: for
+  /// terms that depend on their shapes too raggedly for slopes.
+  std::vector<double> Polish(std::vector<double> shapes, std::vector<double> steps);
+
+ private:
+  const MotionGrid& grid_;
+  const SeparableTerm& term_;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nominal_;
+  Eigen::MatrixXd columns_;
+  Eigen::VectorXd weights_;
+  Eigen::VectorXd weighted_;
+};
+
+/// The shapes of `candidates` whose single column brings the largest drop, best first, at most `count`.
+std::vector<std::vector<double>> BestStarts(const MotionGrid& grid, const SeparableTerm& term,
+                                            const std::vector<std::vector<double>>& candidates,
+                                            const Remainder& remainder, std::size_t count);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/motion/time.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/noise_level.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kGap = 3.5;           // steps
+constexpr double kEvenEnough = 0.01;   // of a step
+constexpr std::size_t kShortest = 40;  // samples of a stretch that is of use
+
+// Rows of a record that are kept, with their times.
+struct Rows {
+  std::vector<std::size_t> row;
+  std::vector<double> time_s;
+};
+
+bool SameRow(const MotionData& record, std::size_t a, std::size_t b) {
+  return record.position[a] == record.position[b] && record.torque[a] == record.torque[b] &&
+         (record.velocity.empty() || record.velocity[a] == record.velocity[b]);
+}
+
+Rows DistinctRows(const MotionData& record, const std::string& name, std::vector<std::string>& warnings) {
+  Rows rows;
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < record.time_s.size(); ++i) {
+    if (i > 0 && record.time_s[i] <= record.time_s[i - 1] && SameRow(record, i, i - 1)) {
+      ++dropped;
+      continue;
+    }
+    rows.row.push_back(i);
+    rows.time_s.push_back(record.time_s[i]);
+  }
+  std::size_t repeated = 0;
+  for (std::size_t i = 0; i < rows.time_s.size();) {
+    std::size_t next = i + 1;
+    while (next < rows.time_s.size() && !(rows.time_s[next] > rows.time_s[i])) ++next;
+    if (next > i + 1) {
+      repeated += next - i - 1;
+      // Before the first stamps that differ there is nothing to measure a step by but the record's mean.
+      const double mean =
+          (rows.time_s.back() - rows.time_s.front()) / static_cast<double>(rows.time_s.size() - 1);
+      const double span = next < rows.time_s.size() ? rows.time_s[next] - rows.time_s[i]
+                                                    : mean * static_cast<double>(next - i);
+      const double start = rows.time_s[i];
+      for (std::size_t k = i; k < next; ++k) {
+        rows.time_s[k] = start + span * static_cast<double>(k - i) / static_cast<double>(next - i);
+      }
+    }
+    i = next;
+  }
+  if (dropped > 0) {
+    warnings.push_back(
+        fmt::format("{}{} rows repeat the one before, time stamp and all: left out", name, dropped));
+  }
+  if (repeated > 0) {
+    warnings.push_back(
+        fmt::format("{}{} time stamps repeat the one before with other values: spread evenly up to "
+                    "the next one",
+                    name, repeated));
+  }
+  return rows;
+}
+
+// Cubic through a point and its neighbours, with slopes from both sides (uneven steps).
+double Interpolate(std::span<const double> time_s, std::span<const double> values, std::size_t i,
+                   double at_s) {
+  const auto slope = [&](std::size_t k) {
+    if (k == 0) return (values[1] - values[0]) / (time_s[1] - time_s[0]);
+    if (k + 1 == values.size()) return (values[k] - values[k - 1]) / (time_s[k] - time_s[k - 1]);
+    const double left = time_s[k] - time_s[k - 1];
+    const double right = time_s[k + 1] - time_s[k];
+    return ((values[k] - values[k - 1]) / left * right + (values[k + 1] - values[k]) / right * left) /
+           (left + right);
+  };
+  const double step = time_s[i + 1] - time_s[i];
+  const double u = (at_s - time_s[i]) / step;
+  const double m0 = slope(i) * step;
+  const double m1 = slope(i + 1) * step;
+  const double a = 2.0 * (values[i] - values[i + 1]) + m0 + m1;
+  const double b = -3.0 * (values[i] - values[i + 1]) - 2.0 * m0 - m1;
+  return values[i] + u * (m0 + u * (b + u * a));
+}
+
+std::vector<double> Resample(std::span<const double> time_s, std::span<const double> values, double step_s) {
+  std::vector<double> even;
+  const auto count = static_cast<std::size_t>((time_s.back() - time_s.front()) / step_s + 1e-6) + 1;
+  even.reserve(count);
+  std::size_t i = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double at = time_s.front() + static_cast<double>(k) * step_s;
+    while (i + 2 < time_s.size() && time_s[i + 1] <= at) ++i;
+    even.push_back(Interpolate(time_s, values, i, at));
+  }
+  return even;
+}
+
+std::vector<double> Pick(const std::vector<double>& column, std::span<const std::size_t> rows) {
+  std::vector<double> picked;
+  if (column.empty()) return picked;
+  picked.reserve(rows.size());
+  for (const std::size_t row : rows) picked.push_back(column[row]);
+  return picked;
+}
+
+}  // namespace
+
+std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vector<bool>& clipped,
+                                       const std::string& name, std::vector<std::string>& warnings) {
+  const Rows rows = DistinctRows(record, name, warnings);
+  std::vector<EvenStretch> stretches;
+  if (rows.row.size() < kShortest) return stretches;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < rows.time_s.size(); ++i) steps.push_back(rows.time_s[i] - rows.time_s[i - 1]);
+  const double step_s = Median(steps);
+  std::vector<double> deviations;
+  for (const double step : steps) deviations.push_back(std::abs(step / step_s - 1.0));
+  const double jitter = 1.4826 * Median(deviations);
+
+  // Do the stamps know more than the row's number? The white part of the position says.
+  bool by_number = jitter < kEvenEnough;
+  if (!by_number) {
+    const std::vector<double> position = Pick(record.position, rows.row);
+    by_number = WhiteNoise(position) < 0.8 * WhiteNoise(Resample(rows.time_s, position, step_s));
+    warnings.push_back(fmt::format(
+        "{}time stamps jitter by {:.2g} % of their step of {:.4g} ms: {}", name, 100.0 * jitter, 1e3 * step_s,
+        by_number ? "taken as even, the position is smoother like that" : "brought onto even steps"));
+  }
+
+  std::size_t gaps = 0;
+  std::size_t bridged = 0;
+  for (std::size_t first = 0; first < rows.row.size();) {
+    std::size_t last = first + 1;
+    bool holes = false;
+    while (last < rows.row.size() && steps[last - 1] <= kGap * step_s) {
+      if (steps[last - 1] > 1.6 * step_s) holes = true, ++bridged;
+      ++last;
+    }
+    if (last < rows.row.size()) ++gaps;
+    const std::size_t count = last - first;
+    if (count >= kShortest) {
+      const std::span<const std::size_t> picked(rows.row.data() + first, count);
+      const std::span<const double> time(rows.time_s.data() + first, count);
+      EvenStretch stretch;
+      stretch.start_s = time.front();
+      const bool as_they_are = by_number && !(holes && jitter < 0.2);
+      stretch.step_s = as_they_are ? (time.back() - time.front()) / static_cast<double>(count - 1) : step_s;
+      const auto even = [&](const std::vector<double>& column) {
+        const std::vector<double> values = Pick(column, picked);
+        return as_they_are || values.empty() ? values : Resample(time, values, step_s);
+      };
+      stretch.position = even(record.position);
+      stretch.torque = even(record.torque);
+      stretch.velocity = even(record.velocity);
+      stretch.temperature_degC = even(record.temperature_degC);
+      stretch.clipped.assign(stretch.position.size(), false);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (!clipped[picked[i]]) continue;
+        const double at = as_they_are ? static_cast<double>(i) : (time[i] - time.front()) / step_s;
+        for (const double k : {std::floor(at), std::ceil(at)}) {
+          if (k < static_cast<double>(stretch.clipped.size()))
+            stretch.clipped[static_cast<std::size_t>(k)] = true;
+        }
+      }
+      stretches.push_back(std::move(stretch));
+    }
+    first = last;
+  }
+  if (gaps > 0) {
+    warnings.push_back(
+        fmt::format("{}{} gap{} of more than {} steps: what lies between is taken piece by piece", name, gaps,
+                    gaps == 1 ? "" : "s", kGap));
+  }
+  if (bridged > 0 && jitter < 0.2) {
+    warnings.push_back(fmt::format("{}{} samples are missing one or two at a time: bridged", name, bridged));
+  }
+  return stretches;
+}
+
+}  // namespace strainwave::analysis::diagnosis

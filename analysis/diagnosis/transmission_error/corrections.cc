@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "analysis/diagnosis/scans.h"
+#include "analysis/diagnosis/transmission_error/terms.h"
+#include "analysis/harmonic_regression.h"
+#include "analysis/model/local_tooth_damage.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kArcminPerRad = 10800.0 / kPi;
+
+using Samples = TransmissionErrorSamples;
+
+// Orders per output turn that the samples resolve.
+double HighestOrder(const Samples& samples) {
+  if (samples.samples_per_turn > 0.0) return 0.5 * samples.samples_per_turn;
+  const double turns =
+      std::max(SpanOf(samples.output_rad), 1e-9) / kTwoPi * static_cast<double>(samples.records);
+  return std::min(400.0, 0.4 * static_cast<double>(samples.output_rad.size()) / turns);
+}
+
+SeparableTerm LineTerm(std::shared_ptr<const std::vector<double>> angle, const ShapeRange& order) {
+  SeparableTerm term;
+  term.columns = 2;
+  term.shapes = {order};
+  term.fill = [angle](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < angle->size(); ++i) {
+      design(static_cast<Eigen::Index>(i), 0) = std::cos(shapes[0] * (*angle)[i]);
+      design(static_cast<Eigen::Index>(i), 1) = std::sin(shapes[0] * (*angle)[i]);
+    }
+  };
+  DescribeAsHarmonic(term, "amplitude_arcmin", "arcmin", kArcminPerRad,
+                     {{"order_per_output_turn", "1", 1.0}});
+  return term;
+}
+
+// A line of any order over an angle.
+void AddFreeLine(const Samples& samples, SeparableModel& model, const std::string& which) {
+  const double top = HighestOrder(samples);
+  const double lowest = 0.6;
+  const double cell = kTwoPi / std::max(SpanOf(samples.output_rad), 1e-9);
+  auto angle = std::make_shared<const std::vector<double>>(samples.output_rad);
+  SeparableTerm term = LineTerm(angle, {0.5 * lowest, top, 0.3 * cell});
+  term.starts = [angle, lowest, top](const Remainder& remainder) {
+    std::vector<std::vector<double>> starts;
+    for (const LinePeak& peak : FindLines(*angle, remainder.residual, remainder.weights, lowest, top, 1)) {
+      starts.push_back({std::clamp(peak.order, 0.5 * lowest, top)});
+    }
+    return starts;
+  };
+  DescribeAsHarmonic(term, "amplitude_arcmin", "arcmin", kArcminPerRad,
+                     {{"order_per_output_turn", "1", 1.0}});
+  model.causes.push_back(std::move(term));
+  model.rules.push_back({.name = which,
+                         .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
+                         .degrees_of_freedom = 3,
+                         .trials = IndependentOrders(samples.output_rad, lowest, top),
+                         .named = false});
+}
+
+// A line at one of the whole orders that mechanics makes, beyond the named ones: fewer places to look at, so
+// that a weaker one is seen.
+void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
+  const double top = HighestOrder(samples);
+  std::vector<double> orders;
+  for (double order = 3.0; order <= 8.0 && order < top; order += 1.0) orders.push_back(order);
+  for (const double order : {3.0, 5.0, 6.0, 8.0}) {
+    const double per_turn = order * std::abs(samples.ratio);
+    orders.push_back(samples.samples_per_turn > 0.0 ? FoldedOrder(per_turn, samples.samples_per_turn)
+                                                    : per_turn);
+  }
+  std::erase_if(orders, [&](double order) { return order > top || order < 2.5; });
+  const double cell = kTwoPi / std::max(SpanOf(samples.output_rad), 1e-9);
+  auto angle = std::make_shared<const std::vector<double>>(samples.output_rad);
+  SeparableTerm term = LineTerm(angle, {1.0, top + 1.0, 0.3 * cell});
+  term.starts = [angle, orders](const Remainder& remainder) {
+    double best_drop = 0.0;
+    double best = 0.0;
+    for (const double order : orders) {
+      const double drop = LineDrop(*angle, remainder.residual, remainder.weights, order);
+      if (drop > best_drop) best = order;
+      best_drop = std::max(best_drop, drop);
+    }
+    return best > 0.0 ? std::vector<std::vector<double>>{{best}} : std::vector<std::vector<double>>{};
+  };
+  model.causes.push_back(std::move(term));
+  model.rules.push_back({.name = "line at a whole order",
+                         .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
+                         .degrees_of_freedom = 3,
+                         .trials = static_cast<double>(orders.size()),
+                         .named = false});
+}
+
+// A line that is there in one stretch of the turn only.
+void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
+  std::vector<double> place(samples.output_rad);
+  for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi);
+  const double narrowest = RadFromDeg(8.0);
+  const double widest = RadFromDeg(120.0);
+  const double top = HighestOrder(samples);
+  SeparableTerm term;
+  term.columns = 2;
+  term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(4.0)},
+                 {0.5 * narrowest, 1.5 * widest, RadFromDeg(4.0)},
+                 {3.0, top, 1.0}};
+  term.fill = [place](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      const double inside = model::LocalToothDamageShape(place[i], shapes[0], shapes[1]);
+      design(static_cast<Eigen::Index>(i), 0) = inside * std::cos(shapes[2] * place[i]);
+      design(static_cast<Eigen::Index>(i), 1) = inside * std::sin(shapes[2] * place[i]);
+    }
+  };
+  term.starts = [place, narrowest, widest, top](const Remainder& remainder) {
+    // Where the residual's power is raised, then the strongest line there.
+    std::vector<double> power(remainder.residual.size());
+    for (std::size_t i = 0; i < power.size(); ++i) power[i] = remainder.residual[i] * remainder.residual[i];
+    std::vector<std::vector<double>> starts;
+    for (const WindowPeak& window : FindWindows(place, power, remainder.weights, narrowest, widest, 2)) {
+      std::vector<double> inside(remainder.weights.begin(), remainder.weights.end());
+      for (std::size_t i = 0; i < inside.size(); ++i) {
+        if (std::abs(std::remainder(place[i] - window.centre, kTwoPi)) > 0.6 * window.width) inside[i] = 0.0;
+      }
+      const double lowest = kTwoPi / window.width;
+      if (!(lowest < top)) continue;
+      for (const LinePeak& line : FindLines(place, remainder.residual, inside, lowest, top, 2)) {
+        starts.push_back({window.centre, window.width, line.order});
+      }
+    }
+    return starts;
+  };
+  DescribeAsHarmonic(term, "amplitude_arcmin", "arcmin", kArcminPerRad,
+                     {{"centre_deg", "deg", DegFromRad(1.0)},
+                      {"width_deg", "deg", DegFromRad(1.0)},
+                      {"order_per_output_turn", "1", 1.0}});
+  model.causes.push_back(std::move(term));
+  model.rules.push_back({.name = "ripple in a window of output angle",
+                         .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
+                         .degrees_of_freedom = 5,
+                         .trials = 20.0 * IndependentOrders(samples.output_rad, 3.0, top),
+                         .local = true,
+                         .named = false});
+}
+
+// Powers of a quantity beyond the first, which is a named cause.
+void AddCurve(SeparableModel& model, const std::vector<double>& values, std::string name) {
+  if (values.empty() || !(SpanOf(values) > 0.0)) return;
+  const double middle = 0.5 * (*std::min_element(values.begin(), values.end()) +
+                               *std::max_element(values.begin(), values.end()));
+  const double half = 0.5 * SpanOf(values);
+  SeparableTerm term;
+  term.columns = 4;
+  term.fill = [values, middle, half](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      double power = 1.0;
+      for (Eigen::Index j = 0; j < 4; ++j)
+        design(static_cast<Eigen::Index>(i), j) = power *= (values[i] - middle) / half;
+    }
+  };
+  std::vector<ShapeDescription> numbers;
+  for (int k = 1; k <= 4; ++k)
+    numbers.push_back({fmt::format("power_{}_arcmin", k), "arcmin", kArcminPerRad});
+  DescribeEach(term, std::move(numbers));
+  model.causes.push_back(std::move(term));
+  model.rules.push_back({.name = std::move(name), .degrees_of_freedom = 4, .named = false});
+}
+
+}  // namespace
+
+void AddTransmissionErrorCorrections(const TransmissionErrorSamples& samples, SeparableModel& model) {
+  AddFreeLine(samples, model, "line over output angle");
+  AddFreeLine(samples, model, "second line over output angle");
+  AddWholeOrderLine(samples, model);
+  AddRippleInWindow(samples, model);
+  AddCurve(model, samples.time_s, "curve over time");
+  AddCurve(model, samples.torque_Nm, "curve over torque");
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/transmission_error/terms.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "analysis/diagnosis/scans.h"
+#include "analysis/harmonic_regression.h"
+#include "analysis/model/local_tooth_damage.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kArcminPerRad = 10800.0 / kPi;
+constexpr double kLargest_arcmin = 60.0;  // no gear that still turns errs by more
+
+constexpr char kSmallerStep[] =
+    "# a smaller step tells the orders apart that these steps fold onto one another\n"
+    "- {kind: transmission_error, step: 0.25 deg, steps: 1440, directions: both, input_speed: 300 rpm}\n";
+
+using Samples = TransmissionErrorSamples;
+
+// The column less its mean in each record: per-record offsets are in the nominal model.
+std::vector<double> Centred(const Samples& samples, std::vector<double> column) {
+  std::vector<double> sum(samples.records, 0.0);
+  std::vector<double> count(samples.records, 0.0);
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    sum[samples.record[i]] += column[i];
+    count[samples.record[i]] += 1.0;
+  }
+  for (std::size_t i = 0; i < column.size(); ++i)
+    column[i] -= sum[samples.record[i]] / count[samples.record[i]];
+  return column;
+}
+
+void AddHarmonicCause(const Samples& samples, SeparableModel& model, CauseRule rule, bool input,
+                      double order) {
+  rule.parameters = {{"amplitude_arcmin", "arcmin", 0.0, kLargest_arcmin, true}};
+  rule.degrees_of_freedom = 2;
+  const double per_output = input ? order * std::abs(samples.ratio) : order;
+  if (samples.samples_per_turn > 0.0) {
+    const double folded = FoldedOrder(per_output, samples.samples_per_turn);
+    if (std::abs(folded - per_output) > 1e-6) {
+      rule.aliases.push_back(fmt::format("line at {:.2f} per output turn", folded));
+      rule.to_settle = kSmallerStep;
+    }
+  }
+  model.causes.push_back(HarmonicTerm(input ? samples.input_rad : samples.output_rad, order,
+                                      "amplitude_arcmin", "arcmin", kArcminPerRad));
+  model.rules.push_back(std::move(rule));
+}
+
+void AddHarmonics(const Samples& samples, SeparableModel& model) {
+  AddHarmonicCause(
+      samples, model,
+      {.name = "wave_generator_first_harmonic",
+       .sentence = "an error once per turn of the input: the wave generator or the input coupling runs "
+                   "out, or the input encoder is mounted off centre",
+       .where = Where::kUndecided,
+       .effect = "E4",
+       .to_settle = "# remount the input coupling turned by 90 degrees: the phase moves with the part "
+                    "that errs\n- {kind: transmission_error, step: 1 deg, steps: 360, directions: both, "
+                    "input_speed: 300 rpm}\n"},
+      true, 1.0);
+  AddHarmonicCause(
+      samples, model,
+      {.name = "wave_generator_fourth_harmonic",
+       .sentence = "an error four times per turn of the wave generator: its shape departs from an "
+                   "ellipse",
+       .where = Where::kUnit,
+       .effect = "E1"},
+      true, 4.0);
+  AddHarmonicCause(
+      samples, model,
+      {.name = "output_eccentricity",
+       .sentence = "an error once per turn of the output: flange or flexspline run out, or the output "
+                   "encoder is mounted off centre; one record cannot tell which",
+       .where = Where::kUndecided,
+       .effect = "E3",
+       .to_settle = "# remount the output encoder turned by 90 degrees: the phase moves with the "
+                    "encoder, or stays with the gear\n- {kind: transmission_error, step: 1 deg, steps: 360, "
+                    "directions: both, input_speed: 300 rpm}\n"},
+      false, 1.0);
+  AddHarmonicCause(
+      samples, model,
+      {.name = "circular_spline_ovality",
+       .sentence = "an error twice per turn of the output: the circular spline is oval (clamped "
+                   "unevenly), or the output encoder is tilted",
+       .where = Where::kUndecided,
+       .effect = "E3",
+       .to_settle = "# remount the output encoder turned by 90 degrees: an oval spline keeps its "
+                    "phase\n- {kind: transmission_error, step: 1 deg, steps: 360, directions: both, "
+                    "input_speed: 300 rpm}\n"},
+      false, 2.0);
+  const double engagement = 2.0 * std::abs(samples.ratio) + 2.0;
+  const bool folds = samples.samples_per_turn > 0.0 && samples.samples_per_turn < 2.0 * engagement;
+  // Two per output turn beside the second harmonic: half a turn does not part them.
+  if (SpanOf(samples.output_rad) > 0.9 * kTwoPi && !folds) {
+    AddHarmonicCause(
+        samples, model,
+        {.name = "tooth_engagement",
+         .sentence = "an error at the order at which teeth of flexspline and circular spline meet; it "
+                     "beats with the second harmonic",
+         .where = Where::kUnit,
+         .effect = "E2"},
+        false, engagement);
+  }
+}
+
+void AddBacklash(const Samples& samples, SeparableModel& model) {
+  if (!(SpanOf(samples.direction) > 1.0)) {
+    model.warnings.push_back("backlash cannot be judged: the record has one direction only");
+    return;
+  }
+  std::vector<double> half(samples.direction);
+  for (double& value : half) value *= 0.5;
+  model.causes.push_back(ColumnTerm(std::move(half), {"backlash_arcmin", "arcmin", kArcminPerRad}));
+  CauseRule rule{.name = "backlash",
+                 .sentence = "a constant difference between the two directions: lost motion",
+                 .where = Where::kUnit,
+                 .effect = "E4",
+                 .parameters = {{"backlash_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, true}}};
+  if (samples.has_time) {
+    rule.where = Where::kUndecided;
+    rule.sentence += "; at one speed, a skew in time between the two encoders looks the same";
+    rule.to_settle =
+        "# the same sweep at half the speed: a skew in time halves, lost motion stays\n"
+        "- {kind: transmission_error, step: 1 deg, steps: 360, directions: both, input_speed: 150 "
+        "rpm}\n";
+  }
+  model.rules.push_back(std::move(rule));
+}
+
+void AddDrift(const Samples& samples, SeparableModel& model) {
+  CauseRule rule{.name = "thermal_drift",
+                 .sentence = "the error moves with temperature or time, whatever the angle",
+                 .where = Where::kUndecided,
+                 .effect = "E10",
+                 .to_settle =
+                     "# hold still after the sweep: a thermal drift goes on, an error of angle does not\n"
+                     "- {kind: soak, below_temperature: 25 degC, at_most: 1 h}\n- {kind: transmission_error, "
+                     "step: 1 deg, steps: 360, "
+                     "directions: both, input_speed: 300 rpm}\n"};
+  if (SpanOf(samples.temperature_degC) > 0.3) {
+    rule.parameters = {{"drift_arcmin_per_K", "arcmin/K", -50.0, 50.0, true}};
+    model.causes.push_back(ColumnTerm(Centred(samples, samples.temperature_degC),
+                                      {"drift_arcmin_per_K", "arcmin/K", kArcminPerRad}));
+    model.rules.push_back(rule);
+  }
+  const double span_s = SpanOf(samples.time_s);
+  if (!(span_s > 0.0)) return;
+  const double first_s = *std::min_element(samples.time_s.begin(), samples.time_s.end());
+  // Per hour; without a time column per sample.
+  const double unit = samples.has_time ? 3600.0 : 1.0;
+  const std::string name = samples.has_time ? "drift_arcmin_per_h" : "drift_arcmin_per_sample";
+  rule.parameters = {{name, samples.has_time ? "arcmin/h" : "arcmin", -1e9, 1e9, true}};
+  SeparableTerm term;
+  term.shapes = {{0.02 * span_s, 50.0 * span_s, 0.3 * span_s}};
+  term.fill = [time = samples.time_s, first_s, span_s](std::span<const double> shapes,
+                                                       Eigen::Ref<Eigen::MatrixXd> design) {
+    // Saturates with the time constant; scaled so that the coefficient is the mean rate over the
+    // record.
+    const double scale = span_s / -std::expm1(-span_s / shapes[0]);
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      design(static_cast<Eigen::Index>(i), 0) = -scale * std::expm1(-(time[i] - first_s) / shapes[0]);
+    }
+  };
+  term.starts = [span_s](const Remainder&) {
+    return std::vector<std::vector<double>>{{20.0 * span_s}, {0.3 * span_s}};
+  };
+  DescribeEach(term, {{name, rule.parameters[0].unit, kArcminPerRad * unit},
+                      {samples.has_time ? "time_constant_s" : "time_constant_samples",
+                       samples.has_time ? "s" : "samples", 1.0}});
+  rule.degrees_of_freedom = 2;
+  model.causes.push_back(std::move(term));
+  model.rules.push_back(std::move(rule));
+}
+
+void AddLocalDamage(const Samples& samples, SeparableModel& model) {
+  std::vector<double> place(samples.output_rad);
+  for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi);
+  const double density =
+      static_cast<double>(place.size()) / std::min(kTwoPi, std::max(SpanOf(samples.output_rad), 1e-9));
+  const double narrowest = std::max(RadFromDeg(0.5), 2.5 / density);
+  const double widest = RadFromDeg(12.0);
+  SeparableTerm term;
+  term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(1.0)}, {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)}};
+  term.fill = [place](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      design(static_cast<Eigen::Index>(i), 0) = model::LocalToothDamageShape(place[i], shapes[0], shapes[1]);
+    }
+  };
+  term.starts = [place, narrowest, widest](const Remainder& remainder) {
+    std::vector<std::vector<double>> starts;
+    for (const WindowPeak& peak :
+         FindWindows(place, remainder.residual, remainder.weights, narrowest, widest, 4)) {
+      starts.push_back({peak.centre, std::clamp(0.8 * peak.width, 0.6 * narrowest, widest)});
+    }
+    return starts;
+  };
+  DescribeEach(term, {{"height_arcmin", "arcmin", kArcminPerRad},
+                      {"centre_deg", "deg", DegFromRad(1.0)},
+                      {"width_deg", "deg", DegFromRad(1.0)}});
+  model.causes.push_back(std::move(term));
+  model.rules.push_back(
+      {.name = "local_tooth_damage",
+       .sentence = "a bump that stays within a few degrees of the output: a tooth is damaged there",
+       .where = Where::kUnit,
+       .effect = "E24",
+       .parameters = {{"height_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, true},
+                      {"width_deg", "deg", DegFromRad(0.8 * narrowest), 14.0, false}},
+       .degrees_of_freedom = 3,
+       .trials = std::max(1.0, 2.0 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
+       .local = true});
+}
+
+void AddWindup(const Samples& samples, SeparableModel& model) {
+  if (samples.torque_Nm.empty()) return;
+  if (!(SpanOf(samples.torque_Nm) > 0.2)) {
+    model.warnings.push_back("wind-up under load cannot be judged: the torque hardly changes in this record");
+    return;
+  }
+  model.causes.push_back(
+      ColumnTerm(Centred(samples, samples.torque_Nm), {"windup_arcmin_per_Nm", "arcmin/Nm", kArcminPerRad}));
+  model.rules.push_back(
+      {.name = "load_windup",
+       .sentence = "the error follows the torque: the gear, or what is in series with it, winds up",
+       .where = Where::kUndecided,
+       .effect = "E5",
+       .parameters = {{"windup_arcmin_per_Nm", "arcmin/Nm", -20.0, 20.0, true}},
+       .to_settle = "# a lock test gives the stiffness by itself; with a blank test of the bench "
+                    "it parts gear and couplings\n- {kind: hysteresis, peak_torque: 34 Nm, "
+                    "torque_rate: 3 Nm/s, hold: 0.5 s, loops: 1}\n"});
+}
+
+}  // namespace
+
+double SpanOf(const std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+SeparableTerm HarmonicTerm(const std::vector<double>& angle_rad, double order, std::string amplitude_name,
+                           std::string unit, double unit_per_si) {
+  auto design = std::make_shared<Eigen::MatrixXd>(static_cast<Eigen::Index>(angle_rad.size()), 2);
+  for (std::size_t i = 0; i < angle_rad.size(); ++i) {
+    (*design)(static_cast<Eigen::Index>(i), 0) = std::cos(order * angle_rad[i]);
+    (*design)(static_cast<Eigen::Index>(i), 1) = std::sin(order * angle_rad[i]);
+  }
+  SeparableTerm term;
+  term.columns = 2;
+  term.fill = [design](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> out) { out = *design; };
+  DescribeAsHarmonic(term, std::move(amplitude_name), std::move(unit), unit_per_si);
+  return term;
+}
+
+SeparableTerm ColumnTerm(std::vector<double> column, ShapeDescription description) {
+  SeparableTerm term;
+  term.fill = [column = std::move(column)](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> out) {
+    out.col(0) = Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()));
+  };
+  DescribeEach(term, {std::move(description)});
+  return term;
+}
+
+void AddTransmissionErrorCauses(const Samples& samples, SeparableModel& model) {
+  AddHarmonics(samples, model);
+  AddBacklash(samples, model);
+  AddDrift(samples, model);
+  AddLocalDamage(samples, model);
+  AddWindup(samples, model);
+  AddTransmissionErrorCorrections(samples, model);
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/combs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr int kLengths[] = {1, 2, 3, 4, 6, 9, 13, 19, 28, 40};
+constexpr std::size_t kMostHarmonics = 160;
+// Weaker combs than this never stand up to the number of places searched.
+constexpr double kLeastExcess = 14.0;
+
+using Powers = std::array<double, kMostHarmonics + 1>;
+
+// Powers at the harmonics of an order and at those with their sidebands, from 1; returns how many there are.
+struct Harmonics {
+  Powers strongest{};  // line of each harmonic and its sidebands
+  Powers with_sidebands{};
+  int count{};
+  double sideband{};
+
+  void Take(const VibrationSpectrum& spectrum, double order) {
+    count = static_cast<int>(std::min<double>(kMostHarmonics, spectrum.highest() / order));
+    for (int k = 1; k <= count; ++k) {
+      const auto place = static_cast<std::size_t>(k);
+      strongest[place] = with_sidebands[place] = spectrum.At(k * order);
+      if (!(sideband > 0.0)) continue;
+      for (const double side : {-sideband, sideband}) {
+        const double power = spectrum.At(k * order + side);
+        strongest[place] = std::max(strongest[place], power);
+        with_sidebands[place] += power;
+      }
+    }
+  }
+};
+
+Comb BestRange(const Harmonics& harmonics, double channels, double order) {
+  Comb best{order, 1, 1, 0.0, 1.0, harmonics.sideband};
+  const Powers& powers = harmonics.with_sidebands;
+  const double lines = harmonics.sideband > 0.0 ? 3.0 : 1.0;
+  Powers sums{};
+  for (int k = 1; k <= harmonics.count; ++k) {
+    sums[static_cast<std::size_t>(k)] =
+        sums[static_cast<std::size_t>(k - 1)] + powers[static_cast<std::size_t>(k)];
+  }
+  for (const int length : kLengths) {
+    if (length == 1 && harmonics.sideband == 0.0) continue;
+    const double cells = channels * (lines * length - 1.0);
+    const double least = cells + 2.5 * std::sqrt(cells) + kLeastExcess;
+    for (int first = 1; first + length - 1 <= harmonics.count; ++first) {
+      const int last = first + length - 1;
+      const double sum = sums[static_cast<std::size_t>(last)] - sums[static_cast<std::size_t>(first - 1)];
+      if (sum < least) continue;
+      const double strongest =
+          *std::max_element(harmonics.strongest.begin() + first, harmonics.strongest.begin() + last + 1);
+      const double excess = ExcessOf(sum - strongest, cells);
+      if (excess > best.excess) best = {order, first, last, excess, 0.0, harmonics.sideband};
+    }
+  }
+  double weight = 0.0;
+  for (int k = best.first; k <= best.last && best.excess > 0.0; ++k) {
+    const double above = std::max(0.0, powers[static_cast<std::size_t>(k)] - lines * channels);
+    best.centre += above * k;
+    weight += above;
+  }
+  best.centre = weight > 0.0 ? best.centre / weight : 0.5 * (best.first + best.last);
+  return best;
+}
+
+double StepAt(const VibrationSpectrum& spectrum, double order) {
+  const double harmonics = std::min<double>(kMostHarmonics, spectrum.highest() / order);
+  return 0.4 * spectrum.cell() / harmonics;
+}
+
+}  // namespace
+
+Comb CombNear(const VibrationSpectrum& spectrum, double order, double range, double sideband) {
+  Harmonics harmonics;
+  harmonics.sideband = sideband;
+  Comb best{order, 1, 1, -1.0, 1.0, sideband};
+  const double step = StepAt(spectrum, order);
+  for (double change = 0.0; change <= range + 0.5 * step; change += step) {
+    for (const double near : {order - change, order + change}) {
+      harmonics.Take(spectrum, near);
+      const Comb comb = BestRange(harmonics, static_cast<double>(spectrum.channels()), near);
+      if (comb.excess > best.excess) best = comb;
+    }
+  }
+  return best;
+}
+
+Comb Refined(const VibrationSpectrum& spectrum, Comb comb) {
+  const double step = 0.1 * spectrum.cell() / comb.last;
+  double most = 0.0;
+  const double centre = comb.order;
+  for (int i = -10; i <= 10; ++i) {
+    const double order = centre + i * step;
+    double sum = 0.0;
+    for (int k = comb.first; k <= comb.last; ++k) {
+      sum += spectrum.At(k * order);
+      if (comb.sideband > 0.0)
+        sum += spectrum.At(k * order - comb.sideband) + spectrum.At(k * order + comb.sideband);
+    }
+    if (sum > most) {
+      most = sum;
+      comb.order = order;
+    }
+  }
+  return comb;
+}
+
+std::vector<Comb> FindCombs(const VibrationSpectrum& spectrum, double lowest, double highest, double sideband,
+                            std::size_t count, const std::function<bool(double order)>& allowed) {
+  std::vector<Comb> found;
+  Harmonics harmonics;
+  harmonics.sideband = sideband;
+  highest = std::min(highest, 0.5 * spectrum.highest());
+  for (double order = lowest; order < highest; order += StepAt(spectrum, order)) {
+    if (!allowed(order)) continue;
+    harmonics.Take(spectrum, order);
+    const Comb comb = BestRange(harmonics, static_cast<double>(spectrum.channels()), order);
+    if (comb.excess > kLeastExcess) found.push_back(comb);
+  }
+  std::sort(found.begin(), found.end(), [](const Comb& a, const Comb& b) { return a.excess > b.excess; });
+  std::vector<Comb> chosen;
+  for (const Comb& comb : found) {
+    if (chosen.size() == count) break;
+    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const Comb& other) {
+      return std::abs(other.order - comb.order) < 2.0 * spectrum.cell() / other.last;
+    });
+    if (!near) chosen.push_back(comb);
+  }
+  return chosen;
+}
+
+double CombTrials(const VibrationSpectrum& spectrum, double lowest, double highest) {
+  double trials = 0.0;
+  highest = std::min(highest, 0.5 * spectrum.highest());
+  for (double order = lowest; order < highest;) {
+    // A few steps of the search are one independent place.
+    const double step = 2.5 * StepAt(spectrum, order);
+    trials += 1.0;
+    order += step;
+  }
+  return std::max(1.0, trials);
+}
+
+}  // namespace strainwave::analysis::diagnosis

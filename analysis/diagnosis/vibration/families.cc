@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/families.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
+#include <utility>
+
+#include "analysis/diagnosis/vibration/combs.h"
+#include "analysis/diagnosis/vibration/impulses.h"
+#include "analysis/model/vibration_orders.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Best = std::optional<VibrationSolution>;
+
+constexpr double kRange = 3.0;  // standard errors of the angle's scale that a known order may be off by
+constexpr int kMostLineHarmonics = 12;
+constexpr std::size_t kMostLines = 10;
+constexpr double kModulations[] = {0.0, 1.0, 2.0};
+constexpr double kBesideStrongest = 14.0;  // of BIC
+
+VibrationTerm LinesTerm(const VibrationRemainder& remainder, std::size_t index) {
+  VibrationTerm term;
+  term.cause = index;
+  term.form = VibrationForm::kLines;
+  term.heard.assign(remainder.samples().channels(), 1);
+  return term;
+}
+
+// Power of a line beyond half the sampling rate: no spectrum has it, but its samples are there, folded.
+double FoldedPower(const VibrationRemainder& remainder, double order) {
+  const double variance = remainder.base().variance();
+  double sum = 0.0;
+  for (const VibrationRun& run : remainder.samples().runs) {
+    std::vector<std::complex<double>> line(run.size());
+    for (std::size_t i = 0; i < run.size(); ++i) line[i] = std::polar(1.0, order * run.angle_rad[i]);
+    for (const VibrationStretch& channel : run.channels) {
+      std::complex<double> product;
+      for (std::size_t i = 0; i < run.size(); ++i) {
+        if (remainder.solver().weights()[channel.first + i] > 0.0)
+          product += remainder.residual()[channel.first + i] * line[i];
+      }
+      sum += std::norm(product) / (variance * static_cast<double>(run.size()));
+    }
+  }
+  return sum;
+}
+
+double ExcessAt(const VibrationRemainder& remainder, double order) {
+  const VibrationSpectrum& spectrum = remainder.over_turns();
+  const bool folded = order > 0.98 * remainder.samples().highest_order();
+  return ExcessOf(folded ? FoldedPower(remainder, order) : spectrum.At(order),
+                  static_cast<double>(spectrum.channels()));
+}
+
+// Drop that each line of the last term brings, of all channels, over what its coefficients cost there.
+std::vector<double> LineGains(const VibrationSolution& solution) {
+  const VibrationTerm& term = solution.terms.back();
+  const std::size_t t = solution.terms.size() - 1;
+  std::vector<double> gains(term.lines.size(), 0.0);
+  for (const VibrationSolution::Channel& channel : solution.channels) {
+    if (channel.first[t] < 0) continue;
+    for (std::size_t l = 0; l < gains.size(); ++l) {
+      const auto at = channel.first[t] + static_cast<Eigen::Index>(2 * l);
+      const Eigen::Vector2d own = channel.fit.coefficients.segment(at, 2);
+      const Eigen::MatrixXd block = channel.fit.inverse.block(at, at, 2, 2);
+      gains[l] +=
+          own.dot(PseudoInverse(block) * own) / solution.variance() - 2.0 * std::log(solution.weight_sum);
+    }
+  }
+  return gains;
+}
+
+// Fits the lines that stand out in the spectrum, then drops those that do not pay.
+Best FitPayingLines(const VibrationRemainder& remainder, VibrationTerm term, std::vector<LinePlace> places,
+                    std::size_t fewest) {
+  const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
+  const double threshold = 0.8 * std::log(remainder.base().weight_sum);
+  std::vector<std::pair<double, LinePlace>> found;
+  for (const LinePlace& place : places) {
+    const double order = place.harmonic * base + place.offset;
+    const double excess = ExcessAt(remainder, order);
+    const bool taken = std::any_of(found.begin(), found.end(), [&](const auto& other) {
+      return std::abs(other.second.harmonic * base + other.second.offset - order) <
+             0.3 * remainder.over_turns().cell();
+    });
+    if (excess > threshold && !taken) found.emplace_back(excess, place);
+  }
+  if (found.size() < fewest) return std::nullopt;
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  found.resize(std::min(found.size(), kMostLines));
+  for (const auto& [excess, place] : found) term.lines.push_back(place);
+  VibrationSolution solution = remainder.With(term, term.shapes.empty() ? 0 : 5);
+  while (solution.terms.back().lines.size() >= fewest) {
+    const std::vector<double> gains = LineGains(solution);
+    const auto worst = std::min_element(gains.begin(), gains.end());
+    if (*worst > 0.0) return solution;
+    VibrationTerm fewer = solution.terms.back();
+    fewer.lines.erase(fewer.lines.begin() + (worst - gains.begin()));
+    if (fewer.lines.size() < fewest) break;
+    solution = remainder.With(std::move(fewer), 0);
+  }
+  return std::nullopt;
+}
+
+// Scale of known orders that agrees best with the spectrum, where the shaft's own lines leave it open.
+double BestScale(const VibrationRemainder& remainder, const std::vector<double>& orders) {
+  const double range = kRange * remainder.samples().order_uncertainty;
+  const double highest = *std::max_element(orders.begin(), orders.end());
+  const double step = 0.25 * remainder.over_turns().cell() / highest;
+  double best = 1.0;
+  double most = -1.0;
+  for (double change = 0.0; change <= range; change += step) {
+    for (const double scale : {1.0 - change, 1.0 + change}) {
+      double sum = 0.0;
+      for (const double order : orders) sum += ExcessAt(remainder, scale * order);
+      // A scale of its own has to pay for itself.
+      if (change > 0.0) sum -= 8.0;
+      if (sum > most) {
+        most = sum;
+        best = scale;
+      }
+    }
+  }
+  return best;
+}
+
+bool ScaleIsOpen(const VibrationRemainder& remainder, double order) {
+  return kRange * remainder.samples().order_uncertainty * order > 0.25 * remainder.over_turns().cell();
+}
+
+// Not the orders that other things have: multiples of the half turn, as looseness and misalignment make them,
+// and those of a crack. A harmonic says it sharper than the order itself.
+bool IsBearingOrder(double order, double cell, double crack_order, double harmonic) {
+  const double sharpness = std::max(0.004, 0.6 * cell / harmonic);
+  const double doubled = 2.0 * order;
+  const double cracks = order / crack_order;
+  return std::abs(doubled - std::round(doubled)) > 2.0 * sharpness &&
+         std::abs(cracks - std::round(cracks)) * crack_order > sharpness;
+}
+
+TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
+  const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+  return {comb.order, {comb.centre * comb.order * turn_Hz, 0.0}, comb.excess};
+}
+
+// The harmonic by which a term knows its order.
+double HarmonicOf(const VibrationRemainder& remainder, const VibrationTerm& term) {
+  if (term.form == VibrationForm::kRing) {
+    const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+    return std::max(1.0, term.shapes[1] / (term.shapes[0] * turn_Hz));
+  }
+  double harmonic = 1.0;
+  for (const LinePlace& line : term.lines) harmonic = std::max(harmonic, line.harmonic);
+  return harmonic;
+}
+
+}  // namespace
+
+Best SearchGearMesh(const VibrationRemainder& remainder, std::size_t index) {
+  const VibrationSamples& samples = remainder.samples();
+  const double flexspline = model::FlexsplineMeshOrder(samples.ratio);
+  const double circular = model::CircularSplineMeshOrder(samples.ratio);
+  const double highest = samples.highest_order();
+  const double output = 1.0 / std::abs(samples.ratio);
+  VibrationTerm term = LinesTerm(remainder, index);
+  double scale = 1.0;
+  if (ScaleIsOpen(remainder, flexspline)) {
+    scale = BestScale(remainder, {flexspline, circular});
+    if (scale != 1.0) term.shapes = {scale};
+  }
+  std::vector<LinePlace> places;
+  const double base = term.shapes.empty() ? 0.0 : 1.0;  // without a shape the whole order is an offset
+  const auto add = [&](double order, double offset) {
+    places.push_back({base * order, (1.0 - base) * order + offset});
+  };
+  for (int multiple = 1; multiple <= 3; ++multiple) {
+    if (multiple > 1 && multiple * circular > highest) break;
+    add(multiple * flexspline, 0.0);
+    add(multiple * circular, 0.0);
+    for (const double sideband : {-2.0, -1.0, 1.0, 2.0}) {
+      add(multiple * flexspline, sideband);
+      add(multiple * circular, sideband);
+    }
+    if (samples.shortest_turns() * output < 0.5) continue;
+    for (const double sideband : {-output, output}) {
+      add(multiple * flexspline, sideband);
+      add(multiple * circular, sideband);
+    }
+  }
+  Best best = FitPayingLines(remainder, std::move(term), std::move(places), 1);
+  if (!best) return best;
+  // A mesh without either of its own orders is none.
+  const auto is_centre = [&](const LinePlace& line) {
+    const double order = line.harmonic + line.offset;
+    const double by_flexspline = order / flexspline;
+    const double by_circular = order / circular;
+    return std::abs(by_flexspline - std::round(by_flexspline)) < 1e-9 ||
+           std::abs(by_circular - std::round(by_circular)) < 1e-9;
+  };
+  if (!std::ranges::any_of(best->terms.back().lines, is_centre)) return std::nullopt;
+  return best;
+}
+
+Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
+  const VibrationSpectrum& spectrum = remainder.over_turns();
+  const double cell = spectrum.cell();
+  const double crack = model::CrackOrder(remainder.samples().ratio);
+  // While searching the sharpest harmonic decides, afterwards the one that the fit rests on.
+  const auto allowed = [=, top = spectrum.highest()](double order) {
+    return IsBearingOrder(order, cell, crack, top / order);
+  };
+  const double lowest = kLowestBearingOrder;
+  const double highest = std::min(kHighestBearingOrder, 0.45 * spectrum.highest());
+  std::vector<Comb> combs;
+  for (const double sideband : {0.0, 1.0, 2.0}) {
+    for (const Comb& comb : FindCombs(spectrum, lowest, highest, sideband, 3, allowed)) {
+      combs.push_back(Refined(spectrum, comb));
+    }
+  }
+  std::sort(combs.begin(), combs.end(), [](const Comb& a, const Comb& b) { return a.excess > b.excess; });
+  std::vector<TrainStart> starts;
+  for (std::size_t c = 0; c < std::min<std::size_t>(4, combs.size()); ++c)
+    starts.push_back(StartOf(remainder, combs[c]));
+  std::vector<TrainStart> trains;
+  for (const RingPlace& ring : FindRings(remainder, 3)) {
+    const auto found = FindTrains(remainder, ring, lowest, highest, kModulations, 4, allowed);
+    trains.insert(trains.end(), found.begin(), found.end());
+  }
+  std::sort(trains.begin(), trains.end(),
+            [](const TrainStart& a, const TrainStart& b) { return a.excess > b.excess; });
+  for (std::size_t t = 0; t < std::min<std::size_t>(6, trains.size()); ++t) starts.push_back(trains[t]);
+  Best best = SearchImpulses(remainder, index, starts, {1.0, 2.0}, [&](double order) {
+    return order > lowest && order < highest && allowed(order);
+  });
+  std::vector<double> bases;
+  for (std::size_t c = 0; c < std::min<std::size_t>(3, combs.size()); ++c) bases.push_back(combs[c].order);
+  // A few low harmonics need no search of their own: the strongest lines say where they may be.
+  for (const SpectrumPeak& peak : FindPeaks(spectrum, lowest, spectrum.highest(), 3)) {
+    for (int k = 1; k <= 3; ++k) {
+      const double base = peak.order / k;
+      if (base > lowest && base < highest && allowed(base)) bases.push_back(base);
+    }
+  }
+  for (const double base : bases) {
+    VibrationTerm term = LinesTerm(remainder, index);
+    term.shapes = {base};
+    std::vector<LinePlace> places;
+    for (int k = 1; k <= kMostLineHarmonics && k * base < spectrum.highest(); ++k) {
+      for (const double offset : {0.0, -1.0, 1.0, -2.0, 2.0}) {
+        places.push_back({static_cast<double>(k), offset});
+      }
+    }
+    Best lines = FitPayingLines(remainder, std::move(term), std::move(places), 2);
+    if (!lines) continue;
+    // The order itself, or two of its harmonics, have to be there; and what is beside the strongest line has
+    // to stand for itself: many places were looked at.
+    const auto& kept = lines->terms.back().lines;
+    const auto is_centre = [](const LinePlace& line) { return line.offset == 0.0; };
+    const auto is_first = [](const LinePlace& line) { return line.offset == 0.0 && line.harmonic == 1.0; };
+    const bool family = std::ranges::count_if(kept, is_centre) >= 2 ||
+                        (std::ranges::any_of(kept, is_first) && kept.size() >= 3);
+    std::vector<double> gains = LineGains(*lines);
+    std::sort(gains.begin(), gains.end());
+    const double beside = std::accumulate(gains.begin(), gains.end() - 1, 0.0);
+    if (family && beside > kBesideStrongest) Keep(std::move(*lines), best);
+  }
+  if (best &&
+      !IsBearingOrder(best->terms.back().shapes[0], cell, crack, HarmonicOf(remainder, best->terms.back()))) {
+    return std::nullopt;
+  }
+  return best;
+}
+
+Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
+  const VibrationSamples& samples = remainder.samples();
+  const VibrationSpectrum& spectrum = remainder.over_turns();
+  const double order = model::CrackOrder(samples.ratio);
+  const double output = 1.0 / std::abs(samples.ratio);
+  const double turns = samples.shortest_turns();
+  // From which harmonic on the record tells it from whole orders.
+  const auto first = static_cast<int>(std::ceil(0.7 / (turns * (order - 2.0))));
+  VibrationTerm term = LinesTerm(remainder, index);
+  const bool open = ScaleIsOpen(remainder, order * kMostLineHarmonics);
+  if (open) {
+    std::vector<double> orders;
+    for (int k = std::max(1, first); k <= kMostLineHarmonics; ++k) orders.push_back(k * order);
+    term.shapes = {orders.empty() ? order : order * BestScale(remainder, orders)};
+  }
+  std::vector<LinePlace> places;
+  for (int k = std::max(1, first); k <= kMostLineHarmonics && k * order < spectrum.highest(); ++k) {
+    const double harmonic = open ? k : 0.0;
+    const double offset = open ? 0.0 : k * order;
+    places.push_back({harmonic, offset});
+    if (turns * output < 0.8) continue;
+    for (const double sideband : {-output, output, -2.0 * output, 2.0 * output}) {
+      // What falls onto a whole order is not the crack's own.
+      if (std::abs(k * order + sideband - std::round(k * order + sideband)) * turns > 0.7) {
+        places.push_back({harmonic, offset + sideband});
+      }
+    }
+  }
+  Best best = FitPayingLines(remainder, std::move(term), std::move(places), 1);
+  const double range = kRange * samples.order_uncertainty * order + 0.5 * spectrum.cell() / 100.0;
+  std::vector<TrainStart> starts;
+  for (const double sideband : {0.0, output}) {
+    const Comb comb = Refined(spectrum, CombNear(spectrum, order, range, sideband));
+    if (comb.excess > 6.0 && comb.last >= first) starts.push_back(StartOf(remainder, comb));
+    if (turns * output < 0.8) break;
+  }
+  std::vector<double> modulations;
+  if (turns * output > 0.5) modulations = {output};
+  if (Best rings = SearchImpulses(remainder, index, starts, modulations, [](double) { return false; })) {
+    Keep(std::move(*rings), best);
+  }
+  return best;
+}
+
+}  // namespace strainwave::analysis::diagnosis

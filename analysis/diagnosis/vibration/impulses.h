@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/starts.h"
+#include "analysis/diagnosis/vibration/trains.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// The best train of ringing impulses that one of the starts leads to, plain or with one of the modulations
+/// (orders of the input angle). Nothing where a single line explains most of it.
+std::optional<VibrationSolution> SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
+                                                const std::vector<TrainStart>& starts,
+                                                const std::vector<double>& modulations,
+                                                const std::function<bool(double order)>& allowed);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/narrowband.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+
+InnovationFilter FilterOf(const Narrowband& narrowband, double period_s) {
+  using Complex = std::complex<double>;
+  const double angle = std::min(kTwoPi * narrowband.frequency_Hz * period_s, 0.999 * kPi);
+  const double radius = std::exp(-narrowband.damping_ratio * angle);
+  InnovationFilter filter;
+  filter.a1 =
+      -2.0 * radius *
+      std::cos(angle * std::sqrt(std::max(0.0, 1.0 - narrowband.damping_ratio * narrowband.damping_ratio)));
+  filter.a2 = radius * radius;
+  const double a1 = filter.a1;
+  const double a2 = filter.a2;
+  // Variance of the oscillator under unit noise.
+  const double gain = (1.0 + a2) / ((1.0 - a2) * ((1.0 + a2) * (1.0 + a2) - a1 * a1));
+  const double drive = std::exp(narrowband.log_ratio) / gain;
+  // drive + A(z) A(1/z) is a polynomial of second degree in z + 1/z; its roots inside the unit circle make C.
+  const double g0 = drive + 1.0 + a1 * a1 + a2 * a2;
+  const double g1 = a1 * (1.0 + a2);
+  const double g2 = a2;
+  const Complex root = std::sqrt(Complex(g1 * g1 - 4.0 * g2 * (g0 - 2.0 * g2)));
+  Complex product = 1.0;
+  Complex sum = 0.0;
+  for (const Complex x : {(-g1 + root) / (2.0 * g2), (-g1 - root) / (2.0 * g2)}) {
+    const Complex w = std::sqrt(x * x - 4.0);
+    Complex z = 0.5 * (x + w);
+    if (std::norm(z) > 1.0) z = 0.5 * (x - w);
+    product *= z;
+    sum += z;
+  }
+  filter.c1 = -sum.real();
+  filter.c2 = product.real();
+  filter.variance = g2 / std::max(filter.c2, 1e-300);
+  return filter;
+}
+
+void ApplyFilter(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
+                 Eigen::Ref<Eigen::MatrixXd> columns) {
+  const auto n = columns.rows();
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    double y1 = 0.0, y2 = 0.0, e1 = 0.0, e2 = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (breaks[static_cast<std::size_t>(i)] != 0) y1 = y2 = e1 = e2 = 0.0;
+      const double expected = -filter.a1 * y1 - filter.a2 * y2 + filter.c1 * e1 + filter.c2 * e2;
+      const bool there = missing[static_cast<std::size_t>(i)] == 0;
+      const double y = there ? columns(i, c) : expected;
+      const double e = y - expected;
+      y2 = y1;
+      y1 = y;
+      e2 = e1;
+      e1 = e;
+      columns(i, c) = e;
+    }
+  }
+}
+
+}  // namespace strainwave::analysis::diagnosis

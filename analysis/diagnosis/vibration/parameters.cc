@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/model/vibration_orders.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+double RootOf(double variance) { return std::sqrt(std::max(0.0, variance)); }
+
+const VibrationStretch& ChannelAt(const VibrationSamples& samples, std::size_t channel) {
+  for (const VibrationRun& run : samples.runs) {
+    if (channel < run.channels.size()) return run.channels[channel];
+    channel -= run.channels.size();
+  }
+  return samples.runs.back().channels.back();
+}
+
+struct Polar {
+  double amplitude{}, amplitude_error{}, phase_rad{}, phase_error_rad{};
+};
+
+// Amplitude and phase of the pair of coefficients at `first`, in the unit of the channel.
+Polar PolarAt(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t channel,
+              Index first, const MatrixXd& shapes) {
+  const VibrationSolution::Channel& fitted = solution.channels[channel];
+  const double scale = 1.0 / ChannelAt(samples, channel).scale;
+  const Eigen::Vector2d pair = scale * fitted.fit.coefficients.segment(first, 2);
+  Eigen::Matrix2d covariance = solution.variance() * fitted.fit.inverse.block(first, first, 2, 2);
+  if (shapes.size() > 0 && fitted.follows_shapes.size() > 0) {
+    const MatrixXd follows = fitted.follows_shapes.middleRows(first, 2);
+    covariance += follows * shapes * follows.transpose();
+  }
+  covariance *= scale * scale;
+  Polar polar{pair.norm(), 0.0, std::atan2(pair(1), pair(0)), kPi};
+  if (polar.amplitude > 0.0) {
+    const Eigen::Vector2d along = pair / polar.amplitude;
+    const Eigen::Vector2d across(-along(1), along(0));
+    polar.amplitude_error = RootOf(along.dot(covariance * along));
+    polar.phase_error_rad = std::min(kPi, RootOf(across.dot(covariance * across)) / polar.amplitude);
+  }
+  return polar;
+}
+
+// Channel and pair of a term whose amplitude is largest.
+struct Loudest {
+  std::size_t channel{};
+  std::size_t pair{};
+  Polar polar;
+};
+Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t term,
+                    std::size_t from, std::size_t to, const MatrixXd& shapes) {
+  Loudest loudest;
+  loudest.polar.amplitude = -1.0;
+  for (std::size_t c = 0; c < solution.channels.size(); ++c) {
+    if (solution.channels[c].first[term] < 0) continue;
+    for (std::size_t pair = from; pair < to; ++pair) {
+      const Polar polar = PolarAt(samples, solution, c,
+                                  solution.channels[c].first[term] + static_cast<Index>(2 * pair), shapes);
+      if (polar.amplitude > loudest.polar.amplitude) loudest = {c, pair, polar};
+    }
+  }
+  return loudest;
+}
+
+// Standard deviation of a narrow-band process in the channel where it is loudest, times √2.
+ParameterValue NarrowAmplitude(const VibrationSamples& samples, const VibrationSolution& solution,
+                               std::size_t term, const MatrixXd& shapes, Index first_shape) {
+  const VibrationTerm& narrow = solution.terms[term];
+  ParameterValue best{AmplitudeName(samples), UnitOfChannel(samples.runs.front().channels.front().name), 0.0,
+                      0.0};
+  for (std::size_t c = 0; c < narrow.heard.size(); ++c) {
+    if (narrow.heard[c] == 0) continue;
+    const double amplitude =
+        std::sqrt(2.0 * std::exp(narrow.shapes[2 + c])) * samples.noise_floor / ChannelAt(samples, c).scale;
+    if (amplitude <= best.value) continue;
+    best.value = amplitude;
+    const Index place = first_shape + 2 + static_cast<Index>(c);
+    if (shapes.size() > 0) best.standard_error = 0.5 * amplitude * RootOf(shapes(place, place));
+  }
+  return best;
+}
+
+void AddCoefficients(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t term,
+                     std::vector<ParameterValue>& values) {
+  const std::size_t pairs = static_cast<std::size_t>(ColumnsOf(solution.terms[term])) / 2;
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    for (std::size_t c = 0; c < solution.channels.size(); ++c) {
+      const VibrationSolution::Channel& channel = solution.channels[c];
+      if (channel.first[term] < 0) continue;
+      const VibrationStretch& place = ChannelAt(samples, c);
+      for (Index k = 0; k < 2; ++k) {
+        const Index at = channel.first[term] + static_cast<Index>(2 * pair) + k;
+        values.push_back({fmt::format("{}_{}_{}", k == 0 ? "cosine" : "sine", pair + 1, place.name),
+                          UnitOfChannel(place.name), channel.fit.coefficients(at) / place.scale,
+                          RootOf(solution.variance() * channel.fit.inverse(at, at)) / place.scale});
+      }
+    }
+  }
+}
+
+// The number that names a family of lines.
+std::string OrderName(VibrationCause cause) {
+  switch (cause) {
+    case VibrationCause::kGearMesh:
+      return "mesh_order";
+    case VibrationCause::kBearingDefect:
+      return "defect_order";
+    case VibrationCause::kFlexsplineCrack:
+      return "crack_order";
+    case VibrationCause::kLineOverAngle:
+      return "order_per_input_turn";
+    case VibrationCause::kImbalance:
+    case VibrationCause::kTorsionalResonance:
+    case VibrationCause::kLineOverTime:
+    case VibrationCause::kHighResonance:
+    case VibrationCause::kBurst:
+    case VibrationCause::kSlowChange:
+      break;
+  }
+  return "order";
+}
+
+void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t t,
+                    VibrationCause cause, const MatrixXd& shapes, Index first_shape,
+                    std::vector<ParameterValue>& values) {
+  const VibrationTerm& term = solution.terms[t];
+  const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
+  const double error =
+      !term.shapes.empty() && shapes.size() > 0 ? RootOf(shapes(first_shape, first_shape)) : 0.0;
+  const Loudest loudest = LoudestPair(samples, solution, t, 0, term.lines.size(), shapes);
+  double named = base;
+  double named_error = error;
+  if (cause == VibrationCause::kGearMesh) {
+    // The stronger one of the two mesh orders.
+    const double flexspline = model::FlexsplineMeshOrder(samples.ratio);
+    const LinePlace& line = term.lines[loudest.pair];
+    const double order = line.harmonic * base + line.offset;
+    const double teeth =
+        std::abs(order - flexspline) < 1.5 ? flexspline : model::CircularSplineMeshOrder(samples.ratio);
+    named = teeth * (term.shapes.empty() ? 1.0 : base);
+    named_error = teeth * error;
+  } else if (cause == VibrationCause::kFlexsplineCrack && term.shapes.empty()) {
+    named = model::CrackOrder(samples.ratio);
+  }
+  values.push_back({OrderName(cause), "1/turn", named, named_error});
+  if (cause == VibrationCause::kLineOverAngle) {
+    const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
+    values.push_back({"mean_frequency_Hz", "Hz", named * turn_Hz, named_error * turn_Hz});
+  }
+  values.push_back({AmplitudeName(samples), UnitOfChannel(ChannelAt(samples, loudest.channel).name),
+                    loudest.polar.amplitude, loudest.polar.amplitude_error});
+  if (term.lines.size() < 2 && cause == VibrationCause::kLineOverAngle) return;
+  for (std::size_t l = 0; l < term.lines.size(); ++l) {
+    values.push_back({fmt::format("line_{}", l + 1), "1/turn",
+                      term.lines[l].harmonic * base + term.lines[l].offset,
+                      std::abs(term.lines[l].harmonic) * error});
+  }
+}
+
+}  // namespace
+
+std::string UnitOfChannel(const std::string& channel) {
+  struct Ending {
+    const char* ending;
+    const char* unit;
+  };
+  constexpr Ending kEndings[] = {{"_m_per_s2", "m/s^2"}, {"_rad_per_s", "rad/s"}, {"_mm_per_s", "mm/s"},
+                                 {"_m_per_s", "m/s"},    {"_Nm", "Nm"},           {"_A", "A"}};
+  for (const Ending& ending : kEndings) {
+    const std::size_t place = channel.rfind(ending.ending);
+    // The number of the record may stand behind the unit.
+    if (place != std::string::npos && place + std::string(ending.ending).size() + 4 >= channel.size())
+      return ending.unit;
+  }
+  return {};
+}
+
+std::string AmplitudeName(const VibrationSamples& samples) {
+  return UnitOfChannel(samples.runs.front().channels.front().name) == "m/s^2" ? "amplitude_m_per_s2"
+                                                                              : "amplitude";
+}
+
+std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
+                                            const VibrationSolution& solution) {
+  std::vector<ParameterValue> values;
+  for (std::size_t c = 0; c < solution.channels.size(); ++c) {
+    const VibrationStretch& place = ChannelAt(samples, c);
+    const std::string unit = UnitOfChannel(place.name);
+    const ChannelFit& fit = solution.channels[c].fit;
+    values.push_back({"mean_" + place.name, unit, fit.coefficients(0) / place.scale,
+                      RootOf(solution.variance() * fit.inverse(0, 0)) / place.scale});
+    if (!samples.angle_known()) continue;
+    for (const char* which : {"first", "second"}) {
+      const Polar polar = PolarAt(samples, solution, c, which[0] == 'f' ? 1 : 3, {});
+      values.push_back(
+          {fmt::format("{}_amplitude_{}", which, place.name), unit, polar.amplitude, polar.amplitude_error});
+      values.push_back({fmt::format("{}_phase_deg_{}", which, place.name), "deg", DegFromRad(polar.phase_rad),
+                        DegFromRad(polar.phase_error_rad)});
+    }
+  }
+  return values;
+}
+
+std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const VibrationSolution& solution,
+                                         std::size_t t, VibrationCause cause, const MatrixXd& shapes) {
+  const VibrationTerm& term = solution.terms[t];
+  Index first_shape = 0;
+  for (std::size_t before = 0; before < t; ++before) {
+    first_shape += static_cast<Index>(solution.terms[before].shapes.size());
+  }
+  std::vector<ParameterValue> values;
+  const auto add_shape = [&](std::size_t s, const std::string& name, const std::string& unit) {
+    const Index place = first_shape + static_cast<Index>(s);
+    values.push_back({name, unit, term.shapes[s], shapes.size() > 0 ? RootOf(shapes(place, place)) : 0.0});
+  };
+  const auto add_amplitude = [&](std::size_t pairs, const std::string& name) {
+    const Loudest loudest = LoudestPair(samples, solution, t, 0, pairs, shapes);
+    values.push_back({name, UnitOfChannel(ChannelAt(samples, loudest.channel).name), loudest.polar.amplitude,
+                      loudest.polar.amplitude_error});
+    return loudest;
+  };
+  switch (term.form) {
+    case VibrationForm::kLines:
+      AddLineNumbers(samples, solution, t, cause, shapes, first_shape, values);
+      break;
+    case VibrationForm::kTones:
+      add_shape(0, "frequency_Hz", "Hz");
+      add_amplitude(1, AmplitudeName(samples));
+      break;
+    case VibrationForm::kRing:
+      add_shape(0, OrderName(cause), "1/turn");
+      add_amplitude(1, AmplitudeName(samples));
+      add_shape(1, "ring_Hz", "Hz");
+      add_shape(2, "ring_decay_ratio", "1");
+      for (std::size_t m = 0; m < term.lines.size(); ++m) {
+        values.push_back({"modulated_per_turn", "1/turn", term.lines[m].offset, 0.0});
+        add_shape(3 + 2 * m, "modulation_cosine", "1");
+        add_shape(4 + 2 * m, "modulation_sine", "1");
+      }
+      for (std::size_t r = 0; r < samples.runs.size(); ++r) {
+        add_shape(3 + 2 * term.lines.size() + r, fmt::format("place_{}_turns", r + 1), "1");
+      }
+      break;
+    case VibrationForm::kGrowth: {
+      const Loudest loudest = add_amplitude(1, AmplitudeName(samples));
+      values.back().name =
+          "amplitude_at_1000_rpm" + values.back().name.substr(std::string("amplitude").size());
+      values.push_back({"phase_deg", "deg", DegFromRad(loudest.polar.phase_rad),
+                        DegFromRad(loudest.polar.phase_error_rad)});
+      break;
+    }
+    case VibrationForm::kDriven:
+      add_shape(0, "frequency_Hz", "Hz");
+      add_shape(1, "damping_ratio", "1");
+      add_amplitude(term.lines.size(), AmplitudeName(samples));
+      for (std::size_t l = 0; l < term.lines.size(); ++l) {
+        values.push_back({fmt::format("line_{}", l + 1), "1/turn", term.lines[l].harmonic, 0.0});
+      }
+      break;
+    case VibrationForm::kNarrowband:
+      add_shape(0, "frequency_Hz", "Hz");
+      add_shape(1, "damping_ratio", "1");
+      values.push_back(NarrowAmplitude(samples, solution, t, shapes, first_shape));
+      for (std::size_t c = 0; c < term.heard.size(); ++c) {
+        if (term.heard[c] == 0) continue;
+        const VibrationStretch& place = ChannelAt(samples, c);
+        values.push_back({"deviation_" + place.name, UnitOfChannel(place.name),
+                          std::exp(0.5 * term.shapes[2 + c]) * samples.noise_floor / place.scale, 0.0});
+      }
+      return values;
+    case VibrationForm::kKicks:
+      add_shape(0, "frequency_Hz", "Hz");
+      add_shape(1, "damping_ratio", "1");
+      add_amplitude(term.lines.size(), AmplitudeName(samples));
+      for (std::size_t k = 0; k < term.lines.size(); ++k) {
+        values.push_back({fmt::format("knock_{}_s", k + 1), "s", term.lines[k].offset, 0.0});
+      }
+      break;
+    case VibrationForm::kBurst:
+      add_shape(0, "frequency_Hz", "Hz");
+      add_shape(1, "centre_s", "s");
+      add_shape(2, "width_s", "s");
+      add_amplitude(1, AmplitudeName(samples));
+      break;
+    case VibrationForm::kLevels:
+      for (std::size_t c = 0; c < solution.channels.size(); ++c) {
+        const VibrationSolution::Channel& channel = solution.channels[c];
+        const VibrationStretch& place = ChannelAt(samples, c);
+        for (Index k = 0; channel.first[t] >= 0 && k < 3; ++k) {
+          values.push_back(
+              {fmt::format("power_{}_{}", k + 1, place.name), UnitOfChannel(place.name),
+               channel.fit.coefficients(channel.first[t] + k) / place.scale,
+               RootOf(solution.variance() * channel.fit.inverse(channel.first[t] + k, channel.first[t] + k)) /
+                   place.scale});
+        }
+      }
+      return values;
+  }
+  AddCoefficients(samples, solution, t, values);
+  return values;
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/projection.h"
+
+#include <cmath>
+
+namespace strainwave::analysis::diagnosis {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MatrixXd PseudoInverse(const MatrixXd& symmetric) {
+  if (symmetric.rows() == 0) return symmetric;
+  // To unit diagonal first: columns differ in size by their units.
+  VectorXd scale = symmetric.diagonal();
+  for (Index i = 0; i < scale.size(); ++i) scale(i) = scale(i) > 0.0 ? 1.0 / std::sqrt(scale(i)) : 0.0;
+  const MatrixXd unit = scale.asDiagonal() * symmetric * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(unit);
+  constexpr double kSmallest = 1e-10;
+  VectorXd inverse = solver.eigenvalues();
+  for (Index i = 0; i < inverse.size(); ++i) inverse(i) = inverse(i) > kSmallest ? 1.0 / inverse(i) : 0.0;
+  return scale.asDiagonal() *
+         (solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose()) *
+         scale.asDiagonal();
+}
+
+ChannelFit FitChannel(const MatrixXd& columns, const VectorXd& response, const VectorXd& weights) {
+  ChannelFit fit;
+  const MatrixXd weighted = weights.asDiagonal() * columns;
+  fit.inverse = PseudoInverse(weighted.transpose() * columns);
+  fit.coefficients = fit.inverse * (weighted.transpose() * response);
+  fit.residual = response - columns * fit.coefficients;
+  // Once more on what is left: the normal equations lose half of the digits.
+  const VectorXd correction = fit.inverse * (weighted.transpose() * fit.residual);
+  fit.coefficients += correction;
+  fit.residual -= columns * correction;
+  fit.square_sum = weights.dot(fit.residual.cwiseAbs2());
+  return fit;
+}
+
+MatrixXd SharedStep::Add(const MatrixXd& columns, const MatrixXd& derivatives, const ChannelFit& fit,
+                         const VectorXd& weights) {
+  const MatrixXd weighted = weights.asDiagonal() * derivatives;
+  const MatrixXd coupling = fit.inverse * (columns.transpose() * weighted);
+  normal.noalias() +=
+      weighted.transpose() * derivatives - coupling.transpose() * (columns.transpose() * weighted);
+  gradient.noalias() += weighted.transpose() * fit.residual;
+  return -coupling;
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/resonances.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/bursts.h"
+#include "analysis/diagnosis/vibration/families.h"
+#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Best = std::optional<VibrationSolution>;
+
+// A tone that holds this share of a band's power is what the band is.
+constexpr double kToneShare = 0.5;
+constexpr double kLeastExcess = 11.0;
+constexpr double kLeastKick = 32.0;  // drop of the sum of squares, in variances of the noise
+constexpr std::size_t kMostKicks = 10;
+
+VibrationTerm NarrowTerm(const VibrationRemainder& remainder, std::size_t index, const NoiseBand& band,
+                         double damping) {
+  const VibrationSamples& samples = remainder.samples();
+  const auto channels = static_cast<double>(samples.channels());
+  VibrationTerm term;
+  term.cause = index;
+  term.form = VibrationForm::kNarrowband;
+  term.heard.assign(samples.channels(), 1);
+  term.shapes = {band.centre_Hz, damping};
+  // Twice the power per cell and channel, over all samples of the channel.
+  const double samples_each = static_cast<double>(samples.measured.size()) / channels;
+  const double ratio = 2.0 * band.power / channels / samples_each;
+  term.shapes.insert(term.shapes.end(), samples.channels(), std::log(std::max(ratio, 1e-6)));
+  return term;
+}
+
+// Channels in which the band is not louder than a few standard errors drop out.
+VibrationSolution DropDeaf(const VibrationRemainder& remainder, VibrationSolution solution) {
+  bool changed = false;
+  for (std::size_t c = 0; c < solution.channels.size() && solution.channels.size() > 1; ++c) {
+    VibrationTerm fewer = solution.terms.back();
+    if (fewer.heard[c] == 0 || std::count(fewer.heard.begin(), fewer.heard.end(), 1) < 2) continue;
+    fewer.heard[c] = 0;
+    std::vector<VibrationTerm> terms = remainder.base().terms;
+    terms.push_back(std::move(fewer));
+    VibrationSolution without = remainder.solver().Solve(std::move(terms), &solution);
+    if (without.bic() > solution.bic()) continue;
+    solution = std::move(without);
+    changed = true;
+  }
+  return changed ? remainder.solver().Refine(std::move(solution), 4) : solution;
+}
+
+// A resonance that is heard after a few knocks only: the loudest one first, then more as long as they pay.
+void TryKicks(const VibrationRemainder& remainder, std::size_t index,
+              const std::vector<double>& frequencies_Hz, Best& best) {
+  const VibrationSamples& samples = remainder.samples();
+  if (samples.runs.size() != 1) return;
+  const VibrationRun& run = samples.runs.front();
+  const auto kick_of = [&](const VibrationTerm& term, std::span<const double> residual) {
+    return LoudestKick(run, term.shapes[0], term.shapes[1], residual, remainder.solver().weights());
+  };
+  for (const double frequency_Hz : frequencies_Hz) {
+    VibrationTerm first;
+    double most = 0.0;
+    for (const double share : {0.97, 0.985, 1.0, 1.015, 1.03}) {
+      for (const double damping : {0.005, 0.015, 0.05}) {
+        VibrationTerm term;
+        term.cause = index;
+        term.form = VibrationForm::kKicks;
+        term.heard.assign(samples.channels(), 1);
+        term.shapes = {share * frequency_Hz, damping};
+        const Kick kick = kick_of(term, remainder.residual());
+        if (kick.drop <= most) continue;
+        most = kick.drop;
+        term.lines = {{0.0, run.time_s[kick.sample]}};
+        first = std::move(term);
+      }
+    }
+    if (most < kLeastKick * remainder.base().variance()) continue;
+    VibrationSolution solution = remainder.With(std::move(first), 8);
+    for (std::size_t kicks = 1; kicks < kMostKicks; ++kicks) {
+      const Eigen::VectorXd left = remainder.solver().Residual(solution);
+      VibrationTerm more = solution.terms.back();
+      const Kick kick = kick_of(more, {left.data(), static_cast<std::size_t>(left.size())});
+      if (kick.drop < kLeastKick * solution.variance()) break;
+      more.lines.push_back({0.0, run.time_s[kick.sample]});
+      VibrationSolution richer = remainder.With(std::move(more), 4);
+      if (richer.bic() > solution.bic() - 4.0) break;
+      solution = std::move(richer);
+    }
+    Keep(std::move(solution), best);
+  }
+}
+
+void TryDriven(const VibrationRemainder& remainder, std::size_t index, double lowest_Hz, double highest_Hz,
+               Best& best) {
+  const VibrationSamples& samples = remainder.samples();
+  double slowest = 1e300;
+  double fastest = 0.0;
+  for (const VibrationRun& run : samples.runs) {
+    const auto [low, high] = std::ranges::minmax(run.speed_rad_per_s);
+    slowest = std::min(slowest, low / kTwoPi);
+    fastest = std::max(fastest, high / kTwoPi);
+  }
+  if (fastest < (1.0 + kLeastSpeedSpread) * slowest) return;
+  for (const double harmonic : {2.0, 1.0}) {
+    Best own;
+    const double from = std::max(lowest_Hz, 0.9 * harmonic * slowest);
+    const double to = std::min(highest_Hz, 1.15 * harmonic * fastest);
+    for (double natural = from; natural < to; natural *= 1.06) {
+      VibrationTerm term;
+      term.cause = index;
+      term.form = VibrationForm::kDriven;
+      term.heard.assign(samples.channels(), 1);
+      term.lines = {{harmonic, 0.0}};
+      term.shapes = {natural, 0.05};
+      Keep(remainder.With(std::move(term), 0), own);
+    }
+    if (!own) continue;
+    *own = remainder.solver().Refine(std::move(*own), 12);
+    VibrationTerm both = own->terms.back();
+    both.lines = {{1.0, 0.0}, {2.0, 0.0}};
+    Keep(std::move(*own), best);
+    Keep(remainder.With(std::move(both), 6), best);
+  }
+}
+
+}  // namespace
+
+std::vector<NoiseBand> FindBands(const VibrationSpectrum& spectrum, double lowest_Hz, double highest_Hz,
+                                 double least_excess, bool no_tones, std::size_t count) {
+  const double cell = spectrum.cell();
+  const auto channels = static_cast<double>(spectrum.channels());
+  const auto from = static_cast<std::size_t>(std::ceil(lowest_Hz / cell));
+  const auto to = static_cast<std::size_t>(std::min(highest_Hz, spectrum.highest()) / cell);
+  std::vector<double> power;
+  std::vector<double> sums{0.0};
+  for (std::size_t k = from; k < to; ++k) {
+    power.push_back(spectrum.At(static_cast<double>(k) * cell));
+    sums.push_back(sums.back() + power.back());
+  }
+  std::vector<NoiseBand> bands;
+  for (std::size_t length = 6; length < power.size(); length += std::max<std::size_t>(1, length / 3)) {
+    for (std::size_t i = 0; i + length <= power.size(); i += std::max<std::size_t>(1, length / 8)) {
+      const double centre = (static_cast<double>(from + i) + 0.5 * static_cast<double>(length)) * cell;
+      const double width = static_cast<double>(length) * cell;
+      // Lightly damped is what is meant: a hump as wide as its frequency is the colour of the noise.
+      if (width > 0.7 * centre) continue;
+      const double sum = sums[i + length] - sums[i];
+      const double above = sum - channels * static_cast<double>(length);
+      if (above < 3.0 * std::sqrt(channels * static_cast<double>(length))) continue;
+      const double loudest = *std::max_element(power.begin() + static_cast<std::ptrdiff_t>(i),
+                                               power.begin() + static_cast<std::ptrdiff_t>(i + length));
+      if (no_tones && loudest - channels > kToneShare * above) continue;
+      const double excess = ExcessOf(sum, channels * static_cast<double>(length));
+      if (excess > least_excess) bands.push_back({excess, centre, width, above});
+    }
+  }
+  std::sort(bands.begin(), bands.end(),
+            [](const NoiseBand& a, const NoiseBand& b) { return a.excess > b.excess; });
+  std::vector<NoiseBand> chosen;
+  for (const NoiseBand& band : bands) {
+    if (chosen.size() == count) break;
+    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const NoiseBand& other) {
+      return std::abs(other.centre_Hz - band.centre_Hz) < 0.5 * (other.width_Hz + band.width_Hz);
+    });
+    if (!near) chosen.push_back(band);
+  }
+  return chosen;
+}
+
+Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, double lowest_Hz,
+                     double highest_Hz, bool by_shaft) {
+  Best best;
+  std::vector<double> frequencies_Hz;
+  for (const NoiseBand& band :
+       FindBands(remainder.over_seconds(), lowest_Hz, highest_Hz, kLeastExcess, true, 2)) {
+    frequencies_Hz.push_back(band.centre_Hz);
+    const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
+    VibrationSolution solution = remainder.With(NarrowTerm(remainder, index, band, damping), 12);
+    Keep(DropDeaf(remainder, std::move(solution)), best);
+  }
+  for (const BurstSpot& spot : FindBursts(remainder, 2)) {
+    if (spot.frequency_Hz > lowest_Hz && spot.frequency_Hz < highest_Hz)
+      frequencies_Hz.push_back(spot.frequency_Hz);
+  }
+  TryKicks(remainder, index, frequencies_Hz, best);
+  if (by_shaft) TryDriven(remainder, index, lowest_Hz, highest_Hz, best);
+  return best;
+}
+
+}  // namespace strainwave::analysis::diagnosis

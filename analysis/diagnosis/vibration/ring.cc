@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/ring.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+Complex PoleOf(const RingTrain& train) {
+  const double natural = kTwoPi * train.ring_Hz;
+  return {-train.damping_ratio * natural,
+          natural * std::sqrt(std::max(0.0, 1.0 - train.damping_ratio * train.damping_ratio))};
+}
+
+double Impulses(const VibrationRun& run, const RingTrain& train, std::size_t sample) {
+  return (run.angle_rad[sample] - 0.5 * run.angle_rad.back()) * train.order / kTwoPi - train.phase;
+}
+
+}  // namespace
+
+Eigen::MatrixXd RingColumns(const VibrationRun& run, const RingTrain& train) {
+  const std::size_t n = run.size();
+  Eigen::MatrixXd columns(static_cast<Index>(n), 2);
+  const Complex pole = PoleOf(train);
+  const Complex even_step = std::exp(pole * run.period_s);
+  const auto weight_at = [&train](double angle) {
+    double weight = 1.0;
+    for (const RingModulation& modulation : train.modulations) {
+      weight += modulation.cosine * std::cos(modulation.order * angle) +
+                modulation.sine * std::sin(modulation.order * angle);
+    }
+    return weight;
+  };
+  Complex state;
+  // What rang before the record began: the train goes on backwards at the first speed until it has died away.
+  const double first_speed = std::max(run.speed_rad_per_s.front(), 1e-9);
+  const double apart_s = kTwoPi / (train.order * first_speed);
+  const double begin = Impulses(run, train, 0);
+  for (int back = 0; back < 200; ++back) {
+    const double since_s = (begin - std::floor(begin) + back) * apart_s;
+    const Complex left = std::exp(pole * since_s);
+    if (std::norm(left) < 1e-8) break;
+    state += weight_at(run.angle_rad.front() - since_s * first_speed) * left;
+  }
+  double before = begin;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0) {
+      const double step_s = run.time_s[i] - run.time_s[i - 1];
+      const bool even = std::abs(step_s - run.period_s) < 1e-9 * run.period_s;
+      state *= even ? even_step : std::exp(pole * step_s);
+      const double here = Impulses(run, train, i);
+      for (double j = std::floor(before) + 1.0; j <= here; j += 1.0) {
+        const double share = (j - before) / (here - before);
+        state += weight_at(run.angle_rad[i - 1] + share * (run.angle_rad[i] - run.angle_rad[i - 1])) *
+                 std::exp(pole * ((1.0 - share) * step_s));
+      }
+      before = here;
+    }
+    columns(static_cast<Index>(i), 0) = state.real();
+    columns(static_cast<Index>(i), 1) = state.imag();
+  }
+  return columns;
+}
+
+Eigen::MatrixXd KickColumns(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s) {
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Index>(run.size()), 2);
+  const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}});
+  const auto first =
+      std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s - 1e-9) - run.time_s.begin();
+  for (auto i = static_cast<std::size_t>(first); i < run.size(); ++i) {
+    const Complex state = std::exp(pole * (run.time_s[i] - start_s));
+    if (std::norm(state) < 1e-8) break;
+    columns(static_cast<Index>(i), 0) = state.real();
+    columns(static_cast<Index>(i), 1) = state.imag();
+  }
+  return columns;
+}
+
+Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
+                 std::span<const double> residual, std::span<const double> weights) {
+  const std::size_t n = run.size();
+  const Complex step = std::exp(PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}}) * run.period_s);
+  std::vector<double> power(n, 0.0);
+  for (const VibrationStretch& channel : run.channels) {
+    Complex common{};
+    for (std::size_t i = n; i-- > 0;) {
+      const std::size_t place = channel.first + i;
+      common = common * step + (weights[place] > 0.0 ? residual[place] : 0.0);
+      power[i] += std::norm(common);
+    }
+  }
+  const auto best = std::max_element(power.begin(), power.end());
+  // A ring's two parts share its energy, 1 / (1 − |step|²).
+  return {static_cast<std::size_t>(best - power.begin()), 2.0 * *best * (1.0 - std::norm(step))};
+}
+
+double BestRingPhase(const VibrationRun& run, const RingTrain& train, std::span<const double> residual,
+                     std::span<const double> weights) {
+  // What a ring that starts at a sample has in common with the residual behind it: a filter that runs
+  // backwards. Impulses of one phase then add up.
+  const std::size_t n = run.size();
+  const Complex step = std::exp(PoleOf(train) * run.period_s);
+  const double ring_turns = train.ring_Hz * kTwoPi / (train.order * run.mean_speed_rad_per_s);
+  const auto bins = static_cast<std::size_t>(std::clamp(8.0 * ring_turns, 32.0, 4096.0));
+  std::vector<double> score(bins, 0.0);
+  std::vector<Complex> sums(bins);
+  for (const VibrationStretch& channel : run.channels) {
+    std::fill(sums.begin(), sums.end(), Complex{});
+    Complex common{};
+    for (std::size_t i = n; i-- > 0;) {
+      const std::size_t place = channel.first + i;
+      common = common * step + (weights[place] > 0.0 ? residual[place] : 0.0);
+      const double turn = Impulses(run, {train.order, 0.0, 0.0, 0.0, {}}, i);
+      sums[static_cast<std::size_t>((turn - std::floor(turn)) * static_cast<double>(bins)) % bins] += common;
+    }
+    for (std::size_t b = 0; b < bins; ++b) score[b] += std::norm(sums[b]);
+  }
+  const auto best = std::max_element(score.begin(), score.end());
+  return (static_cast<double>(best - score.begin()) + 0.5) / static_cast<double>(bins);
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/samples.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A change of the impulses with the input angle: 1 + cosine · cos(order θ) + sine · sin(order θ).
+struct RingModulation {
+  double order{};
+  double cosine{};
+  double sine{};
+};
+
+/// Impulses at even angles, each of which lets a resonance ring: ∑ⱼ wⱼ exp(−ζω(t − tⱼ)) cos or sin ω(t − tⱼ).
+struct RingTrain {
+  double order{};  // impulses per input turn
+  double ring_Hz{};
+  double damping_ratio{};
+  double phase{};  // impulse where angle from mid-record · order / 2π = integer + phase
+  std::vector<RingModulation> modulations{};
+};
+
+/// Cosine and sine part of the train with impulses of about one: n × 2.
+Eigen::MatrixXd RingColumns(const VibrationRun& run, const RingTrain& train);
+
+/// A single ring that starts at a time: n × 2.
+Eigen::MatrixXd KickColumns(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s);
+
+/// Sample of one run at which a ring of this frequency and damping explains most of a residual, all channels
+/// together, and the drop of the sum of squares that it brings.
+struct Kick {
+  std::size_t sample{};
+  double drop{};
+};
+Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
+                 std::span<const double> residual, std::span<const double> weights);
+
+/// Phase at which a train of this order, ring and damping explains most of a residual of one run, over its
+/// channels together.
+double BestRingPhase(const VibrationRun& run, const RingTrain& train, std::span<const double> residual,
+                     std::span<const double> weights);
+
+}  // namespace strainwave::analysis::diagnosis

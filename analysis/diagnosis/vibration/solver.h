@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/projection.h"
+#include "analysis/diagnosis/vibration/samples.h"
+#include "analysis/diagnosis/vibration/terms.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A set of terms, fitted: every channel has coefficients of its own, all share the shapes.
+struct VibrationSolution {
+  struct Channel {
+    ChannelFit fit;                   // columns: nominal, then the heard terms in their order
+    std::vector<Eigen::Index> first;  // of each term's columns, −1 where it is not heard
+    Eigen::MatrixXd follows_shapes;   // change of coefficients by shapes; with ShapeCovariance() only
+  };
+  std::vector<VibrationTerm> terms;
+  std::vector<Channel> channels;                                             // run by run
+  std::vector<std::vector<std::shared_ptr<const Eigen::MatrixXd>>> columns;  // [run][term], unfiltered
+  double square_sum{};
+  double weight_sum{};
+  int free_parameters{};
+
+  double bic() const;
+  double variance() const { return square_sum / std::max(1.0, weight_sum - free_parameters); }
+};
+
+/// Fits terms to the samples by least squares under weights; with narrow-band terms, least squares of the
+/// innovations.
+class VibrationSolver {
+ public:
+  VibrationSolver(const VibrationSamples& samples, std::span<const double> weights);
+
+  VibrationSolution Solve(std::vector<VibrationTerm> terms,
+                          const VibrationSolution* previous = nullptr) const;
+
+  /// Levenberg–Marquardt on the shapes, at most so many rounds.
+  VibrationSolution Refine(VibrationSolution solution, int rounds) const;
+
+  /// Leaves terms out of channels where they do not pay for their coefficients, solved anew. The channel that
+  /// hears a term best keeps it.
+  VibrationSolution Prune(VibrationSolution solution) const;
+
+  /// Covariance of the shapes of all terms, one after the other; fills `follows_shapes`.
+  Eigen::MatrixXd ShapeCovariance(VibrationSolution& solution) const;
+
+  /// What the model does not explain (innovations, where there are narrow-band terms), all samples.
+  Eigen::VectorXd Residual(const VibrationSolution& solution) const;
+
+  /// Drop of the sum of squares that a term brings, by channel; 0 where it is not heard. For terms with
+  /// columns.
+  std::vector<double> Drops(const VibrationSolution& solution, std::size_t term) const;
+
+  std::span<const double> weights() const { return weights_; }
+
+ private:
+  struct Place {
+    std::size_t run;
+    const VibrationStretch* channel;
+  };
+  Eigen::MatrixXd Assemble(const VibrationSolution& solution, std::size_t channel) const;
+  void Filter(const VibrationSolution& solution, std::size_t channel,
+              Eigen::Ref<Eigen::MatrixXd> columns) const;
+  Eigen::MatrixXd Derivatives(
+      const VibrationSolution& solution, std::size_t channel, const std::vector<VibrationShape>& shapes,
+      const std::vector<std::vector<std::shared_ptr<const Eigen::MatrixXd>>>& moved) const;
+  SharedStep Step(VibrationSolution& solution, const std::vector<VibrationShape>& shapes) const;
+
+  const VibrationSamples& samples_;
+  std::vector<double> weights_;
+  std::vector<Place> places_;
+  std::vector<char> breaks_;   // one a sample of the response
+  std::vector<char> missing_;  // single samples without weight; a block held out is not missing, it is unseen
+};
+
+}  // namespace strainwave::analysis::diagnosis

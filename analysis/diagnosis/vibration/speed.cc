@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/speed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "analysis/diagnosis/vibration/projection.h"
+#include "analysis/diagnosis/vibration/spectrum.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kClearLine = 9.0;  // −ln p of one line at a known place, beyond what a channel gives
+
+VectorXd Response(const VibrationSamples& samples, const VibrationRun& run, const VibrationStretch& channel) {
+  return Eigen::Map<const VectorXd>(samples.measured.data() + channel.first, static_cast<Index>(run.size()));
+}
+
+std::vector<double> LessMeans(const VibrationSamples& samples) {
+  std::vector<double> centred(samples.measured);
+  for (const VibrationRun& run : samples.runs) {
+    for (const VibrationStretch& channel : run.channels) {
+      const double mean = Response(samples, run, channel).mean();
+      for (std::size_t i = 0; i < run.size(); ++i) centred[channel.first + i] -= mean;
+    }
+  }
+  return centred;
+}
+
+double PairExcess(const VibrationSpectrum& spectrum, double order) {
+  const auto channels = static_cast<double>(spectrum.channels());
+  return ExcessOf(spectrum.At(order), channels) + ExcessOf(spectrum.At(2.0 * order), channels);
+}
+
+bool BothLines(const VibrationSpectrum& spectrum, double order) {
+  const auto channels = static_cast<double>(spectrum.channels());
+  return ExcessOf(spectrum.At(order), channels) > kClearLine &&
+         ExcessOf(spectrum.At(2.0 * order), channels) > kClearLine;
+}
+
+double BestPair(const VibrationSpectrum& spectrum, double centre, double share) {
+  double best = centre;
+  const double step = 0.25 * spectrum.step();
+  for (double order = centre * (1.0 - share); order <= centre * (1.0 + share); order += step) {
+    if (PairExcess(spectrum, order) > PairExcess(spectrum, best) + 1e-9) best = order;
+  }
+  return best;
+}
+
+// Turns the angle and everything that hangs on it into another one.
+void TakeAngle(VibrationRun& run, const VectorXd& angle) {
+  double mean = 0.0;
+  for (std::size_t i = 0; i < run.size(); ++i) run.angle_rad[i] = angle(static_cast<Index>(i)) - angle(0);
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    const std::size_t before = i > 0 ? i - 1 : 0;
+    const std::size_t after = std::min(i + 1, run.size() - 1);
+    run.speed_rad_per_s[i] = (run.angle_rad[after] - run.angle_rad[before]) /
+                             std::max(run.time_s[after] - run.time_s[before], 1e-300);
+    mean += run.speed_rad_per_s[i] / static_cast<double>(run.size());
+  }
+  run.mean_speed_rad_per_s = mean;
+  run.turns = run.angle_rad.back() / kTwoPi;
+  FillNominal(run);
+}
+
+struct PhaseFit {
+  double square_sum{};
+  double line_energy[2]{};  // of the lines at 1 and 2 per turn
+  VectorXd phase;           // coefficients of the basis
+  MatrixXd normal;
+};
+
+// One record with its angle changed by basis · phase: Gauss–Newton from zero.
+PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, const MatrixXd& basis) {
+  const auto n = static_cast<Index>(run.size());
+  const VectorXd weights = VectorXd::Ones(n);
+  const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), n);
+  PhaseFit best;
+  best.phase = VectorXd::Zero(basis.cols());
+  VectorXd phase = best.phase;
+  for (int round = 0; round < 8; ++round) {
+    VibrationRun changed;
+    changed.time_s = run.time_s;
+    const VectorXd moved = angle + basis * phase;
+    changed.angle_rad.assign(moved.data(), moved.data() + n);
+    FillNominal(changed);
+    const MatrixXd& columns = changed.nominal;
+    PhaseFit now;
+    now.phase = phase;
+    SharedStep step(basis.cols());
+    for (const VibrationStretch& channel : run.channels) {
+      const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights);
+      now.square_sum += fit.square_sum;
+      for (Index k = 0; k < 2; ++k) {
+        now.line_energy[k] +=
+            fit.coefficients.segment(1 + 2 * k, 2).squaredNorm() * 0.5 * static_cast<double>(n);
+      }
+      const VectorXd& b = fit.coefficients;
+      const VectorXd slope = b(2) * columns.col(1) - b(1) * columns.col(2) +
+                             2.0 * (b(4) * columns.col(3) - b(3) * columns.col(4));
+      if (basis.cols() > 0) step.Add(columns, slope.asDiagonal() * basis, fit, weights);
+    }
+    now.normal = step.normal;
+    if (round > 0 && !(now.square_sum < best.square_sum)) break;
+    const bool settled = round > 0 && best.square_sum - now.square_sum < 1e-6 * best.square_sum;
+    best = now;
+    if (settled || basis.cols() == 0) break;
+    phase = best.phase + PseudoInverse(step.normal) * step.gradient;
+  }
+  return best;
+}
+
+// Scale of the angle, and slow wander in cosines of time.
+MatrixXd BasisOf(const VibrationRun& run, Index waves) {
+  const auto n = static_cast<Index>(run.size());
+  MatrixXd basis(n, 1 + waves);
+  for (Index i = 0; i < n; ++i) {
+    const auto place = static_cast<std::size_t>(i);
+    basis(i, 0) = run.angle_rad[place] - 0.5 * run.angle_rad.back();
+    const double x = run.time_s[place] / run.span_s();
+    for (Index j = 1; j <= waves; ++j) basis(i, j) = std::cos(kPi * static_cast<double>(j) * x);
+  }
+  return basis;
+}
+
+void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
+  const auto n = static_cast<Index>(run.size());
+  const double count = static_cast<double>(run.size() * run.channels.size());
+  const PhaseFit given = FitPhase(samples, run, MatrixXd(n, 0));
+  const auto gain_of = [&](const PhaseFit& fit) {
+    return count * std::log(given.square_sum / std::max(fit.square_sum, 1e-300));
+  };
+  const MatrixXd scale_only = BasisOf(run, 0);
+  PhaseFit best = FitPhase(samples, run, scale_only);
+  const double variance = best.square_sum / count;
+  const double uncertainty = best.normal(0, 0) > 0.0 ? std::sqrt(variance / best.normal(0, 0)) : 1.0;
+  samples.order_uncertainty = std::max(samples.order_uncertainty, std::min(0.01, uncertainty));
+  Index waves = 0;
+  double score = gain_of(best) - std::log(count);
+  for (const Index more : {2, 5, 10}) {
+    if (measured) break;
+    PhaseFit wandering = FitPhase(samples, run, BasisOf(run, more));
+    const double better = gain_of(wandering) - static_cast<double>(1 + more) * std::log(count);
+    // A wander of the shaft sharpens both lines; a foreign line beside one of them does not.
+    const bool both = wandering.line_energy[0] > best.line_energy[0] + 10.0 * variance &&
+                      wandering.line_energy[1] > best.line_energy[1] + 10.0 * variance;
+    if (better > score + 30.0 && both) {
+      score = better;
+      best = std::move(wandering);
+      waves = more;
+    }
+  }
+  // A foreign line nearby pulls at the scale a little: what is stated counts until it is clearly wrong.
+  if (!(score > 20.0)) return;
+  const double before = run.mean_speed_rad_per_s;
+  const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), n);
+  TakeAngle(run, angle + BasisOf(run, waves) * best.phase);
+  const double change = run.mean_speed_rad_per_s / before - 1.0;
+  if (waves > 0) {
+    samples.warnings.push_back(
+        "the speed wanders more than the file says: the shaft's own lines were followed");
+  } else if (std::abs(change) > 0.002) {
+    samples.warnings.push_back(fmt::format("the shaft's lines stand at {:.5g} rpm, the file says {:.5g}",
+                                           RpmFromRadPerS(run.mean_speed_rad_per_s), RpmFromRadPerS(before)));
+  }
+}
+
+// A speed in another unit puts the pair of lines far from where it should be.
+void CheckUnit(const VibrationSpectrum& spectrum, double speed_rad_per_s) {
+  struct MixUp {
+    double factor;
+    const char* unit;
+  };
+  constexpr MixUp kMixUps[] = {{60.0, "Hz"}, {30.0 / kPi, "rad/s"}, {1.0 / 60.0, "turns per hour"}};
+  constexpr double kTolerance = 0.02;
+  constexpr double kClearPair = 40.0;
+  if (PairExcess(spectrum, BestPair(spectrum, 1.0, kTolerance)) > kClearPair) return;
+  for (const MixUp& mix_up : kMixUps) {
+    if (2.0 * mix_up.factor > 0.9 * spectrum.highest() || mix_up.factor < 3.0 * spectrum.cell()) continue;
+    const double order = BestPair(spectrum, mix_up.factor, kTolerance);
+    if (!BothLines(spectrum, order) || PairExcess(spectrum, order) < kClearPair) continue;
+    throw std::invalid_argument(
+        fmt::format("the input speed looks like {}: the file says {:.4g} rpm, the shaft's lines stand at "
+                    "{:.4g} rpm (expected "
+                    "input_speed_rpm in turns per minute)",
+                    mix_up.unit, RpmFromRadPerS(speed_rad_per_s), RpmFromRadPerS(speed_rad_per_s * order)));
+  }
+}
+
+}  // namespace
+
+void CorrectSpeed(VibrationSamples& samples, bool speed_was_measured) {
+  const std::vector<double> centred = LessMeans(samples);
+  const std::vector<double> ones(centred.size(), 1.0);
+  for (VibrationRun& run : samples.runs) {
+    VibrationSamples one;
+    one.runs.push_back(run);
+    const VibrationSpectrum spectrum(one, centred, ones, SpectrumAxis::kTurns);
+    CheckUnit(spectrum, run.mean_speed_rad_per_s);
+    const double best = BestPair(spectrum, 1.0, speed_was_measured ? 0.004 : 0.025);
+    const double cells = std::abs(best - 1.0) / spectrum.cell();
+    const double ahead = PairExcess(spectrum, best) - PairExcess(spectrum, 1.0);
+    const bool clear = ahead > 20.0 && PairExcess(spectrum, 1.0) < 0.3 * PairExcess(spectrum, best);
+    if (clear && (cells < 1.0 || BothLines(spectrum, best))) {
+      const double before = run.mean_speed_rad_per_s;
+      TakeAngle(run, best * Eigen::Map<const VectorXd>(run.angle_rad.data(), static_cast<Index>(run.size())));
+      if (std::abs(best - 1.0) > 0.002) {
+        samples.warnings.push_back(fmt::format("the shaft's lines stand at {:.5g} rpm, the file says {:.5g}",
+                                               RpmFromRadPerS(run.mean_speed_rad_per_s),
+                                               RpmFromRadPerS(before)));
+      }
+    }
+    RefineRun(samples, run, speed_was_measured);
+  }
+}
+
+double SpeedFromLines(const VibrationSamples& samples) {
+  const std::vector<double> centred = LessMeans(samples);
+  const std::vector<double> ones(centred.size(), 1.0);
+  const VibrationSpectrum spectrum(samples, centred, ones, SpectrumAxis::kSeconds);
+  const double lowest = std::max(0.5, 3.0 * spectrum.cell());
+  const double highest = std::min(200.0, 0.45 * spectrum.highest());
+  double best = 0.0;
+  for (const SpectrumPeak& peak : FindPeaks(spectrum, lowest, 2.0 * highest, 6)) {
+    for (const double frequency : {peak.order, 0.5 * peak.order}) {
+      if (frequency < lowest || frequency > highest) continue;
+      const double refined = BestPair(spectrum, frequency, std::min(0.01, 0.5 * spectrum.cell() / frequency));
+      if (!BothLines(spectrum, refined)) continue;
+      if (best == 0.0 || PairExcess(spectrum, refined) > 1.05 * PairExcess(spectrum, best)) best = refined;
+    }
+  }
+  return kTwoPi * best;
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/samples.h"
+#include "analysis/diagnosis/vibration/solver.h"
+#include "analysis/diagnosis/vibration/spectrum.h"
+#include "analysis/diagnosis/vibration/terms.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// Kinds of cause and correction, each with its own search.
+enum class VibrationCause {
+  kGearMesh,
+  kBearingDefect,
+  kImbalance,
+  kTorsionalResonance,
+  kFlexsplineCrack,
+  kLineOverAngle,
+  kLineOverTime,
+  kHighResonance,
+  kBurst,
+  kSlowChange,
+};
+
+/// Limits of what is searched.
+inline constexpr double kLowestBearingOrder = 2.0;
+inline constexpr double kHighestBearingOrder = 20.0;
+inline constexpr double kLowestTorsional_Hz = 3.0;
+inline constexpr double kHighestTorsional_Hz = 2000.0;
+inline constexpr double kLeastSpeedSpread =
+    0.08;  // of the mean speed, to tell growth with speed from a level
+
+/// What a model leaves, for searches; the spectra are made when first asked for.
+class VibrationRemainder {
+ public:
+  VibrationRemainder(const VibrationSamples& samples, const VibrationSolver& solver,
+                     const VibrationSolution& base);
+
+  const VibrationSamples& samples() const { return samples_; }
+  const VibrationSolver& solver() const { return solver_; }
+  const VibrationSolution& base() const { return base_; }
+  std::span<const double> residual() const { return residual_; }
+  const VibrationSpectrum& over_turns() const;
+  const VibrationSpectrum& over_seconds() const;
+
+  /// The base with one more term, everything refined; and channels that do not hear it left out.
+  VibrationSolution With(VibrationTerm term, int rounds) const;
+
+ private:
+  const VibrationSamples& samples_;
+  const VibrationSolver& solver_;
+  const VibrationSolution& base_;
+  std::vector<double> residual_;
+  mutable std::optional<VibrationSpectrum> turns_;
+  mutable std::optional<VibrationSpectrum> seconds_;
+};
+
+/// The best form of a cause beside a model; nothing where it has no support of its own (a bearing that would
+/// be one line, a resonance that would be a tone).
+std::optional<VibrationSolution> SearchCause(const VibrationRemainder& remainder, VibrationCause cause,
+                                             std::size_t index);
+
+/// Order as it appears at this sampling rate.
+double FoldedVibrationOrder(const VibrationSamples& samples, double order);
+
+}  // namespace strainwave::analysis::diagnosis

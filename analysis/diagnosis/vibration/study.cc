@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "analysis/diagnosis/records.h"
+#include "analysis/diagnosis/vibration/parameters.h"
+#include "analysis/diagnosis/vibration/rules.h"
+#include "analysis/diagnosis/vibration/samples.h"
+#include "analysis/diagnosis/vibration/solver.h"
+#include "analysis/diagnosis/vibration/starts.h"
+#include "analysis/noise_level.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+/// Accelerations over time and shaft angle. The response is all channels one after the other, scaled to equal
+/// noise; the nominal model has a constant and the shaft's lines at 1 and 2 per turn in each. Lines and
+/// ringing impulses are foretold as they are; a resonance that noise drives is foretold from one sample to
+/// the next, so that a model with one has its RMSE over one sample ahead.
+class VibrationStudy final : public Study {
+ public:
+  explicit VibrationStudy(std::span<const VibrationData> records) : samples_(PrepareVibration(records)) {
+    rules_ = RulesFor(samples_);
+    for (const VibrationRun& run : samples_.runs) block_length_ = std::max(block_length_, BlockOf(run));
+    MakeRegressors();
+    LookAtNominal();
+  }
+
+  std::span<const double> measured() const override { return samples_.measured; }
+  std::span<const std::size_t> stretches() const override { return samples_.stretches; }
+  const std::vector<CauseRule>& causes() const override { return rules_.rules; }
+  const std::vector<Regressor>& regressors() const override { return regressors_; }
+  std::string unit() const override { return UnitOfChannel(samples_.runs.front().channels.front().name); }
+  double unit_per_si() const override { return 1.0; }
+  double NoiseFloor() const override { return samples_.noise_floor; }
+  std::size_t BlockLength() const override { return block_length_; }
+  // More memory would be a resonance.
+  int LargestNoiseOrder() const override { return 1; }
+  bool SpikesAreOutliers() const override { return spikes_are_outliers_; }
+  const std::vector<std::string>& warnings() const override { return samples_.warnings; }
+
+  std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override {
+    std::vector<UserQuantity> quantities;
+    for (const VibrationRun& run : samples_.runs) {
+      for (const VibrationStretch& channel : run.channels) {
+        const auto rms = [&](const double* values) {
+          const Eigen::Map<const Eigen::VectorXd> own(values + channel.first,
+                                                      static_cast<Eigen::Index>(run.size()));
+          return std::sqrt((own.array() - own.mean()).square().mean()) / channel.scale;
+        };
+        quantities.push_back({"rms_" + channel.name, rms(samples_.measured.data()), rms(predicted.data())});
+      }
+    }
+    return quantities;
+  }
+
+  ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
+               const ModelFit* start, FitPurpose purpose) const override {
+    const VibrationSolver solver(samples_, weights);
+    std::vector<VibrationTerm> known;
+    if (start != nullptr && start->usable) {
+      for (VibrationTerm& term : UnpackTerms(start->state)) {
+        if (std::ranges::find(cause_indices, term.cause) != cause_indices.end())
+          known.push_back(std::move(term));
+      }
+    }
+    std::vector<std::size_t> missing;
+    for (const std::size_t cause : cause_indices) {
+      if (std::ranges::find(known, cause, &VibrationTerm::cause) == known.end()) missing.push_back(cause);
+    }
+    VibrationSolution solution = solver.Solve(std::move(known));
+    if (!solution.terms.empty()) solution = solver.Refine(std::move(solution), missing.empty() ? 4 : 1);
+    for (const std::size_t cause : missing) {
+      const VibrationRemainder remainder(samples_, solver, solution);
+      std::optional<VibrationSolution> found = SearchCause(remainder, rules_.kinds[cause], cause);
+      if (!found) return Unusable(cause_indices);
+      solution = std::move(*found);
+    }
+    return Describe(cause_indices, solver, std::move(solution), purpose);
+  }
+
+  Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
+                          std::span<const NamedCause> causes) const override {
+    Eigen::VectorXd predicted;
+    if (nominal.empty()) {
+      const std::vector<double> ones(samples_.measured.size(), 1.0);
+      const ModelFit fit = Fit({}, ones, nullptr, FitPurpose::kReport);
+      predicted = PredictNominal(samples_, fit.nominal);
+    } else {
+      predicted = PredictNominal(samples_, nominal);
+    }
+    for (const NamedCause& cause : causes) {
+      const auto rule = std::ranges::find(rules_.rules, cause.name, &CauseRule::name);
+      if (rule == rules_.rules.end()) {
+        throw std::invalid_argument(fmt::format("{} is no cause that this record can have", cause.name));
+      }
+      predicted += PredictTerm(samples_, rules_.kinds[static_cast<std::size_t>(rule - rules_.rules.begin())],
+                               cause.name, cause.parameters);
+    }
+    return predicted;
+  }
+
+ private:
+  // A turn of the shaft, but no fewer than ten blocks a record.
+  static std::size_t BlockOf(const VibrationRun& run) {
+    const double most = static_cast<double>(run.size()) / 10.0;
+    const double turn = run.angle_rad.empty() ? most : static_cast<double>(run.size()) / run.turns;
+    return static_cast<std::size_t>(std::clamp(turn, 25.0, most));
+  }
+
+  void MakeRegressors() {
+    Regressor angle{"input_angle", "input angle / deg", DegFromRad(1.0), {}, true};
+    Regressor output{"output_angle", "output angle / deg", DegFromRad(1.0), {}, true};
+    Regressor time{"time", "time / s", 1.0, {}, false};
+    Regressor speed{"speed", "input speed / rpm", RpmFromRadPerS(1.0), {}, false};
+    bool changing = false;
+    for (const VibrationRun& run : samples_.runs) {
+      changing = changing || run.speed_spread > 0.01;
+      for (std::size_t c = 0; c < run.channels.size(); ++c) {
+        time.values.insert(time.values.end(), run.time_s.begin(), run.time_s.end());
+        angle.values.insert(angle.values.end(), run.angle_rad.begin(), run.angle_rad.end());
+        speed.values.insert(speed.values.end(), run.speed_rad_per_s.begin(), run.speed_rad_per_s.end());
+      }
+    }
+    if (samples_.angle_known()) {
+      for (const double value : angle.values) output.values.push_back(value / samples_.ratio);
+      const double output_turns = samples_.shortest_turns() / std::abs(samples_.ratio);
+      regressors_.push_back(std::move(angle));
+      if (output_turns > 1.0) regressors_.push_back(std::move(output));
+      if (changing) regressors_.push_back(std::move(speed));
+    }
+    regressors_.push_back(std::move(time));
+  }
+
+  // Single samples that stand off are disturbances; where they come in flocks they ring, and belong to the
+  // record.
+  void LookAtNominal() {
+    const std::vector<double> ones(samples_.measured.size(), 1.0);
+    const VibrationSolver solver(samples_, ones);
+    const Eigen::VectorXd residual = solver.Residual(solver.Solve({}));
+    std::size_t alone = 0;
+    std::size_t in_company = 0;
+    for (const VibrationRun& run : samples_.runs) {
+      for (const VibrationStretch& channel : run.channels) {
+        const std::span<const double> own(residual.data() + channel.first, run.size());
+        const double usual = RobustStandardDeviation(own);
+        for (const std::size_t spike : FindSpikes(own, EstimateNoise(own))) {
+          bool company = false;
+          for (std::size_t i = spike > 6 ? spike - 6 : 0; i < std::min(run.size(), spike + 7); ++i) {
+            const std::size_t away = i > spike ? i - spike : spike - i;
+            company = company || (away > 1 && std::abs(own[i]) > 5.0 * usual);
+          }
+          ++(company ? in_company : alone);
+        }
+      }
+    }
+    spikes_are_outliers_ = in_company * 4 < alone;
+  }
+
+  static ModelFit Unusable(std::span<const std::size_t> cause_indices) {
+    ModelFit fit;
+    fit.causes.assign(cause_indices.begin(), cause_indices.end());
+    return fit;
+  }
+
+  ModelFit Describe(std::span<const std::size_t> cause_indices, const VibrationSolver& solver,
+                    VibrationSolution solution, FitPurpose purpose) const {
+    ModelFit fit = Unusable(cause_indices);
+    Eigen::MatrixXd shapes;
+    if (purpose == FitPurpose::kReport) shapes = solver.ShapeCovariance(solution);
+    fit.nominal = DescribeNominal(samples_, solution);
+    for (const std::size_t cause : cause_indices) {
+      const auto term = static_cast<std::size_t>(
+          std::ranges::find(solution.terms, cause, &VibrationTerm::cause) - solution.terms.begin());
+      fit.cause_parameters.push_back(DescribeTerm(samples_, solution, term, rules_.kinds[cause], shapes));
+    }
+    const Eigen::Map<const Eigen::VectorXd> measured(samples_.measured.data(),
+                                                     static_cast<Eigen::Index>(samples_.measured.size()));
+    fit.predicted = measured - solver.Residual(solution);
+    fit.free_parameters = solution.free_parameters;
+    fit.state = PackTerms(solution.terms);
+    fit.usable = fit.predicted.allFinite();
+    return fit;
+  }
+
+  VibrationSamples samples_;
+  VibrationRules rules_;
+  std::vector<Regressor> regressors_;
+  std::size_t block_length_{1};
+  bool spikes_are_outliers_{true};
+};
+
+}  // namespace
+
+std::unique_ptr<Study> MakeVibrationStudy(std::span<const VibrationData> records) {
+  return std::make_unique<VibrationStudy>(records);
+}
+
+}  // namespace strainwave::analysis::diagnosis

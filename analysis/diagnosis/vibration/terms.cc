@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/terms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/model/vibration_orders.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+void FillLines(const std::vector<double>& angle, const VibrationTerm& term, MatrixXd& columns) {
+  const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
+  for (std::size_t l = 0; l < term.lines.size(); ++l) {
+    const double order = term.lines[l].harmonic * base + term.lines[l].offset;
+    const auto pair = static_cast<Index>(2 * l);
+    for (std::size_t i = 0; i < angle.size(); ++i) {
+      columns(static_cast<Index>(i), pair) = std::cos(order * angle[i]);
+      columns(static_cast<Index>(i), pair + 1) = std::sin(order * angle[i]);
+    }
+  }
+}
+
+void FillDriven(const VibrationRun& run, const VibrationTerm& term, MatrixXd& columns) {
+  for (std::size_t l = 0; l < term.lines.size(); ++l) {
+    const double order = term.lines[l].harmonic;
+    const auto pair = static_cast<Index>(2 * l);
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      const std::complex<double> gain =
+          model::ResonantGain(order * run.speed_rad_per_s[i], kTwoPi * term.shapes[0], term.shapes[1]);
+      const std::complex<double> line = gain * std::polar(1.0, order * run.angle_rad[i]);
+      columns(static_cast<Index>(i), pair) = line.real();
+      columns(static_cast<Index>(i), pair + 1) = line.imag();
+    }
+  }
+}
+
+void FillBurst(const VibrationRun& run, const VibrationTerm& term, MatrixXd& columns) {
+  columns.setZero();
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    const double off = (run.time_s[i] - term.shapes[1]) / term.shapes[2];
+    if (std::abs(off) > 5.0) continue;
+    const double bell = std::exp(-0.5 * off * off);
+    const double angle = term.shapes[0] * (run.time_2pi[i] - kTwoPi * term.shapes[1]);
+    columns(static_cast<Index>(i), 0) = bell * std::cos(angle);
+    columns(static_cast<Index>(i), 1) = bell * std::sin(angle);
+  }
+}
+
+}  // namespace
+
+std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const VibrationTerm& term) {
+  std::vector<VibrationShape> shapes;
+  double turns = 0.0;
+  double span_s = 0.0;
+  for (const VibrationRun& run : samples.runs) {
+    turns = std::max(turns, run.turns);
+    span_s = std::max(span_s, run.span_s());
+  }
+  const double top_Hz = 0.98 * samples.highest_Hz();
+  switch (term.form) {
+    case VibrationForm::kLines: {
+      if (term.shapes.empty()) break;
+      double harmonic = 1.0;
+      for (const LinePlace& line : term.lines) harmonic = std::max(harmonic, std::abs(line.harmonic));
+      // A search has found the cell; a fit does not leave it.
+      const double cell = 1.0 / (turns * harmonic);
+      shapes.push_back({term.shapes[0] - cell, term.shapes[0] + cell, 0.05 * cell});
+      break;
+    }
+    case VibrationForm::kTones: {
+      const double cell = 1.0 / span_s;
+      shapes.push_back({term.shapes[0] - cell, term.shapes[0] + cell, 0.05 * cell});
+      break;
+    }
+    case VibrationForm::kRing: {
+      const double lines = std::max(1.0, term.shapes[1] * span_s / turns / term.shapes[0]);
+      const double cell = 1.0 / (turns * lines);
+      shapes.push_back({term.shapes[0] - 2.0 * cell, term.shapes[0] + 2.0 * cell, 0.05 * cell});
+      shapes.push_back(
+          {0.7 * term.shapes[1], std::min(top_Hz, 1.4 * term.shapes[1]), 0.005 * term.shapes[1]});
+      // Towards one the ring becomes a single smooth bump.
+      shapes.push_back({0.006, 0.95, 0.05 * term.shapes[2]});
+      for (std::size_t m = 0; m < 2 * term.lines.size(); ++m) shapes.push_back({-2.0, 2.0, 0.05});
+      for (std::size_t s = shapes.size(); s < term.shapes.size(); ++s) {
+        shapes.push_back({term.shapes[s] - 0.5, term.shapes[s] + 0.5, 0.02 / lines});
+      }
+      break;
+    }
+    case VibrationForm::kDriven:
+      shapes.push_back({1.0, top_Hz, 0.01 * term.shapes[0]});
+      shapes.push_back({0.002, 0.5, 0.05 * term.shapes[1]});
+      break;
+    case VibrationForm::kNarrowband:
+      shapes.push_back(
+          {0.8 * term.shapes[0], std::min(top_Hz, 1.25 * term.shapes[0]), 0.003 * term.shapes[0]});
+      shapes.push_back({5e-4, 0.5, 0.05 * term.shapes[1]});
+      for (std::size_t s = 2; s < term.shapes.size(); ++s) shapes.push_back({-30.0, 15.0, 0.05});
+      break;
+    case VibrationForm::kKicks:
+      shapes.push_back(
+          {0.8 * term.shapes[0], std::min(top_Hz, 1.25 * term.shapes[0]), 0.003 * term.shapes[0]});
+      shapes.push_back({5e-4, 0.5, 0.05 * term.shapes[1]});
+      break;
+    case VibrationForm::kBurst:
+      shapes.push_back({std::max(0.5, 0.7 * term.shapes[0]), std::min(top_Hz, 1.4 * term.shapes[0]),
+                        0.02 / term.shapes[2]});
+      shapes.push_back({0.0, span_s, 0.1 * term.shapes[2]});
+      shapes.push_back({0.2 * term.shapes[2], 5.0 * term.shapes[2], 0.05 * term.shapes[2]});
+      break;
+    case VibrationForm::kGrowth:
+    case VibrationForm::kLevels:
+      break;
+  }
+  return shapes;
+}
+
+Index ColumnsOf(const VibrationTerm& term) {
+  switch (term.form) {
+    case VibrationForm::kLines:
+    case VibrationForm::kTones:
+    case VibrationForm::kDriven:
+    case VibrationForm::kKicks:
+      return static_cast<Index>(2 * term.lines.size());
+    case VibrationForm::kRing:
+    case VibrationForm::kGrowth:
+    case VibrationForm::kBurst:
+      return 2;
+    case VibrationForm::kLevels:
+      return 3;
+    case VibrationForm::kNarrowband:
+      break;
+  }
+  return 0;
+}
+
+MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const VibrationTerm& term) {
+  const VibrationRun& run = samples.runs[which];
+  const auto n = static_cast<Index>(run.size());
+  MatrixXd columns(n, ColumnsOf(term));
+  switch (term.form) {
+    case VibrationForm::kLines:
+      FillLines(run.angle_rad, term, columns);
+      break;
+    case VibrationForm::kTones:
+      FillLines(run.time_2pi, term, columns);
+      break;
+    case VibrationForm::kRing: {
+      RingTrain train{term.shapes[0], term.shapes[1], term.shapes[2], 0.0, {}};
+      std::size_t s = 3;
+      for (const LinePlace& line : term.lines) {
+        train.modulations.push_back({line.offset, term.shapes[s], term.shapes[s + 1]});
+        s += 2;
+      }
+      train.phase = term.shapes[s + which];
+      columns = RingColumns(run, train);
+      break;
+    }
+    case VibrationForm::kKicks:
+      for (std::size_t k = 0; k < term.lines.size(); ++k) {
+        columns.middleCols(static_cast<Index>(2 * k), 2) =
+            KickColumns(run, term.shapes[0], term.shapes[1], term.lines[k].offset);
+      }
+      break;
+    case VibrationForm::kGrowth:
+      for (Index i = 0; i < n; ++i) {
+        const auto place = static_cast<std::size_t>(i);
+        const double growth = model::ImbalanceGrowth(run.speed_rad_per_s[place], RadPerSFromRpm(1000.0));
+        columns(i, 0) = growth * run.nominal(i, 1);
+        columns(i, 1) = growth * run.nominal(i, 2);
+      }
+      break;
+    case VibrationForm::kDriven:
+      FillDriven(run, term, columns);
+      break;
+    case VibrationForm::kBurst:
+      FillBurst(run, term, columns);
+      break;
+    case VibrationForm::kLevels:
+      for (Index i = 0; i < n; ++i) {
+        const double x = 2.0 * run.time_s[static_cast<std::size_t>(i)] / run.span_s() - 1.0;
+        columns(i, 0) = x;
+        columns(i, 1) = x * x;
+        columns(i, 2) = x * x * x;
+      }
+      break;
+    case VibrationForm::kNarrowband:
+      break;
+  }
+  return columns;
+}
+
+std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {
+  std::vector<double> state{static_cast<double>(terms.size())};
+  for (const VibrationTerm& term : terms) {
+    state.push_back(static_cast<double>(term.cause));
+    state.push_back(static_cast<double>(term.form));
+    state.push_back(static_cast<double>(term.lines.size()));
+    for (const LinePlace& line : term.lines) state.insert(state.end(), {line.harmonic, line.offset});
+    state.push_back(static_cast<double>(term.shapes.size()));
+    state.insert(state.end(), term.shapes.begin(), term.shapes.end());
+    state.push_back(static_cast<double>(term.heard.size()));
+    for (const char heard : term.heard) state.push_back(heard);
+  }
+  return state;
+}
+
+std::vector<VibrationTerm> UnpackTerms(const std::vector<double>& state) {
+  std::size_t place = 0;
+  const auto next = [&] { return place < state.size() ? state[place++] : 0.0; };
+  std::vector<VibrationTerm> terms(static_cast<std::size_t>(next()));
+  for (VibrationTerm& term : terms) {
+    term.cause = static_cast<std::size_t>(next());
+    term.form = static_cast<VibrationForm>(static_cast<int>(next()));
+    term.lines.resize(static_cast<std::size_t>(next()));
+    for (LinePlace& line : term.lines) {
+      line.harmonic = next();
+      line.offset = next();
+    }
+    term.shapes.resize(static_cast<std::size_t>(next()));
+    for (double& shape : term.shapes) shape = next();
+    term.heard.resize(static_cast<std::size_t>(next()));
+    for (char& heard : term.heard) heard = static_cast<char>(next());
+  }
+  return terms;
+}
+
+}  // namespace strainwave::analysis::diagnosis

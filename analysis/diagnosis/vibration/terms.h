@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/samples.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// What a vibration term is made of. Columns come in pairs (a cosine and a sine part), except for `kLevels`.
+enum class VibrationForm {
+  kLines,   // lines at orders of the input angle; shapes: a base order, or none
+  kTones,   // lines at frequencies; shapes: Hz
+  kRing,    // impulses at even angles that ring; shapes: order, Hz, damping, two a modulation, phase a run
+  kGrowth,  // 1 per turn, growing with the square of the speed; no shapes
+  kDriven,  // lines of the shaft across a resonance; shapes: Hz, damping
+  kNarrowband,  // a resonance driven by noise, no columns; shapes: Hz, damping, ln of noise ratio a channel
+  kKicks,       // a resonance that rings after knocks; shapes: Hz, damping
+  kBurst,       // a tone for a short while; shapes: Hz, centre s, width s
+  kLevels,      // slow change of the mean: powers of time 1 to 3; no shapes
+};
+
+/// Order of a line: harmonic · base + offset, in lines per input turn (or Hz).
+struct LinePlace {
+  double harmonic{};
+  double offset{};
+};
+
+/// A term with its curved numbers; its coefficients are the solver's.
+struct VibrationTerm {
+  std::size_t cause{};
+  VibrationForm form{VibrationForm::kLines};
+  std::vector<LinePlace>
+      lines;  // kDriven: `harmonic` alone; kRing: order of a modulation, kKicks: time, in `offset`
+  std::vector<double> shapes;
+  std::vector<char> heard;  // one a channel of all runs: 0 where the term is left out
+};
+
+/// Bounds of a term's shapes, and what a change has to be to matter.
+struct VibrationShape {
+  double low{};
+  double high{};
+  double step{};
+};
+std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const VibrationTerm& term);
+
+Eigen::Index ColumnsOf(const VibrationTerm& term);
+
+/// Columns of the term in one run.
+Eigen::MatrixXd FillTerm(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term);
+
+/// A fit's terms as numbers, and back.
+std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms);
+std::vector<VibrationTerm> UnpackTerms(const std::vector<double>& state);
+
+}  // namespace strainwave::analysis::diagnosis
