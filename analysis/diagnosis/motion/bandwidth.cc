@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "analysis/diagnosis/motion/kernel.h"
 
@@ -11,14 +13,82 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr std::size_t kFewestRows = 120;
-constexpr double kKeptSignal = 0.9;   // of the acceleration's variance
-constexpr double kFewEdges = 0.01;    // of the record
-constexpr double kNegligible = 1e-3;  // noise of the acceleration, of itself
-constexpr double kHidden = 2.0;       // standard deviations of a record's whole −2 log-likelihood
+constexpr double kKeptSignal = 0.9;     // of the acceleration's variance
+constexpr double kCorrelated = 4.5;     // standard errors of a correlation coefficient
+constexpr double kFewestInBand = 30.0;  // samples
+constexpr double kMostlyNoise = 0.3;    // share of the acceleration that the torque shows
+constexpr double kImmaterial = 4.0;     // of −2 log-likelihood, over the whole record
+constexpr double kNegligible = 1e-3;    // noise of the acceleration, of itself
+constexpr double kClear = 4.0;          // times the noise expected
+constexpr double kSeesMotion = 0.3;     // of the acceleration's variance, enough to know the inertia by
+const double kHalfOctave = std::sqrt(2.0);
+
+const std::vector<double>& Moved(const EvenStretch& stretch, bool by_velocity) {
+  return by_velocity ? stretch.velocity : stretch.position;
+}
+
+std::size_t RowStride(double sigma_s, double step_s) {
+  return std::max<std::size_t>(1, static_cast<std::size_t>(kRowSpacing * sigma_s / step_s));
+}
+
+// What the low-pass lets through that the one half an octave lower does not.
+KernelTaps BandKernel(double sigma_s, double step_s, int derivative) {
+  KernelTaps band = MakeKernel(kHalfOctave * sigma_s, step_s, derivative);
+  const KernelTaps narrow = MakeKernel(sigma_s, step_s, derivative);
+  for (double& tap : band.taps) tap = -tap;
+  for (std::size_t k = 0; k < narrow.taps.size(); ++k)
+    band.taps[band.reach - narrow.reach + k] += narrow.taps[k];
+  return band;
+}
+
+// What half an octave holds of acceleration and torque.
+struct Band {
+  double xx{};  // sums over samples as far apart as the band is wide
+  double xy{};
+  double yy{};
+  double count{};
+  double motion_noise{};  // expected of xx and yy
+  double torque_noise{};
+  double spacing_s{};
+};
+
+Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity) {
+  Band band;
+  for (const EvenStretch& stretch : samples.stretches) {
+    const KernelTaps of_motion = BandKernel(sigma_s, stretch.step_s, by_velocity ? 1 : 2);
+    const KernelTaps of_torque = BandKernel(sigma_s, stretch.step_s, 0);
+    const std::size_t reach = std::max(of_motion.reach, of_torque.reach);
+    const std::size_t stride = RowStride(sigma_s, stretch.step_s);
+    double count = 0.0;
+    for (std::size_t i = reach; i + reach < stretch.torque.size(); i += stride) {
+      const double x = of_motion.At(Moved(stretch, by_velocity), i);
+      const double y = of_torque.At(stretch.torque, i);
+      band.xx += x * x;
+      band.xy += x * y;
+      band.yy += y * y;
+      count += 1.0;
+    }
+    const double of_path = by_velocity ? samples.velocity_noise : samples.position_noise;
+    band.motion_noise += count * std::pow(NoiseGain(of_motion) * of_path, 2);
+    band.torque_noise += count * std::pow(NoiseGain(of_torque) * samples.torque_noise, 2);
+    band.count += count;
+    band.spacing_s = std::max(band.spacing_s, static_cast<double>(stride) * stretch.step_s);
+  }
+  return band;
+}
+
+// Whether motion would be lost with the band. Where the torque has nothing but noise there, correlation says
+// it, however wild the noise of the path; where friction and the rest fill the band, the path has to say it.
+bool HoldsMotion(const Band& band, double inertia, double noise_per_s, double wildness) {
+  if (band.count < kFewestInBand) return true;
+  if (inertia * inertia * band.xx * band.spacing_s < kImmaterial * noise_per_s) return false;
+  if (band.yy > kClear * band.torque_noise) return band.xx > kClear * wildness * band.motion_noise;
+  const bool correlated = band.xy * band.xy * band.count > kCorrelated * kCorrelated * band.xx * band.yy;
+  return correlated && std::abs(band.xy) > kMostlyNoise * std::abs(inertia) * band.xx;
+}
 
 // One width of the low-pass that was tried.
 struct Trial {
-  double sigma_s{};
   double inertia{};
   double coulomb{};
   double acceleration_noise{};
@@ -27,7 +97,6 @@ struct Trial {
 
 Trial TryWidth(const MotionSamples& samples, double sigma_s, bool by_velocity) {
   Trial trial;
-  trial.sigma_s = sigma_s;
   Eigen::Matrix4d gram = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
   double squares = 0.0;
@@ -39,8 +108,7 @@ Trial TryWidth(const MotionSamples& samples, double sigma_s, bool by_velocity) {
     const KernelTaps second = MakeKernel(sigma_s, stretch.step_s, 2);
     trial.acceleration_noise =
         by_velocity ? NoiseGain(first) * samples.velocity_noise : NoiseGain(second) * samples.position_noise;
-    const auto stride =
-        std::max<std::size_t>(1, static_cast<std::size_t>(kRowSpacing * sigma_s / stretch.step_s));
+    const std::size_t stride = RowStride(sigma_s, stretch.step_s);
     for (std::size_t i = low.reach; i + low.reach < stretch.position.size(); i += stride) {
       const double velocity = first.At(stretch.position, i);
       const double acceleration =
@@ -63,45 +131,54 @@ Trial TryWidth(const MotionSamples& samples, double sigma_s, bool by_velocity) {
   return trial;
 }
 
-// Share of the record in which a narrower smoothing sees another acceleration than noise explains.
-double ShareOfEdges(const MotionSamples& samples, double sigma_s, bool by_velocity) {
-  const double narrower = sigma_s / std::sqrt(2.0);
-  const int derivative = by_velocity ? 1 : 2;
-  const double noise = by_velocity ? samples.velocity_noise : samples.position_noise;
-  double edges = 0.0;
-  double all = 0.0;
+// How much of the motion a width sees is known where it stands clear of its noise.
+bool IsClear(const Trial& trial) {
+  return trial.acceleration_signal > 30.0 * trial.acceleration_noise * trial.acceleration_noise;
+}
+
+struct Choice {
+  double sigma_s{};
+  Trial trial;
+};
+
+// The widest smoothing that takes nothing away which shows in the torque, nor much of the acceleration.
+Choice WidestFor(const MotionSamples& samples, double narrowest, double widest, bool by_velocity) {
+  // Noise of the path may be wilder than its white part: where time stamps jitter it comes and goes with the
+  // speed. The top of the spectrum says how much.
+  const Band top = MeasureBand(samples, narrowest, by_velocity);
+  const double wildness = top.motion_noise > 0.0 ? std::max(1.0, top.xx / top.motion_noise) : 1.0;
+  std::vector<Choice> choices;
+  double kept = 0.0;
+  double inertia = 0.0;  // by the widest smoothing that sees the motion: noise shrinks it least there
+  for (double sigma_s = narrowest; sigma_s <= widest * 1.001; sigma_s *= kHalfOctave) {
+    Trial trial = TryWidth(samples, sigma_s, by_velocity);
+    trial.acceleration_signal -= (wildness - 1.0) * trial.acceleration_noise * trial.acceleration_noise;
+    trial.acceleration_noise *= std::sqrt(wildness);
+    if (IsClear(trial)) kept = std::max(kept, trial.acceleration_signal);
+    if (IsClear(trial) && trial.acceleration_signal < kSeesMotion * kept) break;
+    inertia = trial.inertia;
+    choices.push_back({sigma_s, trial});
+  }
+  double step_s = 0.0;
+  double duration_s = 0.0;
   for (const EvenStretch& stretch : samples.stretches) {
-    const std::vector<double>& moved = by_velocity ? stretch.velocity : stretch.position;
-    const KernelTaps wide = MakeKernel(sigma_s, stretch.step_s, derivative);
-    KernelTaps difference = wide;
-    const KernelTaps narrow = MakeKernel(narrower, stretch.step_s, derivative);
-    for (std::size_t k = 0; k < narrow.taps.size(); ++k)
-      difference.taps[wide.reach - narrow.reach + k] -= narrow.taps[k];
-    const double limit = 4.5 * NoiseGain(difference) * noise;
-    const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(0.5 * sigma_s / stretch.step_s));
-    for (std::size_t i = wide.reach; i + wide.reach < moved.size(); i += stride) {
-      all += 1.0;
-      if (std::abs(difference.At(moved, i)) > limit) edges += 1.0;
-    }
+    step_s = std::max(step_s, stretch.step_s);
+    duration_s += stretch.step_s * static_cast<double>(stretch.position.size());
   }
-  return all > 0.0 ? edges / all : 1.0;
-}
-
-double VelocityNoise(const MotionSamples& samples, double step_s, const MotionBandwidth& bandwidth) {
-  return bandwidth.by_velocity
-             ? NoiseGain(MakeKernel(bandwidth.fine_sigma_s, step_s, 0)) * samples.velocity_noise
-             : NoiseGain(MakeKernel(bandwidth.fine_sigma_s, step_s, 1)) * samples.position_noise;
-}
-
-// The smoothing at which velocity noise moves a reversal by as much as the smoothing blurs it.
-void ChooseFine(const MotionSamples& samples, double step_s, double acceleration,
-                MotionBandwidth& bandwidth) {
-  for (double sigma_s = kNarrowestKernel * step_s; sigma_s <= 3.0 * bandwidth.sigma_s * 1.001;
-       sigma_s *= std::sqrt(2.0)) {
-    bandwidth.fine_sigma_s = sigma_s;
-    bandwidth.velocity_noise = VelocityNoise(samples, step_s, bandwidth);
-    if (bandwidth.velocity_noise <= 0.5 * acceleration * sigma_s) break;
+  const double noise_per_s = std::pow(NoiseGain(MakeKernel(narrowest, step_s, 0)) * samples.torque_noise, 2) *
+                             kRowSpacing * narrowest;
+  const Choice* chosen = &choices.front();
+  for (const Choice& choice : choices) {
+    if (IsClear(choice.trial) && choice.trial.acceleration_signal < kKeptSignal * kept) break;
+    chosen = &choice;
+    // Of the noise that is left, over the record; and of the acceleration.
+    const double noise = inertia * choice.trial.acceleration_noise;
+    if (noise * noise * duration_s < kImmaterial * noise_per_s) break;
+    if (choice.trial.acceleration_noise < kNegligible * std::sqrt(kept)) break;
+    const Band band = MeasureBand(samples, choice.sigma_s, by_velocity);
+    if (HoldsMotion(band, inertia, noise_per_s, wildness)) break;
   }
+  return {chosen->sigma_s, {inertia, chosen->trial.coulomb, chosen->trial.acceleration_noise, 0.0}};
 }
 
 }  // namespace
@@ -115,61 +192,28 @@ MotionBandwidth ChooseBandwidth(const MotionSamples& samples, std::size_t most_r
     step_s = std::max(step_s, stretch.step_s);
     has_velocity = has_velocity && !stretch.velocity.empty();
   }
-  const double narrowest =
-      std::max(kNarrowestKernel * step_s, duration_s / (kRowSpacing * static_cast<double>(most_rows)));
-  const double widest = std::max(narrowest, duration_s / (kRowSpacing * static_cast<double>(kFewestRows)));
   MotionBandwidth bandwidth;
-  double signal = 0.0;
-  bandwidth.path_sigma_s = 2.0 * widest;
-  const double rows = duration_s / (kRowSpacing * narrowest);
-  const double torque_noise = NoiseGain(MakeKernel(narrowest, step_s, 0)) * samples.torque_noise;
-  // The velocity column is taken where it lets the corner be higher.
+  bandwidth.sigma_s =
+      std::max(kNarrowestKernel * step_s, duration_s / (kRowSpacing * static_cast<double>(most_rows)));
+  const double widest =
+      std::max(bandwidth.sigma_s, duration_s / (kRowSpacing * static_cast<double>(kFewestRows)));
+  double quietest = std::numeric_limits<double>::max();
   for (const bool by_velocity : {false, true}) {
     if (by_velocity && !has_velocity) continue;
-    std::vector<Trial> trials;
-    for (double sigma_s = narrowest; sigma_s <= widest * 1.001 && trials.size() < 20;
-         sigma_s *= std::sqrt(2.0)) {
-      trials.push_back(TryWidth(samples, sigma_s, by_velocity));
-    }
-    // The signal that a width keeps is known where it stands clear of its noise.
-    double most_signal = 0.0;
-    for (const Trial& trial : trials) {
-      if (trial.acceleration_signal > 30.0 * trial.acceleration_noise * trial.acceleration_noise) {
-        most_signal = std::max(most_signal, trial.acceleration_signal);
-      }
-    }
-    const Trial* keeps = &trials.back();    // widest that keeps the signal
-    const Trial* inertia = &trials.back();  // widest that still sees the motion: least shrunk by noise
-    const Trial* quiet = &trials.back();    // narrowest whose noise does not show beside that of the torque
-    for (const Trial& trial : trials) {
-      if (most_signal > 0.0 && trial.acceleration_signal >= kKeptSignal * most_signal) keeps = &trial;
-      if (most_signal > 0.0 && trial.acceleration_signal >= 0.3 * most_signal) inertia = &trial;
-    }
-    const double hidden =
-        std::max(kHidden / std::sqrt(rows) * torque_noise / std::max(std::abs(inertia->inertia), 1e-300),
-                 kNegligible * std::sqrt(most_signal));
-    for (const Trial& trial : trials) {
-      if (trial.acceleration_noise > hidden) continue;
-      quiet = &trial;
-      break;
-    }
-    const double sigma_s = std::min(quiet->sigma_s, keeps->sigma_s);
-    if (sigma_s >= bandwidth.path_sigma_s) continue;
+    const auto [sigma_s, trial] = WidestFor(samples, bandwidth.sigma_s, widest, by_velocity);
+    // The column that shows more of the motion; of two that show the same, the quieter one.
+    const bool shows_more = sigma_s < 0.99 * bandwidth.path_sigma_s;
+    const bool shows_less = by_velocity && sigma_s > 1.01 * bandwidth.path_sigma_s;
+    if (by_velocity && (shows_less || (!shows_more && trial.acceleration_noise >= quietest))) continue;
+    quietest = trial.acceleration_noise;
     bandwidth.path_sigma_s = sigma_s;
     bandwidth.by_velocity = by_velocity;
-    bandwidth.inertia = inertia->inertia;
-    bandwidth.coulomb = std::abs(inertia->coulomb);
-    signal = std::max(0.0, most_signal > 0.0 ? most_signal : trials.back().acceleration_signal);
+    bandwidth.inertia = trial.inertia;
+    bandwidth.coulomb = std::abs(trial.coulomb);
   }
-  bandwidth.sigma_s = bandwidth.path_sigma_s;
-  if (bandwidth.path_sigma_s > 1.2 * narrowest &&
-      ShareOfEdges(samples, bandwidth.path_sigma_s, bandwidth.by_velocity) < kFewEdges) {
-    bandwidth.sigma_s = narrowest;
-    bandwidth.fine_sigma_s = bandwidth.path_sigma_s;
-    bandwidth.velocity_noise = VelocityNoise(samples, step_s, bandwidth);
-    return bandwidth;
-  }
-  ChooseFine(samples, step_s, std::sqrt(signal), bandwidth);
+  const KernelTaps kernel = MakeKernel(bandwidth.path_sigma_s, step_s, bandwidth.by_velocity ? 0 : 1);
+  bandwidth.velocity_noise =
+      NoiseGain(kernel) * (bandwidth.by_velocity ? samples.velocity_noise : samples.position_noise);
   return bandwidth;
 }
 

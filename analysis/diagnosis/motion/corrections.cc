@@ -201,7 +201,10 @@ std::vector<double> WaySinceReversal(const MotionGrid& grid) {
 
 void AddAfterReversal(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const auto [first, last] = std::minmax_element(grid->position.begin(), grid->position.end());
-  const double low = std::max(3.0 * grid->position_noise, 1e-6 * (*last - *first));
+  // Shorter than the way over which smoothing blurs a reversal it is the reversal's own shape.
+  const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
+  const double blurred = 2.0 * acceleration * std::pow(std::max(grid->sigma_s, grid->path_sigma_s), 2);
+  const double low = std::max({3.0 * grid->position_noise, 1e-6 * (*last - *first), blurred});
   const double high = 0.1 * (*last - *first);
   if (!(high > 4.0 * low)) return;
   const std::vector<double> way = WaySinceReversal(*grid);

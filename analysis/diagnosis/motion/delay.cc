@@ -21,7 +21,7 @@ constexpr std::size_t kLines = 3;
 Eigen::MatrixXd MotionLater(const MotionGrid& grid, double shift_s) {
   Eigen::MatrixXd later(grid.nominal.rows(), 3);
   later.col(0) = grid.ProjectPassed(grid.Later(grid.passed_acceleration, shift_s));
-  later.col(1) = grid.ProjectPassed(grid.Later(grid.passed_velocity, shift_s));
+  later.col(1) = grid.ProjectPassed(grid.Later(grid.velocity, shift_s));
   later.col(2) = grid.Project(grid.direction, 0, shift_s);
   return later;
 }

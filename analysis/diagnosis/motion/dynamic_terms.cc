@@ -37,7 +37,8 @@ struct ResonanceMap {
 
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
-  const double high_Hz = grid->path_cutoff_rad_per_s / kTwoPi;
+  // A ring that a jolt started may be faster than the motion.
+  const double high_Hz = std::min(1.2 * grid->cutoff_rad_per_s, 4.0 * grid->path_cutoff_rad_per_s) / kTwoPi;
   if (!(high_Hz > 3.0 * low_Hz)) return;
   SeparableTerm term;
   term.fill = [grid](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
@@ -79,7 +80,8 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
         Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), rows)
             .cwiseProduct(Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), rows))
             .cast<float>();
-    const Eigen::VectorXf drops = (map->columns.transpose() * weighted).cwiseAbs();
+    // No inertia is negative.
+    const Eigen::VectorXf drops = (map->columns.transpose() * weighted).cwiseMax(0.0F);
     std::vector<std::vector<double>> starts;
     Eigen::VectorXf left = drops;
     while (starts.size() < 3) {
@@ -99,11 +101,18 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     const double frequency_Hz = std::exp(numbers[1]);
     const double damping = std::exp(numbers[2]);
     const double error = RootOf(covariance(0, 0));
+    // What the swing adds below its frequency, J₂/ω², is known even where frequency and inertia are not.
+    const double weight = numbers[0] / std::pow(kTwoPi * frequency_Hz, 2);
+    const double slope = std::abs(weight) / std::max(std::abs(numbers[0]), 1e-300);
+    const double weight_error =
+        RootOf(slope * slope * covariance(0, 0) + 4.0 * weight * weight * covariance(1, 1) -
+               4.0 * weight * slope * covariance(0, 1));
     return std::vector<ParameterValue>{
         {"frequency_Hz", "Hz", frequency_Hz, frequency_Hz * RootOf(covariance(1, 1))},
         {"damping_ratio", "1", damping, damping * RootOf(covariance(2, 2))},
         {"inertia_share", "1", numbers[0] / reference, error / reference},
-        {inertia, units.inertia(), numbers[0], error}};
+        {inertia, units.inertia(), numbers[0], error},
+        {inertia + "s2", units.inertia() + " s²", weight, weight_error}};
   };
   term.restore = [](std::span<const double> values) {
     return std::vector<double>{values[3], std::log(std::max(values[0], 1e-9)),
@@ -115,7 +124,8 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                      "screw or gear between drive and load",
                          .where = Where::kUndecided,
                          .effect = "E15",
-                         .parameters = {{"inertia_share", "1", 0.0, 1.5, true},
+                         .parameters = {{"inertia_share", "1", 0.0, 1.5, false},
+                                        {inertia + "s2", units.inertia() + " s²", 0.0, kUnlimited, true},
                                         {"frequency_Hz", "Hz", 1.02 * low_Hz, 0.98 * high_Hz, false},
                                         {"damping_ratio", "1", 0.0, 0.75, false}},
                          .degrees_of_freedom = 3,

@@ -18,27 +18,59 @@ constexpr std::size_t kFewestRows = 60;
 constexpr double kPointsPerSigma = 2.5;  // steps of the points in a σ of the low-pass, at least
 constexpr double kClearly = 12.0;  // in −2 log-likelihood: what a detail of the nominal model has to bring
 
+// Goes on beyond both ends as the cubic through what is next to them does, so that what remembers the motion
+// (a second inertia that swings) knows it from the record's first sample.
+std::vector<double> Extended(const std::vector<double>& values, std::size_t count) {
+  const std::size_t used = std::min(values.size(), count + 4);
+  Eigen::MatrixXd powers(static_cast<Index>(used), 4);
+  for (Index i = 0; i < powers.rows(); ++i) {
+    const double x = static_cast<double>(i) / static_cast<double>(used);
+    powers.row(i) << 1.0, x, x * x, x * x * x;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(powers);
+  const auto beyond = [&](const auto& value_at) {
+    Eigen::VectorXd next(powers.rows());
+    for (Index i = 0; i < next.size(); ++i) next(i) = value_at(static_cast<std::size_t>(i));
+    const Eigen::Vector4d cubic = factor.solve(next);
+    std::vector<double> outwards;
+    for (std::size_t k = 1; k <= count; ++k) {
+      const double x = -static_cast<double>(k) / static_cast<double>(used);
+      outwards.push_back(cubic(0) + x * (cubic(1) + x * (cubic(2) + x * cubic(3))));
+    }
+    return outwards;
+  };
+  const std::vector<double> before = beyond([&](std::size_t i) { return values[i]; });
+  const std::vector<double> after = beyond([&](std::size_t i) { return values[values.size() - 1 - i]; });
+  std::vector<double> extended(before.rbegin(), before.rend());
+  extended.insert(extended.end(), values.begin(), values.end());
+  extended.insert(extended.end(), after.begin(), after.end());
+  return extended;
+}
+
 void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, const PointLayout& layout,
                MotionGrid& grid) {
   const double step_s = samples.step_s;
   const int from_velocity = bandwidth.by_velocity ? 1 : 0;
-  const std::vector<double>& moved = bandwidth.by_velocity ? samples.velocity : samples.position;
-  const KernelTaps position = MakeKernel(bandwidth.fine_sigma_s, step_s, 0);
-  const KernelTaps velocity = MakeKernel(bandwidth.fine_sigma_s, step_s, 1 - from_velocity);
-  const KernelTaps passed_velocity = MakeKernel(bandwidth.path_sigma_s, step_s, 1 - from_velocity);
+  const std::vector<double> places = Extended(samples.position, layout.margin);
+  const std::vector<double> speeds =
+      bandwidth.by_velocity ? Extended(samples.velocity, layout.margin) : std::vector<double>{};
+  const std::vector<double> torque = Extended(samples.torque, layout.margin);
+  const std::vector<double>& moved = bandwidth.by_velocity ? speeds : places;
+  const KernelTaps position = MakeKernel(bandwidth.path_sigma_s, step_s, 0);
+  const KernelTaps velocity = MakeKernel(bandwidth.path_sigma_s, step_s, 1 - from_velocity);
   const KernelTaps passed_acceleration = MakeKernel(bandwidth.path_sigma_s, step_s, 2 - from_velocity);
   const KernelTaps passed_torque = MakeKernel(bandwidth.sigma_s, step_s, 0);
   // Temperatures change slowly: the mean over a fiftieth of the record.
   const std::size_t half = std::max<std::size_t>(1, samples.temperature_degC.size() / 100);
   std::vector<double> sums{0.0};
   for (const double temperature : samples.temperature_degC) sums.push_back(sums.back() + temperature);
-  for (std::size_t i = layout.margin; i + layout.margin < samples.position.size(); i += layout.stride) {
+  for (std::size_t i = 0; i < samples.position.size(); i += layout.stride) {
+    const std::size_t at = layout.margin + i;
     grid.time_s.push_back(samples.start_s + static_cast<double>(i) * step_s);
-    grid.position.push_back(position.At(samples.position, i));
-    grid.velocity.push_back(velocity.At(moved, i));
-    grid.passed_velocity.push_back(passed_velocity.At(moved, i));
-    grid.passed_acceleration.push_back(passed_acceleration.At(moved, i));
-    grid.passed_torque.push_back(passed_torque.At(samples.torque, i));
+    grid.position.push_back(position.At(places, at));
+    grid.velocity.push_back(velocity.At(moved, at));
+    grid.passed_acceleration.push_back(passed_acceleration.At(moved, at));
+    grid.passed_torque.push_back(passed_torque.At(torque, at));
     if (!samples.temperature_degC.empty()) {
       const std::size_t from = i > half ? i - half : 0;
       const std::size_t to = std::min(i + half + 1, samples.temperature_degC.size());
@@ -68,7 +100,7 @@ void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque) {
   };
   double least = left();
   const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
-  for (const double share : {0.003, 0.006, 0.012, 0.025}) {
+  for (const double share : {0.0007, 0.0015, 0.003, 0.006, 0.012, 0.025}) {
     const double before = grid.sign_width;
     if (share * speed <= grid.velocity_noise) continue;
     SetDirection(grid, share * speed);
@@ -191,17 +223,15 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s)
   grid.linear = samples.linear;
   grid.sigma_s = bandwidth.sigma_s;
   grid.cutoff_rad_per_s = kHalfPower / bandwidth.sigma_s;
+  grid.path_sigma_s = bandwidth.path_sigma_s;
   grid.path_cutoff_rad_per_s = kHalfPower / bandwidth.path_sigma_s;
-  grid.fine_sigma_s = bandwidth.fine_sigma_s;
   grid.velocity_noise = bandwidth.velocity_noise;
-  grid.smooth_path = bandwidth.path_sigma_s > bandwidth.sigma_s;
   grid.position_noise = samples.position_noise;
   std::vector<PointLayout> layouts;
   for (const EvenStretch& raw : samples.stretches) {
     PointLayout layout;
-    layout.margin =
-        std::max(MakeKernel(std::max(bandwidth.fine_sigma_s, bandwidth.path_sigma_s), raw.step_s, 0).reach,
-                 MakeKernel(bandwidth.sigma_s, raw.step_s, 0).reach);
+    layout.margin = std::max(MakeKernel(bandwidth.path_sigma_s, raw.step_s, 0).reach,
+                             MakeKernel(bandwidth.sigma_s, raw.step_s, 0).reach);
     layout.stride = std::max<std::size_t>(
         1, static_cast<std::size_t>(bandwidth.sigma_s / (kPointsPerSigma * raw.step_s)));
     layouts.push_back(layout);
@@ -236,7 +266,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s)
 
   grid.nominal.setZero(rows, 3 + static_cast<Index>(samples.records));
   grid.nominal.col(0) = grid.ProjectPassed(grid.passed_acceleration);
-  grid.nominal.col(1) = grid.ProjectPassed(grid.passed_velocity);
+  grid.nominal.col(1) = grid.ProjectPassed(grid.velocity);
   for (Index row = 0; row < rows; ++row) {
     const std::size_t record = grid.stretches[grid.stretch_of_row[static_cast<std::size_t>(row)]].record;
     grid.nominal(row, 3 + static_cast<Index>(record)) = 1.0;

@@ -36,9 +36,8 @@ struct MotionGrid {
   bool linear{};
   double sigma_s{};                // of the low-pass
   double cutoff_rad_per_s{};       // of the low-pass: half power
-  double fine_sigma_s{};           // of the points' own smoothing
-  double path_cutoff_rad_per_s{};  // of the motion: nothing faster is known of it
-  bool smooth_path{};              // the motion itself is slower than the torque: it is smoothed on its own
+  double path_sigma_s{};           // of position, velocity and acceleration
+  double path_cutoff_rad_per_s{};  // nothing faster is known of the motion
   double velocity_noise{};         // of the points
   double position_noise{};
   double sign_width{};  // speed over which the sign of velocity changes
@@ -49,7 +48,6 @@ struct MotionGrid {
   std::vector<double> velocity;
   std::vector<double> direction;         // −1 to 1: smooth sign of velocity
   std::vector<double> temperature_degC;  // empty: none; as smooth as temperatures are
-  std::vector<double> passed_velocity;   // through the low-pass already
   std::vector<double> passed_acceleration;
   std::vector<double> passed_torque;
 

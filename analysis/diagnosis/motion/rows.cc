@@ -11,14 +11,14 @@ constexpr std::size_t kShortestRun = 4;  // rows between two gaps that are of us
 constexpr double kTolerated = 0.4;       // error by a reversal's time, over the noise
 constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
-constexpr double kBlurredReversal = 0.15;
+constexpr double kBlurredReversal = 0.015;
 
 // One at points of a rest: slower than can be told from standing, for longer than a reversal takes.
 std::vector<double> RestsOf(const MotionGrid& grid) {
   const double slow = std::max(3.0 * grid.velocity_noise, 2e-3 * QuantileOfMagnitude(grid.velocity, 0.95));
   std::vector<double> rests(grid.velocity.size(), 0.0);
   for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    const double shortest_s = std::max(6.0 * grid.fine_sigma_s, 3.0 * grid.sigma_s);
+    const double shortest_s = std::max(6.0 * grid.path_sigma_s, 3.0 * grid.sigma_s);
     const std::size_t end = stretch.first + stretch.count;
     for (std::size_t i = stretch.first; i < end;) {
       std::size_t next = i;
@@ -62,7 +62,7 @@ std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, doubl
   for (const MotionGrid::Stretch& stretch : grid.stretches) {
     const std::vector<double> envelope = EnvelopeOf(stretch);
     const auto half = std::max<std::size_t>(
-        1, static_cast<std::size_t>(std::lround(2.0 * grid.fine_sigma_s / stretch.step_s)));
+        1, static_cast<std::size_t>(std::lround(2.0 * grid.path_sigma_s / stretch.step_s)));
     const std::size_t end = stretch.first + stretch.count;
     for (std::size_t i = stretch.first + 1; i < end; ++i) {
       if (grid.velocity[i - 1] * grid.velocity[i] > 0.0) continue;
@@ -72,7 +72,7 @@ std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, doubl
       const double acceleration =
           std::max(change, grid.velocity_noise) / (static_cast<double>(to - from) * stretch.step_s);
       const double uncertain_s = (acceleration > 0.0 ? grid.velocity_noise / acceleration : 0.0) +
-                                 (grid.smooth_path ? 0.1 : 1.0) * kBlurredReversal * grid.fine_sigma_s;
+                                 kBlurredReversal * grid.path_sigma_s;
       const auto reach =
           envelope.size() + static_cast<std::size_t>((uncertain_s + expected_delay_s) / stretch.step_s);
       for (std::size_t k = i > stretch.first + reach ? i - reach : stretch.first;
@@ -123,7 +123,7 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
     };
     for (std::size_t i = stretch.low_pass.reach; i + stretch.low_pass.reach < stretch.count; i += spacing) {
       const std::size_t sample = layouts[s].SampleOf(i);
-      if (sample < at_samples.reach || sample + at_samples.reach >= raw.position.size()) continue;
+      if (sample < layouts[s].margin || sample + layouts[s].margin >= raw.position.size()) continue;
       if (errors[stretch.first + i] > tolerated ||
           ShareUnderKernel(stretch.low_pass, rests, stretch.first + i) > 0.05 ||
           ShareUnderKernel(at_samples, clipped, sample) > 1e-3) {

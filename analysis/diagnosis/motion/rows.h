@@ -9,10 +9,10 @@ namespace strainwave::analysis::diagnosis {
 
 /// Where the points of a stretch lie in its even samples.
 struct PointLayout {
-  std::size_t margin{};  // samples before the first point
+  std::size_t margin{};  // samples next to either end, of which less is known
   std::size_t stride{};  // samples a point
 
-  std::size_t SampleOf(std::size_t point_in_stretch) const { return margin + point_in_stretch * stride; }
+  std::size_t SampleOf(std::size_t point_in_stretch) const { return point_in_stretch * stride; }
 };
 
 /// Chooses the rows of a grid that has its points: evenly, but for what MotionGrid leaves out. The time of a

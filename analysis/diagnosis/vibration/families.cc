@@ -9,6 +9,7 @@
 
 #include "analysis/diagnosis/vibration/combs.h"
 #include "analysis/diagnosis/vibration/impulses.h"
+#include "analysis/diagnosis/vibration/pulses.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
 
@@ -22,6 +23,7 @@ constexpr int kMostLineHarmonics = 12;
 constexpr std::size_t kMostLines = 10;
 constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
+constexpr int kPulseHarmonic = 2;          // from which on a record has to tell pulses from whole orders
 
 VibrationTerm LinesTerm(const VibrationRemainder& remainder, std::size_t index) {
   VibrationTerm term;
@@ -145,7 +147,7 @@ bool IsBearingOrder(double order, double cell, double crack_order, double harmon
 
 TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
   const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
-  return {comb.order, {comb.centre * comb.order * turn_Hz, 0.0}, comb.excess};
+  return {comb.order, comb.centre * comb.order * turn_Hz, comb.excess};
 }
 
 // The harmonic by which a term knows its order.
@@ -159,6 +161,35 @@ double HarmonicOf(const VibrationRemainder& remainder, const VibrationTerm& term
   return harmonic;
 }
 
+// Smooth pulses at a known order: where they stand is read off the lines at its harmonics.
+void TryPulses(const VibrationRemainder& remainder, std::size_t index, double order, double slow_order,
+               Best& best) {
+  const VibrationSamples& samples = remainder.samples();
+  VibrationTerm first;
+  first.cause = index;
+  first.form = VibrationForm::kPulses;
+  first.heard.assign(samples.channels(), 1);
+  first.lines = {{0.0, order}};
+  Best plain;
+  for (const double width : {0.03, 0.06, 0.12}) {
+    VibrationTerm term = first;
+    term.shapes = {width};
+    for (const VibrationRun& run : samples.runs) {
+      term.shapes.push_back(BestPulsePlace(run, {order, width, 0.0, 0.0, 0.0, 0.0}, samples.highest_order(),
+                                           remainder.residual(), remainder.solver().weights()));
+    }
+    Keep(remainder.With(std::move(term), 0), plain);
+  }
+  *plain = remainder.With(plain->terms.back(), 6);
+  VibrationTerm changing = plain->terms.back();
+  Keep(std::move(*plain), best);
+  if (slow_order == 0.0) return;
+  changing.heard = first.heard;
+  changing.lines.push_back({0.0, slow_order});
+  changing.shapes.insert(changing.shapes.begin() + 1, {0.0, 0.0});
+  Keep(remainder.With(std::move(changing), 8), best);
+}
+
 }  // namespace
 
 Best SearchGearMesh(const VibrationRemainder& remainder, std::size_t index) {
@@ -167,32 +198,27 @@ Best SearchGearMesh(const VibrationRemainder& remainder, std::size_t index) {
   const double circular = model::CircularSplineMeshOrder(samples.ratio);
   const double highest = samples.highest_order();
   const double output = 1.0 / std::abs(samples.ratio);
-  VibrationTerm term = LinesTerm(remainder, index);
-  double scale = 1.0;
-  if (ScaleIsOpen(remainder, flexspline)) {
-    scale = BestScale(remainder, {flexspline, circular});
-    if (scale != 1.0) term.shapes = {scale};
-  }
-  std::vector<LinePlace> places;
-  const double base = term.shapes.empty() ? 0.0 : 1.0;  // without a shape the whole order is an offset
-  const auto add = [&](double order, double offset) {
-    places.push_back({base * order, (1.0 - base) * order + offset});
-  };
+  std::vector<double> orders;
   for (int multiple = 1; multiple <= 3; ++multiple) {
     if (multiple > 1 && multiple * circular > highest) break;
-    add(multiple * flexspline, 0.0);
-    add(multiple * circular, 0.0);
-    for (const double sideband : {-2.0, -1.0, 1.0, 2.0}) {
-      add(multiple * flexspline, sideband);
-      add(multiple * circular, sideband);
-    }
-    if (samples.shortest_turns() * output < 0.5) continue;
-    for (const double sideband : {-output, output}) {
-      add(multiple * flexspline, sideband);
-      add(multiple * circular, sideband);
+    for (const double centre : {multiple * flexspline, multiple * circular}) {
+      orders.push_back(centre);
+      for (const double sideband : {-2.0, -1.0, 1.0, 2.0}) orders.push_back(centre + sideband);
+      if (samples.shortest_turns() * output < 0.5) continue;
+      for (const double sideband : {-output, output}) orders.push_back(centre + sideband);
     }
   }
-  Best best = FitPayingLines(remainder, std::move(term), std::move(places), 1);
+  // Where the shaft's lines leave the scale of the angle open, it is a number of the fit.
+  Best best;
+  for (const bool open : {false, true}) {
+    if (open && !ScaleIsOpen(remainder, flexspline)) break;
+    VibrationTerm term = LinesTerm(remainder, index);
+    std::vector<LinePlace> places;
+    if (open) term.shapes = {BestScale(remainder, {flexspline, circular})};
+    for (const double order : orders) places.push_back(open ? LinePlace{order, 0.0} : LinePlace{0.0, order});
+    if (Best own = FitPayingLines(remainder, std::move(term), std::move(places), 1))
+      Keep(std::move(*own), best);
+  }
   if (!best) return best;
   // A mesh without either of its own orders is none.
   const auto is_centre = [&](const LinePlace& line) {
@@ -226,14 +252,8 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   std::vector<TrainStart> starts;
   for (std::size_t c = 0; c < std::min<std::size_t>(4, combs.size()); ++c)
     starts.push_back(StartOf(remainder, combs[c]));
-  std::vector<TrainStart> trains;
-  for (const RingPlace& ring : FindRings(remainder, 3)) {
-    const auto found = FindTrains(remainder, ring, lowest, highest, kModulations, 4, allowed);
-    trains.insert(trains.end(), found.begin(), found.end());
-  }
-  std::sort(trains.begin(), trains.end(),
-            [](const TrainStart& a, const TrainStart& b) { return a.excess > b.excess; });
-  for (std::size_t t = 0; t < std::min<std::size_t>(6, trains.size()); ++t) starts.push_back(trains[t]);
+  const auto trains = FindTrains(remainder, lowest, highest, kModulations, 6, allowed);
+  starts.insert(starts.end(), trains.begin(), trains.end());
   Best best = SearchImpulses(remainder, index, starts, {1.0, 2.0}, [&](double order) {
     return order > lowest && order < highest && allowed(order);
   });
@@ -314,6 +334,7 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
   }
   std::vector<double> modulations;
   if (turns * output > 0.5) modulations = {output};
+  if (first <= kPulseHarmonic) TryPulses(remainder, index, order, turns * output > 0.5 ? output : 0.0, best);
   if (Best rings = SearchImpulses(remainder, index, starts, modulations, [](double) { return false; })) {
     Keep(std::move(*rings), best);
   }

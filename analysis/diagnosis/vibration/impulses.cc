@@ -40,20 +40,12 @@ VibrationTerm RingTerm(const VibrationRemainder& remainder, std::size_t index, d
   return term;
 }
 
-// The best damping for a start, as it is. While the speed changes, a comb does not say well what rings.
+// The best damping for a start, as it is.
 Best FirstLook(const VibrationRemainder& remainder, std::size_t index, const TrainStart& start) {
-  const bool known = start.ring.damping_ratio > 0.0;
-  double spread = 0.0;
-  for (const VibrationRun& run : remainder.samples().runs) spread = std::max(spread, run.speed_spread);
   Best best;
-  for (const double damping : {0.015, 0.05, 0.15, 0.5}) {
-    for (const double share : {1.0, 0.87, 1.15}) {
-      if (share * start.ring.ring_Hz > 0.97 * remainder.samples().highest_Hz()) continue;
-      if (share != 1.0 && (known || spread < 0.1)) continue;
-      if (known && std::abs(std::log(damping / start.ring.damping_ratio)) > 1.3) continue;
-      Keep(remainder.With(RingTerm(remainder, index, start.order, share * start.ring.ring_Hz, damping), 0),
-           best);
-    }
+  if (start.ring_Hz > 0.97 * remainder.samples().highest_Hz()) return best;
+  for (const double damping : {0.015, 0.04, 0.12, 0.4}) {
+    Keep(remainder.With(RingTerm(remainder, index, start.order, start.ring_Hz, damping), 0), best);
   }
   return best;
 }
@@ -84,7 +76,7 @@ bool IsOneLine(const VibrationRemainder& remainder, const VibrationSolution& sol
 // Refines a first look, a period of the ring to both sides, and with each modulation.
 void Improve(const VibrationRemainder& remainder, VibrationSolution look,
              const std::vector<double>& modulations, Best& best) {
-  Best plain = remainder.solver().Refine(std::move(look), 12);
+  Best plain = remainder.Refine(std::move(look), 12);
   for (const double periods : {-1.0, 1.0}) {
     VibrationTerm moved = plain->terms.back();
     for (std::size_t r = 3; r < moved.shapes.size(); ++r) {
@@ -97,6 +89,8 @@ void Improve(const VibrationRemainder& remainder, VibrationSolution look,
   for (const double modulation : modulations) {
     VibrationTerm term = simple;
     term.lines = {{0.0, modulation}};
+    // A channel that the even impulses did not pay for may pay now.
+    term.heard.assign(term.heard.size(), 1);
     term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
     Keep(remainder.With(std::move(term), 8), best);
   }
@@ -111,7 +105,7 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
   for (const TrainStart& start : starts) {
     if (looks.size() == kMostStarts) break;
     if (Best look = FirstLook(remainder, index, start)) {
-      looks.push_back(remainder.solver().Refine(std::move(*look), 3));
+      looks.push_back(remainder.Refine(std::move(*look), 3));
     }
   }
   std::sort(looks.begin(), looks.end(), [](const auto& a, const auto& b) { return a.bic() < b.bic(); });
@@ -124,7 +118,7 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
   for (const double multiple : {0.5, 2.0, 3.0}) {
     const double order = multiple * found.shapes[0];
     if (!allowed(order)) continue;
-    if (Best look = FirstLook(remainder, index, {order, {found.shapes[1], found.shapes[2]}, 0.0})) {
+    if (Best look = FirstLook(remainder, index, {order, found.shapes[1], 0.0})) {
       // A look that is far behind does not catch up.
       if (look->bic() < best->bic() + 60.0) Improve(remainder, std::move(*look), modulations, best);
     }

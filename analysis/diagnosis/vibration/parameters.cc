@@ -29,16 +29,20 @@ struct Polar {
   double amplitude{}, amplitude_error{}, phase_rad{}, phase_error_rad{};
 };
 
-// Amplitude and phase of the pair of coefficients at `first`, in the unit of the channel.
+// Amplitude and phase of the pair of coefficients at `first`, in the unit of the channel; of a single
+// coefficient where `width` is 1.
 Polar PolarAt(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t channel,
-              Index first, const MatrixXd& shapes) {
+              Index first, const MatrixXd& shapes, Index width = 2) {
   const VibrationSolution::Channel& fitted = solution.channels[channel];
   const double scale = 1.0 / ChannelAt(samples, channel).scale;
-  const Eigen::Vector2d pair = scale * fitted.fit.coefficients.segment(first, 2);
-  Eigen::Matrix2d covariance = solution.variance() * fitted.fit.inverse.block(first, first, 2, 2);
+  Eigen::Vector2d pair = Eigen::Vector2d::Zero();
+  pair.head(width) = scale * fitted.fit.coefficients.segment(first, width);
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  covariance.topLeftCorner(width, width) =
+      solution.variance() * fitted.fit.inverse.block(first, first, width, width);
   if (shapes.size() > 0 && fitted.follows_shapes.size() > 0) {
-    const MatrixXd follows = fitted.follows_shapes.middleRows(first, 2);
-    covariance += follows * shapes * follows.transpose();
+    const MatrixXd follows = fitted.follows_shapes.middleRows(first, width);
+    covariance.topLeftCorner(width, width) += follows * shapes * follows.transpose();
   }
   covariance *= scale * scale;
   Polar polar{pair.norm(), 0.0, std::atan2(pair(1), pair(0)), kPi};
@@ -61,11 +65,13 @@ Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& so
                     std::size_t from, std::size_t to, const MatrixXd& shapes) {
   Loudest loudest;
   loudest.polar.amplitude = -1.0;
+  const Index width = HasPairs(solution.terms[term].form) ? 2 : 1;
   for (std::size_t c = 0; c < solution.channels.size(); ++c) {
     if (solution.channels[c].first[term] < 0) continue;
     for (std::size_t pair = from; pair < to; ++pair) {
-      const Polar polar = PolarAt(samples, solution, c,
-                                  solution.channels[c].first[term] + static_cast<Index>(2 * pair), shapes);
+      const Polar polar =
+          PolarAt(samples, solution, c, solution.channels[c].first[term] + static_cast<Index>(2 * pair),
+                  shapes, width);
       if (polar.amplitude > loudest.polar.amplitude) loudest = {c, pair, polar};
     }
   }
@@ -92,18 +98,16 @@ ParameterValue NarrowAmplitude(const VibrationSamples& samples, const VibrationS
 
 void AddCoefficients(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t term,
                      std::vector<ParameterValue>& values) {
-  const std::size_t pairs = static_cast<std::size_t>(ColumnsOf(solution.terms[term])) / 2;
-  for (std::size_t pair = 0; pair < pairs; ++pair) {
+  const Index width = ColumnsOf(solution.terms[term]);
+  for (Index column = 0; column < width; ++column) {
     for (std::size_t c = 0; c < solution.channels.size(); ++c) {
       const VibrationSolution::Channel& channel = solution.channels[c];
       if (channel.first[term] < 0) continue;
       const VibrationStretch& place = ChannelAt(samples, c);
-      for (Index k = 0; k < 2; ++k) {
-        const Index at = channel.first[term] + static_cast<Index>(2 * pair) + k;
-        values.push_back({fmt::format("{}_{}_{}", k == 0 ? "cosine" : "sine", pair + 1, place.name),
-                          UnitOfChannel(place.name), channel.fit.coefficients(at) / place.scale,
-                          RootOf(solution.variance() * channel.fit.inverse(at, at)) / place.scale});
-      }
+      const Index at = channel.first[term] + column;
+      values.push_back({CoefficientName(solution.terms[term], column, place.name), UnitOfChannel(place.name),
+                        channel.fit.coefficients(at) / place.scale,
+                        RootOf(solution.variance() * channel.fit.inverse(at, at)) / place.scale});
     }
   }
 }
@@ -130,6 +134,9 @@ std::string OrderName(VibrationCause cause) {
   return "order";
 }
 
+// No fit shows how far the angle's own scale is off.
+double WithAngle(double order, double error) { return std::hypot(error, kUnseenWander * order); }
+
 void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t t,
                     VibrationCause cause, const MatrixXd& shapes, Index first_shape,
                     std::vector<ParameterValue>& values) {
@@ -152,6 +159,7 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
   } else if (cause == VibrationCause::kFlexsplineCrack && term.shapes.empty()) {
     named = model::CrackOrder(samples.ratio);
   }
+  if (named_error > 0.0) named_error = WithAngle(named, named_error);
   values.push_back({OrderName(cause), "1/turn", named, named_error});
   if (cause == VibrationCause::kLineOverAngle) {
     const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
@@ -168,6 +176,12 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
 }
 
 }  // namespace
+
+std::string CoefficientName(const VibrationTerm& term, Index column, const std::string& channel) {
+  if (term.form == VibrationForm::kLevels) return fmt::format("power_{}_{}", column + 1, channel);
+  if (!HasPairs(term.form)) return "gain_" + channel;
+  return fmt::format("{}_{}_{}", column % 2 == 0 ? "cosine" : "sine", column / 2 + 1, channel);
+}
 
 std::string UnitOfChannel(const std::string& channel) {
   struct Ending {
@@ -239,6 +253,7 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       break;
     case VibrationForm::kRing:
       add_shape(0, OrderName(cause), "1/turn");
+      values.back().standard_error = WithAngle(values.back().value, values.back().standard_error);
       add_amplitude(1, AmplitudeName(samples));
       add_shape(1, "ring_Hz", "Hz");
       add_shape(2, "ring_decay_ratio", "1");
@@ -250,6 +265,18 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       for (std::size_t r = 0; r < samples.runs.size(); ++r) {
         add_shape(3 + 2 * term.lines.size() + r, fmt::format("place_{}_turns", r + 1), "1");
       }
+      break;
+    case VibrationForm::kPulses:
+      values.push_back({OrderName(cause), "1/turn", term.lines[0].offset, 0.0});
+      add_amplitude(1, AmplitudeName(samples));
+      add_shape(0, "pulse_width", "1");
+      if (term.lines.size() > 1) {
+        values.push_back({"modulated_per_turn", "1/turn", term.lines[1].offset, 0.0});
+        add_shape(1, "modulation_cosine", "1");
+        add_shape(2, "modulation_sine", "1");
+      }
+      for (std::size_t r = 0; r < samples.runs.size(); ++r)
+        add_shape(2 * term.lines.size() - 1 + r, fmt::format("place_{}_turns", r + 1), "1");
       break;
     case VibrationForm::kGrowth: {
       const Loudest loudest = add_amplitude(1, AmplitudeName(samples));
@@ -281,9 +308,11 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
     case VibrationForm::kKicks:
       add_shape(0, "frequency_Hz", "Hz");
       add_shape(1, "damping_ratio", "1");
-      add_amplitude(term.lines.size(), AmplitudeName(samples));
-      for (std::size_t k = 0; k < term.lines.size(); ++k) {
-        values.push_back({fmt::format("knock_{}_s", k + 1), "s", term.lines[k].offset, 0.0});
+      add_amplitude(1, AmplitudeName(samples));
+      add_shape(2, "knock_1_s", "s");
+      for (std::size_t k = 3; k + 1 < term.shapes.size(); k += 2) {
+        add_shape(k, fmt::format("knock_{}_s", (k + 1) / 2), "s");
+        add_shape(k + 1, fmt::format("knock_{}_height", (k + 1) / 2), "1");
       }
       break;
     case VibrationForm::kBurst:
@@ -293,18 +322,7 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       add_amplitude(1, AmplitudeName(samples));
       break;
     case VibrationForm::kLevels:
-      for (std::size_t c = 0; c < solution.channels.size(); ++c) {
-        const VibrationSolution::Channel& channel = solution.channels[c];
-        const VibrationStretch& place = ChannelAt(samples, c);
-        for (Index k = 0; channel.first[t] >= 0 && k < 3; ++k) {
-          values.push_back(
-              {fmt::format("power_{}_{}", k + 1, place.name), UnitOfChannel(place.name),
-               channel.fit.coefficients(channel.first[t] + k) / place.scale,
-               RootOf(solution.variance() * channel.fit.inverse(channel.first[t] + k, channel.first[t] + k)) /
-                   place.scale});
-        }
-      }
-      return values;
+      break;
   }
   AddCoefficients(samples, solution, t, values);
   return values;

@@ -17,6 +17,8 @@
 namespace strainwave::analysis::diagnosis {
 
 /// "m/s^2" for "accel_x_m_per_s2"; empty for a name without a unit.
+std::string CoefficientName(const VibrationTerm& term, Eigen::Index column, const std::string& channel);
+
 std::string UnitOfChannel(const std::string& channel);
 /// "amplitude_m_per_s2" for channels in m/s², else "amplitude".
 std::string AmplitudeName(const VibrationSamples& samples);

@@ -71,23 +71,32 @@ VibrationTerm TermOf(const VibrationSamples& samples, VibrationCause cause, cons
     if (!order) break;
     term.lines.push_back({0.0, *order});
   }
+  const auto add_modulation_and_places = [&] {
+    if (const auto modulation = Find(parameters, "modulated_per_turn")) {
+      term.lines.push_back({0.0, *modulation});
+      term.shapes.insert(term.shapes.end(), {need("modulation_cosine"), need("modulation_sine")});
+    }
+    for (std::size_t r = 0; r < samples.runs.size(); ++r)
+      term.shapes.push_back(need(fmt::format("place_{}_turns", r + 1)));
+  };
   if (Find(parameters, "ring_Hz")) {
     term.form = VibrationForm::kRing;
     term.shapes = {need(cause == VibrationCause::kBearingDefect ? "defect_order" : "crack_order"),
                    need("ring_Hz"), need("ring_decay_ratio")};
-    for (std::size_t r = 0; r < samples.runs.size(); ++r)
-      term.shapes.push_back(need(fmt::format("place_{}_turns", r + 1)));
-    if (const auto modulation = Find(parameters, "modulated_per_turn"))
-      term.lines.push_back({0.0, *modulation});
+    add_modulation_and_places();
+  } else if (Find(parameters, "pulse_width")) {
+    term.form = VibrationForm::kPulses;
+    term.lines = {{0.0, need("crack_order")}};
+    term.shapes = {need("pulse_width")};
+    add_modulation_and_places();
   } else if (cause == VibrationCause::kImbalance) {
     term.form = VibrationForm::kGrowth;
   } else if (Find(parameters, "knock_1_s")) {
     term.form = VibrationForm::kKicks;
-    term.shapes = {need("frequency_Hz"), need("damping_ratio")};
-    for (int k = 1;; ++k) {
-      const std::optional<double> knock = Find(parameters, fmt::format("knock_{}_s", k));
-      if (!knock) break;
-      term.lines.push_back({0.0, *knock});
+    term.shapes = {need("frequency_Hz"), need("damping_ratio"), need("knock_1_s")};
+    for (int k = 2; Find(parameters, fmt::format("knock_{}_s", k)); ++k) {
+      term.shapes.insert(term.shapes.end(),
+                         {need(fmt::format("knock_{}_s", k)), need(fmt::format("knock_{}_height", k))});
     }
   } else if (Find(parameters, "damping_ratio")) {
     term.form = term.lines.empty() ? VibrationForm::kNarrowband : VibrationForm::kDriven;
@@ -148,12 +157,8 @@ VectorXd PredictTerm(const VibrationSamples& samples, VibrationCause cause, cons
         continue;
       }
       for (Index k = 0; k < columns.cols(); ++k) {
-        const bool level = term.form == VibrationForm::kLevels;
-        const std::string which =
-            level ? fmt::format("power_{}_{}", k + 1, channel.name)
-                  : fmt::format("{}_{}_{}", k % 2 == 0 ? "cosine" : "sine", k / 2 + 1, channel.name);
         // A channel that does not hear the term has no coefficients.
-        own += Find(parameters, which).value_or(0.0) * columns.col(k);
+        own += Find(parameters, CoefficientName(term, k, channel.name)).value_or(0.0) * columns.col(k);
       }
     }
   }

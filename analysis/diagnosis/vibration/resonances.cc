@@ -21,7 +21,61 @@ using Best = std::optional<VibrationSolution>;
 constexpr double kToneShare = 0.5;
 constexpr double kLeastExcess = 11.0;
 constexpr double kLeastKick = 32.0;  // drop of the sum of squares, in variances of the noise
+constexpr double kLeastFurtherKick = 22.0;
 constexpr std::size_t kMostKicks = 10;
+constexpr std::size_t kMostFirstKicks = 5;
+
+// A band of a spectrum that is louder than its surroundings.
+struct NoiseBand {
+  double excess{};  // −ln p of one look
+  double centre_Hz{};
+  double width_Hz{};
+  double power{};  // above the background, in cells
+};
+
+// The loudest bands, strongest first, none wider than 0.7 of its frequency, none within another, none whose
+// power is mostly that of one tone.
+std::vector<NoiseBand> FindBands(const VibrationSpectrum& spectrum, double lowest_Hz, double highest_Hz,
+                                 std::size_t count) {
+  const double cell = spectrum.cell();
+  const auto channels = static_cast<double>(spectrum.channels());
+  const auto from = static_cast<std::size_t>(std::ceil(lowest_Hz / cell));
+  const auto to = static_cast<std::size_t>(std::min(highest_Hz, spectrum.highest()) / cell);
+  std::vector<double> power;
+  std::vector<double> sums{0.0};
+  for (std::size_t k = from; k < to; ++k) {
+    power.push_back(spectrum.At(static_cast<double>(k) * cell));
+    sums.push_back(sums.back() + power.back());
+  }
+  std::vector<NoiseBand> bands;
+  for (std::size_t length = 6; length < power.size(); length += std::max<std::size_t>(1, length / 3)) {
+    for (std::size_t i = 0; i + length <= power.size(); i += std::max<std::size_t>(1, length / 8)) {
+      const double centre = (static_cast<double>(from + i) + 0.5 * static_cast<double>(length)) * cell;
+      const double width = static_cast<double>(length) * cell;
+      // Lightly damped is what is meant: a hump as wide as its frequency is the colour of the noise.
+      if (width > 0.7 * centre) continue;
+      const double sum = sums[i + length] - sums[i];
+      const double above = sum - channels * static_cast<double>(length);
+      if (above < 3.0 * std::sqrt(channels * static_cast<double>(length))) continue;
+      const double loudest = *std::max_element(power.begin() + static_cast<std::ptrdiff_t>(i),
+                                               power.begin() + static_cast<std::ptrdiff_t>(i + length));
+      if (loudest - channels > kToneShare * above) continue;
+      const double excess = ExcessOf(sum, channels * static_cast<double>(length));
+      if (excess > kLeastExcess) bands.push_back({excess, centre, width, above});
+    }
+  }
+  std::sort(bands.begin(), bands.end(),
+            [](const NoiseBand& a, const NoiseBand& b) { return a.excess > b.excess; });
+  std::vector<NoiseBand> chosen;
+  for (const NoiseBand& band : bands) {
+    if (chosen.size() == count) break;
+    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const NoiseBand& other) {
+      return std::abs(other.centre_Hz - band.centre_Hz) < 0.5 * (other.width_Hz + band.width_Hz);
+    });
+    if (!near) chosen.push_back(band);
+  }
+  return chosen;
+}
 
 VibrationTerm NarrowTerm(const VibrationRemainder& remainder, std::size_t index, const NoiseBand& band,
                          double damping) {
@@ -53,48 +107,88 @@ VibrationSolution DropDeaf(const VibrationRemainder& remainder, VibrationSolutio
     solution = std::move(without);
     changed = true;
   }
-  return changed ? remainder.solver().Refine(std::move(solution), 4) : solution;
+  return changed ? remainder.Refine(std::move(solution), 4) : solution;
 }
 
-// A resonance that is heard after a few knocks only: the loudest one first, then more as long as they pay.
+std::size_t KicksOf(const VibrationSolution& solution) {
+  return (solution.terms.back().shapes.size() - 1) / 2;
+}
+
+// Adds knocks, loudest first, as long as they pay; refines for so many rounds after each.
+VibrationSolution AddKicks(const VibrationRemainder& remainder, VibrationSolution solution, int rounds) {
+  const VibrationRun& run = remainder.samples().runs.front();
+  while (KicksOf(solution) < kMostKicks) {
+    const Eigen::VectorXd left = remainder.solver().Residual(solution);
+    VibrationTerm more = solution.terms.back();
+    // The mode moves all channels in the proportion that the knocks so far show.
+    std::vector<double> gains;
+    for (const VibrationSolution::Channel& channel : solution.channels) {
+      const Eigen::Index at = channel.first.back();
+      gains.push_back(at < 0 ? 0.0 : channel.fit.coefficients(at));
+    }
+    const Kick kick =
+        LoudestKick(run, more.shapes[0], more.shapes[1], {left.data(), static_cast<std::size_t>(left.size())},
+                    remainder.solver().weights(), gains);
+    if (!(kick.drop > kLeastFurtherKick * solution.variance())) break;
+    more.shapes.insert(more.shapes.end(), {run.time_s[kick.sample], kick.height});
+    VibrationSolution richer = remainder.With(std::move(more), rounds);
+    if (richer.bic() > solution.bic() - 2.0) break;
+    solution = std::move(richer);
+  }
+  return solution;
+}
+
+// Takes out knocks beside the first that do not pay any more with the others refined.
+VibrationSolution DropKicks(const VibrationRemainder& remainder, VibrationSolution solution) {
+  for (std::size_t k = 3; k < solution.terms.back().shapes.size();) {
+    VibrationTerm fewer = solution.terms.back();
+    const auto place = fewer.shapes.begin() + static_cast<std::ptrdiff_t>(k);
+    fewer.shapes.erase(place, place + 2);
+    VibrationSolution without = remainder.With(std::move(fewer), 4);
+    if (without.bic() > solution.bic() + 2.0) {
+      k += 2;
+      continue;
+    }
+    solution = std::move(without);
+    k = 3;
+  }
+  return solution;
+}
+
+// A resonance that is heard after a few knocks only.
 void TryKicks(const VibrationRemainder& remainder, std::size_t index,
               const std::vector<double>& frequencies_Hz, Best& best) {
   const VibrationSamples& samples = remainder.samples();
   if (samples.runs.size() != 1) return;
   const VibrationRun& run = samples.runs.front();
-  const auto kick_of = [&](const VibrationTerm& term, std::span<const double> residual) {
-    return LoudestKick(run, term.shapes[0], term.shapes[1], residual, remainder.solver().weights());
-  };
   for (const double frequency_Hz : frequencies_Hz) {
-    VibrationTerm first;
-    double most = 0.0;
+    std::vector<std::pair<double, VibrationTerm>> firsts;  // drop, one knock
     for (const double share : {0.97, 0.985, 1.0, 1.015, 1.03}) {
       for (const double damping : {0.005, 0.015, 0.05}) {
         VibrationTerm term;
         term.cause = index;
         term.form = VibrationForm::kKicks;
         term.heard.assign(samples.channels(), 1);
-        term.shapes = {share * frequency_Hz, damping};
-        const Kick kick = kick_of(term, remainder.residual());
-        if (kick.drop <= most) continue;
-        most = kick.drop;
-        term.lines = {{0.0, run.time_s[kick.sample]}};
-        first = std::move(term);
+        const Kick kick = LoudestKick(run, share * frequency_Hz, damping, remainder.residual(),
+                                      remainder.solver().weights());
+        if (kick.drop < kLeastKick * remainder.base().variance()) continue;
+        term.shapes = {share * frequency_Hz, damping, run.time_s[kick.sample]};
+        firsts.emplace_back(kick.drop, std::move(term));
       }
     }
-    if (most < kLeastKick * remainder.base().variance()) continue;
-    VibrationSolution solution = remainder.With(std::move(first), 8);
-    for (std::size_t kicks = 1; kicks < kMostKicks; ++kicks) {
-      const Eigen::VectorXd left = remainder.solver().Residual(solution);
-      VibrationTerm more = solution.terms.back();
-      const Kick kick = kick_of(more, {left.data(), static_cast<std::size_t>(left.size())});
-      if (kick.drop < kLeastKick * solution.variance()) break;
-      more.lines.push_back({0.0, run.time_s[kick.sample]});
-      VibrationSolution richer = remainder.With(std::move(more), 4);
-      if (richer.bic() > solution.bic() - 4.0) break;
-      solution = std::move(richer);
+    std::sort(firsts.begin(), firsts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    firsts.resize(std::min(firsts.size(), kMostFirstKicks));
+    // One knock alone, refined, bends frequency and damping until it stands for a second one as well: all
+    // are found first.
+    Best start;
+    for (const auto& [drop, term] : firsts) {
+      VibrationSolution own = AddKicks(remainder, remainder.With(term, 0), 0);
+      // So many that there would be more: what drives it never stops.
+      if (KicksOf(own) == kMostKicks) break;
+      Keep(std::move(own), start);
     }
-    Keep(std::move(solution), best);
+    if (!start) continue;
+    Keep(DropKicks(remainder, AddKicks(remainder, remainder.With(start->terms.back(), 10), 4)), best);
   }
 }
 
@@ -123,7 +217,7 @@ void TryDriven(const VibrationRemainder& remainder, std::size_t index, double lo
       Keep(remainder.With(std::move(term), 0), own);
     }
     if (!own) continue;
-    *own = remainder.solver().Refine(std::move(*own), 12);
+    *own = remainder.Refine(std::move(*own), 12);
     VibrationTerm both = own->terms.back();
     both.lines = {{1.0, 0.0}, {2.0, 0.0}};
     Keep(std::move(*own), best);
@@ -133,54 +227,11 @@ void TryDriven(const VibrationRemainder& remainder, std::size_t index, double lo
 
 }  // namespace
 
-std::vector<NoiseBand> FindBands(const VibrationSpectrum& spectrum, double lowest_Hz, double highest_Hz,
-                                 double least_excess, bool no_tones, std::size_t count) {
-  const double cell = spectrum.cell();
-  const auto channels = static_cast<double>(spectrum.channels());
-  const auto from = static_cast<std::size_t>(std::ceil(lowest_Hz / cell));
-  const auto to = static_cast<std::size_t>(std::min(highest_Hz, spectrum.highest()) / cell);
-  std::vector<double> power;
-  std::vector<double> sums{0.0};
-  for (std::size_t k = from; k < to; ++k) {
-    power.push_back(spectrum.At(static_cast<double>(k) * cell));
-    sums.push_back(sums.back() + power.back());
-  }
-  std::vector<NoiseBand> bands;
-  for (std::size_t length = 6; length < power.size(); length += std::max<std::size_t>(1, length / 3)) {
-    for (std::size_t i = 0; i + length <= power.size(); i += std::max<std::size_t>(1, length / 8)) {
-      const double centre = (static_cast<double>(from + i) + 0.5 * static_cast<double>(length)) * cell;
-      const double width = static_cast<double>(length) * cell;
-      // Lightly damped is what is meant: a hump as wide as its frequency is the colour of the noise.
-      if (width > 0.7 * centre) continue;
-      const double sum = sums[i + length] - sums[i];
-      const double above = sum - channels * static_cast<double>(length);
-      if (above < 3.0 * std::sqrt(channels * static_cast<double>(length))) continue;
-      const double loudest = *std::max_element(power.begin() + static_cast<std::ptrdiff_t>(i),
-                                               power.begin() + static_cast<std::ptrdiff_t>(i + length));
-      if (no_tones && loudest - channels > kToneShare * above) continue;
-      const double excess = ExcessOf(sum, channels * static_cast<double>(length));
-      if (excess > least_excess) bands.push_back({excess, centre, width, above});
-    }
-  }
-  std::sort(bands.begin(), bands.end(),
-            [](const NoiseBand& a, const NoiseBand& b) { return a.excess > b.excess; });
-  std::vector<NoiseBand> chosen;
-  for (const NoiseBand& band : bands) {
-    if (chosen.size() == count) break;
-    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const NoiseBand& other) {
-      return std::abs(other.centre_Hz - band.centre_Hz) < 0.5 * (other.width_Hz + band.width_Hz);
-    });
-    if (!near) chosen.push_back(band);
-  }
-  return chosen;
-}
-
 Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, double lowest_Hz,
                      double highest_Hz, bool by_shaft) {
   Best best;
   std::vector<double> frequencies_Hz;
-  for (const NoiseBand& band :
-       FindBands(remainder.over_seconds(), lowest_Hz, highest_Hz, kLeastExcess, true, 2)) {
+  for (const NoiseBand& band : FindBands(remainder.over_seconds(), lowest_Hz, highest_Hz, 2)) {
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
     VibrationSolution solution = remainder.With(NarrowTerm(remainder, index, band, damping), 12);

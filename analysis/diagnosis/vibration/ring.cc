@@ -26,9 +26,9 @@ double Impulses(const VibrationRun& run, const RingTrain& train, std::size_t sam
 
 }  // namespace
 
-Eigen::MatrixXd RingColumns(const VibrationRun& run, const RingTrain& train) {
+Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
   const std::size_t n = run.size();
-  Eigen::MatrixXd columns(static_cast<Index>(n), 2);
+  Eigen::VectorXd column(static_cast<Index>(n));
   const Complex pole = PoleOf(train);
   const Complex even_step = std::exp(pole * run.period_s);
   const auto weight_at = [&train](double angle) {
@@ -64,42 +64,48 @@ Eigen::MatrixXd RingColumns(const VibrationRun& run, const RingTrain& train) {
       }
       before = here;
     }
-    columns(static_cast<Index>(i), 0) = state.real();
-    columns(static_cast<Index>(i), 1) = state.imag();
+    column(static_cast<Index>(i)) = state.imag();
   }
-  return columns;
+  return column;
 }
 
-Eigen::MatrixXd KickColumns(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s) {
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(static_cast<Index>(run.size()), 2);
+Eigen::VectorXd KickColumn(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s) {
+  Eigen::VectorXd column = Eigen::VectorXd::Zero(static_cast<Index>(run.size()));
   const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}});
-  const auto first =
-      std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s - 1e-9) - run.time_s.begin();
+  const auto first = std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s) - run.time_s.begin();
   for (auto i = static_cast<std::size_t>(first); i < run.size(); ++i) {
     const Complex state = std::exp(pole * (run.time_s[i] - start_s));
     if (std::norm(state) < 1e-8) break;
-    columns(static_cast<Index>(i), 0) = state.real();
-    columns(static_cast<Index>(i), 1) = state.imag();
+    column(static_cast<Index>(i)) = state.imag();
   }
-  return columns;
+  return column;
 }
 
 Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
-                 std::span<const double> residual, std::span<const double> weights) {
+                 std::span<const double> residual, std::span<const double> weights,
+                 std::span<const double> gains) {
   const std::size_t n = run.size();
   const Complex step = std::exp(PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}}) * run.period_s);
-  std::vector<double> power(n, 0.0);
-  for (const VibrationStretch& channel : run.channels) {
+  std::vector<double> matched(n, 0.0);
+  double gain_square = 0.0;
+  for (std::size_t c = 0; c < run.channels.size(); ++c) {
     Complex common{};
+    const double gain = gains.empty() ? 1.0 : gains[c];
+    gain_square += gain * gain;
     for (std::size_t i = n; i-- > 0;) {
-      const std::size_t place = channel.first + i;
+      const std::size_t place = run.channels[c].first + i;
       common = common * step + (weights[place] > 0.0 ? residual[place] : 0.0);
-      power[i] += std::norm(common);
+      matched[i] += gains.empty() ? common.imag() * common.imag() : gain * common.imag();
     }
   }
-  const auto best = std::max_element(power.begin(), power.end());
-  // A ring's two parts share its energy, 1 / (1 − |step|²).
-  return {static_cast<std::size_t>(best - power.begin()), 2.0 * *best * (1.0 - std::norm(step))};
+  // A ring's sine has half of the energy 1 / (1 − |step|²).
+  const double energy = 0.5 / (1.0 - std::norm(step));
+  const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  const auto best = std::max_element(matched.begin(), matched.end(), size);
+  const auto sample = static_cast<std::size_t>(best - matched.begin());
+  if (gains.empty()) return {sample, *best / energy, 1.0};
+  const double height = *best / (energy * gain_square);
+  return {sample, height * *best, height};
 }
 
 double BestRingPhase(const VibrationRun& run, const RingTrain& train, std::span<const double> residual,
@@ -121,7 +127,7 @@ double BestRingPhase(const VibrationRun& run, const RingTrain& train, std::span<
       const double turn = Impulses(run, {train.order, 0.0, 0.0, 0.0, {}}, i);
       sums[static_cast<std::size_t>((turn - std::floor(turn)) * static_cast<double>(bins)) % bins] += common;
     }
-    for (std::size_t b = 0; b < bins; ++b) score[b] += std::norm(sums[b]);
+    for (std::size_t b = 0; b < bins; ++b) score[b] += sums[b].imag() * sums[b].imag();
   }
   const auto best = std::max_element(score.begin(), score.end());
   return (static_cast<double>(best - score.begin()) + 0.5) / static_cast<double>(bins);

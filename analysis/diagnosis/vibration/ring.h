@@ -17,7 +17,7 @@ struct RingModulation {
   double sine{};
 };
 
-/// Impulses at even angles, each of which lets a resonance ring: ∑ⱼ wⱼ exp(−ζω(t − tⱼ)) cos or sin ω(t − tⱼ).
+/// Impulses at even angles, each of which lets a resonance ring: ∑ⱼ wⱼ exp(−ζω(t − tⱼ)) sin ω(t − tⱼ).
 struct RingTrain {
   double order{};  // impulses per input turn
   double ring_Hz{};
@@ -26,20 +26,23 @@ struct RingTrain {
   std::vector<RingModulation> modulations{};
 };
 
-/// Cosine and sine part of the train with impulses of about one: n × 2.
-Eigen::MatrixXd RingColumns(const VibrationRun& run, const RingTrain& train);
+/// The train with impulses of about one.
+Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train);
 
-/// A single ring that starts at a time: n × 2.
-Eigen::MatrixXd KickColumns(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s);
+/// A single ring of height one that starts at a time.
+Eigen::VectorXd KickColumn(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s);
 
 /// Sample of one run at which a ring of this frequency and damping explains most of a residual, all channels
-/// together, and the drop of the sum of squares that it brings.
+/// together, the drop of the sum of squares that it brings, and its height in units of the gains.
 struct Kick {
   std::size_t sample{};
   double drop{};
+  double height{1.0};
 };
+/// @param gains  of the channels, where they are known; each has its own where this is empty.
 Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
-                 std::span<const double> residual, std::span<const double> weights);
+                 std::span<const double> residual, std::span<const double> weights,
+                 std::span<const double> gains = {});
 
 /// Phase at which a train of this order, ring and damping explains most of a residual of one run, over its
 /// channels together.

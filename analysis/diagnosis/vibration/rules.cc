@@ -92,7 +92,10 @@ void AddCrack(Table& table) {
                        order),
        .where = Where::kUnit,
        .effect = "E23",
-       .parameters = {table.amplitude},
+       // Nearer to 2 it is what looseness and misalignment make of the shaft.
+       .parameters = {{"crack_order", "1/turn", order - 0.3 * (order - 2.0), order + 0.3 * (order - 2.0),
+                       false},
+                      table.amplitude},
        .degrees_of_freedom = 2,
        .trials = 12.0,
        .to_settle = "# a whole turn of the output or more: the impulses come back once per output turn\n"
@@ -117,6 +120,7 @@ void AddResonances(Table& table) {
              .parameters = parameters,
              .degrees_of_freedom = 3,
              .trials = std::max(10.0, 0.3 * share * table.cells),
+             .local = true,  // a knock rings for a small part of a turn
              .to_settle = kOtherSpeed});
   if (highest > 1.1 * kHighestTorsional_Hz) {
     table.Add(VibrationCause::kHighResonance,
@@ -124,6 +128,7 @@ void AddResonances(Table& table) {
                .parameters = {{"damping_ratio", "1", 6e-4, 0.25, false}, table.amplitude},
                .degrees_of_freedom = 3,
                .trials = std::max(10.0, 0.3 * (1.0 - share) * table.cells),
+               .local = true,
                .named = false});
   }
 }

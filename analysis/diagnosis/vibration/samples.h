@@ -55,6 +55,10 @@ struct VibrationSamples {
   double shortest_turns() const;
 };
 
+/// Share of its speed that a drive wanders by unseen, beside a speed that is stated or measured: it moves all
+/// orders together.
+inline constexpr double kUnseenWander = 1e-5;
+
 /// Checks the records, finds angle and scales.
 /// @throws std::invalid_argument in words for a technician.
 VibrationSamples PrepareVibration(std::span<const VibrationData> records);

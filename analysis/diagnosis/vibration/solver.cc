@@ -17,17 +17,28 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kLongestMissing = 8;
 
-std::vector<double> AllShapes(const std::vector<VibrationTerm>& terms) {
+std::vector<double> ShapesFrom(const std::vector<VibrationTerm>& terms, std::size_t from) {
   std::vector<double> shapes;
-  for (const VibrationTerm& term : terms) shapes.insert(shapes.end(), term.shapes.begin(), term.shapes.end());
+  for (std::size_t t = from; t < terms.size(); ++t)
+    shapes.insert(shapes.end(), terms[t].shapes.begin(), terms[t].shapes.end());
   return shapes;
 }
 
-void SetShapes(std::vector<VibrationTerm>& terms, std::span<const double> shapes) {
+void SetShapesFrom(std::vector<VibrationTerm>& terms, std::size_t from, std::span<const double> shapes) {
   std::size_t s = 0;
-  for (VibrationTerm& term : terms) {
-    for (double& shape : term.shapes) shape = shapes[s++];
+  for (std::size_t t = from; t < terms.size(); ++t) {
+    for (double& shape : terms[t].shapes) shape = shapes[s++];
   }
+}
+
+std::vector<VibrationShape> BoundsFrom(const VibrationSamples& samples,
+                                       const std::vector<VibrationTerm>& terms, std::size_t from) {
+  std::vector<VibrationShape> bounds;
+  for (std::size_t t = from; t < terms.size(); ++t) {
+    const std::vector<VibrationShape> own = ShapesOf(samples, terms[t]);
+    bounds.insert(bounds.end(), own.begin(), own.end());
+  }
+  return bounds;
 }
 
 bool SameColumns(const VibrationTerm& a, const VibrationTerm& b) {
@@ -120,8 +131,6 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
   solution.weight_sum = std::accumulate(weights_.begin(), weights_.end(), 0.0);
   for (const VibrationTerm& term : solution.terms) {
     const bool narrow = term.form == VibrationForm::kNarrowband;
-    // The times of knocks are found on the samples, not fitted; they are parameters all the same.
-    if (term.form == VibrationForm::kKicks) solution.free_parameters += static_cast<int>(term.lines.size());
     solution.free_parameters += narrow ? 2 : static_cast<int>(term.shapes.size());
     if (narrow)
       solution.free_parameters += static_cast<int>(
@@ -157,7 +166,8 @@ VectorXd VibrationSolver::Residual(const VibrationSolution& solution) const {
 }
 
 MatrixXd VibrationSolver::Derivatives(
-    const VibrationSolution& solution, std::size_t channel, const std::vector<VibrationShape>& shapes,
+    const VibrationSolution& solution, std::size_t channel, std::size_t from,
+    const std::vector<VibrationShape>& shapes,
     const std::vector<std::vector<std::shared_ptr<const MatrixXd>>>& moved) const {
   const Place& place = places_[channel];
   const VibrationRun& run = samples_.runs[place.run];
@@ -166,7 +176,7 @@ MatrixXd VibrationSolver::Derivatives(
   MatrixXd derivatives = MatrixXd::Zero(n, static_cast<Index>(shapes.size()));
   VectorXd unexplained;
   std::size_t s = 0;
-  for (std::size_t t = 0; t < solution.terms.size(); ++t) {
+  for (std::size_t t = from; t < solution.terms.size(); ++t) {
     const VibrationTerm& term = solution.terms[t];
     for (std::size_t k = 0; k < term.shapes.size(); ++k, ++s) {
       const auto column = static_cast<Index>(s);
@@ -201,13 +211,14 @@ MatrixXd VibrationSolver::Derivatives(
   return derivatives;
 }
 
-SharedStep VibrationSolver::Step(VibrationSolution& solution,
+SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
                                  const std::vector<VibrationShape>& shapes) const {
   // Slopes of the columns by each shape, once a run: the channels share them.
   std::vector<std::vector<std::shared_ptr<const MatrixXd>>> moved(samples_.runs.size());
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
     std::size_t s = 0;
-    for (const VibrationTerm& term : solution.terms) {
+    for (std::size_t t = from; t < solution.terms.size(); ++t) {
+      const VibrationTerm& term = solution.terms[t];
       for (std::size_t k = 0; k < term.shapes.size(); ++k, ++s) {
         moved[r].push_back(nullptr);
         if (term.form == VibrationForm::kNarrowband) continue;
@@ -224,36 +235,32 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution,
   for (std::size_t c = 0; c < places_.size(); ++c) {
     const MatrixXd all = Assemble(solution, c);
     solution.channels[c].follows_shapes = step.Add(
-        all.leftCols(all.cols() - 1), Derivatives(solution, c, shapes, moved), solution.channels[c].fit,
+        all.leftCols(all.cols() - 1), Derivatives(solution, c, from, shapes, moved), solution.channels[c].fit,
         Eigen::Map<const VectorXd>(weights_.data() + places_[c].channel->first, all.rows()));
   }
   return step;
 }
 
-VibrationSolution VibrationSolver::Refine(VibrationSolution solution, int rounds) const {
-  std::vector<VibrationShape> shapes;
-  for (const VibrationTerm& term : solution.terms) {
-    const std::vector<VibrationShape> own = ShapesOf(samples_, term);
-    shapes.insert(shapes.end(), own.begin(), own.end());
-  }
+VibrationSolution VibrationSolver::Refine(VibrationSolution solution, int rounds, std::size_t from) const {
+  const std::vector<VibrationShape> shapes = BoundsFrom(samples_, solution.terms, from);
   if (shapes.empty()) return solution;
   double damping = 1e-3;
   for (int round = 0; round < rounds; ++round) {
-    const SharedStep step = Step(solution, shapes);
+    const SharedStep step = Step(solution, from, shapes);
     const double before = solution.square_sum;
     bool better = false;
     for (int attempt = 0; attempt < 5 && !better; ++attempt) {
       MatrixXd damped = step.normal;
       damped.diagonal() *= 1.0 + damping;
       const VectorXd change = PseudoInverse(damped) * step.gradient;
-      std::vector<double> trial = AllShapes(solution.terms);
+      std::vector<double> trial = ShapesFrom(solution.terms, from);
       for (std::size_t s = 0; s < trial.size(); ++s) {
         const double limited =
             std::clamp(change(static_cast<Index>(s)), -20.0 * shapes[s].step, 20.0 * shapes[s].step);
         trial[s] = std::clamp(trial[s] + limited, shapes[s].low, shapes[s].high);
       }
       std::vector<VibrationTerm> terms = solution.terms;
-      SetShapes(terms, trial);
+      SetShapesFrom(terms, from, trial);
       VibrationSolution next = Solve(std::move(terms), &solution);
       better = next.square_sum < solution.square_sum;
       if (better) solution = std::move(next);
@@ -300,12 +307,8 @@ VibrationSolution VibrationSolver::Prune(VibrationSolution solution) const {
 }
 
 MatrixXd VibrationSolver::ShapeCovariance(VibrationSolution& solution) const {
-  std::vector<VibrationShape> shapes;
-  for (const VibrationTerm& term : solution.terms) {
-    const std::vector<VibrationShape> own = ShapesOf(samples_, term);
-    shapes.insert(shapes.end(), own.begin(), own.end());
-  }
-  return solution.variance() * PseudoInverse(Step(solution, shapes).normal);
+  const std::vector<VibrationShape> shapes = BoundsFrom(samples_, solution.terms, 0);
+  return solution.variance() * PseudoInverse(Step(solution, 0, shapes).normal);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -39,8 +39,8 @@ class VibrationSolver {
   VibrationSolution Solve(std::vector<VibrationTerm> terms,
                           const VibrationSolution* previous = nullptr) const;
 
-  /// Levenberg–Marquardt on the shapes, at most so many rounds.
-  VibrationSolution Refine(VibrationSolution solution, int rounds) const;
+  /// Levenberg–Marquardt on the shapes of the terms from one on, at most so many rounds.
+  VibrationSolution Refine(VibrationSolution solution, int rounds, std::size_t from = 0) const;
 
   /// Leaves terms out of channels where they do not pay for their coefficients, solved anew. The channel that
   /// hears a term best keeps it.
@@ -67,9 +67,11 @@ class VibrationSolver {
   void Filter(const VibrationSolution& solution, std::size_t channel,
               Eigen::Ref<Eigen::MatrixXd> columns) const;
   Eigen::MatrixXd Derivatives(
-      const VibrationSolution& solution, std::size_t channel, const std::vector<VibrationShape>& shapes,
+      const VibrationSolution& solution, std::size_t channel, std::size_t from,
+      const std::vector<VibrationShape>& shapes,
       const std::vector<std::vector<std::shared_ptr<const Eigen::MatrixXd>>>& moved) const;
-  SharedStep Step(VibrationSolution& solution, const std::vector<VibrationShape>& shapes) const;
+  SharedStep Step(VibrationSolution& solution, std::size_t from,
+                  const std::vector<VibrationShape>& shapes) const;
 
   const VibrationSamples& samples_;
   std::vector<double> weights_;

@@ -142,7 +142,8 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
   PhaseFit best = FitPhase(samples, run, scale_only);
   const double variance = best.square_sum / count;
   const double uncertainty = best.normal(0, 0) > 0.0 ? std::sqrt(variance / best.normal(0, 0)) : 1.0;
-  samples.order_uncertainty = std::max(samples.order_uncertainty, std::min(0.01, uncertainty));
+  samples.order_uncertainty =
+      std::max({samples.order_uncertainty, std::min(0.01, uncertainty), kUnseenWander});
   Index waves = 0;
   double score = gain_of(best) - std::log(count);
   for (const Index more : {2, 5, 10}) {
@@ -158,8 +159,12 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
       waves = more;
     }
   }
-  // A foreign line nearby pulls at the scale a little: what is stated counts until it is clearly wrong.
-  if (!(score > 20.0)) return;
+  // A foreign line nearby pulls at the scale a little, and an imbalance turns the phase of the first line
+  // while the speed changes: what is stated counts until it is clearly wrong, and neither line likes it
+  // better.
+  const bool either_loses = best.line_energy[0] < given.line_energy[0] - 4.0 * variance ||
+                            best.line_energy[1] < given.line_energy[1] - 4.0 * variance;
+  if (!(score > 20.0) || either_loses) return;
   const double before = run.mean_speed_rad_per_s;
   const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), n);
   TakeAngle(run, angle + BasisOf(run, waves) * best.phase);

@@ -64,8 +64,12 @@ VibrationSolution VibrationRemainder::With(VibrationTerm term, int rounds) const
   std::vector<VibrationTerm> terms = base_.terms;
   terms.push_back(std::move(term));
   VibrationSolution solution = solver_.Solve(std::move(terms), &base_);
-  if (rounds > 0) solution = solver_.Refine(std::move(solution), rounds);
+  if (rounds > 0) solution = Refine(std::move(solution), rounds);
   return solver_.Prune(std::move(solution));
+}
+
+VibrationSolution VibrationRemainder::Refine(VibrationSolution solution, int rounds) const {
+  return solver_.Refine(std::move(solution), rounds, base_.terms.size());
 }
 
 void Keep(VibrationSolution solution, std::optional<VibrationSolution>& best) {

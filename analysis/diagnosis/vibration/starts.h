@@ -48,8 +48,11 @@ class VibrationRemainder {
   const VibrationSpectrum& over_turns() const;
   const VibrationSpectrum& over_seconds() const;
 
-  /// The base with one more term, everything refined; and channels that do not hear it left out.
+  /// The base with one more term, that one refined; channels that do not hear it are left out.
   VibrationSolution With(VibrationTerm term, int rounds) const;
+
+  /// Such a solution, its last term refined further.
+  VibrationSolution Refine(VibrationSolution solution, int rounds) const;
 
  private:
   const VibrationSamples& samples_;

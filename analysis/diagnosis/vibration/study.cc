@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/vibration/parameters.h"
 #include "analysis/diagnosis/vibration/rules.h"
 #include "analysis/diagnosis/vibration/samples.h"
+#include "analysis/diagnosis/vibration/searches.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/starts.h"
 #include "analysis/noise_level.h"
@@ -61,7 +62,6 @@ class VibrationStudy final : public Study {
 
   ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                const ModelFit* start, FitPurpose purpose) const override {
-    const VibrationSolver solver(samples_, weights);
     std::vector<VibrationTerm> known;
     if (start != nullptr && start->usable) {
       for (VibrationTerm& term : UnpackTerms(start->state)) {
@@ -73,15 +73,21 @@ class VibrationStudy final : public Study {
     for (const std::size_t cause : cause_indices) {
       if (std::ranges::find(known, cause, &VibrationTerm::cause) == known.end()) missing.push_back(cause);
     }
-    VibrationSolution solution = solver.Solve(std::move(known));
-    if (!solution.terms.empty()) solution = solver.Refine(std::move(solution), missing.empty() ? 4 : 1);
-    for (const std::size_t cause : missing) {
-      const VibrationRemainder remainder(samples_, solver, solution);
-      std::optional<VibrationSolution> found = SearchCause(remainder, rules_.kinds[cause], cause);
-      if (!found) return Unusable(cause_indices);
-      solution = std::move(*found);
+    if (missing.empty()) {
+      const VibrationSolver solver(samples_, weights);
+      VibrationSolution solution = solver.Solve(std::move(known));
+      if (!solution.terms.empty()) solution = solver.Refine(std::move(solution), 4);
+      return Describe(cause_indices, solver, std::move(solution), purpose);
     }
-    return Describe(cause_indices, solver, std::move(solution), purpose);
+    VibrationBase& base = searches_.BaseOf(samples_, weights, known);
+    std::optional<VibrationSolution> solution = searches_.Find(base, rules_.kinds[missing[0]], missing[0]);
+    for (std::size_t m = 1; m < missing.size() && solution; ++m) {
+      const VibrationRemainder remainder(samples_, base.solver, *solution);
+      std::optional<VibrationSolution> more = SearchCause(remainder, rules_.kinds[missing[m]], missing[m]);
+      solution = std::move(more);
+    }
+    if (!solution) return Unusable(cause_indices);
+    return Describe(cause_indices, base.solver, std::move(*solution), purpose);
   }
 
   Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
@@ -190,6 +196,7 @@ class VibrationStudy final : public Study {
 
   VibrationSamples samples_;
   VibrationRules rules_;
+  mutable VibrationSearches searches_;
   std::vector<Regressor> regressors_;
   std::size_t block_length_{1};
   bool spikes_are_outliers_{true};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 
+#include "analysis/diagnosis/vibration/pulses.h"
 #include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
@@ -93,6 +94,13 @@ std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const Vibr
       }
       break;
     }
+    case VibrationForm::kPulses:
+      shapes.push_back({0.01, 0.3, 0.05 * term.shapes[0]});
+      for (std::size_t m = 2; m < 2 * term.lines.size(); ++m) shapes.push_back({-2.0, 2.0, 0.05});
+      for (std::size_t s = shapes.size(); s < term.shapes.size(); ++s) {
+        shapes.push_back({term.shapes[s] - 0.5, term.shapes[s] + 0.5, 0.05 * term.shapes[0]});
+      }
+      break;
     case VibrationForm::kDriven:
       shapes.push_back({1.0, top_Hz, 0.01 * term.shapes[0]});
       shapes.push_back({0.002, 0.5, 0.05 * term.shapes[1]});
@@ -107,6 +115,13 @@ std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const Vibr
       shapes.push_back(
           {0.8 * term.shapes[0], std::min(top_Hz, 1.25 * term.shapes[0]), 0.003 * term.shapes[0]});
       shapes.push_back({5e-4, 0.5, 0.05 * term.shapes[1]});
+      for (std::size_t k = 2; k < term.shapes.size(); ++k) {
+        const double period_s = 1.0 / term.shapes[0];
+        const bool time = k == 2 || k % 2 == 1;
+        shapes.push_back(
+            time ? VibrationShape{term.shapes[k] - period_s, term.shapes[k] + period_s, 0.02 * period_s}
+                 : VibrationShape{-100.0, 100.0, 0.05});
+      }
       break;
     case VibrationForm::kBurst:
       shapes.push_back({std::max(0.5, 0.7 * term.shapes[0]), std::min(top_Hz, 1.4 * term.shapes[0]),
@@ -126,9 +141,11 @@ Index ColumnsOf(const VibrationTerm& term) {
     case VibrationForm::kLines:
     case VibrationForm::kTones:
     case VibrationForm::kDriven:
-    case VibrationForm::kKicks:
       return static_cast<Index>(2 * term.lines.size());
     case VibrationForm::kRing:
+    case VibrationForm::kPulses:
+    case VibrationForm::kKicks:
+      return 1;
     case VibrationForm::kGrowth:
     case VibrationForm::kBurst:
       return 2;
@@ -138,6 +155,11 @@ Index ColumnsOf(const VibrationTerm& term) {
       break;
   }
   return 0;
+}
+
+bool HasPairs(VibrationForm form) {
+  return form != VibrationForm::kRing && form != VibrationForm::kPulses && form != VibrationForm::kKicks &&
+         form != VibrationForm::kLevels;
 }
 
 MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const VibrationTerm& term) {
@@ -159,13 +181,24 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
         s += 2;
       }
       train.phase = term.shapes[s + which];
-      columns = RingColumns(run, train);
+      columns = RingColumn(run, train);
+      break;
+    }
+    case VibrationForm::kPulses: {
+      PulseTrain train{term.lines[0].offset, term.shapes[0], 0.0, 0.0, 0.0, 0.0};
+      if (term.lines.size() > 1) {
+        train.slow_order = term.lines[1].offset;
+        train.cosine = term.shapes[1];
+        train.sine = term.shapes[2];
+      }
+      train.place = term.shapes[2 * term.lines.size() - 1 + which];
+      columns = PulseColumn(run, train, samples.highest_order());
       break;
     }
     case VibrationForm::kKicks:
-      for (std::size_t k = 0; k < term.lines.size(); ++k) {
-        columns.middleCols(static_cast<Index>(2 * k), 2) =
-            KickColumns(run, term.shapes[0], term.shapes[1], term.lines[k].offset);
+      columns = KickColumn(run, term.shapes[0], term.shapes[1], term.shapes[2]);
+      for (std::size_t k = 3; k + 1 < term.shapes.size(); k += 2) {
+        columns += term.shapes[k + 1] * KickColumn(run, term.shapes[0], term.shapes[1], term.shapes[k]);
       }
       break;
     case VibrationForm::kGrowth:

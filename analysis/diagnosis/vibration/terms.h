@@ -10,15 +10,17 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// What a vibration term is made of. Columns come in pairs (a cosine and a sine part), except for `kLevels`.
+/// What a vibration term is made of. Columns come in pairs (a cosine and a sine part), except for `kRing`,
+/// `kPulses`, `kKicks` and `kLevels`: a mode moves all places of a housing in step, or against each other.
 enum class VibrationForm {
   kLines,   // lines at orders of the input angle; shapes: a base order, or none
   kTones,   // lines at frequencies; shapes: Hz
   kRing,    // impulses at even angles that ring; shapes: order, Hz, damping, two a modulation, phase a run
+  kPulses,  // smooth pulses at even angles; shapes: width, two a modulation, place a run
   kGrowth,  // 1 per turn, growing with the square of the speed; no shapes
   kDriven,  // lines of the shaft across a resonance; shapes: Hz, damping
   kNarrowband,  // a resonance driven by noise, no columns; shapes: Hz, damping, ln of noise ratio a channel
-  kKicks,       // a resonance that rings after knocks; shapes: Hz, damping
+  kKicks,       // a resonance that rings after knocks; shapes: Hz, damping, s; then s, height
   kBurst,       // a tone for a short while; shapes: Hz, centre s, width s
   kLevels,      // slow change of the mean: powers of time 1 to 3; no shapes
 };
@@ -33,8 +35,9 @@ struct LinePlace {
 struct VibrationTerm {
   std::size_t cause{};
   VibrationForm form{VibrationForm::kLines};
-  std::vector<LinePlace>
-      lines;  // kDriven: `harmonic` alone; kRing: order of a modulation, kKicks: time, in `offset`
+  /// kDriven: `harmonic` alone; kRing: order of a modulation in `offset`; kPulses: the order, then that of a
+  /// modulation, in `offset`.
+  std::vector<LinePlace> lines;
   std::vector<double> shapes;
   std::vector<char> heard;  // one a channel of all runs: 0 where the term is left out
 };
@@ -48,6 +51,9 @@ struct VibrationShape {
 std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const VibrationTerm& term);
 
 Eigen::Index ColumnsOf(const VibrationTerm& term);
+
+/// True where columns come as cosine and sine part.
+bool HasPairs(VibrationForm form);
 
 /// Columns of the term in one run.
 Eigen::MatrixXd FillTerm(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term);

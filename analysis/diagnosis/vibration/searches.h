@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/solver.h"
+#include "analysis/diagnosis/vibration/starts.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A fitted set of terms under one set of weights, what it leaves, and the causes that were looked for in
+/// that.
+struct VibrationBase {
+  std::size_t weights_hash;
+  std::vector<double> state;  // of the terms that it was fitted from
+  VibrationSolver solver;
+  VibrationSolution solution;
+  VibrationRemainder remainder;
+  /// Terms that a search came to; nothing where it found none.
+  std::map<VibrationCause, std::optional<std::vector<VibrationTerm>>> found;
+
+  VibrationBase(const VibrationSamples& samples, std::span<const double> weights, std::size_t hash,
+                const std::vector<VibrationTerm>& terms);
+  VibrationBase(const VibrationBase&) = delete;
+  VibrationBase& operator=(const VibrationBase&) = delete;
+};
+
+/// Remembers searches: selecting, exchanging and naming of rivals ask for the same cause beside the same
+/// model several times. Not for several threads at once.
+class VibrationSearches {
+ public:
+  VibrationBase& BaseOf(const VibrationSamples& samples, std::span<const double> weights,
+                        const std::vector<VibrationTerm>& terms);
+
+  /// The base with a cause of this kind; nothing where the cause has no support of its own.
+  std::optional<VibrationSolution> Find(VibrationBase& base, VibrationCause kind, std::size_t cause) const;
+
+ private:
+  std::list<VibrationBase> bases_;  // the last used first
+};
+
+}  // namespace strainwave::analysis::diagnosis

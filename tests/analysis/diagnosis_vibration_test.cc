@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "analysis/diagnosis/diagnose.h"
+#include "analysis/diagnosis/records.h"
+#include "analysis/units.h"
+#include "tests/analysis/message_of.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kRate_Hz = 5120.0;
+constexpr double kNoise_m_per_s2 = 0.1;
+
+// Times, angles and speeds of the input shaft; the speed rises by `rise` of its mean from end to end.
+struct Turning {
+  std::vector<double> time_s;
+  std::vector<double> angle_rad;
+  std::vector<double> speed_rad_per_s;
+
+  Turning(double speed_rpm, double duration_s, double rise) {
+    const double mean = RadPerSFromRpm(speed_rpm);
+    const auto count = static_cast<std::size_t>(duration_s * kRate_Hz);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double time = static_cast<double>(i) / kRate_Hz;
+      time_s.push_back(time);
+      speed_rad_per_s.push_back(mean * (1.0 + rise * (time / duration_s - 0.5)));
+      angle_rad.push_back(mean * time * (1.0 + 0.5 * rise * (time / duration_s - 1.0)));
+    }
+  }
+  double turns() const { return angle_rad.back() / kTwoPi; }
+};
+
+using Signal = std::vector<double>;
+using Effect = std::function<Signal(const Turning&)>;
+
+Signal Silence(const Turning& run) { return Signal(run.time_s.size(), 0.0); }
+
+Signal Line(const Turning& run, double order, double amplitude) {
+  Signal signal;
+  for (const double angle : run.angle_rad) signal.push_back(amplitude * std::cos(order * angle + 0.7));
+  return signal;
+}
+
+// A sine that dies away, from a time between two samples on.
+void AddRing(const Turning& run, double start_s, double height, double frequency_Hz, double damping,
+             Signal& signal) {
+  for (std::size_t i = 0; i < signal.size(); ++i) {
+    const double since = kTwoPi * frequency_Hz * (run.time_s[i] - start_s);
+    if (since >= 0.0 && damping * since < 9.0)
+      signal[i] += height * std::exp(-damping * since) * std::sin(since);
+  }
+}
+
+Signal operator+(Signal a, const Signal& b) {
+  std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());
+  return a;
+}
+
+// A channel with the shaft's two lines, the effect in it times a gain, and noise.
+VibrationData Record(const Turning& run, unsigned seed, const Effect& effect,
+                     const std::vector<double>& gains = {1.0}) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, kNoise_m_per_s2);
+  VibrationData record;
+  record.time_s = run.time_s;
+  const auto [slowest, fastest] = std::ranges::minmax(run.speed_rad_per_s);
+  record.input_speed_rad_per_s = run.speed_rad_per_s;
+  if (fastest - slowest < 1e-9) record.input_speed_rad_per_s.resize(1);
+  const Signal hidden = effect(run);
+  constexpr const char* kNames[] = {"accel_x_m_per_s2", "accel_y_m_per_s2"};
+  for (std::size_t c = 0; c < gains.size(); ++c) {
+    VibrationChannel channel{kNames[c], Line(run, 1.0, 0.2) + Line(run, 2.0, 0.3)};
+    for (std::size_t i = 0; i < hidden.size(); ++i) channel.values[i] += gains[c] * hidden[i] + noise(random);
+    record.channels.push_back(std::move(channel));
+  }
+  return record;
+}
+
+struct Answer {
+  std::unique_ptr<Study> study;
+  Diagnosis diagnosis;
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const Finding& cause : diagnosis.causes) names.push_back(study->causes()[cause.index].name);
+    return names;
+  }
+  ParameterValue value(const std::string& parameter) const {
+    for (const ParameterValue& value : diagnosis.causes.at(0).parameters) {
+      if (value.name == parameter) return value;
+    }
+    return {parameter, "", NAN, NAN};
+  }
+};
+
+Answer Ask(const std::vector<VibrationData>& records) {
+  Answer answer;
+  answer.study = MakeVibrationStudy(records);
+  answer.diagnosis = Diagnose(*answer.study);
+  return answer;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(VibrationStudy, FindsNothingInCleanNoise) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const Answer answer = Ask({Record(Turning(1500.0, 1.0, 0.0), seed, Silence, {1.0, 1.0})});
+    EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoEffect) << seed;
+    EXPECT_EQ(answer.names(), Names()) << seed;
+  }
+}
+
+TEST(VibrationStudy, NamesAGearMeshWithSidebands) {
+  const Effect mesh = [](const Turning& run) {
+    return Line(run, 162.0, 0.05) + Line(run, 160.0, 0.03) + Line(run, 164.0, 0.015) + Line(run, 158.0, 0.01);
+  };
+  const Answer answer = Ask({Record(Turning(700.0, 1.5, 0.0), 4, mesh)});
+  EXPECT_EQ(answer.names(), Names{"gear_mesh"});
+  EXPECT_NEAR(answer.value("mesh_order").value, 162.0, 1e-6);
+  EXPECT_NEAR(answer.value("amplitude_m_per_s2").value, 0.05, 0.007);
+}
+
+// Outer race of 21 balls, d/D = 0.1: 9.45 an input turn, twice modulated a turn by the ellipse.
+Effect Bearing(double height) {
+  return [height](const Turning& run) {
+    Signal signal = Silence(run);
+    std::size_t i = 0;
+    for (int blow = 1; i + 1 < run.angle_rad.size(); ++blow) {
+      const double angle = (blow - 0.4) * kTwoPi / 9.45;
+      while (i + 1 < run.angle_rad.size() && run.angle_rad[i + 1] < angle) ++i;
+      if (i + 1 == run.angle_rad.size()) break;
+      const double share = (angle - run.angle_rad[i]) / (run.angle_rad[i + 1] - run.angle_rad[i]);
+      const double zones = 1.0 + 0.6 * std::cos(2.0 * angle + 0.3);
+      AddRing(run, (static_cast<double>(i) + share) / kRate_Hz, height * zones, 1230.0, 0.03, signal);
+    }
+    return signal;
+  };
+}
+
+TEST(VibrationStudy, NamesABearingByItsOrderWhileTheSpeedChanges) {
+  const Answer answer = Ask({Record(Turning(1500.0, 1.2, 0.2), 5, Bearing(0.15), {1.0, -0.6})});
+  EXPECT_EQ(answer.names(), Names{"bearing_defect"});
+  const ParameterValue order = answer.value("defect_order");
+  EXPECT_NEAR(order.value, 9.45, 4.0 * order.standard_error);
+  EXPECT_LT(order.standard_error, 0.002);
+  EXPECT_NEAR(answer.value("ring_Hz").value, 1230.0, 15.0);
+  EXPECT_NEAR(answer.value("ring_decay_ratio").value, 0.03, 0.012);
+}
+
+TEST(VibrationStudy, NamesAnImbalanceThatGrowsWithTheSquareOfTheSpeed) {
+  const Effect imbalance = [](const Turning& run) {
+    Signal signal;
+    for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+      const double thousands_rpm = RpmFromRadPerS(run.speed_rad_per_s[i]) / 1000.0;
+      signal.push_back(0.03 * thousands_rpm * thousands_rpm * std::sin(run.angle_rad[i]));
+    }
+    return signal;
+  };
+  const Answer answer = Ask({Record(Turning(2000.0, 1.5, 0.8), 6, imbalance)});
+  EXPECT_EQ(answer.names(), Names{"imbalance"});
+  const ParameterValue amplitude = answer.value("amplitude_at_1000_rpm_m_per_s2");
+  EXPECT_NEAR(amplitude.value, 0.03, 4.0 * amplitude.standard_error);
+  EXPECT_LT(amplitude.standard_error, 0.005);
+}
+
+TEST(VibrationStudy, CannotJudgeAnImbalanceAtOneSpeed) {
+  const VibrationData record = Record(Turning(2000.0, 1.0, 0.0), 7, Silence);
+  const auto study = MakeVibrationStudy({&record, 1});
+  EXPECT_TRUE(
+      std::ranges::none_of(study->causes(), [](const CauseRule& rule) { return rule.name == "imbalance"; }));
+  ASSERT_EQ(study->warnings().size(), 1U);
+  EXPECT_EQ(
+      study->warnings().front(),
+      "imbalance cannot be judged: at one speed it is part of the shaft's own line at 1 per turn (a run "
+      "at another speed, or through the speeds, would tell)");
+}
+
+TEST(VibrationStudy, NamesAResonanceThatKnocksRing) {
+  const Effect knocks = [](const Turning& run) {
+    Signal signal = Silence(run);
+    AddRing(run, 0.2111, 0.35, 140.0, 0.015, signal);
+    AddRing(run, 0.7037, -0.3, 140.0, 0.015, signal);
+    return signal;
+  };
+  const Answer answer = Ask({Record(Turning(1100.0, 1.2, 0.0), 8, knocks)});
+  EXPECT_EQ(answer.names(), Names{"torsional_resonance"});
+  EXPECT_NEAR(answer.value("frequency_Hz").value, 140.0, 0.8);
+  EXPECT_NEAR(answer.value("damping_ratio").value, 0.015, 0.005);
+  EXPECT_NEAR(answer.value("knock_1_s").value, 0.2111, 0.001);
+  EXPECT_NEAR(answer.value("knock_2_s").value, 0.7037, 0.001);
+}
+
+// Bells of 4 % of their distance at 2 · 81/80 an input turn, stronger on one side of the output.
+Signal Crack(const Turning& run) {
+  Signal signal;
+  for (const double angle : run.angle_rad) {
+    const double passings = 2.025 * angle / kTwoPi + 0.2;
+    const double off = (passings - std::round(passings)) / 0.04;
+    const double bell = std::exp(-0.5 * off * off) - 0.1003;
+    signal.push_back(0.09 * bell * (1.0 + 0.5 * std::cos(angle / 80.0)));
+  }
+  return signal;
+}
+
+TEST(VibrationStudy, NamesAFlexsplineCrack) {
+  const Answer answer = Ask({Record(Turning(3000.0, 2.0, 0.0), 9, Crack, {1.0, -0.7})});
+  EXPECT_EQ(answer.names(), Names{"flexspline_crack"});
+  EXPECT_NEAR(answer.value("crack_order").value, 2.025, 1e-4);
+  EXPECT_NEAR(answer.value("pulse_width").value, 0.04, 0.01);
+}
+
+TEST(VibrationStudy, CallsALineOfNoCauseUnnamed) {
+  const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
+  const Answer answer = Ask({Record(Turning(1500.0, 1.2, 0.0), 10, line)});
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
+  ASSERT_EQ(answer.diagnosis.corrections.size(), 1U);
+  EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.front().value, 7.3, 0.01);
+}
+
+TEST(VibrationStudy, JoinsRecordsThatDoNotShowABearingAlone) {
+  const std::vector<VibrationData> records{Record(Turning(1500.0, 1.0, 0.0), 11, Bearing(0.042)),
+                                           Record(Turning(1500.0, 1.0, 0.0), 12, Bearing(0.042))};
+  EXPECT_EQ(Ask({records[0]}).names(), Names());
+  const Answer joint = Ask(records);
+  EXPECT_EQ(joint.names(), Names{"bearing_defect"});
+  EXPECT_NEAR(joint.value("defect_order").value, 9.45, 0.01);
+}
+
+TEST(VibrationStudy, TakesTheSpeedFromTheShaftsLinesWhereTheRecordDoesNotSayIt) {
+  const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
+  VibrationData record = Record(Turning(1500.0, 1.2, 0.0), 13, line);
+  record.input_speed_rad_per_s.clear();
+  const Answer answer = Ask({record});
+  ASSERT_FALSE(answer.study->warnings().empty());
+  EXPECT_EQ(answer.study->warnings().front().substr(0, 50),
+            "the record does not say the input speed: 1500 rpm ");
+  ASSERT_EQ(answer.diagnosis.corrections.size(), 1U);
+  EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.front().value, 7.3, 0.01);
+}
+
+TEST(VibrationStudy, SaysWhatIsWrongWithARecord) {
+  const auto message = [](const VibrationData& record) {
+    return MessageOf([&] { MakeVibrationStudy({&record, 1}); });
+  };
+  const Turning run(1500.0, 1.0, 0.0);
+  const VibrationData good = Record(run, 14, Silence);
+  VibrationData record = good;
+  record.time_s.resize(200);
+  record.channels[0].values.resize(200);
+  EXPECT_EQ(message(record), "the record has 200 samples (expected at least 256)");
+  record.time_s.resize(300);
+  std::copy_n(good.time_s.begin(), 300, record.time_s.begin());
+  record.channels[0].values.assign(good.channels[0].values.begin(), good.channels[0].values.begin() + 300);
+  EXPECT_EQ(message(record),
+            "the record is too short: 1.46 turns of the input shaft at 1500 rpm (expected at least 2)");
+  record = good;
+  record.channels[0].values.pop_back();
+  EXPECT_EQ(message(record), "accel_x_m_per_s2 has 5119 samples, time has 5120 (expected as many)");
+  record = good;
+  record.channels[0].values.assign(run.time_s.size(), 0.5);
+  EXPECT_EQ(message(record), "no channel moves (expected at least one accelerometer)");
+  record = good;
+  record.input_speed_rad_per_s = {RadPerSFromRpm(RadPerSFromRpm(1500.0))};
+  EXPECT_EQ(message(record),
+            "the input speed looks like rad/s: the file says 157.1 rpm, the shaft's lines stand at 1500 rpm "
+            "(expected input_speed_rpm in turns per minute)");
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
