@@ -111,11 +111,12 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   diagnosis.nominal = nominal.fit;
   diagnosis.extended = extended.fit;
   diagnosis.candidates = std::move(selection.candidates);
-  diagnosis.noise_floor = study.NoiseFloor();
+  const double filtered_out = study.FilteredOutVariance();
+  const auto of_record = [&](double rmse) { return std::sqrt(rmse * rmse + filtered_out); };
+  diagnosis.noise_floor = study.NoiseFloor() > 0.0 ? of_record(study.NoiseFloor()) : 0.0;
 
-  const double floor = diagnosis.noise_floor;
-  const double explainable =
-      SquareSum(study, nominal.fit, diagnosis.weights) - judge->samples() * floor * floor;
+  const double explainable = SquareSum(study, nominal.fit, diagnosis.weights) -
+                             judge->samples() * study.NoiseFloor() * study.NoiseFloor();
   bool local = false;
   for (const std::size_t cause : extended.fit.causes) {
     if (std::find(options.given_causes.begin(), options.given_causes.end(), cause) !=
@@ -140,9 +141,10 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   const bool found = !diagnosis.causes.empty() || !diagnosis.corrections.empty();
   const std::vector<double> after =
       found ? HeldOutResiduals(study, diagnosis.weights, folds, extended.fit) : before;
-  diagnosis.nominal_heldout_rmse = HeldOutRmse(before, diagnosis.weights);
-  diagnosis.extended_heldout_rmse = HeldOutRmse(after, diagnosis.weights);
-  if (found) diagnosis.gain = EstimateGain(before, after, diagnosis.weights, folds, options.seed);
+  diagnosis.nominal_heldout_rmse = of_record(HeldOutRmse(before, diagnosis.weights));
+  diagnosis.extended_heldout_rmse = of_record(HeldOutRmse(after, diagnosis.weights));
+  if (found)
+    diagnosis.gain = EstimateGain(before, after, diagnosis.weights, folds, filtered_out, options.seed);
 
   diagnosis.verdict = !diagnosis.causes.empty()        ? Verdict::kEffectFound
                       : !diagnosis.corrections.empty() ? Verdict::kUnnamedStructure
@@ -151,8 +153,8 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   const double nominal_variance = diagnosis.nominal_heldout_rmse * diagnosis.nominal_heldout_rmse;
   const double extended_variance = diagnosis.extended_heldout_rmse * diagnosis.extended_heldout_rmse;
   if (nominal_variance > 0.0) {
-    diagnosis.leftover.share_of_residual_variance =
-        std::clamp((extended_variance - floor * floor) / nominal_variance, 0.0, 1.0);
+    diagnosis.leftover.share_of_residual_variance = std::clamp(
+        (extended_variance - diagnosis.noise_floor * diagnosis.noise_floor) / nominal_variance, 0.0, 1.0);
   }
   diagnosis.leftover.ljung_box_p = LjungBoxP(left, diagnosis.weights, study.stretches(), 0);
   diagnosis.leftover.runs_p = RunsP(left, diagnosis.weights, study.stretches());

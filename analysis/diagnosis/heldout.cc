@@ -80,13 +80,14 @@ double HeldOutRmse(std::span<const double> residuals, std::span<const double> we
 }
 
 GainEstimate EstimateGain(std::span<const double> before, std::span<const double> after,
-                          std::span<const double> weights, const Folds& folds, unsigned long long seed) {
+                          std::span<const double> weights, const Folds& folds, double more_variance,
+                          unsigned long long seed) {
   std::vector<double> before_sum(folds.blocks, 0.0);
   std::vector<double> after_sum(folds.blocks, 0.0);
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (!(weights[i] > 0.0)) continue;
-    before_sum[folds.block_of[i]] += before[i] * before[i];
-    after_sum[folds.block_of[i]] += after[i] * after[i];
+    before_sum[folds.block_of[i]] += before[i] * before[i] + more_variance;
+    after_sum[folds.block_of[i]] += after[i] * after[i] + more_variance;
   }
   const auto reduction = [](double from, double to) { return from > 0.0 ? 1.0 - std::sqrt(to / from) : 0.0; };
   double all_before = 0.0;

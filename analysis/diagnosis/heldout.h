@@ -32,7 +32,9 @@ double HeldOutRmse(std::span<const double> residuals, std::span<const double> we
 
 /// Reduction of the RMSE from `before` to `after` (both held out), with a 95 % interval from 2000 resamples
 /// of whole blocks.
+/// @param more_variance  of a sample, in both: Study::FilteredOutVariance
 GainEstimate EstimateGain(std::span<const double> before, std::span<const double> after,
-                          std::span<const double> weights, const Folds& folds, unsigned long long seed);
+                          std::span<const double> weights, const Folds& folds, double more_variance,
+                          unsigned long long seed);
 
 }  // namespace strainwave::analysis::diagnosis

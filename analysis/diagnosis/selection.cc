@@ -12,6 +12,11 @@ namespace {
 constexpr double kAsGood = 6.0;         // of BIC: odds of 20 to 1
 constexpr double kClearlyBetter = 2.0;  // for an exchange of one cause for another
 constexpr double kLeastBic = 2.0;
+// BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
+// phase): where chance is out of the question this much less will do.
+constexpr double kLeastBicOfCertain = -12.0;
+constexpr double kCertain = 1e-6;
+constexpr double kLeastBicBeside = 8.0;  // of what comes on top of something found
 constexpr double kRivalAwayFromZero =
     2.0;  // standard errors; a rival need not be proven, only not be excluded
 // A shape without a cause has to explain this much more than the best cause to take its place: our formulae
@@ -27,6 +32,11 @@ struct Candidate {
   Comparison against;
   double score{};  // BIC less what the places searched cost
 };
+
+// @param p  corrected
+bool IsBeyondChance(double delta_bic, double p, double error) {
+  return p < error && delta_bic > (p < kCertain ? kLeastBicOfCertain : kLeastBic);
+}
 
 double ScoreOf(const Comparison& comparison, const CauseRule& rule) {
   return comparison.delta_bic - 2.0 * std::log(std::max(1.0, rule.trials));
@@ -70,8 +80,8 @@ double ErrorAllowed(const ScoredModel& model, std::size_t given, const DiagnoseO
 }
 
 bool LooksPossible(const Judge& judge, const Candidate& candidate, double error) {
-  return candidate.against.delta_bic > kLeastBic &&
-         judge.Corrected(candidate.against.p_value, judge.study().causes()[candidate.cause]) < error;
+  const double p = judge.Corrected(candidate.against.p_value, judge.study().causes()[candidate.cause]);
+  return IsBeyondChance(candidate.against.delta_bic, p, error);
 }
 
 // Effects none of which shows while the others are still in the residual: slow ones pass together for the
@@ -128,7 +138,7 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
     ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     const Comparison comparison = judge.Compare(model, without);
     const double p = judge.Corrected(comparison.p_value, judge.study().causes()[cause]);
-    if (comparison.delta_bic > kLeastBic && p < options.family_error) continue;
+    if (IsBeyondChance(comparison.delta_bic, p, options.family_error)) continue;
     model = std::move(without);
     return true;
   }
@@ -182,7 +192,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const Comparison comparison = judge.Compare(with, without);
   CandidateResult result{
       cause, {comparison.delta_bic, judge.Corrected(comparison.p_value, rule), 0.0}, false, {}};
-  if (!(result.evidence.p_value < error_allowed) || !(comparison.delta_bic > kLeastBic)) {
+  if (!IsBeyondChance(comparison.delta_bic, result.evidence.p_value, error_allowed)) {
     result.objection = "not beyond chance";
     return result;
   }
@@ -219,7 +229,9 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
           "not beyond chance"};
       if (chosen == nullptr && !full && LooksPossible(judge, candidate, error)) {
         result = JudgeCause(judge, candidate.model, model, candidate.cause, error);
-        if (result.passed && candidate.against.likelihood_ratio < kLeastShare * explained) {
+        const bool beside = model.fit.causes.size() > given.size();
+        if (result.passed && ((beside && candidate.against.delta_bic < kLeastBicBeside) ||
+                              candidate.against.likelihood_ratio < kLeastShare * explained)) {
           result.passed = false;
           result.objection =
               "too small beside what was found already to be told from a misfit of its formula";

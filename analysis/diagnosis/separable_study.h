@@ -48,6 +48,7 @@ struct SeparableModel {
   std::string unit;
   double unit_per_si{1.0};
   double noise_floor{};
+  double filtered_out_variance{};
   std::size_t block_length{1};
   int largest_noise_order{4};
   bool spikes_are_outliers{true};
@@ -70,6 +71,7 @@ class SeparableStudy final : public Study {
   std::string unit() const override { return model_.unit; }
   double unit_per_si() const override { return model_.unit_per_si; }
   double NoiseFloor() const override { return model_.noise_floor; }
+  double FilteredOutVariance() const override { return model_.filtered_out_variance; }
   std::size_t BlockLength() const override { return model_.block_length; }
   int LargestNoiseOrder() const override { return model_.largest_noise_order; }
   bool SpikesAreOutliers() const override { return model_.spikes_are_outliers; }

@@ -111,6 +111,10 @@ class Study {
   /// them, else from what changes fastest. 0 where the record cannot tell.
   virtual double NoiseFloor() const = 0;
 
+  /// Variance of the noise, SI², that a low-pass of the study's own took from the response: added again to
+  /// all that is reported as RMSE or noise, so that these are the record's.
+  virtual double FilteredOutVariance() const { return 0.0; }
+
   /// Samples in a block that is held out in one piece: a turn, a loop, a time in which the noise has
   /// forgotten.
   virtual std::size_t BlockLength() const = 0;

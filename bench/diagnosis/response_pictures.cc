@@ -185,7 +185,7 @@ void DrawResidual(const DiagnosisReport& report, const std::filesystem::path& st
   const bool extended = IsExtended(report);
   const PanelLayout layout = StackPanels(extended ? 2 : 1, 300.0, 44.0);
   const double unit = study.unit_per_si();
-  const double floor = 2.0 * report.result.noise_floor * unit;
+  const double floor = 2.0 * study.NoiseFloor() * unit;
   const auto before = Picked(ResidualOf(study, report.result.nominal), indices, unit);
   const auto after = Picked(ResidualOf(study, report.result.extended), indices, unit);
   std::string script = FrameCommands(layout.height_px, "what the simulation misses") + MissLabel(study);

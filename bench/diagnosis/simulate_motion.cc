@@ -115,9 +115,9 @@ double Between(std::span<const double> place, const Eigen::VectorXd& values, dou
 
 }  // namespace
 
-SimulatedMotion SimulateMotion(const daq::Record& like, const diagnosis::Study& study,
-                               std::span<const ParameterValue> nominal,
-                               std::span<const diagnosis::Study::NamedCause> causes) {
+std::vector<double> SimulateMotion(const daq::Record& like, const diagnosis::Study& study,
+                                   std::span<const ParameterValue> nominal,
+                                   std::span<const diagnosis::Study::NamedCause> causes) {
   const diagnosis::MotionData data = MotionDataOf(like);
   const auto time = std::ranges::find(study.regressors(), "time", &diagnosis::Regressor::name);
   const double step_s = MedianStep(data.time_s);
@@ -139,15 +139,14 @@ SimulatedMotion SimulateMotion(const daq::Record& like, const diagnosis::Study& 
   // Called with all causes, so that one that is unknown here is refused.
   if (!causes.empty()) study.Predict(nominal, causes);
   if (!others.empty()) beside = study.Predict(nominal, others) - study.Predict(nominal, {});
-  SimulatedMotion simulated;
-  simulated.noise_gain = std::sqrt(row_spacing_s / step_s);
+  std::vector<double> simulated;
   for (std::size_t i = 0; i < data.time_s.size(); ++i) {
     const Row row{data.position[i], velocity[i], acceleration[i],
                   velocity[i] / std::max(std::hypot(velocity[i], width), 1e-300)};
     double torque = NominalTorque(nominal, row);
     for (const auto& cause : formulae) torque += CauseTorque(cause, row);
     if (!others.empty()) torque += Between(time->values, beside, data.time_s[i]);
-    simulated.torque.push_back(torque);
+    simulated.push_back(torque);
   }
   return simulated;
 }

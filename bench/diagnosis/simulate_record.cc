@@ -161,9 +161,9 @@ Record SimulateRecord(const RunnableModel& model, const Record& like, std::uint6
   const std::vector<ParameterValue> nominal = NominalFor(model, *study);
   const double deviation = noise ? model.noise / study->unit_per_si() : 0.0;
   if (model.kind == "motion") {
-    SimulatedMotion motion = SimulateMotion(like, *study, nominal, model.causes);
-    AddNoise(deviation * motion.noise_gain, seed, motion.torque);
-    SetMotion(record, std::move(motion.torque));
+    std::vector<double> torque = SimulateMotion(like, *study, nominal, model.causes);
+    AddNoise(deviation, seed, torque);
+    SetMotion(record, std::move(torque));
   } else {
     const Eigen::VectorXd predicted = study->Predict(nominal, model.causes);
     std::vector<double> response(predicted.data(), predicted.data() + predicted.size());

@@ -130,7 +130,7 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
               : "a torque from outside for a limited time: something touched, braked or drove the axis",
       .where = Where::kBench,
       .degrees_of_freedom = static_cast<int>(3 * windows),
-      .trials = 2.0 * duration_s / scan.narrowest_s,
+      .trials = std::pow(2.0 * duration_s / scan.narrowest_s, static_cast<double>(windows)),
       .local = true};
   for (std::size_t w = 0; w < windows; ++w) {
     rule.parameters.push_back(

@@ -198,7 +198,6 @@ void AddFrictionCauses(const SharedGrid& grid, const MotionUnits& units, Separab
   AddStribeck(grid, units, model);
   AddAsymmetry(grid, units, model);
   AddDrag(grid, units, model);
-  AddLoadCause(grid, units, model);
   AddThermalDrift(grid, units, model);
 }
 

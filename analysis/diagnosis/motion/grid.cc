@@ -251,6 +251,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s)
     return NoiseGain(
         MakeKernel(derivative == 0 ? bandwidth.sigma_s : bandwidth.path_sigma_s, step_s, derivative));
   };
+  grid.filtered_out_variance = (1.0 - gain(0) * gain(0)) * samples.torque_noise * samples.torque_noise;
   grid.noise_floor =
       std::hypot(gain(0) * samples.torque_noise,
                  bandwidth.inertia * (bandwidth.by_velocity ? gain(1) * samples.velocity_noise

@@ -16,13 +16,12 @@ namespace strainwave::analysis::diagnosis {
 /// Points: position, velocity and so on at (nearly) the record's own rate, smoothed only as much as their
 /// noise asks for. Terms that are not linear in the motion are evaluated there.
 ///
-/// Rows: the response. Torque and all terms pass one and the same low-pass (motion_kernel.h) and are taken at
+/// Rows: the response. Torque and all terms pass one and the same low-pass (motion/kernel.h) and are taken at
 /// a spacing that leaves white noise white, so that noise of the acceleration does not shrink the inertia
-/// (parallel filtering; Gautier, ICRA 1997). What a fit reports as RMSE or noise floor is that of the
-/// low-passed torque at the rows.
+/// (parallel filtering; Gautier, ICRA 1997).
 ///
 /// Left out of the rows: what lies within a low-pass's length of a gap, of clipped torque, or of a rest,
-/// where Coulomb friction may take any value below its limit; and what motion_rows.h says of reversals.
+/// where Coulomb friction may take any value below its limit; and what motion/rows.h says of reversals.
 struct MotionGrid {
   /// A stretch of points at even steps.
   struct Stretch {
@@ -56,9 +55,10 @@ struct MotionGrid {
   std::vector<std::size_t> stretch_of_row;
   std::vector<std::size_t> response_stretches;  // first row of each run without a gap
   std::vector<double> measured;                 // torque, low-passed
-  Eigen::MatrixXd nominal;  // rows × (acceleration, velocity, direction, one for each record)
-  Eigen::VectorXd prefit;   // the nominal numbers by least squares
-  double noise_floor{};     // of the low-passed torque
+  Eigen::MatrixXd nominal;         // rows × (acceleration, velocity, direction, one for each record)
+  Eigen::VectorXd prefit;          // the nominal numbers by least squares
+  double noise_floor{};            // of the low-passed torque
+  double filtered_out_variance{};  // of the torque's noise, by the low-pass
   double row_spacing_s{};
 
   std::size_t rows() const { return point_of_row.size(); }

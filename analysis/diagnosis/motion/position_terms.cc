@@ -122,6 +122,7 @@ void AddGravity(const SharedGrid& grid, const MotionUnits& units, SeparableModel
        .effect = "E21",
        .parameters = {{"amplitude_Nm", "Nm", 0.0, kUnlimited, true}},
        .degrees_of_freedom = 2,
+       .aliases = {"position_periodic_torque"},
        .to_settle =
            "# turn the lever or flange by 90 degrees on the axis: weight of the bench turns with it\n"
            "- kind: load_run\n  name: slow-turns\n  duration: 5 min\n  output_torque: 0 Nm\n  input_speed: "

@@ -138,11 +138,12 @@ MotionSamples PrepareMotion(std::span<const MotionData> records) {
     SettleUnits(record, name, samples.warnings);
     const double step = QuantisationStep(record.position);
     samples.position_step = std::max(samples.position_step, step);
-    const double torque_step = QuantisationStep(record.torque);
+    // Of the samples as they came: bringing them onto even steps smooths them.
+    torque_noise.push_back(
+        std::max(WhiteNoise(record.torque), QuantisationStep(record.torque) / std::sqrt(12.0)));
     for (EvenStretch& stretch : EvenStretches(record, clipped, name, samples.warnings)) {
       stretch.record = r;
       position_noise.push_back(std::max(WhiteNoise(stretch.position), step / std::sqrt(12.0)));
-      torque_noise.push_back(std::max(WhiteNoise(stretch.torque), torque_step / std::sqrt(12.0)));
       if (!stretch.velocity.empty()) {
         velocity_noise.push_back(
             std::max(WhiteNoise(stretch.velocity), QuantisationStep(stretch.velocity) / std::sqrt(12.0)));
