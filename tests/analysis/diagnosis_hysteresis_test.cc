@@ -1,1 +1,143 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "analysis/units.h"
+#include "tests/analysis/diagnosed.h"
+#include "tests/analysis/generated_loop.h"
+#include "tests/analysis/message_of.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// Three loops with holds at their ends.
+std::vector<PathLeg> Loops(double peak_Nm = 34.0, double hold_s = 10.0) {
+  std::vector<PathLeg> path;
+  for (int loop = 0; loop < 3; ++loop) {
+    path.push_back({.to_Nm = peak_Nm, .rate_Nm_per_s = 1.0, .hold_s = hold_s});
+    path.push_back({.to_Nm = -peak_Nm, .rate_Nm_per_s = 1.0, .hold_s = hold_s});
+  }
+  path.push_back({.to_Nm = 0.0, .rate_Nm_per_s = 1.0});
+  return path;
+}
+
+Diagnosed Ask(const GeneratedGear& gear, const GeneratedSensors& sensors = {}, std::uint32_t seed = 5,
+              const std::vector<PathLeg>& path = Loops()) {
+  return DiagnoseRecords(&MakeHysteresisStudy,
+                         std::vector<HysteresisData>{GenerateLoop(gear, sensors, path, 4000, seed)});
+}
+
+void ExpectNear(const ParameterValue& parameter, double truth, double most_relative_error) {
+  EXPECT_NEAR(parameter.value, truth, 4.0 * parameter.standard_error + 0.02 * std::abs(truth))
+      << parameter.name;
+  EXPECT_LT(parameter.standard_error, most_relative_error * std::abs(truth)) << parameter.name;
+}
+
+TEST(HysteresisStudy, FindsNothingInACleanLoopAndFitsItsNumbers) {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const Diagnosed clean = Ask({}, {}, seed);
+    EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
+    EXPECT_EQ(clean.names(), Names()) << seed;
+    ExpectNear(clean.nominal("k1_Nm_per_rad"), 1.5e4, 0.01);
+    ExpectNear(clean.nominal("k2_Nm_per_rad"), 2.4e4, 0.01);
+    ExpectNear(clean.nominal("k3_Nm_per_rad"), 3.0e4, 0.01);
+    ExpectNear(clean.nominal("friction_torque_Nm"), 1.2, 0.02);
+  }
+}
+
+TEST(HysteresisStudy, NamesADeadZone) {
+  const Diagnosed found = Ask({.outside_dead_zone_rad = RadFromArcmin(0.15)});
+  EXPECT_EQ(found.names(), Names{"backlash"});
+  ExpectNear(found.value("backlash_arcmin"), 0.15, 0.1);
+}
+
+TEST(HysteresisStudy, NamesASideThatIsStiffer) {
+  const Diagnosed found = Ask({.stiffer_share = 0.01});
+  EXPECT_EQ(found.names(), Names{"asymmetric_stiffness"});
+  ExpectNear(found.value("asymmetry_share"), 0.01, 0.1);
+}
+
+TEST(HysteresisStudy, NamesASpringThatHardens) {
+  const Diagnosed found = Ask({.hardening_Nm_per_rad3 = 4e8});
+  EXPECT_EQ(found.names(), Names{"cubic_hardening"});
+  ExpectNear(found.value("hardening_Nm_per_rad3"), 4e8, 0.1);
+}
+
+TEST(HysteresisStudy, NamesCreepUnderHeldTorque) {
+  const Diagnosed found = Ask({.creep_share = 0.01, .creep_s = 4.0});
+  EXPECT_EQ(found.names(), Names{"creep"});
+  ExpectNear(found.value("time_constant_s"), 4.0, 0.35);
+}
+
+TEST(HysteresisStudy, NamesABrakeThatSlips) {
+  const Diagnosed found = Ask({.slip_from_Nm = 28.0, .slip_rad_per_Nms = 2e-7});
+  EXPECT_EQ(found.names(), Names{"brake_slip"});
+}
+
+TEST(HysteresisStudy, NamesADriftWithTemperature) {
+  GeneratedSensors sensors;
+  sensors.has_temperature = true;
+  sensors.drift_rad = [](double, double temperature_K) { return RadFromArcmin(0.08) * temperature_K; };
+  const Diagnosed found = Ask({}, sensors);
+  EXPECT_EQ(found.names(), Names{"thermal_drift"});
+  ExpectNear(found.value("drift_arcmin_per_K"), 0.08, 0.1);
+}
+
+TEST(HysteresisStudy, NamesATorqueSignalThatIsShifted) {
+  const Diagnosed found = Ask({}, {.torque_offset_Nm = 0.4});
+  EXPECT_EQ(found.names(), Names{"torque_zero_offset"});
+  ExpectNear(found.value("offset_Nm"), 0.4, 0.1);
+}
+
+TEST(HysteresisStudy, NamesASpectrumOfFriction) {
+  const Diagnosed found = Ask({.friction_Nm = {0.6, 0.6}, .yield_rad = {5e-5, 6e-4}});
+  EXPECT_EQ(found.names(), Names{"distributed_friction"});
+}
+
+TEST(HysteresisStudy, NamesALoopThatWidensWithTheRate) {
+  const std::vector<PathLeg> path{{34.0, 0.5, 0.5},  {-34.0, 0.5, 0.5}, {0.0, 0.5, 0.5},   {34.0, 5.0, 0.5},
+                                  {-34.0, 5.0, 0.5}, {34.0, 5.0, 0.5},  {-34.0, 5.0, 0.5}, {0.0, 5.0, 0.5}};
+  const Diagnosed found = Ask({.damper_Nms_per_rad = 2500.0}, {}, 6, path);
+  EXPECT_EQ(found.names(), Names{"rate_dependence"});
+  ExpectNear(found.value("viscous_Nms_per_rad"), 2500.0, 0.1);
+}
+
+TEST(HysteresisStudy, CallsAShapeOfNoCauseUnnamed) {
+  GeneratedSensors sensors;
+  sensors.unlisted_rad = [](double, double torque_Nm, double, bool) {
+    return RadFromArcmin(0.02) * std::sin(torque_Nm / 1.7);
+  };
+  const Diagnosed found = Ask({}, sensors);
+  EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure);
+  EXPECT_EQ(found.names(), Names());
+}
+
+TEST(HysteresisStudy, JoinsLoopsThatDoNotShowAnOffsetAlone) {
+  const GeneratedSensors sensors{.torque_offset_Nm = 0.065, .angle_noise_rad = RadFromArcmin(0.05)};
+  std::vector<HysteresisData> loops;
+  for (std::uint32_t seed : {21U, 22U, 23U}) loops.push_back(GenerateLoop({}, sensors, Loops(), 1500, seed));
+  EXPECT_EQ(DiagnoseRecords(&MakeHysteresisStudy, std::vector<HysteresisData>{loops[0]}).names(), Names());
+  EXPECT_EQ(DiagnoseRecords(&MakeHysteresisStudy, loops).names(), Names{"torque_zero_offset"});
+}
+
+TEST(HysteresisStudy, SaysWhatIsWrongWithARecord) {
+  const auto message = [](const HysteresisData& record) {
+    return MessageOf([&] { MakeHysteresisStudy({&record, 1}); });
+  };
+  const HysteresisData good = GenerateLoop({}, {}, Loops(), 1000, 9);
+  HysteresisData record = good;
+  record.time_s.resize(20), record.torque_Nm.resize(20), record.output_angle_rad.resize(20);
+  EXPECT_EQ(message(record), "the record is too short: 20 samples (expected at least 60, of a whole loop)");
+  record = good;
+  std::fill(record.torque_Nm.begin(), record.torque_Nm.end(), 3.0);
+  EXPECT_EQ(message(record), "torque_Nm stays between 3 and 3 Nm (expected it to go beyond t1_Nm = 7)");
+  record = good;
+  std::fill(record.output_angle_rad.begin(), record.output_angle_rad.end(), 0.1);
+  EXPECT_EQ(message(record),
+            "output_angle_deg stays within 0 arcmin, which is its noise (expected it to follow the torque)");
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis

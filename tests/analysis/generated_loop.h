@@ -42,8 +42,8 @@ struct GeneratedSensors {
   double angle_noise_rad{RadFromArcmin(0.01)};
   double autoregression{};  // of the angle's noise
   double angle_offset_rad{0.002};
-  std::function<double(double time_s, double temperature_K)> drift_rad;
-  std::function<double(double time_s, double torque_Nm, double angle_rad, bool rising)> unlisted_rad;
+  std::function<double(double time_s, double temperature_K)> drift_rad{};
+  std::function<double(double time_s, double torque_Nm, double angle_rad, bool rising)> unlisted_rad{};
   bool has_temperature{};
 };
 

@@ -58,32 +58,68 @@ class TorquePolynomial final : public Correction {
   int first_order_;
 };
 
-// A line over output angle or time. Numbers: cosine, sine, order per output turn or frequency in Hz.
+enum class Over { kAngle, kTime, kTorque };
+
+// What a line is counted over, and the words for it.
+struct Abscissa {
+  const char* name;
+  const char* sentence;
+  const char* frequency;
+  const char* unit;
+  double fewest_periods;  // slower than that it would stand in for any smooth shape
+  double per_number;      // radians of phase a unit of the abscissa, at a frequency of 1
+};
+
+Abscissa AbscissaOf(Over over) {
+  switch (over) {
+    case Over::kTime:
+      return {"line over time",
+              "what is left goes up and down at one frequency: the building, a fan, a control loop",
+              "frequency_Hz",
+              "Hz",
+              3.0,
+              kTwoPi};
+    case Over::kTorque:
+      return {"line over torque",
+              "what is left goes up and down with the torque",
+              "periods_per_Nm",
+              "1/Nm",
+              4.0,
+              kTwoPi};
+    case Over::kAngle:
+      break;
+  }
+  return {"line over output angle",
+          "what is left repeats over the output angle: graduation of the encoder, teeth",
+          "order_per_output_turn",
+          "1",
+          4.0,
+          1.0};
+}
+
+// Numbers: cosine, sine, frequency.
 class Line final : public Correction {
  public:
-  Line(const LoopRecords& records, bool over_time) : over_time_(over_time) {
+  Line(const LoopRecords& records, Over over) : over_(over), abscissa_(AbscissaOf(over)) {
     const double most = ArcminFromRad(records.twist_range_rad);
-    const double span = over_time ? records.duration_s : records.twist_range_rad / kTwoPi;
-    // Slower than a few periods a record it would stand in for any smooth shape; faster than a few samples a
-    // period it cannot be told from noise, nor where the noise of the place is a part of the period.
-    lowest_ = (over_time ? 3.0 : 4.0) / span;
+    const double span = over == Over::kTime     ? records.duration_s
+                        : over == Over::kTorque ? 2.0 * records.peak_torque_Nm
+                                                : records.twist_range_rad / kTwoPi;
+    lowest_ = abscissa_.fewest_periods / span;
     const auto records_there = static_cast<double>(records.samples.records());
     const double samples = static_cast<double>(records.samples.size()) / records_there;
     const double passes = static_cast<double>(records.branches.size() - 1) / records_there;
-    const double noise_rad = std::max(records.noise_floor_rad, 1e-12);
-    const double fastest =
-        over_time ? 0.4 / records.step_s : std::min(0.2 * samples / passes / span, 0.15 / noise_rad);
+    // Faster than a few samples a period it cannot be told from noise, nor where the noise of the place is a
+    // part of the period.
+    double fastest = over == Over::kTime ? 0.4 / records.step_s : 0.2 * samples / passes / span;
+    if (over == Over::kAngle) fastest = std::min(fastest, 0.15 / std::max(records.noise_floor_rad, 1e-12));
     highest_ = std::max(2.0 * lowest_, std::min(fastest, 2000.0 / span));
     needs_all_samples = true;
     Number("cosine_arcmin", "arcmin", {-most, most, 1e-6 * most, false, true});
     Number("sine_arcmin", "arcmin", {-most, most, 1e-6 * most, false, true});
-    Number(over_time ? "frequency_Hz" : "order_per_output_turn", over_time ? "Hz" : "1",
-           {lowest_, highest_, 1e-4 / span, false, false});
-    rule = {.name = over_time ? "line over time" : "line over output angle",
-            .sentence =
-                over_time
-                    ? "what is left goes up and down at one frequency: the building, a fan, a control loop"
-                    : "what is left repeats over the output angle: graduation of the encoder, teeth",
+    Number(abscissa_.frequency, abscissa_.unit, {lowest_, highest_, 1e-4 / span, false, false});
+    rule = {.name = abscissa_.name,
+            .sentence = abscissa_.sentence,
             .degrees_of_freedom = 3,
             .trials = (highest_ - lowest_) * span,
             .named = false};
@@ -91,8 +127,8 @@ class Line final : public Correction {
 
   void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd&,
            Eigen::VectorXd& total_rad) const override {
-    const std::vector<double>& place = over_time_ ? grid.time_s : grid.place_rad;
-    const double per_place = over_time_ ? kTwoPi * v[2] : v[2];
+    const std::vector<double>& place = PlaceIn(grid);
+    const double per_place = abscissa_.per_number * v[2];
     const double c = RadFromArcmin(v[0]);
     const double s = RadFromArcmin(v[1]);
     for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -103,17 +139,22 @@ class Line final : public Correction {
 
   std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
     const LoopGrid& grid = remainder.grid;
-    const double per_number = over_time_ ? kTwoPi : 1.0;
+    const double per_number = abscissa_.per_number;
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(over_time_ ? grid.time_s : grid.place_rad, remainder.residual_rad,
-                                          grid.weight, lowest_ * per_number, highest_ * per_number, 3)) {
+    for (const LinePeak& peak : FindLines(PlaceIn(grid), remainder.residual_rad, grid.weight,
+                                          lowest_ * per_number, highest_ * per_number, 3)) {
       starts.push_back({0.0, 0.0, std::clamp(peak.order / per_number, lowest_, highest_)});
     }
     return starts;
   }
 
  private:
-  bool over_time_;
+  const std::vector<double>& PlaceIn(const LoopGrid& grid) const {
+    return over_ == Over::kTime ? grid.time_s : over_ == Over::kTorque ? grid.torque_Nm : grid.place_rad;
+  }
+
+  Over over_;
+  Abscissa abscissa_;
   double lowest_{};
   double highest_{};
 };
@@ -123,8 +164,9 @@ class Line final : public Correction {
 void AppendCorrections(const LoopRecords& records, LoopEffects& effects) {
   effects.push_back(std::make_unique<TorquePolynomial>(records, false));
   effects.push_back(std::make_unique<TorquePolynomial>(records, true));
-  effects.push_back(std::make_unique<Line>(records, false));
-  effects.push_back(std::make_unique<Line>(records, true));
+  for (const Over over : {Over::kAngle, Over::kTime, Over::kTorque}) {
+    effects.push_back(std::make_unique<Line>(records, over));
+  }
   AppendTimeCorrections(records, effects);
 }
 

@@ -69,22 +69,23 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
   for (std::size_t k = 0; k < 2 * windows; ++k) {
     term.shapes.push_back({*first - scan.narrowest_s, *last + scan.narrowest_s, 2.0 * grid->row_spacing_s});
   }
-  term.starts = [scan, windows](const Remainder& remainder) {
+  term.starts = [grid, term, scan, windows](const Remainder& remainder) {
     const std::vector<WindowPeak> peaks =
         FindWindows(scan.time_s, remainder.residual, remainder.weights, scan.narrowest_s, scan.widest_s,
                     windows == 1 ? 3 : windows);
-    std::vector<std::vector<double>> starts;
-    if (windows == 1) {
-      for (const WindowPeak& peak : peaks) {
-        starts.push_back({peak.centre - 0.5 * peak.width, peak.centre + 0.5 * peak.width});
-      }
-    } else if (peaks.size() == windows) {
-      starts.emplace_back();
-      for (const WindowPeak& peak : peaks) {
-        starts.back().push_back(peak.centre - 0.5 * peak.width);
-        starts.back().push_back(peak.centre + 0.5 * peak.width);
+    if (windows > 1 && peaks.size() < windows) return std::vector<std::vector<double>>{};
+    // One start a window, or one of all windows.
+    std::vector<std::vector<double>> starts(windows == 1 ? peaks.size() : 1);
+    std::vector<std::vector<double>> steps(starts.size());
+    for (std::size_t k = 0; k < peaks.size(); ++k) {
+      const std::size_t into = windows == 1 ? k : 0;
+      for (const double side : {-0.5, 0.5}) {
+        starts[into].push_back(peaks[k].centre + side * peaks[k].width);
+        steps[into].push_back(0.2 * peaks[k].width);
       }
     }
+    StartSearch search(*grid, term, remainder);
+    for (std::size_t k = 0; k < starts.size(); ++k) starts[k] = search.Polish(std::move(starts[k]), steps[k]);
     return starts;
   };
   // Reported in the order of time.
@@ -101,15 +102,28 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
       const auto i = static_cast<Eigen::Index>(k);
       return std::sqrt(std::max(0.0, covariance(i, i)));
     };
+    // An edge is where the likelihood is largest, not where its slope says: the variance of a change point is
+    // 26 (noise / step)⁴ (Yao, Ann. Statist. 15 (1987) 1321). And between two rows, next to a reversal or a
+    // gap, nobody saw where it was.
+    const auto edge_error = [&](std::size_t k, double height) {
+      const double noise = grid->noise_floor / std::max(std::abs(height), 1e-300);
+      const double jump_s = std::sqrt(26.0) * noise * noise * grid->row_spacing_s;
+      const auto next = std::ranges::upper_bound(scan.time_s, numbers[k]);
+      const bool inside = next != scan.time_s.begin() && next != scan.time_s.end();
+      const double unseen_s = inside ? (*next - *(next - 1)) / std::sqrt(12.0) : 0.0;
+      return std::hypot(error(k), jump_s, unseen_s);
+    };
     std::vector<ParameterValue> values;
     for (std::size_t w = 0; w < windows; ++w) {
       const std::size_t from = windows + 2 * order[w];
-      values.push_back({name("start", w, "s"), "s", numbers[from], error(from)});
-      values.push_back({name("end", w, "s"), "s", numbers[from + 1], error(from + 1)});
+      values.push_back({name("start", w, "s"), "s", numbers[from], edge_error(from, numbers[order[w]])});
+      values.push_back(
+          {name("end", w, "s"), "s", numbers[from + 1], edge_error(from + 1, numbers[order[w]])});
       values.push_back(
           {name("torque", w, units.torque()), units.torque(), numbers[order[w]], error(order[w])});
-      values.push_back({name("duration", w, "s"), "s", numbers[from + 1] - numbers[from],
-                        std::hypot(error(from), error(from + 1))});
+      values.push_back(
+          {name("duration", w, "s"), "s", numbers[from + 1] - numbers[from],
+           std::hypot(edge_error(from, numbers[order[w]]), edge_error(from + 1, numbers[order[w]]))});
     }
     return values;
   };
