@@ -127,7 +127,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                          .parameters = {{"inertia_share", "1", 0.0, 1.5, false},
                                         {inertia + "s2", units.inertia() + " s²", 0.0, kUnlimited, true},
                                         {"frequency_Hz", "Hz", 1.02 * low_Hz, 0.98 * high_Hz, false},
-                                        {"damping_ratio", "1", 0.0, 0.75, false}},
+                                        {"damping_ratio", "1", 0.0, 0.4, false}},
                          .degrees_of_freedom = 3,
                          .trials = std::max(4.0, 4.0 * std::log(high_Hz / low_Hz)),
                          .to_settle = units.linear ? ""

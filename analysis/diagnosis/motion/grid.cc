@@ -16,6 +16,7 @@ using Eigen::Index;
 constexpr std::size_t kMostRows = 16000;
 constexpr std::size_t kFewestRows = 60;
 constexpr double kPointsPerSigma = 2.5;  // steps of the points in a σ of the low-pass, at least
+constexpr double kUnknownInertia = 3.0;  // standard errors
 constexpr double kClearly = 12.0;  // in −2 log-likelihood: what a detail of the nominal model has to bring
 
 // Goes on beyond both ends as the cubic through what is next to them does, so that what remembers the motion
@@ -111,6 +112,16 @@ void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque) {
       SetDirection(grid, before);
     }
   }
+}
+
+// Standard error of the inertia, of the nominal model alone.
+double InertiaError(const MotionGrid& grid) {
+  const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
+  const double left = grid.BesideNominal(measured).squaredNorm() / static_cast<double>(grid.rows());
+  const Eigen::MatrixXd others = grid.nominal.rightCols(grid.nominal.cols() - 1);
+  const Eigen::VectorXd acceleration = grid.nominal.col(0);
+  const double own = (acceleration - others * others.colPivHouseholderQr().solve(acceleration)).squaredNorm();
+  return std::sqrt(left / std::max(own, 1e-300));
 }
 
 }  // namespace
@@ -277,6 +288,12 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s)
   ChooseSignWidth(grid, torque);
   grid.measured.assign(torque.data(), torque.data() + rows);
   grid.prefit = grid.nominal.colPivHouseholderQr().solve(torque);
+  grid.inertia_error = InertiaError(grid);
+  if (std::abs(grid.prefit(0)) < kUnknownInertia * grid.inertia_error) {
+    // What is left of the acceleration is noise: a number for it would only blow up where it is not fitted.
+    grid.nominal.col(0).setZero();
+    grid.prefit = grid.nominal.completeOrthogonalDecomposition().solve(torque);
+  }
   return grid;
 }
 

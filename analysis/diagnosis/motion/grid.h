@@ -55,9 +55,10 @@ struct MotionGrid {
   std::vector<std::size_t> stretch_of_row;
   std::vector<std::size_t> response_stretches;  // first row of each run without a gap
   std::vector<double> measured;                 // torque, low-passed
-  Eigen::MatrixXd nominal;         // rows × (acceleration, velocity, direction, one for each record)
-  Eigen::VectorXd prefit;          // the nominal numbers by least squares
-  double noise_floor{};            // of the low-passed torque
+  Eigen::MatrixXd nominal;  // rows × (acceleration, velocity, direction, one for each record)
+  Eigen::VectorXd prefit;   // the nominal numbers by least squares
+  double inertia_error{};   // standard error of the first of them; its column is zero where that drowns it
+  double noise_floor{};     // of the low-passed torque
   double filtered_out_variance{};  // of the torque's noise, by the low-pass
   double row_spacing_s{};
 
