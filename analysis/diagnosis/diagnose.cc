@@ -10,18 +10,12 @@
 
 #include "analysis/diagnosis/heldout.h"
 #include "analysis/diagnosis/residual_tests.h"
+#include "analysis/diagnosis/residuals.h"
 #include "analysis/diagnosis/selection.h"
 #include "analysis/noise_level.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-std::vector<double> ResidualsOf(const Study& study, const ModelFit& fit) {
-  std::vector<double> residuals(study.measured().begin(), study.measured().end());
-  for (std::size_t i = 0; i < residuals.size(); ++i)
-    residuals[i] -= fit.predicted(static_cast<Eigen::Index>(i));
-  return residuals;
-}
 
 // Single samples of a residual that stand off the median of their eight neighbours while those next to them
 // do not: nothing physical lasts one sample.

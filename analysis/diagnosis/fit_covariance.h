@@ -2,10 +2,15 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 
 namespace strainwave::analysis::diagnosis {
+
+/// Root of a variance that rounding may have left below zero.
+inline double StandardErrorOf(double variance) { return std::sqrt(std::max(0.0, variance)); }
 
 /// Covariance of least-squares parameters from the derivatives of the prediction (samples × parameters, in
 /// time order) under the autoregressive noise Σ that the residual shows (white where it shows none): (JᵀJ)⁻¹

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "analysis/autocorrelation.h"
+#include "analysis/diagnosis/residuals.h"
 #include "analysis/diagnosis/selection.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -14,15 +15,6 @@ namespace {
 
 // A local cause may cover a few samples: its blocks are this much shorter.
 constexpr std::size_t kShortBlocks = 20;
-
-std::vector<double> ResidualsOf(const Study& study, const ModelFit& fit) {
-  const std::span<const double> measured = study.measured();
-  std::vector<double> residuals(measured.size());
-  for (std::size_t i = 0; i < residuals.size(); ++i) {
-    residuals[i] = measured[i] - fit.predicted(static_cast<Eigen::Index>(i));
-  }
-  return residuals;
-}
 
 }  // namespace
 

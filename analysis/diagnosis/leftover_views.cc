@@ -19,12 +19,6 @@ using Eigen::Index;
 
 constexpr double kHighestOrderPerTurn = 1000.0;
 
-double SpanOf(std::span<const double> values) {
-  if (values.empty()) return 0.0;
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
-}
-
 // What the residual has that its own past does not foretell; the first samples of each stretch get no weight.
 struct Innovations {
   std::vector<double> values;

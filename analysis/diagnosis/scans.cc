@@ -33,12 +33,6 @@ double DropOf(const Sums& sums) {
   return (ss * yc * yc + cc * ys * ys - 2.0 * cs * yc * ys) / determinant;
 }
 
-double SpanOf(std::span<const double> values) {
-  if (values.empty()) return 0.0;
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
-}
-
 // Between two grid points either side of `order`: golden section on the exact sums.
 LinePeak Refine(std::span<const double> angle, std::span<const double> residual,
                 std::span<const double> weights, double order, double half_width, double lowest) {
@@ -86,6 +80,12 @@ std::vector<double> LocalLevel(const std::vector<double>& drops, std::size_t rea
 }
 
 }  // namespace
+
+double SpanOf(std::span<const double> values) {
+  if (values.empty()) return 0.0;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
 
 double LineDrop(std::span<const double> angle, std::span<const double> residual,
                 std::span<const double> weights, double order) {

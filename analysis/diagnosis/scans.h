@@ -6,6 +6,9 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// Largest less smallest; 0 for none.
+double SpanOf(std::span<const double> values);
+
 /// A line found in a residual: cos and sin of `order` × angle, with the drop of the weighted sum of squares
 /// that it brings.
 struct LinePeak {

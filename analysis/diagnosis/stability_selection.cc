@@ -16,17 +16,29 @@ using Eigen::Index;
 constexpr double kKeptShare = 0.8;  // of the half-samples
 constexpr double kTermP = 0.0027;   // three standard errors, in each half-sample
 
+struct Normal {
+  Eigen::MatrixXd gram;
+  Eigen::VectorXd right;
+};
+
+// Of these columns, summed over the blocks.
+Normal NormalEquations(const SparseProblem& problem, const std::vector<Index>& columns,
+                       std::span<const std::size_t> blocks) {
+  const Index p = static_cast<Index>(columns.size());
+  Normal normal{Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p)};
+  for (const std::size_t b : blocks) {
+    normal.gram += problem.blocks[b].gram(columns, columns);
+    normal.right += problem.blocks[b].right(columns);
+  }
+  return normal;
+}
+
 // p-value of each term, by the scatter of the blocks' scores: right whatever the memory within a block.
 std::vector<double> TermPValues(const SparseProblem& problem, std::span<const std::size_t> terms,
                                 std::span<const std::size_t> blocks) {
   const std::vector<Index> columns = problem.Columns(terms);
   const Index p = static_cast<Index>(columns.size());
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(p);
-  for (const std::size_t b : blocks) {
-    gram += problem.blocks[b].gram(columns, columns);
-    right += problem.blocks[b].right(columns);
-  }
+  auto [gram, right] = NormalEquations(problem, columns, blocks);
   gram.diagonal().array() += 1e-9 * gram.diagonal().maxCoeff();
   const Eigen::LDLT<Eigen::MatrixXd> factor(gram);
   const Eigen::VectorXd coefficients = factor.solve(right);
@@ -162,12 +174,7 @@ Eigen::VectorXd SparseCoefficients(const SparseProblem& problem, std::span<const
                                    std::span<const std::size_t> blocks, double residual_mean) {
   const std::vector<Index> columns = problem.Columns(terms);
   const Index p = static_cast<Index>(columns.size());
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(p, p);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(p);
-  for (const std::size_t b : blocks) {
-    gram += problem.blocks[b].gram(columns, columns);
-    right += problem.blocks[b].right(columns);
-  }
+  auto [gram, right] = NormalEquations(problem, columns, blocks);
   Eigen::VectorXd numbers(p + 1);
   numbers.head(p) = problem.scale(columns).cwiseProduct(gram.completeOrthogonalDecomposition().solve(right));
   numbers(p) = residual_mean - numbers.head(p).dot(problem.mean(columns));

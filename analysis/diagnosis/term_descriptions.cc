@@ -2,15 +2,11 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/separable_study.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
-namespace {
-
-double RootOf(double variance) { return std::sqrt(std::max(0.0, variance)); }
-
-}  // namespace
 
 void DescribeAsHarmonic(SeparableTerm& term, std::string amplitude_name, std::string unit, double unit_per_si,
                         std::vector<ShapeDescription> shapes) {
@@ -25,16 +21,17 @@ void DescribeAsHarmonic(SeparableTerm& term, std::string amplitude_name, std::st
     if (amplitude > 0.0) along = Eigen::Vector2d(a, b) / amplitude;
     const Eigen::Vector2d across(-along(1), along(0));
     const Eigen::Matrix2d block = covariance.topLeftCorner<2, 2>();
-    const double phase_error = amplitude > 0.0
-                                   ? std::min(RootOf(across.dot(block * across)) / amplitude, kTwoPi / 2.0)
-                                   : kTwoPi / 2.0;
+    const double phase_error =
+        amplitude > 0.0 ? std::min(StandardErrorOf(across.dot(block * across)) / amplitude, kTwoPi / 2.0)
+                        : kTwoPi / 2.0;
     std::vector<ParameterValue> values{
-        {amplitude_name, unit, amplitude * unit_per_si, RootOf(along.dot(block * along)) * unit_per_si},
+        {amplitude_name, unit, amplitude * unit_per_si,
+         StandardErrorOf(along.dot(block * along)) * unit_per_si},
         {prefix + "phase_deg", "deg", DegFromRad(std::atan2(b, a)), DegFromRad(phase_error)}};
     for (std::size_t s = 0; s < shapes.size(); ++s) {
       const auto i = static_cast<Eigen::Index>(2 + s);
       values.push_back({shapes[s].name, shapes[s].unit, numbers[2 + s] * shapes[s].unit_per_si,
-                        RootOf(covariance(i, i)) * shapes[s].unit_per_si});
+                        StandardErrorOf(covariance(i, i)) * shapes[s].unit_per_si});
     }
     return values;
   };
@@ -54,7 +51,7 @@ void DescribeEach(SeparableTerm& term, std::vector<ShapeDescription> description
       const auto row = static_cast<Eigen::Index>(i);
       const double factor = descriptions[i].unit_per_si;
       values.push_back({descriptions[i].name, descriptions[i].unit, numbers[i] * factor,
-                        RootOf(covariance(row, row)) * std::abs(factor)});
+                        StandardErrorOf(covariance(row, row)) * std::abs(factor)});
     }
     return values;
   };

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
 
 #include <chrono>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "analysis/diagnosis/diagnose.h"
+#include "analysis/diagnosis/residuals.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
@@ -36,27 +36,18 @@ struct DiagnoseCommand {
   bool json{};
 };
 
-// A line on a terminal with the share done and the time left; nothing in a log.
+// The share done and the time left.
 class ShareLine {
  public:
-  ~ShareLine() { Clear(); }
-
   void Show(const std::string& step, double share) {
-    if (!is_terminal_) return;
     const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     const std::string left = share > 0.02 ? DurationText(elapsed_s * (1.0 - share) / share) + " left" : "";
-    fmt::print(stderr, "\r\033[K{:5.1f} %  {}  {}", 100.0 * share, step, left);
-    open_ = true;
+    line_.Show(fmt::format("{:5.1f} %  {}  {}", 100.0 * share, step, left));
   }
-
-  void Clear() {
-    if (open_) fmt::print(stderr, "\r\033[K");
-    open_ = false;
-  }
+  void Clear() { line_.Clear(); }
 
  private:
-  bool is_terminal_{::isatty(STDERR_FILENO) == 1};
-  bool open_{};
+  TerminalLine line_;
   std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
 };
 
@@ -110,7 +101,7 @@ int Run(const DiagnoseCommand& command) {
   DiagnosisReport report{
       input, result, command.model, given ? given->nominal : DataSheetParameters(input.kind), {}};
   if (result.verdict == diagnosis::Verdict::kUnnamedStructure) {
-    const std::vector<double> residual = ResidualOf(*input.study, result.nominal);
+    const std::vector<double> residual = diagnosis::ResidualsOf(*input.study, result.nominal);
     report.formula = diagnosis::ProposeFormula(
         *input.study,
         Eigen::Map<const Eigen::VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size())),

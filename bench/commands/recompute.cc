@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
 
 #include <map>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/record_report.h"
 #include "bench/commands/results_table.h"
+#include "bench/commands/terminal.h"
 #include "daq/read_records.h"
 
 namespace strainwave::bench {
@@ -38,11 +38,11 @@ nlohmann::json RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
   const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
   CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   context.method = kMethods.at(options.method);
-  const bool show = ::isatty(STDERR_FILENO) == 1;
+  TerminalLine line;
   const auto cycles = RecomputeCampaign(folder, journal, context, [&](std::size_t done, std::size_t all) {
-    if (show) fmt::print(stderr, "\r{} of {} cycles", done, all);
+    line.Show(fmt::format("{} of {} cycles", done, all));
   });
-  if (show) fmt::print(stderr, "\r\033[K");
+  line.Clear();
   nlohmann::json rows = nlohmann::json::array();
   std::size_t equal = 0;
   for (const RecomputedCycle& cycle : cycles) {

@@ -28,23 +28,28 @@ std::string DurationText(double time_s) {
   return fmt::format("{} s", seconds);
 }
 
-TerminalProgress::TerminalProgress()
-    : is_terminal_(::isatty(STDERR_FILENO) == 1), start_(steady_clock::now()) {}
+TerminalLine::TerminalLine() : is_terminal_(::isatty(STDERR_FILENO) == 1) {}
 
-TerminalProgress::~TerminalProgress() { ClearLine(); }
-
-void TerminalProgress::ClearLine() {
-  if (!line_open_) return;
-  fmt::print(stderr, "\r\033[K");
-  line_open_ = false;
+void TerminalLine::Show(std::string_view text) {
+  if (!is_terminal_) return;
+  fmt::print(stderr, "\r\033[K{}", text);
+  std::fflush(stderr);
+  open_ = true;
 }
+
+void TerminalLine::Clear() {
+  if (open_) fmt::print(stderr, "\r\033[K");
+  open_ = false;
+}
+
+TerminalProgress::TerminalProgress() : start_(steady_clock::now()) {}
 
 void TerminalProgress::Update(const ProgressState& state) {
   state_ = state;
   phase_ = state.phase;
   if (first_share_ < 0.0) first_share_ = state.share;
   const auto now = steady_clock::now();
-  if (now - last_draw_ < (is_terminal_ ? kTerminalInterval : kLogInterval)) return;
+  if (now - last_draw_ < (line_.is_terminal() ? kTerminalInterval : kLogInterval)) return;
   last_draw_ = now;
   const double done = state.share - first_share_;
   const double elapsed_s = duration<double>(now - start_).count();
@@ -56,20 +61,18 @@ void TerminalProgress::Draw(double share, double eta_s) {
   const std::string where = state_.cycle == 0
                                 ? fmt::format("preparation, {}", phase_)
                                 : fmt::format("cycle {} of {}, {}", state_.cycle, state_.cycles, phase_);
-  if (!is_terminal_) {
+  if (!line_.is_terminal()) {
     fmt::print(stderr, "{:5.1f} %  {}  {} left\n", 100.0 * share, where, eta);
     return;
   }
   const int full = static_cast<int>(std::lround(share * kBarWidth));
-  fmt::print(stderr, "\r\033[K[{}{}] {:5.1f} %  {}  {} left",
-             std::string(static_cast<std::size_t>(full), '#'),
-             std::string(static_cast<std::size_t>(kBarWidth - full), '.'), 100.0 * share, where, eta);
-  std::fflush(stderr);
-  line_open_ = true;
+  line_.Show(fmt::format("[{}{}] {:5.1f} %  {}  {} left", std::string(static_cast<std::size_t>(full), '#'),
+                         std::string(static_cast<std::size_t>(kBarWidth - full), '.'), 100.0 * share, where,
+                         eta));
 }
 
 void TerminalProgress::Message(std::string_view severity, std::string_view text) {
-  ClearLine();
+  line_.Clear();
   if (severity == "info") {
     fmt::print(stderr, "{}\n", text);
   } else {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <string>
+#include <string_view>
 
 #include "bench/campaign/progress.h"
 
@@ -11,27 +12,40 @@ namespace strainwave::bench {
 /// "1 h 05 min", "3 min 20 s", "12 s": for people.
 std::string DurationText(double time_s);
 
+/// A line of standard error that is written anew in place: for terminals, silent elsewhere.
+class TerminalLine {
+ public:
+  TerminalLine();
+  ~TerminalLine() { Clear(); }
+  TerminalLine(const TerminalLine&) = delete;
+  TerminalLine& operator=(const TerminalLine&) = delete;
+
+  bool is_terminal() const { return is_terminal_; }
+  void Show(std::string_view text);
+  void Clear();
+
+ private:
+  bool is_terminal_;
+  bool open_{};
+};
+
 /// Progress on standard error: a bar with the time left on a terminal, a line a minute in a log.
 class TerminalProgress final : public ProgressSink {
  public:
   TerminalProgress();
-  ~TerminalProgress() override;
-
   void Update(const ProgressState& state) override;
   void Message(std::string_view severity, std::string_view text) override;
   void CycleStored(int cycle, const std::vector<Result>& results) override;
 
  private:
-  void ClearLine();
   void Draw(double share, double eta_s);
 
-  bool is_terminal_;
+  TerminalLine line_;
   double first_share_{-1.0};  // what earlier runs have done says nothing of this one's pace
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_draw_{};
   ProgressState state_;
   std::string phase_;
-  bool line_open_{};
 };
 
 }  // namespace strainwave::bench

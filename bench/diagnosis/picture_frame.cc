@@ -85,14 +85,18 @@ std::string Legend(const std::vector<LegendEntry>& entries, const PanelEdges& pa
   return commands;
 }
 
-std::string RangeText(std::span<const double> values, double margin) {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
+ValueRange FiniteRange(std::span<const double> values) {
+  ValueRange range;
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
-    low = std::min(low, value);
-    high = std::max(high, value);
+    range.low = std::min(range.low, value);
+    range.high = std::max(range.high, value);
   }
+  return range;
+}
+
+std::string RangeText(std::span<const double> values, double margin) {
+  const auto [low, high] = FiniteRange(values);
   if (!(low <= high)) return "[0:1]";
   const double level = std::max(std::abs(low), std::abs(high));
   const double room = std::max({margin * (high - low), 1e-6 * level, 1e-12});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -48,6 +49,13 @@ struct LegendEntry {
 /// @param gap_px  above the panel's upper edge.
 std::string Legend(const std::vector<LegendEntry>& entries, const PanelEdges& panel, double height_px,
                    double gap_px = 14.0);
+
+/// Smallest and largest of the finite values; the first above the second where there are none.
+struct ValueRange {
+  double low{std::numeric_limits<double>::infinity()};
+  double high{-std::numeric_limits<double>::infinity()};
+};
+ValueRange FiniteRange(std::span<const double> values);
 
 /// "[low:high]" with a margin; around a level where all are equal.
 std::string RangeText(std::span<const double> values, double margin = 0.05);

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/diagnosis/scans.h"
 #include "analysis/units.h"
 #include "daq/record_rules.h"
 
@@ -23,11 +24,6 @@ constexpr double kRatioTolerance = 0.004;
 
 [[noreturn]] void Refuse(const daq::Record& record, const std::string& what, const std::string& expected) {
   throw RecordRefusal(record, fmt::format("{} (expected {})", what, expected));
-}
-
-double SpanOf(std::span<const double> values) {
-  const auto [low, high] = std::ranges::minmax(values);
-  return high - low;
 }
 
 // Samples of one direction, in the order of the record.
@@ -178,10 +174,10 @@ void CheckDirections(const daq::Record& record, std::span<const Sweep> sweeps,
 }
 
 void CheckSweep(const daq::Record& record, std::vector<std::string>& doubts) {
-  const double output_span_deg = SpanOf(record.Doubles("output_angle_deg"));
+  const double output_span_deg = analysis::diagnosis::SpanOf(record.Doubles("output_angle_deg"));
   for (const char* column : {"input_angle_deg", "output_angle_deg"}) {
     const auto angle_deg = record.Doubles(column);
-    if (SpanOf(angle_deg) > 0.0) continue;
+    if (analysis::diagnosis::SpanOf(angle_deg) > 0.0) continue;
     Refuse(record, fmt::format("{} is constant at {:g}", column, angle_deg.front()), "a sweep of the output");
   }
   const Sweep sweeps[] = {SweepOf(record, Direction::kClockwise),

@@ -6,7 +6,9 @@
 #include <limits>
 #include <set>
 
+#include "analysis/diagnosis/residuals.h"
 #include "analysis/units.h"
+#include "bench/diagnosis/picture_frame.h"
 
 namespace strainwave::bench {
 namespace {
@@ -29,15 +31,9 @@ constexpr double kSamePlace = 5e-4;  // of the range
 std::vector<Bin> FillBins(std::span<const double> place, std::span<const double> residual,
                           std::span<const double> weights) {
   // A campaign may have cycles without a temperature.
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (const double here : place) {
-    if (!std::isfinite(here)) continue;
-    low = std::min(low, here);
-    high = std::max(high, here);
-  }
-  const double range = std::max(high - low, 1e-300);
-  const auto share = [&](double here) { return (here - low) / range; };
+  const ValueRange seen = FiniteRange(place);
+  const double range = std::max(seen.high - seen.low, 1e-300);
+  const auto share = [&](double here) { return (here - seen.low) / range; };
   std::set<long> values;
   for (std::size_t i = 0; i < place.size() && values.size() <= kFewValues; ++i) {
     if (std::isfinite(place[i])) values.insert(std::lround(share(place[i]) / kSamePlace));
@@ -60,14 +56,6 @@ std::vector<Bin> FillBins(std::span<const double> place, std::span<const double>
 }
 
 }  // namespace
-
-std::vector<double> ResidualOf(const diagnosis::Study& study, const diagnosis::ModelFit& fit) {
-  std::vector<double> residual(study.measured().begin(), study.measured().end());
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    residual[i] -= fit.predicted(static_cast<Eigen::Index>(i));
-  }
-  return residual;
-}
 
 bool IsFolded(const diagnosis::Regressor& regressor) {
   if (!regressor.angle || regressor.values.empty()) return false;
@@ -103,7 +91,7 @@ BinnedMeans BinMeans(std::span<const double> place, std::span<const double> resi
 
 std::vector<RegressorShare> SharesByRegressor(const DiagnosisReport& report) {
   const diagnosis::Study& study = *report.input.study;
-  const std::vector<double> residual = ResidualOf(study, report.result.nominal);
+  const std::vector<double> residual = diagnosis::ResidualsOf(study, report.result.nominal);
   const std::vector<double>& weights = report.result.weights;
   std::vector<RegressorShare> shares;
   for (std::size_t k = 0; k < study.regressors().size(); ++k) {

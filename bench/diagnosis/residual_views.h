@@ -10,10 +10,6 @@
 /// What pictures and text look at in a residual. Residuals in SI, one a sample.
 namespace strainwave::bench {
 
-/// Measured less predicted.
-std::vector<double> ResidualOf(const analysis::diagnosis::Study& study,
-                               const analysis::diagnosis::ModelFit& fit);
-
 /// A regressor as it is drawn: in the unit of its axis, an angle of more than one turn folded into one.
 std::vector<double> PlacesOf(const analysis::diagnosis::Regressor& regressor);
 bool IsFolded(const analysis::diagnosis::Regressor& regressor);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/diagnosis/residuals.h"
 #include "bench/diagnosis/diagnosis_pictures.h"
 #include "bench/diagnosis/picture_frame.h"
 #include "bench/diagnosis/residual_views.h"
@@ -50,7 +51,7 @@ Abscissa ResponseAbscissa(const DiagnosisReport& report) {
 
 // The samples around the place where the nominal model is off most, inside one stretch.
 std::vector<std::size_t> DetailOf(const DiagnosisReport& report, std::size_t length) {
-  const std::vector<double> residual = ResidualOf(*report.input.study, report.result.nominal);
+  const std::vector<double> residual = diagnosis::ResidualsOf(*report.input.study, report.result.nominal);
   const std::vector<double>& weights = report.result.weights;
   length = std::min(length, residual.size());
   double sum = 0.0;
@@ -186,8 +187,8 @@ void DrawResidual(const DiagnosisReport& report, const std::filesystem::path& st
   const PanelLayout layout = StackPanels(extended ? 2 : 1, 300.0, 44.0);
   const double unit = study.unit_per_si();
   const double floor = 2.0 * study.NoiseFloor() * unit;
-  const auto before = Picked(ResidualOf(study, report.result.nominal), indices, unit);
-  const auto after = Picked(ResidualOf(study, report.result.extended), indices, unit);
+  const auto before = Picked(diagnosis::ResidualsOf(study, report.result.nominal), indices, unit);
+  const auto after = Picked(diagnosis::ResidualsOf(study, report.result.extended), indices, unit);
   std::string script = FrameCommands(layout.height_px, "what the simulation misses") + MissLabel(study);
   script += fmt::format("set xrange {}\nset yrange {}\n", RangeText(place, 0.01), RangeText(before));
   if (floor > 0.0) {
@@ -226,7 +227,7 @@ void DrawResidualOver(const DiagnosisReport& report, std::size_t regressor,
   for (std::size_t k = 0; k < layout.panels.size(); ++k) {
     const bool nominal = k == 0;
     std::vector<double> residual =
-        ResidualOf(study, nominal ? report.result.nominal : report.result.extended);
+        diagnosis::ResidualsOf(study, nominal ? report.result.nominal : report.result.extended);
     for (double& value : residual) value *= study.unit_per_si();
     const BinnedMeans means = BinMeans(places, residual, report.result.weights);
     const auto drawn = Picked(residual, indices);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/diagnosis/leftover_views.h"
+#include "analysis/diagnosis/residuals.h"
 #include "analysis/harmonic_regression.h"
 #include "analysis/transmission_orders.h"
 #include "analysis/units.h"
@@ -201,7 +202,7 @@ std::string List(const std::vector<NamedOrder>& orders, const Axis& axis, const 
 std::vector<double> Spectrum(const DiagnosisReport& report, const diagnosis::ModelFit& fit,
                              const Axis& axis) {
   const diagnosis::Study& study = *report.input.study;
-  std::vector<double> residual = ResidualOf(study, fit);
+  std::vector<double> residual = diagnosis::ResidualsOf(study, fit);
   double mean = 0.0;
   for (const double value : residual) mean += value / static_cast<double>(residual.size());
   for (double& value : residual) value = (value - mean) * study.unit_per_si();

@@ -4,9 +4,8 @@
 #include <functional>
 #include <random>
 
-#include "analysis/diagnosis/diagnose.h"
-#include "analysis/diagnosis/records.h"
 #include "analysis/units.h"
+#include "tests/analysis/diagnosed.h"
 #include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -80,35 +79,13 @@ VibrationData Record(const Turning& run, unsigned seed, const Effect& effect,
   return record;
 }
 
-struct Answer {
-  std::unique_ptr<Study> study;
-  Diagnosis diagnosis;
-
-  std::vector<std::string> names() const {
-    std::vector<std::string> names;
-    for (const Finding& cause : diagnosis.causes) names.push_back(study->causes()[cause.index].name);
-    return names;
-  }
-  ParameterValue value(const std::string& parameter) const {
-    for (const ParameterValue& value : diagnosis.causes.at(0).parameters) {
-      if (value.name == parameter) return value;
-    }
-    return {parameter, "", NAN, NAN};
-  }
-};
-
-Answer Ask(const std::vector<VibrationData>& records) {
-  Answer answer;
-  answer.study = MakeVibrationStudy(records);
-  answer.diagnosis = Diagnose(*answer.study);
-  return answer;
+Diagnosed Ask(const std::vector<VibrationData>& records) {
+  return DiagnoseRecords(&MakeVibrationStudy, records);
 }
-
-using Names = std::vector<std::string>;
 
 TEST(VibrationStudy, FindsNothingInCleanNoise) {
   for (const unsigned seed : {1U, 2U, 3U}) {
-    const Answer answer = Ask({Record(Turning(1500.0, 1.0, 0.0), seed, Silence, {1.0, 1.0})});
+    const Diagnosed answer = Ask({Record(Turning(1500.0, 1.0, 0.0), seed, Silence, {1.0, 1.0})});
     EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoEffect) << seed;
     EXPECT_EQ(answer.names(), Names()) << seed;
   }
@@ -118,7 +95,7 @@ TEST(VibrationStudy, NamesAGearMeshWithSidebands) {
   const Effect mesh = [](const Turning& run) {
     return Line(run, 162.0, 0.05) + Line(run, 160.0, 0.03) + Line(run, 164.0, 0.015) + Line(run, 158.0, 0.01);
   };
-  const Answer answer = Ask({Record(Turning(700.0, 1.5, 0.0), 4, mesh)});
+  const Diagnosed answer = Ask({Record(Turning(700.0, 1.5, 0.0), 4, mesh)});
   EXPECT_EQ(answer.names(), Names{"gear_mesh"});
   EXPECT_NEAR(answer.value("mesh_order").value, 162.0, 1e-6);
   EXPECT_NEAR(answer.value("amplitude_m_per_s2").value, 0.05, 0.007);
@@ -142,7 +119,7 @@ Effect Bearing(double height) {
 }
 
 TEST(VibrationStudy, NamesABearingByItsOrderWhileTheSpeedChanges) {
-  const Answer answer = Ask({Record(Turning(1500.0, 1.2, 0.2), 5, Bearing(0.15), {1.0, -0.6})});
+  const Diagnosed answer = Ask({Record(Turning(1500.0, 1.2, 0.2), 5, Bearing(0.15), {1.0, -0.6})});
   EXPECT_EQ(answer.names(), Names{"bearing_defect"});
   const ParameterValue order = answer.value("defect_order");
   EXPECT_NEAR(order.value, 9.45, 4.0 * order.standard_error);
@@ -160,7 +137,7 @@ TEST(VibrationStudy, NamesAnImbalanceThatGrowsWithTheSquareOfTheSpeed) {
     }
     return signal;
   };
-  const Answer answer = Ask({Record(Turning(2000.0, 1.5, 0.8), 6, imbalance)});
+  const Diagnosed answer = Ask({Record(Turning(2000.0, 1.5, 0.8), 6, imbalance)});
   EXPECT_EQ(answer.names(), Names{"imbalance"});
   const ParameterValue amplitude = answer.value("amplitude_at_1000_rpm_m_per_s2");
   EXPECT_NEAR(amplitude.value, 0.03, 4.0 * amplitude.standard_error);
@@ -186,7 +163,7 @@ TEST(VibrationStudy, NamesAResonanceThatKnocksRing) {
     AddRing(run, 0.7037, -0.3, 140.0, 0.015, signal);
     return signal;
   };
-  const Answer answer = Ask({Record(Turning(1100.0, 1.2, 0.0), 8, knocks)});
+  const Diagnosed answer = Ask({Record(Turning(1100.0, 1.2, 0.0), 8, knocks)});
   EXPECT_EQ(answer.names(), Names{"torsional_resonance"});
   EXPECT_NEAR(answer.value("frequency_Hz").value, 140.0, 0.8);
   EXPECT_NEAR(answer.value("damping_ratio").value, 0.015, 0.005);
@@ -207,7 +184,7 @@ Signal Crack(const Turning& run) {
 }
 
 TEST(VibrationStudy, NamesAFlexsplineCrack) {
-  const Answer answer = Ask({Record(Turning(3000.0, 2.0, 0.0), 9, Crack, {1.0, -0.7})});
+  const Diagnosed answer = Ask({Record(Turning(3000.0, 2.0, 0.0), 9, Crack, {1.0, -0.7})});
   EXPECT_EQ(answer.names(), Names{"flexspline_crack"});
   EXPECT_NEAR(answer.value("crack_order").value, 2.025, 1e-4);
   EXPECT_NEAR(answer.value("pulse_width").value, 0.04, 0.01);
@@ -215,7 +192,7 @@ TEST(VibrationStudy, NamesAFlexsplineCrack) {
 
 TEST(VibrationStudy, CallsALineOfNoCauseUnnamed) {
   const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
-  const Answer answer = Ask({Record(Turning(1500.0, 1.2, 0.0), 10, line)});
+  const Diagnosed answer = Ask({Record(Turning(1500.0, 1.2, 0.0), 10, line)});
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
   ASSERT_EQ(answer.diagnosis.corrections.size(), 1U);
   EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.front().value, 7.3, 0.01);
@@ -225,7 +202,7 @@ TEST(VibrationStudy, JoinsRecordsThatDoNotShowABearingAlone) {
   const std::vector<VibrationData> records{Record(Turning(1500.0, 1.0, 0.0), 11, Bearing(0.042)),
                                            Record(Turning(1500.0, 1.0, 0.0), 12, Bearing(0.042))};
   EXPECT_EQ(Ask({records[0]}).names(), Names());
-  const Answer joint = Ask(records);
+  const Diagnosed joint = Ask(records);
   EXPECT_EQ(joint.names(), Names{"bearing_defect"});
   EXPECT_NEAR(joint.value("defect_order").value, 9.45, 0.01);
 }
@@ -234,7 +211,7 @@ TEST(VibrationStudy, TakesTheSpeedFromTheShaftsLinesWhereTheRecordDoesNotSayIt) 
   const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
   VibrationData record = Record(Turning(1500.0, 1.2, 0.0), 13, line);
   record.input_speed_rad_per_s.clear();
-  const Answer answer = Ask({record});
+  const Diagnosed answer = Ask({record});
   ASSERT_FALSE(answer.study->warnings().empty());
   EXPECT_EQ(answer.study->warnings().front().substr(0, 50),
             "the record does not say the input speed: 1500 rpm ");

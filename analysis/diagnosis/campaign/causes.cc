@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/diagnosis/scans.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -15,12 +16,6 @@ using Eigen::Index;
 
 constexpr double kEdge = 3.0;  // cycles that a level needs to be one
 constexpr double kDay_s = 86400.0;
-
-double SpanOf(std::span<const double> values) {
-  if (values.empty()) return 0.0;
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
-}
 
 ShapeRange RowRange(const CampaignLayout& layout) {
   return {kEdge, static_cast<double>(layout.cycles()) - kEdge, 1.0};

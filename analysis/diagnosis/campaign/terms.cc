@@ -6,16 +6,13 @@
 #include <numeric>
 #include <utility>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
 
 using Eigen::Index;
-
-double RootOf(const Eigen::MatrixXd& covariance, Index i) {
-  return std::sqrt(std::max(0.0, covariance(i, i)));
-}
 
 }  // namespace
 
@@ -89,11 +86,13 @@ void DescribeSeries(SeparableTerm& term, const LayoutPointer& layout, const Seri
     std::vector<ParameterValue> described;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       described.push_back({columns[i].name, columns[i].unit, values[i] * columns[i].factor,
-                           RootOf(covariance, static_cast<Index>(i)) * std::abs(columns[i].factor)});
+                           StandardErrorOf(covariance(static_cast<Index>(i), static_cast<Index>(i))) *
+                               std::abs(columns[i].factor)});
     }
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       const double value = values[columns.size() + i];
-      const double error = RootOf(covariance, static_cast<Index>(columns.size() + i));
+      const auto row = static_cast<Index>(columns.size() + i);
+      const double error = StandardErrorOf(covariance(row, row));
       described.push_back({shapes[i].name, shapes[i].unit,
                            shapes[i].cycle ? layout->CycleAtRow(value) : value * shapes[i].factor,
                            error * shapes[i].factor});

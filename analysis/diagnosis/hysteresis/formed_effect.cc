@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -73,7 +74,7 @@ double FormedEffect::SizeOf(std::span<const double> v) const {
 
 std::vector<double> ErrorsOf(const Eigen::MatrixXd& covariance) {
   std::vector<double> errors;
-  for (const double variance : covariance.diagonal()) errors.push_back(std::sqrt(std::max(0.0, variance)));
+  for (const double variance : covariance.diagonal()) errors.push_back(StandardErrorOf(variance));
   return errors;
 }
 

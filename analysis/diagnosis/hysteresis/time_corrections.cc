@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/hysteresis/correction.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/units.h"
@@ -126,7 +127,7 @@ class Window final : public LoopEffect {
                                        const Eigen::MatrixXd& covariance) const override {
     const std::vector<double> se = ErrorsOf(covariance);
     const double edge_error_s =
-        v[0] > 0.5 ? std::sqrt(std::max(0.0, covariance(2, 2) + 0.25 * covariance(3, 3))) : 0.0;
+        v[0] > 0.5 ? StandardErrorOf(covariance(2, 2) + 0.25 * covariance(3, 3)) : 0.0;
     return {{v[0] > 0.5 ? "bell_height_arcmin" : "height_arcmin", "arcmin", v[1], se[1]},
             {"begin_s", "s", v[2] - 0.5 * v[3], edge_error_s},
             {"end_s", "s", v[2] + 0.5 * v[3], edge_error_s}};

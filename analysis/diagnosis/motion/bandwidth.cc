@@ -136,13 +136,20 @@ bool IsClear(const Trial& trial) {
   return trial.acceleration_signal > 30.0 * trial.acceleration_noise * trial.acceleration_noise;
 }
 
+// How long the record is, and its longest step.
+struct Extent {
+  double duration_s{};
+  double step_s{};
+};
+
 struct Choice {
   double sigma_s{};
   Trial trial;
 };
 
 // The widest smoothing that takes nothing away which shows in the torque, nor much of the acceleration.
-Choice WidestFor(const MotionSamples& samples, double narrowest, double widest, bool by_velocity) {
+Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narrowest, double widest,
+                 bool by_velocity) {
   // Noise of the path may be wilder than its white part: where time stamps jitter it comes and goes with the
   // speed. The top of the spectrum says how much.
   const Band top = MeasureBand(samples, narrowest, by_velocity);
@@ -159,23 +166,18 @@ Choice WidestFor(const MotionSamples& samples, double narrowest, double widest, 
     inertia = trial.inertia;
     choices.push_back({sigma_s, trial});
   }
-  double step_s = 0.0;
-  double duration_s = 0.0;
-  for (const EvenStretch& stretch : samples.stretches) {
-    step_s = std::max(step_s, stretch.step_s);
-    duration_s += stretch.step_s * static_cast<double>(stretch.position.size());
-  }
-  const double noise_per_s = std::pow(NoiseGain(MakeKernel(narrowest, step_s, 0)) * samples.torque_noise, 2) *
-                             kRowSpacing * narrowest;
+  const double noise_per_s =
+      std::pow(NoiseGain(MakeKernel(narrowest, extent.step_s, 0)) * samples.torque_noise, 2) * kRowSpacing *
+      narrowest;
   const Choice* chosen = &choices.front();
   for (const Choice& choice : choices) {
     if (IsClear(choice.trial) && choice.trial.acceleration_signal < kKeptSignal * kept) break;
     chosen = &choice;
     // Of the noise that is left, over the record; and of the acceleration.
     const double noise = inertia * choice.trial.acceleration_noise;
-    if (noise * noise * duration_s < kImmaterial * noise_per_s) break;
+    if (noise * noise * extent.duration_s < kImmaterial * noise_per_s) break;
     if (choice.trial.acceleration_noise < kNegligible * std::sqrt(kept)) break;
-    const Band band = MeasureBand(samples, choice.sigma_s, by_velocity);
+    const Band band = &choice == &choices.front() ? top : MeasureBand(samples, choice.sigma_s, by_velocity);
     if (HoldsMotion(band, inertia, noise_per_s, wildness)) break;
   }
   return {chosen->sigma_s, {inertia, chosen->trial.coulomb, chosen->trial.acceleration_noise, 0.0}};
@@ -184,23 +186,22 @@ Choice WidestFor(const MotionSamples& samples, double narrowest, double widest, 
 }  // namespace
 
 MotionBandwidth ChooseBandwidth(const MotionSamples& samples, std::size_t most_rows) {
-  double duration_s = 0.0;
-  double step_s = 0.0;
+  Extent extent;
   bool has_velocity = true;
   for (const EvenStretch& stretch : samples.stretches) {
-    duration_s += static_cast<double>(stretch.position.size()) * stretch.step_s;
-    step_s = std::max(step_s, stretch.step_s);
+    extent.duration_s += static_cast<double>(stretch.position.size()) * stretch.step_s;
+    extent.step_s = std::max(extent.step_s, stretch.step_s);
     has_velocity = has_velocity && !stretch.velocity.empty();
   }
   MotionBandwidth bandwidth;
-  bandwidth.sigma_s =
-      std::max(kNarrowestKernel * step_s, duration_s / (kRowSpacing * static_cast<double>(most_rows)));
+  bandwidth.sigma_s = std::max(kNarrowestKernel * extent.step_s,
+                               extent.duration_s / (kRowSpacing * static_cast<double>(most_rows)));
   const double widest =
-      std::max(bandwidth.sigma_s, duration_s / (kRowSpacing * static_cast<double>(kFewestRows)));
+      std::max(bandwidth.sigma_s, extent.duration_s / (kRowSpacing * static_cast<double>(kFewestRows)));
   double quietest = std::numeric_limits<double>::max();
   for (const bool by_velocity : {false, true}) {
     if (by_velocity && !has_velocity) continue;
-    const auto [sigma_s, trial] = WidestFor(samples, bandwidth.sigma_s, widest, by_velocity);
+    const auto [sigma_s, trial] = WidestFor(samples, extent, bandwidth.sigma_s, widest, by_velocity);
     // The column that shows more of the motion; of two that show the same, the quieter one.
     const bool shows_more = sigma_s < 0.99 * bandwidth.path_sigma_s;
     const bool shows_less = by_velocity && sigma_s > 1.01 * bandwidth.path_sigma_s;
@@ -211,7 +212,7 @@ MotionBandwidth ChooseBandwidth(const MotionSamples& samples, std::size_t most_r
     bandwidth.inertia = trial.inertia;
     bandwidth.coulomb = std::abs(trial.coulomb);
   }
-  const KernelTaps kernel = MakeKernel(bandwidth.path_sigma_s, step_s, bandwidth.by_velocity ? 0 : 1);
+  const KernelTaps kernel = MakeKernel(bandwidth.path_sigma_s, extent.step_s, bandwidth.by_velocity ? 0 : 1);
   bandwidth.velocity_noise =
       NoiseGain(kernel) * (bandwidth.by_velocity ? samples.velocity_noise : samples.position_noise);
   return bandwidth;

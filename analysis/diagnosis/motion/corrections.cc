@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/units.h"
@@ -99,7 +100,7 @@ void AddTimeLine(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const auto [first, last] = std::minmax_element(time_s.begin(), time_s.end());
   const double duration_s = *last - *first;
   const double low = kTwoPi * 3.0 / duration_s;
-  const double high = 1.2 * grid->cutoff_rad_per_s;
+  const double high = 1.2 * grid->cutoff_rad_per_s();
   if (!(high > 2.0 * low)) return;
   SeparableTerm term = PointTerm(
       grid, 2, [grid](std::span<const double> shapes, std::size_t column, std::span<double> points) {
@@ -155,7 +156,7 @@ void AddPositionWindow(const SharedGrid& grid, const MotionUnits& units, Separab
   const std::string unit = units.position();
   const std::string height = "height_" + units.torque();
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
-    const auto error = [&](Index i) { return std::sqrt(std::max(0.0, covariance(i, i))); };
+    const auto error = [&](Index i) { return StandardErrorOf(covariance(i, i)); };
     const double width = std::exp(numbers[2]);
     return std::vector<ParameterValue>{{height, units.torque(), numbers[0], error(0)},
                                        {"centre_" + unit, unit, numbers[1], error(1)},
@@ -227,8 +228,8 @@ void AddAfterReversal(const SharedGrid& grid, const MotionUnits& units, Separabl
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
     const double at = std::exp(numbers[1]);
     return std::vector<ParameterValue>{
-        {amount, units.torque(), numbers[0], std::sqrt(std::max(0.0, covariance(0, 0)))},
-        {length, units.position(), at, at * std::sqrt(std::max(0.0, covariance(1, 1)))}};
+        {amount, units.torque(), numbers[0], StandardErrorOf(covariance(0, 0))},
+        {length, units.position(), at, at * StandardErrorOf(covariance(1, 1))}};
   };
   term.restore = [](std::span<const double> values) {
     return std::vector<double>{values[0], std::log(std::max(values[1], 1e-300))};

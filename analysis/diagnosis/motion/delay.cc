@@ -108,10 +108,10 @@ double EstimateDelay_s(const MotionGrid& grid) {
   return drop < kClearly ? 0.0 : best_s;
 }
 
-void AddDelayCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& units, SeparableModel& model) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid->measured.data(), grid->nominal.rows());
   // Where the nominal model fits best when it is moved: there the term is linearised.
-  const double about_s = std::max(EstimateDelay_s(*grid), 0.1 * grid->row_spacing_s);
+  const double about_s = std::max(delay_s, 0.1 * grid->row_spacing_s);
   Eigen::MatrixXd later = grid->nominal;
   later.leftCols(3) = MotionLater(*grid, about_s);
   const Eigen::VectorXd numbers = later.colPivHouseholderQr().solve(measured);

@@ -13,6 +13,7 @@ namespace strainwave::analysis::diagnosis {
 /// less.
 double EstimateDelay_s(const MotionGrid& grid);
 
-void AddDelayCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+/// @param delay_s  EstimateDelay_s of this grid
+void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& units, SeparableModel& model);
 
 }  // namespace strainwave::analysis::diagnosis

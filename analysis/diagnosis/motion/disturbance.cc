@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/noise_level.h"
@@ -100,7 +101,7 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
     });
     const auto error = [&](std::size_t k) {
       const auto i = static_cast<Eigen::Index>(k);
-      return std::sqrt(std::max(0.0, covariance(i, i)));
+      return StandardErrorOf(covariance(i, i));
     };
     // An edge is where the likelihood is largest, not where its slope says: the variance of a change point is
     // 26 (noise / step)⁴ (Yao, Ann. Statist. 15 (1987) 1321). And between two rows, next to a reversal or a

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/model/axis_motion.h"
 #include "analysis/units.h"
@@ -18,8 +19,6 @@ using Eigen::Index;
 // Part of a contact's deflection by which the width of a gap is not known.
 constexpr double kContactEdge = 0.1;
 constexpr double kUnlimited = std::numeric_limits<double>::max();
-
-double RootOf(double variance) { return std::sqrt(std::max(0.0, variance)); }
 
 double DurationOf(const MotionGrid& grid) {
   double duration_s = 0.0;
@@ -38,7 +37,8 @@ struct ResonanceMap {
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
   // A ring that a jolt started may be faster than the motion.
-  const double high_Hz = std::min(1.2 * grid->cutoff_rad_per_s, 4.0 * grid->path_cutoff_rad_per_s) / kTwoPi;
+  const double high_Hz =
+      std::min(1.2 * grid->cutoff_rad_per_s(), 4.0 * grid->path_cutoff_rad_per_s()) / kTwoPi;
   if (!(high_Hz > 3.0 * low_Hz)) return;
   SeparableTerm term;
   term.fill = [grid](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
@@ -100,16 +100,16 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
     const double frequency_Hz = std::exp(numbers[1]);
     const double damping = std::exp(numbers[2]);
-    const double error = RootOf(covariance(0, 0));
+    const double error = StandardErrorOf(covariance(0, 0));
     // What the swing adds below its frequency, J₂/ω², is known even where frequency and inertia are not.
     const double weight = numbers[0] / std::pow(kTwoPi * frequency_Hz, 2);
     const double slope = std::abs(weight) / std::max(std::abs(numbers[0]), 1e-300);
     const double weight_error =
-        RootOf(slope * slope * covariance(0, 0) + 4.0 * weight * weight * covariance(1, 1) -
-               4.0 * weight * slope * covariance(0, 1));
+        StandardErrorOf(slope * slope * covariance(0, 0) + 4.0 * weight * weight * covariance(1, 1) -
+                        4.0 * weight * slope * covariance(0, 1));
     return std::vector<ParameterValue>{
-        {"frequency_Hz", "Hz", frequency_Hz, frequency_Hz * RootOf(covariance(1, 1))},
-        {"damping_ratio", "1", damping, damping * RootOf(covariance(2, 2))},
+        {"frequency_Hz", "Hz", frequency_Hz, frequency_Hz * StandardErrorOf(covariance(1, 1))},
+        {"damping_ratio", "1", damping, damping * StandardErrorOf(covariance(2, 2))},
         {"inertia_share", "1", numbers[0] / reference, error / reference},
         {inertia, units.inertia(), numbers[0], error},
         {inertia + "s2", units.inertia() + " s²", weight, weight_error}};
@@ -198,7 +198,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const std::string inertia_name = units.linear ? "load_mass_kg" : "load_inertia_kgm2";
   const std::string friction_name = "load_friction_" + units.torque();
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
-    const auto error = [&](Index k) { return RootOf(covariance(k, k)); };
+    const auto error = [&](Index k) { return StandardErrorOf(covariance(k, k)); };
     const double gap = std::exp(numbers[1]);
     const double deceleration = numbers[2] * braking;
     const double contact_Hz = std::exp(numbers[3]);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/model/axis_motion.h"
 
@@ -54,9 +55,9 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
     const double at = std::exp(numbers[1]);
     return std::vector<ParameterValue>{
-        {amount, units.torque(), numbers[0], std::sqrt(std::max(0.0, covariance(0, 0)))},
-        {speed, units.speed(), at, at * std::sqrt(std::max(0.0, covariance(1, 1)))},
-        {"stribeck_exponent", "1", numbers[2], std::sqrt(std::max(0.0, covariance(2, 2)))}};
+        {amount, units.torque(), numbers[0], StandardErrorOf(covariance(0, 0))},
+        {speed, units.speed(), at, at * StandardErrorOf(covariance(1, 1))},
+        {"stribeck_exponent", "1", numbers[2], StandardErrorOf(covariance(2, 2))}};
   };
   term.restore = [](std::span<const double> values) {
     return std::vector<double>{values[0], std::log(std::max(values[1], 1e-300)), values[2]};
@@ -173,8 +174,8 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
         std::sqrt(std::max(0.0, weights.dot(covariance.topLeftCorner<2, 2>() * weights)));
     return std::vector<ParameterValue>{
         {"drift_" + suffix, inverse, slope / at_start, slope_error * friction / (at_start * at_start)},
-        {viscous, units.viscous() + per, numbers[0], std::sqrt(std::max(0.0, covariance(0, 0)))},
-        {coulomb, units.torque() + per, numbers[1], std::sqrt(std::max(0.0, covariance(1, 1)))}};
+        {viscous, units.viscous() + per, numbers[0], StandardErrorOf(covariance(0, 0))},
+        {coulomb, units.torque() + per, numbers[1], StandardErrorOf(covariance(1, 1))}};
   };
   term.restore = [](std::span<const double> values) { return std::vector<double>{values[1], values[2]}; };
   Add(model, std::move(term),

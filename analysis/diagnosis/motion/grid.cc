@@ -233,9 +233,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s)
   MotionGrid grid;
   grid.linear = samples.linear;
   grid.sigma_s = bandwidth.sigma_s;
-  grid.cutoff_rad_per_s = kHalfPower / bandwidth.sigma_s;
   grid.path_sigma_s = bandwidth.path_sigma_s;
-  grid.path_cutoff_rad_per_s = kHalfPower / bandwidth.path_sigma_s;
   grid.velocity_noise = bandwidth.velocity_noise;
   grid.position_noise = samples.position_noise;
   std::vector<PointLayout> layouts;

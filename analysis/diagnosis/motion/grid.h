@@ -33,11 +33,9 @@ struct MotionGrid {
   };
   std::vector<Stretch> stretches;
   bool linear{};
-  double sigma_s{};                // of the low-pass
-  double cutoff_rad_per_s{};       // of the low-pass: half power
-  double path_sigma_s{};           // of position, velocity and acceleration
-  double path_cutoff_rad_per_s{};  // nothing faster is known of the motion
-  double velocity_noise{};         // of the points
+  double sigma_s{};         // of the low-pass
+  double path_sigma_s{};    // of position, velocity and acceleration
+  double velocity_noise{};  // of the points
   double position_noise{};
   double sign_width{};  // speed over which the sign of velocity changes
 
@@ -62,6 +60,9 @@ struct MotionGrid {
   double filtered_out_variance{};  // of the torque's noise, by the low-pass
   double row_spacing_s{};
 
+  /// Half power of the low-pass, and of the smoothing of the path: nothing faster is known of the motion.
+  double cutoff_rad_per_s() const { return kHalfPower / sigma_s; }
+  double path_cutoff_rad_per_s() const { return kHalfPower / path_sigma_s; }
   std::size_t rows() const { return point_of_row.size(); }
   double RowTime_s(std::size_t row) const { return time_s[point_of_row[row]]; }
   /// Low-pass of a quantity of the points, at the rows.

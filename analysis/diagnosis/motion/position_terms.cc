@@ -41,7 +41,7 @@ void AddRipple(const SharedGrid& grid, const MotionUnits& units, SeparableModel&
   // low-pass lets through at the slow end of the motion, or than the position resolves, it leaves no trace.
   const double slow = QuantileOfMagnitude(AngleOf(grid->velocity, units.linear), 0.25);
   double high = units.linear ? kHighestPerM : kHighestPerTurn;
-  if (slow > 0.0) high = std::min(high, grid->cutoff_rad_per_s / slow);
+  if (slow > 0.0) high = std::min(high, grid->cutoff_rad_per_s() / slow);
   if (grid->position_noise > 0.0) {
     high = std::min(high, 0.5 / (grid->position_noise * (units.linear ? kTwoPi : 1.0)));
   }

@@ -63,18 +63,25 @@ void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableMo
   }
 }
 
+struct SettledGrid {
+  SharedGrid grid;
+  double delay_s{};  // as this grid shows it
+};
+
 // The grid, made again where the torque acts late: reversals show in it before they show in the motion.
-SharedGrid MakeSettledGrid(const MotionSamples& samples) {
-  const auto grid = std::make_shared<const MotionGrid>(MakeMotionGrid(samples, 0.0));
-  const double delay_s = EstimateDelay_s(*grid);
-  return delay_s > 0.0 ? std::make_shared<const MotionGrid>(MakeMotionGrid(samples, delay_s)) : grid;
+SettledGrid MakeSettledGrid(const MotionSamples& samples) {
+  const auto first = std::make_shared<const MotionGrid>(MakeMotionGrid(samples, 0.0));
+  const double delay_s = EstimateDelay_s(*first);
+  if (!(delay_s > 0.0)) return {first, delay_s};
+  const auto settled = std::make_shared<const MotionGrid>(MakeMotionGrid(samples, delay_s));
+  return {settled, EstimateDelay_s(*settled)};
 }
 
 }  // namespace
 
 std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   const MotionSamples samples = PrepareMotion(records);
-  const SharedGrid grid = MakeSettledGrid(samples);
+  const auto [grid, delay_s] = MakeSettledGrid(samples);
   const MotionUnits units{samples.linear};
   SeparableModel model;
   model.measured = grid->measured;
@@ -95,12 +102,11 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   if (std::abs(grid->prefit(0)) > kAccelerates * grid->inertia_error) {
     AddLoadCause(grid, units, model);
     AddDynamicCauses(grid, units, model);
-    AddDelayCause(grid, units, model);
+    AddDelayCause(grid, delay_s, units, model);
   } else {
     model.warnings.push_back(
         "no verdict on load_dependent_friction, torsional_resonance, backlash and time_delay: the motion "
-        "hardly "
-        "accelerates");
+        "hardly accelerates");
   }
   AddDisturbanceCause(grid, units, model);
   AddMotionCorrections(grid, units, model);

@@ -241,12 +241,6 @@ void AddWindup(const Samples& samples, SeparableModel& model) {
 
 }  // namespace
 
-double SpanOf(const std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return *high - *low;
-}
-
 SeparableTerm HarmonicTerm(const std::vector<double>& angle_rad, double order, std::string amplitude_name,
                            std::string unit, double unit_per_si) {
   auto design = std::make_shared<Eigen::MatrixXd>(static_cast<Eigen::Index>(angle_rad.size()), 2);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
 
@@ -14,8 +15,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-double RootOf(double variance) { return std::sqrt(std::max(0.0, variance)); }
 
 const VibrationStretch& ChannelAt(const VibrationSamples& samples, std::size_t channel) {
   for (const VibrationRun& run : samples.runs) {
@@ -49,8 +48,8 @@ Polar PolarAt(const VibrationSamples& samples, const VibrationSolution& solution
   if (polar.amplitude > 0.0) {
     const Eigen::Vector2d along = pair / polar.amplitude;
     const Eigen::Vector2d across(-along(1), along(0));
-    polar.amplitude_error = RootOf(along.dot(covariance * along));
-    polar.phase_error_rad = std::min(kPi, RootOf(across.dot(covariance * across)) / polar.amplitude);
+    polar.amplitude_error = StandardErrorOf(along.dot(covariance * along));
+    polar.phase_error_rad = std::min(kPi, StandardErrorOf(across.dot(covariance * across)) / polar.amplitude);
   }
   return polar;
 }
@@ -91,7 +90,7 @@ ParameterValue NarrowAmplitude(const VibrationSamples& samples, const VibrationS
     if (amplitude <= best.value) continue;
     best.value = amplitude;
     const Index place = first_shape + 2 + static_cast<Index>(c);
-    if (shapes.size() > 0) best.standard_error = 0.5 * amplitude * RootOf(shapes(place, place));
+    if (shapes.size() > 0) best.standard_error = 0.5 * amplitude * StandardErrorOf(shapes(place, place));
   }
   return best;
 }
@@ -107,7 +106,7 @@ void AddCoefficients(const VibrationSamples& samples, const VibrationSolution& s
       const Index at = channel.first[term] + column;
       values.push_back({CoefficientName(solution.terms[term], column, place.name), UnitOfChannel(place.name),
                         channel.fit.coefficients(at) / place.scale,
-                        RootOf(solution.variance() * channel.fit.inverse(at, at)) / place.scale});
+                        StandardErrorOf(solution.variance() * channel.fit.inverse(at, at)) / place.scale});
     }
   }
 }
@@ -143,7 +142,7 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
   const VibrationTerm& term = solution.terms[t];
   const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
   const double error =
-      !term.shapes.empty() && shapes.size() > 0 ? RootOf(shapes(first_shape, first_shape)) : 0.0;
+      !term.shapes.empty() && shapes.size() > 0 ? StandardErrorOf(shapes(first_shape, first_shape)) : 0.0;
   const Loudest loudest = LoudestPair(samples, solution, t, 0, term.lines.size(), shapes);
   double named = base;
   double named_error = error;
@@ -212,7 +211,7 @@ std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
     const std::string unit = UnitOfChannel(place.name);
     const ChannelFit& fit = solution.channels[c].fit;
     values.push_back({"mean_" + place.name, unit, fit.coefficients(0) / place.scale,
-                      RootOf(solution.variance() * fit.inverse(0, 0)) / place.scale});
+                      StandardErrorOf(solution.variance() * fit.inverse(0, 0)) / place.scale});
     if (!samples.angle_known()) continue;
     for (const char* which : {"first", "second"}) {
       const Polar polar = PolarAt(samples, solution, c, which[0] == 'f' ? 1 : 3, {});
@@ -235,7 +234,8 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
   std::vector<ParameterValue> values;
   const auto add_shape = [&](std::size_t s, const std::string& name, const std::string& unit) {
     const Index place = first_shape + static_cast<Index>(s);
-    values.push_back({name, unit, term.shapes[s], shapes.size() > 0 ? RootOf(shapes(place, place)) : 0.0});
+    values.push_back(
+        {name, unit, term.shapes[s], shapes.size() > 0 ? StandardErrorOf(shapes(place, place)) : 0.0});
   };
   const auto add_amplitude = [&](std::size_t pairs, const std::string& name) {
     const Loudest loudest = LoudestPair(samples, solution, t, 0, pairs, shapes);
