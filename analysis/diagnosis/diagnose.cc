@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 
 #include "analysis/diagnosis/heldout.h"
+#include "analysis/diagnosis/lone_samples.h"
 #include "analysis/diagnosis/residual_tests.h"
 #include "analysis/diagnosis/residuals.h"
 #include "analysis/diagnosis/selection.h"
@@ -16,32 +16,6 @@
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-// Single samples of a residual that stand off the median of their eight neighbours while those next to them
-// do not: nothing physical lasts one sample.
-std::vector<std::size_t> FindLoneSamples(std::span<const double> residual) {
-  constexpr std::size_t kReach = 4;
-  constexpr double kStandsOff = 5.5;  // standard deviations; one clean sample in 26 million
-  constexpr double kNextTo = 0.35;    // of the spike
-  std::vector<std::size_t> lone;
-  if (residual.size() < 4 * kReach) return lone;
-  std::vector<double> off(residual.size(), 0.0);
-  for (std::size_t i = kReach; i + kReach < residual.size(); ++i) {
-    std::array<double, 2 * kReach> near{};
-    std::copy_n(residual.begin() + static_cast<std::ptrdiff_t>(i - kReach), kReach, near.begin());
-    std::copy_n(residual.begin() + static_cast<std::ptrdiff_t>(i + 1), kReach, near.begin() + kReach);
-    std::nth_element(near.begin(), near.begin() + kReach, near.end());
-    off[i] = residual[i] - near[kReach];
-  }
-  const double limit = kStandsOff * RobustStandardDeviation(off);
-  for (std::size_t i = kReach; i + kReach < residual.size(); ++i) {
-    const double size = std::abs(off[i]);
-    if (size > limit && std::abs(off[i - 1]) < kNextTo * size && std::abs(off[i + 1]) < kNextTo * size) {
-      lone.push_back(i);
-    }
-  }
-  return lone;
-}
 
 // Takes the weight from single samples that stand off their neighbours; true if there were new ones.
 bool LeaveOutSpikes(const Study& study, const ModelFit& fit, std::vector<double>& weights) {

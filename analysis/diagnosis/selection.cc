@@ -11,12 +11,10 @@ namespace {
 
 constexpr double kAsGood = 6.0;         // of BIC: odds of 20 to 1
 constexpr double kClearlyBetter = 2.0;  // for an exchange of one cause for another
-constexpr double kLeastBic = 2.0;
 // BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
-// phase): where chance is out of the question this much less will do.
-constexpr double kLeastBicOfCertain = -12.0;
-constexpr double kCertain = 1e-6;
-constexpr double kLeastBicBeside = 8.0;  // of what comes on top of something found
+// phase): it may say so much less where chance is excluded.
+constexpr double kLeastBic = -12.0;
+constexpr double kLeastBicBeside = 0.0;  // of what comes on top of something found
 constexpr double kRivalAwayFromZero =
     2.0;  // standard errors; a rival need not be proven, only not be excluded
 // A shape without a cause has to explain this much more than the best cause to take its place: our formulae
@@ -34,9 +32,7 @@ struct Candidate {
 };
 
 // @param p  corrected
-bool IsBeyondChance(double delta_bic, double p, double error) {
-  return p < error && delta_bic > (p < kCertain ? kLeastBicOfCertain : kLeastBic);
-}
+bool IsBeyondChance(double delta_bic, double p, double error) { return p < error && delta_bic > kLeastBic; }
 
 double ScoreOf(const Comparison& comparison, const CauseRule& rule) {
   return comparison.delta_bic - 2.0 * std::log(std::max(1.0, rule.trials));

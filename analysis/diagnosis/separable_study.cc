@@ -95,6 +95,16 @@ void Describe(const TermSet& set, const Eigen::MatrixXd& covariance, std::size_t
 
 }  // namespace
 
+double Remainder::MeanSquare() const {
+  double sum = 0.0;
+  double weight = 0.0;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    sum += weights[i] * residual[i] * residual[i];
+    weight += weights[i];
+  }
+  return weight > 0.0 ? sum / weight : 0.0;
+}
+
 SeparableStudy::SeparableStudy(SeparableModel model) : model_(std::move(model)) {
   if (model_.causes.size() != model_.rules.size()) {
     throw std::invalid_argument(fmt::format("a separable study has {} causes and {} rules (expected as many)",

@@ -19,6 +19,9 @@ struct ShapeRange {
 struct Remainder {
   std::span<const double> residual;
   std::span<const double> weights;
+
+  /// Weighted.
+  double MeanSquare() const;
 };
 
 /// A term that is linear in its coefficients once its shapes are fixed.

@@ -68,7 +68,7 @@ class LooseLoad {
   }
 
  private:
-  static constexpr double kFine = 0.15;  // of a step, in radians of the contact's own swing
+  static constexpr double kFine = 0.25;  // of a step, in radians of the contact's own swing
   Numbers numbers_;
   double near_, near_speed_;
   double load_, speed_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,6 +12,7 @@ struct TorqueWindow {
   double torque_Nm{};
   double start_s{};
   double end_s{};
+  double edge_share{};  // of the window, that its rise and its fall take each: 0 a jolt, 0.5 a bell
 };
 
 /// A torque that follows the angle of the shaft: amplitude · sin(order · θ + phase).
@@ -55,9 +57,17 @@ inline double PeriodicTorque_Nm(const PeriodicTorque& torque, double angle_rad) 
   return torque.amplitude_Nm * std::sin(torque.order * angle_rad + torque.phase_rad);
 }
 
-/// From the start of the window up to its end, which is outside.
+/// 0 outside a window of time, 1 inside, with a smooth rise (3u² − 2u³) and fall of `edge_s` each. The end is
+/// outside.
+inline double WindowShape(double time_s, double start_s, double end_s, double edge_s) noexcept {
+  if (time_s < start_s || time_s >= end_s) return 0.0;
+  const double u = edge_s > 0.0 ? std::min({time_s - start_s, end_s - time_s, edge_s}) / edge_s : 1.0;
+  return u * u * (3.0 - 2.0 * u);
+}
+
 inline double WindowTorque_Nm(const TorqueWindow& window, double time_s) noexcept {
-  return time_s >= window.start_s && time_s < window.end_s ? window.torque_Nm : 0.0;
+  return window.torque_Nm * WindowShape(time_s, window.start_s, window.end_s,
+                                        window.edge_share * (window.end_s - window.start_s));
 }
 
 }  // namespace strainwave::analysis::model

@@ -69,15 +69,16 @@ void AddDriveCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
                    {Amount("amplitude_Nm", "Nm", d.unbalance.amplitude_Nm),
                     Shape("phase_rad", "rad", d.unbalance.phase_rad)}});
   terms.push_back({"input_constant_torque", "", {Amount("torque_Nm", "Nm", d.constant_Nm)}});
-  constexpr std::string_view kWindows[][3] = {{"torque_Nm", "start_s", "end_s"},
-                                              {"torque_2_Nm", "start_2_s", "end_2_s"},
-                                              {"torque_3_Nm", "start_3_s", "end_3_s"}};
+  constexpr std::string_view kWindows[][4] = {{"torque_Nm", "start_s", "end_s", "edge_share"},
+                                              {"torque_2_Nm", "start_2_s", "end_2_s", "edge_share_2"},
+                                              {"torque_3_Nm", "start_3_s", "end_3_s", "edge_share_3"}};
   BoundTerm disturbance{"external_disturbance", "", {}};
   for (std::size_t w = 0; w < d.disturbance.size(); ++w) {
     TorqueWindow& window = d.disturbance[w];
     disturbance.parameters.push_back(Amount(kWindows[w][0], "Nm", window.torque_Nm));
     disturbance.parameters.push_back(Shape(kWindows[w][1], "s", window.start_s));
     disturbance.parameters.push_back(Shape(kWindows[w][2], "s", window.end_s));
+    disturbance.parameters.push_back(Shape(kWindows[w][3], "1", window.edge_share));
   }
   terms.push_back(std::move(disturbance));
   BrakeYield& yield = p.brake.yield;

@@ -62,16 +62,19 @@ void MapMotionBacklash(const NamedCause& cause, double inertia_kgm2, const Mappi
 }
 
 void MapDisturbance(const NamedCause& cause, PlantTerms& plant) {
-  plant.Set("external_disturbance", {{"torque_Nm", Require(cause, "torque_Nm")},
-                                     {"start_s", Require(cause, "start_s")},
-                                     {"end_s", Require(cause, "end_s")}});
-  for (const char* number : {"2", "3"}) {
-    const std::string torque = fmt::format("torque_{}_Nm", number);
+  const double edge_share = Find(cause.parameters, "edge_share").value_or(0.0);
+  for (const char* window : {"", "_2", "_3"}) {
+    const auto name = [window](const char* what, const char* unit) {
+      return fmt::format("{}{}{}", what, window, unit);
+    };
+    const std::string torque = name("torque", "_Nm");
     if (!Find(cause.parameters, torque)) continue;
-    const std::string start = fmt::format("start_{}_s", number);
-    const std::string end = fmt::format("end_{}_s", number);
-    plant.Set("external_disturbance",
-              {{torque, Require(cause, torque)}, {start, Require(cause, start)}, {end, Require(cause, end)}});
+    const std::string start = name("start", "_s");
+    const std::string end = name("end", "_s");
+    plant.Set("external_disturbance", {{torque, Require(cause, torque)},
+                                       {start, Require(cause, start)},
+                                       {end, Require(cause, end)},
+                                       {name("edge_share", ""), edge_share}});
   }
   if (Find(cause.parameters, "torque_4_Nm")) {
     plant.Say("external_disturbance: the bench runs three windows, the model has more");

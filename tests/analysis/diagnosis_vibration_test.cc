@@ -3,7 +3,11 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <utility>
 
+#include "analysis/diagnosis/vibration/one_term.h"
+#include "analysis/diagnosis/vibration/samples.h"
+#include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/message_of.h"
@@ -128,6 +132,35 @@ TEST(VibrationStudy, NamesABearingByItsOrderWhileTheSpeedChanges) {
   EXPECT_NEAR(answer.value("ring_decay_ratio").value, 0.03, 0.012);
 }
 
+// Noise that remembers the sample before.
+Signal ColouredNoise(const Turning& run, unsigned seed, double deviation, double memory) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, deviation * std::sqrt(1.0 - memory * memory));
+  Signal signal;
+  double before = 0.0;
+  for (std::size_t i = 0; i < run.time_s.size(); ++i)
+    signal.push_back(before = memory * before + noise(random));
+  return signal;
+}
+
+// A healthy motor: lines at whole orders, one of the current's that is none, with the shaft's sidebands about
+// it. Four turns do not tell how far apart these are from the harmonics of an order near four, and together
+// they beat like knocks.
+TEST(VibrationStudy, TakesSidebandsOfTheShaftForNoDefect) {
+  unsigned seed = 30;
+  for (const double centre : {58.46, 73.46, 76.46, 78.3}) {
+    ++seed;
+    const Effect healthy = [=](const Turning& run) {
+      return Line(run, 3.0, 0.2) + Line(run, 36.0, 0.3) + Line(run, centre, 0.6) +
+             Line(run, centre - 4.01, 0.4) + Line(run, centre + 4.0, 0.3) +
+             ColouredNoise(run, seed, 0.1, 0.7);
+    };
+    const Diagnosed answer = Ask({Record(Turning(1796.0, 0.14, 0.0), seed, healthy, {1.0, 0.4})});
+    EXPECT_EQ(answer.names(), Names()) << centre;
+    EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure) << centre;
+  }
+}
+
 TEST(VibrationStudy, NamesAnImbalanceThatGrowsWithTheSquareOfTheSpeed) {
   const Effect imbalance = [](const Turning& run) {
     Signal signal;
@@ -190,6 +223,21 @@ TEST(VibrationStudy, NamesAFlexsplineCrack) {
   EXPECT_NEAR(answer.value("pulse_width").value, 0.04, 0.01);
 }
 
+// Six and a half standard deviations of the noise in all: too little for numbers that it does not tell.
+TEST(VibrationStudy, NamesWeakFlexsplineCracks) {
+  const Effect weak = [](const Turning& run) {
+    Signal signal = Crack(run);
+    for (double& value : signal) value *= 0.18;
+    return signal;
+  };
+  int named = 0;
+  for (const unsigned seed : {41U, 42U, 43U, 44U, 45U}) {
+    const Diagnosed answer = Ask({Record(Turning(2400.0, 3.0, 0.0), seed, weak, {1.0, 0.7})});
+    if (answer.names() == Names{"flexspline_crack"}) ++named;
+  }
+  EXPECT_GE(named, 3);
+}
+
 TEST(VibrationStudy, CallsALineOfNoCauseUnnamed) {
   const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
   const Diagnosed answer = Ask({Record(Turning(1500.0, 1.2, 0.0), 10, line)});
@@ -217,6 +265,33 @@ TEST(VibrationStudy, TakesTheSpeedFromTheShaftsLinesWhereTheRecordDoesNotSayIt) 
             "the record does not say the input speed: 1500 rpm ");
   ASSERT_EQ(answer.diagnosis.corrections.size(), 1U);
   EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.front().value, 7.3, 0.01);
+}
+
+// What a search compares has to be what the whole fit comes to.
+TEST(OneTermSolver, FitsATermAsTheWholeModelDoes) {
+  const Effect hidden = [](const Turning& run) { return Line(run, 7.3, 0.2) + Line(run, 11.9, 0.1); };
+  const VibrationData record = Record(Turning(1500.0, 0.5, 0.1), 21, hidden, {1.0, -0.6});
+  const VibrationSamples samples = PrepareVibration({&record, 1});
+  std::vector<double> weights(samples.measured.size(), 1.0);
+  weights[100] = weights[101] = 0.0;  // of one channel
+  const VibrationSolver solver(samples, weights);
+  const VibrationTerm known{0, VibrationForm::kLines, {{1.0, 0.0}}, {11.9}, {1, 1}};
+  const VibrationTerm tone{1, VibrationForm::kNarrowband, {}, {150.0, 0.02, -2.0, -3.0}, {1, 1}};
+  for (const std::vector<VibrationTerm>& model : {std::vector{known}, std::vector{known, tone}}) {
+    const VibrationSolution base = solver.Solve(model);
+    const OneTermSolver beside(samples, solver, base);
+    const VibrationTerm line{2, VibrationForm::kLines, {{1.0, 0.0}, {1.0, 1.0}}, {7.31}, {1, 1}};
+    const TermFit fit = beside.Refine(beside.Fit(line), 8);
+    EXPECT_NEAR(fit.term.shapes[0], 7.3, 0.005);
+    std::vector<VibrationTerm> all = model;
+    all.push_back(fit.term);
+    const VibrationSolution whole = solver.Solve(all);
+    EXPECT_NEAR(fit.square_sum, whole.square_sum, 1e-9 * whole.square_sum);
+    EXPECT_EQ(fit.free_parameters, whole.free_parameters);
+    EXPECT_NEAR(fit.bic(), whole.bic(), 1e-6);
+    const Eigen::VectorXd left = beside.Residual(fit) - solver.Residual(whole);
+    EXPECT_LT(left.cwiseAbs().head(100).maxCoeff(), 1e-9);
+  }
 }
 
 TEST(VibrationStudy, SaysWhatIsWrongWithARecord) {

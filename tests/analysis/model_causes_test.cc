@@ -230,6 +230,10 @@ TEST(DriveCauses, ResistAsTheirFormulasSay) {
   EXPECT_EQ(WindowTorque_Nm(window, 1.999), 0.0);
   EXPECT_EQ(WindowTorque_Nm(window, 2.0), 1.5);
   EXPECT_EQ(WindowTorque_Nm(window, 3.0), 0.0);
+  const TorqueWindow soft{2.0, 0.0, 8.0, 0.25};  // rises and falls over 2 s each
+  EXPECT_DOUBLE_EQ(WindowTorque_Nm(soft, 1.0), 1.0);
+  EXPECT_DOUBLE_EQ(WindowTorque_Nm(soft, 4.0), 2.0);
+  EXPECT_DOUBLE_EQ(WindowTorque_Nm(soft, 7.5), 2.0 * 0.15625);  // u = 1/4
 }
 
 TEST(OutputDrift, FollowsTemperatureAndTime) {

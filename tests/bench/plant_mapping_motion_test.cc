@@ -151,13 +151,15 @@ TEST(MotionMapping, TakesWindowsAndDelays) {
                                                                       {"torque_Nm", 0.2},
                                                                       {"start_2_s", 4.0},
                                                                       {"end_2_s", 4.5},
-                                                                      {"torque_2_Nm", -0.1}}),
+                                                                      {"torque_2_Nm", -0.1},
+                                                                      {"edge_share", 0.3}}),
                                        Cause("time_delay", {{"delay_s", 0.004}})}))
           .specimen();
   EXPECT_EQ(plant.drive_causes.disturbance[0].torque_Nm, 0.2);
   EXPECT_EQ(plant.drive_causes.disturbance[1].start_s, 4.0);
   EXPECT_EQ(plant.drive_causes.disturbance[1].torque_Nm, -0.1);
   EXPECT_EQ(plant.drive_causes.disturbance[2].torque_Nm, 0.0);
+  EXPECT_EQ(plant.drive_causes.disturbance[1].edge_share, 0.3);
   EXPECT_EQ(plant.drive_causes.delay_s, 0.004);
 }
 

@@ -12,13 +12,12 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr std::size_t kFewestRows = 120;
+constexpr std::size_t kFewestRows = 40;
 constexpr double kKeptSignal = 0.9;     // of the acceleration's variance
 constexpr double kCorrelated = 4.5;     // standard errors of a correlation coefficient
 constexpr double kFewestInBand = 30.0;  // samples
 constexpr double kMostlyNoise = 0.3;    // share of the acceleration that the torque shows
 constexpr double kImmaterial = 2.0;     // of −2 log-likelihood, over the whole record
-constexpr double kNegligible = 1e-3;    // noise of the acceleration, of itself
 constexpr double kClear = 4.0;          // times the noise expected
 constexpr double kSeesMotion = 0.3;     // of the acceleration's variance, enough to know the inertia by
 const double kHalfOctave = std::sqrt(2.0);
@@ -133,7 +132,7 @@ Trial TryWidth(const MotionSamples& samples, double sigma_s, bool by_velocity) {
 
 // How much of the motion a width sees is known where it stands clear of its noise.
 bool IsClear(const Trial& trial) {
-  return trial.acceleration_signal > 30.0 * trial.acceleration_noise * trial.acceleration_noise;
+  return trial.acceleration_signal > 300.0 * trial.acceleration_noise * trial.acceleration_noise;
 }
 
 // How long the record is, and its longest step.
@@ -170,13 +169,16 @@ Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narr
       std::pow(NoiseGain(MakeKernel(narrowest, extent.step_s, 0)) * samples.torque_noise, 2) * kRowSpacing *
       narrowest;
   const Choice* chosen = &choices.front();
+  double narrower = 0.0;  // signal of what is narrower
   for (const Choice& choice : choices) {
-    if (IsClear(choice.trial) && choice.trial.acceleration_signal < kKeptSignal * kept) break;
+    if (IsClear(choice.trial)) {
+      if (choice.trial.acceleration_signal < kKeptSignal * narrower) break;
+      narrower = std::max(narrower, choice.trial.acceleration_signal);
+    }
     chosen = &choice;
     // Of the noise that is left, over the record; and of the acceleration.
     const double noise = inertia * choice.trial.acceleration_noise;
     if (noise * noise * extent.duration_s < kImmaterial * noise_per_s) break;
-    if (choice.trial.acceleration_noise < kNegligible * std::sqrt(kept)) break;
     const Band band = &choice == &choices.front() ? top : MeasureBand(samples, choice.sigma_s, by_velocity);
     if (HoldsMotion(band, inertia, noise_per_s, wildness)) break;
   }

@@ -9,6 +9,7 @@
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/diagnosis/scans.h"
+#include "analysis/model/drive_causes.h"
 #include "analysis/noise_level.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -16,6 +17,8 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::max();
 constexpr std::size_t kMostWindows = 3;
+constexpr double kUsualEdge = 0.2;     // to begin with
+constexpr double kLeastBeside = 0.15;  // of the strongest window: soft edges leave a tenth of theirs
 
 struct Scan {
   std::vector<double> time_s;  // of the rows
@@ -23,24 +26,40 @@ struct Scan {
   double widest_s{};
 };
 
-// Windows that stand out of what the nominal model leaves: one, unless several together are nearly all of it.
+// Windows that stand out of what the nominal model leaves, each beside those before it: one, unless several
+// together are nearly all of it.
 std::size_t CountWindows(const MotionGrid& grid, const Scan& scan) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
   Eigen::VectorXd residual = grid.BesideNominal(measured);
   const std::vector<double> weights(grid.rows(), 1.0);
   const double noise = RobustStandardDeviation({residual.data(), grid.rows()});
-  const double excess = residual.squaredNorm() - noise * noise * static_cast<double>(grid.rows());
-  std::size_t count = 0;
+  // Beyond the noise, and how far noise alone may seem to exceed itself.
+  const double rows = static_cast<double>(grid.rows());
+  const double excess = residual.squaredNorm() - noise * noise * (rows + 2.0 * std::sqrt(2.0 * rows));
+  std::vector<Eigen::VectorXd> found;
   double explained = 0.0;
   double strongest = 0.0;
-  for (const WindowPeak& peak : FindWindows(scan.time_s, {residual.data(), grid.rows()}, weights,
-                                            scan.narrowest_s, scan.widest_s, kMostWindows)) {
-    strongest = std::max(strongest, peak.drop);
-    if (peak.drop < 40.0 * noise * noise || peak.drop < 0.1 * strongest) break;
-    ++count;
-    explained += peak.drop;
+  while (found.size() < kMostWindows) {
+    const auto peaks =
+        FindWindows(scan.time_s, {residual.data(), grid.rows()}, weights, scan.narrowest_s, scan.widest_s, 1);
+    if (peaks.empty()) break;
+    Eigen::VectorXd window(residual.size());
+    for (std::size_t row = 0; row < grid.rows(); ++row) {
+      const double off_s = std::abs(scan.time_s[row] - peaks.front().centre);
+      window(static_cast<Eigen::Index>(row)) = off_s < 0.5 * peaks.front().width ? 1.0 : 0.0;
+    }
+    window = grid.BesideNominal(window);
+    for (const Eigen::VectorXd& before : found) window -= before * before.dot(window);
+    window.normalize();
+    const double height = window.dot(residual);
+    const double drop = height * height;
+    strongest = std::max(strongest, drop);
+    if (drop < 25.0 * noise * noise || drop < kLeastBeside * strongest) break;
+    explained += drop;
+    residual -= height * window;
+    found.push_back(std::move(window));
   }
-  return explained > 0.6 * excess ? std::max<std::size_t>(count, 1) : 1;
+  return explained > 0.6 * excess ? std::max<std::size_t>(found.size(), 1) : 1;
 }
 
 }  // namespace
@@ -52,24 +71,25 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
   const double duration_s = *last - *first;
   const double shortest_s = std::max(0.03, 8.0 * grid->row_spacing_s);
   scan.narrowest_s = 4.0 * grid->row_spacing_s;
-  scan.widest_s = 0.25 * duration_s;
+  scan.widest_s = 0.4 * duration_s;
   if (!(scan.widest_s > 2.0 * scan.narrowest_s)) return;
   const std::size_t windows = CountWindows(*grid, scan);
-  const double ramp_s = grid->stretches.front().step_s;
+  const double step_s = grid->stretches.front().step_s;
   SeparableTerm term =
       PointTerm(grid, windows,
-                [grid, ramp_s](std::span<const double> shapes, std::size_t column, std::span<double> points) {
+                [grid, step_s](std::span<const double> shapes, std::size_t column, std::span<double> points) {
                   const double start_s = shapes[2 * column];
                   const double end_s = shapes[2 * column + 1];
+                  // Never steeper than the points, lest the edges move by whole steps.
+                  const double edge_s = std::max(shapes.back() * (end_s - start_s), step_s);
                   for (std::size_t i = 0; i < points.size(); ++i) {
-                    const double since = (grid->time_s[i] - start_s) / ramp_s + 0.5;
-                    const double until = (end_s - grid->time_s[i]) / ramp_s + 0.5;
-                    points[i] = std::clamp(std::min(since, until), 0.0, 1.0);
+                    points[i] = model::WindowShape(grid->time_s[i], start_s, end_s, edge_s);
                   }
                 });
   for (std::size_t k = 0; k < 2 * windows; ++k) {
     term.shapes.push_back({*first - scan.narrowest_s, *last + scan.narrowest_s, 2.0 * grid->row_spacing_s});
   }
+  term.shapes.push_back({0.0, 0.5, 0.05});  // share of a window that each of its edges takes
   term.starts = [grid, term, scan, windows](const Remainder& remainder) {
     const std::vector<WindowPeak> peaks =
         FindWindows(scan.time_s, remainder.residual, remainder.weights, scan.narrowest_s, scan.widest_s,
@@ -81,24 +101,28 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
     for (std::size_t k = 0; k < peaks.size(); ++k) {
       const std::size_t into = windows == 1 ? k : 0;
       for (const double side : {-0.5, 0.5}) {
-        starts[into].push_back(peaks[k].centre + side * peaks[k].width);
+        // The width is at half the height.
+        starts[into].push_back(peaks[k].centre + side * peaks[k].width / (1.0 - kUsualEdge));
         steps[into].push_back(0.2 * peaks[k].width);
       }
     }
+    for (std::size_t k = 0; k < starts.size(); ++k) {
+      starts[k].push_back(kUsualEdge);
+      steps[k].push_back(0.1);
+    }
     StartSearch search(*grid, term, remainder);
-    for (std::size_t k = 0; k < starts.size(); ++k) starts[k] = search.Polish(std::move(starts[k]), steps[k]);
+    for (std::size_t k = 0; k < starts.size(); ++k) starts[k] = search.Polish(starts[k], steps[k]);
     return starts;
   };
-  // Reported in the order of time.
+  // Reported in the order of strength.
   const auto name = [](const char* what, std::size_t window, const std::string& unit) {
     return window == 0 ? fmt::format("{}_{}", what, unit) : fmt::format("{}_{}_{}", what, window + 1, unit);
   };
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
     std::vector<std::size_t> order(windows);
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return numbers[windows + 2 * a] < numbers[windows + 2 * b];
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return std::abs(numbers[a]) > std::abs(numbers[b]); });
     const auto error = [&](std::size_t k) {
       const auto i = static_cast<Eigen::Index>(k);
       return StandardErrorOf(covariance(i, i));
@@ -126,6 +150,7 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
           {name("duration", w, "s"), "s", numbers[from + 1] - numbers[from],
            std::hypot(edge_error(from, numbers[order[w]]), edge_error(from + 1, numbers[order[w]]))});
     }
+    values.push_back({"edge_share", "1", numbers.back(), error(numbers.size() - 1)});
     return values;
   };
   term.restore = [windows](std::span<const double> values) {
@@ -135,6 +160,7 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
       numbers.push_back(values[4 * w]);
       numbers.push_back(values[4 * w + 1]);
     }
+    numbers.push_back(values.back());
     return numbers;
   };
   CauseRule rule{
@@ -144,12 +170,11 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
               ? "a force from outside for a limited time: something touched, pulled or jammed the axis"
               : "a torque from outside for a limited time: something touched, braked or drove the axis",
       .where = Where::kBench,
-      .degrees_of_freedom = static_cast<int>(3 * windows),
+      .degrees_of_freedom = static_cast<int>(3 * windows + 1),
       .trials = std::pow(2.0 * duration_s / scan.narrowest_s, static_cast<double>(windows)),
       .local = true};
+  rule.parameters = {{name("torque", 0, units.torque()), units.torque(), -kUnlimited, kUnlimited, true}};
   for (std::size_t w = 0; w < windows; ++w) {
-    rule.parameters.push_back(
-        {name("torque", w, units.torque()), units.torque(), -kUnlimited, kUnlimited, true});
     // Shorter than that it is a knock at most, and more often a reversal that came out badly.
     rule.parameters.push_back({name("duration", w, "s"), "s", shortest_s, kUnlimited, false});
   }

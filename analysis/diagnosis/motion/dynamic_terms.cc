@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
@@ -16,9 +17,17 @@ namespace {
 
 using Eigen::Index;
 
+// Below that it is a tone in time and not a structure.
+constexpr double kLeastDamping = 0.004;
 // Part of a contact's deflection by which the width of a gap is not known.
 constexpr double kContactEdge = 0.1;
 constexpr double kUnlimited = std::numeric_limits<double>::max();
+// Of a loose load's coarse starts, where the best of them takes so many times the noise's variance; of these,
+// those that are fitted.
+constexpr double kPromising = 8.0;
+constexpr std::size_t kPolished = 6;
+constexpr std::size_t kStarts = 2;
+constexpr double kRagged = 2.0;
 
 double DurationOf(const MotionGrid& grid) {
   double duration_s = 0.0;
@@ -27,12 +36,6 @@ double DurationOf(const MotionGrid& grid) {
   }
   return duration_s;
 }
-
-// Shapes of a resonance that are tried, and their columns beside the nominal model, each of length 1.
-struct ResonanceMap {
-  std::vector<std::vector<double>> shapes;  // ln frequency in Hz, ln damping ratio
-  Eigen::MatrixXf columns;
-};
 
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
@@ -53,48 +56,30 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     }
     design.col(0) = grid->ProjectPassed(points);
   };
-  term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03}, {std::log(0.004), std::log(0.8), 0.3}};
+  term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03}, {std::log(kLeastDamping), std::log(0.8), 0.3}};
 
-  ResonanceMap map;
+  std::vector<std::vector<double>> tried;  // ln frequency in Hz, ln damping ratio
   for (const auto& [damping, spacing] :
        {std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std::pair{0.3, 0.25}}) {
     for (double log_Hz = std::log(low_Hz) + spacing; log_Hz < std::log(high_Hz); log_Hz += spacing) {
-      map.shapes.push_back({log_Hz, std::log(damping)});
+      tried.push_back({log_Hz, std::log(damping)});
     }
   }
-  map.columns.resize(grid->nominal.rows(), static_cast<Index>(map.shapes.size()));
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nominal(grid->nominal);
-  Eigen::MatrixXd column(grid->nominal.rows(), 1);
-  for (std::size_t k = 0; k < map.shapes.size(); ++k) {
-    term.fill(map.shapes[k], column);
-    const double before = column.norm();
-    column -= grid->nominal * nominal.solve(column);
-    const double norm = column.norm();
-    const bool distinct = norm > 1e-3 * before;  // far above the motion it is one with the inertia
-    map.columns.col(static_cast<Index>(k)) =
-        distinct ? Eigen::VectorXf((column / norm).cast<float>()) : Eigen::VectorXf::Zero(column.rows());
-  }
-  term.starts = [map = std::make_shared<const ResonanceMap>(std::move(map))](const Remainder& remainder) {
-    const auto rows = static_cast<Index>(remainder.residual.size());
-    const Eigen::VectorXf weighted =
-        Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), rows)
-            .cwiseProduct(Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), rows))
-            .cast<float>();
-    // No inertia is negative.
-    const Eigen::VectorXf drops = (map->columns.transpose() * weighted).cwiseMax(0.0F);
-    std::vector<std::vector<double>> starts;
-    Eigen::VectorXf left = drops;
-    while (starts.size() < 3) {
-      Index best = 0;
-      if (!(left.maxCoeff(&best) > 0.0F)) break;
-      const std::vector<double>& shape = map->shapes[static_cast<std::size_t>(best)];
-      starts.push_back(shape);
-      for (std::size_t k = 0; k < map->shapes.size(); ++k) {
-        if (std::abs(map->shapes[k][0] - shape[0]) < 0.15) left(static_cast<Index>(k)) = 0.0F;
-      }
-    }
-    return starts;
-  };
+  term.starts =
+      [map = std::make_shared<const ShapeMap>(*grid, term, std::move(tried))](const Remainder& remainder) {
+        std::vector<std::vector<double>> starts;
+        Eigen::VectorXf left = map->Roots(remainder);
+        while (starts.size() < 3) {
+          Index best = 0;
+          if (!(left.maxCoeff(&best) > 0.0F)) break;
+          const std::vector<double>& shape = map->shapes()[static_cast<std::size_t>(best)];
+          starts.push_back(shape);
+          for (Index k = 0; k < left.size(); ++k) {
+            if (std::abs(map->shapes()[static_cast<std::size_t>(k)][0] - shape[0]) < 0.15) left(k) = 0.0F;
+          }
+        }
+        return starts;
+      };
   const double reference = std::max(grid->prefit(0), 1e-300);
   const std::string inertia = units.linear ? "second_mass_kg" : "second_inertia_kgm2";
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
@@ -127,7 +112,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                          .parameters = {{"inertia_share", "1", 0.0, 1.5, false},
                                         {inertia + "s2", units.inertia() + " s²", 0.0, kUnlimited, true},
                                         {"frequency_Hz", "Hz", 1.02 * low_Hz, 0.98 * high_Hz, false},
-                                        {"damping_ratio", "1", 0.0, 0.4, false}},
+                                        {"damping_ratio", "1", 1.1 * kLeastDamping, 0.4, false}},
                          .degrees_of_freedom = 3,
                          .trials = std::max(4.0, 4.0 * std::log(high_Hz / low_Hz)),
                          .to_settle = units.linear ? ""
@@ -162,7 +147,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
   // A contact swings faster than the motion, else it is a resonance, and slower than the points tell.
   const double low_Hz = 4.0;
-  const double high_Hz = 0.35 / grid->stretches.front().step_s;
+  const double high_Hz = 0.2 / grid->stretches.front().step_s;
   if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;
   SeparableTerm term = PointTerm(
       grid, 1, [grid, braking](std::span<const double> shapes, std::size_t, std::span<double> points) {
@@ -175,23 +160,40 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                       pushes);
         std::ranges::copy(pushes, points.begin());
       });
-  term.shapes = {{std::log(low), std::log(high), 0.1},
-                 {0.0, 4.0, 0.1},
-                 {std::log(low_Hz), std::log(high_Hz), 0.1},
-                 {0.1, 1.5, 0.1}};
-  term.starts = [grid, term, low, high, low_Hz, high_Hz](const Remainder& remainder) {
-    std::vector<std::vector<double>> candidates;
-    for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 16)) {
-      for (const double share : {0.2, 0.8, 2.5}) {
-        for (const double contact_Hz : {12.0, 35.0, 100.0}) {
-          if (contact_Hz < low_Hz || contact_Hz > high_Hz) continue;
-          candidates.push_back({std::log(gap), share, std::log(contact_Hz), 0.5});
-        }
+  // Wide steps: each knock comes and goes at once, and a slope over less than that says nothing.
+  term.shapes = {{std::log(low), std::log(high), kRagged},
+                 {0.0, 4.0, kRagged},
+                 {std::log(low_Hz), std::log(high_Hz), kRagged},
+                 {0.1, 1.5, kRagged}};
+  std::vector<std::vector<double>> tried;
+  for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 16)) {
+    for (const double share : {0.1, 0.4, 0.8, 2.0}) {
+      for (const double contact_Hz : {10.0, 18.0, 35.0, 80.0}) {
+        if (contact_Hz < low_Hz || contact_Hz > high_Hz) continue;
+        tried.push_back({std::log(gap), share, std::log(contact_Hz), 0.5});
       }
     }
-    StartSearch search(*grid, term, remainder);
-    std::vector<std::vector<double>> starts = BestStarts(*grid, term, candidates, remainder, 4);
-    for (auto& start : starts) start = search.Polish(std::move(start), {0.1, 0.3, 0.2, 0.15});
+  }
+  term.starts = [grid, term, map = std::make_shared<const ShapeMap>(*grid, term, std::move(tried))](
+                    const Remainder& remainder) {
+    const Eigen::VectorXf roots = map->Roots(remainder);
+    std::vector<Index> order(static_cast<std::size_t>(roots.size()));
+    std::iota(order.begin(), order.end(), Index{0});
+    std::ranges::sort(order, std::greater<>(), [&](Index k) { return roots(k); });
+    const double best = roots.size() > 0 ? roots(order.front()) : 0.0;
+    const bool promising = best * best > kPromising * remainder.MeanSquare();
+    StartSearch search(*grid, term, remainder, StartSearch::Sign::kPositive);
+    using Start = std::pair<double, std::vector<double>>;  // drop, shapes
+    std::vector<Start> polished;
+    for (const Index k : order) {
+      if (polished.size() == (promising ? kPolished : 1) || !(roots(k) > 0.0F)) break;
+      std::vector<double> shapes = map->shapes()[static_cast<std::size_t>(k)];
+      if (promising) shapes = search.Polish(shapes, {0.15, 0.15, 0.2, -0.15});
+      polished.emplace_back(search.Drop(shapes), std::move(shapes));
+    }
+    std::ranges::sort(polished, std::greater<>(), &Start::first);
+    std::vector<std::vector<double>> starts;
+    for (std::size_t i = 0; i < std::min(polished.size(), kStarts); ++i) starts.push_back(polished[i].second);
     return starts;
   };
   const std::string gap_name = units.linear ? "backlash_m" : "backlash_rad";

@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "analysis/diagnosis/lone_samples.h"
 #include "analysis/diagnosis/motion/time.h"
 #include "analysis/diagnosis/motion/units.h"
 #include "analysis/noise_level.h"
@@ -76,6 +77,15 @@ void CheckTravel(const MotionData& record, const std::string& name) {
   }
 }
 
+// Before a low-pass spreads them.
+void LeaveOutSpikes(MotionData& record, const std::string& name, std::vector<std::string>& warnings) {
+  const std::vector<std::size_t> spikes = FindLoneSamples(record.torque, QuantisationStep(record.torque));
+  if (spikes.empty()) return;
+  InterpolateOver(record.torque, spikes);
+  warnings.push_back(fmt::format("{}{} samples of the {} stand off their neighbours and were left out", name,
+                                 spikes.size(), record.linear ? "force" : "torque"));
+}
+
 }  // namespace
 
 double WhiteNoise(std::span<const double> samples) {
@@ -135,6 +145,7 @@ MotionSamples PrepareMotion(std::span<const MotionData> records) {
       if (share > kClippedError) throw std::invalid_argument(text + " (expected a record inside the range)");
       samples.warnings.push_back(text + "; they are left out");
     }
+    LeaveOutSpikes(record, name, samples.warnings);
     SettleUnits(record, name, samples.warnings);
     const double step = QuantisationStep(record.position);
     samples.position_step = std::max(samples.position_step, step);

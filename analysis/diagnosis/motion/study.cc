@@ -91,6 +91,8 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   model.noise_floor = grid->noise_floor;
   model.filtered_out_variance = grid->filtered_out_variance;
   model.block_length = BlockLength(*grid);
+  // The torque's own were left out before the low-pass; a lone row is a reversal that comes late.
+  model.spikes_are_outliers = false;
   if (samples.inertia) {
     const std::string warning =
         InertiaWarning(grid->prefit(0), *samples.inertia, grid->inertia_error, samples.linear);

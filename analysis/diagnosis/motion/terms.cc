@@ -44,9 +44,35 @@ std::vector<double> GeometricSteps(double low, double high, std::size_t count) {
   return steps;
 }
 
-StartSearch::StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder)
+ShapeMap::ShapeMap(const MotionGrid& grid, const SeparableTerm& term, std::vector<std::vector<double>> shapes)
+    : shapes_(std::move(shapes)),
+      columns_(Eigen::MatrixXf::Zero(grid.nominal.rows(), static_cast<Eigen::Index>(shapes_.size()))) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nominal(grid.nominal);
+  Eigen::MatrixXd column(grid.nominal.rows(), 1);
+  for (std::size_t k = 0; k < shapes_.size(); ++k) {
+    term.fill(shapes_[k], column);
+    const double before = column.norm();
+    column -= grid.nominal * nominal.solve(column);
+    const double norm = column.norm();
+    // What is one with the nominal model, as a swing far above the motion is with the inertia, stays zero.
+    if (norm > 1e-3 * before) columns_.col(static_cast<Eigen::Index>(k)) = (column / norm).cast<float>();
+  }
+}
+
+Eigen::VectorXf ShapeMap::Roots(const Remainder& remainder) const {
+  const auto rows = static_cast<Eigen::Index>(remainder.residual.size());
+  const Eigen::VectorXf weighted =
+      Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), rows)
+          .cwiseProduct(Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), rows))
+          .cast<float>();
+  return (columns_.transpose() * weighted).cwiseMax(0.0F);
+}
+
+StartSearch::StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder,
+                         Sign sign)
     : grid_(grid),
       term_(term),
+      sign_(sign),
       nominal_(grid.nominal),
       columns_(grid.nominal.rows(), static_cast<Eigen::Index>(term.columns)),
       weights_(Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), grid.nominal.rows())),
@@ -57,30 +83,66 @@ double StartSearch::Drop(std::span<const double> shapes) {
   term_.fill(shapes, columns_);
   columns_ -= grid_.nominal * nominal_.solve(columns_);
   const Eigen::VectorXd right = columns_.transpose() * weighted_;
+  if (sign_ == Sign::kPositive && right(0) <= 0.0) return 0.0;
   const Eigen::MatrixXd gram = columns_.transpose() * weights_.asDiagonal() * columns_;
   return right.dot(gram.completeOrthogonalDecomposition().solve(right));
 }
 
-std::vector<double> StartSearch::Polish(std::vector<double> shapes, std::vector<double> steps) {
-  double best = Drop(shapes);
-  for (int halvings = 0; halvings < 5;) {
-    bool better = false;
-    for (std::size_t k = 0; k < shapes.size(); ++k) {
-      for (const double sign : {-1.0, 1.0}) {
-        std::vector<double> moved = shapes;
-        moved[k] = std::clamp(moved[k] + sign * steps[k], term_.shapes[k].low, term_.shapes[k].high);
-        const double drop = Drop(moved);
-        if (drop <= best) continue;
-        best = drop;
-        shapes = std::move(moved);
-        better = true;
-      }
+std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const std::vector<double>& steps) {
+  constexpr double kSettled = 1e-3;  // of the drop, between the best corner and the worst
+  const std::size_t n = shapes.size();
+  struct Corner {
+    double drop{};
+    std::vector<double> shapes;
+  };
+  const auto corner_at = [&](std::vector<double> at) {
+    for (std::size_t k = 0; k < n; ++k) {
+      if (at[k] < term_.shapes[k].low || at[k] > term_.shapes[k].high) return Corner{0.0, std::move(at)};
     }
-    if (better) continue;
-    for (double& step : steps) step *= 0.5;
-    ++halvings;
+    const double drop = Drop(at);
+    return Corner{drop, std::move(at)};
+  };
+  std::vector<Corner> corners{corner_at(shapes)};
+  for (std::size_t k = 0; k < n; ++k) {
+    std::vector<double> moved = shapes;
+    moved[k] += moved[k] + steps[k] <= term_.shapes[k].high ? steps[k] : -steps[k];
+    corners.push_back(corner_at(std::move(moved)));
   }
-  return shapes;
+  for (std::size_t round = 0; round < 30 * n; ++round) {
+    std::ranges::sort(corners, std::greater<>(), &Corner::drop);
+    Corner& worst = corners.back();
+    if (corners.front().drop - worst.drop <= kSettled * corners.front().drop) break;
+    std::vector<double> centre(n, 0.0);
+    for (std::size_t c = 0; c < n; ++c) {
+      for (std::size_t k = 0; k < n; ++k) centre[k] += corners[c].shapes[k] / static_cast<double>(n);
+    }
+    const auto along = [&](double share) {
+      std::vector<double> at(n);
+      for (std::size_t k = 0; k < n; ++k) at[k] = centre[k] + share * (worst.shapes[k] - centre[k]);
+      return corner_at(std::move(at));
+    };
+    Corner reflected = along(-1.0);
+    if (reflected.drop > corners.front().drop) {
+      Corner further = along(-2.0);
+      worst = further.drop > reflected.drop ? std::move(further) : std::move(reflected);
+      continue;
+    }
+    if (reflected.drop > corners[n - 1].drop) {
+      worst = std::move(reflected);
+      continue;
+    }
+    Corner nearer = along(reflected.drop > worst.drop ? -0.5 : 0.5);
+    if (nearer.drop > std::max(worst.drop, reflected.drop)) {
+      worst = std::move(nearer);
+      continue;
+    }
+    for (std::size_t c = 1; c <= n; ++c) {
+      for (std::size_t k = 0; k < n; ++k)
+        corners[c].shapes[k] = 0.5 * (corners[c].shapes[k] + corners.front().shapes[k]);
+      corners[c] = corner_at(std::move(corners[c].shapes));
+    }
+  }
+  return std::ranges::max(corners, {}, &Corner::drop).shapes;
 }
 
 std::vector<std::vector<double>> BestStarts(const MotionGrid& grid, const SeparableTerm& term,

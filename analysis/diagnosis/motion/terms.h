@@ -65,21 +65,41 @@ double ShareBesideNominal(const MotionGrid& grid, const Eigen::VectorXd& column)
 /// Values from `low` to `high`, both included, at equal ratios.
 std::vector<double> GeometricSteps(double low, double high, std::size_t count);
 
+/// Shapes of a term of one column and no negative coefficient, and their columns beside the nominal model.
+class ShapeMap {
+ public:
+  ShapeMap(const MotionGrid& grid, const SeparableTerm& term, std::vector<std::vector<double>> shapes);
+
+  const std::vector<std::vector<double>>& shapes() const { return shapes_; }
+  /// Roots of what each takes from the remainder's weighted sum of squares; 0 for a negative coefficient.
+  Eigen::VectorXf Roots(const Remainder& remainder) const;
+
+ private:
+  std::vector<std::vector<double>> shapes_;
+  Eigen::MatrixXf columns_;  // rows × shapes, each of length 1
+};
+
 /// Looks for shapes of a term without fitting the rest again.
 class StartSearch {
  public:
+  /// Of the coefficient, where there is one column.
+  enum class Sign { kEither, kPositive };
+
   /// All of them outlive the search.
-  StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder);
+  StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder,
+              Sign sign = Sign::kEither);
 
   /// What the term's columns, beside the nominal ones, take from the remainder's weighted sum of squares.
   double Drop(std::span<const double> shapes);
-  /// Moves one shape at a time by these steps, then by half of them and so on, while the drop grows: for
-  /// terms that depend on their shapes too raggedly for slopes.
-  std::vector<double> Polish(std::vector<double> shapes, std::vector<double> steps);
+  /// Moves all shapes together, from a simplex of these steps, while the drop grows (Nelder and Mead,
+  /// Computer Journal 7 (1965) 308): for terms that depend on their shapes too raggedly for slopes, and on
+  /// each by the others.
+  std::vector<double> Polish(const std::vector<double>& shapes, const std::vector<double>& steps);
 
  private:
   const MotionGrid& grid_;
   const SeparableTerm& term_;
+  Sign sign_;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nominal_;
   Eigen::MatrixXd columns_;
   Eigen::VectorXd weights_;

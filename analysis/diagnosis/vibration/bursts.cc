@@ -68,9 +68,9 @@ std::vector<BurstSpot> FindBursts(const VibrationRemainder& remainder, std::size
   return chosen;
 }
 
-std::optional<VibrationSolution> SearchBurst(const VibrationRemainder& remainder, std::size_t index) {
+std::optional<TermFit> SearchBurst(const VibrationRemainder& remainder, std::size_t index) {
   const VibrationSamples& samples = remainder.samples();
-  std::optional<VibrationSolution> best;
+  std::optional<TermFit> best;
   for (const BurstSpot& spot : FindBursts(remainder, 3)) {
     if (spot.power < 2.0 * kLeastPower) break;
     VibrationTerm term;

@@ -21,6 +21,6 @@ struct BurstSpot {
 std::vector<BurstSpot> FindBursts(const VibrationRemainder& remainder, std::size_t count);
 
 /// A tone that comes and goes once.
-std::optional<VibrationSolution> SearchBurst(const VibrationRemainder& remainder, std::size_t index);
+std::optional<TermFit> SearchBurst(const VibrationRemainder& remainder, std::size_t index);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -12,6 +12,9 @@ constexpr int kLengths[] = {1, 2, 3, 4, 6, 9, 13, 19, 28, 40};
 constexpr std::size_t kMostHarmonics = 160;
 // Weaker combs than this never stand up to the number of places searched.
 constexpr double kLeastExcess = 14.0;
+constexpr double kLeastNear = 6.0;  // beside an order that is known
+// Combs this much weaker than the strongest are not among the few that are wanted.
+constexpr double kLeastShare = 0.3;
 
 using Powers = std::array<double, kMostHarmonics + 1>;
 
@@ -37,7 +40,43 @@ struct Harmonics {
   }
 };
 
-Comb BestRange(const Harmonics& harmonics, double channels, double order) {
+// Sum of so many cells that has this excess.
+double SumOf(double excess, double cells) {
+  const double wanted = excess / cells;
+  double mean = 1.0 + std::sqrt(2.0 * wanted) + wanted;
+  for (int round = 0; round < 4; ++round) mean -= (mean - 1.0 - std::log(mean) - wanted) / (1.0 - 1.0 / mean);
+  return cells * mean;
+}
+
+// Sums without their strongest line that ranges of harmonics have to reach.
+class Limits {
+ public:
+  Limits(double channels, double lines, double excess) : channels_(channels), lines_(lines) { Raise(excess); }
+
+  double CellsOf(int length) const { return channels_ * (lines_ * length - 1.0); }
+  double operator[](std::size_t which) const { return least_[which]; }
+  /// Takes a comb's excess into account; by steps, so that it is rarely work.
+  void Raise(double excess) {
+    if (excess < 1.1 * excess_) return;
+    excess_ = excess;
+    for (std::size_t l = 0; l < std::size(kLengths); ++l) {
+      const double cells = CellsOf(kLengths[l]);
+      least_[l] = cells > 0.0 ? SumOf(excess, cells) : 1e300;
+    }
+  }
+
+ private:
+  double channels_{};
+  double lines_{};
+  double excess_{};
+  std::array<double, std::size(kLengths)> least_{};
+};
+
+Limits LimitsFor(const VibrationSpectrum& spectrum, double sideband, double excess) {
+  return {static_cast<double>(spectrum.channels()), sideband > 0.0 ? 3.0 : 1.0, excess};
+}
+
+Comb BestRange(const Harmonics& harmonics, double channels, double order, const Limits& limits) {
   Comb best{order, 1, 1, 0.0, 1.0, harmonics.sideband};
   const Powers& powers = harmonics.with_sidebands;
   const double lines = harmonics.sideband > 0.0 ? 3.0 : 1.0;
@@ -46,17 +85,16 @@ Comb BestRange(const Harmonics& harmonics, double channels, double order) {
     sums[static_cast<std::size_t>(k)] =
         sums[static_cast<std::size_t>(k - 1)] + powers[static_cast<std::size_t>(k)];
   }
-  for (const int length : kLengths) {
-    if (length == 1 && harmonics.sideband == 0.0) continue;
-    const double cells = channels * (lines * length - 1.0);
-    const double least = cells + 2.5 * std::sqrt(cells) + kLeastExcess;
+  for (std::size_t l = 0; l < std::size(kLengths); ++l) {
+    const int length = kLengths[l];
     for (int first = 1; first + length - 1 <= harmonics.count; ++first) {
       const int last = first + length - 1;
       const double sum = sums[static_cast<std::size_t>(last)] - sums[static_cast<std::size_t>(first - 1)];
-      if (sum < least) continue;
+      if (sum < limits[l]) continue;
       const double strongest =
           *std::max_element(harmonics.strongest.begin() + first, harmonics.strongest.begin() + last + 1);
-      const double excess = ExcessOf(sum - strongest, cells);
+      if (sum - strongest < limits[l]) continue;
+      const double excess = ExcessOf(sum - strongest, limits.CellsOf(length));
       if (excess > best.excess) best = {order, first, last, excess, 0.0, harmonics.sideband};
     }
   }
@@ -81,11 +119,12 @@ Comb CombNear(const VibrationSpectrum& spectrum, double order, double range, dou
   Harmonics harmonics;
   harmonics.sideband = sideband;
   Comb best{order, 1, 1, -1.0, 1.0, sideband};
+  const Limits limits = LimitsFor(spectrum, sideband, kLeastNear);
   const double step = StepAt(spectrum, order);
   for (double change = 0.0; change <= range + 0.5 * step; change += step) {
     for (const double near : {order - change, order + change}) {
       harmonics.Take(spectrum, near);
-      const Comb comb = BestRange(harmonics, static_cast<double>(spectrum.channels()), near);
+      const Comb comb = BestRange(harmonics, static_cast<double>(spectrum.channels()), near, limits);
       if (comb.excess > best.excess) best = comb;
     }
   }
@@ -118,11 +157,13 @@ std::vector<Comb> FindCombs(const VibrationSpectrum& spectrum, double lowest, do
   Harmonics harmonics;
   harmonics.sideband = sideband;
   highest = std::min(highest, 0.5 * spectrum.highest());
+  Limits limits = LimitsFor(spectrum, sideband, kLeastExcess);
   for (double order = lowest; order < highest; order += StepAt(spectrum, order)) {
     if (!allowed(order)) continue;
     harmonics.Take(spectrum, order);
-    const Comb comb = BestRange(harmonics, static_cast<double>(spectrum.channels()), order);
+    const Comb comb = BestRange(harmonics, static_cast<double>(spectrum.channels()), order, limits);
     if (comb.excess > kLeastExcess) found.push_back(comb);
+    limits.Raise(kLeastShare * comb.excess);
   }
   std::sort(found.begin(), found.end(), [](const Comb& a, const Comb& b) { return a.excess > b.excess; });
   std::vector<Comb> chosen;

@@ -16,13 +16,14 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-using Best = std::optional<VibrationSolution>;
+using Best = std::optional<TermFit>;
 
 constexpr double kRange = 3.0;  // standard errors of the angle's scale that a known order may be off by
 constexpr int kMostLineHarmonics = 12;
 constexpr std::size_t kMostLines = 10;
 constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
+constexpr double kRingReach = 2.0;         // half-widths of a resonance in which harmonics are heard
 constexpr int kPulseHarmonic = 2;          // from which on a record has to tell pulses from whole orders
 
 VibrationTerm LinesTerm(const VibrationRemainder& remainder, std::size_t index) {
@@ -59,19 +60,16 @@ double ExcessAt(const VibrationRemainder& remainder, double order) {
                   static_cast<double>(spectrum.channels()));
 }
 
-// Drop that each line of the last term brings, of all channels, over what its coefficients cost there.
-std::vector<double> LineGains(const VibrationSolution& solution) {
-  const VibrationTerm& term = solution.terms.back();
-  const std::size_t t = solution.terms.size() - 1;
-  std::vector<double> gains(term.lines.size(), 0.0);
-  for (const VibrationSolution::Channel& channel : solution.channels) {
-    if (channel.first[t] < 0) continue;
+// Drop that each line of a term brings, of all channels, over what its coefficients cost there.
+std::vector<double> LineGains(const TermFit& fit) {
+  std::vector<double> gains(fit.term.lines.size(), 0.0);
+  for (const TermFit::Channel& channel : fit.channels) {
+    if (channel.coefficients.size() == 0) continue;
     for (std::size_t l = 0; l < gains.size(); ++l) {
-      const auto at = channel.first[t] + static_cast<Eigen::Index>(2 * l);
-      const Eigen::Vector2d own = channel.fit.coefficients.segment(at, 2);
-      const Eigen::MatrixXd block = channel.fit.inverse.block(at, at, 2, 2);
-      gains[l] +=
-          own.dot(PseudoInverse(block) * own) / solution.variance() - 2.0 * std::log(solution.weight_sum);
+      const auto at = static_cast<Eigen::Index>(2 * l);
+      const Eigen::Vector2d own = channel.coefficients.segment(at, 2);
+      const Eigen::MatrixXd block = channel.inverse.block(at, at, 2, 2);
+      gains[l] += own.dot(PseudoInverse(block) * own) / fit.variance() - 2.0 * std::log(fit.weight_sum);
     }
   }
   return gains;
@@ -96,12 +94,12 @@ Best FitPayingLines(const VibrationRemainder& remainder, VibrationTerm term, std
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   found.resize(std::min(found.size(), kMostLines));
   for (const auto& [excess, place] : found) term.lines.push_back(place);
-  VibrationSolution solution = remainder.With(term, term.shapes.empty() ? 0 : 5);
-  while (solution.terms.back().lines.size() >= fewest) {
+  TermFit solution = remainder.With(term, term.shapes.empty() ? 0 : 5);
+  while (solution.term.lines.size() >= fewest) {
     const std::vector<double> gains = LineGains(solution);
     const auto worst = std::min_element(gains.begin(), gains.end());
     if (*worst > 0.0) return solution;
-    VibrationTerm fewer = solution.terms.back();
+    VibrationTerm fewer = solution.term;
     fewer.lines.erase(fewer.lines.begin() + (worst - gains.begin()));
     if (fewer.lines.size() < fewest) break;
     solution = remainder.With(std::move(fewer), 0);
@@ -136,9 +134,9 @@ bool ScaleIsOpen(const VibrationRemainder& remainder, double order) {
 }
 
 // Not the orders that other things have: multiples of the half turn, as looseness and misalignment make them,
-// and those of a crack. A harmonic says it sharper than the order itself.
-bool IsBearingOrder(double order, double cell, double crack_order, double harmonic) {
-  const double sharpness = std::max(0.004, 0.6 * cell / harmonic);
+// and those of a crack. So many harmonics say it sharper than the order itself.
+bool IsBearingOrder(double order, double cell, double crack_order, double harmonics) {
+  const double sharpness = std::max(0.004, 0.6 * cell / harmonics);
   const double doubled = 2.0 * order;
   const double cracks = order / crack_order;
   return std::abs(doubled - std::round(doubled)) > 2.0 * sharpness &&
@@ -150,44 +148,49 @@ TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
   return {comb.order, comb.centre * comb.order * turn_Hz, comb.excess};
 }
 
-// The harmonic by which a term knows its order.
-double HarmonicOf(const VibrationRemainder& remainder, const VibrationTerm& term) {
+// How many harmonics of its order the lines of a term span: so much sharper than a single line they say how
+// far apart they are. Where they stand says nothing: sidebands of whole orders stand anywhere.
+double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& term) {
   if (term.form == VibrationForm::kRing) {
     const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
-    return std::max(1.0, term.shapes[1] / (term.shapes[0] * turn_Hz));
+    const double centre = term.shapes[1] / (term.shapes[0] * turn_Hz);
+    const double reach = kRingReach * term.shapes[2] * centre;
+    return std::max(1.0, centre + reach - std::max(0.0, centre - reach));
   }
-  double harmonic = 1.0;
-  for (const LinePlace& line : term.lines) harmonic = std::max(harmonic, line.harmonic);
-  return harmonic;
+  const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LinePlace::harmonic);
+  // The order itself counts from zero.
+  const auto is_first = [](const LinePlace& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
+  const double from = std::ranges::any_of(term.lines, is_first) ? 0.0 : lowest.harmonic;
+  return std::max(1.0, highest.harmonic - from);
 }
 
-// Smooth pulses at a known order: where they stand is read off the lines at its harmonics.
+// Smooth pulses at a known order: where they stand is read off the lines at its harmonics. Their width is one
+// of a few, or a number of the fit where that pays.
 void TryPulses(const VibrationRemainder& remainder, std::size_t index, double order, double slow_order,
                Best& best) {
   const VibrationSamples& samples = remainder.samples();
-  VibrationTerm first;
-  first.cause = index;
-  first.form = VibrationForm::kPulses;
-  first.heard.assign(samples.channels(), 1);
-  first.lines = {{0.0, order}};
-  Best plain;
-  for (const double width : {0.03, 0.06, 0.12}) {
-    VibrationTerm term = first;
-    term.shapes = {width};
+  const std::vector<char> all(samples.channels(), 1);
+  Best pulses;
+  for (const double width : {0.02, 0.03, 0.045, 0.065, 0.1, 0.15}) {
+    VibrationTerm term{index, VibrationForm::kPulses, {{width, order}}, {}, all};
     for (const VibrationRun& run : samples.runs) {
       term.shapes.push_back(BestPulsePlace(run, {order, width, 0.0, 0.0, 0.0, 0.0}, samples.highest_order(),
                                            remainder.residual(), remainder.solver().weights()));
     }
-    Keep(remainder.With(std::move(term), 0), plain);
+    Keep(remainder.With(std::move(term), 0), pulses);
   }
-  *plain = remainder.With(plain->terms.back(), 6);
-  VibrationTerm changing = plain->terms.back();
-  Keep(std::move(*plain), best);
-  if (slow_order == 0.0) return;
-  changing.heard = first.heard;
-  changing.lines.push_back({0.0, slow_order});
-  changing.shapes.insert(changing.shapes.begin() + 1, {0.0, 0.0});
-  Keep(remainder.With(std::move(changing), 8), best);
+  pulses = remainder.With(pulses->term, 6);
+  if (slow_order != 0.0) {
+    VibrationTerm changing = pulses->term;
+    changing.heard = all;
+    changing.lines.push_back({0.0, slow_order});
+    changing.shapes.insert(changing.shapes.begin(), {0.0, 0.0});
+    Keep(remainder.With(std::move(changing), 8), pulses);
+  }
+  VibrationTerm free = pulses->term;
+  free.shapes.insert(free.shapes.begin(), std::exchange(free.lines[0].harmonic, 0.0));
+  Keep(std::move(*pulses), best);
+  Keep(remainder.With(std::move(free), 8), best);
 }
 
 }  // namespace
@@ -228,7 +231,7 @@ Best SearchGearMesh(const VibrationRemainder& remainder, std::size_t index) {
     return std::abs(by_flexspline - std::round(by_flexspline)) < 1e-9 ||
            std::abs(by_circular - std::round(by_circular)) < 1e-9;
   };
-  if (!std::ranges::any_of(best->terms.back().lines, is_centre)) return std::nullopt;
+  if (!std::ranges::any_of(best->term.lines, is_centre)) return std::nullopt;
   return best;
 }
 
@@ -236,7 +239,7 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   const VibrationSpectrum& spectrum = remainder.over_turns();
   const double cell = spectrum.cell();
   const double crack = model::CrackOrder(remainder.samples().ratio);
-  // While searching the sharpest harmonic decides, afterwards the one that the fit rests on.
+  // While searching all harmonics that there may be decide, afterwards those that the fit rests on.
   const auto allowed = [=, top = spectrum.highest()](double order) {
     return IsBearingOrder(order, cell, crack, top / order);
   };
@@ -257,6 +260,10 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   Best best = SearchImpulses(remainder, index, starts, {1.0, 2.0}, [&](double order) {
     return order > lowest && order < highest && allowed(order);
   });
+  const auto is_bearing = [&](const VibrationTerm& term) {
+    return IsBearingOrder(term.shapes[0], cell, crack, HarmonicsOf(remainder, term));
+  };
+  if (best && !is_bearing(best->term)) best.reset();
   std::vector<double> bases;
   for (std::size_t c = 0; c < std::min<std::size_t>(3, combs.size()); ++c) bases.push_back(combs[c].order);
   // A few low harmonics need no search of their own: the strongest lines say where they may be.
@@ -279,7 +286,7 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
     if (!lines) continue;
     // The order itself, or two of its harmonics, have to be there; and what is beside the strongest line has
     // to stand for itself: many places were looked at.
-    const auto& kept = lines->terms.back().lines;
+    const auto& kept = lines->term.lines;
     const auto is_centre = [](const LinePlace& line) { return line.offset == 0.0; };
     const auto is_first = [](const LinePlace& line) { return line.offset == 0.0 && line.harmonic == 1.0; };
     const bool family = std::ranges::count_if(kept, is_centre) >= 2 ||
@@ -287,11 +294,7 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
     std::vector<double> gains = LineGains(*lines);
     std::sort(gains.begin(), gains.end());
     const double beside = std::accumulate(gains.begin(), gains.end() - 1, 0.0);
-    if (family && beside > kBesideStrongest) Keep(std::move(*lines), best);
-  }
-  if (best &&
-      !IsBearingOrder(best->terms.back().shapes[0], cell, crack, HarmonicOf(remainder, best->terms.back()))) {
-    return std::nullopt;
+    if (family && beside > kBesideStrongest && is_bearing(lines->term)) Keep(std::move(*lines), best);
   }
   return best;
 }

@@ -13,7 +13,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-using Best = std::optional<VibrationSolution>;
+using Best = std::optional<TermFit>;
 
 constexpr std::size_t kMostStarts = 12;
 constexpr std::size_t kMostRefined = 2;
@@ -51,8 +51,8 @@ Best FirstLook(const VibrationRemainder& remainder, std::size_t index, const Tra
 }
 
 // A train that lets one of its harmonics ring is a line with too many numbers.
-bool IsOneLine(const VibrationRemainder& remainder, const VibrationSolution& solution) {
-  const VibrationTerm& ring = solution.terms.back();
+bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution) {
+  const VibrationTerm& ring = solution.term;
   const VibrationSpectrum& spectrum = remainder.over_turns();
   double strongest = 0.0;
   double order = ring.shapes[0];
@@ -67,24 +67,24 @@ bool IsOneLine(const VibrationRemainder& remainder, const VibrationSolution& sol
   line.heard = ring.heard;
   line.lines = {{1.0, 0.0}};
   line.shapes = {order};
-  const VibrationSolution alone = remainder.With(std::move(line), 3);
+  const TermFit alone = remainder.With(std::move(line), 3);
   const double by_line = (remainder.base().square_sum - alone.square_sum) / solution.variance();
   const double beyond = (alone.square_sum - solution.square_sum) / solution.variance();
   return beyond < kBeyondLine + kBeyondLineShare * by_line;
 }
 
 // Refines a first look, a period of the ring to both sides, and with each modulation.
-void Improve(const VibrationRemainder& remainder, VibrationSolution look,
-             const std::vector<double>& modulations, Best& best) {
+void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
+             Best& best) {
   Best plain = remainder.Refine(std::move(look), 12);
   for (const double periods : {-1.0, 1.0}) {
-    VibrationTerm moved = plain->terms.back();
+    VibrationTerm moved = plain->term;
     for (std::size_t r = 3; r < moved.shapes.size(); ++r) {
       moved.shapes[r] += periods * moved.shapes[0] * TurnHz(remainder) / moved.shapes[1];
     }
     Keep(remainder.With(std::move(moved), 6), plain);
   }
-  const VibrationTerm simple = plain->terms.back();
+  const VibrationTerm simple = plain->term;
   Keep(std::move(*plain), best);
   for (const double modulation : modulations) {
     VibrationTerm term = simple;
@@ -101,7 +101,7 @@ void Improve(const VibrationRemainder& remainder, VibrationSolution look,
 Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
                     const std::vector<TrainStart>& starts, const std::vector<double>& modulations,
                     const std::function<bool(double order)>& allowed) {
-  std::vector<VibrationSolution> looks;
+  std::vector<TermFit> looks;
   for (const TrainStart& start : starts) {
     if (looks.size() == kMostStarts) break;
     if (Best look = FirstLook(remainder, index, start)) {
@@ -111,10 +111,10 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
   std::sort(looks.begin(), looks.end(), [](const auto& a, const auto& b) { return a.bic() < b.bic(); });
   looks.resize(std::min(looks.size(), kMostRefined));
   Best best;
-  for (VibrationSolution& look : looks) Improve(remainder, std::move(look), modulations, best);
+  for (TermFit& look : looks) Improve(remainder, std::move(look), modulations, best);
   if (!best) return best;
   // Every second impulse, or each twice: the same harmonics, or half of them.
-  const VibrationTerm found = best->terms.back();
+  const VibrationTerm found = best->term;
   for (const double multiple : {0.5, 2.0, 3.0}) {
     const double order = multiple * found.shapes[0];
     if (!allowed(order)) continue;

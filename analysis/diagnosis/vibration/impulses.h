@@ -12,9 +12,9 @@ namespace strainwave::analysis::diagnosis {
 
 /// The best train of ringing impulses that one of the starts leads to, plain or with one of the modulations
 /// (orders of the input angle). Nothing where a single line explains most of it.
-std::optional<VibrationSolution> SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
-                                                const std::vector<TrainStart>& starts,
-                                                const std::vector<double>& modulations,
-                                                const std::function<bool(double order)>& allowed);
+std::optional<TermFit> SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
+                                      const std::vector<TrainStart>& starts,
+                                      const std::vector<double>& modulations,
+                                      const std::function<bool(double order)>& allowed);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -43,24 +43,39 @@ InnovationFilter FilterOf(const Narrowband& narrowband, double period_s) {
   return filter;
 }
 
+namespace {
+
+// Each sample waits for the one before: columns side by side fill the waiting.
+template <int kWidth>
+void FilterColumns(const InnovationFilter& filter, std::span<const char> breaks,
+                   std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns, Eigen::Index first) {
+  using Row = Eigen::Array<double, kWidth, 1>;
+  const Row zero = Row::Zero();
+  Row y1 = zero, y2 = zero, e1 = zero, e2 = zero;
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    if (breaks[static_cast<std::size_t>(i)] != 0) y1 = y2 = e1 = e2 = zero;
+    const Row expected = filter.c1 * e1 + filter.c2 * e2 - filter.a1 * y1 - filter.a2 * y2;
+    Row y = expected;
+    if (missing[static_cast<std::size_t>(i)] == 0) {
+      for (int c = 0; c < kWidth; ++c) y(c) = columns(i, first + c);
+    }
+    y2 = y1;
+    y1 = y;
+    e2 = e1;
+    e1 = y - expected;
+    for (int c = 0; c < kWidth; ++c) columns(i, first + c) = e1(c);
+  }
+}
+
+}  // namespace
+
 void ApplyFilter(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
                  Eigen::Ref<Eigen::MatrixXd> columns) {
-  const auto n = columns.rows();
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    double y1 = 0.0, y2 = 0.0, e1 = 0.0, e2 = 0.0;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (breaks[static_cast<std::size_t>(i)] != 0) y1 = y2 = e1 = e2 = 0.0;
-      const double expected = -filter.a1 * y1 - filter.a2 * y2 + filter.c1 * e1 + filter.c2 * e2;
-      const bool there = missing[static_cast<std::size_t>(i)] == 0;
-      const double y = there ? columns(i, c) : expected;
-      const double e = y - expected;
-      y2 = y1;
-      y1 = y;
-      e2 = e1;
-      e1 = e;
-      columns(i, c) = e;
-    }
+  Eigen::Index first = 0;
+  for (; first + 4 <= columns.cols(); first += 4) {
+    FilterColumns<4>(filter, breaks, missing, columns, first);
   }
+  for (; first < columns.cols(); ++first) FilterColumns<1>(filter, breaks, missing, columns, first);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -266,18 +266,24 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
         add_shape(3 + 2 * term.lines.size() + r, fmt::format("place_{}_turns", r + 1), "1");
       }
       break;
-    case VibrationForm::kPulses:
+    case VibrationForm::kPulses: {
       values.push_back({OrderName(cause), "1/turn", term.lines[0].offset, 0.0});
       add_amplitude(1, AmplitudeName(samples));
-      add_shape(0, "pulse_width", "1");
+      std::size_t s = 0;
+      if (WidthIsShape(term)) {
+        add_shape(s++, "pulse_width", "1");
+      } else {
+        values.push_back({"pulse_width", "1", term.lines[0].harmonic, 0.0});
+      }
       if (term.lines.size() > 1) {
         values.push_back({"modulated_per_turn", "1/turn", term.lines[1].offset, 0.0});
-        add_shape(1, "modulation_cosine", "1");
-        add_shape(2, "modulation_sine", "1");
+        add_shape(s++, "modulation_cosine", "1");
+        add_shape(s++, "modulation_sine", "1");
       }
       for (std::size_t r = 0; r < samples.runs.size(); ++r)
-        add_shape(2 * term.lines.size() - 1 + r, fmt::format("place_{}_turns", r + 1), "1");
+        add_shape(s + r, fmt::format("place_{}_turns", r + 1), "1");
       break;
+    }
     case VibrationForm::kGrowth: {
       const Loudest loudest = add_amplitude(1, AmplitudeName(samples));
       values.back().name =

@@ -26,12 +26,18 @@ MatrixXd PseudoInverse(const MatrixXd& symmetric) {
 
 ChannelFit FitChannel(const MatrixXd& columns, const VectorXd& response, const VectorXd& weights) {
   ChannelFit fit;
-  const MatrixXd weighted = weights.asDiagonal() * columns;
-  fit.inverse = PseudoInverse(weighted.transpose() * columns);
-  fit.coefficients = fit.inverse * (weighted.transpose() * response);
+  MatrixXd normal = MatrixXd::Zero(columns.cols(), columns.cols());
+  const VectorXd root = weights.cwiseSqrt();
+  if ((root.array() == 1.0).all()) {
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  } else {
+    normal.selfadjointView<Eigen::Lower>().rankUpdate((root.asDiagonal() * columns).transpose().eval());
+  }
+  fit.inverse = PseudoInverse(normal.selfadjointView<Eigen::Lower>());
+  fit.coefficients = fit.inverse * (columns.transpose() * weights.cwiseProduct(response));
   fit.residual = response - columns * fit.coefficients;
   // Once more on what is left: the normal equations lose half of the digits.
-  const VectorXd correction = fit.inverse * (weighted.transpose() * fit.residual);
+  const VectorXd correction = fit.inverse * (columns.transpose() * weights.cwiseProduct(fit.residual));
   fit.coefficients += correction;
   fit.residual -= columns * correction;
   fit.square_sum = weights.dot(fit.residual.cwiseAbs2());
@@ -41,9 +47,9 @@ ChannelFit FitChannel(const MatrixXd& columns, const VectorXd& response, const V
 MatrixXd SharedStep::Add(const MatrixXd& columns, const MatrixXd& derivatives, const ChannelFit& fit,
                          const VectorXd& weights) {
   const MatrixXd weighted = weights.asDiagonal() * derivatives;
-  const MatrixXd coupling = fit.inverse * (columns.transpose() * weighted);
-  normal.noalias() +=
-      weighted.transpose() * derivatives - coupling.transpose() * (columns.transpose() * weighted);
+  const MatrixXd common = columns.transpose() * weighted;
+  const MatrixXd coupling = fit.inverse * common;
+  normal.noalias() += weighted.transpose() * derivatives - coupling.transpose() * common;
   gradient.noalias() += weighted.transpose() * fit.residual;
   return -coupling;
 }

@@ -15,11 +15,14 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-using Best = std::optional<VibrationSolution>;
+using Best = std::optional<TermFit>;
 
 // A tone that holds this share of a band's power is what the band is.
 constexpr double kToneShare = 0.5;
 constexpr double kLeastExcess = 11.0;
+constexpr double kBandReach = 12.0;  // half-widths of a band in which its lines are
+constexpr std::size_t kMostLinesOfBand = 3;
+constexpr double kAsGood = 10.0;     // of BIC
 constexpr double kLeastKick = 32.0;  // drop of the sum of squares, in variances of the noise
 constexpr double kLeastFurtherKick = 22.0;
 constexpr std::size_t kMostKicks = 10;
@@ -94,15 +97,13 @@ VibrationTerm NarrowTerm(const VibrationRemainder& remainder, std::size_t index,
 }
 
 // Channels in which the band is not louder than a few standard errors drop out.
-VibrationSolution DropDeaf(const VibrationRemainder& remainder, VibrationSolution solution) {
+TermFit DropDeaf(const VibrationRemainder& remainder, TermFit solution) {
   bool changed = false;
   for (std::size_t c = 0; c < solution.channels.size() && solution.channels.size() > 1; ++c) {
-    VibrationTerm fewer = solution.terms.back();
+    VibrationTerm fewer = solution.term;
     if (fewer.heard[c] == 0 || std::count(fewer.heard.begin(), fewer.heard.end(), 1) < 2) continue;
     fewer.heard[c] = 0;
-    std::vector<VibrationTerm> terms = remainder.base().terms;
-    terms.push_back(std::move(fewer));
-    VibrationSolution without = remainder.solver().Solve(std::move(terms), &solution);
+    TermFit without = remainder.With(std::move(fewer), 0);
     if (without.bic() > solution.bic()) continue;
     solution = std::move(without);
     changed = true;
@@ -110,28 +111,51 @@ VibrationSolution DropDeaf(const VibrationRemainder& remainder, VibrationSolutio
   return changed ? remainder.Refine(std::move(solution), 4) : solution;
 }
 
-std::size_t KicksOf(const VibrationSolution& solution) {
-  return (solution.terms.back().shapes.size() - 1) / 2;
+// Lines of the shaft or of the current that stand together look like a band that noise drives, or beat like
+// knocks; and a line alone is a knock that does not die away. They are lines where so few of them explain as
+// much.
+bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
+  const VibrationSamples& samples = remainder.samples();
+  const bool over_turns = samples.angle_known();
+  const VibrationSpectrum& spectrum = over_turns ? remainder.over_turns() : remainder.over_seconds();
+  const double turn_Hz = over_turns ? samples.runs.front().mean_speed_rad_per_s / kTwoPi : 1.0;
+  const double centre = band.term.shapes[0] / turn_Hz;
+  const double reach = kBandReach * band.term.shapes[1] * centre + 2.0 * spectrum.cell();
+  VibrationTerm lines;
+  lines.cause = band.term.cause;
+  lines.form = over_turns ? VibrationForm::kLines : VibrationForm::kTones;
+  lines.heard.assign(samples.channels(), 1);
+  for (const SpectrumPeak& peak :
+       FindPeaks(spectrum, std::max(spectrum.cell(), centre - reach), centre + reach, kMostLinesOfBand)) {
+    if (lines.shapes.empty()) lines.shapes = {peak.order};
+    lines.lines.push_back({1.0, peak.order - lines.shapes[0]});
+    const TermFit fit = remainder.With(lines, 3);
+    // Where the others stand was chosen, too.
+    const double places = static_cast<double>(lines.lines.size() - 1) * std::log(fit.weight_sum);
+    if (fit.bic() + places < band.bic() + kAsGood) return true;
+  }
+  return false;
 }
 
+std::size_t KicksOf(const TermFit& solution) { return (solution.term.shapes.size() - 1) / 2; }
+
 // Adds knocks, loudest first, as long as they pay; refines for so many rounds after each.
-VibrationSolution AddKicks(const VibrationRemainder& remainder, VibrationSolution solution, int rounds) {
+TermFit AddKicks(const VibrationRemainder& remainder, TermFit solution, int rounds) {
   const VibrationRun& run = remainder.samples().runs.front();
   while (KicksOf(solution) < kMostKicks) {
-    const Eigen::VectorXd left = remainder.solver().Residual(solution);
-    VibrationTerm more = solution.terms.back();
+    const Eigen::VectorXd left = remainder.ResidualOf(solution);
+    VibrationTerm more = solution.term;
     // The mode moves all channels in the proportion that the knocks so far show.
     std::vector<double> gains;
-    for (const VibrationSolution::Channel& channel : solution.channels) {
-      const Eigen::Index at = channel.first.back();
-      gains.push_back(at < 0 ? 0.0 : channel.fit.coefficients(at));
+    for (const TermFit::Channel& channel : solution.channels) {
+      gains.push_back(channel.coefficients.size() == 0 ? 0.0 : channel.coefficients(0));
     }
     const Kick kick =
         LoudestKick(run, more.shapes[0], more.shapes[1], {left.data(), static_cast<std::size_t>(left.size())},
                     remainder.solver().weights(), gains);
     if (!(kick.drop > kLeastFurtherKick * solution.variance())) break;
     more.shapes.insert(more.shapes.end(), {run.time_s[kick.sample], kick.height});
-    VibrationSolution richer = remainder.With(std::move(more), rounds);
+    TermFit richer = remainder.With(std::move(more), rounds);
     if (richer.bic() > solution.bic() - 2.0) break;
     solution = std::move(richer);
   }
@@ -139,12 +163,14 @@ VibrationSolution AddKicks(const VibrationRemainder& remainder, VibrationSolutio
 }
 
 // Takes out knocks beside the first that do not pay any more with the others refined.
-VibrationSolution DropKicks(const VibrationRemainder& remainder, VibrationSolution solution) {
-  for (std::size_t k = 3; k < solution.terms.back().shapes.size();) {
-    VibrationTerm fewer = solution.terms.back();
+TermFit DropKicks(const VibrationRemainder& remainder, TermFit solution) {
+  for (std::size_t k = 3; k < solution.term.shapes.size();) {
+    VibrationTerm fewer = solution.term;
     const auto place = fewer.shapes.begin() + static_cast<std::ptrdiff_t>(k);
     fewer.shapes.erase(place, place + 2);
-    VibrationSolution without = remainder.With(std::move(fewer), 4);
+    TermFit without = remainder.With(std::move(fewer), 0);
+    // What is far behind does not catch up.
+    if (without.bic() < solution.bic() + 40.0) without = remainder.Refine(std::move(without), 4);
     if (without.bic() > solution.bic() + 2.0) {
       k += 2;
       continue;
@@ -182,13 +208,13 @@ void TryKicks(const VibrationRemainder& remainder, std::size_t index,
     // are found first.
     Best start;
     for (const auto& [drop, term] : firsts) {
-      VibrationSolution own = AddKicks(remainder, remainder.With(term, 0), 0);
+      TermFit own = AddKicks(remainder, remainder.With(term, 0), 0);
       // So many that there would be more: what drives it never stops.
       if (KicksOf(own) == kMostKicks) break;
       Keep(std::move(own), start);
     }
     if (!start) continue;
-    Keep(DropKicks(remainder, AddKicks(remainder, remainder.With(start->terms.back(), 10), 4)), best);
+    Keep(DropKicks(remainder, AddKicks(remainder, remainder.With(start->term, 10), 4)), best);
   }
 }
 
@@ -218,7 +244,7 @@ void TryDriven(const VibrationRemainder& remainder, std::size_t index, double lo
     }
     if (!own) continue;
     *own = remainder.Refine(std::move(*own), 12);
-    VibrationTerm both = own->terms.back();
+    VibrationTerm both = own->term;
     both.lines = {{1.0, 0.0}, {2.0, 0.0}};
     Keep(std::move(*own), best);
     Keep(remainder.With(std::move(both), 6), best);
@@ -234,7 +260,7 @@ Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, dou
   for (const NoiseBand& band : FindBands(remainder.over_seconds(), lowest_Hz, highest_Hz, 2)) {
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
-    VibrationSolution solution = remainder.With(NarrowTerm(remainder, index, band, damping), 12);
+    TermFit solution = remainder.With(NarrowTerm(remainder, index, band, damping), 12);
     Keep(DropDeaf(remainder, std::move(solution)), best);
   }
   for (const BurstSpot& spot : FindBursts(remainder, 2)) {
@@ -242,6 +268,7 @@ Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, dou
       frequencies_Hz.push_back(spot.frequency_Hz);
   }
   TryKicks(remainder, index, frequencies_Hz, best);
+  if (best && AreLines(remainder, *best)) best.reset();
   if (by_shaft) TryDriven(remainder, index, lowest_Hz, highest_Hz, best);
   return best;
 }

@@ -50,35 +50,40 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
     if (std::norm(left) < 1e-8) break;
     state += weight_at(run.angle_rad.front() - since_s * first_speed) * left;
   }
-  double before = begin;
+  const double per_angle = train.order / kTwoPi;
+  const double offset = 0.5 * run.angle_rad.back() * per_angle + train.phase;
+  double next = std::floor(begin) + 1.0;
   for (std::size_t i = 0; i < n; ++i) {
     if (i > 0) {
       const double step_s = run.time_s[i] - run.time_s[i - 1];
       const bool even = std::abs(step_s - run.period_s) < 1e-9 * run.period_s;
       state *= even ? even_step : std::exp(pole * step_s);
-      const double here = Impulses(run, train, i);
-      for (double j = std::floor(before) + 1.0; j <= here; j += 1.0) {
-        const double share = (j - before) / (here - before);
+      const double here = per_angle * run.angle_rad[i] - offset;
+      for (; next <= here; next += 1.0) {
+        const double before = per_angle * run.angle_rad[i - 1] - offset;
+        const double share = (next - before) / (here - before);
         state += weight_at(run.angle_rad[i - 1] + share * (run.angle_rad[i] - run.angle_rad[i - 1])) *
                  std::exp(pole * ((1.0 - share) * step_s));
       }
-      before = here;
     }
     column(static_cast<Index>(i)) = state.imag();
   }
   return column;
 }
 
-Eigen::VectorXd KickColumn(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s) {
-  Eigen::VectorXd column = Eigen::VectorXd::Zero(static_cast<Index>(run.size()));
+void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s, double height,
+             Eigen::Ref<Eigen::VectorXd> column) {
   const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}});
   const auto first = std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s) - run.time_s.begin();
-  for (auto i = static_cast<std::size_t>(first); i < run.size(); ++i) {
-    const Complex state = std::exp(pole * (run.time_s[i] - start_s));
-    if (std::norm(state) < 1e-8) break;
-    column(static_cast<Index>(i)) = state.imag();
+  const Complex even_step = std::exp(pole * run.period_s);
+  Complex state = 1.0;
+  double before_s = start_s;
+  for (auto i = static_cast<std::size_t>(first); i < run.size() && std::norm(state) > 1e-8; ++i) {
+    const double step_s = run.time_s[i] - before_s;
+    state *= std::abs(step_s - run.period_s) < 1e-9 * run.period_s ? even_step : std::exp(pole * step_s);
+    before_s = run.time_s[i];
+    column(static_cast<Index>(i)) += height * state.imag();
   }
-  return column;
 }
 
 Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,

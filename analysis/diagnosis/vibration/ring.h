@@ -29,8 +29,9 @@ struct RingTrain {
 /// The train with impulses of about one.
 Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train);
 
-/// A single ring of height one that starts at a time.
-Eigen::VectorXd KickColumn(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s);
+/// Adds a single ring that starts at a time.
+void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s, double height,
+             Eigen::Ref<Eigen::VectorXd> column);
 
 /// Sample of one run at which a ring of this frequency and damping explains most of a residual, all channels
 /// together, the drop of the sum of squares that it brings, and its height in units of the gains.

@@ -2,7 +2,9 @@
 #include "analysis/diagnosis/vibration/searches.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
+#include <utility>
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -19,7 +21,40 @@ std::size_t HashOf(std::span<const double> weights) {
   return std::hash<std::string_view>{}({reinterpret_cast<const char*>(weights.data()), weights.size_bytes()});
 }
 
+// The model with one more term, all refined together: the search has held the others.
+VibrationSolution Together(const VibrationRemainder& remainder, VibrationTerm term) {
+  std::vector<VibrationTerm> terms = remainder.base().terms;
+  terms.push_back(std::move(term));
+  VibrationSolution solution = remainder.solver().Solve(std::move(terms), &remainder.base());
+  const bool alone = remainder.base().terms.empty() && HasColumns(solution.terms.back().form);
+  return alone ? solution : remainder.solver().Refine(std::move(solution), 2);
+}
+
+// The same terms, but for what a fit moves them by when another term comes or goes: what is found beside the
+// one is found beside the other.
+bool AreNear(const VibrationSamples& samples, const std::vector<VibrationTerm>& a,
+             const std::vector<VibrationTerm>& b) {
+  return std::ranges::equal(a, b, [&](const VibrationTerm& x, const VibrationTerm& y) {
+    if (x.cause != y.cause || x.form != y.form || x.shapes.size() != y.shapes.size() ||
+        x.lines.size() != y.lines.size() || x.heard != y.heard) {
+      return false;
+    }
+    const std::vector<VibrationShape> shapes = ShapesOf(samples, x);
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+      if (std::abs(x.shapes[s] - y.shapes[s]) > shapes[s].step) return false;
+    }
+    return true;
+  });
+}
+
 }  // namespace
+
+std::optional<VibrationSolution> Beside(const VibrationRemainder& remainder, VibrationCause kind,
+                                        std::size_t cause) {
+  std::optional<TermFit> fit = SearchCause(remainder, kind, cause);
+  if (!fit) return std::nullopt;
+  return Together(remainder, std::move(fit->term));
+}
 
 VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
                              std::size_t hash, const std::vector<VibrationTerm>& terms)
@@ -37,27 +72,31 @@ VibrationBase& VibrationSearches::BaseOf(const VibrationSamples& samples, std::s
       bases_, [&](const VibrationBase& base) { return base.weights_hash == hash && base.state == state; });
   if (known != bases_.end()) {
     bases_.splice(bases_.begin(), bases_, known);
-  } else {
-    bases_.emplace_front(samples, weights, hash, terms);
-    if (bases_.size() > kMostBases) bases_.pop_back();
+    return bases_.front();
   }
+  const auto near = std::ranges::find_if(bases_, [&](const VibrationBase& base) {
+    return base.weights_hash == hash && AreNear(samples, UnpackTerms(base.state), terms);
+  });
+  auto found = near != bases_.end() ? near->found : decltype(near->found){};
+  bases_.emplace_front(samples, weights, hash, terms);
+  bases_.front().found = std::move(found);
+  if (bases_.size() > kMostBases) bases_.pop_back();
   return bases_.front();
 }
 
 std::optional<VibrationSolution> VibrationSearches::Find(VibrationBase& base, VibrationCause kind,
                                                          std::size_t cause) const {
   const auto known = base.found.find(kind);
-  if (known != base.found.end()) {
-    if (!known->second) return std::nullopt;
-    std::vector<VibrationTerm> terms = *known->second;
-    terms.back().cause = cause;  // there may be two of a kind
-    return base.solver.Solve(std::move(terms), &base.solution);
+  if (known == base.found.end()) {
+    std::optional<VibrationSolution> solution = Beside(base.remainder, kind, cause);
+    auto& remembered = base.found[kind];
+    if (solution) remembered = solution->terms.back();
+    return solution;
   }
-  std::optional<VibrationSolution> solution = SearchCause(base.remainder, kind, cause);
-  if (solution && !base.solution.terms.empty()) solution = base.solver.Refine(std::move(*solution), 2);
-  auto& remembered = base.found[kind];
-  if (solution) remembered = solution->terms;
-  return solution;
+  if (!known->second) return std::nullopt;
+  VibrationTerm term = *known->second;
+  term.cause = cause;  // there may be two of a kind
+  return Together(base.remainder, std::move(term));
 }
 
 }  // namespace strainwave::analysis::diagnosis

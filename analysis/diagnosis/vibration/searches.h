@@ -21,8 +21,8 @@ struct VibrationBase {
   VibrationSolver solver;
   VibrationSolution solution;
   VibrationRemainder remainder;
-  /// Terms that a search came to; nothing where it found none.
-  std::map<VibrationCause, std::optional<std::vector<VibrationTerm>>> found;
+  /// Term that a search came to; nothing where it found none.
+  std::map<VibrationCause, std::optional<VibrationTerm>> found;
 
   VibrationBase(const VibrationSamples& samples, std::span<const double> weights, std::size_t hash,
                 const std::vector<VibrationTerm>& terms);
@@ -30,8 +30,14 @@ struct VibrationBase {
   VibrationBase& operator=(const VibrationBase&) = delete;
 };
 
+/// A model with the best form of one more cause, all terms refined together; nothing where the cause has no
+/// support of its own.
+std::optional<VibrationSolution> Beside(const VibrationRemainder& remainder, VibrationCause kind,
+                                        std::size_t cause);
+
 /// Remembers searches: selecting, exchanging and naming of rivals ask for the same cause beside the same
-/// model several times. Not for several threads at once.
+/// model several times, or beside one that differs only by what its fit was started from. Not for several
+/// threads at once.
 class VibrationSearches {
  public:
   VibrationBase& BaseOf(const VibrationSamples& samples, std::span<const double> weights,

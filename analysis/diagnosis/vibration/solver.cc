@@ -60,6 +60,20 @@ double VibrationSolution::bic() const {
          free_parameters * std::log(weight_sum);
 }
 
+std::vector<double> MovedShapes(std::vector<double> shapes, std::span<const VibrationShape> bounds,
+                                const SharedStep& step, double damping) {
+  constexpr double kMostSteps = 20.0;
+  MatrixXd damped = step.normal;
+  damped.diagonal() *= 1.0 + damping;
+  const VectorXd change = PseudoInverse(damped) * step.gradient;
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    const double most = kMostSteps * bounds[s].step;
+    shapes[s] = std::clamp(shapes[s] + std::clamp(change(static_cast<Index>(s)), -most, most), bounds[s].low,
+                           bounds[s].high);
+  }
+  return shapes;
+}
+
 VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<const double> weights)
     : samples_(samples), weights_(weights.begin(), weights.end()) {
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
@@ -222,12 +236,8 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
       for (std::size_t k = 0; k < term.shapes.size(); ++k, ++s) {
         moved[r].push_back(nullptr);
         if (term.form == VibrationForm::kNarrowband) continue;
-        VibrationTerm low = term;
-        VibrationTerm high = term;
-        low.shapes[k] -= 0.1 * shapes[s].step;
-        high.shapes[k] += 0.1 * shapes[s].step;
         moved[r].back() = std::make_shared<const MatrixXd>(
-            (FillTerm(samples_, r, high) - FillTerm(samples_, r, low)) / (0.2 * shapes[s].step));
+            FillSlope(samples_, r, term, *solution.columns[r][t], k, 0.1 * shapes[s].step));
       }
     }
   }
@@ -250,17 +260,8 @@ VibrationSolution VibrationSolver::Refine(VibrationSolution solution, int rounds
     const double before = solution.square_sum;
     bool better = false;
     for (int attempt = 0; attempt < 5 && !better; ++attempt) {
-      MatrixXd damped = step.normal;
-      damped.diagonal() *= 1.0 + damping;
-      const VectorXd change = PseudoInverse(damped) * step.gradient;
-      std::vector<double> trial = ShapesFrom(solution.terms, from);
-      for (std::size_t s = 0; s < trial.size(); ++s) {
-        const double limited =
-            std::clamp(change(static_cast<Index>(s)), -20.0 * shapes[s].step, 20.0 * shapes[s].step);
-        trial[s] = std::clamp(trial[s] + limited, shapes[s].low, shapes[s].high);
-      }
       std::vector<VibrationTerm> terms = solution.terms;
-      SetShapesFrom(terms, from, trial);
+      SetShapesFrom(terms, from, MovedShapes(ShapesFrom(terms, from), shapes, step, damping));
       VibrationSolution next = Solve(std::move(terms), &solution);
       better = next.square_sum < solution.square_sum;
       if (better) solution = std::move(next);
@@ -269,41 +270,6 @@ VibrationSolution VibrationSolver::Refine(VibrationSolution solution, int rounds
     if (!better || before - solution.square_sum < 0.02 * solution.variance()) break;
   }
   return solution;
-}
-
-std::vector<double> VibrationSolver::Drops(const VibrationSolution& solution, std::size_t term) const {
-  std::vector<double> drops(places_.size(), 0.0);
-  for (std::size_t c = 0; c < places_.size(); ++c) {
-    const VibrationSolution::Channel& channel = solution.channels[c];
-    if (channel.first[term] < 0) continue;
-    const Index width = ColumnsOf(solution.terms[term]);
-    if (width == 0) continue;
-    const VectorXd own = channel.fit.coefficients.segment(channel.first[term], width);
-    drops[c] = own.dot(
-        PseudoInverse(channel.fit.inverse.block(channel.first[term], channel.first[term], width, width)) *
-        own);
-  }
-  return drops;
-}
-
-VibrationSolution VibrationSolver::Prune(VibrationSolution solution) const {
-  if (places_.size() < 2) return solution;
-  std::vector<VibrationTerm> terms = solution.terms;
-  bool changed = false;
-  for (std::size_t t = 0; t < terms.size(); ++t) {
-    const auto width = static_cast<double>(ColumnsOf(terms[t]));
-    if (width == 0.0) continue;
-    const std::vector<double> drops = Drops(solution, t);
-    const std::size_t loudest =
-        static_cast<std::size_t>(std::max_element(drops.begin(), drops.end()) - drops.begin());
-    for (std::size_t c = 0; c < drops.size(); ++c) {
-      if (terms[t].heard[c] == 0 || c == loudest) continue;
-      if (drops[c] > width * std::log(solution.weight_sum) * solution.variance()) continue;
-      terms[t].heard[c] = 0;
-      changed = true;
-    }
-  }
-  return changed ? Solve(std::move(terms), &solution) : solution;
 }
 
 MatrixXd VibrationSolver::ShapeCovariance(VibrationSolution& solution) const {

@@ -30,6 +30,10 @@ struct VibrationSolution {
   double variance() const { return square_sum / std::max(1.0, weight_sum - free_parameters); }
 };
 
+/// Shapes after a damped step, each within its bounds and not moved by more than some of its steps.
+std::vector<double> MovedShapes(std::vector<double> shapes, std::span<const VibrationShape> bounds,
+                                const SharedStep& step, double damping);
+
 /// Fits terms to the samples by least squares under weights; with narrow-band terms, least squares of the
 /// innovations.
 class VibrationSolver {
@@ -42,19 +46,18 @@ class VibrationSolver {
   /// Levenberg–Marquardt on the shapes of the terms from one on, at most so many rounds.
   VibrationSolution Refine(VibrationSolution solution, int rounds, std::size_t from = 0) const;
 
-  /// Leaves terms out of channels where they do not pay for their coefficients, solved anew. The channel that
-  /// hears a term best keeps it.
-  VibrationSolution Prune(VibrationSolution solution) const;
-
   /// Covariance of the shapes of all terms, one after the other; fills `follows_shapes`.
   Eigen::MatrixXd ShapeCovariance(VibrationSolution& solution) const;
 
   /// What the model does not explain (innovations, where there are narrow-band terms), all samples.
   Eigen::VectorXd Residual(const VibrationSolution& solution) const;
 
-  /// Drop of the sum of squares that a term brings, by channel; 0 where it is not heard. For terms with
-  /// columns.
-  std::vector<double> Drops(const VibrationSolution& solution, std::size_t term) const;
+  /// Columns of one channel, filtered; the last one is the response.
+  Eigen::MatrixXd Assemble(const VibrationSolution& solution, std::size_t channel) const;
+
+  /// Filters columns by the narrow-band terms that the channel hears.
+  void Filter(const VibrationSolution& solution, std::size_t channel,
+              Eigen::Ref<Eigen::MatrixXd> columns) const;
 
   std::span<const double> weights() const { return weights_; }
 
@@ -63,9 +66,6 @@ class VibrationSolver {
     std::size_t run;
     const VibrationStretch* channel;
   };
-  Eigen::MatrixXd Assemble(const VibrationSolution& solution, std::size_t channel) const;
-  void Filter(const VibrationSolution& solution, std::size_t channel,
-              Eigen::Ref<Eigen::MatrixXd> columns) const;
   Eigen::MatrixXd Derivatives(
       const VibrationSolution& solution, std::size_t channel, std::size_t from,
       const std::vector<VibrationShape>& shapes,

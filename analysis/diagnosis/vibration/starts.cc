@@ -13,7 +13,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-using Best = std::optional<VibrationSolution>;
+using Best = std::optional<TermFit>;
 
 VibrationTerm TermOf(const VibrationRemainder& remainder, std::size_t index, VibrationForm form) {
   VibrationTerm term;
@@ -60,20 +60,20 @@ const VibrationSpectrum& VibrationRemainder::over_seconds() const {
   return *seconds_;
 }
 
-VibrationSolution VibrationRemainder::With(VibrationTerm term, int rounds) const {
-  std::vector<VibrationTerm> terms = base_.terms;
-  terms.push_back(std::move(term));
-  VibrationSolution solution = solver_.Solve(std::move(terms), &base_);
-  if (rounds > 0) solution = Refine(std::move(solution), rounds);
-  return solver_.Prune(std::move(solution));
+const OneTermSolver& VibrationRemainder::one_term() const {
+  if (!one_term_) one_term_.emplace(samples_, solver_, base_);
+  return *one_term_;
 }
 
-VibrationSolution VibrationRemainder::Refine(VibrationSolution solution, int rounds) const {
-  return solver_.Refine(std::move(solution), rounds, base_.terms.size());
+TermFit VibrationRemainder::With(VibrationTerm term, int rounds) const {
+  TermFit fit = one_term().Fit(std::move(term));
+  if (rounds > 0) fit = Refine(std::move(fit), rounds);
+  one_term().Prune(fit);
+  return fit;
 }
 
-void Keep(VibrationSolution solution, std::optional<VibrationSolution>& best) {
-  if (!best || solution.bic() < best->bic()) best = std::move(solution);
+void Keep(TermFit fit, std::optional<TermFit>& best) {
+  if (!best || fit.bic() < best->bic()) best = std::move(fit);
 }
 
 double FoldedVibrationOrder(const VibrationSamples& samples, double order) {
@@ -81,8 +81,8 @@ double FoldedVibrationOrder(const VibrationSamples& samples, double order) {
   return std::abs(order - rate * std::round(order / rate));
 }
 
-std::optional<VibrationSolution> SearchCause(const VibrationRemainder& remainder, VibrationCause cause,
-                                             std::size_t index) {
+std::optional<TermFit> SearchCause(const VibrationRemainder& remainder, VibrationCause cause,
+                                   std::size_t index) {
   const bool angle_known = remainder.samples().angle_known();
   switch (cause) {
     case VibrationCause::kGearMesh:

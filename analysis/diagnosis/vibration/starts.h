@@ -4,8 +4,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "analysis/diagnosis/vibration/one_term.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
@@ -35,7 +37,7 @@ inline constexpr double kHighestTorsional_Hz = 2000.0;
 inline constexpr double kLeastSpeedSpread =
     0.08;  // of the mean speed, to tell growth with speed from a level
 
-/// What a model leaves, for searches; the spectra are made when first asked for.
+/// What a model leaves, for searches; all of it is made when first asked for.
 class VibrationRemainder {
  public:
   VibrationRemainder(const VibrationSamples& samples, const VibrationSolver& solver,
@@ -48,25 +50,30 @@ class VibrationRemainder {
   const VibrationSpectrum& over_turns() const;
   const VibrationSpectrum& over_seconds() const;
 
-  /// The base with one more term, that one refined; channels that do not hear it are left out.
-  VibrationSolution With(VibrationTerm term, int rounds) const;
+  /// One more term, refined; channels that do not hear it are left out.
+  TermFit With(VibrationTerm term, int rounds) const;
 
-  /// Such a solution, its last term refined further.
-  VibrationSolution Refine(VibrationSolution solution, int rounds) const;
+  TermFit Refine(TermFit fit, int rounds) const { return one_term().Refine(std::move(fit), rounds); }
+
+  /// What base and term leave.
+  Eigen::VectorXd ResidualOf(const TermFit& fit) const { return one_term().Residual(fit); }
 
  private:
   const VibrationSamples& samples_;
   const VibrationSolver& solver_;
   const VibrationSolution& base_;
   std::vector<double> residual_;
+  const OneTermSolver& one_term() const;
+
+  mutable std::optional<OneTermSolver> one_term_;
   mutable std::optional<VibrationSpectrum> turns_;
   mutable std::optional<VibrationSpectrum> seconds_;
 };
 
 /// The best form of a cause beside a model; nothing where it has no support of its own (a bearing that would
 /// be one line, a resonance that would be a tone).
-std::optional<VibrationSolution> SearchCause(const VibrationRemainder& remainder, VibrationCause cause,
-                                             std::size_t index);
+std::optional<TermFit> SearchCause(const VibrationRemainder& remainder, VibrationCause cause,
+                                   std::size_t index);
 
 /// Order as it appears at this sampling rate.
 double FoldedVibrationOrder(const VibrationSamples& samples, double order);

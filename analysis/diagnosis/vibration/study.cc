@@ -76,14 +76,16 @@ class VibrationStudy final : public Study {
     if (missing.empty()) {
       const VibrationSolver solver(samples_, weights);
       VibrationSolution solution = solver.Solve(std::move(known));
-      if (!solution.terms.empty()) solution = solver.Refine(std::move(solution), 4);
+      // The fit of the same terms was at its best but for the weights.
+      const int rounds = start != nullptr && start->causes.size() == cause_indices.size() ? 1 : 4;
+      if (!solution.terms.empty()) solution = solver.Refine(std::move(solution), rounds);
       return Describe(cause_indices, solver, std::move(solution), purpose);
     }
     VibrationBase& base = searches_.BaseOf(samples_, weights, known);
     std::optional<VibrationSolution> solution = searches_.Find(base, rules_.kinds[missing[0]], missing[0]);
     for (std::size_t m = 1; m < missing.size() && solution; ++m) {
       const VibrationRemainder remainder(samples_, base.solver, *solution);
-      std::optional<VibrationSolution> more = SearchCause(remainder, rules_.kinds[missing[m]], missing[m]);
+      std::optional<VibrationSolution> more = Beside(remainder, rules_.kinds[missing[m]], missing[m]);
       solution = std::move(more);
     }
     if (!solution) return Unusable(cause_indices);

@@ -16,14 +16,23 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+constexpr std::size_t kFromOneTurnOn = 32;  // samples
+
 void FillLines(const std::vector<double>& angle, const VibrationTerm& term, MatrixXd& columns) {
   const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
   for (std::size_t l = 0; l < term.lines.size(); ++l) {
     const double order = term.lines[l].harmonic * base + term.lines[l].offset;
     const auto pair = static_cast<Index>(2 * l);
+    // At even steps of the angle each sample is the one before, turned; anew every few samples, before the
+    // roundings add up.
+    const double step = angle[1] - angle[0];
+    const std::complex<double> turn = std::polar(1.0, order * step);
+    std::complex<double> value;
     for (std::size_t i = 0; i < angle.size(); ++i) {
-      columns(static_cast<Index>(i), pair) = std::cos(order * angle[i]);
-      columns(static_cast<Index>(i), pair + 1) = std::sin(order * angle[i]);
+      const bool even = i % kFromOneTurnOn != 0 && std::abs(order * (angle[i] - angle[i - 1] - step)) < 1e-10;
+      value = even ? value * turn : std::polar(1.0, order * angle[i]);
+      columns(static_cast<Index>(i), pair) = value.real();
+      columns(static_cast<Index>(i), pair + 1) = value.imag();
     }
   }
 }
@@ -94,13 +103,16 @@ std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const Vibr
       }
       break;
     }
-    case VibrationForm::kPulses:
-      shapes.push_back({0.01, 0.3, 0.05 * term.shapes[0]});
+    case VibrationForm::kPulses: {
+      const bool free = WidthIsShape(term);
+      const double width = free ? term.shapes[0] : term.lines[0].harmonic;
+      if (free) shapes.push_back({0.01, 0.3, 0.05 * width});
       for (std::size_t m = 2; m < 2 * term.lines.size(); ++m) shapes.push_back({-2.0, 2.0, 0.05});
       for (std::size_t s = shapes.size(); s < term.shapes.size(); ++s) {
-        shapes.push_back({term.shapes[s] - 0.5, term.shapes[s] + 0.5, 0.05 * term.shapes[0]});
+        shapes.push_back({term.shapes[s] - 0.5, term.shapes[s] + 0.5, 0.05 * width});
       }
       break;
+    }
     case VibrationForm::kDriven:
       shapes.push_back({1.0, top_Hz, 0.01 * term.shapes[0]});
       shapes.push_back({0.002, 0.5, 0.05 * term.shapes[1]});
@@ -185,20 +197,24 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
       break;
     }
     case VibrationForm::kPulses: {
-      PulseTrain train{term.lines[0].offset, term.shapes[0], 0.0, 0.0, 0.0, 0.0};
+      std::size_t s = WidthIsShape(term) ? 1 : 0;
+      PulseTrain train{
+          term.lines[0].offset, s > 0 ? term.shapes[0] : term.lines[0].harmonic, 0.0, 0.0, 0.0, 0.0};
       if (term.lines.size() > 1) {
         train.slow_order = term.lines[1].offset;
-        train.cosine = term.shapes[1];
-        train.sine = term.shapes[2];
+        train.cosine = term.shapes[s];
+        train.sine = term.shapes[s + 1];
+        s += 2;
       }
-      train.place = term.shapes[2 * term.lines.size() - 1 + which];
+      train.place = term.shapes[s + which];
       columns = PulseColumn(run, train, samples.highest_order());
       break;
     }
     case VibrationForm::kKicks:
-      columns = KickColumn(run, term.shapes[0], term.shapes[1], term.shapes[2]);
+      columns.setZero();
+      AddKick(run, term.shapes[0], term.shapes[1], term.shapes[2], 1.0, columns.col(0));
       for (std::size_t k = 3; k + 1 < term.shapes.size(); k += 2) {
-        columns += term.shapes[k + 1] * KickColumn(run, term.shapes[0], term.shapes[1], term.shapes[k]);
+        AddKick(run, term.shapes[0], term.shapes[1], term.shapes[k], term.shapes[k + 1], columns.col(0));
       }
       break;
     case VibrationForm::kGrowth:
@@ -227,6 +243,27 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
       break;
   }
   return columns;
+}
+
+MatrixXd FillSlope(const VibrationSamples& samples, std::size_t which, const VibrationTerm& term,
+                   const MatrixXd& columns, std::size_t shape, double by) {
+  if (term.form == VibrationForm::kKicks && shape >= 2) {
+    // The other knocks stay as they are.
+    const bool first = shape == 2;
+    const bool is_height = !first && shape % 2 == 0;
+    const double start_s = term.shapes[is_height ? shape - 1 : shape];
+    const double height = first || is_height ? 1.0 : term.shapes[shape + 1];
+    MatrixXd slope = MatrixXd::Zero(columns.rows(), 1);
+    const auto add = [&](double at_s, double factor) {
+      AddKick(samples.runs[which], term.shapes[0], term.shapes[1], at_s, factor, slope.col(0));
+    };
+    add(is_height ? start_s : start_s + by, is_height ? 1.0 : height / by);
+    if (!is_height) add(start_s, -height / by);
+    return slope;
+  }
+  VibrationTerm moved = term;
+  moved.shapes[shape] += by;
+  return (FillTerm(samples, which, moved) - columns) / by;
 }
 
 std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {

@@ -16,7 +16,7 @@ enum class VibrationForm {
   kLines,   // lines at orders of the input angle; shapes: a base order, or none
   kTones,   // lines at frequencies; shapes: Hz
   kRing,    // impulses at even angles that ring; shapes: order, Hz, damping, two a modulation, phase a run
-  kPulses,  // smooth pulses at even angles; shapes: width, two a modulation, place a run
+  kPulses,  // smooth pulses at even angles; shapes: width or none, two a modulation, place a run
   kGrowth,  // 1 per turn, growing with the square of the speed; no shapes
   kDriven,  // lines of the shaft across a resonance; shapes: Hz, damping
   kNarrowband,  // a resonance driven by noise, no columns; shapes: Hz, damping, ln of noise ratio a channel
@@ -36,11 +36,14 @@ struct VibrationTerm {
   std::size_t cause{};
   VibrationForm form{VibrationForm::kLines};
   /// kDriven: `harmonic` alone; kRing: order of a modulation in `offset`; kPulses: the order, then that of a
-  /// modulation, in `offset`.
+  /// modulation, in `offset`, with the width in the first one's `harmonic` where that is no shape.
   std::vector<LinePlace> lines;
   std::vector<double> shapes;
   std::vector<char> heard;  // one a channel of all runs: 0 where the term is left out
 };
+
+/// Width of the pulses of a term: few records tell it, and a number that is not fitted costs nothing.
+inline bool WidthIsShape(const VibrationTerm& pulses) { return pulses.lines[0].harmonic == 0.0; }
 
 /// Bounds of a term's shapes, and what a change has to be to matter.
 struct VibrationShape {
@@ -52,11 +55,19 @@ std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const Vibr
 
 Eigen::Index ColumnsOf(const VibrationTerm& term);
 
+/// False for a term that filters what is there.
+inline bool HasColumns(VibrationForm form) { return form != VibrationForm::kNarrowband; }
+
 /// True where columns come as cosine and sine part.
 bool HasPairs(VibrationForm form);
 
 /// Columns of the term in one run.
 Eigen::MatrixXd FillTerm(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term);
+
+/// Change of the term's columns by one of its shapes, from those columns and a shape that is moved `by` so
+/// much.
+Eigen::MatrixXd FillSlope(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term,
+                          const Eigen::MatrixXd& columns, std::size_t shape, double by);
 
 /// A fit's terms as numbers, and back.
 std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms);

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace strainwave::analysis::diagnosis {
+
+/// Indices, ascending, of single samples that stand off the four before them and the four after them (fewer
+/// at the ends) to the same side, while those next to them do not: nothing physical lasts one sample.
+/// @param resolution  step of a quantised signal: flicker by one or two of them is none
+std::vector<std::size_t> FindLoneSamples(std::span<const double> signal, double resolution = 0.0);
+
+}  // namespace strainwave::analysis::diagnosis
