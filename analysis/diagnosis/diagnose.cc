@@ -44,7 +44,7 @@ double SquareSum(const Study& study, const ModelFit& fit, std::span<const double
 }
 
 Finding Report(const Judge& judge, const ScoredModel& model, std::size_t cause, double explainable,
-               const DiagnoseOptions& options) {
+               const FarBehindOf& far_behind, const DiagnoseOptions& options) {
   const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
   const auto place = static_cast<std::size_t>(
       std::find(model.fit.causes.begin(), model.fit.causes.end(), cause) - model.fit.causes.begin());
@@ -53,7 +53,7 @@ Finding Report(const Judge& judge, const ScoredModel& model, std::size_t cause, 
   const double lost = SquareSum(judge.study(), without.fit, judge.weights()) -
                       SquareSum(judge.study(), model.fit, judge.weights());
   finding.share_of_explainable = explainable > 0.0 ? std::clamp(lost / explainable, 0.0, 1.0) : 0.0;
-  finding.indistinguishable_from = RivalsOf(judge, model, cause);
+  finding.indistinguishable_from = RivalsOf(judge, model, far_behind, cause);
   return finding;
 }
 
@@ -91,7 +91,9 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
         options.given_causes.end()) {
       continue;
     }
-    Finding finding = Report(*judge, extended, cause, explainable, options);
+    Finding finding = Report(*judge, extended, cause, explainable, selection.far_behind, options);
+    const std::vector<std::string>& pairs = selection.pair_rivals[cause];
+    finding.indistinguishable_from.insert(finding.indistinguishable_from.end(), pairs.begin(), pairs.end());
     const CauseRule& rule = study.causes()[cause];
     local = local || rule.local;
     diagnosis.candidates.push_back({cause, finding.evidence, true, {}});

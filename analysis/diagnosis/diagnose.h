@@ -33,7 +33,7 @@ struct Finding {
   std::vector<ParameterValue> parameters;
   Evidence evidence;
   double share_of_explainable{};  // variance that is lost without it / variance above the noise floor
-  std::vector<std::string> indistinguishable_from;  // names of causes that would fit as well in its place
+  std::vector<std::string> indistinguishable_from;  // causes, or pairs ("a + b"), that would do as well
 };
 
 struct GainEstimate {

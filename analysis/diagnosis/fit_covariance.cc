@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "analysis/diagnosis/noise_likelihood.h"
@@ -70,6 +71,35 @@ Eigen::MatrixXd FitCovariance(const Eigen::MatrixXd& sensitivities, std::span<co
                  (bread * (coloured.transpose() * coloured) * bread);
   }
   return scale.asDiagonal() * covariance * scale.asDiagonal();
+}
+
+double StandardErrorOver(std::span<const Believed> models) {
+  constexpr double kShare = 0.95;
+  constexpr double kErrors = 1.959964;  // of a normal distribution that hold this share
+  double all = 0.0;
+  double farthest = 0.0;
+  for (const Believed& model : models) {
+    all += model.likelihood;
+    farthest = std::max(farthest, std::abs(model.value - models[0].value) + 10.0 * model.standard_error);
+  }
+  const auto share_within = [&](double reach) {
+    double share = 0.0;
+    for (const Believed& model : models) {
+      // One that is known exactly is within or beyond.
+      const double width = std::numbers::sqrt2 * std::max(model.standard_error, 1e-12 * farthest);
+      const double off = model.value - models[0].value;
+      share +=
+          0.5 * model.likelihood / all * (std::erf((reach - off) / width) + std::erf((reach + off) / width));
+    }
+    return share;
+  };
+  double below = 0.0;
+  double above = farthest;
+  for (int halving = 0; halving < 60; ++halving) {
+    const double middle = 0.5 * (below + above);
+    (share_within(middle) < kShare ? below : above) = middle;
+  }
+  return above / kErrors;
 }
 
 }  // namespace strainwave::analysis::diagnosis

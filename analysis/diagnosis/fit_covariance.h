@@ -21,4 +21,15 @@ Eigen::MatrixXd FitCovariance(const Eigen::MatrixXd& sensitivities, std::span<co
                               const Eigen::VectorXd& predicted, std::span<const double> weights,
                               std::span<const std::size_t> stretches, int largest_noise_order);
 
+/// A number as one of several models has it, with that model's likelihood over the best one's.
+struct Believed {
+  double likelihood{};
+  double value{};
+  double standard_error{};
+};
+
+/// Standard error of the first model's number where the data cannot tell which model is true: 1.96 of it to
+/// either side hold 95 % of what all of them believe.
+double StandardErrorOver(std::span<const Believed> models);
+
 }  // namespace strainwave::analysis::diagnosis

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace strainwave::analysis::diagnosis {
@@ -15,6 +16,7 @@ constexpr double kClearlyBetter = 2.0;  // for an exchange of one cause for anot
 // phase): it may say so much less where chance is excluded.
 constexpr double kLeastBic = -12.0;
 constexpr double kLeastBicBeside = 0.0;  // of what comes on top of something found
+constexpr double kPairAhead = 8.0;       // of two causes, to take the place of one
 constexpr double kRivalAwayFromZero =
     2.0;  // standard errors; a rival need not be proven, only not be excluded
 // A shape without a cause has to explain this much more than the best cause to take its place: our formulae
@@ -24,12 +26,21 @@ constexpr double kCorrectionShare = 0.15;
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
 constexpr double kLeastShare = 0.004;
 
+// Of the likelihood ratio, from which on what reaches less than this share of it is no rival.
+constexpr double kClearlyAhead = 60.0;
+constexpr double kNowhereNear = 0.2;
+
 struct Candidate {
   std::size_t cause{};
   ScoredModel model;
   Comparison against;
   double score{};  // BIC less what the places searched cost
 };
+
+bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other) {
+  const auto found = far_behind.find(cause);
+  return found != far_behind.end() && found->second.contains(other);
+}
 
 // @param p  corrected
 bool IsBeyondChance(double delta_bic, double p, double error) { return p < error && delta_bic > kLeastBic; }
@@ -55,11 +66,12 @@ void Rank(const Study& study, std::vector<Candidate>& candidates) {
   if (candidates.front().score < named->score + lead) std::rotate(candidates.begin(), named, named + 1);
 }
 
-// All candidates beside a model, each fitted with it.
-std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& model) {
+// All candidates beside a model, each fitted with it, but for those that `is_out` names.
+template <typename Predicate>
+std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& model, Predicate is_out) {
   std::vector<Candidate> candidates;
   for (std::size_t cause = 0; cause < judge.study().causes().size(); ++cause) {
-    if (Contains(model.fit.causes, cause)) continue;
+    if (Contains(model.fit.causes, cause) || is_out(cause)) continue;
     Candidate candidate{cause, judge.Fit(With(model.fit.causes, cause), &model.fit), {}, -1e300};
     if (!candidate.model.fit.usable) continue;
     candidate.against = judge.Compare(candidate.model, model);
@@ -67,6 +79,25 @@ std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& mode
     candidates.push_back(std::move(candidate));
   }
   return candidates;
+}
+
+std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& model) {
+  return FitCandidates(judge, model, [](std::size_t) { return false; });
+}
+
+// What came nowhere near the chosen one will hardly do in its place later. As if the noise were white: what
+// an effect leaves of another passes for its memory.
+std::set<std::size_t> FarBehind(const std::vector<Candidate>& candidates, const Candidate& chosen,
+                                const ScoredModel& poorer) {
+  const auto ahead = [&](const Candidate& candidate) {
+    return 2.0 * (candidate.model.noise.log_likelihood.front() - poorer.noise.log_likelihood.front());
+  };
+  std::set<std::size_t> behind;
+  if (ahead(chosen) < kClearlyAhead) return behind;
+  for (const Candidate& candidate : candidates) {
+    if (ahead(candidate) < kNowhereNear * ahead(chosen)) behind.insert(candidate.cause);
+  }
+  return behind;
 }
 
 // Share of clean records in which this may be found. What comes on top of something found has to be clearer:
@@ -126,6 +157,67 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& m
   return std::nullopt;
 }
 
+// Two causes in the place of one that mimics them together: it explains more than either, so it was found
+// first, and no exchange of one for one leads away from it. A pair that is clearly better takes its place;
+// one that does as well is its rival.
+// @param rivals  set to the pairs that do as well, by the cause whose place they would take
+std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::size_t> given,
+                                    const ScoredModel& model, double error, const FarBehindOf& far_behind,
+                                    PairRivals& rivals) {
+  const auto& rules = judge.study().causes();
+  rivals.clear();
+  std::optional<ScoredModel> best;
+  double most = kPairAhead;
+  for (const std::size_t cause : model.fit.causes) {
+    if (Contains(given, cause)) continue;
+    const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
+    if (!without.fit.usable) continue;
+    const double own = ScoreOf(judge.Compare(model, without), rules[cause]);
+    std::vector<Candidate> parts = FitCandidates(judge, without, [&](std::size_t part) {
+      return !rules[part].named || IsFarBehind(far_behind, cause, part);
+    });
+    std::erase_if(parts, [&](const Candidate& part) {
+      return part.cause == cause || !LooksPossible(judge, part, error);
+    });
+    // As if the noise were white: what one leaves of the other passes for its memory.
+    const auto white = [&](const Candidate& part) {
+      return 2.0 * (part.model.noise.log_likelihood.front() - without.noise.log_likelihood.front());
+    };
+    constexpr std::size_t kMostParts = 3;
+    std::sort(parts.begin(), parts.end(),
+              [&](const Candidate& a, const Candidate& b) { return white(a) > white(b); });
+    if (parts.size() > kMostParts) parts.erase(parts.begin() + kMostParts, parts.end());
+    std::set<std::string> pairs;
+    // Both orders: a form that a cause took while it was alone stays with it.
+    for (const Candidate& first : parts) {
+      for (const Candidate& second : parts) {
+        // Together they hardly explain more than one after the other.
+        if (first.cause == second.cause || white(first) + white(second) < own - kAsGood) continue;
+        ScoredModel pair = judge.Fit(With(first.model.fit.causes, second.cause), &first.model.fit);
+        if (!pair.fit.usable) continue;
+        const double lead =
+            first.score + ScoreOf(judge.Compare(pair, first.model), rules[second.cause]) - own;
+        if (lead < -kAsGood) continue;
+        const ScoredModel reported = judge.Fit(pair.fit.causes, &pair.fit, FitPurpose::kReport);
+        const auto unlikely = [&](std::size_t part) {
+          return !judge.Objection(reported.fit, part, kRivalAwayFromZero).empty();
+        };
+        if (unlikely(first.cause) || unlikely(second.cause)) continue;
+        const auto [one, other] = std::minmax(first.cause, second.cause);
+        pairs.insert(rules[one].name + " + " + rules[other].name);
+        if (lead < most || !JudgeCause(judge, pair, first.model, second.cause, error).passed ||
+            !JudgeCause(judge, pair, second.model, first.cause, error).passed) {
+          continue;
+        }
+        most = lead;
+        best = std::move(pair);
+      }
+    }
+    rivals[cause].assign(pairs.begin(), pairs.end());
+  }
+  return best;
+}
+
 // Drops what the rest of the model does not need any more.
 bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
                   ScoredModel& model) {
@@ -142,7 +234,8 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
 }
 
 // Exchanges a cause for one that does better in its place.
-bool Exchange(const Judge& judge, std::span<const std::size_t> given, ScoredModel& model, double explained) {
+bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarBehindOf& far_behind,
+              ScoredModel& model, double explained) {
   const auto& rules = judge.study().causes();
   for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
     if (Contains(given, cause)) continue;
@@ -150,7 +243,7 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, ScoredMode
     if (!without.fit.usable) continue;
     const double own = ScoreOf(judge.Compare(model, without), rules[cause]);
     for (std::size_t other = 0; other < rules.size(); ++other) {
-      if (Contains(model.fit.causes, other)) continue;
+      if (Contains(model.fit.causes, other) || IsFarBehind(far_behind, cause, other)) continue;
       ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
       if (!exchanged.fit.usable) continue;
       double lead = ScoreOf(judge.Compare(exchanged, without), rules[other]) - own;
@@ -207,7 +300,8 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
   selection.model = judge.Fit(given, nullptr);
   const ScoredModel first = selection.model;
   std::map<std::size_t, CandidateResult> judged;
-  for (std::size_t step = 0;; ++step) {
+  std::set<std::vector<std::size_t>> seen;
+  while (seen.insert(selection.model.fit.causes).second) {  // a set that comes again goes in circles
     const ScoredModel& model = selection.model;
     const double explained = judge.Compare(model, first).likelihood_ratio;
     std::vector<Candidate> candidates = FitCandidates(judge, model);
@@ -241,33 +335,37 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     if (options.progress) {
       options.progress(
           chosen == nullptr ? "no further effect" : "found " + judge.study().causes()[chosen->cause].name,
-          static_cast<double>(step + 1) / static_cast<double>(options.max_effects + 1));
+          static_cast<double>(seen.size()) / static_cast<double>(options.max_effects + 1));
     }
     double brought = 0.0;
     if (chosen != nullptr) {
       brought = chosen->against.likelihood_ratio;
+      selection.far_behind[chosen->cause] = FarBehind(candidates, *chosen, model);
       selection.model = ScoredModel(chosen->model);
     } else {
       const std::size_t most = given.size() + options.max_effects - model.fit.causes.size();
       std::optional<ScoredModel> together =
           full ? std::nullopt : FindTogether(judge, model, most, options.family_error);
+      if (!together && !full)
+        together = FindPair(judge, given, model, error, selection.far_behind, selection.pair_rivals);
       if (!together) break;
       brought = judge.Compare(*together, model).likelihood_ratio;
       selection.model = std::move(*together);
     }
     for (int round = 0; round < 3; ++round) {
-      const bool exchanged = selection.model.fit.causes.size() > given.size() + 1 &&
-                             Exchange(judge, given, selection.model, explained + brought);
+      const bool exchanged =
+          selection.model.fit.causes.size() > given.size() + 1 &&
+          Exchange(judge, given, selection.far_behind, selection.model, explained + brought);
       const bool dropped = DropNeedless(judge, given, options, selection.model);
       if (!exchanged && !dropped) break;
     }
-    if (step > 2 * options.max_effects) break;  // exchanges that go in circles
   }
   for (auto& [cause, result] : judged) selection.candidates.push_back(std::move(result));
   return selection;
 }
 
-std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, std::size_t cause) {
+std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, const FarBehindOf& far_behind,
+                                  std::size_t cause) {
   const auto& rules = judge.study().causes();
   if (!rules[cause].named) return {};
   std::vector<std::string> rivals = rules[cause].aliases;
@@ -276,6 +374,7 @@ std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, 
   const double own = ScoreOf(judge.Compare(model, without), rules[cause]);
   for (std::size_t other = 0; other < rules.size(); ++other) {
     if (!rules[other].named || Contains(model.fit.causes, other)) continue;
+    if (IsFarBehind(far_behind, cause, other)) continue;
     ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
     if (!exchanged.fit.usable) continue;
     const Comparison comparison = judge.Compare(exchanged, without);

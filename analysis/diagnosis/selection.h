@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -64,10 +66,19 @@ class Judge {
 std::vector<std::size_t> Without(std::span<const std::size_t> causes, std::size_t cause);
 std::vector<std::size_t> With(std::span<const std::size_t> causes, std::size_t cause);
 
+/// Two causes that do as well together as one cause of a model ("brake_slip + thermal_drift"), by its index.
+using PairRivals = std::map<std::size_t, std::vector<std::string>>;
+
+/// By a cause that was chosen: those that explained so much less than it that nothing found since makes them
+/// do in its place.
+using FarBehindOf = std::map<std::size_t, std::set<std::size_t>>;
+
 /// Forward selection with backward check and exchange, from the causes in `start` (which stay).
 struct Selection {
   ScoredModel model;
   std::vector<CandidateResult> candidates;  // those that are not in the model, as judged beside it
+  PairRivals pair_rivals;
+  FarBehindOf far_behind;
 };
 Selection Select(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options);
 
@@ -76,6 +87,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
                            std::size_t cause, double error_allowed);
 
 /// Names of causes that would fit as well (within 6 of BIC) in the place of `cause`.
-std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, std::size_t cause);
+std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, const FarBehindOf& far_behind,
+                                  std::size_t cause);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -26,7 +26,8 @@ Eigen::VectorXd SolveNormal(Eigen::MatrixXd gram, Eigen::VectorXd right, double 
   right = scale.cwiseProduct(right);
   for (Index j = p - damped; j < p; ++j) gram(j, j) += ridge;
   const Eigen::LDLT<Eigen::MatrixXd> factor(gram);
-  if (factor.info() == Eigen::Success && factor.rcond() > kUndetermined) {
+  const Eigen::VectorXd pivots = factor.vectorD();
+  if (factor.info() == Eigen::Success && pivots.minCoeff() > kUndetermined * pivots.maxCoeff()) {
     return scale.cwiseProduct(factor.solve(right));
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
@@ -35,18 +36,6 @@ Eigen::VectorXd SolveNormal(Eigen::MatrixXd gram, Eigen::VectorXd right, double 
       [&](double value) { return value > kUndetermined * largest ? 1.0 / value : 0.0; });
   return scale.cwiseProduct(eigen.eigenvectors() * inverse.asDiagonal() *
                             (eigen.eigenvectors().transpose() * right));
-}
-
-Eigen::MatrixXd WeightedGram(const Eigen::MatrixXd& design, std::span<const double> weights) {
-  const Eigen::MatrixXd rows = AsVector(weights).cwiseSqrt().asDiagonal() * design;
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(design.cols(), design.cols());
-  gram.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-  return gram.selfadjointView<Eigen::Lower>();
-}
-
-void FillTerm(const SeparableTerm& term, std::span<const double> shapes,
-              Eigen::Ref<Eigen::MatrixXd> columns) {
-  term.fill(shapes, columns);
 }
 
 // Columns of the derivative by each shape: a central difference of the term's prediction.
@@ -66,9 +55,9 @@ Eigen::MatrixXd ShapeColumns(const TermSet& set, const SeparableSolution& at) {
       const double high = std::min(range.high, centre + 0.05 * range.step);
       const double low = std::max(range.low, centre - 0.05 * range.step);
       shapes[s] = high;
-      FillTerm(term, shapes, up);
+      term.fill(shapes, up);
       shapes[s] = low;
-      FillTerm(term, shapes, down);
+      term.fill(shapes, down);
       columns.col(next++) = (up - down) * coefficients / std::max(high - low, 1e-300);
     }
   }
@@ -89,57 +78,97 @@ std::size_t TermSet::shapes() const {
   return sum;
 }
 
-SeparableSolution SolveCoefficients(const TermSet& set, std::span<const double> measured,
-                                    std::span<const double> weights,
-                                    std::vector<std::vector<double>> shapes) {
+SeparableProblem::SeparableProblem(const TermSet& set, std::span<const double> measured,
+                                   std::span<const double> weights)
+    : set_(set), measured_(AsVector(measured)), roots_(AsVector(weights).cwiseSqrt()) {
+  Index fixed = 0;
+  for (const SeparableTerm* term : set.terms) {
+    (term->shapes.empty() ? fixed : moving_columns_) += ToIndex(term->columns);
+  }
+  fixed_.resize(ToIndex(set.samples), fixed);
+  Index next = 0;
+  for (const SeparableTerm* term : set.terms) {
+    if (!term->shapes.empty()) continue;
+    const Index columns = ToIndex(term->columns);
+    term->fill({}, fixed_.middleCols(next, columns));
+    next += columns;
+  }
+  weighted_ = roots_.asDiagonal() * fixed_;
+  gram_ = Eigen::MatrixXd::Zero(fixed, fixed);
+  gram_.selfadjointView<Eigen::Lower>().rankUpdate(weighted_.transpose());
+  gram_ = Eigen::MatrixXd(gram_.selfadjointView<Eigen::Lower>());
+}
+
+// Normal equations of a target by the fixed columns and these further ones.
+SeparableProblem::Normal SeparableProblem::NormalOf(const Eigen::MatrixXd& further,
+                                                    const Eigen::VectorXd& target) const {
+  const Index fixed = gram_.rows();
+  const Index more = further.cols();
+  const Eigen::MatrixXd rows = roots_.asDiagonal() * further;
+  const Eigen::VectorXd weighted_target = roots_.cwiseProduct(target);
+  Normal normal{Eigen::MatrixXd(fixed + more, fixed + more), Eigen::VectorXd(fixed + more)};
+  normal.gram.topLeftCorner(fixed, fixed) = gram_;
+  normal.gram.topRightCorner(fixed, more).noalias() = weighted_.transpose() * rows;
+  normal.gram.bottomLeftCorner(more, fixed) = normal.gram.topRightCorner(fixed, more).transpose();
+  normal.gram.bottomRightCorner(more, more).noalias() = rows.transpose() * rows;
+  normal.right.head(fixed).noalias() = weighted_.transpose() * weighted_target;
+  normal.right.tail(more).noalias() = rows.transpose() * weighted_target;
+  return normal;
+}
+
+Eigen::MatrixXd SeparableProblem::Moving(const std::vector<std::vector<double>>& shapes) const {
+  Eigen::MatrixXd columns(fixed_.rows(), moving_columns_);
+  Index next = 0;
+  for (std::size_t t = 0; t < set_.terms.size(); ++t) {
+    if (set_.terms[t]->shapes.empty()) continue;
+    const Index count = ToIndex(set_.terms[t]->columns);
+    set_.terms[t]->fill(shapes[t], columns.middleCols(next, count));
+    next += count;
+  }
+  return columns;
+}
+
+SeparableSolution SeparableProblem::Solve(std::vector<std::vector<double>> shapes) const {
   SeparableSolution solution;
   solution.shapes = std::move(shapes);
-  solution.design.resize(ToIndex(set.samples), ToIndex(set.coefficients()));
-  Index first = 0;
-  for (std::size_t t = 0; t < set.terms.size(); ++t) {
-    const Index columns = ToIndex(set.terms[t]->columns);
-    FillTerm(*set.terms[t], solution.shapes[t], solution.design.middleCols(first, columns));
-    first += columns;
-  }
-  const Eigen::VectorXd weighted = AsVector(weights).cwiseProduct(AsVector(measured));
-  const Eigen::VectorXd numbers =
-      SolveNormal(WeightedGram(solution.design, weights), solution.design.transpose() * weighted, 0.0, 0);
-  first = 0;
-  for (const SeparableTerm* term : set.terms) {
+  solution.moving = Moving(solution.shapes);
+  const Normal normal = NormalOf(solution.moving, measured_);
+  const Eigen::VectorXd numbers = SolveNormal(normal.gram, normal.right, 0.0, 0);
+  Index fixed_next = 0;
+  Index moving_next = fixed_.cols();
+  for (const SeparableTerm* term : set_.terms) {
+    Index& next = term->shapes.empty() ? fixed_next : moving_next;
     const auto columns = ToIndex(term->columns);
-    solution.coefficients.emplace_back(numbers.data() + first, numbers.data() + first + columns);
-    first += columns;
+    solution.coefficients.emplace_back(numbers.data() + next, numbers.data() + next + columns);
+    next += columns;
   }
-  solution.predicted = solution.design * numbers;
-  solution.weighted_square_sum = (AsVector(measured) - solution.predicted).cwiseAbs2().dot(AsVector(weights));
+  solution.predicted =
+      fixed_ * numbers.head(fixed_.cols()) + solution.moving * numbers.tail(solution.moving.cols());
+  solution.weighted_square_sum = roots_.cwiseProduct(measured_ - solution.predicted).squaredNorm();
   return solution;
 }
 
-SeparableSolution RefineShapes(const TermSet& set, std::span<const double> measured,
-                               std::span<const double> weights, SeparableSolution solution, int rounds) {
-  const Index shapes = ToIndex(set.shapes());
-  if (shapes == 0) return solution;
+SeparableSolution SeparableProblem::Refine(SeparableSolution solution, int rounds) const {
+  const Index shapes = ToIndex(set_.shapes());
   double damping = 1e-3;
   for (int round = 0; round < rounds; ++round) {
-    Eigen::MatrixXd joint(solution.design.rows(), solution.design.cols() + shapes);
-    joint << solution.design, ShapeColumns(set, solution);
-    const Eigen::VectorXd residual = AsVector(measured) - solution.predicted;
-    const Eigen::MatrixXd gram = WeightedGram(joint, weights);
-    const Eigen::VectorXd right = joint.transpose() * AsVector(weights).cwiseProduct(residual);
+    Eigen::MatrixXd further(fixed_.rows(), moving_columns_ + shapes);
+    further << solution.moving, ShapeColumns(set_, solution);
+    const Normal normal = NormalOf(further, measured_ - solution.predicted);
     bool better = false;
     double drop = 0.0;
     for (int attempt = 0; attempt < 5 && !better; ++attempt) {
-      const Eigen::VectorXd step = SolveNormal(gram, right, damping, shapes);
+      const Eigen::VectorXd step = SolveNormal(normal.gram, normal.right, damping, shapes);
       std::vector<std::vector<double>> moved = solution.shapes;
-      Index next = solution.design.cols();
-      for (std::size_t t = 0; t < set.terms.size(); ++t) {
+      Index next = step.size() - shapes;
+      for (std::size_t t = 0; t < set_.terms.size(); ++t) {
         for (std::size_t s = 0; s < moved[t].size(); ++s) {
-          const ShapeRange& range = set.terms[t]->shapes[s];
+          const ShapeRange& range = set_.terms[t]->shapes[s];
           const double change = std::clamp(step(next++), -5.0 * range.step, 5.0 * range.step);
           moved[t][s] = std::clamp(moved[t][s] + change, range.low, range.high);
         }
       }
-      SeparableSolution candidate = SolveCoefficients(set, measured, weights, std::move(moved));
+      SeparableSolution candidate = Solve(std::move(moved));
       drop = solution.weighted_square_sum - candidate.weighted_square_sum;
       better = drop > 0.0;
       damping = better ? std::max(1e-9, 0.2 * damping) : 8.0 * damping;
@@ -153,17 +182,15 @@ SeparableSolution RefineShapes(const TermSet& set, std::span<const double> measu
 
 Eigen::MatrixXd Sensitivities(const TermSet& set, const SeparableSolution& solution) {
   const Eigen::MatrixXd by_shape = ShapeColumns(set, solution);
-  Eigen::MatrixXd all(solution.design.rows(), solution.design.cols() + by_shape.cols());
-  Index from_design = 0;
+  Eigen::MatrixXd all(ToIndex(set.samples), ToIndex(set.coefficients() + set.shapes()));
   Index from_shapes = 0;
   Index to = 0;
-  for (const SeparableTerm* term : set.terms) {
-    const Index columns = ToIndex(term->columns);
-    const Index curved = ToIndex(term->shapes.size());
-    all.middleCols(to, columns) = solution.design.middleCols(from_design, columns);
+  for (std::size_t t = 0; t < set.terms.size(); ++t) {
+    const Index columns = ToIndex(set.terms[t]->columns);
+    const Index curved = ToIndex(set.terms[t]->shapes.size());
+    set.terms[t]->fill(solution.shapes[t], all.middleCols(to, columns));
     all.middleCols(to + columns, curved) = by_shape.middleCols(from_shapes, curved);
     to += columns + curved;
-    from_design += columns;
     from_shapes += curved;
   }
   return all;

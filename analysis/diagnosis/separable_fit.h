@@ -19,20 +19,42 @@ struct TermSet {
 struct SeparableSolution {
   std::vector<std::vector<double>> shapes;        // a list a term
   std::vector<std::vector<double>> coefficients;  // a list a term
-  Eigen::MatrixXd design;                         // samples × coefficients
+  Eigen::MatrixXd moving;                         // columns of the terms that have shapes
   Eigen::VectorXd predicted;
   double weighted_square_sum{};  // of what is left
 };
 
-/// Coefficients at given shapes: weighted least squares by the scaled normal equations; a direction that the
-/// samples do not determine gets nothing.
-SeparableSolution SolveCoefficients(const TermSet& set, std::span<const double> measured,
-                                    std::span<const double> weights, std::vector<std::vector<double>> shapes);
+/// Weighted least squares of a term set. What the terms without shapes bring to the normal equations is
+/// worked out once, for all the shapes that the others are tried with.
+class SeparableProblem {
+ public:
+  /// Keeps a reference to the set.
+  SeparableProblem(const TermSet& set, std::span<const double> measured, std::span<const double> weights);
 
-/// Improves the shapes by damped Gauss–Newton steps on what the coefficients leave; never ends worse than it
-/// began. `rounds` at most.
-SeparableSolution RefineShapes(const TermSet& set, std::span<const double> measured,
-                               std::span<const double> weights, SeparableSolution solution, int rounds);
+  /// Coefficients at given shapes (one list a term), by the scaled normal equations; a direction that the
+  /// samples do not determine gets nothing.
+  SeparableSolution Solve(std::vector<std::vector<double>> shapes) const;
+
+  /// Improves the shapes by damped Gauss–Newton steps on what the coefficients leave; never ends worse than
+  /// it began. `rounds` at most.
+  SeparableSolution Refine(SeparableSolution solution, int rounds) const;
+
+ private:
+  struct Normal {
+    Eigen::MatrixXd gram;
+    Eigen::VectorXd right;
+  };
+  Normal NormalOf(const Eigen::MatrixXd& further, const Eigen::VectorXd& target) const;
+  Eigen::MatrixXd Moving(const std::vector<std::vector<double>>& shapes) const;
+
+  const TermSet& set_;
+  Eigen::VectorXd measured_;
+  Eigen::VectorXd roots_;     // of the weights
+  Eigen::MatrixXd fixed_;     // columns of the terms without shapes
+  Eigen::MatrixXd weighted_;  // the same times the roots
+  Eigen::MatrixXd gram_;      // of these
+  Eigen::Index moving_columns_{};
+};
 
 /// Derivatives of the prediction by all numbers, in the order of TermSet: samples × (coefficients + shapes).
 Eigen::MatrixXd Sensitivities(const TermSet& set, const SeparableSolution& solution);

@@ -62,13 +62,12 @@ std::optional<SeparableSolution> SearchShapes(const SeparableModel& model, const
   std::vector<double> residual(model.measured);
   for (std::size_t i = 0; i < residual.size(); ++i)
     residual[i] -= before.predicted(static_cast<Eigen::Index>(i));
+  const SeparableProblem problem(set, model.measured, weights);
   std::optional<SeparableSolution> best;
   for (const std::vector<double>& shape : set.terms.back()->starts({residual, weights})) {
     std::vector<std::vector<double>> joined = before.shapes;
     joined.push_back(shape);
-    SeparableSolution candidate =
-        RefineShapes(set, model.measured, weights,
-                     SolveCoefficients(set, model.measured, weights, std::move(joined)), kSearchRounds);
+    SeparableSolution candidate = problem.Refine(problem.Solve(std::move(joined)), kSearchRounds);
     if (!best || candidate.weighted_square_sum < best->weighted_square_sum) best = std::move(candidate);
   }
   return best;
@@ -140,7 +139,7 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
     shapes.push_back(std::move(known));
     order.push_back(cause);
   }
-  SeparableSolution solution = SolveCoefficients(set, model_.measured, weights, std::move(shapes));
+  SeparableSolution solution = SeparableProblem(set, model_.measured, weights).Solve(std::move(shapes));
   for (const std::size_t cause : searched) {
     set.terms.push_back(&model_.causes[cause]);
     order.push_back(cause);
@@ -148,7 +147,9 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
     if (!found) return {};
     solution = std::move(*found);
   }
-  solution = RefineShapes(set, model_.measured, weights, std::move(solution), kFinalRounds);
+  if (set.shapes() > 0) {
+    solution = SeparableProblem(set, model_.measured, weights).Refine(std::move(solution), kFinalRounds);
+  }
 
   // Back into ascending order of the causes.
   std::vector<std::size_t> rank(order.size());
@@ -163,7 +164,7 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
     fit.causes.push_back(order[i]);
   }
   if (!std::is_sorted(order.begin(), order.end())) {
-    solution = SolveCoefficients(sorted_set, model_.measured, weights, std::move(sorted_shapes));
+    solution = SeparableProblem(sorted_set, model_.measured, weights).Solve(std::move(sorted_shapes));
   }
   fit.predicted = solution.predicted;
   fit.state = NumbersOf(solution);

@@ -100,6 +100,11 @@ std::string SignatureOf(const DiagnosisReport& report) {
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
+// A rival is one cause, or a pair ("brake_slip + thermal_drift").
+bool IsPartOf(const std::string& rival, const std::string& name) {
+  return rival == name || rival.starts_with(name + " + ") || rival.ends_with(" + " + name);
+}
+
 std::vector<std::string> MeasurementsToSettle(const DiagnosisReport& report) {
   const std::vector<diagnosis::CauseRule>& rules = report.input.study->causes();
   std::vector<std::string> entries;
@@ -110,7 +115,7 @@ std::vector<std::string> MeasurementsToSettle(const DiagnosisReport& report) {
     }
     for (const std::string& rival : cause.indistinguishable_from) {
       for (const diagnosis::CauseRule& other : rules) {
-        if (other.name == rival) AddOnce(other.to_settle, entries);
+        if (IsPartOf(rival, other.name)) AddOnce(other.to_settle, entries);
       }
     }
   }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "analysis/diagnosis/scans.h"
+#include "analysis/noise_level.h"
 #include "analysis/units.h"
 #include "daq/record_rules.h"
 
@@ -193,13 +194,28 @@ void CheckTime(const daq::Record& record, std::vector<std::string>& doubts) {
   if (!(time_s.back() > time_s.front())) {
     Refuse(record, fmt::format("time_s stands still at {:g}", time_s.front()), "time that goes on");
   }
+  // These studies say themselves what is odd about their time, and what they do about it.
+  if (record.kind == "motion" || record.kind == "vibration") return;
   std::size_t repeated = 0;
   for (std::size_t i = 1; i < time_s.size(); ++i) {
     if (time_s[i] == time_s[i - 1]) ++repeated;
   }
   const double share = static_cast<double>(repeated) / static_cast<double>(time_s.size() - 1);
-  if (share < 0.005) return;
-  doubts.push_back(fmt::format("{:.1f} % of the time stamps repeat the one before", 100.0 * share));
+  if (share >= 0.005) {
+    doubts.push_back(fmt::format("{:.1f} % of the time stamps repeat the one before", 100.0 * share));
+    return;
+  }
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < time_s.size(); ++i) steps_s.push_back(time_s[i] - time_s[i - 1]);
+  const double step_s = analysis::Median(steps_s);
+  for (double& step : steps_s) step = std::abs(step - step_s);
+  // Half the steps are off by more than this: no pause or gap, which a few of them hold.
+  const double jitter = analysis::Median(steps_s) / step_s;
+  constexpr double kEven = 0.1;
+  if (jitter < kEven) return;
+  doubts.push_back(fmt::format(
+      "the time stamps jitter: half of them are off by {:.0f} % and more of their step of {:.4g} ms",
+      100.0 * jitter, 1e3 * step_s));
 }
 
 }  // namespace

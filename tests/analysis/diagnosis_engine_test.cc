@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "analysis/diagnosis/diagnose.h"
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/heldout.h"
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/scans.h"
@@ -236,6 +238,62 @@ TEST(Diagnose, NamesTheRivalWhereTwoCausesFitEquallyWell) {
   ASSERT_EQ(diagnosis.causes.size(), 1u);
   ASSERT_EQ(diagnosis.causes[0].indistinguishable_from.size(), 1u);
   EXPECT_NE(study.causes()[diagnosis.causes[0].index].name, diagnosis.causes[0].indistinguishable_from[0]);
+}
+
+// A cause that looks like two others together, which are in the record: found first, as it explains more than
+// either.
+Diagnosis OfPair(double size, unsigned seed, std::vector<std::string>& names) {
+  constexpr std::size_t kSamples = 400;
+  const ToyRecord record(kSamples);
+  const auto wave = [](double periods, std::size_t i) {
+    return std::sqrt(2.0) * std::cos(kTwoPi * periods * static_cast<double>(i) / kSamples);
+  };
+  std::vector<double> left(kSamples), right(kSamples), both(kSamples);
+  std::vector<double> measured = WhiteNoise(kSamples, 0.1, seed);
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    left[i] = wave(7.0, i);
+    right[i] = wave(11.0, i);
+    both[i] = left[i] + 0.7 * right[i] + 0.5 * wave(17.0, i);
+    measured[i] += size * (left[i] + 0.7 * right[i]);
+  }
+  SeparableModel model = ToyModel(record, measured);
+  const auto add = [&](const std::string& name, const std::vector<double>& column) {
+    model.causes.push_back(Column(column, name + "_size"));
+    model.rules.push_back({.name = name, .parameters = {{name + "_size", "1", -10.0, 10.0, true}}});
+  };
+  add("left", left);
+  add("right", right);
+  add("both", both);
+  const SeparableStudy study(std::move(model));
+  Diagnosis diagnosis = Diagnose(study);
+  for (const Finding& cause : diagnosis.causes) names.push_back(study.causes()[cause.index].name);
+  return diagnosis;
+}
+
+TEST(Diagnose, PutsAPairInThePlaceOfTheCauseThatMimicsIt) {
+  int pairs = 0;
+  int rivals = 0;
+  for (unsigned seed = 31; seed <= 40; ++seed) {
+    std::vector<std::string> names;
+    OfPair(0.075, seed, names);
+    pairs += names == std::vector<std::string>{"left", "right"} ? 1 : 0;
+    names.clear();
+    const Diagnosis faint = OfPair(0.035, seed, names);
+    if (names != std::vector<std::string>{"both"}) continue;
+    const auto& others = faint.causes[0].indistinguishable_from;
+    rivals += std::find(others.begin(), others.end(), "left + right") != others.end() ? 1 : 0;
+  }
+  EXPECT_GE(pairs, 8);
+  EXPECT_GE(rivals, 3);
+}
+
+TEST(StandardErrorOver, HoldsWhatModelsThatCannotBeToldBelieve) {
+  EXPECT_NEAR(StandardErrorOver(std::vector<Believed>{{1.0, 3.0, 0.2}}), 0.2, 1e-6);
+  // As likely, two away: the interval has to reach the tenth of its own that is beyond.
+  const double two = StandardErrorOver(std::vector<Believed>{{1.0, 3.0, 0.2}, {1.0, 5.0, 0.2}});
+  EXPECT_NEAR(1.959964 * two, 2.0 + 0.2 * 1.281552, 1e-3);
+  EXPECT_NEAR(StandardErrorOver(std::vector<Believed>{{1.0, 3.0, 0.2}, {1e-4, 5.0, 0.2}}), 0.2, 1e-3);
+  EXPECT_EQ(StandardErrorOver(std::vector<Believed>{{1.0, 3.0, 0.0}}), 0.0);
 }
 
 TEST(Diagnose, RefusesACauseWhoseParameterIsOutsideItsRange) {

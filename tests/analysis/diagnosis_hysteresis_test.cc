@@ -76,6 +76,18 @@ TEST(HysteresisStudy, NamesABrakeThatSlips) {
   EXPECT_EQ(found.names(), Names{"brake_slip"});
 }
 
+TEST(HysteresisStudy, GivesTheSlipTorqueTheErrorOfAllTheWaysInWhichABrakeMaySlip) {
+  int inside = 0;
+  for (std::uint32_t seed = 5; seed < 13; ++seed) {
+    // Whether it is faster the more it is loaded these loops can hardly tell.
+    const Diagnosed found = Ask({.slip_from_Nm = 24.0, .slip_rad_per_Nms = 4e-8}, {}, seed);
+    EXPECT_EQ(found.names(), Names{"brake_slip"});
+    const ParameterValue level = found.value("slip_torque_Nm");
+    inside += std::abs(level.value - 24.0) < 1.96 * level.standard_error ? 1 : 0;
+  }
+  EXPECT_GE(inside, 7);
+}
+
 TEST(HysteresisStudy, NamesADriftWithTemperature) {
   GeneratedSensors sensors;
   sensors.has_temperature = true;

@@ -219,7 +219,8 @@ TEST_F(Diagnose, SaysWhereDirectionsContradictTheAngles) {
 }
 
 TEST_F(Diagnose, RefusesAnglesThatStandStill) {
-  const std::string record = Write("still.csv", Changed([](auto& cells, int) { cells[3] = std::string(1, '7'); }));
+  const std::string record =
+      Write("still.csv", Changed([](auto& cells, int) { cells[3] = std::string(1, '7'); }));
   ExpectRefusal({"diagnose", record, "--out", Path("out")},
                 record + ": error: output_angle_deg is constant at 7 (expected a sweep of the output)\n");
 }
@@ -266,6 +267,19 @@ TEST_F(Diagnose, WarnsOfTimeStampsThatRepeat) {
   const auto json = Json({"diagnose", record, "--json"});
   EXPECT_EQ(json["verdict"], "no_effect");
   EXPECT_EQ(json["warnings"][0], "50.1 % of the time stamps repeat the one before");
+}
+
+TEST_F(Diagnose, WarnsOfTimeStampsThatJitter) {
+  const std::string record =
+      Write("sweep.csv", Changed([](auto& cells, int row) {
+              char text[40];
+              std::snprintf(text, sizeof text, "%.2f", 0.5 * row + 0.2 * std::sin(row * row));
+              cells[0] = text;
+            }));
+  const auto json = Json({"diagnose", record, "--json"});
+  EXPECT_EQ(json["verdict"], "no_effect");
+  EXPECT_EQ(json["warnings"][0],
+            "the time stamps jitter: half of them are off by 30 % and more of their step of 500 ms");
 }
 
 class Simulate : public Diagnose {};

@@ -151,7 +151,7 @@ std::vector<std::vector<double>> BestCandidates(const CampaignLayout& layout, co
   const auto n = static_cast<Index>(layout.measured.size());
   const Eigen::VectorXd root_weight =
       Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), n).cwiseSqrt();
-  const Eigen::VectorXd residual =
+  Eigen::VectorXd residual =
       root_weight.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), n));
   // Every mixture has its own wear model, so that one mixture's columns are enough to project on.
   const Eigen::MatrixXd wear = WearColumns(layout.load_share, layout.run_in_share);
@@ -166,18 +166,21 @@ std::vector<std::vector<double>> BestCandidates(const CampaignLayout& layout, co
     }
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
     bases.push_back(qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols()));
+    auto part = residual.segment(first, last - first);
+    part -= bases.back() * (bases.back().transpose() * part).eval();
   }
   std::vector<std::pair<double, std::size_t>> drops;
   Eigen::MatrixXd design(n, static_cast<Index>(term.columns));
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     term.fill(candidates[c], design);
     design = root_weight.asDiagonal() * design;
-    for (std::size_t s = 0; s < bases.size(); ++s) {
-      auto part = design.middleRows(static_cast<Index>(layout.stretches[s]), bases[s].rows());
-      part -= bases[s] * (bases[s].transpose() * part).eval();
-    }
     const Eigen::VectorXd right = design.transpose() * residual;
-    const Eigen::MatrixXd gram = design.transpose() * design;
+    Eigen::MatrixXd gram = design.transpose() * design;
+    for (std::size_t s = 0; s < bases.size(); ++s) {
+      const Eigen::MatrixXd along =
+          bases[s].transpose() * design.middleRows(static_cast<Index>(layout.stretches[s]), bases[s].rows());
+      gram -= along.transpose() * along;
+    }
     drops.emplace_back(-right.dot(gram.completeOrthogonalDecomposition().solve(right)), c);
   }
   std::sort(drops.begin(), drops.end());

@@ -178,6 +178,8 @@ std::string CommonStiffnessChange(std::span<const double> k_Nm_per_rad, double t
   const double mean_ratio = (ratios[0] + ratios[1] + ratios[2]) / 3.0;
   const double mean_compliance = (compliances[0] + compliances[1] + compliances[2]) / 3.0;
   if (std::abs(std::log(mean_ratio)) < std::log1p(kScatter)) return {};
+  // Another unit, which OddThingsAbout tells.
+  if (std::abs(std::log(mean_ratio)) > std::log(20.0)) return {};
   if (spread(ratios) < kAlike && spread(ratios) <= spread(compliances)) {
     return fmt::format(
         "K1, K2 and K3 are all {:.2g} times those of the reference unit: a gain error of the torque signal "

@@ -47,6 +47,9 @@ class LoopEffect {
                    const Eigen::VectorXd& /*gear_rad*/, Eigen::VectorXd& /*total_rad*/) const {}
   /// True where a fit leaves a number alone in the form that these numbers have.
   virtual bool IsHeld(std::span<const double> /*numbers*/, std::size_t k) const { return numbers[k].held; }
+  /// Place of a number on which the effect depends in a way of its own (a level, a time constant) and which a
+  /// record may leave open over a wide range; −1 for none.
+  virtual int Shape() const { return -1; }
   /// Numbers to start from, amounts zero: forms and shapes that are worth trying.
   virtual std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const = 0;
   /// Richer forms of the effect as fitted, amounts zero that are new; each is kept only if it pays. Empty for

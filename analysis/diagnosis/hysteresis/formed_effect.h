@@ -28,6 +28,7 @@ class FormedEffect : public LoopEffect {
   bool IsHeld(std::span<const double> v, std::size_t k) const override {
     return k == 0 || (k == 2 && !HasShape(v[0]));
   }
+  int Shape() const override { return 2; }
 
  protected:
   virtual bool HasShape(double /*form*/) const { return true; }

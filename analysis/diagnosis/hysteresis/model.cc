@@ -60,6 +60,7 @@ std::vector<bool> LoopModel::Held(const Eigen::VectorXd& x) const {
     const int record = numbers_[k].state_of_record;
     if (record >= 0) held[k] = held[k] || kept_starts_[static_cast<std::size_t>(record)];
   }
+  for (const int number : held_) held[static_cast<std::size_t>(number)] = true;
   return held;
 }
 

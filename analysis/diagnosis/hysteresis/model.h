@@ -33,6 +33,9 @@ class LoopModel {
   /// that come later cannot know it.
   void KeepStarts(std::vector<bool> of_record) { kept_starts_ = std::move(of_record); }
 
+  /// Leaves one number alone, whatever the fit.
+  void Hold(int number) { held_.push_back(number); }
+
   /// Numbers of one effect.
   std::span<const double> Of(std::size_t effect, const Eigen::VectorXd& x) const;
   std::span<double> Of(std::size_t effect, Eigen::VectorXd& x) const;
@@ -63,6 +66,7 @@ class LoopModel {
   std::vector<int> first_of_effect_;
   int nominal_size_{};
   std::vector<bool> kept_starts_;
+  std::vector<int> held_;
 };
 
 /// Numbers that fit best, found from `start`, within their bounds.

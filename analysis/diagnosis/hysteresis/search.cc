@@ -131,6 +131,22 @@ void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std
   }
 }
 
+// The effect's starts beside the other numbers of `x`, the most promising first.
+std::vector<RankedStart> RankStarts(const LoopRecords& records, const LoopModel& model, std::size_t effect,
+                                    const LoopGrid& grid, const Eigen::VectorXd& x) {
+  std::vector<const LoopEffect*> others = model.effects();
+  const LoopEffect& added = *others[effect];
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(effect));
+  const LoopModel poorer(records, others);
+  // The numbers of the effect lie in one piece.
+  Eigen::VectorXd without(poorer.size());
+  const auto place = static_cast<Index>(model.Of(effect, x).data() - x.data());
+  const auto count = static_cast<Index>(added.numbers.size());
+  without << x.head(place), x.tail(x.size() - place - count);
+  const Surroundings beside(poorer, without, grid);
+  return beside.Rank(model, effect, grid, added.Starts(beside.Remainder(records, grid)), x);
+}
+
 // The nominal numbers that the grid search of the stiffness fit proposes for one record.
 std::vector<Eigen::VectorXd> ProposedStarts(const LoopRecords& records, std::size_t record) {
   const LoopGrid& grid = records.samples;
@@ -187,24 +203,13 @@ Eigen::VectorXd FindNominal(const LoopRecords& records) {
 
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
                               const LoopGrid& grid, const Eigen::VectorXd& x) {
-  std::vector<const LoopEffect*> others = model.effects();
-  const LoopEffect& added = *others[effect];
-  others.erase(others.begin() + static_cast<std::ptrdiff_t>(effect));
-  const LoopModel poorer(records, others);
-  // The numbers of the effect lie in one piece.
-  Eigen::VectorXd without(poorer.size());
-  const auto place = static_cast<Index>(model.Of(effect, x).data() - x.data());
-  const auto count = static_cast<Index>(added.numbers.size());
-  without << x.head(place), x.tail(x.size() - place - count);
-
   LoopSolution best{x, std::numeric_limits<double>::infinity()};
-  const Surroundings beside(poorer, without, grid);
-  FitBest(beside.Rank(model, effect, grid, added.Starts(beside.Remainder(records, grid)), x), model, effect,
-          grid, best);
+  FitBest(RankStarts(records, model, effect, grid, x), model, effect, grid, best);
   if (!std::isfinite(best.cost)) return best;
 
   const Surroundings with(model, best.numbers, grid);
-  const auto forms = added.RicherForms(model.Of(effect, best.numbers), with.Remainder(records, grid));
+  const auto forms =
+      model.effects()[effect]->RicherForms(model.Of(effect, best.numbers), with.Remainder(records, grid));
   if (!forms.empty()) {
     LoopSolution richer{best.numbers, std::numeric_limits<double>::infinity()};
     FitBest(with.Rank(model, effect, grid, forms, best.numbers), model, effect, grid, richer);
@@ -213,6 +218,49 @@ LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model
       best = std::move(richer);
   }
   return best;
+}
+
+std::vector<Alternative> FitAlternatives(const LoopRecords& records, const LoopModel& model,
+                                         std::size_t effect, const LoopGrid& grid, const Eigen::VectorXd& x) {
+  constexpr double kOutOfQuestion = 20.0;  // of BIC: where the noise is coloured it counts for less
+  constexpr int kStretches = 30;
+  std::vector<Alternative> alternatives;
+  const LoopEffect& own = *model.effects()[effect];
+  if (!own.numbers.front().held) return alternatives;
+  std::vector<LoopSolution> best{SolveLoop(model, grid, x, kMostIterations)};
+  std::vector<double> seen{model.Of(effect, x)[0]};
+  for (const RankedStart& start : RankStarts(records, model, effect, grid, x)) {
+    const double form = model.Of(effect, start.numbers)[0];
+    if (std::find(seen.begin(), seen.end(), form) != seen.end()) continue;
+    seen.push_back(form);
+    best.push_back(SolveLoop(model, grid, start.numbers, kMostIterations));
+    alternatives.push_back({best.back().numbers});
+  }
+  if (own.Shape() < 0) return alternatives;
+  const auto shape = static_cast<std::size_t>(own.Shape());
+  const FitNumber& range = own.numbers[shape];
+  const double stretch = (range.high - range.low) / kStretches;
+  const double least = PenalisedCost(model, grid, best[0]);
+  for (const LoopSolution& form : best) {
+    if (PenalisedCost(model, grid, form) > least + kOutOfQuestion ||
+        own.IsHeld(model.Of(effect, form.numbers), shape)) {
+      continue;
+    }
+    LoopModel at = model;
+    at.Hold(static_cast<int>(model.Of(effect, form.numbers).data() - form.numbers.data()) + own.Shape());
+    for (const double way : {-stretch, stretch}) {
+      LoopSolution next = form;
+      for (;;) {
+        double& value = at.Of(effect, next.numbers)[shape];
+        if (value + way < range.low || value + way > range.high) break;
+        value += way;
+        next = SolveLoop(at, grid, next.numbers, kMostIterations);
+        if (PenalisedCost(model, grid, next) > least + kOutOfQuestion) break;
+        alternatives.push_back({next.numbers, stretch});
+      }
+    }
+  }
+  return alternatives;
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -3,6 +3,8 @@
 
 #include <Eigen/Dense>
 
+#include <vector>
+
 #include "analysis/diagnosis/hysteresis/model.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -16,5 +18,15 @@ Eigen::VectorXd FindNominal(const LoopRecords& records);
 /// @param x  numbers of the whole model; those of `effect` are not read.
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
                               const LoopGrid& grid, const Eigen::VectorXd& x);
+
+/// A fit of a model that a record may not be able to tell from the best one.
+struct Alternative {
+  Eigen::VectorXd numbers;
+  double shape_stretch{};  // of the effect's shape that it stands for, which was held; 0 where all is free
+};
+/// The model with one effect in each of its forms that it does not have in `x`, and, for each form that is
+/// not out of the question, with its shape held at values away from the best one.
+std::vector<Alternative> FitAlternatives(const LoopRecords& records, const LoopModel& model,
+                                         std::size_t effect, const LoopGrid& grid, const Eigen::VectorXd& x);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -11,6 +11,7 @@
 #include "analysis/diagnosis/hysteresis/checks.h"
 #include "analysis/diagnosis/hysteresis/model.h"
 #include "analysis/diagnosis/hysteresis/search.h"
+#include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/records.h"
 #include "analysis/torsional_stiffness.h"
 #include "analysis/units.h"
@@ -23,6 +24,15 @@ using Eigen::Index;
 // Comparisons are made on means of a few samples where there are more than this.
 constexpr std::size_t kComparisonPoints = 2000;
 constexpr int kMostIterations = 25;
+
+std::vector<ParameterValue> DescribeEffect(const LoopModel& model, std::size_t effect,
+                                           const Eigen::VectorXd& numbers,
+                                           const Eigen::MatrixXd& covariance) {
+  const std::span<const double> own = model.Of(effect, numbers);
+  const auto first = static_cast<Index>(own.data() - numbers.data());
+  const auto count = static_cast<Index>(own.size());
+  return model.effects()[effect]->Describe(own, covariance.block(first, first, count, count));
+}
 
 std::string OfRecord(const std::string& name, std::size_t record) {
   return record == 0 ? name : fmt::format("{}_{}", name, record + 1);
@@ -70,6 +80,12 @@ class HysteresisStudy final : public Study {
                       const ModelFit* start) const;
   std::vector<ParameterValue> DescribeNominal(const Eigen::VectorXd& x,
                                               const std::vector<double>& errors) const;
+  NoiseFit NoiseOf(const Eigen::VectorXd& predicted, std::span<const double> weights) const;
+  Eigen::MatrixXd CovarianceOf(const LoopModel& model, const Eigen::VectorXd& numbers,
+                               const LoopGrid& all) const;
+  void WidenByAlternatives(const LoopModel& model, std::size_t effect, const Eigen::VectorXd& numbers,
+                           const LoopGrid& all, const Eigen::MatrixXd& covariance,
+                           std::vector<ParameterValue>& described) const;
   Eigen::VectorXd AboutZero(Eigen::VectorXd about_centres) const;
   void AppendRegressors();
 
@@ -168,29 +184,90 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
   LoopSolution solution = Search(cause_indices, weights, start);
   if (!std::isfinite(solution.cost) || !solution.numbers.allFinite()) return fit;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(model.size(), model.size());
-  if (purpose == FitPurpose::kReport) {
-    const LoopGrid all = Condense(records_, weights, 0);
+  const bool reports = purpose == FitPurpose::kReport;
+  const LoopGrid all = reports ? Condense(records_, weights, 0) : LoopGrid();
+  if (reports) {
     solution = SolveLoop(model, all, solution.numbers, kMostIterations);
-    Eigen::MatrixXd derivatives;
-    const Eigen::VectorXd predicted = model.Predict(solution.numbers, all, derivatives);
-    covariance =
-        FitCovariance(derivatives, all.twist_rad, predicted, weights, stretches_, LargestNoiseOrder());
-    fit.predicted = AboutZero(predicted);
-  } else {
-    fit.predicted = AboutZero(model.Predict(solution.numbers, records_.samples));
+    covariance = CovarianceOf(model, solution.numbers, all);
   }
+  fit.predicted = AboutZero(model.Predict(solution.numbers, records_.samples));
   fit.nominal = DescribeNominal(solution.numbers, ErrorsOf(covariance));
   for (std::size_t e = 0; e < fit.causes.size(); ++e) {
-    const std::span<const double> own = model.Of(e, std::as_const(solution.numbers));
-    const auto first = static_cast<Index>(own.data() - solution.numbers.data());
-    const auto count = static_cast<Index>(own.size());
-    fit.cause_parameters.push_back(
-        effects_[fit.causes[e]]->Describe(own, covariance.block(first, first, count, count)));
+    fit.cause_parameters.push_back(DescribeEffect(model, e, solution.numbers, covariance));
+    if (reports)
+      WidenByAlternatives(model, e, solution.numbers, all, covariance, fit.cause_parameters.back());
   }
   fit.free_parameters = model.FreeParameters(solution.numbers);
   fit.state.assign(solution.numbers.data(), solution.numbers.data() + solution.numbers.size());
   fit.usable = fit.predicted.allFinite();
   return fit;
+}
+
+NoiseFit HysteresisStudy::NoiseOf(const Eigen::VectorXd& predicted, std::span<const double> weights) const {
+  std::vector<double> residual(records_.samples.twist_rad);
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= predicted(static_cast<Index>(i));
+  return FitNoise(residual, weights, stretches_, LargestNoiseOrder(), records_.twist_range_rad);
+}
+
+Eigen::MatrixXd HysteresisStudy::CovarianceOf(const LoopModel& model, const Eigen::VectorXd& numbers,
+                                              const LoopGrid& all) const {
+  Eigen::MatrixXd derivatives;
+  const Eigen::VectorXd predicted = model.Predict(numbers, all, derivatives);
+  return FitCovariance(derivatives, all.twist_rad, predicted, all.weight, stretches_, LargestNoiseOrder());
+}
+
+// In which form an effect goes (a brake that slips at one speed, or the faster the more it is loaded) is
+// often more than the record can tell, and so is from which torque on or how soon: the errors are those over
+// all that it leaves open, each with its likelihood.
+void HysteresisStudy::WidenByAlternatives(const LoopModel& model, std::size_t effect,
+                                          const Eigen::VectorXd& numbers, const LoopGrid& all,
+                                          const Eigen::MatrixXd& covariance,
+                                          std::vector<ParameterValue>& described) const {
+  constexpr double kNegligible = -14.0;  // of BIC: a thousandth
+  std::vector<std::vector<Believed>> believed;
+  for (const ParameterValue& parameter : described) {
+    believed.push_back({{1.0, parameter.value, parameter.standard_error}});
+  }
+  const NoiseFit own = NoiseOf(model.Predict(numbers, all), all.weight);
+  const LoopGrid grid = GridOf(model, all.weight);
+  for (const Alternative& other : FitAlternatives(records_, model, effect, grid, numbers)) {
+    const NoiseFit noise = NoiseOf(model.Predict(other.numbers, all), all.weight);
+    const int more = model.FreeParameters(other.numbers) - model.FreeParameters(numbers);
+    const double ahead = LikelihoodRatio(noise, own) - more * std::log(static_cast<double>(own.samples));
+    if (!(ahead > kNegligible)) continue;
+    double likelihood = std::exp(0.5 * std::min(ahead, 0.0));
+    Eigen::MatrixXd errors = covariance;
+    if (other.shape_stretch > 0.0) {
+      // A piece of the integral over the shape, beside the peak's: √2π of its standard errors.
+      const auto shape = static_cast<Index>(model.Of(effect, numbers).data() - numbers.data()) +
+                         model.effects()[effect]->Shape();
+      const double peak = std::sqrt(kTwoPi * covariance(shape, shape));
+      likelihood *= std::min(1.0, other.shape_stretch / std::max(peak, 1e-6));
+      // The other numbers have the errors that they have at a given shape.
+      if (errors(shape, shape) > 0.0) {
+        const Eigen::VectorXd with_shape = covariance.col(shape);
+        errors -= with_shape * with_shape.transpose() / covariance(shape, shape);
+      }
+    } else {
+      errors = CovarianceOf(model, other.numbers, all);
+    }
+    const std::vector<ParameterValue> there = DescribeEffect(model, effect, other.numbers, errors);
+    for (std::size_t k = 0; k < described.size(); ++k) {
+      const auto same = std::find_if(there.begin(), there.end(),
+                                     [&](const auto& p) { return p.name == described[k].name; });
+      if (same == there.end()) continue;
+      believed[k].push_back({likelihood, same->value, same->standard_error});
+    }
+  }
+  // Whether there is anything is judged by an amount beside its error in the best fit: to be larger in
+  // another one does not make it less.
+  const std::vector<ParameterRule>& rules = model.effects()[effect]->rule.parameters;
+  for (std::size_t k = 0; k < described.size(); ++k) {
+    const bool amount = std::any_of(rules.begin(), rules.end(), [&](const ParameterRule& rule) {
+      return rule.amount && rule.name == described[k].name;
+    });
+    if (!amount) described[k].standard_error = StandardErrorOver(believed[k]);
+  }
 }
 
 std::vector<ParameterValue> HysteresisStudy::DescribeNominal(const Eigen::VectorXd& x,

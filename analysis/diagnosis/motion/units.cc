@@ -30,10 +30,18 @@ Agreement Compare(const MotionData& record) {
     way[i] = way[i - 1] +
              0.5 * (record.velocity[i] + record.velocity[i - 1]) * (record.time_s[i] - record.time_s[i - 1]);
   }
+  // Over a gap the velocity column says nothing of the way.
+  const double longest_s = 2.0 * static_cast<double>(window) *
+                           (record.time_s.back() - record.time_s.front()) /
+                           static_cast<double>(std::max<std::size_t>(1, n - 1));
+  const auto spans_gap = [&](std::size_t i) {
+    return record.time_s[i] - record.time_s[i - window] > longest_s;
+  };
   double pp = 0.0;
   double vv = 0.0;
   double pv = 0.0;
   for (std::size_t i = window; i < n; ++i) {
+    if (spans_gap(i)) continue;
     const double by_position = record.position[i] - record.position[i - window];
     const double by_velocity = way[i] - way[i - window];
     pp += by_position * by_position;
@@ -48,6 +56,7 @@ Agreement Compare(const MotionData& record) {
   double rest = 0.0;
   double change = 0.0;
   for (std::size_t i = window; i < n; ++i) {
+    if (spans_gap(i)) continue;
     const double velocity_change = record.velocity[i] - record.velocity[i - window];
     const double by_position = agreement.factor * (record.position[i] - record.position[i - window]);
     rest += velocity_change * (way[i] - way[i - window] - by_position);

@@ -39,7 +39,7 @@ std::vector<double> Remaining(const TransmissionErrorSamples& samples) {
   for (const SeparableTerm& term : terms) set.terms.push_back(&term);
   const std::vector<double> weights(n, 1.0);
   const SeparableSolution solution =
-      SolveCoefficients(set, samples.error_rad, weights, std::vector<std::vector<double>>(terms.size()));
+      SeparableProblem(set, samples.error_rad, weights).Solve(std::vector<std::vector<double>>(terms.size()));
   std::vector<double> left(samples.error_rad);
   for (std::size_t i = 0; i < n; ++i) left[i] -= solution.predicted(static_cast<Eigen::Index>(i));
   return left;
