@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/diagnosis/lone_samples.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/message_of.h"
@@ -223,6 +224,53 @@ TEST(MotionStudy, DoesNotTakeJitterForAnEffect) {
   ASSERT_EQ(clean.study->warnings().size(), 1U);
   EXPECT_EQ(clean.study->warnings().front(),
             "time stamps jitter by 13 % of their step of 4.003 ms: brought onto even steps");
+}
+
+TEST(MotionStudy, LeavesOutSpikesBeforeTheyAreSpread) {
+  MotionData record = Record(18, Nothing);
+  std::mt19937 random(180);
+  std::uniform_int_distribution<std::size_t> where(5, record.torque.size() - 6);
+  for (int spike = 0; spike < 40; ++spike) record.torque[where(random)] += spike % 2 == 0 ? 1.2 : -1.2;
+  const Diagnosed found = Ask({record});
+  EXPECT_EQ(found.diagnosis.verdict, Verdict::kNoEffect);
+  // Nothing of them is left: 40 spikes of 15 standard deviations would make it half as large again.
+  EXPECT_NEAR(found.diagnosis.nominal_heldout_rmse, kNoise_Nm, 0.03 * kNoise_Nm);
+}
+
+// So quiet a torque shows noise of the acceleration that is a thousandth of the acceleration.
+TEST(MotionStudy, DoesNotTakeTheAccelerationsNoiseForASwing) {
+  for (const unsigned seed : {19U, 22U, 23U}) {
+    EXPECT_EQ(
+        Ask({Record(seed, Nothing, {.rate_Hz = 1000.0, .duration_s = 20.0, .noise_Nm = 0.0025})}).names(),
+        Names())
+        << seed;
+  }
+}
+
+TEST(MotionStudy, FindsTheEndsOfASoftPush) {
+  // Rises and falls as a cosine over 0.6 s each.
+  const auto push = [](const State& s) {
+    const double edge = std::clamp(std::min(s.time_s - 12.0, 14.0 - s.time_s) / 0.6, 0.0, 1.0);
+    return 0.1 * 0.5 * (1.0 - std::cos(kTwoPi / 2.0 * edge));
+  };
+  const Diagnosed found = Ask({Record(20, push)});
+  ASSERT_EQ(found.names(), Names{"external_disturbance"});
+  ExpectNear(found.value("start_s"), 12.0, 0.02);
+  ExpectNear(found.value("end_s"), 14.0, 0.02);
+  ExpectNear(found.value("torque_Nm"), 0.1, 0.2);
+}
+
+TEST(LoneSamples, StandOffBothSides) {
+  std::vector<double> signal(400);
+  std::mt19937 random(21);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < signal.size(); ++i) signal[i] = 0.1 * normal(random) + (i < 200 ? -5.0 : 5.0);
+  EXPECT_EQ(FindLoneSamples(signal), std::vector<std::size_t>{});  // a step is none, nor its foot
+  signal[60] += 1.5;
+  signal[300] -= 1.5;
+  signal[120] += 1.5, signal[121] += 1.5;  // two samples may be something
+  EXPECT_EQ(FindLoneSamples(signal), (std::vector<std::size_t>{60, 300}));
+  EXPECT_EQ(FindLoneSamples(signal, 0.8), std::vector<std::size_t>{});  // two steps of a coarse converter
 }
 
 TEST(MotionStudy, JoinsRecordsEachWithItsOwnOffset) {
