@@ -24,6 +24,8 @@ double Squeezed(double delta_bic) { return std::asinh(0.5 * delta_bic) / std::lo
 void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& stem) {
   constexpr std::size_t kMostShown = 24;
   constexpr std::size_t kLongestObjection = 60;
+  constexpr int kWidth_px = 1200;
+  constexpr double kLetter_px = 8.0;  // of the names' font, on average
   const auto& candidates = report.result.candidates;
   const std::size_t shown = std::min(candidates.size(), kMostShown);
   const double height = 130.0 + 34.0 * static_cast<double>(std::max<std::size_t>(shown, 1));
@@ -31,6 +33,7 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
   std::vector<double> bars[2][4];
   std::string names;
   std::string labels;
+  std::size_t longest_name = 0;
   double longest = Squeezed(20.0);
   double shortest = 0.0;
   for (std::size_t k = 0; k < shown; ++k) {
@@ -45,8 +48,9 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
     edges[3].push_back(y + 0.36);
     longest = std::max(longest, x);
     shortest = std::min(shortest, x);
-    names += fmt::format("{}{} {:g}", k == 0 ? "" : ", ",
-                         Quoted(CandidateName(*report.input.study, candidate.index)), y);
+    const std::string name = CandidateName(*report.input.study, candidate.index);
+    longest_name = std::max(longest_name, name.size());
+    names += fmt::format("{}{} {:g}", k == 0 ? "" : ", ", Quoted(name), y);
     const std::string words = candidate.passed ? "passed, p " + ProbabilityText(candidate.evidence.p_value)
                                                : candidate.objection.substr(0, kLongestObjection);
     labels +=
@@ -61,9 +65,10 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
   std::string script = CommonStyle();
   script += TitleLabel("what speaks for each candidate", height);
   script += fmt::format(
-      "set lmargin at screen 0.30\nset rmargin at screen 0.975\nset tmargin at screen {:.5f}\nset bmargin at "
-      "screen {:.5f}\n",
-      1.0 - 56.0 / height, 72.0 / height);
+      "set lmargin at screen {:.5f}\nset rmargin at screen 0.975\nset tmargin at screen {:.5f}\nset bmargin "
+      "at screen {:.5f}\n",
+      (30.0 + kLetter_px * static_cast<double>(longest_name)) / kWidth_px, 1.0 - 56.0 / height,
+      72.0 / height);
   // Room on the right for the words.
   script +=
       fmt::format("set xrange [{:.5g}:{:.5g}]\nset yrange [{:.5g}:0.6]\nset xtics ({})\n", shortest - 0.1,
@@ -85,7 +90,7 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
                     plot.empty() ? "plot" : ",", group, group == 0 ? kFirstColour.plain : "#BBBBBB");
   }
   script += "set style fill solid 1 noborder\n" + plot + "\n";
-  RenderPicture(script, stem, {.width_px = 1200, .height_px = static_cast<int>(height)});
+  RenderPicture(script, stem, {.width_px = kWidth_px, .height_px = static_cast<int>(height)});
 }
 
 std::vector<std::filesystem::path> DrawDiagnosis(const DiagnosisReport& report,
