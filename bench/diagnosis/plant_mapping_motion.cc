@@ -97,6 +97,11 @@ void MapFrictionDrift(const NamedCause& cause, const MappingContext& context, Pl
     plant.Set("friction_drift", {{"share_per_K", *per_K}, {"reference_degC", context.temperature_degC}});
   } else {
     plant.Set("friction_drift", {{"share_per_h", Require(cause, "drift_per_h")}});
+    if (const auto settles_s = Find(cause.parameters, "time_constant_s")) {
+      plant.Say(fmt::format(
+          "thermal_friction_drift: goes on at its mean rate, in the model it settles within {:.3g} s",
+          *settles_s));
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/diagnosis/lone_samples.h"
+#include "analysis/diagnosis/temperature.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/message_of.h"
@@ -188,6 +189,26 @@ Effect Sampled(const Logger& logger, std::vector<double> values) {
     const auto i = static_cast<std::size_t>(std::lround(s.time_s * logger.rate_Hz));
     return values[std::min(i, values.size() - 1)];
   };
+}
+
+TEST(MotionStudy, NamesFrictionThatSettlesWithoutATemperature) {
+  const auto warm = [](double time_s) { return 1.0 - std::exp(-time_s / 8.0); };
+  const Diagnosed found = Ask({Record(24, [&](const State& s) {
+    return -0.08 * warm(s.time_s) * (kCoulomb_Nm * s.way() + kViscous_Nms_per_rad * s.speed_rad_per_s);
+  })});
+  ASSERT_EQ(found.names(), Names{"thermal_friction_drift"});
+  ExpectNear(found.value("time_constant_s"), 8.0, 0.5);
+}
+
+TEST(SlowTemperature, KeepsADriftAndLosesTheNoise) {
+  std::vector<double> sensor;
+  std::mt19937 random(25);
+  std::normal_distribution<double> normal(0.0, 0.03);
+  for (int i = 0; i < 2000; ++i) sensor.push_back(20.0 + 1e-4 * i + normal(random));
+  const std::vector<double> slow = SlowTemperature(sensor);
+  ASSERT_EQ(slow.size(), sensor.size());
+  for (std::size_t i = 20; i + 20 < slow.size(); ++i)
+    EXPECT_NEAR(slow[i], 20.0 + 1e-4 * static_cast<double>(i), 4.5 * 0.03 / std::sqrt(41.0));
 }
 
 TEST(MotionStudy, NamesASecondInertiaThatSwings) {

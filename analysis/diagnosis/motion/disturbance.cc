@@ -23,6 +23,7 @@ constexpr double kLeastBeside = 0.15;  // of the strongest window: soft edges le
 struct Scan {
   std::vector<double> time_s;  // of the rows
   double narrowest_s{};
+  double shortest_s{};  // of a push that is no knock
   double widest_s{};
 };
 
@@ -69,7 +70,7 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
   for (std::size_t row = 0; row < grid->rows(); ++row) scan.time_s.push_back(grid->RowTime_s(row));
   const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
   const double duration_s = *last - *first;
-  const double shortest_s = std::max(0.03, 8.0 * grid->row_spacing_s);
+  scan.shortest_s = std::max(0.03, 8.0 * grid->row_spacing_s);
   scan.narrowest_s = 4.0 * grid->row_spacing_s;
   scan.widest_s = 0.4 * duration_s;
   if (!(scan.widest_s > 2.0 * scan.narrowest_s)) return;
@@ -91,9 +92,9 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
   }
   term.shapes.push_back({0.0, 0.5, 0.05});  // share of a window that each of its edges takes
   term.starts = [grid, term, scan, windows](const Remainder& remainder) {
-    const std::vector<WindowPeak> peaks =
-        FindWindows(scan.time_s, remainder.residual, remainder.weights, scan.narrowest_s, scan.widest_s,
-                    windows == 1 ? 3 : windows);
+    const std::vector<WindowPeak> peaks = FindWindows(scan.time_s, remainder.residual, remainder.weights,
+                                                      windows == 1 ? scan.narrowest_s : scan.shortest_s,
+                                                      scan.widest_s, windows == 1 ? 3 : windows);
     if (windows > 1 && peaks.size() < windows) return std::vector<std::vector<double>>{};
     // One start a window, or one of all windows.
     std::vector<std::vector<double>> starts(windows == 1 ? peaks.size() : 1);
@@ -176,7 +177,7 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
   rule.parameters = {{name("torque", 0, units.torque()), units.torque(), -kUnlimited, kUnlimited, true}};
   for (std::size_t w = 0; w < windows; ++w) {
     // Shorter than that it is a knock at most, and more often a reversal that came out badly.
-    rule.parameters.push_back({name("duration", w, "s"), "s", shortest_s, kUnlimited, false});
+    rule.parameters.push_back({name("duration", w, "s"), "s", scan.shortest_s, kUnlimited, false});
   }
   model.causes.push_back(std::move(term));
   model.rules.push_back(std::move(rule));

@@ -137,47 +137,73 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
     return;
   }
   const double per_unit = by_temperature ? 1.0 : 1.0 / 3600.0;
-  const double start = follows.front();
-  double centre = 0.0;
-  for (const double value : follows) centre += value / static_cast<double>(follows.size());
+  // What the friction follows: temperature, or time that saturates with the time constant in `shapes`, scaled
+  // so that its rate is the mean one of the record. Less its mean, so that the nominal friction is the mean.
+  const auto followed = [grid, by_temperature, low = *low, range, per_unit](std::span<const double> shapes) {
+    std::vector<double> values = by_temperature ? grid->temperature_degC : grid->time_s;
+    if (!shapes.empty()) {
+      const double scale = range / -std::expm1(-range / std::exp(shapes[0]));
+      for (double& value : values) value = -scale * std::expm1(-(value - low) / std::exp(shapes[0]));
+    }
+    double mean = 0.0;
+    for (const double value : values) mean += value / static_cast<double>(values.size());
+    for (double& value : values) value = (value - mean) * per_unit;
+    return values;
+  };
+  SeparableTerm term = PointTerm(
+      grid, 2,
+      [grid, followed](std::span<const double> shapes, std::size_t column, std::span<double> points) {
+        const std::vector<double> drift = followed(shapes);
+        const std::vector<double>& friction = column == 0 ? grid->velocity : grid->direction;
+        for (std::size_t i = 0; i < points.size(); ++i) points[i] = drift[i] * friction[i];
+      });
+  if (!by_temperature) {
+    term.shapes = {{std::log(0.05 * range), std::log(20.0 * range), 0.3}};
+    term.starts = [range](const Remainder&) {
+      return std::vector<std::vector<double>>{{std::log(10.0 * range)}, {std::log(0.3 * range)}};
+    };
+  }
   Eigen::MatrixXd columns(grid->nominal.rows(), 2);
-  std::vector<double> points(follows.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    points[i] = (follows[i] - centre) * per_unit * grid->velocity[i];
-  columns.col(0) = grid->Project(points);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    points[i] = (follows[i] - centre) * per_unit * grid->direction[i];
-  columns.col(1) = grid->Project(points);
+  term.fill(by_temperature ? std::vector<double>{} : std::vector<double>{std::log(10.0 * range)}, columns);
   if (ShareBesideNominal(*grid, columns.col(0)) < kExcited &&
       ShareBesideNominal(*grid, columns.col(1)) < kExcited) {
     NotExcited(model, "thermal_friction_drift",
                "temperature and motion go together (expected the same motion again later)");
     return;
   }
+  if (by_temperature) term = FixedTerm(std::move(columns));
   // Relative drift of the friction at the record's typical speed, related to its start.
   double typical = 0.0;
   for (const double velocity : grid->velocity) typical += velocity * velocity;
   typical = std::sqrt(typical / static_cast<double>(grid->velocity.size()));
   const double friction = std::max(grid->prefit(1) * typical + grid->prefit(2), 1e-300);
-  const double since_start = (start - centre) * per_unit;
   const std::string suffix = by_temperature ? "per_K" : "per_h";
   const std::string inverse = by_temperature ? "1/K" : "1/h";
   const std::string viscous = fmt::format("viscous_drift_{}_{}", units.viscous_suffix(), suffix);
   const std::string coulomb = fmt::format("coulomb_drift_{}_{}", units.torque(), suffix);
-  SeparableTerm term = FixedTerm(std::move(columns));
   const std::string per = by_temperature ? "/K" : "/h";
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
     const Eigen::Vector2d weights(typical, 1.0);
     const double slope = numbers[0] * typical + numbers[1];
-    const double at_start = friction + slope * since_start;
+    const double at_start = friction + slope * followed(numbers.subspan(2)).front();
     const double slope_error =
         std::sqrt(std::max(0.0, weights.dot(covariance.topLeftCorner<2, 2>() * weights)));
-    return std::vector<ParameterValue>{
+    std::vector<ParameterValue> values{
         {"drift_" + suffix, inverse, slope / at_start, slope_error * friction / (at_start * at_start)},
         {viscous, units.viscous() + per, numbers[0], StandardErrorOf(covariance(0, 0))},
         {coulomb, units.torque() + per, numbers[1], StandardErrorOf(covariance(1, 1))}};
+    if (numbers.size() > 2) {
+      const double time_constant_s = std::exp(numbers[2]);
+      values.push_back(
+          {"time_constant_s", "s", time_constant_s, time_constant_s * StandardErrorOf(covariance(2, 2))});
+    }
+    return values;
   };
-  term.restore = [](std::span<const double> values) { return std::vector<double>{values[1], values[2]}; };
+  term.restore = [](std::span<const double> values) {
+    std::vector<double> numbers{values[1], values[2]};
+    if (values.size() > 3) numbers.push_back(std::log(std::max(values[3], 1e-300)));
+    return numbers;
+  };
   Add(model, std::move(term),
       {.name = "thermal_friction_drift",
        .sentence = by_temperature ? "friction follows temperature: the grease thins or thickens"
@@ -187,7 +213,7 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
        .where = Where::kUnit,
        .effect = "E10",
        .parameters = {{"drift_" + suffix, inverse, -kUnlimited, kUnlimited, true}},
-       .degrees_of_freedom = 2,
+       .degrees_of_freedom = by_temperature ? 2 : 3,
        .to_settle = units.linear ? ""
                                  : "# the same motion on a cold gear and on a warm one, with temperature "
                                    "recorded\n- {kind: soak, below_temperature: 25 degC, at_most: 1 h}\n"});

@@ -7,6 +7,7 @@
 
 #include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/rows.h"
+#include "analysis/diagnosis/temperature.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -61,10 +62,7 @@ void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, con
   const KernelTaps velocity = MakeKernel(bandwidth.path_sigma_s, step_s, 1 - from_velocity);
   const KernelTaps passed_acceleration = MakeKernel(bandwidth.path_sigma_s, step_s, 2 - from_velocity);
   const KernelTaps passed_torque = MakeKernel(bandwidth.sigma_s, step_s, 0);
-  // Temperatures change slowly: the mean over a fiftieth of the record.
-  const std::size_t half = std::max<std::size_t>(1, samples.temperature_degC.size() / 100);
-  std::vector<double> sums{0.0};
-  for (const double temperature : samples.temperature_degC) sums.push_back(sums.back() + temperature);
+  const std::vector<double> temperature_degC = SlowTemperature(samples.temperature_degC);
   for (std::size_t i = 0; i < samples.position.size(); i += layout.stride) {
     const std::size_t at = layout.margin + i;
     grid.time_s.push_back(samples.start_s + static_cast<double>(i) * step_s);
@@ -72,11 +70,7 @@ void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, con
     grid.velocity.push_back(velocity.At(moved, at));
     grid.passed_acceleration.push_back(passed_acceleration.At(moved, at));
     grid.passed_torque.push_back(passed_torque.At(torque, at));
-    if (!samples.temperature_degC.empty()) {
-      const std::size_t from = i > half ? i - half : 0;
-      const std::size_t to = std::min(i + half + 1, samples.temperature_degC.size());
-      grid.temperature_degC.push_back((sums[to] - sums[from]) / static_cast<double>(to - from));
-    }
+    if (!temperature_degC.empty()) grid.temperature_degC.push_back(temperature_degC[i]);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "analysis/diagnosis/records.h"
+#include "analysis/diagnosis/temperature.h"
 #include "analysis/diagnosis/transmission_error/terms.h"
 #include "analysis/noise_level.h"
 #include "analysis/units.h"
@@ -51,6 +52,10 @@ TransmissionErrorSamples Join(std::span<const TransmissionErrorData> records) {
       throw std::invalid_argument(
           fmt::format("records of ratio {} and {} together (expected one ratio)", all.ratio, record.ratio));
     }
+    if (temperature) {
+      const std::vector<double> slow_degC = SlowTemperature(record.temperature_degC);
+      all.temperature_degC.insert(all.temperature_degC.end(), slow_degC.begin(), slow_degC.end());
+    }
     for (std::size_t i = 0; i < record.output_angle_rad.size(); ++i) {
       all.input_rad.push_back(record.input_angle_rad[i]);
       all.output_rad.push_back(record.output_angle_rad[i]);
@@ -60,7 +65,6 @@ TransmissionErrorSamples Join(std::span<const TransmissionErrorData> records) {
       all.direction.push_back(record.direction[i] > 0 ? 1.0 : -1.0);
       all.time_s.push_back(all.has_time ? record.time_s[i] : static_cast<double>(i));
       if (torque) all.torque_Nm.push_back(record.torque_Nm[i]);
-      if (temperature) all.temperature_degC.push_back(record.temperature_degC[i]);
       all.record.push_back(k);
     }
   }

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kArcminPerRad = 10800.0 / kPi;
 constexpr double kLargest_arcmin = 60.0;  // no gear that still turns errs by more
+constexpr double kLeastWarming_K = 0.1;   // a drift of less than that is one of time
 
 constexpr char kSmallerStep[] =
     "# a smaller step tells the orders apart that these steps fold onto one another\n"
@@ -147,7 +148,7 @@ void AddDrift(const Samples& samples, SeparableModel& model) {
                      "- {kind: soak, below_temperature: 25 degC, at_most: 1 h}\n- {kind: transmission_error, "
                      "step: 1 deg, steps: 360, "
                      "directions: both, input_speed: 300 rpm}\n"};
-  if (SpanOf(samples.temperature_degC) > 0.3) {
+  if (SpanOf(samples.temperature_degC) > kLeastWarming_K) {
     rule.parameters = {{"drift_arcmin_per_K", "arcmin/K", -50.0, 50.0, true}};
     model.causes.push_back(ColumnTerm(Centred(samples, samples.temperature_degC),
                                       {"drift_arcmin_per_K", "arcmin/K", kArcminPerRad}));

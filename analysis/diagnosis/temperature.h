@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace strainwave::analysis::diagnosis {
+
+/// A temperature without the sensor's noise, which would make less of whatever follows it: temperatures
+/// change slowly, so this is the running mean over a fiftieth of the record.
+std::vector<double> SlowTemperature(std::span<const double> temperature_degC);
+
+}  // namespace strainwave::analysis::diagnosis
