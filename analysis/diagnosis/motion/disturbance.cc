@@ -63,18 +63,10 @@ std::size_t CountWindows(const MotionGrid& grid, const Scan& scan) {
   return explained > 0.6 * excess ? std::max<std::size_t>(found.size(), 1) : 1;
 }
 
-}  // namespace
-
-void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
-  Scan scan;
-  for (std::size_t row = 0; row < grid->rows(); ++row) scan.time_s.push_back(grid->RowTime_s(row));
+void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& scan, std::size_t windows,
+                SeparableModel& model) {
   const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
   const double duration_s = *last - *first;
-  scan.shortest_s = std::max(0.03, 8.0 * grid->row_spacing_s);
-  scan.narrowest_s = 4.0 * grid->row_spacing_s;
-  scan.widest_s = 0.4 * duration_s;
-  if (!(scan.widest_s > 2.0 * scan.narrowest_s)) return;
-  const std::size_t windows = CountWindows(*grid, scan);
   const double step_s = grid->stretches.front().step_s;
   SeparableTerm term =
       PointTerm(grid, windows,
@@ -181,6 +173,22 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
   }
   model.causes.push_back(std::move(term));
   model.rules.push_back(std::move(rule));
+}
+
+}  // namespace
+
+void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+  Scan scan;
+  for (std::size_t row = 0; row < grid->rows(); ++row) scan.time_s.push_back(grid->RowTime_s(row));
+  const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
+  scan.shortest_s = std::max(0.03, 8.0 * grid->row_spacing_s);
+  scan.narrowest_s = 4.0 * grid->row_spacing_s;
+  scan.widest_s = 0.4 * (*last - *first);
+  if (!(scan.widest_s > 2.0 * scan.narrowest_s)) return;
+  // Several pushes are one effect; but what looks like several may be one beside something else.
+  const std::size_t windows = CountWindows(*grid, scan);
+  if (windows > 1) AddWindows(grid, units, scan, windows, model);
+  AddWindows(grid, units, scan, 1, model);
 }
 
 }  // namespace strainwave::analysis::diagnosis
