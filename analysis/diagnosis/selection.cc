@@ -66,6 +66,11 @@ void Rank(const Study& study, std::vector<Candidate>& candidates) {
   if (candidates.front().score < named->score + lead) std::rotate(candidates.begin(), named, named + 1);
 }
 
+// Likelihood ratio as if the noise were white: what an effect leaves of another passes for its memory.
+double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer) {
+  return 2.0 * (richer.noise.log_likelihood.front() - poorer.noise.log_likelihood.front());
+}
+
 // All candidates beside a model, each fitted with it, but for those that `is_out` names.
 template <typename Predicate>
 std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& model, Predicate is_out) {
@@ -85,17 +90,14 @@ std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& mode
   return FitCandidates(judge, model, [](std::size_t) { return false; });
 }
 
-// What came nowhere near the chosen one will hardly do in its place later. As if the noise were white: what
-// an effect leaves of another passes for its memory.
+// What came nowhere near the chosen one will hardly do in its place later.
 std::set<std::size_t> FarBehind(const std::vector<Candidate>& candidates, const Candidate& chosen,
                                 const ScoredModel& poorer) {
-  const auto ahead = [&](const Candidate& candidate) {
-    return 2.0 * (candidate.model.noise.log_likelihood.front() - poorer.noise.log_likelihood.front());
-  };
+  const double ahead = WhiteRatio(chosen.model, poorer);
   std::set<std::size_t> behind;
-  if (ahead(chosen) < kClearlyAhead) return behind;
+  if (ahead < kClearlyAhead) return behind;
   for (const Candidate& candidate : candidates) {
-    if (ahead(candidate) < kNowhereNear * ahead(chosen)) behind.insert(candidate.cause);
+    if (WhiteRatio(candidate.model, poorer) < kNowhereNear * ahead) behind.insert(candidate.cause);
   }
   return behind;
 }
@@ -120,8 +122,7 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& m
   const auto& rules = judge.study().causes();
   const auto white = [&](const Candidate& candidate, const ScoredModel& poorer) {
     const CauseRule& rule = rules[candidate.cause];
-    const double ahead =
-        2.0 * (candidate.model.noise.log_likelihood.front() - poorer.noise.log_likelihood.front());
+    const double ahead = WhiteRatio(candidate.model, poorer);
     const int more = candidate.model.fit.free_parameters - poorer.fit.free_parameters;
     const double lead = rule.named ? 0.0 : kCorrectionLead + kCorrectionShare * std::max(0.0, ahead);
     return ahead - 2.0 * std::log(std::max(1.0, rule.trials)) - more * std::log(judge.samples()) - lead;
@@ -179,10 +180,7 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
     std::erase_if(parts, [&](const Candidate& part) {
       return part.cause == cause || !LooksPossible(judge, part, error);
     });
-    // As if the noise were white: what one leaves of the other passes for its memory.
-    const auto white = [&](const Candidate& part) {
-      return 2.0 * (part.model.noise.log_likelihood.front() - without.noise.log_likelihood.front());
-    };
+    const auto white = [&](const Candidate& part) { return WhiteRatio(part.model, without); };
     constexpr std::size_t kMostParts = 3;
     std::sort(parts.begin(), parts.end(),
               [&](const Candidate& a, const Candidate& b) { return white(a) > white(b); });

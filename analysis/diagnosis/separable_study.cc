@@ -139,7 +139,9 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
     shapes.push_back(std::move(known));
     order.push_back(cause);
   }
-  SeparableSolution solution = SeparableProblem(set, model_.measured, weights).Solve(std::move(shapes));
+  std::optional<SeparableProblem> problem(std::in_place, set, model_.measured, weights);
+  SeparableSolution solution = problem->Solve(std::move(shapes));
+  if (!searched.empty()) problem.reset();  // of another set
   for (const std::size_t cause : searched) {
     set.terms.push_back(&model_.causes[cause]);
     order.push_back(cause);
@@ -148,7 +150,8 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
     solution = std::move(*found);
   }
   if (set.shapes() > 0) {
-    solution = SeparableProblem(set, model_.measured, weights).Refine(std::move(solution), kFinalRounds);
+    if (!problem) problem.emplace(set, model_.measured, weights);
+    solution = problem->Refine(std::move(solution), kFinalRounds);
   }
 
   // Back into ascending order of the causes.

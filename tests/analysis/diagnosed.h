@@ -9,6 +9,7 @@
 
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/records.h"
+#include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -40,6 +41,12 @@ struct Diagnosed {
     return {parameter, "", NAN, NAN};
   }
 };
+
+/// What a study says when it refuses a record; empty where it takes it.
+template <typename Data>
+std::string RefusalOf(std::unique_ptr<Study> (*make)(std::span<const Data>), const Data& record) {
+  return MessageOf([&] { make({&record, 1}); });
+}
 
 /// @param make  one of records.h
 template <typename Data>

@@ -27,9 +27,7 @@ HysteresisData Loop(double peak_Nm = 34.0) {
 }
 
 Texts WarningsOf(const HysteresisData& record) { return MakeHysteresisStudy({&record, 1})->warnings(); }
-std::string MessageOf(const HysteresisData& record) {
-  return analysis::MessageOf([&] { MakeHysteresisStudy({&record, 1}); });
-}
+std::string MessageOf(const HysteresisData& record) { return RefusalOf(&MakeHysteresisStudy, record); }
 
 TEST(BadHysteresis, TorqueThatSaturatesIsRefused) {
   HysteresisData record = Loop();
@@ -140,9 +138,7 @@ MotionData Swing() {
 }
 
 Texts WarningsOf(const MotionData& record) { return MakeMotionStudy({&record, 1})->warnings(); }
-std::string MessageOf(const MotionData& record) {
-  return analysis::MessageOf([&] { MakeMotionStudy({&record, 1}); });
-}
+std::string MessageOf(const MotionData& record) { return RefusalOf(&MakeMotionStudy, record); }
 bool Says(const Texts& texts, const std::string& text) {
   return std::ranges::find(texts, text) != texts.end();
 }
@@ -218,9 +214,7 @@ VibrationData Hum() {
 }
 
 Texts WarningsOf(const VibrationData& record) { return MakeVibrationStudy({&record, 1})->warnings(); }
-std::string MessageOf(const VibrationData& record) {
-  return analysis::MessageOf([&] { MakeVibrationStudy({&record, 1}); });
-}
+std::string MessageOf(const VibrationData& record) { return RefusalOf(&MakeVibrationStudy, record); }
 
 TEST(BadVibration, TimeStampsThatRepeatOrJitterAreTold) {
   VibrationData record = Hum();

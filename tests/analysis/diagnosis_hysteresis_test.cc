@@ -135,9 +135,7 @@ TEST(HysteresisStudy, JoinsLoopsThatDoNotShowAnOffsetAlone) {
 }
 
 TEST(HysteresisStudy, SaysWhatIsWrongWithARecord) {
-  const auto message = [](const HysteresisData& record) {
-    return MessageOf([&] { MakeHysteresisStudy({&record, 1}); });
-  };
+  const auto message = [](const HysteresisData& record) { return RefusalOf(&MakeHysteresisStudy, record); };
   const HysteresisData good = GenerateLoop({}, {}, Loops(), 1000, 9);
   HysteresisData record = good;
   record.time_s.resize(20), record.torque_Nm.resize(20), record.output_angle_rad.resize(20);

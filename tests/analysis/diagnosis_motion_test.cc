@@ -325,9 +325,7 @@ TEST(MotionStudy, SaysWhatARecordDoesNotShow) {
 }
 
 TEST(MotionStudy, SaysWhatIsWrongWithARecord) {
-  const auto message = [](const MotionData& record) {
-    return MessageOf([&] { MakeMotionStudy({&record, 1}); });
-  };
+  const auto message = [](const MotionData& record) { return RefusalOf(&MakeMotionStudy, record); };
   const MotionData good = Record(15, Nothing);
   MotionData record = good;
   record.time_s.resize(149), record.position.resize(149), record.torque.resize(149);

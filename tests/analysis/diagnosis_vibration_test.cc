@@ -295,9 +295,7 @@ TEST(OneTermSolver, FitsATermAsTheWholeModelDoes) {
 }
 
 TEST(VibrationStudy, SaysWhatIsWrongWithARecord) {
-  const auto message = [](const VibrationData& record) {
-    return MessageOf([&] { MakeVibrationStudy({&record, 1}); });
-  };
+  const auto message = [](const VibrationData& record) { return RefusalOf(&MakeVibrationStudy, record); };
   const Turning run(1500.0, 1.0, 0.0);
   const VibrationData good = Record(run, 14, Silence);
   VibrationData record = good;

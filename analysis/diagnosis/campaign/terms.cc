@@ -125,8 +125,8 @@ void DescribeSeriesAsHarmonic(SeparableTerm& term, const LayoutPointer& layout, 
       const Eigen::Vector2d across(-along(1), along(0));
       const double scale = layout->scale[series[i]];
       described.push_back({name.Parameter("amplitude", ""), name.unit, amplitude * scale,
-                           std::sqrt(std::max(0.0, along.dot(block * along))) * scale});
-      const double turn = std::sqrt(std::max(0.0, across.dot(block * across))) / std::max(amplitude, 1e-300);
+                           StandardErrorOf(along.dot(block * along)) * scale});
+      const double turn = StandardErrorOf(across.dot(block * across)) / std::max(amplitude, 1e-300);
       described.push_back({"phase_" + name.stem + "_deg", "deg", DegFromRad(std::atan2(pair(1), pair(0))),
                            DegFromRad(std::min(turn, kPi))});
     }

@@ -39,7 +39,7 @@ std::vector<ParameterValue> FormedEffect::Describe(std::span<const double> v,
     there[k] += numbers[k].step;
     slope(static_cast<Eigen::Index>(k)) = (SizeOf(there) - size) / numbers[k].step;
   }
-  described.push_back({size_name_, "arcmin", size, std::sqrt(std::max(0.0, slope.dot(covariance * slope)))});
+  described.push_back({size_name_, "arcmin", size, StandardErrorOf(slope.dot(covariance * slope))});
   return described;
 }
 

@@ -22,6 +22,8 @@ constexpr double kLeastBeside = 0.15;  // of the strongest window: soft edges le
 
 struct Scan {
   std::vector<double> time_s;  // of the rows
+  double first_s{};
+  double last_s{};
   double narrowest_s{};
   double shortest_s{};  // of a push that is no knock
   double widest_s{};
@@ -65,8 +67,6 @@ std::size_t CountWindows(const MotionGrid& grid, const Scan& scan) {
 
 void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& scan, std::size_t windows,
                 SeparableModel& model) {
-  const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
-  const double duration_s = *last - *first;
   const double step_s = grid->stretches.front().step_s;
   SeparableTerm term =
       PointTerm(grid, windows,
@@ -80,7 +80,8 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
                   }
                 });
   for (std::size_t k = 0; k < 2 * windows; ++k) {
-    term.shapes.push_back({*first - scan.narrowest_s, *last + scan.narrowest_s, 2.0 * grid->row_spacing_s});
+    term.shapes.push_back(
+        {scan.first_s - scan.narrowest_s, scan.last_s + scan.narrowest_s, 2.0 * grid->row_spacing_s});
   }
   term.shapes.push_back({0.0, 0.5, 0.05});  // share of a window that each of its edges takes
   term.starts = [grid, term, scan, windows](const Remainder& remainder) {
@@ -164,7 +165,7 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
               : "a torque from outside for a limited time: something touched, braked or drove the axis",
       .where = Where::kBench,
       .degrees_of_freedom = static_cast<int>(3 * windows + 1),
-      .trials = std::pow(2.0 * duration_s / scan.narrowest_s, static_cast<double>(windows)),
+      .trials = std::pow(2.0 * (scan.last_s - scan.first_s) / scan.narrowest_s, static_cast<double>(windows)),
       .local = true};
   rule.parameters = {{name("torque", 0, units.torque()), units.torque(), -kUnlimited, kUnlimited, true}};
   for (std::size_t w = 0; w < windows; ++w) {
@@ -183,7 +184,9 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
   const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
   scan.shortest_s = std::max(0.03, 8.0 * grid->row_spacing_s);
   scan.narrowest_s = 4.0 * grid->row_spacing_s;
-  scan.widest_s = 0.4 * (*last - *first);
+  scan.first_s = *first;
+  scan.last_s = *last;
+  scan.widest_s = 0.4 * (scan.last_s - scan.first_s);
   if (!(scan.widest_s > 2.0 * scan.narrowest_s)) return;
   // Several pushes are one effect; but what looks like several may be one beside something else.
   const std::size_t windows = CountWindows(*grid, scan);

@@ -150,13 +150,16 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
     for (double& value : values) value = (value - mean) * per_unit;
     return values;
   };
-  SeparableTerm term = PointTerm(
-      grid, 2,
-      [grid, followed](std::span<const double> shapes, std::size_t column, std::span<double> points) {
-        const std::vector<double> drift = followed(shapes);
-        const std::vector<double>& friction = column == 0 ? grid->velocity : grid->direction;
-        for (std::size_t i = 0; i < points.size(); ++i) points[i] = drift[i] * friction[i];
-      });
+  SeparableTerm term;
+  term.columns = 2;
+  term.fill = [grid, followed](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    const std::vector<double> drift = followed(shapes);
+    std::vector<double> points(drift.size());
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = drift[i] * grid->velocity[i];
+    design.col(0) = grid->Project(points);
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = drift[i] * grid->direction[i];
+    design.col(1) = grid->Project(points);
+  };
   if (!by_temperature) {
     term.shapes = {{std::log(0.05 * range), std::log(20.0 * range), 0.3}};
     term.starts = [range](const Remainder&) {
@@ -186,8 +189,7 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
     const Eigen::Vector2d weights(typical, 1.0);
     const double slope = numbers[0] * typical + numbers[1];
     const double at_start = friction + slope * followed(numbers.subspan(2)).front();
-    const double slope_error =
-        std::sqrt(std::max(0.0, weights.dot(covariance.topLeftCorner<2, 2>() * weights)));
+    const double slope_error = StandardErrorOf(weights.dot(covariance.topLeftCorner<2, 2>() * weights));
     std::vector<ParameterValue> values{
         {"drift_" + suffix, inverse, slope / at_start, slope_error * friction / (at_start * at_start)},
         {viscous, units.viscous() + per, numbers[0], StandardErrorOf(covariance(0, 0))},

@@ -212,29 +212,18 @@ TermFit OneTermSolver::Refine(TermFit fit, int rounds) const {
   const std::vector<VibrationShape> shapes = ShapesOf(samples_, fit.term);
   std::vector<Products> products;
   if (!filter) products = ProductsOf(fit.term, true);
-  const auto move = [&](VibrationTerm term) {
-    if (filter) return SolveFilter(std::move(term));
-    std::vector<Products> next = ProductsOf(term, true);
-    TermFit moved = Solve(std::move(term), next);
-    if (moved.square_sum < fit.square_sum) products = std::move(next);
-    return moved;
-  };
-  double damping = 1e-3;
-  for (int round = 0; round < rounds; ++round) {
-    const SharedStep step = filter ? StepFilter(fit, shapes) : Step(fit, products);
-    const double before = fit.square_sum;
-    bool better = false;
-    for (int attempt = 0; attempt < 5 && !better; ++attempt) {
-      VibrationTerm moved = fit.term;
-      moved.shapes = MovedShapes(moved.shapes, shapes, step, damping);
-      TermFit next = move(std::move(moved));
-      better = next.square_sum < fit.square_sum;
-      if (better) fit = std::move(next);
-      damping = better ? std::max(1e-6, 0.2 * damping) : 8.0 * damping;
-    }
-    if (!better || before - fit.square_sum < 0.02 * fit.variance()) break;
-  }
-  return fit;
+  return Descend(
+      std::move(fit), rounds,
+      [&](const TermFit& at) { return filter ? StepFilter(at, shapes) : Step(at, products); },
+      [&](const TermFit& at, const SharedStep& step, double damping) {
+        VibrationTerm moved = at.term;
+        moved.shapes = MovedShapes(moved.shapes, shapes, step, damping);
+        if (filter) return SolveFilter(std::move(moved));
+        std::vector<Products> next = ProductsOf(moved, true);
+        TermFit there = Solve(std::move(moved), next);
+        if (there.square_sum < at.square_sum) products = std::move(next);
+        return there;
+      });
 }
 
 void OneTermSolver::Prune(TermFit& fit) const {

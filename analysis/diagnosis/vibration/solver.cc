@@ -254,22 +254,13 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
 VibrationSolution VibrationSolver::Refine(VibrationSolution solution, int rounds, std::size_t from) const {
   const std::vector<VibrationShape> shapes = BoundsFrom(samples_, solution.terms, from);
   if (shapes.empty()) return solution;
-  double damping = 1e-3;
-  for (int round = 0; round < rounds; ++round) {
-    const SharedStep step = Step(solution, from, shapes);
-    const double before = solution.square_sum;
-    bool better = false;
-    for (int attempt = 0; attempt < 5 && !better; ++attempt) {
-      std::vector<VibrationTerm> terms = solution.terms;
-      SetShapesFrom(terms, from, MovedShapes(ShapesFrom(terms, from), shapes, step, damping));
-      VibrationSolution next = Solve(std::move(terms), &solution);
-      better = next.square_sum < solution.square_sum;
-      if (better) solution = std::move(next);
-      damping = better ? std::max(1e-6, 0.2 * damping) : 8.0 * damping;
-    }
-    if (!better || before - solution.square_sum < 0.02 * solution.variance()) break;
-  }
-  return solution;
+  return Descend(
+      std::move(solution), rounds, [&](VibrationSolution& at) { return Step(at, from, shapes); },
+      [&](const VibrationSolution& at, const SharedStep& step, double damping) {
+        std::vector<VibrationTerm> terms = at.terms;
+        SetShapesFrom(terms, from, MovedShapes(ShapesFrom(terms, from), shapes, step, damping));
+        return Solve(std::move(terms), &at);
+      });
 }
 
 MatrixXd VibrationSolver::ShapeCovariance(VibrationSolution& solution) const {

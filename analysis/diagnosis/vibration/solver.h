@@ -34,6 +34,27 @@ struct VibrationSolution {
 std::vector<double> MovedShapes(std::vector<double> shapes, std::span<const VibrationShape> bounds,
                                 const SharedStep& step, double damping);
 
+/// Levenberg–Marquardt on shapes, down a fit's `square_sum`, until a round brings next to nothing.
+/// @param step_at  SharedStep of a fit
+/// @param moved    the fit after a damped step: (fit, step, damping)
+template <typename Fit, typename StepAt, typename Moved>
+Fit Descend(Fit fit, int rounds, StepAt step_at, Moved moved) {
+  double damping = 1e-3;
+  for (int round = 0; round < rounds; ++round) {
+    const SharedStep step = step_at(fit);
+    const double before = fit.square_sum;
+    bool better = false;
+    for (int attempt = 0; attempt < 5 && !better; ++attempt) {
+      Fit next = moved(fit, step, damping);
+      better = next.square_sum < fit.square_sum;
+      if (better) fit = std::move(next);
+      damping = better ? std::max(1e-6, 0.2 * damping) : 8.0 * damping;
+    }
+    if (!better || before - fit.square_sum < 0.02 * fit.variance()) break;
+  }
+  return fit;
+}
+
 /// Fits terms to the samples by least squares under weights; with narrow-band terms, least squares of the
 /// innovations.
 class VibrationSolver {
