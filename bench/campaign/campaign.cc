@@ -133,8 +133,11 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
     const bool same =
         checkpoint->cycle == row.cycle && checkpoint->step == row.step && checkpoint->repeat == row.repeat;
     const double credited_s = same ? std::max(0.0, checkpoint->credited_load_s - earlier_s) : 0.0;
-    journal.EndPhase(row.id, std::max(row.started_s, checkpoint->time_s), "interrupted", credited_s);
-    cut_phase = row.name;
+    // Cut between the last checkpoint of a phase and its end in the journal, nothing is missing but that row.
+    const bool finished = same && checkpoint->finished;
+    journal.EndPhase(row.id, std::max(row.started_s, checkpoint->time_s),
+                     finished ? "complete" : "interrupted", credited_s);
+    if (!finished) cut_phase = row.name;
   }
   const std::string cause =
       cut_phase.empty() ? "stopped between two phases or on request" : "the program was cut off";

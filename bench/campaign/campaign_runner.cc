@@ -215,9 +215,11 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   row.name = step.group;
   row.kind = schedules::KindName(phase.parameters);
   row.started_s = Time_s();
-  const std::int64_t id = journal_.BeginPhase(row);
+  Checkpoint at{.cycle = cycle_, .step = step.index, .repeat = repeat, .credited_load_s = credited_before_s};
+  // Before the journal's row: a phase that is on record has a state to go on from.
   TakeMemory();
-  WriteCheckpoint(step.index, repeat, credited_before_s, blank);
+  WriteCheckpoint(at, blank);
+  const std::int64_t id = journal_.BeginPhase(row);
   if (blank) machine_.MountBlank(true);
   machine_.BeginPhase(PhaseKey(cycle_, step.index, repeat));
   Transition(BeginEvent(phase.parameters));
@@ -230,7 +232,8 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     }
     // A measurement that is cut is taken again from its beginning, so a simulated bench goes back there too.
     if (step.accumulates) TakeMemory();
-    WriteCheckpoint(step.index, repeat, running.credited_load_s(), blank);
+    at.credited_load_s = running.credited_load_s();
+    WriteCheckpoint(at, blank);
     progress_.Update({cycle_, schedule_.cycles, phase.name, ShareDone(step, running.share_done())});
   });
   if (blank) machine_.MountBlank(false);
@@ -239,7 +242,9 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   again = IsSuspend(outcome.reason.cause);
   if (complete || step.accumulates) records_.Keep(step, repeat, attempt, std::move(outcome.records));
   TakeMemory();
-  WriteCheckpoint(step.index, repeat, outcome.credited_load_s, blank);
+  at.credited_load_s = outcome.credited_load_s;
+  at.finished = complete;
+  WriteCheckpoint(at, blank);
   journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause),
                     outcome.credited_load_s - credited_before_s);
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase.name);
@@ -258,13 +263,8 @@ void CampaignRunner::TakeMemory() {
   memory_.assign(memory.begin(), memory.end());
 }
 
-void CampaignRunner::WriteCheckpoint(int step, int repeat, double credited_load_s, bool blank) {
+void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, bool blank) {
   const Readings& last = runner_.last_readings();
-  Checkpoint checkpoint;
-  checkpoint.cycle = cycle_;
-  checkpoint.step = step;
-  checkpoint.repeat = repeat;
-  checkpoint.credited_load_s = credited_load_s;
   checkpoint.time_s = Time_s();
   checkpoint.utc_ms = UtcMilliseconds();
   checkpoint.encoder_offset_rad =

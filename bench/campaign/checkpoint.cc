@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/checkpoint.h"
 
+#include <cstddef>
 #include <cstring>
 #include <type_traits>
 
@@ -17,9 +18,13 @@ struct Header {
   double time_s;
   std::int64_t utc_ms;
   double encoder_offset_rad;
+  std::int64_t finished;
 };
 static_assert(std::is_trivially_copyable_v<Header>);
-constexpr std::int32_t kVersion = 1;
+constexpr std::int32_t kVersion = 2;
+// Version 1 did not know whether the phase was finished; a campaign that was begun with it goes on.
+constexpr std::int32_t kVersionWithoutFinished = 1;
+constexpr std::size_t kBytesWithoutFinished = offsetof(Header, finished);
 constexpr std::chrono::seconds kSyncInterval{1};
 
 }  // namespace
@@ -34,7 +39,8 @@ void CheckpointWriter::Write(const Checkpoint& checkpoint, std::span<const std::
                       checkpoint.credited_load_s,
                       checkpoint.time_s,
                       checkpoint.utc_ms,
-                      checkpoint.encoder_offset_rad};
+                      checkpoint.encoder_offset_rad,
+                      checkpoint.finished ? 1 : 0};
   buffer_.resize(sizeof header + machine_memory.size());
   std::memcpy(buffer_.data(), &header, sizeof header);
   if (!machine_memory.empty()) {
@@ -52,19 +58,27 @@ void CheckpointWriter::Sync() { file_.Sync(); }
 std::optional<Checkpoint> ReadCheckpoint(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
   const auto slot = daq::ReadCheckpoint(file);
-  if (!slot || slot->payload.size() < sizeof(Header)) return std::nullopt;
+  if (!slot || slot->payload.size() < kBytesWithoutFinished) return std::nullopt;
   Header header{};
-  std::memcpy(&header, slot->payload.data(), sizeof header);
-  if (header.version != kVersion) return std::nullopt;
+  std::memcpy(&header, slot->payload.data(), kBytesWithoutFinished);
+  std::size_t header_bytes = kBytesWithoutFinished;
+  if (header.version == kVersion && slot->payload.size() >= sizeof header) {
+    header_bytes = sizeof header;
+    std::memcpy(&header, slot->payload.data(), header_bytes);
+  } else if (header.version != kVersionWithoutFinished) {
+    return std::nullopt;
+  }
   Checkpoint checkpoint;
   checkpoint.cycle = header.cycle;
   checkpoint.step = header.step;
   checkpoint.repeat = header.repeat;
+  checkpoint.finished = header.finished != 0;
   checkpoint.credited_load_s = header.credited_load_s;
   checkpoint.time_s = header.time_s;
   checkpoint.utc_ms = header.utc_ms;
   checkpoint.encoder_offset_rad = header.encoder_offset_rad;
-  checkpoint.machine_memory.assign(slot->payload.begin() + sizeof header, slot->payload.end());
+  checkpoint.machine_memory.assign(slot->payload.begin() + static_cast<std::ptrdiff_t>(header_bytes),
+                                   slot->payload.end());
   return checkpoint;
 }
 

@@ -18,12 +18,13 @@ struct Checkpoint {
   int cycle{};
   int step{};
   int repeat{};
+  bool finished{};           // the phase has come to its end, and its records are kept
   double credited_load_s{};  // of this step, all attempts together
   double time_s{};           // bench time of the campaign
   std::int64_t utc_ms{};
   /// Input angle / ratio − output angle, to be found again before anything moves; a NaN when not known.
   double encoder_offset_rad{};
-  std::vector<std::byte> machine_memory;  // of a simulated bench
+  std::vector<std::byte> machine_memory{};  // of a simulated bench
 };
 
 /// Writes checkpoints once a second of bench time. A killed process loses none that was written; a power cut

@@ -56,6 +56,13 @@ std::optional<std::string> QuotedInclude(const std::string& line) {
   return std::regex_search(line, match, kInclude) ? std::optional<std::string>(match[1]) : std::nullopt;
 }
 
+// What is in the checkout for an included header: of one that protoc writes, the .proto.
+std::string SourceOf(const std::string& target) {
+  constexpr std::string_view kGenerated = ".pb.h";
+  return target.ends_with(kGenerated) ? target.substr(0, target.size() - kGenerated.size()) + ".proto"
+                                      : target;
+}
+
 TEST(IncludeGraph, HoldsInEveryFile) {
   int includes = 0;
   for (const std::string& path : ListSources()) {
@@ -72,7 +79,7 @@ TEST(IncludeGraph, HoldsInEveryFile) {
       const std::optional<std::string> rule = BrokenRule(path, *target);
       EXPECT_FALSE(rule) << path << ":" << i + 1 << ": includes \"" << *target << "\" (expected: " << *rule
                          << ")";
-      EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / *target))
+      EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / SourceOf(*target)))
           << path << ":" << i + 1 << ": there is no " << *target;
     }
   }
@@ -104,6 +111,11 @@ TEST(IncludeGraph, NamesTheRuleThatAnEdgeBreaks) {
   EXPECT_EQ(BrokenRule("bench/plots/script.cc", "script.h"), "includes start at the root of the checkout");
   EXPECT_EQ(BrokenRule("bench/plots/script.cc", "../plots/script.h"),
             "includes start at the root of the checkout");
+}
+
+TEST(SourceOf, AGeneratedHeaderIsItsProto) {
+  EXPECT_EQ(SourceOf("protocols/payload.pb.h"), "protocols/payload.proto");
+  EXPECT_EQ(SourceOf("daq/record.h"), "daq/record.h");
 }
 
 TEST(QuotedInclude, SeesOnlyIncludeLines) {

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// A campaign cut between two of the writes that belong together.
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_error.h"
+#include "daq/checkpoint_file.h"
+
+namespace strainwave::bench {
+namespace {
+
+class CutCampaign : public testing::Test {
+ protected:
+  CutCampaign() { journal_.BeginCycle(0, 0.0); }
+  ~CutCampaign() override { std::filesystem::remove_all(folder_.root); }
+
+  std::int64_t BeginPhase(int step) {
+    PhaseRow row;
+    row.step = step;
+    row.attempt = 1;
+    row.name = "lock";
+    row.kind = "hysteresis";
+    return journal_.BeginPhase(row);
+  }
+  void Leave(const Checkpoint& checkpoint) {
+    CheckpointWriter(folder_.Checkpoint()).Write(checkpoint, std::vector<std::byte>(5, std::byte{7}));
+  }
+  std::optional<ResumePoint> Resume() { return PrepareResume(folder_, inputs_, journal_, true); }
+
+  CampaignFolder folder_{std::filesystem::temp_directory_path() /
+                         ("strainwave_resume_test_" + std::to_string(::getpid()))};
+  CampaignInputs inputs_ = ReadInputs(STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml", std::nullopt);
+  Journal journal_ = [this] {
+    std::filesystem::remove_all(folder_.root);
+    return CreateCampaign(folder_, inputs_);
+  }();
+};
+
+TEST_F(CutCampaign, TakesAMeasurementAgainThatWasUnderWay) {
+  BeginPhase(0);
+  Leave({.step = 0, .time_s = 30.0});
+  ASSERT_TRUE(Resume().has_value());
+  EXPECT_EQ(journal_.Phases(0).at(0).outcome, "interrupted");
+  EXPECT_EQ(journal_.Holes().at(0).phase, "lock");
+}
+
+TEST_F(CutCampaign, TakesNothingAgainWhereOnlyTheEndIsMissingInTheJournal) {
+  BeginPhase(0);
+  Leave({.step = 0, .finished = true, .credited_load_s = 12.0, .time_s = 30.0});
+  ASSERT_TRUE(Resume().has_value());
+  const PhaseRow row = journal_.Phases(0).at(0);
+  EXPECT_EQ(row.outcome, "complete");
+  EXPECT_EQ(row.ended_s, 30.0);
+  EXPECT_EQ(row.credited_load_s, 12.0);
+  EXPECT_EQ(journal_.Holes().at(0).phase, "");
+}
+
+TEST_F(CutCampaign, DoesNotTakeTheEndOfAnotherPhaseForItsOwn) {
+  journal_.EndPhase(BeginPhase(0), 30.0, "complete", 0.0);
+  BeginPhase(1);
+  Leave({.step = 0, .finished = true, .time_s = 30.0});
+  ASSERT_TRUE(Resume().has_value());
+  EXPECT_EQ(journal_.Phases(0).at(1).outcome, "interrupted");
+}
+
+TEST_F(CutCampaign, GoesOnFromACheckpointWhosePhaseIsNotOnRecord) {
+  Leave({.step = 0, .time_s = 0.5});
+  const auto point = Resume();
+  ASSERT_TRUE(point.has_value());
+  EXPECT_EQ(point->checkpoint.time_s, 0.5);
+  EXPECT_EQ(point->checkpoint.machine_memory.size(), 5U);
+}
+
+TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
+  BeginPhase(0);
+  try {
+    Resume();
+    FAIL() << "resumed";
+  } catch (const CampaignError& error) {
+    EXPECT_EQ(error.what(), folder_.Checkpoint().string() +
+                                ": error: the checkpoint is missing or damaged (expected the file that the "
+                                "campaign has written)");
+  }
+}
+
+// The header of version 1, byte by byte: four integers, two numbers, an integer, a number; then the memory.
+TEST_F(CutCampaign, ReadsTheCheckpointOfAnEarlierVersion) {
+  std::vector<std::byte> payload(48 + 3, std::byte{9});
+  const std::int32_t integers[4] = {1, 2, 3, 4};
+  const double credited_and_time_s[2] = {60.0, 70.0};
+  const std::int64_t utc_ms = 80;
+  const double offset_rad = 0.25;
+  std::memcpy(payload.data(), integers, 16);
+  std::memcpy(payload.data() + 16, credited_and_time_s, 16);
+  std::memcpy(payload.data() + 32, &utc_ms, 8);
+  std::memcpy(payload.data() + 40, &offset_rad, 8);
+  daq::CheckpointFile(folder_.Checkpoint()).Write(payload);
+  const auto read = ReadCheckpoint(folder_.Checkpoint());
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read->cycle, 2);
+  EXPECT_EQ(read->repeat, 4);
+  EXPECT_FALSE(read->finished);
+  EXPECT_EQ(read->credited_load_s, 60.0);
+  EXPECT_EQ(read->encoder_offset_rad, 0.25);
+  EXPECT_EQ(read->machine_memory, std::vector<std::byte>(3, std::byte{9}));
+}
+
+}  // namespace
+}  // namespace strainwave::bench
