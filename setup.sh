@@ -19,6 +19,7 @@ PACKAGES=(
   cmake ninja-build g++ ccache
   libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libhdf5-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
+  libprotobuf-dev protobuf-compiler
   libgtest-dev libbenchmark-dev
   gnuplot-nox sqlite3 python3 python3-h5py python3-numpy
 )
