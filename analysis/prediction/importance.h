@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace strainwave::analysis {
+
+/// Inputs that are looked at together, for instance all of one channel.
+struct InputGroup {
+  std::string name;
+  std::vector<Eigen::Index> columns;
+};
+
+/// What it costs not to know a group of inputs.
+struct Importance {
+  std::string name;
+  double mape_rise_percent{};       // mean over the repeats
+  double standard_error_percent{};  // of that mean
+};
+
+/// Permutation importance: the rise of the mean percentage error when the rows of a group's columns are
+/// shuffled together, the largest first. Inputs that say the same as others look unimportant: that is true
+/// of the predictor, not of the quantity.
+///
+/// @param predict   rows of features to rows of outputs.
+/// @param features, targets  records that no fit has seen.
+/// @throws std::invalid_argument if repeats < 2.
+///
+/// Source: Breiman (2001), Random forests, section 10.
+std::vector<Importance> PermutationImportance(
+    const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& predict, const Eigen::MatrixXd& features,
+    const Eigen::MatrixXd& targets, const std::vector<InputGroup>& groups, int repeats, std::uint64_t seed);
+
+}  // namespace strainwave::analysis

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace strainwave::analysis {
+
+/// What a predictor learns from: one row a record, all finite.
+struct Samples {
+  Eigen::MatrixXd features;   // n × inputs
+  Eigen::MatrixXd targets;    // n × outputs
+  std::vector<int> specimen;  // n; rows of one number are of one reducer
+  std::vector<double> cycle;  // n; how far each reducer was in its life
+  std::vector<std::string> inputs;
+  std::vector<std::string> outputs;
+
+  Eigen::Index size() const noexcept { return features.rows(); }
+};
+
+/// The rows of `samples` that are named, in that order.
+Samples Rows(const Samples& samples, const std::vector<Eigen::Index>& rows);
+
+/// The inputs of `samples` that are named, in that order.
+Samples Inputs(const Samples& samples, const std::vector<Eigen::Index>& columns);
+
+/// @throws std::invalid_argument if the parts have different lengths or a value is not finite; names it.
+void Check(const Samples& samples);
+
+}  // namespace strainwave::analysis

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace strainwave::analysis {
+
+/// How well one output is predicted. Source: seed 003, equations 5 to 7.
+struct OutputScore {
+  double nmse{};              // Σ (y − ŷ)² / Σ y²
+  double mape_percent{};      // 100 · mean |y − ŷ| / |y|: the printed equation 6 lacks the division by y
+  double accuracy_percent{};  // 100 − MAPE
+  double rmse{};              // in the output's unit
+};
+
+/// One score a column.
+/// @param actual, predicted  n × outputs.
+/// @throws std::invalid_argument if the shapes differ, there is no row, or an actual value is zero (a share
+///   of it is none).
+std::vector<OutputScore> ScoresOf(const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted);
+
+/// The mean over all outputs.
+double MeanMape_percent(const std::vector<OutputScore>& scores) noexcept;
+
+}  // namespace strainwave::analysis
