@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 namespace {
 
 void RequireShape(const char* name, const Eigen::MatrixXd& values, const Eigen::MatrixXd& like) {
@@ -76,4 +76,4 @@ Eigen::RowVectorXd CoverageOf(const ConformalBand& band, const Eigen::MatrixXd& 
   return ((actual - predicted).array().abs() <= width).cast<double>().colwise().mean();
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -5,7 +5,7 @@
 
 #include <span>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// Half widths of the intervals of a predictor: prediction ± factor · spread(record).
 struct ConformalBand {
@@ -33,4 +33,4 @@ ConformalBand CalibrateBand(const Eigen::MatrixXd& actual, const Eigen::MatrixXd
 Eigen::RowVectorXd CoverageOf(const ConformalBand& band, const Eigen::MatrixXd& actual,
                               const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& spread);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

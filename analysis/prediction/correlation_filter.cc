@@ -8,7 +8,7 @@
 
 #include "analysis/prediction/scaler.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 std::vector<FilteredColumn> FilterCorrelated(const Eigen::MatrixXd& values, double limit) {
   if (values.rows() < 3) {
@@ -56,4 +56,4 @@ std::vector<Eigen::Index> KeptColumns(const std::vector<FilteredColumn>& columns
   return kept;
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

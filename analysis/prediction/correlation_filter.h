@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// What the filter made of one column.
 struct FilteredColumn {
@@ -26,4 +26,4 @@ std::vector<FilteredColumn> FilterCorrelated(const Eigen::MatrixXd& values, doub
 /// The indices of the columns that stay.
 std::vector<Eigen::Index> KeptColumns(const std::vector<FilteredColumn>& columns);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -12,7 +12,7 @@
 
 #include "analysis/prediction/scores.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 std::vector<Importance> PermutationImportance(
     const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& predict, const Eigen::MatrixXd& features,
@@ -47,4 +47,4 @@ std::vector<Importance> PermutationImportance(
   return importances;
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

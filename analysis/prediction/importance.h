@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// Inputs that are looked at together, for instance all of one channel.
 struct InputGroup {
@@ -36,4 +36,4 @@ std::vector<Importance> PermutationImportance(
     const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& predict, const Eigen::MatrixXd& features,
     const Eigen::MatrixXd& targets, const std::vector<InputGroup>& groups, int repeats, std::uint64_t seed);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

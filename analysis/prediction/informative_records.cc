@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 std::vector<Eigen::Index> ChooseInformative(const Eigen::MatrixXd& features, Eigen::Index count) {
   if (count < 1 || count > features.rows()) {
@@ -27,4 +27,4 @@ std::vector<Eigen::Index> ChooseInformative(const Eigen::MatrixXd& features, Eig
   return chosen;
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

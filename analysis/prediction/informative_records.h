@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// Which records to measure (stiffness and transmission error take minutes, vibration a second) when there
 /// is time for `count` of them: first the one nearest to the middle, then always the one that is farthest
@@ -18,4 +18,4 @@ namespace strainwave::analysis {
 /// (2018) for its use in choosing what to label.
 std::vector<Eigen::Index> ChooseInformative(const Eigen::MatrixXd& features, Eigen::Index count);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

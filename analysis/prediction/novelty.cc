@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 namespace {
 
 constexpr double kMargin = 1.1;
@@ -63,4 +63,4 @@ Novelty FitNovelty(const Eigen::MatrixXd& features, const Eigen::MatrixXd& apart
   return novelty;
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// Tells how far a record lies from those that were trained on.
 struct Novelty {
@@ -28,4 +28,4 @@ struct Novelty {
 /// Mahalanobis (1936).
 Novelty FitNovelty(const Eigen::MatrixXd& features, const Eigen::MatrixXd& apart, double inside);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

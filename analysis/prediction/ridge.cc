@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 namespace {
 
 constexpr int kFolds = 5;
@@ -100,4 +100,4 @@ Ridge FitRidge(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, 
   return PenalizedFit(features, targets).With(kPenalties[best]);
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -5,7 +5,7 @@
 
 #include <span>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// A linear predictor with shrunk coefficients: what a network has to beat.
 struct Ridge {
@@ -26,4 +26,4 @@ struct Ridge {
 /// @throws std::invalid_argument if the row counts differ or there are fewer than 5 rows.
 Ridge FitRidge(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, std::span<const int> group);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 namespace {
 
 void RequireLength(const char* name, std::size_t length, Eigen::Index expected) {
@@ -69,4 +69,4 @@ void Check(const Samples& samples) {
   RequireFinite("target", samples.targets, samples.outputs);
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// What a predictor learns from: one row a record, all finite.
 struct Samples {
@@ -29,4 +29,4 @@ Samples Inputs(const Samples& samples, const std::vector<Eigen::Index>& columns)
 /// @throws std::invalid_argument if the parts have different lengths or a value is not finite; names it.
 void Check(const Samples& samples);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 namespace {
 
 void RequireRows(const Eigen::MatrixXd& values) {
@@ -46,4 +46,4 @@ Scaler Dividing(const Eigen::MatrixXd& values) {
   return scaler;
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// Columns to (x − offset) / scale and back.
 struct Scaler {
@@ -22,4 +22,4 @@ Scaler Standardizing(const Eigen::MatrixXd& values);
 /// @throws std::invalid_argument if there is no row.
 Scaler Dividing(const Eigen::MatrixXd& values);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

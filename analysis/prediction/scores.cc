@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 std::vector<OutputScore> ScoresOf(const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted) {
   if (actual.rows() != predicted.rows() || actual.cols() != predicted.cols() || actual.rows() == 0) {
@@ -37,4 +37,4 @@ double MeanMape_percent(const std::vector<OutputScore>& scores) noexcept {
   return scores.empty() ? 0.0 : sum_percent / static_cast<double>(scores.size());
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

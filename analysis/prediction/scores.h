@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// How well one output is predicted. Source: seed 003, equations 5 to 7.
 struct OutputScore {
@@ -24,4 +24,4 @@ std::vector<OutputScore> ScoresOf(const Eigen::MatrixXd& actual, const Eigen::Ma
 /// The mean over all outputs.
 double MeanMape_percent(const std::vector<OutputScore>& scores) noexcept;
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

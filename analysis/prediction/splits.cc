@@ -10,7 +10,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 namespace {
 
 void RequireShare(double test_share) {
@@ -125,4 +125,4 @@ std::vector<Split> SplitsByBlocks(std::span<const int> specimen, std::span<const
   return SplitsOf(fold_of_row, folds);
 }
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 
 /// Row numbers on the two sides of a line that no record crosses.
 struct Split {
@@ -34,4 +34,4 @@ Split SplitAtRandom(Eigen::Index rows, double test_share, std::uint64_t seed);
 /// @throws std::invalid_argument if there are fewer than two folds or fewer rows than folds.
 std::vector<Split> SplitsByBlocks(std::span<const int> specimen, std::span<const double> cycle, int folds);
 
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

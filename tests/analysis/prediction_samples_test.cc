@@ -15,7 +15,7 @@
 #include "analysis/prediction/splits.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 namespace {
 
 constexpr double kRounding = 1e-12;
@@ -172,4 +172,4 @@ TEST(SplitsByBlocks, KeepNeighboursTogetherAndShowEachFoldAllAges) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction

@@ -14,7 +14,7 @@
 #include "analysis/prediction/ridge.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::prediction {
 namespace {
 
 Eigen::MatrixXd Normal(Eigen::Index rows, Eigen::Index columns, std::uint32_t seed) {
@@ -171,4 +171,4 @@ TEST(ChooseInformative, SpreadsOverWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::prediction
