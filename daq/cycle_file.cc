@@ -9,6 +9,7 @@
 
 #include "daq/data_file_error.h"
 #include "daq/hdf5_handle.h"
+#include "daq/hdf5_image.h"
 #include "daq/hdf5_record.h"
 #include "daq/record_error.h"
 #include "daq/whole_file.h"
@@ -16,40 +17,10 @@
 namespace strainwave::daq {
 namespace {
 
-constexpr std::size_t kMemoryStep = std::size_t{1} << 20;
 constexpr char kFormatName[] = "strainwave_format";
 constexpr char kFormatVersion[] = "1";
 
 std::string PathOf(const std::string& group) { return group.starts_with('/') ? group : "/" + group; }
-
-// The library builds the file in memory and the operating system writes it: a full disk then meets a plain
-// write(), which says so, and not a library that holds half-written caches and tries again on closing.
-Hdf5Handle CreateInMemory() {
-  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  Check(H5Pset_fapl_core(access.get(), kMemoryStep, false));
-  // A superblock of version 2: the next one says "open for writing" until it is closed.
-  Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
-  const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
-  Check(H5Pset_link_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
-  Check(H5Pset_attr_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
-  Check(H5Pset_obj_track_times(creation.get(), false));
-  Hdf5Handle file(H5Fcreate("in_memory.h5", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
-  // From 1.10 on the index of chunks carries a checksum as everything else does; before, a flipped bit in it
-  // could read as another value.
-  Check(H5Fset_libver_bounds(file.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));
-  return file;
-}
-
-// H5Fget_file_image would clear the flags of the superblock without renewing its checksum (1.10), which makes
-// a file that cannot be opened; the driver's own memory is the file as it stands after a flush.
-std::vector<std::byte> ImageOf(hid_t file) {
-  Check(H5Fflush(file, H5F_SCOPE_GLOBAL));
-  const ssize_t size = Check(H5Fget_file_image(file, nullptr, 0));  // without the room the driver keeps
-  void* memory{};
-  Check(H5Fget_vfd_handle(file, H5P_DEFAULT, &memory));
-  const auto* const bytes = *static_cast<const std::byte* const*>(memory);
-  return {bytes, bytes + size};
-}
 
 }  // namespace
 
@@ -66,12 +37,12 @@ void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const N
   const Hdf5Silence silence;
   std::vector<std::byte> image;
   try {
-    const Hdf5Handle file = CreateInMemory();
+    const Hdf5Handle file = CreateHdf5InMemory();
     Attributes with_format{{kFormatName, kFormatVersion}};
     with_format.insert(with_format.end(), attributes.begin(), attributes.end());
     WriteFileAttributes(file.get(), with_format);
     for (const NamedRecord& named : records) WriteRecordGroup(file.get(), PathOf(named.group), named.record);
-    image = ImageOf(file.get());
+    image = ImageOfHdf5(file.get());
   } catch (const Hdf5Error& error) {
     throw DataFileError(std::make_error_code(std::errc::io_error),
                         fmt::format("cannot build ({}) the HDF5 file", error.what()), path.string());
