@@ -17,6 +17,10 @@ void AddStatus(CLI::App& app, Action& action);
 void AddStop(CLI::App& app, Action& action);
 void AddRecompute(CLI::App& app, Action& action);
 void AddDiagnose(CLI::App& app, Action& action);
+void AddTrain(CLI::App& app, Action& action);
+void AddPredict(CLI::App& app, Action& action);
+void AddExport(CLI::App& app, Action& action);
 void AddSimulate(CLI::App& app, Action& action);
+void AddFeatures(CLI::App& app, Action& action);
 
 }  // namespace strainwave::bench

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -34,21 +33,6 @@ struct DiagnoseCommand {
   RecordChoice choice;
   unsigned long long seed{1};
   bool json{};
-};
-
-// The share done and the time left.
-class ShareLine {
- public:
-  void Show(const std::string& step, double share) {
-    const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    const std::string left = share > 0.02 ? DurationText(elapsed_s * (1.0 - share) / share) + " left" : "";
-    line_.Show(fmt::format("{:5.1f} %  {}  {}", 100.0 * share, step, left));
-  }
-  void Clear() { line_.Clear(); }
-
- private:
-  TerminalLine line_;
-  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
 };
 
 // What the diagnosis itself takes of the time; the rest are pictures.

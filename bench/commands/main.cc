@@ -61,6 +61,10 @@ int main(int argc, char** argv) {
   strainwave::bench::AddRecompute(app, action);
   strainwave::bench::AddDiagnose(app, action);
   strainwave::bench::AddSimulate(app, action);
+  strainwave::bench::AddFeatures(app, action);
+  strainwave::bench::AddTrain(app, action);
+  strainwave::bench::AddPredict(app, action);
+  strainwave::bench::AddExport(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -42,6 +42,12 @@ void TerminalLine::Clear() {
   open_ = false;
 }
 
+void ShareLine::Show(const std::string& step, double share) {
+  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const std::string left = share > 0.02 ? DurationText(elapsed_s * (1.0 - share) / share) + " left" : "";
+  line_.Show(fmt::format("{:5.1f} %  {}  {}", 100.0 * share, step, left));
+}
+
 TerminalProgress::TerminalProgress() : start_(steady_clock::now()) {}
 
 void TerminalProgress::Update(const ProgressState& state) {

@@ -29,6 +29,17 @@ class TerminalLine {
   bool open_{};
 };
 
+/// Long work as one line of a terminal: the share done, the step, and the time left.
+class ShareLine {
+ public:
+  void Show(const std::string& step, double share);
+  void Clear() { line_.Clear(); }
+
+ private:
+  TerminalLine line_;
+  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
+};
+
 /// Progress on standard error: a bar with the time left on a terminal, a line a minute in a log.
 class TerminalProgress final : public ProgressSink {
  public:

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Core>
+
+namespace strainwave::analysis::networks {
+
+enum class Activation { kLinear, kRelu, kSigmoid, kTanh };
+
+/// z becomes f(z), value by value.
+template <typename Values>
+void Activate(Activation activation, Eigen::DenseBase<Values>& z) {
+  using Scalar = typename Values::Scalar;
+  switch (activation) {
+    case Activation::kLinear:
+      return;
+    case Activation::kRelu:
+      z.derived() = z.derived().cwiseMax(Scalar(0));
+      return;
+    case Activation::kSigmoid:
+      z.derived() = (Scalar(1) + (-z.derived().array()).exp()).inverse().matrix();
+      return;
+    case Activation::kTanh:
+      z.derived() = z.derived().array().tanh().matrix();
+      return;
+  }
+}
+
+/// The gradient by f(z) becomes that by z; each f's slope is told by its value. That of ReLU at 0 is 0.
+template <typename Values, typename Gradient>
+void MultiplyBySlope(Activation activation, const Eigen::DenseBase<Values>& value,
+                     Eigen::DenseBase<Gradient>& gradient) {
+  using Scalar = typename Values::Scalar;
+  const auto f = value.derived().array();
+  auto g = gradient.derived().array();
+  switch (activation) {
+    case Activation::kLinear:
+      return;
+    case Activation::kRelu:
+      g = (f > Scalar(0)).select(g, Scalar(0));
+      return;
+    case Activation::kSigmoid:
+      g *= f * (Scalar(1) - f);
+      return;
+    case Activation::kTanh:
+      g *= Scalar(1) - f * f;
+      return;
+  }
+}
+
+}  // namespace strainwave::analysis::networks

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/networks/batch_gradient.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace strainwave::analysis::networks {
+namespace {
+
+using Eigen::Index;
+
+// Smaller slices would leave the matrix products too little to do, more would be many gradients to add.
+constexpr Index kFewestSamples = 16;
+constexpr Index kMostSlices = 8;
+
+}  // namespace
+
+void InTurn(std::size_t count, const std::function<void(std::size_t)>& task) {
+  for (std::size_t i = 0; i < count; ++i) task(i);
+}
+
+template <typename Scalar>
+BatchGradient<Scalar>::BatchGradient(const Network& network, Loss loss, ParallelFor parallel)
+    : network_(network), loss_(loss), parallel_(std::move(parallel)) {}
+
+template <typename Scalar>
+template <typename Task>
+double BatchGradient<Scalar>::OverSlices(Index samples, const Task& task) {
+  if (samples < 1) throw std::invalid_argument("inputs has 0 columns (expected at least one sample)");
+  const Index count = std::clamp<Index>(samples / kFewestSamples, 1, kMostSlices);
+  used_ = static_cast<std::size_t>(count);
+  slices_.resize(std::max(slices_.size(), used_));
+  parallel_(used_, [&](std::size_t slice) {
+    const auto number = static_cast<Index>(slice);
+    const Index begin = number * samples / count;
+    task(slices_[slice], begin, (number + 1) * samples / count - begin);
+  });
+  double loss = 0.0;
+  for (std::size_t slice = 0; slice < used_; ++slice) loss += slices_[slice].loss;
+  return loss;
+}
+
+template <typename Scalar>
+double BatchGradient<Scalar>::Compute(const Vector<Scalar>& parameters,
+                                      const Eigen::Ref<const Matrix<Scalar>>& inputs,
+                                      const Eigen::Ref<const Matrix<Scalar>>& targets) {
+  const double loss = OverSlices(inputs.cols(), [&](Slice& slice, Index begin, Index samples) {
+    const auto own = inputs.middleCols(begin, samples);
+    const Matrix<Scalar>& outputs = Forward<Scalar>(network_, parameters, own, slice.pass);
+    slice.loss = LossShare<Scalar>(loss_, outputs, targets.middleCols(begin, samples), inputs.cols(),
+                                   &slice.pass.gradients.back());
+    Backward<Scalar>(network_, parameters, own, slice.pass, slice.gradient);
+  });
+  for (std::size_t slice = 1; slice < used_; ++slice) slices_[0].gradient += slices_[slice].gradient;
+  return loss;
+}
+
+template <typename Scalar>
+double BatchGradient<Scalar>::ComputeLoss(const Vector<Scalar>& parameters,
+                                          const Eigen::Ref<const Matrix<Scalar>>& inputs,
+                                          const Eigen::Ref<const Matrix<Scalar>>& targets) {
+  return OverSlices(inputs.cols(), [&](Slice& slice, Index begin, Index samples) {
+    const Matrix<Scalar>& outputs =
+        Forward<Scalar>(network_, parameters, inputs.middleCols(begin, samples), slice.pass);
+    slice.loss =
+        LossShare<Scalar>(loss_, outputs, targets.middleCols(begin, samples), inputs.cols(), nullptr);
+  });
+}
+
+template class BatchGradient<float>;
+template class BatchGradient<double>;
+
+}  // namespace strainwave::analysis::networks

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "analysis/networks/loss.h"
+#include "analysis/networks/network.h"
+
+namespace strainwave::analysis::networks {
+
+/// Calls task(0) … task(count − 1), in any order and on any threads, and comes back when all are done.
+/// Threads are the caller's matter; `InTurn` uses none.
+using ParallelFor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
+void InTurn(std::size_t count, const std::function<void(std::size_t)>& task);
+
+/// Loss and gradient of a batch. The batch is cut into slices, as many as its size alone says, and what they
+/// give is added in their order: the same bits on any number of threads.
+template <typename Scalar>
+class BatchGradient {
+ public:
+  /// @param network  must outlive this.
+  BatchGradient(const Network& network, Loss loss, ParallelFor parallel);
+
+  /// @param inputs, targets  one sample a column, at least one.
+  /// @return the loss.
+  double Compute(const Vector<Scalar>& parameters, const Eigen::Ref<const Matrix<Scalar>>& inputs,
+                 const Eigen::Ref<const Matrix<Scalar>>& targets);
+  /// Of the last `Compute`; the caller may change it.
+  Vector<Scalar>& gradient() { return slices_.front().gradient; }
+
+  /// The loss alone.
+  double ComputeLoss(const Vector<Scalar>& parameters, const Eigen::Ref<const Matrix<Scalar>>& inputs,
+                     const Eigen::Ref<const Matrix<Scalar>>& targets);
+
+ private:
+  struct Slice {
+    Pass<Scalar> pass;
+    Vector<Scalar> gradient;
+    double loss{};
+  };
+  // Runs `task(slice, first sample, samples)` over the slices; returns the sum of their losses.
+  template <typename Task>
+  double OverSlices(Eigen::Index samples, const Task& task);
+
+  const Network& network_;
+  Loss loss_;
+  ParallelFor parallel_;
+  std::vector<Slice> slices_;
+  std::size_t used_{};
+};
+
+}  // namespace strainwave::analysis::networks

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/networks/products.h"
+
+#include <algorithm>
+
+// One body for every width of vectors, inlined into a function for each machine.
+#define STRAINWAVE_INLINE __attribute__((always_inline)) inline
+
+namespace strainwave::analysis::networks {
+namespace {
+
+using Index = std::ptrdiff_t;
+
+// Unaligned vectors of `Bytes`; local to the bodies below, never an argument.
+template <typename Scalar, int Bytes>
+struct VectorOf {
+  using Type __attribute__((vector_size(Bytes), aligned(sizeof(Scalar)), may_alias)) = Scalar;
+  static constexpr Index kLanes = Bytes / static_cast<int>(sizeof(Scalar));
+};
+
+// The sums of a block stay in twelve registers: fewer would wait for one another, more do not fit everywhere.
+constexpr Index kRows = 4;
+constexpr Index kVectors = 3;
+// For what is left of a row: four floats, two doubles.
+constexpr int kFewBytes = 16;
+
+template <typename Scalar, int Bytes, Index Height, Index Width>
+STRAINWAVE_INLINE void CombineBlock(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
+                                    Index terms, Sum sum) {
+  using Vector = typename VectorOf<Scalar, Bytes>::Type;
+  constexpr Index kLanes = VectorOf<Scalar, Bytes>::kLanes;
+  Vector sums[Height][Width]{};
+  for (Index s = 0; s < terms; ++s) {
+    const Scalar* row = b.data + s * b.stride;
+    for (Index v = 0; v < Width; ++v) {
+      const Vector values = *reinterpret_cast<const Vector*>(row + v * kLanes);
+      for (Index r = 0; r < Height; ++r)
+        sums[r][v] += a.data[r * a.row_stride + s * a.column_stride] * values;
+    }
+  }
+  for (Index r = 0; r < Height; ++r) {
+    for (Index v = 0; v < Width; ++v) {
+      auto* out = reinterpret_cast<Vector*>(c.data + r * c.stride + v * kLanes);
+      *out = sum == Sum::kAdd ? *out + sums[r][v] : sums[r][v];
+    }
+  }
+}
+
+template <typename Scalar, int Bytes, Index Width>
+STRAINWAVE_INLINE void CombineColumns(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
+                                      Index rows, Index terms, Sum sum) {
+  Index r = 0;
+  for (; r + kRows <= rows; r += kRows) {
+    CombineBlock<Scalar, Bytes, kRows, Width>({a.data + r * a.row_stride, a.row_stride, a.column_stride}, b,
+                                              {c.data + r * c.stride, c.stride}, terms, sum);
+  }
+  for (; r < rows; ++r) {
+    CombineBlock<Scalar, Bytes, 1, Width>({a.data + r * a.row_stride, a.row_stride, a.column_stride}, b,
+                                          {c.data + r * c.stride, c.stride}, terms, sum);
+  }
+}
+
+template <typename Scalar, int Bytes>
+STRAINWAVE_INLINE void Combine(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
+                               Index rows, Index terms, Index width, Sum sum) {
+  constexpr Index kLanes = VectorOf<Scalar, Bytes>::kLanes;
+  Index j = 0;
+  for (; j + kVectors * kLanes <= width; j += kVectors * kLanes) {
+    CombineColumns<Scalar, Bytes, kVectors>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms,
+                                            sum);
+  }
+  for (; j + kLanes <= width; j += kLanes) {
+    CombineColumns<Scalar, Bytes, 1>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms, sum);
+  }
+  constexpr Index kFew = VectorOf<Scalar, kFewBytes>::kLanes;
+  for (; j + kFew <= width; j += kFew) {
+    CombineColumns<Scalar, kFewBytes, 1>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms, sum);
+  }
+  for (; j < width; ++j) {
+    CombineColumns<Scalar, sizeof(Scalar), 1>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms,
+                                              sum);
+  }
+}
+
+// The sum of all lanes, by halves.
+template <typename Scalar, int Bytes>
+STRAINWAVE_INLINE Scalar Total(const Scalar* lanes) {
+  if constexpr (Bytes == sizeof(Scalar)) {
+    return *lanes;
+  } else {
+    using Half = typename VectorOf<Scalar, Bytes / 2>::Type;
+    const Half sum = *reinterpret_cast<const Half*>(lanes) +
+                     *reinterpret_cast<const Half*>(lanes + VectorOf<Scalar, Bytes / 2>::kLanes);
+    return Total<Scalar, Bytes / 2>(reinterpret_cast<const Scalar*>(&sum));
+  }
+}
+
+// Adds products from `i` on as far as whole vectors go.
+template <typename Scalar, int Bytes, Index Height, Index Width>
+STRAINWAVE_INLINE void AddProducts(RowView<const Scalar> a, RowView<const Scalar> b, Index terms, Index& i,
+                                   Scalar (&totals)[Height][Width]) {
+  using Vector = typename VectorOf<Scalar, Bytes>::Type;
+  constexpr Index kLanes = VectorOf<Scalar, Bytes>::kLanes;
+  Vector sums[Height][Width]{};
+  for (; i + kLanes <= terms; i += kLanes) {
+    for (Index r = 0; r < Height; ++r) {
+      const Vector values = *reinterpret_cast<const Vector*>(a.data + r * a.stride + i);
+      for (Index s = 0; s < Width; ++s) {
+        sums[r][s] += values * *reinterpret_cast<const Vector*>(b.data + s * b.stride + i);
+      }
+    }
+  }
+  for (Index r = 0; r < Height; ++r) {
+    for (Index s = 0; s < Width; ++s) {
+      totals[r][s] += Total<Scalar, Bytes>(reinterpret_cast<const Scalar*>(&sums[r][s]));
+    }
+  }
+}
+
+template <typename Scalar, int Bytes, Index Height, Index Width>
+STRAINWAVE_INLINE void MultiplyBlock(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
+                                     Index terms, Sum sum) {
+  Scalar totals[Height][Width]{};
+  Index i = 0;
+  AddProducts<Scalar, Bytes>(a, b, terms, i, totals);
+  if (i + VectorOf<Scalar, kFewBytes>::kLanes <= terms)
+    AddProducts<Scalar, kFewBytes>(a, b, terms, i, totals);
+  for (; i < terms; ++i) {
+    for (Index r = 0; r < Height; ++r) {
+      for (Index s = 0; s < Width; ++s) totals[r][s] += a.data[r * a.stride + i] * b.data[s * b.stride + i];
+    }
+  }
+  for (Index r = 0; r < Height; ++r) {
+    for (Index s = 0; s < Width; ++s) {
+      Scalar& out = c.data[r * c.row_stride + s * c.column_stride];
+      out = sum == Sum::kAdd ? out + totals[r][s] : totals[r][s];
+    }
+  }
+}
+
+// A few rows of a with some rows of b.
+template <typename Scalar, int Bytes, Index Height>
+STRAINWAVE_INLINE void MultiplyStrip(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
+                                     Index columns, Index terms, Sum sum) {
+  constexpr Index kColumns = 4;
+  Index s = 0;
+  for (; s + kColumns <= columns; s += kColumns) {
+    MultiplyBlock<Scalar, Bytes, Height, kColumns>(
+        a, {b.data + s * b.stride, b.stride}, {c.data + s * c.column_stride, c.row_stride, c.column_stride},
+        terms, sum);
+  }
+  for (; s < columns; ++s) {
+    MultiplyBlock<Scalar, Bytes, Height, 1>(a, {b.data + s * b.stride, b.stride},
+                                            {c.data + s * c.column_stride, c.row_stride, c.column_stride},
+                                            terms, sum);
+  }
+}
+
+template <typename Scalar, int Bytes>
+STRAINWAVE_INLINE void Multiply(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
+                                Index rows, Index columns, Index terms, Sum sum) {
+  constexpr Index kHeight = 3;
+  // So many rows of b stay in the second cache while all of a passes.
+  constexpr Index kPanel = 48;
+  for (Index first = 0; first < columns; first += kPanel) {
+    const Index here = std::min(kPanel, columns - first);
+    const RowView<const Scalar> panel{b.data + first * b.stride, b.stride};
+    Scalar* const out = c.data + first * c.column_stride;
+    Index r = 0;
+    for (; r + kHeight <= rows; r += kHeight) {
+      MultiplyStrip<Scalar, Bytes, kHeight>({a.data + r * a.stride, a.stride}, panel,
+                                            {out + r * c.row_stride, c.row_stride, c.column_stride}, here,
+                                            terms, sum);
+    }
+    for (; r < rows; ++r) {
+      MultiplyStrip<Scalar, Bytes, 1>({a.data + r * a.stride, a.stride}, panel,
+                                      {out + r * c.row_stride, c.row_stride, c.column_stride}, here, terms,
+                                      sum);
+    }
+  }
+}
+
+// The same name for each machine, of which the loader takes the best.
+// NOLINTBEGIN(bugprone-macro-parentheses): an attribute and a constant.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define STRAINWAVE_FOR_EACH_MACHINE(DEFINE)      \
+  DEFINE(__attribute__((target("avx512f"))), 64) \
+  DEFINE(__attribute__((target("fma"))), 32)     \
+  DEFINE(__attribute__((target("default"))), 16)
+#else
+#define STRAINWAVE_FOR_EACH_MACHINE(DEFINE) DEFINE(, 16)
+#endif
+
+#define STRAINWAVE_DEFINE_PRODUCTS(TARGET, BYTES)                                                            \
+  TARGET void CombineHere(GridView<const float> a, RowView<const float> b, RowView<float> c, Index rows,     \
+                          Index terms, Index width, Sum sum) {                                               \
+    Combine<float, BYTES>(a, b, c, rows, terms, width, sum);                                                 \
+  }                                                                                                          \
+  TARGET void CombineHere(GridView<const double> a, RowView<const double> b, RowView<double> c, Index rows,  \
+                          Index terms, Index width, Sum sum) {                                               \
+    Combine<double, BYTES>(a, b, c, rows, terms, width, sum);                                                \
+  }                                                                                                          \
+  TARGET void MultiplyHere(RowView<const float> a, RowView<const float> b, GridView<float> c, Index rows,    \
+                           Index columns, Index terms, Sum sum) {                                            \
+    Multiply<float, BYTES>(a, b, c, rows, columns, terms, sum);                                              \
+  }                                                                                                          \
+  TARGET void MultiplyHere(RowView<const double> a, RowView<const double> b, GridView<double> c, Index rows, \
+                           Index columns, Index terms, Sum sum) {                                            \
+    Multiply<double, BYTES>(a, b, c, rows, columns, terms, sum);                                             \
+  }
+
+STRAINWAVE_FOR_EACH_MACHINE(STRAINWAVE_DEFINE_PRODUCTS)
+// NOLINTEND(bugprone-macro-parentheses)
+
+}  // namespace
+
+template <typename Scalar>
+void CombineRows(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c, Index rows,
+                 Index terms, Index width, Sum sum) {
+  CombineHere(a, b, c, rows, terms, width, sum);
+}
+
+template <typename Scalar>
+void MultiplyRows(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c, Index rows,
+                  Index columns, Index terms, Sum sum) {
+  MultiplyHere(a, b, c, rows, columns, terms, sum);
+}
+
+template void CombineRows(GridView<const float>, RowView<const float>, RowView<float>, Index, Index, Index,
+                          Sum);
+template void CombineRows(GridView<const double>, RowView<const double>, RowView<double>, Index, Index, Index,
+                          Sum);
+template void MultiplyRows(RowView<const float>, RowView<const float>, GridView<float>, Index, Index, Index,
+                           Sum);
+template void MultiplyRows(RowView<const double>, RowView<const double>, GridView<double>, Index, Index,
+                           Index, Sum);
+
+}  // namespace strainwave::analysis::networks

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/prediction/ensemble.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "analysis/prediction/splits.h"
+
+namespace strainwave::analysis::prediction {
+namespace {
+
+using Columns = networks::Samples<float>;
+
+Columns ColumnsOf(const Samples& samples, const std::vector<Eigen::Index>& rows, const Ensemble& ensemble) {
+  return {.inputs = ensemble.input.Apply(samples.features(rows, Eigen::all)).transpose().cast<float>(),
+          .targets = ensemble.output.Apply(samples.targets(rows, Eigen::all)).transpose().cast<float>()};
+}
+
+// The rows to learn from, and those that tell when to stop.
+Split RowsFor(const Samples& samples, double validation_share) {
+  if (validation_share <= 0.0) {
+    Split all;
+    for (Eigen::Index row = 0; row < samples.size(); ++row) all.train.push_back(row);
+    return all;
+  }
+  const int folds = std::max(2, static_cast<int>(std::lround(1.0 / validation_share)));
+  return SplitsByBlocks(samples.specimen, samples.cycle, folds).front();
+}
+
+}  // namespace
+
+Ensemble::Prediction Ensemble::Predict(const Eigen::MatrixXd& features) const {
+  const networks::Matrix<double> scaled = input.Apply(features).transpose();
+  const auto count = static_cast<double>(members.size());
+  Prediction prediction{Eigen::MatrixXd::Zero(features.rows(), network.output_size()),
+                        Eigen::MatrixXd::Zero(features.rows(), network.output_size())};
+  networks::Pass<double> pass;
+  std::vector<Eigen::MatrixXd> each;
+  for (const networks::Vector<double>& parameters : members) {
+    each.push_back(output.Undo(networks::Forward<double>(network, parameters, scaled, pass).transpose()));
+    prediction.mean += each.back() / count;
+  }
+  if (members.size() > 1) {
+    for (const Eigen::MatrixXd& one : each) {
+      prediction.spread.array() += (one - prediction.mean).array().square() / (count - 1.0);
+    }
+    prediction.spread = prediction.spread.cwiseSqrt();
+  }
+  return prediction;
+}
+
+Ensemble TrainEnsemble(const Samples& samples, const EnsembleSettings& settings,
+                       const TrainingProgress& progress) {
+  Check(samples);
+  Ensemble ensemble{.input = Standardizing(samples.features),
+                    .output = settings.training.loss == networks::Loss::kMape
+                                  ? Dividing(samples.targets)
+                                  : Standardizing(samples.targets),
+                    .network = networks::Network(settings.design),
+                    .members = {}};
+  if (ensemble.network.input_size() != samples.features.cols() ||
+      ensemble.network.output_size() != samples.targets.cols() || settings.members < 1) {
+    throw std::invalid_argument(
+        fmt::format("a design of {} inputs and {} outputs, {} members, for samples of {} and {} (expected "
+                    "the same, one member "
+                    "or more)",
+                    ensemble.network.input_size(), ensemble.network.output_size(), settings.members,
+                    samples.features.cols(), samples.targets.cols()));
+  }
+  const Split rows = RowsFor(samples, settings.validation_share);
+  const Columns training = ColumnsOf(samples, rows.train, ensemble);
+  const Columns validation = ColumnsOf(samples, rows.test, ensemble);
+  ensemble.members.resize(static_cast<std::size_t>(settings.members));
+  std::atomic<bool> go_on{true};
+  settings.parallel(ensemble.members.size(), [&](std::size_t member) {
+    networks::TrainingOptions options = settings.training;
+    options.seed += member;
+    options.progress = [&](int epoch, double loss) {
+      if (progress && !progress(static_cast<int>(member), epoch, loss)) go_on = false;
+      return go_on.load();
+    };
+    auto parameters = networks::InitialParameters<float>(ensemble.network, options.seed);
+    networks::Train<float>(ensemble.network, training, validation, options, parameters);
+    ensemble.members[member] = parameters.cast<double>();
+  });
+  if (!go_on) throw TrainingEnded();
+  return ensemble;
+}
+
+}  // namespace strainwave::analysis::prediction

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// Before the definition of a function: compiled once for each width of vectors, the widest that the machine
+/// has is taken when the program starts. The additions of each result keep their order and nothing is
+/// contracted, so every machine gives the same bits. Not with sanitizers: they start later than the choice.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define STRAINWAVE_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define STRAINWAVE_VECTOR_CLONES
+#endif
+
+namespace strainwave::analysis {
+
+/// Eight numbers that the compiler keeps in as many registers as the machine needs for them. Never an
+/// argument or a result of a function: how they would be passed depends on the machine.
+using Lanes = double __attribute__((vector_size(64), aligned(8), may_alias));
+inline constexpr int kLanes = 8;
+
+}  // namespace strainwave::analysis

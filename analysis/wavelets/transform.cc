@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/wavelets/transform.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string_view>
+
+#include "analysis/wavelets/polyphase.h"
+
+namespace strainwave::analysis::wavelets {
+namespace {
+
+using Place = std::ptrdiff_t;
+
+void RequireCount(std::string_view name, std::size_t got, std::size_t expected) {
+  if (got != expected) {
+    throw std::invalid_argument(fmt::format("{} has {} places (expected {})", name, got, expected));
+  }
+}
+
+// The samples at begin, begin + 1, …, beyond the ends as the border says, even and odd ones apart.
+void Gather(std::span<const double> signal, Place begin, std::size_t pairs, Border border,
+            PolyphaseBlock& block) {
+  const auto n = static_cast<Place>(signal.size());
+  if (begin >= 0 && begin + static_cast<Place>(2 * pairs) <= n) {
+    Deinterleave(signal.data() + begin, pairs, block.even, block.odd);
+    return;
+  }
+  for (std::size_t t = 0; t < 2 * pairs; ++t) {
+    const Place place = InsidePlace(begin + static_cast<Place>(t), n, border);
+    (t % 2 == 0 ? block.even : block.odd)[t / 2] = place < 0 ? 0.0 : signal[static_cast<std::size_t>(place)];
+  }
+}
+
+// Coefficients at begin, begin + 1, …; only by periodization are some of them outside.
+void GatherCircular(std::span<const double> coefficients, Place begin, std::size_t count, double* block) {
+  const auto n = static_cast<Place>(coefficients.size());
+  for (std::size_t t = 0; t < count; ++t) {
+    const Place place = (begin + static_cast<Place>(t)) % n;
+    block[t] = coefficients[static_cast<std::size_t>(place < 0 ? place + n : place)];
+  }
+}
+
+}  // namespace
+
+std::size_t CoefficientCount(std::size_t samples, std::size_t filter_length, Border border) {
+  return border == Border::kPeriodization ? (samples + 1) / 2 : (samples + filter_length - 1) / 2;
+}
+
+std::size_t SampleCount(std::size_t coefficients, std::size_t filter_length, Border border) {
+  if (border == Border::kPeriodization) return 2 * coefficients;
+  return 2 * coefficients + 2 > filter_length ? 2 * coefficients + 2 - filter_length : 0;
+}
+
+void Transform(std::span<const double> signal, const FilterBank& bank, Border border,
+               std::span<double> approximation, std::span<double> detail) {
+  if (signal.empty()) throw std::invalid_argument("signal has 0 samples (expected at least 1)");
+  const std::size_t count = CoefficientCount(signal.size(), bank.length(), border);
+  if (!approximation.empty()) RequireCount("approximation", approximation.size(), count);
+  if (!detail.empty()) RequireCount("detail", detail.size(), count);
+  const std::size_t half = bank.length() / 2;
+  const Place shift = border == Border::kPeriodization ? static_cast<Place>(half) : 1;
+  PolyphaseBlock block;
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t here = std::min(kBlock, count - begin);
+    Gather(signal, static_cast<Place>(2 * begin) + shift - static_cast<Place>(bank.length()) + 1,
+           here + half - 1, border, block);
+    // Reversed, the decomposition filters are those of the reconstruction.
+    if (!approximation.empty() && !detail.empty()) {
+      FilterBoth(block, bank.reconstruction_low.data(), bank.reconstruction_high.data(), half,
+                 approximation.data() + begin, detail.data() + begin, here);
+    } else if (!approximation.empty()) {
+      Filter(block, bank.reconstruction_low.data(), half, approximation.data() + begin, here);
+    } else if (!detail.empty()) {
+      Filter(block, bank.reconstruction_high.data(), half, detail.data() + begin, here);
+    }
+  }
+}
+
+void InverseTransform(std::span<const double> approximation, std::span<const double> detail,
+                      const FilterBank& bank, Border border, std::span<double> signal) {
+  RequireCount("detail", detail.size(), approximation.size());
+  const std::size_t count = SampleCount(approximation.size(), bank.length(), border);
+  if (count == 0) {
+    throw std::invalid_argument(
+        fmt::format("approximation has {} coefficients (expected at least {} for {})", approximation.size(),
+                    border == Border::kPeriodization ? 1 : bank.length() / 2, bank.name));
+  }
+  RequireCount("signal", signal.size(), count);
+  const std::size_t half = bank.length() / 2;
+  // Sample p is place p + shift of the full convolution of the coefficients, with zeros between, and the
+  // filter.
+  const std::size_t shift = border == Border::kPeriodization ? half - 1 : bank.length() - 2;
+  CoefficientBlock low;
+  CoefficientBlock high;
+  double even[kBlock];
+  double odd[kBlock];
+  const std::size_t last_pair = (shift + count - 1) / 2;
+  for (std::size_t pair = shift / 2; pair <= last_pair; pair += kBlock) {
+    const std::size_t here = std::min(kBlock, last_pair - pair + 1);
+    const Place begin = static_cast<Place>(pair) - static_cast<Place>(half) + 1;
+    GatherCircular(approximation, begin, here + half - 1, low.values);
+    GatherCircular(detail, begin, here + half - 1, high.values);
+    Synthesize(low, high, bank.decomposition_low.data(), bank.decomposition_high.data(), half, even, odd);
+    for (std::size_t i = 0; i < here; ++i) {
+      const std::size_t place = 2 * (pair + i);
+      if (place >= shift && place - shift < count) signal[place - shift] = even[i];
+      if (place + 1 >= shift && place + 1 - shift < count) signal[place + 1 - shift] = odd[i];
+    }
+  }
+}
+
+}  // namespace strainwave::analysis::wavelets

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/commands/commands.h"
+#include "bench/prediction/export_predictor.h"
+
+namespace strainwave::bench {
+namespace {
+
+struct ExportCommand {
+  std::string predictor;
+  std::string out;
+};
+
+int Run(const ExportCommand& command) {
+  const ExportSummary summary = ExportPredictor(ReadPredictor(command.predictor), command.out);
+  fmt::print(
+      "{}: network, {} kB, opset 13; input features 1 × {}, outputs prediction and half_width 1 × {}, "
+      "distance\n"
+      "{}: how a record becomes features, and the intervals\n"
+      "{}: model card (and .json)\n"
+      "read back by OpenCV dnn: agrees to {:.1e} of each output's spread\n",
+      (summary.folder / "model.onnx").string(), summary.onnx_bytes / 1000, summary.inputs, summary.outputs,
+      (summary.folder / "recipe.json").string(), (summary.folder / "model_card.md").string(),
+      summary.worst_disagreement);
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void AddExport(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "export",
+      "Write what a production monitor needs: the network as ONNX, the feature recipe, and a model card.\n"
+      "Example: strainwave export predictor --out monitor");
+  auto options = std::make_shared<ExportCommand>();
+  command->add_option("PREDICTOR", options->predictor, "folder that train has written")->required();
+  command->add_option("--out", options->out, "folder of the exported predictor")->required();
+  command->callback([options, &action] { action = [options] { return Run(*options); }; });
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include <cmath>
+#include <memory>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/wavelets/packets.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/commands/commands.h"
+#include "bench/diagnosis/record_data.h"
+#include "bench/prediction/record_features.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace features = analysis::features;
+namespace wavelets = analysis::wavelets;
+
+struct FeaturesCommand {
+  std::vector<std::string> paths;
+  std::string set{"wavelet"};
+  std::string wavelet{"sym8"};
+  int levels{7};
+  std::string mode{"symmetric"};
+  std::string channel;
+  bool coefficients{};
+  bool packet{};
+  bool json{};
+};
+
+// A block a channel: the features downwards, the levels across.
+void PrintWaveletTable(const RecordFeatures& values, const std::vector<std::string>& channels, int levels) {
+  const auto columns = static_cast<std::size_t>(levels);
+  auto value = values.values.begin();
+  for (const std::string& channel : channels) {
+    fmt::print("  {:<42}", channel);
+    for (int level = 1; level <= levels; ++level) fmt::print(" {:>11}", fmt::format("a{}", level));
+    fmt::print("\n");
+    for (std::size_t row = 0; row < features::kSeriesFeatures; ++row) {
+      fmt::print("    {:<40}", features::kSeriesFeatureNames[row]);
+      for (std::size_t column = 0; column < columns; ++column) {
+        fmt::print(" {:>11.5g}",
+                   value[static_cast<std::ptrdiff_t>(column * features::kSeriesFeatures + row)]);
+      }
+      fmt::print("\n");
+    }
+    value += static_cast<std::ptrdiff_t>(columns * features::kSeriesFeatures);
+  }
+}
+
+nlohmann::ordered_json FeaturesReport(const daq::Record& record, const FeaturesCommand& command,
+                                      features::WaveletFeatures& by_wavelet) {
+  const bool by_order = command.set == "orders";
+  RecordFeatures values = by_order ? OrderFeaturesOf(record, {}) : WaveletFeaturesOf(record, by_wavelet);
+  if (!command.json) {
+    fmt::print("{}{}{}\n", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
+    if (by_order) {
+      for (std::size_t i = 0; i < values.names.size(); ++i) {
+        fmt::print("  {:<50} {:>11.5g}\n", values.names[i], values.values[i]);
+      }
+    } else {
+      PrintWaveletTable(values, VibrationChannelsOf(record), command.levels);
+    }
+  }
+  return {{"names", std::move(values.names)}, {"values", std::move(values.values)}};
+}
+
+// Length, energy and share of the energy of one series of coefficients.
+void PrintSeries(const std::string& name, const std::vector<double>& series, double signal_energy) {
+  double energy = 0.0;
+  for (const double value : series) energy += value * value;
+  const double share = signal_energy > 0.0 ? 100.0 * energy / signal_energy : 0.0;
+  fmt::print("  {:<18} {:>8} coefficients  energy {:>11.5g}  {:6.2f} % of the signal's\n", name,
+             series.size(), energy, share);
+}
+
+nlohmann::ordered_json CoefficientsReport(const daq::Record& record, const FeaturesCommand& command) {
+  const std::vector<double> signal = ChannelOf(record, command.channel);
+  const wavelets::FilterBank bank = wavelets::FilterBankOf(command.wavelet);
+  const wavelets::Border border = wavelets::BorderOf(command.mode);
+  double energy = 0.0;
+  for (const double value : signal) energy += value * value;
+  if (!command.json) fmt::print("{}\n", record.source.file);
+  if (command.packet) {
+    wavelets::Packets packets;
+    wavelets::DecomposePackets(signal, bank, border, command.levels, packets);
+    std::vector<std::string> paths = wavelets::PacketPaths(command.levels);
+    for (std::size_t leaf = 0; leaf < paths.size() && !command.json; ++leaf) {
+      PrintSeries(paths[leaf], packets.leaves[leaf], energy);
+    }
+    return {{"paths", std::move(paths)}, {"leaves", std::move(packets.leaves)}};
+  }
+  wavelets::Decomposition decomposition;
+  wavelets::Decompose(signal, bank, border, command.levels, wavelets::Details::kKeep, decomposition);
+  if (!command.json) {
+    PrintSeries(fmt::format("approximation {}", command.levels), decomposition.approximations.back(), energy);
+    for (std::size_t level = decomposition.details.size(); level > 0; --level) {
+      PrintSeries(fmt::format("detail {}", level), decomposition.details[level - 1], energy);
+    }
+  }
+  return {{"approximation", std::move(decomposition.approximations.back())},
+          {"details", std::move(decomposition.details)}};
+}
+
+int Run(const FeaturesCommand& command) {
+  features::WaveletFeatures by_wavelet(
+      {.wavelet = command.wavelet, .border = wavelets::BorderOf(command.mode), .levels = command.levels});
+  nlohmann::ordered_json reports = nlohmann::ordered_json::array();
+  for (const std::string& path : command.paths) {
+    for (const daq::Record& record : ReadVibrationRecords(path)) {
+      nlohmann::ordered_json report = command.coefficients ? CoefficientsReport(record, command)
+                                                           : FeaturesReport(record, command, by_wavelet);
+      if (command.json) reports.push_back(std::move(report));
+    }
+  }
+  if (command.json) fmt::print("{}\n", (reports.size() == 1 ? reports.front() : reports).dump());
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void AddFeatures(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "features",
+      "Features of vibration records: 35 values of the wavelet approximations of every level and channel, "
+      "named\n"
+      "CHANNEL.aLEVEL.COLUMN; or energies in bands of orders; or the coefficients themselves.\n"
+      "Example: strainwave features vibration.csv --json\n"
+      "         strainwave features vibration.csv --coefficients --wavelet db6 --levels 3 --channel "
+      "accel_x_m_per_s2");
+  auto options = std::make_shared<FeaturesCommand>();
+  command->add_option("PATH", options->paths, "record files of kind vibration (CSV, HDF5)")->required();
+  command->add_option("--set", options->set, "wavelet, or orders (energies by order of the input shaft)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"wavelet", "orders"}));
+  command->add_option("--wavelet", options->wavelet, "haar, db1 to db20, sym2 to sym20, coif1 to coif5")
+      ->capture_default_str();
+  command->add_option("--levels", options->levels, "of the decomposition")
+      ->capture_default_str()
+      ->check(CLI::Range(1, wavelets::kMostLevels));
+  command->add_option("--mode", options->mode, "border: symmetric, periodization or zero")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"symmetric", "periodization", "zero"}));
+  CLI::Option* coefficients = command->add_flag("--coefficients", options->coefficients,
+                                                "wavelet coefficients of one channel in place of features");
+  command->add_option("--channel", options->channel, "the channel, where there are several")
+      ->needs(coefficients);
+  command->add_flag("--packet", options->packet, "leaves of the wavelet packet, in natural order")
+      ->needs(coefficients);
+  command->add_flag("--json", options->json, "JSON on standard output; null where a feature has no value");
+  command->callback([options, &action] { action = [options] { return Run(*options); }; });
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/prediction/campaign_features.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/folder.h"
+#include "bench/campaign/journal.h"
+#include "bench/campaign/recompute.h"
+#include "bench/diagnosis/record_data.h"
+#include "bench/prediction/record_features.h"
+#include "daq/arrays_file.h"
+#include "daq/data_file_error.h"
+#include "daq/record_error.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace features = analysis::features;
+
+constexpr const char* kTorqueChannel = "output_torque_Nm";
+
+// The features of one cycle, or why it has none.
+struct CycleFeatures {
+  std::vector<std::string> channels;
+  std::vector<std::string> torque_channels;
+  std::vector<double> values;
+  double sample_rate_hz{};
+  std::size_t samples{};
+  std::string left_out;
+};
+
+const daq::Record* FindRecord(const std::vector<NamedRecord>& records, std::string_view kind,
+                              std::string_view column) {
+  const auto found = std::ranges::find_if(records, [&](const NamedRecord& named) {
+    return named.record.kind == kind && (column.empty() || named.record.FindColumn(column) != nullptr);
+  });
+  return found == records.end() ? nullptr : &found->record;
+}
+
+CycleFeatures FeaturesOf(const std::vector<NamedRecord>& records, features::WaveletFeatures& by_wavelet) {
+  CycleFeatures cycle;
+  const daq::Record* const vibration = FindRecord(records, "vibration", "");
+  if (vibration == nullptr) {
+    cycle.left_out = "no vibration record";
+    return cycle;
+  }
+  cycle.channels = VibrationChannelsOf(*vibration);
+  cycle.sample_rate_hz = SampleRateOf_hz(*vibration);
+  cycle.samples = vibration->rows();
+  cycle.values = WaveletFeaturesOf(*vibration, by_wavelet).values;
+  const daq::Record* const rotation = FindRecord(records, "motion", kTorqueChannel);
+  if (rotation == nullptr) return cycle;
+  cycle.torque_channels = {kTorqueChannel};
+  std::vector<double> torque(by_wavelet.CountPerChannel());
+  by_wavelet.Compute(rotation->CopyAsDoubles(kTorqueChannel), torque);
+  cycle.values.insert(cycle.values.end(), torque.begin(), torque.end());
+  return cycle;
+}
+
+std::filesystem::path StoreOf(const CampaignFolder& folder) { return folder.root / "features.h5"; }
+
+daq::Attributes AttributesOf(const features::WaveletRecipe& recipe, const CampaignFeatures& features) {
+  return {{"wavelet", recipe.wavelet},
+          {"mode", std::string(analysis::wavelets::NameOf(recipe.border))},
+          {"levels", std::to_string(recipe.levels)},
+          {"channels", fmt::format("{}", fmt::join(features.channels, " "))},
+          {"torque_channels", fmt::format("{}", fmt::join(features.torque_channels, " "))},
+          {"sample_rate_hz", daq::ShortestText(features.sample_rate_hz)},
+          {"least_samples", std::to_string(features.least_samples)}};
+}
+
+std::vector<std::string> Words(const std::string& text) {
+  std::vector<std::string> words;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    if (end > begin) words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+std::vector<std::string> NamesOf(const CampaignFeatures& features,
+                                 const features::WaveletFeatures& by_wavelet) {
+  std::vector<std::string> names = by_wavelet.Names(features.channels);
+  const std::vector<std::string> torque = by_wavelet.Names(features.torque_channels);
+  names.insert(names.end(), torque.begin(), torque.end());
+  return names;
+}
+
+// What an earlier call has kept, if it was made with this recipe; a file that cannot be used is made anew.
+std::optional<CampaignFeatures> Kept(const std::filesystem::path& store,
+                                     const features::WaveletRecipe& recipe,
+                                     const features::WaveletFeatures& by_wavelet) {
+  if (!std::filesystem::exists(store)) return std::nullopt;
+  try {
+    const daq::ArraysFile file = daq::ReadArrays(store);
+    const std::map<std::string, std::string> attributes(file.attributes.begin(), file.attributes.end());
+    CampaignFeatures kept;
+    kept.channels = Words(attributes.at("channels"));
+    kept.torque_channels = Words(attributes.at("torque_channels"));
+    kept.sample_rate_hz = daq::NumberFromText(attributes.at("sample_rate_hz")).value();
+    kept.least_samples =
+        static_cast<std::size_t>(daq::NumberFromText(attributes.at("least_samples")).value());
+    if (file.attributes != AttributesOf(recipe, kept)) return std::nullopt;
+    kept.names = NamesOf(kept, by_wavelet);
+    const daq::NamedArray* const cycle = file.Find("cycle");
+    if (cycle == nullptr || file.arrays.size() != kept.names.size() + 1) return std::nullopt;
+    for (const double number : cycle->values) kept.cycle.push_back(static_cast<int>(number));
+    kept.values.resize(static_cast<Eigen::Index>(kept.cycle.size()),
+                       static_cast<Eigen::Index>(kept.names.size()));
+    for (std::size_t column = 0; column < kept.names.size(); ++column) {
+      const daq::NamedArray& array = file.arrays[column + 1];
+      if (array.name != kept.names[column] || array.values.size() != kept.cycle.size()) return std::nullopt;
+      kept.values.col(static_cast<Eigen::Index>(column)) =
+          Eigen::Map<const Eigen::VectorXd>(array.values.data(), kept.values.rows());
+    }
+    return kept;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+void Keep(const std::filesystem::path& store, const features::WaveletRecipe& recipe,
+          const CampaignFeatures& features) {
+  daq::ArraysFile file{.attributes = AttributesOf(recipe, features), .arrays = {}};
+  const std::vector<std::size_t> shape{features.cycle.size()};
+  file.arrays.push_back({"cycle", shape, {features.cycle.begin(), features.cycle.end()}});
+  for (std::size_t column = 0; column < features.names.size(); ++column) {
+    const auto values = features.values.col(static_cast<Eigen::Index>(column));
+    file.arrays.push_back({features.names[column], shape, {values.begin(), values.end()}});
+  }
+  try {
+    daq::WriteArraysAtomically(store, file);
+  } catch (const daq::DataFileError&) {
+    // A campaign on a disk that cannot be written is read all the same.
+  }
+}
+
+// Features of the cycles named, on all processors; HDF5 is read by one thread at a time.
+std::vector<CycleFeatures> Compute(const CampaignFolder& folder, const std::vector<int>& cycles,
+                                   const features::WaveletRecipe& recipe, const FeatureProgress& progress) {
+  std::vector<CycleFeatures> results(cycles.size());
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
+  std::mutex hdf5;
+  std::mutex reporting;
+  const auto work = [&] {
+    features::WaveletFeatures by_wavelet(recipe);
+    for (std::size_t i = next++; i < cycles.size(); i = next++) {
+      try {
+        std::vector<NamedRecord> records;
+        {
+          const std::lock_guard reading(hdf5);
+          records = ReadCycleRecords(folder, cycles[i]);
+        }
+        results[i] = FeaturesOf(records, by_wavelet);
+      } catch (const std::exception& error) {
+        results[i].left_out = error.what();
+      }
+      const std::lock_guard telling(reporting);
+      if (progress) progress(++done, cycles.size());
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned k = 1; k < std::max(1U, std::thread::hardware_concurrency()); ++k) threads.emplace_back(work);
+  work();
+  return results;
+}
+
+// Adds the cycles that are like those before; the first one says what all must be like.
+void Append(CampaignFeatures& all, const std::vector<int>& cycles, std::vector<CycleFeatures> computed,
+            const features::WaveletFeatures& by_wavelet) {
+  std::vector<Eigen::RowVectorXd> rows;
+  for (std::size_t i = 0; i < cycles.size(); ++i) {
+    CycleFeatures& one = computed[i];
+    if (one.left_out.empty() && all.channels.empty()) {
+      all.channels = one.channels;
+      all.torque_channels = one.torque_channels;
+      all.sample_rate_hz = one.sample_rate_hz;
+      all.least_samples = one.samples;
+    }
+    if (one.left_out.empty() && (one.channels != all.channels || one.torque_channels != all.torque_channels ||
+                                 one.sample_rate_hz != all.sample_rate_hz)) {
+      one.left_out = fmt::format("channels {} at {} Hz (expected {} at {} Hz, as in the cycles before)",
+                                 fmt::join(one.channels, " "), one.sample_rate_hz,
+                                 fmt::join(all.channels, " "), all.sample_rate_hz);
+    }
+    if (!one.left_out.empty()) {
+      all.notes.push_back(fmt::format("cycle {} left out: {}", cycles[i], one.left_out));
+      continue;
+    }
+    all.least_samples = std::min(all.least_samples, one.samples);
+    all.cycle.push_back(cycles[i]);
+    rows.emplace_back(Eigen::Map<const Eigen::RowVectorXd>(one.values.data(),
+                                                           static_cast<Eigen::Index>(one.values.size())));
+  }
+  all.names = NamesOf(all, by_wavelet);
+  const Eigen::Index before = all.values.rows();
+  all.values.conservativeResize(before + static_cast<Eigen::Index>(rows.size()),
+                                static_cast<Eigen::Index>(all.names.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    all.values.row(before + static_cast<Eigen::Index>(i)) = rows[i];
+}
+
+}  // namespace
+
+CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const features::WaveletRecipe& recipe,
+                                    const FeatureProgress& progress) {
+  const CampaignFolder folder{path};
+  if (!std::filesystem::exists(folder.Journal())) {
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: is not a campaign (expected a folder with campaign.db)", path.string()));
+  }
+  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
+  const features::WaveletFeatures by_wavelet(recipe);
+  CampaignFeatures all = Kept(StoreOf(folder), recipe, by_wavelet).value_or(CampaignFeatures{});
+  std::vector<int> missing;
+  for (const CycleRow& row : journal.Cycles()) {
+    if (row.outcome == "complete" && row.cycle > 0 &&
+        std::ranges::find(all.cycle, row.cycle) == all.cycle.end()) {
+      missing.push_back(row.cycle);
+    }
+  }
+  if (!missing.empty()) {
+    Append(all, missing, Compute(folder, missing, recipe, progress), by_wavelet);
+    if (!all.cycle.empty()) Keep(StoreOf(folder), recipe, all);
+  }
+  if (all.cycle.empty()) {
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: no complete cycle has a vibration record (expected measurement "
+                    "rotations with vibration_rate){}",
+                    path.string(), all.notes.empty() ? "" : "; " + all.notes.front()));
+  }
+  return all;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analysis/prediction/fit_predictor.h"
+
+namespace strainwave::bench {
+
+/// Free text under names, for the file's metadata.
+using OnnxMetadata = std::vector<std::pair<std::string, std::string>>;
+
+/// The bytes of an ONNX model, opset 13, float32, that needs nothing beside it but the features:
+///   input  `features`   1 × inputs, unscaled;
+///   output `prediction` 1 × outputs, in the outputs' units, the mean of the networks;
+///   output `half_width` 1 × outputs, of the interval about it;
+///   output `distance`   1 × 1, above 1 when the record lies outside what was trained on.
+/// The batch is one record: readers that size their memory beforehand (OpenCV 4.6) refuse an open one.
+///
+/// @throws std::invalid_argument if there is no network.
+///
+/// Source: ONNX intermediate representation 7, operators of opset 13. A series of values is written as an
+/// image of height one, since more readers know two-dimensional convolutions than one-dimensional ones.
+std::string OnnxBytes(const analysis::prediction::FittedPredictor& fitted, const OnnxMetadata& metadata);
+
+}  // namespace strainwave::bench

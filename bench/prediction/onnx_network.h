@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include <Eigen/Core>
+
+namespace strainwave::bench {
+
+/// An exported network as a monitor runs it: OpenCV's `dnn` module. One object a thread.
+class OnnxNetwork {
+ public:
+  /// @param bytes  of a file that `OnnxBytes` wrote. Whatever else they are, they are looked at before OpenCV
+  ///   sees them: operators, sizes and shapes must be those of such a file.
+  /// @throws std::invalid_argument saying what is not as expected.
+  OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::Index outputs);
+  OnnxNetwork(OnnxNetwork&&) noexcept;
+  OnnxNetwork& operator=(OnnxNetwork&&) noexcept;
+  ~OnnxNetwork();
+
+  struct Output {
+    Eigen::RowVectorXd prediction;
+    Eigen::RowVectorXd half_width;
+    double distance{};
+  };
+  /// @param features  unscaled, as many as inputs.
+  /// @throws std::invalid_argument for another number of features.
+  Output Run(const Eigen::RowVectorXd& features);
+
+ private:
+  struct Net;
+  std::unique_ptr<Net> net_;
+  Eigen::Index inputs_;
+  Eigen::Index outputs_;
+};
+
+}  // namespace strainwave::bench

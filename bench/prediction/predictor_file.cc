@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/prediction/predictor_file.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/folder.h"
+#include "bench/prediction/network_json.h"
+#include "daq/arrays_file.h"
+#include "daq/record_error.h"
+#include "daq/whole_file.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace networks = analysis::networks;
+namespace prediction = analysis::prediction;
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;
+constexpr const char* kDescription = "predictor.json";
+constexpr const char* kNumbers = "numbers.h5";
+
+[[noreturn]] void Refuse(const std::filesystem::path& file, const std::string& what,
+                         const std::string& expected) {
+  throw CampaignError(ExitCode::kWrongInput,
+                      fmt::format("{}: error: {} (expected {})", file.string(), what, expected));
+}
+
+daq::NamedArray RowOf(const char* name, const Eigen::RowVectorXd& row) {
+  return {name, {static_cast<std::size_t>(row.size())}, {row.begin(), row.end()}};
+}
+
+daq::NamedArray MatrixOf(const char* name, const Eigen::MatrixXd& matrix) {
+  daq::NamedArray array{
+      name, {static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols())}, {}};
+  array.values.reserve(static_cast<std::size_t>(matrix.size()));
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column)
+      array.values.push_back(matrix(row, column));
+  }
+  return array;
+}
+
+daq::ArraysFile NumbersOf(const prediction::FittedPredictor& fitted) {
+  const prediction::Ensemble& ensemble = fitted.ensemble;
+  Eigen::MatrixXd members(static_cast<Eigen::Index>(ensemble.members.size()),
+                          ensemble.network.parameter_count());
+  for (std::size_t k = 0; k < ensemble.members.size(); ++k) {
+    members.row(static_cast<Eigen::Index>(k)) = ensemble.members[k].transpose();
+  }
+  return {
+      .attributes = {},
+      .arrays = {RowOf("input_offset", ensemble.input.offset), RowOf("input_scale", ensemble.input.scale),
+                 RowOf("output_offset", ensemble.output.offset), RowOf("output_scale", ensemble.output.scale),
+                 MatrixOf("members", members), RowOf("residual", fitted.residual),
+                 RowOf("interval_factor", fitted.band.factor), RowOf("novelty_mean", fitted.novelty.mean),
+                 MatrixOf("novelty_whitening", fitted.novelty.whitening), RowOf("least", fitted.least),
+                 RowOf("greatest", fitted.greatest)}};
+}
+
+// Takes arrays of a file by name and shape.
+class Numbers {
+ public:
+  Numbers(const std::filesystem::path& path, const daq::ArraysFile& file) : path_(path), file_(file) {}
+
+  Eigen::MatrixXd Matrix(const char* name, std::size_t rows, std::size_t columns) const {
+    const std::vector<double>& values = Values(name, {rows, columns});
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    return Eigen::Map<const RowMajor>(values.data(), static_cast<Eigen::Index>(rows),
+                                      static_cast<Eigen::Index>(columns));
+  }
+  Eigen::RowVectorXd Row(const char* name, std::size_t columns) const {
+    const std::vector<double>& values = Values(name, {columns});
+    return Eigen::Map<const Eigen::RowVectorXd>(values.data(), static_cast<Eigen::Index>(columns));
+  }
+
+ private:
+  const std::vector<double>& Values(const char* name, const std::vector<std::size_t>& shape) const {
+    const daq::NamedArray* array = file_.Find(name);
+    if (array == nullptr || array->shape != shape) {
+      Refuse(path_, fmt::format("the array '{}' is missing or of another shape", name),
+             fmt::format("{} values, as {} says", shape.size() == 1 ? shape[0] : shape[0] * shape[1],
+                         kDescription));
+    }
+    return array->values;
+  }
+
+  const std::filesystem::path& path_;
+  const daq::ArraysFile& file_;
+};
+
+std::string ReadFile(const std::filesystem::path& path) {
+  try {
+    return daq::ReadWholeFile(path);
+  } catch (const daq::RecordError&) {
+    Refuse(path, "cannot be read", "a predictor, as `strainwave train` writes it");
+  }
+}
+
+prediction::FittedPredictor FittedFrom(const Json& json, const Numbers& numbers, std::size_t inputs,
+                                       std::size_t outputs) {
+  networks::Network network(DesignFrom(json.at("network")));
+  if (network.input_size() != static_cast<Eigen::Index>(inputs) ||
+      network.output_size() != static_cast<Eigen::Index>(outputs)) {
+    throw std::invalid_argument(fmt::format("a network of {} inputs and {} outputs for {} and {}",
+                                            network.input_size(), network.output_size(), inputs, outputs));
+  }
+  const auto members = json.at("members").get<std::size_t>();
+  const Eigen::MatrixXd parameters =
+      numbers.Matrix("members", members, static_cast<std::size_t>(network.parameter_count()));
+  prediction::FittedPredictor fitted{
+      .ensemble = {.input = {numbers.Row("input_offset", inputs), numbers.Row("input_scale", inputs)},
+                   .output = {numbers.Row("output_offset", outputs), numbers.Row("output_scale", outputs)},
+                   .network = std::move(network),
+                   .members = {}},
+      .residual = numbers.Row("residual", outputs),
+      .band = {.coverage = json.at("interval").at("coverage").get<double>(),
+               .factor = numbers.Row("interval_factor", outputs),
+               .guaranteed = json.at("interval").at("guaranteed").get<bool>()},
+      .novelty = {.mean = numbers.Row("novelty_mean", inputs),
+                  .whitening = numbers.Matrix("novelty_whitening", inputs, inputs),
+                  .limit = json.at("novelty_limit").get<double>()},
+      .least = numbers.Row("least", inputs),
+      .greatest = numbers.Row("greatest", inputs)};
+  for (Eigen::Index k = 0; k < parameters.rows(); ++k) {
+    fitted.ensemble.members.emplace_back(parameters.row(k).transpose());
+  }
+  return fitted;
+}
+
+}  // namespace
+
+Json JsonOf(const FeatureRecipe& recipe) {
+  return {
+      {"wavelet", recipe.wavelet.wavelet},     {"mode", analysis::wavelets::NameOf(recipe.wavelet.border)},
+      {"levels", recipe.wavelet.levels},       {"coefficients", "approximation"},
+      {"channels", recipe.channels},           {"sample_rate_hz", recipe.sample_rate_hz},
+      {"least_samples", recipe.least_samples}, {"inputs", recipe.inputs}};
+}
+
+FeatureRecipe RecipeFrom(const Json& json, const std::filesystem::path& file) {
+  try {
+    return {.wavelet = {.wavelet = json.at("wavelet").get<std::string>(),
+                        .border = analysis::wavelets::BorderOf(json.at("mode").get<std::string>()),
+                        .levels = json.at("levels").get<int>()},
+            .channels = json.at("channels").get<std::vector<std::string>>(),
+            .sample_rate_hz = json.at("sample_rate_hz").get<double>(),
+            .least_samples = json.at("least_samples").get<std::size_t>(),
+            .inputs = json.at("inputs").get<std::vector<std::string>>()};
+  } catch (const std::exception& error) {
+    Refuse(file, fmt::format("the recipe cannot be used: {}", error.what()),
+           "the file as `strainwave train` or `export` has written it");
+  }
+}
+
+void WritePredictor(const std::filesystem::path& folder, const Predictor& predictor) {
+  std::filesystem::create_directories(folder);
+  const prediction::FittedPredictor& fitted = predictor.fitted;
+  daq::WriteArraysAtomically(folder / kNumbers, NumbersOf(fitted));
+  const Json json{
+      {"format", kFormat},
+      {"recipe", JsonOf(predictor.recipe)},
+      {"outputs", predictor.outputs},
+      {"network", JsonOf(fitted.ensemble.network.design())},
+      {"members", fitted.ensemble.members.size()},
+      {"interval", {{"coverage", fitted.band.coverage}, {"guaranteed", fitted.band.guaranteed}}},
+      {"novelty_limit", fitted.novelty.limit},
+      {"numbers", {{"file", kNumbers}, {"sha256", Sha256(daq::ReadWholeFile(folder / kNumbers))}}},
+      {"training", Json::parse(predictor.training_json)}};
+  // Last: a folder without it is no predictor yet.
+  daq::WriteFileAtomically(folder / kDescription, json.dump(2) + "\n");
+}
+
+Predictor ReadPredictor(const std::filesystem::path& folder) {
+  const std::filesystem::path description = folder / kDescription;
+  const std::filesystem::path numbers = folder / kNumbers;
+  const std::string text = ReadFile(description);
+  const std::string bytes = ReadFile(numbers);
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("format").get<int>() != kFormat) {
+      Refuse(description, fmt::format("format {}", json.at("format").dump()),
+             fmt::format("format {}", kFormat));
+    }
+    if (Sha256(bytes) != json.at("numbers").at("sha256").get<std::string>()) {
+      Refuse(numbers, "the file has changed since it was written",
+             "the SHA-256 that predictor.json has of it");
+    }
+    FeatureRecipe recipe = RecipeFrom(json.at("recipe"), description);
+    auto outputs = json.at("outputs").get<std::vector<std::string>>();
+    const daq::ArraysFile arrays = daq::ReadArrays(numbers);
+    prediction::FittedPredictor fitted =
+        FittedFrom(json, Numbers(numbers, arrays), recipe.inputs.size(), outputs.size());
+    return {std::move(recipe), std::move(outputs), std::move(fitted), json.at("training").dump()};
+  } catch (const Json::exception& error) {
+    Refuse(description, fmt::format("cannot be used: {}", error.what()), "the file as it was written");
+  } catch (const std::invalid_argument& error) {
+    Refuse(description, fmt::format("cannot be used: {}", error.what()), "the file as it was written");
+  } catch (const daq::RecordError& error) {
+    throw CampaignError(ExitCode::kWrongInput, error.what());
+  }
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/prediction/record_features.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+
+#include "bench/diagnosis/record_checks.h"
+#include "bench/diagnosis/record_data.h"
+#include "daq/read_records.h"
+
+namespace strainwave::bench {
+namespace {
+
+double SampleRate(const daq::Record& record, std::span<const double> time_s) {
+  if (time_s.size() < 2 || !(time_s.back() > time_s.front())) {
+    throw RecordRefusal(record,
+                        "no time passes (expected samples of rising time_s, or metadata sample_rate_hz)");
+  }
+  const double steps = static_cast<double>(time_s.size() - 1);
+  const double step_s = (time_s.back() - time_s.front()) / steps;
+  // Half a step off its place: a sample is missing, or the clock wandered.
+  constexpr double kOffPlace = 0.5;
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    const double off = (time_s[i] - time_s.front()) / step_s - static_cast<double>(i);
+    if (std::abs(off) > kOffPlace) {
+      throw RecordRefusal(
+          record, fmt::format("time_s is off its place by {:.3g} steps at {:g} s (expected even samples)",
+                              off, time_s[i]));
+    }
+  }
+  return 1.0 / step_s;
+}
+
+double InputSpeed(const daq::Record& record, std::span<const double> speed_rad_per_s) {
+  if (speed_rad_per_s.empty()) {
+    throw RecordRefusal(
+        record,
+        "there is no speed of the input shaft (expected metadata or column input_speed_rpm, or column "
+        "input_speed_rad_per_s)");
+  }
+  const auto [low, high] = std::ranges::minmax(speed_rad_per_s);
+  constexpr double kSteady = 0.01;
+  const double middle = 0.5 * std::abs(low + high);
+  if (middle == 0.0)
+    throw RecordRefusal(record, "the input shaft stands still (expected a speed other than zero)");
+  if (high - low > kSteady * middle) {
+    throw RecordRefusal(
+        record, fmt::format("the input shaft turns at {:.4g} to {:.4g} rad/s (expected one speed, to a "
+                            "hundredth, for energies by order)",
+                            low, high));
+  }
+  return middle;
+}
+
+}  // namespace
+
+std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path) {
+  std::vector<daq::Record> records = daq::ReadRecords(path);
+  std::vector<std::string> kinds;
+  for (const daq::Record& record : records) {
+    if (std::ranges::find(kinds, record.kind) == kinds.end()) kinds.push_back(record.kind);
+  }
+  std::erase_if(records, [](const daq::Record& record) { return record.kind != "vibration"; });
+  if (records.empty()) {
+    throw CampaignError(ExitCode::kWrongInput, fmt::format("{}: error: kind is {} (expected vibration)",
+                                                           path.string(), fmt::join(kinds, ", ")));
+  }
+  return records;
+}
+
+std::vector<double> ChannelOf(const daq::Record& record, const std::string& channel) {
+  const std::vector<std::string> channels = VibrationChannelsOf(record);
+  if (channel.empty() && channels.size() == 1) return record.CopyAsDoubles(channels.front());
+  if (std::ranges::find(channels, channel) == channels.end()) {
+    throw RecordRefusal(
+        record,
+        channel.empty()
+            ? fmt::format("there are {} channels and none is named (expected --channel with one "
+                          "of {})",
+                          channels.size(), fmt::join(channels, ", "))
+            : fmt::format("there is no channel '{}' (expected {})", channel, fmt::join(channels, ", ")));
+  }
+  return record.CopyAsDoubles(channel);
+}
+
+double SampleRateOf_hz(const daq::Record& record) {
+  if (const auto text = record.Metadata("sample_rate_hz")) {
+    const auto rate_hz = daq::NumberFromText(*text);
+    if (rate_hz && *rate_hz > 0.0) return *rate_hz;
+  }
+  const bool has_time = record.FindColumn("time_s") != nullptr;
+  return SampleRate(record, has_time ? record.CopyAsDoubles("time_s") : std::vector<double>{});
+}
+
+RecordFeatures WaveletFeaturesOf(const daq::Record& record, analysis::features::WaveletFeatures& features) {
+  const std::vector<std::string> channels = VibrationChannelsOf(record);
+  RecordFeatures result{features.Names(channels),
+                        std::vector<double>(channels.size() * features.CountPerChannel())};
+  std::span<double> left = result.values;
+  for (const std::string& channel : channels) {
+    features.Compute(record.CopyAsDoubles(channel), left.first(features.CountPerChannel()));
+    left = left.subspan(features.CountPerChannel());
+  }
+  return result;
+}
+
+RecordFeatures OrderFeaturesOf(const daq::Record& record, const analysis::features::OrderBands& bands) {
+  const analysis::diagnosis::VibrationData data = VibrationDataOf(record);
+  const double samples_per_turn = SampleRate(record, data.time_s) * 2.0 * std::numbers::pi /
+                                  InputSpeed(record, data.input_speed_rad_per_s);
+  const std::vector<std::string> channels = VibrationChannelsOf(record);
+  RecordFeatures result{analysis::features::OrderBandNames(channels, bands), {}};
+  for (const auto& channel : data.channels) {
+    try {
+      const auto energies = analysis::features::OrderBandEnergies(channel.values, samples_per_turn, bands);
+      result.values.insert(result.values.end(), energies.begin(), energies.end());
+    } catch (const std::invalid_argument& error) {
+      throw RecordRefusal(record, fmt::format("{}: {}", channel.name, error.what()));
+    }
+  }
+  return result;
+}
+
+}  // namespace strainwave::bench

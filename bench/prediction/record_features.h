@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "analysis/features/order_bands.h"
+#include "analysis/features/wavelet_features.h"
+#include "daq/record.h"
+
+namespace strainwave::bench {
+
+/// Named values of one record: the features of every channel, in the order of the record's columns.
+struct RecordFeatures {
+  std::vector<std::string> names;
+  std::vector<double> values;
+};
+
+/// The records of kind vibration in a file. Records of other kinds beside them in one HDF5 file are passed
+/// over.
+/// @throws RecordError; CampaignError if the file holds none.
+std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path);
+
+/// One channel's samples.
+/// @param channel  its column; empty where the record has one channel alone.
+/// @throws CampaignError naming the channels that there are.
+std::vector<double> ChannelOf(const daq::Record& record, const std::string& channel);
+
+/// Samples a second, by the metadata `sample_rate_hz` or else by `time_s`.
+/// @throws CampaignError if there is neither, or the samples are not even in time.
+double SampleRateOf_hz(const daq::Record& record);
+
+/// `CHANNEL.aLEVEL.COLUMN` (analysis/features/wavelet_features.h). `features` keeps its memory between
+/// records.
+RecordFeatures WaveletFeaturesOf(const daq::Record& record, analysis::features::WaveletFeatures& features);
+
+/// `CHANNEL.orders.LOW_HIGH` (analysis/features/order_bands.h).
+/// @throws CampaignError if the record tells no speed of the input shaft, stands still, changes speed by more
+/// than a
+///   hundredth, holds less than four turns, or is not evenly sampled.
+RecordFeatures OrderFeaturesOf(const daq::Record& record, const analysis::features::OrderBands& bands);
+
+}  // namespace strainwave::bench

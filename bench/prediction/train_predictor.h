@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "analysis/prediction/correlation_filter.h"
+#include "analysis/prediction/importance.h"
+#include "bench/prediction/predictor_file.h"
+#include "bench/prediction/training_data.h"
+
+namespace strainwave::bench {
+
+/// How a predictor is to be trained.
+struct TrainingJob {
+  /// `small`: two dense layers, squared loss, early stopping, five members. `ann`, `cnn`: those of seed 003,
+  /// trained as it says: percentage loss, Adam, 1000 epochs in batches of 32, one network.
+  std::string design{"small"};
+  int epochs{};   // 0: as the design says
+  int members{};  // 0: as the design says
+  int folds{5};
+  double coverage{0.9};
+  double correlation_limit{0.75};
+  double test_share{1000.0 / 3500.0};  // of each life, the last part
+  std::uint64_t seed{1};
+};
+
+/// What the correlation filter left of the features.
+struct FilterSummary {
+  std::size_t records{};  // that it looked at
+  std::size_t vibration_features{};
+  std::size_t vibration_kept{};
+  std::size_t torque_features{};
+  std::size_t torque_kept{};  // said nothing that vibration says; not used all the same
+};
+
+/// The comparison on one split.
+struct SplitResult {
+  std::string name;     // "last part of each life", "unseen specimens", "random"
+  std::string meaning;  // what it tells, in words
+  std::size_t train{};
+  std::size_t test{};
+  std::vector<analysis::prediction::Contestant> contestants;
+};
+
+/// Predictions of records by networks that had not seen them, for the picture and the coverage.
+struct HeldOut {
+  std::vector<double> cycle;
+  std::vector<int> specimen;
+  Eigen::MatrixXd actual;
+  Eigen::MatrixXd predicted;
+};
+
+struct TrainingOutcome {
+  Predictor predictor;
+  FilterSummary filter;
+  std::vector<SplitResult> splits;
+  std::vector<analysis::prediction::Importance> importances;
+  HeldOut held_out;  // the last part of each life
+};
+
+/// Filters the features, compares the network with what it has to beat on honest splits and on a random one,
+/// fits the predictor on everything, and measures what its inputs are worth.
+/// @param progress  step and share of all; false ends it.
+/// @throws CampaignError for a design without that name; prediction::TrainingEnded when progress ended it.
+TrainingOutcome TrainPredictor(const TrainingData& data, const analysis::features::WaveletRecipe& recipe,
+                               const TrainingJob& job,
+                               const std::function<bool(const std::string& step, double share)>& progress);
+
+/// Calls tasks on all processors; the first exception is thrown again when all threads have ended.
+void OnAllProcessors(std::size_t count, const std::function<void(std::size_t)>& task);
+
+}  // namespace strainwave::bench
