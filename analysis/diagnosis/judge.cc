@@ -15,8 +15,21 @@ namespace {
 
 // A local cause may cover a few samples: its blocks are this much shorter.
 constexpr std::size_t kShortBlocks = 20;
+constexpr std::size_t kMostHeldOut = 4;
+
+// BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
+// phase): it may say so much less where chance is excluded, and less for each of many parameters.
+constexpr double kLeastBic = -12.0;
+constexpr double kLeastBicEach = -5.0;
+constexpr double kLeastBicOfMany = -40.0;
 
 }  // namespace
+
+bool IsBeyondChance(const Comparison& comparison, double corrected_p_value, double error) {
+  return corrected_p_value < error &&
+         comparison.delta_bic >
+             std::clamp(kLeastBicEach * comparison.more_parameters, kLeastBicOfMany, kLeastBic);
+}
 
 Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOptions&)
     : study_(study),
@@ -41,17 +54,27 @@ ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* star
 Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) const {
   Comparison comparison;
   if (!richer.fit.usable || !poorer.fit.usable) return comparison;
-  const int more = richer.fit.free_parameters - poorer.fit.free_parameters;
+  double more = richer.fit.free_parameters - poorer.fit.free_parameters;
+  // What is added has an amount at least.
+  if (more > 0.0) more = std::max(1.0, richer.fit.charged_parameters() - poorer.fit.charged_parameters());
+  comparison.more_parameters = more;
   comparison.likelihood_ratio = LikelihoodRatio(richer.noise, poorer.noise);
   comparison.delta_bic = comparison.likelihood_ratio - more * std::log(samples_);
   comparison.likelihood_ratio = std::max(0.0, comparison.likelihood_ratio);
   const double freedom = samples_ - richer.fit.free_parameters;
-  if (more > 0 && freedom > 2.0) {
+  if (more > 0.0 && freedom > 2.0) {
     const double f = std::expm1(std::min(700.0, comparison.likelihood_ratio / samples_)) * freedom / more;
     const boost::math::fisher_f distribution(more, freedom);
     comparison.p_value = boost::math::cdf(boost::math::complement(distribution, f));
   }
   return comparison;
+}
+
+double Judge::Score(double likelihood_ratio, double more_parameters, const CauseRule& rule) const {
+  const double places = std::min<double>(rule.places, more_parameters);
+  return likelihood_ratio - (more_parameters - places) * std::log(samples_) -
+         places * std::log(std::clamp(likelihood_ratio, 1.0, samples_)) -
+         2.0 * std::log(std::max(1.0, rule.trials));
 }
 
 double Judge::Corrected(double p_value, const CauseRule& rule) const {
@@ -62,7 +85,16 @@ double Judge::Corrected(double p_value, const CauseRule& rule) const {
 double Judge::HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const NoiseFit& noise,
                           bool local) const {
   const Folds& used = folds(local);
-  const std::vector<double> before = HeldOutResiduals(study_, weights_, used, poorer);
+  // One model is the poorer one of many candidates.
+  auto known = std::ranges::find_if(poorer_, [&](const HeldOut& other) {
+    return other.local == local && other.causes == poorer.causes && other.state == poorer.state;
+  });
+  if (known == poorer_.end()) {
+    if (poorer_.size() == kMostHeldOut) poorer_.pop_front();
+    poorer_.push_back({local, poorer.causes, poorer.state, HeldOutResiduals(study_, weights_, used, poorer)});
+    known = std::prev(poorer_.end());
+  }
+  const std::vector<double>& before = known->residuals;
   const std::vector<double> after = HeldOutResiduals(study_, weights_, used, richer);
   double gain = 0.0;
   for (std::size_t i = 0; i < before.size(); ++i) gain += before[i] * before[i] - after[i] * after[i];

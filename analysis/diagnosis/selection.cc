@@ -10,11 +10,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kAsGood = 6.0;         // of BIC: odds of 20 to 1
-constexpr double kClearlyBetter = 2.0;  // for an exchange of one cause for another
-// BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
-// phase): it may say so much less where chance is excluded.
-constexpr double kLeastBic = -12.0;
+constexpr double kAsGood = 6.0;          // of BIC: odds of 20 to 1
+constexpr double kClearlyBetter = 2.0;   // for an exchange of one cause for another
 constexpr double kLeastBicBeside = 0.0;  // of what comes on top of something found
 constexpr double kPairAhead = 8.0;       // of two causes, to take the place of one
 constexpr double kRivalAwayFromZero =
@@ -42,12 +39,14 @@ bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t o
   return found != far_behind.end() && found->second.contains(other);
 }
 
-// @param p  corrected
-bool IsBeyondChance(double delta_bic, double p, double error) { return p < error && delta_bic > kLeastBic; }
-
-double ScoreOf(const Comparison& comparison, const CauseRule& rule) {
-  return comparison.delta_bic - 2.0 * std::log(std::max(1.0, rule.trials));
+// Of a model with this cause, ahead of the one without.
+double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause) {
+  const Comparison comparison = judge.Compare(with, without);
+  return judge.Score(comparison.likelihood_ratio, comparison.more_parameters, judge.study().causes()[cause]);
 }
+
+// By how much a correction has to be ahead of a cause to take its place.
+double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
 
 bool Contains(std::span<const std::size_t> causes, std::size_t cause) {
   return std::find(causes.begin(), causes.end(), cause) != causes.end();
@@ -61,8 +60,7 @@ void Rank(const Study& study, std::vector<Candidate>& candidates) {
     return study.causes()[candidate.cause].named;
   });
   if (named == candidates.begin() || named == candidates.end()) return;
-  const double lead =
-      kCorrectionLead + kCorrectionShare * std::max(0.0, candidates.front().against.likelihood_ratio);
+  const double lead = LeadAsked(candidates.front().against.likelihood_ratio);
   if (candidates.front().score < named->score + lead) std::rotate(candidates.begin(), named, named + 1);
 }
 
@@ -80,7 +78,7 @@ std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& mode
     Candidate candidate{cause, judge.Fit(With(model.fit.causes, cause), &model.fit), {}, -1e300};
     if (!candidate.model.fit.usable) continue;
     candidate.against = judge.Compare(candidate.model, model);
-    candidate.score = ScoreOf(candidate.against, judge.study().causes()[cause]);
+    candidate.score = ScoreOf(judge, candidate.model, model, cause);
     candidates.push_back(std::move(candidate));
   }
   return candidates;
@@ -110,7 +108,7 @@ double ErrorAllowed(const ScoredModel& model, std::size_t given, const DiagnoseO
 
 bool LooksPossible(const Judge& judge, const Candidate& candidate, double error) {
   const double p = judge.Corrected(candidate.against.p_value, judge.study().causes()[candidate.cause]);
-  return IsBeyondChance(candidate.against.delta_bic, p, error);
+  return IsBeyondChance(candidate.against, p, error);
 }
 
 // Effects none of which shows while the others are still in the residual: slow ones pass together for the
@@ -124,11 +122,13 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& m
     const CauseRule& rule = rules[candidate.cause];
     const double ahead = WhiteRatio(candidate.model, poorer);
     const int more = candidate.model.fit.free_parameters - poorer.fit.free_parameters;
-    const double lead = rule.named ? 0.0 : kCorrectionLead + kCorrectionShare * std::max(0.0, ahead);
-    return ahead - 2.0 * std::log(std::max(1.0, rule.trials)) - more * std::log(judge.samples()) - lead;
+    // Without a discount for places: noise with a memory has lines and windows anywhere.
+    return ahead - 2.0 * std::log(std::max(1.0, rule.trials)) - more * std::log(judge.samples()) -
+           (rule.named ? 0.0 : LeadAsked(ahead));
   };
+  constexpr std::size_t kMostTogether = 3;
   ScoredModel all = model;
-  while (all.fit.causes.size() < model.fit.causes.size() + most) {
+  while (all.fit.causes.size() < model.fit.causes.size() + std::min(most, kMostTogether)) {
     std::vector<Candidate> candidates = FitCandidates(judge, all);
     const auto best = std::max_element(
         candidates.begin(), candidates.end(),
@@ -137,23 +137,27 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& m
     all = std::move(best->model);
   }
   while (all.fit.causes.size() > model.fit.causes.size()) {
-    std::size_t weakest = 0;
-    double least = 1e300;
-    bool passed = true;
+    std::vector<Candidate> rest;  // without one each
     for (const std::size_t cause : all.fit.causes) {
       if (Contains(model.fit.causes, cause)) continue;
-      const ScoredModel without = judge.Fit(Without(all.fit.causes, cause), &all.fit);
-      const CandidateResult result = JudgeCause(judge, all, without, cause, error);
-      // What fails goes before what passes, and the weaker before the stronger.
-      const double strength = result.evidence.delta_bic + (result.passed ? 1e9 : 0.0);
-      passed = passed && result.passed;
-      if (strength < least) {
-        least = strength;
-        weakest = cause;
-      }
+      rest.push_back({cause, judge.Fit(Without(all.fit.causes, cause), &all.fit), {}, 0.0});
+      rest.back().against = judge.Compare(all, rest.back().model);
     }
-    if (passed) return all;
-    all = judge.Fit(Without(all.fit.causes, weakest), &all.fit);
+    std::sort(rest.begin(), rest.end(), [](const Candidate& a, const Candidate& b) {
+      return a.against.delta_bic < b.against.delta_bic;
+    });
+    // The weakest of what is not beyond chance, which is cheap to say; else of what fails otherwise.
+    auto weakest = std::find_if(rest.begin(), rest.end(), [&](const Candidate& without) {
+      const double p = judge.Corrected(without.against.p_value, rules[without.cause]);
+      return !IsBeyondChance(without.against, p, error);
+    });
+    if (weakest == rest.end()) {
+      weakest = std::find_if(rest.begin(), rest.end(), [&](const Candidate& without) {
+        return !JudgeCause(judge, all, without.model, without.cause, error).passed;
+      });
+    }
+    if (weakest == rest.end()) return all;
+    all = std::move(weakest->model);
   }
   return std::nullopt;
 }
@@ -173,7 +177,7 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
     if (Contains(given, cause)) continue;
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
-    const double own = ScoreOf(judge.Compare(model, without), rules[cause]);
+    const double own = ScoreOf(judge, model, without, cause);
     std::vector<Candidate> parts = FitCandidates(judge, without, [&](std::size_t part) {
       return !rules[part].named || IsFarBehind(far_behind, cause, part);
     });
@@ -193,8 +197,7 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
         if (first.cause == second.cause || white(first) + white(second) < own - kAsGood) continue;
         ScoredModel pair = judge.Fit(With(first.model.fit.causes, second.cause), &first.model.fit);
         if (!pair.fit.usable) continue;
-        const double lead =
-            first.score + ScoreOf(judge.Compare(pair, first.model), rules[second.cause]) - own;
+        const double lead = first.score + ScoreOf(judge, pair, first.model, second.cause) - own;
         if (lead < -kAsGood) continue;
         const ScoredModel reported = judge.Fit(pair.fit.causes, &pair.fit, FitPurpose::kReport);
         const auto unlikely = [&](std::size_t part) {
@@ -224,7 +227,7 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
     ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     const Comparison comparison = judge.Compare(model, without);
     const double p = judge.Corrected(comparison.p_value, judge.study().causes()[cause]);
-    if (IsBeyondChance(comparison.delta_bic, p, options.family_error)) continue;
+    if (IsBeyondChance(comparison, p, options.family_error)) continue;
     model = std::move(without);
     return true;
   }
@@ -239,15 +242,14 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarB
     if (Contains(given, cause)) continue;
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
-    const double own = ScoreOf(judge.Compare(model, without), rules[cause]);
+    const double own = ScoreOf(judge, model, without, cause);
     for (std::size_t other = 0; other < rules.size(); ++other) {
       if (Contains(model.fit.causes, other) || IsFarBehind(far_behind, cause, other)) continue;
       ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
       if (!exchanged.fit.usable) continue;
-      double lead = ScoreOf(judge.Compare(exchanged, without), rules[other]) - own;
-      if (rules[cause].named && !rules[other].named) lead -= kCorrectionLead + kCorrectionShare * explained;
-      if (!rules[cause].named && rules[other].named)
-        lead += kCorrectionLead + kCorrectionShare * std::max(0.0, own);
+      double lead = ScoreOf(judge, exchanged, without, other) - own;
+      if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained);
+      if (!rules[cause].named && rules[other].named) lead += LeadAsked(own);
       if (lead < kClearlyBetter) continue;
       exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
       if (!judge.Objection(exchanged.fit, other).empty()) continue;
@@ -279,7 +281,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const Comparison comparison = judge.Compare(with, without);
   CandidateResult result{
       cause, {comparison.delta_bic, judge.Corrected(comparison.p_value, rule), 0.0}, false, {}};
-  if (!IsBeyondChance(comparison.delta_bic, result.evidence.p_value, error_allowed)) {
+  if (!IsBeyondChance(comparison, result.evidence.p_value, error_allowed)) {
     result.objection = "not beyond chance";
     return result;
   }
@@ -342,8 +344,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
       selection.model = ScoredModel(chosen->model);
     } else {
       const std::size_t most = given.size() + options.max_effects - model.fit.causes.size();
-      std::optional<ScoredModel> together =
-          full ? std::nullopt : FindTogether(judge, model, most, options.family_error);
+      std::optional<ScoredModel> together = full ? std::nullopt : FindTogether(judge, model, most, error);
       if (!together && !full)
         together = FindPair(judge, given, model, error, selection.far_behind, selection.pair_rivals);
       if (!together) break;
@@ -369,14 +370,13 @@ std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, 
   std::vector<std::string> rivals = rules[cause].aliases;
   const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
   if (!without.fit.usable) return rivals;
-  const double own = ScoreOf(judge.Compare(model, without), rules[cause]);
+  const double own = ScoreOf(judge, model, without, cause);
   for (std::size_t other = 0; other < rules.size(); ++other) {
     if (!rules[other].named || Contains(model.fit.causes, other)) continue;
     if (IsFarBehind(far_behind, cause, other)) continue;
     ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
     if (!exchanged.fit.usable) continue;
-    const Comparison comparison = judge.Compare(exchanged, without);
-    if (ScoreOf(comparison, rules[other]) < own - kAsGood) continue;
+    if (ScoreOf(judge, exchanged, without, other) < own - kAsGood) continue;
     exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
     if (!judge.Objection(exchanged.fit, other, kRivalAwayFromZero).empty()) continue;
     // One cause in two forms (a drift by time, or by temperature): the form is what cannot be told.

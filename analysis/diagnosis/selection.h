@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -24,8 +25,13 @@ struct ScoredModel {
 struct Comparison {
   double likelihood_ratio{};  // 2 Δ log-likelihood, never below 0
   double delta_bic{};
-  double p_value{1.0};  // of one look, not yet corrected
+  double p_value{1.0};       // of one look, not yet corrected
+  double more_parameters{};  // as they are charged for
 };
+
+/// Whether what the richer model has more is no play of chance: by the p-value, corrected for all that was
+/// looked at, with BIC as a bound.
+bool IsBeyondChance(const Comparison& comparison, double corrected_p_value, double error);
 
 /// Fits and compares sets of causes of one study under one set of weights.
 class Judge {
@@ -39,6 +45,11 @@ class Judge {
   ScoredModel Fit(std::span<const std::size_t> causes, const ModelFit* start,
                   FitPurpose purpose = FitPurpose::kCompare) const;
   Comparison Compare(const ScoredModel& richer, const ScoredModel& poorer) const;
+
+  /// BIC of a cause that brings this likelihood ratio at the cost of so many parameters, less what the places
+  /// searched cost: by how many there are, and by how sharply each is known (Laplace's approximation, in
+  /// which an amount is known to 1/√samples and a place to 1/√ratio of a resolution cell).
+  double Score(double likelihood_ratio, double more_parameters, const CauseRule& rule) const;
 
   /// p-value of one look, times the places that the cause's search looked at and the candidates there are.
   double Corrected(double p_value, const CauseRule& rule) const;
@@ -60,6 +71,15 @@ class Judge {
   double scale_{};
   Folds folds_;
   Folds short_folds_;
+
+  /// Residuals of the last models that were the poorer ones. Not for several threads at once.
+  struct HeldOut {
+    bool local{};
+    std::vector<std::size_t> causes;
+    std::vector<double> state;
+    std::vector<double> residuals;
+  };
+  mutable std::deque<HeldOut> poorer_;
 };
 
 /// The set without one cause, or with one more; ascending.

@@ -50,6 +50,10 @@ Eigen::MatrixXd ShapeColumns(const TermSet& set, const SeparableSolution& at) {
     Eigen::MatrixXd down(up.rows(), up.cols());
     for (std::size_t s = 0; s < term.shapes.size(); ++s) {
       const ShapeRange& range = term.shapes[s];
+      if (!set.Moves(range)) {
+        columns.col(next++).setZero();
+        continue;
+      }
       std::vector<double> shapes = at.shapes[t];
       const double centre = shapes[s];
       const double high = std::min(range.high, centre + 0.05 * range.step);
@@ -75,6 +79,15 @@ std::size_t TermSet::coefficients() const {
 std::size_t TermSet::shapes() const {
   std::size_t sum = 0;
   for (const SeparableTerm* term : terms) sum += term->shapes.size();
+  return sum;
+}
+
+std::size_t TermSet::moved_shapes() const {
+  std::size_t sum = 0;
+  for (const SeparableTerm* term : terms) {
+    sum += static_cast<std::size_t>(std::count_if(term->shapes.begin(), term->shapes.end(),
+                                                  [this](const ShapeRange& range) { return Moves(range); }));
+  }
   return sum;
 }
 

@@ -10,9 +10,15 @@ namespace strainwave::analysis::diagnosis {
 struct TermSet {
   std::vector<const SeparableTerm*> terms;
   std::size_t samples{};
+  FitPurpose purpose{FitPurpose::kCompare};
 
   std::size_t coefficients() const;
   std::size_t shapes() const;
+  bool Moves(const ShapeRange& range) const {
+    return range.moved == Moved::kAlways ||
+           (range.moved == Moved::kForReport && purpose == FitPurpose::kReport);
+  }
+  std::size_t moved_shapes() const;
 };
 
 /// One solution of a term set.

@@ -12,6 +12,7 @@
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/separable_fit.h"
+#include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -29,8 +30,9 @@ std::vector<double> NumbersOf(const SeparableSolution& solution) {
   return numbers;
 }
 
-TermSet NominalTerms(const SeparableModel& model) {
+TermSet NominalTerms(const SeparableModel& model, FitPurpose purpose) {
   TermSet set;
+  set.purpose = purpose;
   set.samples = model.measured.size();
   for (const SeparableTerm& term : model.nominal) set.terms.push_back(&term);
   return set;
@@ -54,23 +56,84 @@ std::vector<double> KnownShapes(const SeparableModel& model, const ModelFit* fit
   return shapes;
 }
 
-// The best solution with the last term of the set, whose shapes `before` does not have yet; nothing if the
-// record gives no place to start from.
+// Whether what people read of a solution's last term lies where its rule expects it.
+bool IsAsExpected(const TermSet& set, const CauseRule& rule, const SeparableSolution& solution) {
+  std::vector<double> numbers = solution.coefficients.back();
+  numbers.insert(numbers.end(), solution.shapes.back().begin(), solution.shapes.back().end());
+  const auto width = static_cast<Eigen::Index>(numbers.size());
+  const std::vector<ParameterValue> values =
+      set.terms.back()->describe(numbers, Eigen::MatrixXd::Zero(width, width));
+  return std::ranges::all_of(rule.parameters, [&](const ParameterRule& expected) {
+    const auto value = std::ranges::find(values, expected.name, &ParameterValue::name);
+    return value == values.end() || (value->value >= expected.low && value->value <= expected.high);
+  });
+}
+
+// The best solution with the last term of the set, whose shapes `before` does not have yet, and among several
+// one whose numbers are as the rule expects them; nothing if the record gives no place to start from.
 std::optional<SeparableSolution> SearchShapes(const SeparableModel& model, const TermSet& set,
-                                              std::span<const double> weights,
+                                              const CauseRule& rule, std::span<const double> weights,
                                               const SeparableSolution& before) {
   std::vector<double> residual(model.measured);
   for (std::size_t i = 0; i < residual.size(); ++i)
     residual[i] -= before.predicted(static_cast<Eigen::Index>(i));
   const SeparableProblem problem(set, model.measured, weights);
   std::optional<SeparableSolution> best;
+  bool best_expected = false;
   for (const std::vector<double>& shape : set.terms.back()->starts({residual, weights})) {
     std::vector<std::vector<double>> joined = before.shapes;
     joined.push_back(shape);
     SeparableSolution candidate = problem.Refine(problem.Solve(std::move(joined)), kSearchRounds);
-    if (!best || candidate.weighted_square_sum < best->weighted_square_sum) best = std::move(candidate);
+    const bool expected = IsAsExpected(set, rule, candidate);
+    if (!best || (expected && !best_expected) ||
+        (expected == best_expected && candidate.weighted_square_sum < best->weighted_square_sum)) {
+      best = std::move(candidate);
+      best_expected = expected;
+    }
   }
   return best;
+}
+
+// How many of the shapes with a known range need not be charged for. Each would be by ln samples; what it is
+// charged instead is ln |1 + R I R / 2π|, where I is the information on them beside everything else and R
+// holds their ranges: nothing where the record says nothing of them.
+double KnownBefore(const TermSet& set, const SeparableSolution& solution, std::span<const double> weights) {
+  std::vector<Eigen::Index> known;
+  std::vector<Eigen::Index> others;
+  std::vector<double> ranges;
+  Eigen::Index next = 0;
+  for (const SeparableTerm* term : set.terms) {
+    for (std::size_t c = 0; c < term->columns; ++c) others.push_back(next++);
+    for (const ShapeRange& range : term->shapes) {
+      (range.known ? known : others).push_back(next++);
+      if (range.known) ranges.push_back(range.high - range.low);
+    }
+  }
+  if (known.empty()) return 0.0;
+  const Eigen::Map<const Eigen::VectorXd> weight(weights.data(), static_cast<Eigen::Index>(weights.size()));
+  const double samples = weight.sum();
+  const double variance = std::max(solution.weighted_square_sum / std::max(samples, 1.0), 1e-300);
+  const Eigen::MatrixXd rows = weight.cwiseSqrt().asDiagonal() * Sensitivities(set, solution);
+  const Eigen::MatrixXd by_known = rows(Eigen::all, known);
+  Eigen::MatrixXd by_others = rows(Eigen::all, others);
+  for (Eigen::Index j = 0; j < by_others.cols(); ++j) {
+    const double norm = by_others.col(j).norm();
+    if (norm > 0.0) by_others.col(j) /= norm;
+  }
+  const Eigen::MatrixXd common = by_others.transpose() * by_known;
+  const Eigen::MatrixXd gram = by_others.transpose() * by_others;
+  const Eigen::MatrixXd information =
+      (by_known.transpose() * by_known -
+       common.transpose() * gram.completeOrthogonalDecomposition().solve(common)) /
+      variance;
+  const Eigen::Map<const Eigen::VectorXd> range(ranges.data(), static_cast<Eigen::Index>(ranges.size()));
+  const Eigen::MatrixXd excluded = range.asDiagonal() * information * range.asDiagonal() / kTwoPi;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(excluded, Eigen::EigenvaluesOnly);
+  double free = 0.0;
+  for (const double value : eigen.eigenvalues()) {
+    free += 1.0 - std::min(1.0, std::log1p(std::max(value, 0.0)) / std::log(std::max(samples, 3.0)));
+  }
+  return free;
 }
 
 // Numbers of the fit as people read them, term after term.
@@ -125,7 +188,7 @@ std::vector<UserQuantity> SeparableStudy::Quantities(const Eigen::VectorXd& pred
 ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                              const ModelFit* start, FitPurpose purpose) const {
   // Known terms first, then one after the other those whose shapes have to be searched for.
-  TermSet set = NominalTerms(model_);
+  TermSet set = NominalTerms(model_, purpose);
   std::vector<std::vector<double>> shapes(model_.nominal.size());
   std::vector<std::size_t> searched;
   std::vector<std::size_t> order;
@@ -145,7 +208,8 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   for (const std::size_t cause : searched) {
     set.terms.push_back(&model_.causes[cause]);
     order.push_back(cause);
-    std::optional<SeparableSolution> found = SearchShapes(model_, set, weights, solution);
+    std::optional<SeparableSolution> found =
+        SearchShapes(model_, set, model_.rules[cause], weights, solution);
     if (!found) return {};
     solution = std::move(*found);
   }
@@ -158,7 +222,7 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   std::vector<std::size_t> rank(order.size());
   std::iota(rank.begin(), rank.end(), std::size_t{0});
   std::sort(rank.begin(), rank.end(), [&](std::size_t a, std::size_t b) { return order[a] < order[b]; });
-  TermSet sorted_set = NominalTerms(model_);
+  TermSet sorted_set = NominalTerms(model_, purpose);
   std::vector<std::vector<double>> sorted_shapes(model_.nominal.size());
   ModelFit fit;
   for (const std::size_t i : rank) {
@@ -171,7 +235,8 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   }
   fit.predicted = solution.predicted;
   fit.state = NumbersOf(solution);
-  fit.free_parameters = static_cast<int>(fit.state.size());
+  fit.free_parameters = static_cast<int>(sorted_set.coefficients() + sorted_set.moved_shapes());
+  fit.known_before = KnownBefore(sorted_set, solution, weights);
   fit.usable = solution.predicted.allFinite();
   const auto numbers = static_cast<Eigen::Index>(fit.state.size());
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(numbers, numbers);

@@ -7,12 +7,21 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// When a fit moves a shape away from where its start put it: always, not while candidates are compared (a
+/// detail that few records know, and that would cost each of them its power), or never (one of a list).
+enum class Moved { kAlways, kForReport, kNever };
+
 /// A number on which a term depends in a curved way: an order, a centre, a time constant. Fits keep it in
 /// [low, high].
 struct ShapeRange {
   double low{};
   double high{};
   double step{};  // about what a change has to be to matter: for derivatives, and the first trust region
+  /// True where [low, high] is what is known before: the number is charged for by how much of that the record
+  /// excludes, not as if each sample told of it (the evidence of Laplace; Kass & Raftery, JASA 90 (1995)
+  /// 773).
+  bool known{};
+  Moved moved{Moved::kAlways};
 };
 
 /// What a search for shapes is given: what the rest of the model leaves.

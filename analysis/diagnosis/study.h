@@ -39,6 +39,9 @@ struct CauseRule {
   std::string effect{};  // row of the effects catalogue, "E4"; or empty
   std::vector<ParameterRule> parameters{};
   int degrees_of_freedom{1};  // parameters that it adds
+  /// How many of these are places that the search looked for (an order, a window's two ends): they are
+  /// charged by the places there are, not by the samples.
+  int places{};
   /// How many independent places its search looks at (orders, windows): multiplies the p-value.
   double trials{1.0};
   /// Stays within a short stretch of the record, so that it is held out in short blocks.
@@ -70,8 +73,12 @@ struct ModelFit {
   std::vector<std::vector<ParameterValue>> cause_parameters;  // one list a cause, in the order of `causes`
   Eigen::VectorXd predicted;                                  // all samples, those without weight, too
   int free_parameters{};
+  /// Of these, as many as are not charged for: what the record says of them is no more than was known before.
+  double known_before{};
   std::vector<double> state;  // the fit's own numbers, to start the next one from; its layout is the study's
   bool usable{};              // false: no solution inside the hard bounds; everything else is then void
+
+  double charged_parameters() const { return static_cast<double>(free_parameters) - known_before; }
 };
 
 /// What a fit is for: candidates are compared by their likelihood alone; what is reported needs errors.

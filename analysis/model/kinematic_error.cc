@@ -24,11 +24,12 @@ KinematicValue EvaluateDamagedKinematicError(const KinematicSeries& series, cons
   const LocalToothDamage& damage = series.damage;
   if (damage.height_rad == 0.0) return value;
   const double output_rad = std::atan2(phasors.output_sin, phasors.output_cos);
-  const double bump_rad =
-      damage.height_rad * LocalToothDamageShape(output_rad, damage.centre_rad, damage.width_rad);
+  const double bump_rad = damage.height_rad * LocalToothDamageShape(output_rad, damage.centre_rad,
+                                                                    damage.width_rad, damage.skew_share);
   // Slope of a Gaussian: −(distance / deviation²) of its value.
-  const double per_width = kWidthPerDeviation / damage.width_rad;
   const double away_rad = std::remainder(output_rad - damage.centre_rad, kTwoPi);
+  const double flank = away_rad < 0.0 ? 1.0 - damage.skew_share : 1.0 + damage.skew_share;
+  const double per_width = kWidthPerDeviation / (damage.width_rad * flank);
   value.error_rad += bump_rad;
   value.derivative -= bump_rad * away_rad * per_width * per_width * series.inverse_ratio;
   return value;

@@ -21,6 +21,7 @@ struct LocalToothDamage {
   double height_rad{};
   double centre_rad{};                // output angle
   double width_rad{RadFromDeg(4.0)};  // full width at half height; > 0
+  double skew_share{};                // of the flank towards larger angles, −1 to 1
 };
 
 /// Kinematic error e = ∑ Aₖ sin(oₖ θ + φₖ), an output angle: θ_out = θ_in/N − e at no load.

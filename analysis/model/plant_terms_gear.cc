@@ -64,7 +64,7 @@ void AddGearCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
       {"local_tooth_damage",
        "E24",
        {Amount("height_rad", "rad", damage.height_rad), Shape("centre_rad", "rad", damage.centre_rad),
-        Scale("width_rad", "rad", damage.width_rad)}});
+        Scale("width_rad", "rad", damage.width_rad), Shape("skew_share", "1", damage.skew_share)}});
 }
 
 }  // namespace strainwave::analysis::model

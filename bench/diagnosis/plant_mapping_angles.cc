@@ -175,7 +175,8 @@ void MapTransmissionError(Parameters nominal, std::span<const NamedCause> causes
     } else if (cause.name == "local_tooth_damage") {
       plant.Set("local_tooth_damage", {{"height_rad", RadFromArcmin(Require(cause, "height_arcmin"))},
                                        {"centre_rad", RadFromDeg(Require(cause, "centre_deg"))},
-                                       {"width_rad", RadFromDeg(Require(cause, "width_deg"))}});
+                                       {"width_rad", RadFromDeg(Require(cause, "width_deg"))},
+                                       {"skew_share", Require(cause, "skew_share")}});
     } else if (cause.name == "load_windup") {
       MapWindup(cause, plant);
     } else {

@@ -126,6 +126,20 @@ TEST(HysteresisStudy, CallsAShapeOfNoCauseUnnamed) {
   EXPECT_EQ(found.names(), Names());
 }
 
+TEST(HysteresisStudy, LeavesAShiftThatLastsAWhileWithoutAName) {
+  GeneratedSensors sensors;
+  sensors.unlisted_rad = [](double time_s, double, double, bool) {
+    return time_s > 150.0 && time_s < 175.0 ? 0.6 * GeneratedSensors().angle_noise_rad : 0.0;
+  };
+  const Diagnosed found = Ask({}, sensors);
+  EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure);
+  ASSERT_EQ(found.diagnosis.corrections.size(), 1u);
+  const Finding& window = found.diagnosis.corrections.front();
+  EXPECT_EQ(found.study->causes()[window.index].name, "long window in time");
+  EXPECT_NEAR(window.parameters[1].value, 150.0, 4.0) << window.parameters[1].name;
+  EXPECT_NEAR(window.parameters[2].value, 175.0, 4.0) << window.parameters[2].name;
+}
+
 TEST(HysteresisStudy, JoinsLoopsThatDoNotShowAnOffsetAlone) {
   const GeneratedSensors sensors{.torque_offset_Nm = 0.065, .angle_noise_rad = RadFromArcmin(0.05)};
   std::vector<HysteresisData> loops;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -279,6 +280,31 @@ TEST(MotionStudy, FindsTheEndsOfASoftPush) {
   ExpectNear(found.value("start_s"), 12.0, 0.02);
   ExpectNear(found.value("end_s"), 14.0, 0.02);
   ExpectNear(found.value("torque_Nm"), 0.1, 0.2);
+}
+
+TEST(MotionStudy, TellsWeakFrictionOfLowSpeedFromDrag) {
+  const auto weak = [](const State& s) {
+    return 0.03 * s.way() * std::exp(-std::pow(s.speed_rad_per_s / 0.8, 2));
+  };
+  for (const unsigned seed : {26U, 27U, 28U}) {
+    EXPECT_EQ(Ask({Record(seed, weak)}).names(), Names{"stribeck_friction"}) << seed;
+  }
+}
+
+TEST(MotionStudy, FindsSeveralPushesBesideFrictionOfLowSpeed) {
+  const auto both = [](const State& s) {
+    const auto push = [&](double start_s) {
+      return s.time_s > start_s && s.time_s < start_s + 0.7 ? 0.1 : 0.0;
+    };
+    return 0.3 * s.way() * std::exp(-std::abs(s.speed_rad_per_s) / 0.7) + push(8.0) - push(19.5) + push(31.0);
+  };
+  const Diagnosed found = Ask({Record(29, both)});
+  EXPECT_EQ(found.names(), (Names{"stribeck_friction", "external_disturbance"}));
+  ASSERT_EQ(found.diagnosis.causes.size(), 2U);
+  const auto& parameters = found.diagnosis.causes.back().parameters;
+  const auto third = std::ranges::find(parameters, "duration_3_s", &ParameterValue::name);
+  ASSERT_NE(third, parameters.end());
+  EXPECT_NEAR(third->value, 0.7, 4.0 * third->standard_error);
 }
 
 TEST(LoneSamples, StandOffBothSides) {

@@ -127,7 +127,38 @@ TEST(TransmissionErrorStudy, LeavesAnOrderOutsideTheListWithoutAName) {
   ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
   const auto& parameters = answer.diagnosis.corrections.front().parameters;
   EXPECT_EQ(parameters.back().name, "order_per_output_turn");
-  EXPECT_NEAR(parameters.back().value, 7.0, 0.1);
+  EXPECT_EQ(parameters.back().value, 7.0);  // the whole order, and not one beside it
+}
+
+TEST(TransmissionErrorStudy, LeavesARippleInOneStretchOfTheTurnWithoutAName) {
+  const Answer answer = Ask(Sweep(38, [](const Place& at) {
+    const double from_centre_deg = DegFromRad(std::remainder(at.output_rad - RadFromDeg(306.0), kTwoPi));
+    return 0.05 * std::exp(-0.5 * std::pow(from_centre_deg / 8.0, 2.0)) * std::cos(15.0 * at.output_rad);
+  }));
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
+  ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
+  const auto& parameters = answer.diagnosis.corrections.front().parameters;
+  ASSERT_EQ(parameters.size(), 5u);
+  EXPECT_NEAR(parameters[2].value, 306.0, 6.0) << parameters[2].name;
+  EXPECT_NEAR(parameters[4].value, 15.0, 2.0) << parameters[4].name;
+}
+
+TEST(TransmissionErrorStudy, SaysWhereASkewedBumpIsHighest) {
+  int inside = 0;
+  for (unsigned seed = 40; seed < 48; ++seed) {
+    const Answer answer = Ask(Sweep(seed, [](const Place& at) {
+      const double from_peak_deg = DegFromRad(at.output_rad) - 212.0;
+      return 0.2 * std::exp(-0.5 * std::pow(from_peak_deg / (from_peak_deg < 0.0 ? 1.2 : 2.8), 2.0));
+    }));
+    ASSERT_EQ(answer.name(), "local_tooth_damage");
+    EXPECT_GT(answer.value("skew_share"), 0.1);
+    for (const ParameterValue& value : answer.diagnosis.causes.front().parameters) {
+      if (value.name != "centre_deg") continue;
+      EXPECT_LT(value.standard_error, 0.6);
+      inside += std::abs(value.value - 212.0) < 1.96 * value.standard_error ? 1 : 0;
+    }
+  }
+  EXPECT_GE(inside, 7);
 }
 
 TEST(TransmissionErrorStudy, TakesAWrongNumberForNoMissingEffect) {

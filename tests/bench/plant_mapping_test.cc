@@ -110,10 +110,11 @@ TEST(PlantMapping, LeavesTheDirectionsToTheBenchWhereItsDragMakesMore) {
 }
 
 TEST(PlantMapping, ShowsADamagedTooth) {
-  GearPlant damaged = PlantOf(
-      PlantTermsOf("transmission_error", kErrorNominal,
-                   std::vector{Cause("local_tooth_damage",
-                                     {{"height_arcmin", -0.5}, {"centre_deg", 200.0}, {"width_deg", 6.0}})}));
+  GearPlant damaged = PlantOf(PlantTermsOf(
+      "transmission_error", kErrorNominal,
+      std::vector{
+          Cause("local_tooth_damage",
+                {{"height_arcmin", -0.5}, {"centre_deg", 200.0}, {"width_deg", 6.0}, {"skew_share", 0.5}})}));
   GearPlant whole = PlantOf(PlantTermsOf("transmission_error", kErrorNominal, {}));
   const Sweep with = SweepOf(damaged, 1.0, 720);
   const Sweep without = SweepOf(whole, 1.0, 720);
@@ -121,7 +122,8 @@ TEST(PlantMapping, ShowsADamagedTooth) {
     return ArcminFromRad(with.error_rad[half_degree] - without.error_rad[half_degree]);
   };
   EXPECT_NEAR(bump_at(400), -0.5, 0.003);
-  EXPECT_NEAR(bump_at(406), -0.25, 0.003);
+  EXPECT_NEAR(bump_at(409), -0.25, 0.003);
+  EXPECT_NEAR(bump_at(397), -0.25, 0.003);
   EXPECT_NEAR(bump_at(200), 0.0, 0.003);
 }
 

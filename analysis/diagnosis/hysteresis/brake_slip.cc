@@ -39,10 +39,10 @@ class BrakeSlip final : public FormedEffect {
                            {"slip_balance", "1", -1.0, 1.0, false}},
             .degrees_of_freedom = 2,
             .trials = 15.0,
-            .to_settle =
-                fmt::format("# loops below the torque at which the angle stayed behind, then beyond it\n{}{}",
-                            PhaseText(records, {.name = "below"}),
-                            PhaseText(records, {.name = "beyond", .peak_share = 1.3, .hold_s = 20.0, .loops = 2}))};
+            .to_settle = fmt::format(
+                "# loops below the torque at which the angle stayed behind, then beyond it\n{}{}",
+                PhaseText(records, {.name = "below"}),
+                PhaseText(records, {.name = "beyond", .peak_share = 1.3, .hold_s = 20.0, .loops = 2}))};
     for (const Form& form : forms_)
       rule.parameters.push_back({form.name, form.unit, 0.0, 100.0 * range_arcmin, false});
     rule.parameters.push_back({size_name_, "arcmin", 0.0, 3.0 * range_arcmin, true});

@@ -112,7 +112,7 @@ class Line final : public Correction {
     // Faster than a few samples a period it cannot be told from noise, nor where the noise of the place is a
     // part of the period.
     double fastest = over == Over::kTime ? 0.4 / records.step_s : 0.2 * samples / passes / span;
-    if (over == Over::kAngle) fastest = std::min(fastest, 0.15 / std::max(records.noise_floor_rad, 1e-12));
+    if (over == Over::kAngle) fastest = std::min(fastest, 0.3 / std::max(records.place_noise_rad, 1e-12));
     highest_ = std::max(2.0 * lowest_, std::min(fastest, 2000.0 / span));
     needs_all_samples = true;
     Number("cosine_arcmin", "arcmin", {-most, most, 1e-6 * most, false, true});
@@ -121,6 +121,7 @@ class Line final : public Correction {
     rule = {.name = abscissa_.name,
             .sentence = abscissa_.sentence,
             .degrees_of_freedom = 3,
+            .places = 1,
             .trials = (highest_ - lowest_) * span,
             .named = false};
   }

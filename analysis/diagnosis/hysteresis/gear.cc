@@ -13,11 +13,21 @@ namespace {
 
 // Of a step between points where a damper works, so that corners and kinks fall between parts.
 constexpr int kPartsOfStep = 4;
+constexpr double kMostStepsOfGap = 200.0;
 
 struct Tangent {
   double torque_Nm;
   double stiffness_Nm_per_rad;
 };
+
+// Weight of a step's end in the damper's mean force, between the backward difference and the mean of both
+// ends, so that a straight spring's relaxation is exact (exponential fitting; Liniger & Willoughby, SIAM J.
+// Numer. Anal. 7 (1970) 47). `decay` is the step over the time constant.
+double EndWeight(double decay) {
+  if (decay > 0.5) return -1.0 / std::expm1(-decay) - 1.0 / decay;
+  const double square = decay * decay;
+  return 0.5 + decay / 12.0 * (1.0 - square / 60.0 * (1.0 - square / 42.0 * (1.0 - square / 40.0)));
+}
 
 // The spring of one side with its knees as twists: dead zone, K1, K2, K3.
 struct Side {
@@ -48,8 +58,8 @@ Side MakeSide(const GearLaw& law, double sign) {
 // The law with everything worked out that does not change along a record.
 class Gear {
  public:
-  explicit Gear(const GearLaw& law)
-      : law_(law), positive_(MakeSide(law, 1.0)), negative_(MakeSide(law, -1.0)) {
+  Gear(const GearLaw& law, double mean_step_s)
+      : law_(law), mean_step_s_(mean_step_s), positive_(MakeSide(law, 1.0)), negative_(MakeSide(law, -1.0)) {
     for (std::size_t j = 0; j < law.friction_elements; ++j)
       stiffness_[j] = law.friction[j].stiffness_Nm_per_rad();
   }
@@ -82,7 +92,11 @@ class Gear {
 
   // Goes from one torque to another in a straight line.
   void GoTo(double from_Nm, double to_Nm, double step_s) {
-    const int parts = law_.viscous_Nms_per_rad > 0.0 ? kPartsOfStep : 1;
+    const bool damped = law_.viscous_Nms_per_rad > 0.0;
+    if (damped && law_.hardening_Nm_per_rad3 == 0.0 && TakeStraight(from_Nm, to_Nm, step_s)) return;
+    // A gap counts as the steps that it lasts.
+    const double steps = std::clamp(step_s / mean_step_s_, 1.0, kMostStepsOfGap);
+    const int parts = damped ? static_cast<int>(kPartsOfStep * steps) : 1;
     for (int part = 1; part < parts; ++part)
       TakeTo(from_Nm + (to_Nm - from_Nm) * part / parts, step_s / parts);
     TakeTo(to_Nm, step_s / parts);
@@ -107,6 +121,50 @@ class Gear {
   double twist_rad() const { return twist_rad_; }
 
  private:
+  // Piece of the spring's law that a twist lies on.
+  int PieceOf(double twist_rad) const {
+    const Side& side = twist_rad < 0.0 ? negative_ : positive_;
+    const double size = std::abs(twist_rad);
+    int piece = 0;
+    while (piece < 3 && size > side.knee_rad[static_cast<std::size_t>(piece)]) ++piece;
+    return twist_rad < 0.0 ? -1 - piece : piece;
+  }
+
+  // Goes to a torque in one step if no kink lies on the way: spring, stuck elements and damper are straight
+  // then. False, and nothing done, where one does.
+  bool TakeStraight(double from_Nm, double to_Nm, double step_s) {
+    if (!(step_s > 0.0)) return false;
+    const double before_rad = twist_rad_;
+    const double way = damper_Nm_ + to_Nm - from_Nm;
+    const Tangent spring = Spring(before_rad);
+    double carried_Nm = spring.torque_Nm;
+    double stiffness = spring.stiffness_Nm_per_rad;
+    std::array<bool, kFrictionElements> sticks{};
+    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
+      const double stuck_Nm = (before_rad - anchor_rad_[j]) * stiffness_[j];
+      const double limit_Nm = law_.friction[j].limit_Nm;
+      sticks[j] = std::abs(stuck_Nm) < limit_Nm * (1.0 - 1e-9) || stuck_Nm * way < 0.0;
+      carried_Nm += std::clamp(stuck_Nm, -limit_Nm, limit_Nm);
+      if (sticks[j]) stiffness += stiffness_[j];
+    }
+    const double end_weight = EndWeight(step_s * stiffness / law_.viscous_Nms_per_rad);
+    const double damper = law_.viscous_Nms_per_rad / step_s / end_weight;
+    const double carried_over_Nm = (1.0 - end_weight) / end_weight * damper_Nm_;
+    const double step_rad = (to_Nm + carried_over_Nm - carried_Nm) / (damper + stiffness);
+    const double twist_rad = before_rad + step_rad;
+    if (step_rad * way < 0.0 || PieceOf(twist_rad) != PieceOf(before_rad)) return false;
+    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
+      const double stuck_Nm = (twist_rad - anchor_rad_[j]) * stiffness_[j];
+      if (sticks[j] && std::abs(stuck_Nm) > law_.friction[j].limit_Nm) return false;
+    }
+    twist_rad_ = twist_rad;
+    damper_Nm_ = damper * step_rad - carried_over_Nm;
+    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
+      anchor_rad_[j] = model::MovedAnchor(law_.friction[j], twist_rad_, anchor_rad_[j]);
+    }
+    return true;
+  }
+
   // Goes to a torque after `step_s`.
   void TakeTo(double torque_Nm, double step_s) {
     if (law_.viscous_Nms_per_rad > 0.0 && !(step_s > 0.0)) return;  // a damper does not jump
@@ -114,10 +172,8 @@ class Gear {
     double damper = 0.0;
     double carried_over_Nm = 0.0;
     if (law_.viscous_Nms_per_rad > 0.0) {
-      // Between the backward difference and the mean of both ends, so that a straight spring's relaxation is
-      // exact (exponential fitting; Liniger & Willoughby, SIAM J. Numer. Anal. 7 (1970) 47).
-      const double decay = step_s * Spring(before_rad).stiffness_Nm_per_rad / law_.viscous_Nms_per_rad;
-      const double end_weight = decay > 1e-4 ? -1.0 / std::expm1(-decay) - 1.0 / decay : 0.5;
+      const double end_weight =
+          EndWeight(step_s * Spring(before_rad).stiffness_Nm_per_rad / law_.viscous_Nms_per_rad);
       damper = law_.viscous_Nms_per_rad / step_s / end_weight;
       carried_over_Nm = (1.0 - end_weight) / end_weight * damper_Nm_;
     }
@@ -165,6 +221,7 @@ class Gear {
   }
 
   const GearLaw& law_;
+  double mean_step_s_;
   Side positive_;
   Side negative_;
   std::array<double, kFrictionElements> stiffness_{};
@@ -178,7 +235,10 @@ class Gear {
 void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_rad) {
   twist_rad.resize(static_cast<Eigen::Index>(grid.size()));
   const bool outside = !law.backlash_beside_friction && law.backlash.width_rad > 0.0;
-  Gear gear(law);
+  double duration_s = 0.0;
+  for (std::size_t r = 0; r < grid.records(); ++r)
+    duration_s += grid.time_s[grid.starts[r + 1] - 1] - grid.time_s[grid.starts[r]];
+  Gear gear(law, std::max(duration_s / static_cast<double>(grid.size()), 1e-300));
   for (std::size_t r = 0; r < grid.records(); ++r) {
     for (std::size_t i = grid.starts[r]; i < grid.starts[r + 1]; ++i) {
       const double torque_Nm = grid.torque_Nm[i] - law.torque_offset_Nm;

@@ -18,6 +18,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+constexpr double kGap = 4.0;  // of a median step: what is longer is no step of one run of samples
+
 // A record whose twist falls with the torque has one of the two signs swapped.
 bool FallsWithTorque(std::span<const double> torque_Nm, std::span<const double> twist_rad) {
   const auto n = static_cast<double>(torque_Nm.size());
@@ -131,8 +133,16 @@ void AppendTurns(std::span<const double> time_s, std::span<const double> torque_
   const std::size_t base = grid.turn_Nm.size();
   grid.turn_Nm.resize(base + torque_Nm.size(), std::numeric_limits<double>::quiet_NaN());
   grid.turn_share.resize(base + torque_Nm.size(), 0.0);
+  const auto [low, high] = std::minmax_element(torque_Nm.begin(), torque_Nm.end());
   for (const Turn& turn : FindTurns(time_s, torque_Nm, noise_Nm)) {
-    grid.turn_Nm[base + turn.before + 1] = turn.value;
+    double turn_Nm = turn.value;
+    // A peak that lies in a gap was no other than the record's other peaks, which lines only roughly meet.
+    const double before_Nm = torque_Nm[turn.before];
+    const double after_Nm = torque_Nm[turn.before + 1];
+    const double near_Nm = 0.05 * (*high - *low);
+    if (turn_Nm > std::max(before_Nm, after_Nm) + near_Nm && turn_Nm > *high - near_Nm) turn_Nm = *high;
+    if (turn_Nm < std::min(before_Nm, after_Nm) - near_Nm && turn_Nm < *low + near_Nm) turn_Nm = *low;
+    grid.turn_Nm[base + turn.before + 1] = turn_Nm;
     grid.turn_share[base + turn.before + 1] = turn.share;
   }
 }
@@ -192,8 +202,10 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
     AppendRate(turned.time_s, torque_Nm, prepared.torque_rate_Nm_per_s);
     grid.starts.push_back(grid.size());
     const double centre_rad = 0.5 * (*low + *high);
+    const double place_noise_rad = SampleNoise(record.output_angle_rad);
+    prepared.place_noise_rad = std::max(prepared.place_noise_rad, place_noise_rad);
     const std::vector<double> place_rad =
-        WithoutNoise(turned.time_s, record.output_angle_rad, SampleNoise(record.output_angle_rad));
+        WithoutNoise(turned.time_s, record.output_angle_rad, place_noise_rad);
     prepared.centre_rad.push_back(centre_rad);
     for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
       grid.time_s.push_back(turned.time_s[i] - turned.time_s[0]);
@@ -258,7 +270,12 @@ LoopGrid Condense(const LoopRecords& records, std::span<const double> weights, s
     std::size_t i = first;
     if (first == all.starts[record - 1]) append_mean(i, i + 1), ++i;
     while (i + 1 < end) {
-      const std::size_t stop = std::min(i + run, end - 1);
+      std::size_t stop = std::min(i + run, end - 1);
+      // Turns and gaps lie between two points.
+      for (std::size_t k = i + 1; k < stop; ++k) {
+        if (!std::isnan(all.turn_Nm[k]) || all.time_s[k] - all.time_s[k - 1] > kGap * records.step_s)
+          stop = k;
+      }
       append_mean(i, stop);
       i = stop;
     }

@@ -139,15 +139,26 @@ double SampleNoise(std::span<const double> signal) {
 
 std::vector<double> WithoutNoise(std::span<const double> time_s, std::span<const double> signal,
                                  double noise) {
+  constexpr double kGap = 4.0;  // of a mean step: what happened within it no parabola tells
   std::vector<double> clean(signal.begin(), signal.end());
-  if (!(noise > 0.0) || signal.size() < 6) return clean;
-  for (std::size_t i = 0; i < signal.size(); ++i) {
-    GrowingParabola::Point best{signal[i], 1.0};
-    for (const auto& [left, right] : {std::pair{true, true}, {true, false}, {false, true}}) {
-      const GrowingParabola::Point point = LongestAgreeing(time_s, signal, i, noise, left, right);
-      if (point.variance < best.variance) best = point;
+  const std::size_t n = signal.size();
+  if (!(noise > 0.0) || n < 6) return clean;
+  const double gap_s = kGap * (time_s[n - 1] - time_s[0]) / static_cast<double>(n - 1);
+  std::size_t first = 0;
+  while (first < n) {
+    std::size_t end = first + 1;
+    while (end < n && time_s[end] - time_s[end - 1] < gap_s) ++end;
+    const auto times = time_s.subspan(first, end - first);
+    const auto values = signal.subspan(first, end - first);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      GrowingParabola::Point best{values[i], 1.0};
+      for (const auto& [left, right] : {std::pair{true, true}, {true, false}, {false, true}}) {
+        const GrowingParabola::Point point = LongestAgreeing(times, values, i, noise, left, right);
+        if (point.variance < best.variance) best = point;
+      }
+      clean[first + i] = best.value;
     }
-    clean[i] = best.value;
+    first = end;
   }
   return clean;
 }
@@ -189,22 +200,38 @@ double FollowedShare(std::span<const double> drive, std::span<const double> resp
 
 std::vector<Turn> FindTurns(std::span<const double> time_s, std::span<const double> signal, double noise) {
   constexpr std::size_t kReach = 5;
+  constexpr std::size_t kLongestReach = 80;
   constexpr double kSharp = 4.0;
   constexpr double kStraight = 0.03;  // of the turn
+  const std::size_t n = signal.size();
   std::vector<Turn> turns;
-  for (std::size_t i = kReach; i + kReach < signal.size(); ++i) {
+  if (n < 2 * kReach + 2) return turns;
+  const double mean_step_s = (time_s[n - 1] - time_s[0]) / static_cast<double>(n - 1);
+  for (std::size_t i = kReach; i + kReach < n; ++i) {
     const double step_s = time_s[i + 1] - time_s[i];
-    const ShortLine left = LineThrough(time_s.subspan(i + 1 - kReach, kReach),
-                                       signal.subspan(i + 1 - kReach, kReach), time_s[i]);
-    const ShortLine right =
-        LineThrough(time_s.subspan(i + 1, kReach), signal.subspan(i + 1, kReach), time_s[i + 1]);
-    const double turn = std::abs(left.slope - right.slope) * step_s;
-    const double allowed = 2.0 * noise + kStraight * turn;
-    if (!(turn > kSharp * noise) || !(turn > 0.0) || left.misfit > allowed || right.misfit > allowed)
-      continue;
-    const double share =
-        (right.at_end - right.slope * step_s - left.at_end) / (left.slope - right.slope) / step_s;
-    if (share > 0.0 && share < 1.0) turns.push_back({i, share, left.at_end + left.slope * share * step_s});
+    // Over a gap lines from a few samples would be off by more than the noise: as many as the gap lasts, as
+    // far as the signal is straight there.
+    const double gap = std::min(step_s / std::max(mean_step_s, 1e-300), static_cast<double>(kLongestReach));
+    std::size_t reach = std::max(kReach, static_cast<std::size_t>(gap));
+    for (;; reach = std::max(kReach, reach / 2)) {
+      const std::size_t before = std::min(reach, i + 1);
+      const std::size_t after = std::min(reach, n - i - 1);
+      const ShortLine left = LineThrough(time_s.subspan(i + 1 - before, before),
+                                         signal.subspan(i + 1 - before, before), time_s[i]);
+      const ShortLine right =
+          LineThrough(time_s.subspan(i + 1, after), signal.subspan(i + 1, after), time_s[i + 1]);
+      const double turn = std::abs(left.slope - right.slope) * step_s;
+      const double allowed = 2.0 * noise + kStraight * turn;
+      if (left.misfit <= allowed && right.misfit <= allowed) {
+        if (!(turn > kSharp * noise) || !(turn > 0.0)) break;
+        const double share =
+            (right.at_end - right.slope * step_s - left.at_end) / (left.slope - right.slope) / step_s;
+        if (share > 0.0 && share < 1.0)
+          turns.push_back({i, share, left.at_end + left.slope * share * step_s});
+        break;
+      }
+      if (reach == kReach) break;
+    }
   }
   return turns;
 }

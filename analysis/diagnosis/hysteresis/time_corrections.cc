@@ -59,7 +59,9 @@ class Jump final : public Correction {
     needs_all_samples = true;
     rule = {.name = "jump in time",
             .sentence = "the angle jumps once and stays: something on the bench was touched or slipped",
+            .parameters = {{"height_arcmin", "arcmin", -most, most, true}},
             .degrees_of_freedom = 2,
+            .places = 1,
             .trials = 0.5 * SamplesOfRecord(records),
             .local = true,
             .named = false};
@@ -85,21 +87,77 @@ class Jump final : public Correction {
   double step_s_;
 };
 
+// Widths of windows, as they are searched: those that last are fewer, and are looked for by themselves.
+enum class Lasting { kBriefly, kLong };
+
+// A window's two ends moved to where the residual's sum of squares drops most by a level between them.
+WindowPeak WithBestEnds(const LoopGrid& grid, std::span<const double> residual, const WindowPeak& window) {
+  const std::size_t n = grid.size();
+  std::vector<double> sum(n + 1, 0.0);
+  std::vector<double> weight(n + 1, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    sum[i + 1] = sum[i] + grid.weight[i] * residual[i];
+    weight[i + 1] = weight[i] + grid.weight[i];
+  }
+  const auto drop_of = [&](std::size_t first, std::size_t end) {
+    const double inside = weight[end] - weight[first];
+    const double share = inside / std::max(weight[n], 1e-300);
+    if (!(inside > 0.0) || share > 0.9) return 0.0;
+    const double raised = sum[end] - sum[first] - sum[n] * share;
+    return raised * raised / (inside * (1.0 - share));
+  };
+  const auto at = [&](double time_s) {
+    return static_cast<std::size_t>(std::lower_bound(grid.time_s.begin(), grid.time_s.end(), time_s) -
+                                    grid.time_s.begin());
+  };
+  std::size_t first = at(window.centre - 0.5 * window.width);
+  std::size_t end = at(window.centre + 0.5 * window.width);
+  for (int round = 0; round < 2; ++round) {
+    const std::size_t reach = (end - first) / 2;
+    std::size_t best = first;
+    for (std::size_t i = first > reach ? first - reach : 0; i + 2 < end && i <= first + reach; ++i) {
+      if (drop_of(i, end) > drop_of(best, end)) best = i;
+    }
+    first = best;
+    best = end;
+    for (std::size_t i = std::max(end - reach, first + 2); i <= std::min(n, end + reach); ++i) {
+      if (drop_of(first, i) > drop_of(first, best)) best = i;
+    }
+    end = best;
+  }
+  if (end <= first + 1) return window;
+  const double begin_s = grid.time_s[first];
+  const double end_s = grid.time_s[end - 1];
+  return {0.5 * (begin_s + end_s), end_s - begin_s, drop_of(first, end)};
+}
+
 // A level or a bell in a stretch of time. Numbers: 0 for a level, 1 for a bell; height; centre; full width,
 // of the bell at half its height. A fit moves the bell alone.
 class Window final : public LoopEffect {
  public:
-  explicit Window(const LoopRecords& records) : step_s_(records.step_s), duration_s_(records.duration_s) {
+  Window(const LoopRecords& records, Lasting lasting)
+      : step_s_(records.step_s),
+        duration_s_(records.duration_s),
+        one_record_(records.samples.records() == 1) {
+    // A fiftieth of the record parts the two.
+    const double parting_s = std::max(0.02 * duration_s_, 4.0 * step_s_);
+    const bool brief = lasting == Lasting::kBriefly;
+    narrowest_s_ = brief ? 4.0 * step_s_ : parting_s;
+    widest_s_ = brief ? parting_s : 0.2 * duration_s_;
     const double most = ArcminFromRad(records.twist_range_rad);
     numbers = {{0.0, 1.0, 0.0, true, false},
                {-most, most, 1e-6 * most, false, true},
                {0.0, duration_s_, 1e-3 * step_s_, false, false},
                {2.0 * step_s_, 0.4 * duration_s_, 1e-3 * step_s_, false, false}};
     needs_all_samples = true;
-    rule = {.name = "window in time",
+    rule = {.name = brief ? "window in time" : "long window in time",
             .sentence = "the angle is off for a limited time: something on the bench was touched",
+            .parameters = {{"height_arcmin", "arcmin", -most, most, true},
+                           {"bell_height_arcmin", "arcmin", -most, most, true}},
             .degrees_of_freedom = 3,
-            .trials = 4.0 * SamplesOfRecord(records),
+            .places = 2,
+            // Windows side by side, in all widths an octave apart.
+            .trials = 4.0 * duration_s_ / narrowest_s_,
             .local = true,
             .named = false};
   }
@@ -145,8 +203,10 @@ class Window final : public LoopEffect {
     const LoopGrid& grid = remainder.grid;
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindWindows(grid.time_s, remainder.residual_rad, grid.weight, 4.0 * step_s_, 0.2 * duration_s_, 3)) {
-      for (const double bell : {0.0, 1.0}) starts.push_back({bell, 0.0, peak.centre, peak.width});
+         FindWindows(grid.time_s, remainder.residual_rad, grid.weight, narrowest_s_, widest_s_, 3)) {
+      const WindowPeak level = one_record_ ? WithBestEnds(grid, remainder.residual_rad, peak) : peak;
+      starts.push_back({0.0, 0.0, level.centre, level.width + 1e-3 * step_s_});
+      starts.push_back({1.0, 0.0, peak.centre, peak.width});
     }
     return starts;
   }
@@ -154,13 +214,18 @@ class Window final : public LoopEffect {
  private:
   double step_s_;
   double duration_s_;
+  bool one_record_;  // the grid's times then rise throughout
+  double narrowest_s_{};
+  double widest_s_{};
 };
 
 }  // namespace
 
 void AppendTimeCorrections(const LoopRecords& records, LoopEffects& effects) {
   effects.push_back(std::make_unique<Jump>(records));
-  effects.push_back(std::make_unique<Window>(records));
+  for (const Lasting lasting : {Lasting::kBriefly, Lasting::kLong}) {
+    effects.push_back(std::make_unique<Window>(records, lasting));
+  }
 }
 
 }  // namespace strainwave::analysis::diagnosis

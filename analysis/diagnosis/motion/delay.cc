@@ -5,9 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "analysis/diagnosis/scans.h"
-#include "analysis/model/axis_motion.h"
-#include "analysis/units.h"
+#include "analysis/diagnosis/fit_covariance.h"
+#include "analysis/diagnosis/motion/usual_effects.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -15,14 +14,15 @@ namespace {
 using Eigen::Index;
 
 constexpr double kClearly = 12.0;  // in −2 log-likelihood
-constexpr std::size_t kLines = 3;
 
 // The nominal terms of motion a time later.
 Eigen::MatrixXd MotionLater(const MotionGrid& grid, double shift_s) {
   Eigen::MatrixXd later(grid.nominal.rows(), 3);
   later.col(0) = grid.ProjectPassed(grid.Later(grid.passed_acceleration, shift_s));
-  later.col(1) = grid.ProjectPassed(grid.Later(grid.velocity, shift_s));
-  later.col(2) = grid.Project(grid.direction, 0, shift_s);
+  const std::vector<double> velocity = grid.Later(grid.velocity, shift_s);
+  later.col(1) = grid.ProjectPassed(velocity);
+  // The sign of the velocity at that time: between two points it turns faster than points can be shifted.
+  later.col(2) = grid.Project(grid.DirectionOf(velocity));
   return later;
 }
 
@@ -34,54 +34,20 @@ double LongestDelay_s(const MotionGrid& grid) {
   return std::min(std::max(0.06, 8.0 * grid.row_spacing_s), 0.02 * duration_s);
 }
 
-// Orthonormal columns of what may be in the record beside the nominal terms of motion: offsets, usual
-// effects, friction of low speed, the strongest lines over position.
-Eigen::MatrixXd Beside(const MotionGrid& grid, const Eigen::VectorXd& measured) {
-  const Eigen::MatrixXd usual = UsualEffects(grid);
-  Eigen::MatrixXd known(grid.nominal.rows(), grid.nominal.cols() + usual.cols());
-  known << grid.nominal, usual;
-  const Eigen::VectorXd residual = measured - known * known.colPivHouseholderQr().solve(measured);
-  std::vector<double> angle;
-  for (const std::size_t point : grid.point_of_row) {
-    angle.push_back(grid.position[point] * (grid.linear ? kTwoPi : 1.0));
-  }
-  const auto [first, last] = std::minmax_element(angle.begin(), angle.end());
-  const double turns = (*last - *first) / kTwoPi;
-  const std::vector<double> weights(angle.size(), 1.0);
-  const std::vector<LinePeak> lines =
-      FindLines(angle, {residual.data(), grid.rows()}, weights, 1.5 / turns,
-                std::min(1200.0, 0.25 * static_cast<double>(grid.rows()) / turns), kLines);
+// Orthonormal columns of what may be in the record beside the nominal terms of motion.
+Eigen::MatrixXd BesideMotion(const MotionGrid& grid) {
+  const Eigen::MatrixXd usual = UsualEffectsAndLines(grid);
   const Index records = grid.nominal.cols() - 3;
-  const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
-  const std::vector<double> low_speeds{0.03 * speed, 0.1 * speed};
-  Eigen::MatrixXd beside(grid.nominal.rows(),
-                         records + usual.cols() + 2 + 2 * static_cast<Index>(lines.size()));
-  beside.leftCols(records) = grid.nominal.rightCols(records);
-  beside.middleCols(records, usual.cols()) = usual;
-  Index column = records + usual.cols();
-  std::vector<double> points(grid.position.size());
-  for (const double low : low_speeds) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      points[i] = grid.direction[i] * model::StribeckShare(grid.velocity[i], low);
-    }
-    beside.col(column++) = grid.Project(points);
-  }
-  for (const LinePeak& line : lines) {
-    const double order = line.order * (grid.linear ? kTwoPi : 1.0);
-    for (std::size_t i = 0; i < points.size(); ++i) points[i] = std::cos(order * grid.position[i]);
-    beside.col(column++) = grid.Project(points);
-    for (std::size_t i = 0; i < points.size(); ++i) points[i] = std::sin(order * grid.position[i]);
-    beside.col(column++) = grid.Project(points);
-  }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(beside);
-  return factor.householderQ() * Eigen::MatrixXd::Identity(beside.rows(), factor.rank());
+  Eigen::MatrixXd beside(grid.nominal.rows(), records + usual.cols());
+  beside << grid.nominal.rightCols(records), usual;
+  return OrthonormalBasis(beside);
 }
 
 }  // namespace
 
-double EstimateDelay_s(const MotionGrid& grid) {
+DelayEstimate EstimateDelay(const MotionGrid& grid) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
-  const Eigen::MatrixXd basis = Beside(grid, measured);
+  const Eigen::MatrixXd basis = BesideMotion(grid);
   const Eigen::VectorXd rest = measured - basis * (basis.transpose() * measured);
   const auto left = [&](double delay_s) {
     Eigen::MatrixXd later = MotionLater(grid, delay_s);
@@ -105,7 +71,7 @@ double EstimateDelay_s(const MotionGrid& grid) {
     }
   }
   const double drop = static_cast<double>(grid.rows()) * std::log(without / least);
-  return drop < kClearly ? 0.0 : best_s;
+  return drop < kClearly ? DelayEstimate{0.0, without} : DelayEstimate{best_s, least};
 }
 
 void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& units, SeparableModel& model) {
@@ -116,7 +82,15 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
   later.leftCols(3) = MotionLater(*grid, about_s);
   const Eigen::VectorXd numbers = later.colPivHouseholderQr().solve(measured);
   SeparableTerm term = FixedTerm((later - grid->nominal) * numbers / about_s);
-  DescribeEach(term, {{"delay_s", "s", 1.0}});
+  // Each reversal of a resampled torque is off by a part of a step of its own, which no residual's noise
+  // tells.
+  const double timing_s =
+      grid->reversal_error_s / std::sqrt(std::max(1.0, static_cast<double>(grid->Reversals())));
+  term.describe = [timing_s](std::span<const double> fitted, const Eigen::MatrixXd& covariance) {
+    return std::vector<ParameterValue>{
+        {"delay_s", "s", fitted[0], std::hypot(StandardErrorOf(covariance(0, 0)), timing_s)}};
+  };
+  term.restore = [](std::span<const double> values) { return std::vector<double>{values[0]}; };
   model.causes.push_back(std::move(term));
   model.rules.push_back(
       {.name = "time_delay",

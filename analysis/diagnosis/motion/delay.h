@@ -8,12 +8,18 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// A delay, and what the motion model moved by it leaves.
+struct DelayEstimate {
+  double delay_s{};
+  double square_sum{};  // torque or force, squared
+};
+
 /// How much later than it was recorded the torque acts: the delay at which the nominal terms, moved, leave
 /// least beside the usual effects and the strongest lines over position; 0 where none of them leaves clearly
 /// less.
-double EstimateDelay_s(const MotionGrid& grid);
+DelayEstimate EstimateDelay(const MotionGrid& grid);
 
-/// @param delay_s  EstimateDelay_s of this grid
+/// @param delay_s  as EstimateDelay has it of this grid
 void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& units, SeparableModel& model);
 
 }  // namespace strainwave::analysis::diagnosis

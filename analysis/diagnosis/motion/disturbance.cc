@@ -8,6 +8,7 @@
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
+#include "analysis/diagnosis/motion/usual_effects.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/model/drive_causes.h"
 #include "analysis/noise_level.h"
@@ -17,6 +18,7 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::max();
 constexpr std::size_t kMostWindows = 3;
+constexpr double kClearly = 25.0;      // noise variances that a window has to take
 constexpr double kUsualEdge = 0.2;     // to begin with
 constexpr double kLeastBeside = 0.15;  // of the strongest window: soft edges leave a tenth of theirs
 
@@ -24,81 +26,113 @@ struct Scan {
   std::vector<double> time_s;  // of the rows
   double first_s{};
   double last_s{};
-  double narrowest_s{};
   double shortest_s{};  // of a push that is no knock
   double widest_s{};
 };
 
-// Windows that stand out of what the nominal model leaves, each beside those before it: one, unless several
-// together are nearly all of it.
-std::size_t CountWindows(const MotionGrid& grid, const Scan& scan) {
-  const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
-  Eigen::VectorXd residual = grid.BesideNominal(measured);
+// Windows that stand out of what these columns leave, each beside those before it.
+std::size_t CountWindowsBeside(const Eigen::MatrixXd& columns, const MotionGrid& grid, const Scan& scan) {
+  const Eigen::MatrixXd basis = OrthonormalBasis(columns);
+  const auto beside = [&](const Eigen::VectorXd& column) -> Eigen::VectorXd {
+    return column - basis * (basis.transpose() * column);
+  };
+  Eigen::VectorXd residual =
+      beside(Eigen::Map<const Eigen::VectorXd>(grid.measured.data(), grid.nominal.rows()));
   const std::vector<double> weights(grid.rows(), 1.0);
   const double noise = RobustStandardDeviation({residual.data(), grid.rows()});
-  // Beyond the noise, and how far noise alone may seem to exceed itself.
-  const double rows = static_cast<double>(grid.rows());
-  const double excess = residual.squaredNorm() - noise * noise * (rows + 2.0 * std::sqrt(2.0 * rows));
   std::vector<Eigen::VectorXd> found;
-  double explained = 0.0;
   double strongest = 0.0;
   while (found.size() < kMostWindows) {
     const auto peaks =
-        FindWindows(scan.time_s, {residual.data(), grid.rows()}, weights, scan.narrowest_s, scan.widest_s, 1);
+        FindWindows(scan.time_s, {residual.data(), grid.rows()}, weights, scan.shortest_s, scan.widest_s, 1);
     if (peaks.empty()) break;
     Eigen::VectorXd window(residual.size());
     for (std::size_t row = 0; row < grid.rows(); ++row) {
       const double off_s = std::abs(scan.time_s[row] - peaks.front().centre);
       window(static_cast<Eigen::Index>(row)) = off_s < 0.5 * peaks.front().width ? 1.0 : 0.0;
     }
-    window = grid.BesideNominal(window);
+    window = beside(window);
     for (const Eigen::VectorXd& before : found) window -= before * before.dot(window);
     window.normalize();
     const double height = window.dot(residual);
     const double drop = height * height;
     strongest = std::max(strongest, drop);
-    if (drop < 25.0 * noise * noise || drop < kLeastBeside * strongest) break;
-    explained += drop;
+    if (drop < kClearly * noise * noise || drop < kLeastBeside * strongest) break;
     residual -= height * window;
     found.push_back(std::move(window));
   }
-  return explained > 0.6 * excess ? std::max<std::size_t>(found.size(), 1) : 1;
+  return found.size();
 }
 
+// Beside the nominal model alone, where long windows in a short record are not taken for a drift, and beside
+// the usual effects, where none of these hides them.
+std::size_t CountWindows(const MotionGrid& grid, const Scan& scan) {
+  const Eigen::MatrixXd usual = UsualEffectsAndLines(grid);
+  Eigen::MatrixXd known(grid.nominal.rows(), grid.nominal.cols() + usual.cols());
+  known << grid.nominal, usual;
+  return std::max(
+      {CountWindowsBeside(grid.nominal, grid, scan), CountWindowsBeside(known, grid, scan), std::size_t{1}});
+}
+
+// Fills a column with a window in time; only what it covers is worked out.
+void FillWindow(const MotionGrid& grid, double start_s, double end_s, double edge_s,
+                std::vector<double>& points, Eigen::Ref<Eigen::VectorXd> column) {
+  column.setZero();
+  for (const MotionGrid::Stretch& stretch : grid.stretches) {
+    const auto from = grid.time_s.begin() + static_cast<std::ptrdiff_t>(stretch.first);
+    const auto to = from + static_cast<std::ptrdiff_t>(stretch.count);
+    const auto first = static_cast<std::size_t>(std::lower_bound(from, to, start_s) - grid.time_s.begin());
+    const auto last = static_cast<std::size_t>(std::lower_bound(from, to, end_s) - grid.time_s.begin());
+    for (std::size_t i = first; i < last; ++i) {
+      points[i] = model::WindowShape(grid.time_s[i], start_s, end_s, edge_s);
+    }
+    grid.AddProjected(points, first, last, column);
+    std::fill(points.begin() + static_cast<std::ptrdiff_t>(first),
+              points.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
+  }
+}
+
+// Shapes: start and ln duration of each window, so that none gets shorter than a push is; share of a window
+// that each of its edges takes.
 void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& scan, std::size_t windows,
                 SeparableModel& model) {
   const double step_s = grid->stretches.front().step_s;
-  SeparableTerm term =
-      PointTerm(grid, windows,
-                [grid, step_s](std::span<const double> shapes, std::size_t column, std::span<double> points) {
-                  const double start_s = shapes[2 * column];
-                  const double end_s = shapes[2 * column + 1];
-                  // Never steeper than the points, lest the edges move by whole steps.
-                  const double edge_s = std::max(shapes.back() * (end_s - start_s), step_s);
-                  for (std::size_t i = 0; i < points.size(); ++i) {
-                    points[i] = model::WindowShape(grid->time_s[i], start_s, end_s, edge_s);
-                  }
-                });
-  for (std::size_t k = 0; k < 2 * windows; ++k) {
-    term.shapes.push_back(
-        {scan.first_s - scan.narrowest_s, scan.last_s + scan.narrowest_s, 2.0 * grid->row_spacing_s});
+  SeparableTerm term;
+  term.columns = windows;
+  term.fill = [grid, step_s, windows](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    std::vector<double> points(grid->time_s.size(), 0.0);
+    for (std::size_t w = 0; w < windows; ++w) {
+      const double start_s = shapes[2 * w];
+      const double duration_s = std::exp(shapes[2 * w + 1]);
+      // Never steeper than the points, lest the edges move by whole steps.
+      const double edge_s = std::max(shapes.back() * duration_s, step_s);
+      FillWindow(*grid, start_s, start_s + duration_s, edge_s, points,
+                 design.col(static_cast<Eigen::Index>(w)));
+    }
+  };
+  const double longest_s = scan.last_s - scan.first_s;
+  for (std::size_t w = 0; w < windows; ++w) {
+    term.shapes.push_back({scan.first_s - scan.shortest_s, scan.last_s, 2.0 * grid->row_spacing_s});
+    term.shapes.push_back({std::log(scan.shortest_s), std::log(longest_s), 0.1});
   }
-  term.shapes.push_back({0.0, 0.5, 0.05});  // share of a window that each of its edges takes
+  term.shapes.push_back({0.0, 0.5, 0.05, true});
   term.starts = [grid, term, scan, windows](const Remainder& remainder) {
-    const std::vector<WindowPeak> peaks = FindWindows(scan.time_s, remainder.residual, remainder.weights,
-                                                      windows == 1 ? scan.narrowest_s : scan.shortest_s,
-                                                      scan.widest_s, windows == 1 ? 3 : windows);
+    const std::vector<WindowPeak> peaks =
+        FindWindows(scan.time_s, remainder.residual, remainder.weights, scan.shortest_s, scan.widest_s,
+                    windows == 1 ? 3 : windows);
     if (windows > 1 && peaks.size() < windows) return std::vector<std::vector<double>>{};
     // One start a window, or one of all windows.
     std::vector<std::vector<double>> starts(windows == 1 ? peaks.size() : 1);
     std::vector<std::vector<double>> steps(starts.size());
     for (std::size_t k = 0; k < peaks.size(); ++k) {
       const std::size_t into = windows == 1 ? k : 0;
-      for (const double side : {-0.5, 0.5}) {
-        // The width is at half the height.
-        starts[into].push_back(peaks[k].centre + side * peaks[k].width / (1.0 - kUsualEdge));
-        steps[into].push_back(0.2 * peaks[k].width);
-      }
+      // The width is at half the height.
+      const double duration_s = std::max(peaks[k].width / (1.0 - kUsualEdge), 1.1 * scan.shortest_s);
+      const double start_s = peaks[k].centre - 0.5 * duration_s;
+      starts[into].push_back(std::clamp(start_s, term.shapes[0].low, term.shapes[0].high));
+      starts[into].push_back(std::min(std::log(duration_s), term.shapes[1].high));
+      steps[into].push_back(0.2 * peaks[k].width);
+      steps[into].push_back(0.2);
     }
     for (std::size_t k = 0; k < starts.size(); ++k) {
       starts[k].push_back(kUsualEdge);
@@ -117,32 +151,35 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return std::abs(numbers[a]) > std::abs(numbers[b]); });
-    const auto error = [&](std::size_t k) {
-      const auto i = static_cast<Eigen::Index>(k);
-      return StandardErrorOf(covariance(i, i));
-    };
+    const auto at = [&](std::size_t k) { return static_cast<Eigen::Index>(k); };
+    const auto error = [&](std::size_t k) { return StandardErrorOf(covariance(at(k), at(k))); };
     // An edge is where the likelihood is largest, not where its slope says: the variance of a change point is
     // 26 (noise / step)⁴ (Yao, Ann. Statist. 15 (1987) 1321). And between two rows, next to a reversal or a
     // gap, nobody saw where it was.
-    const auto edge_error = [&](std::size_t k, double height) {
+    const auto edge_error = [&](double edge_s, double slope_error_s, double height) {
       const double noise = grid->noise_floor / std::max(std::abs(height), 1e-300);
       const double jump_s = std::sqrt(26.0) * noise * noise * grid->row_spacing_s;
-      const auto next = std::ranges::upper_bound(scan.time_s, numbers[k]);
+      const auto next = std::ranges::upper_bound(scan.time_s, edge_s);
       const bool inside = next != scan.time_s.begin() && next != scan.time_s.end();
       const double unseen_s = inside ? (*next - *(next - 1)) / std::sqrt(12.0) : 0.0;
-      return std::hypot(error(k), jump_s, unseen_s);
+      return std::hypot(slope_error_s, jump_s, unseen_s);
     };
     std::vector<ParameterValue> values;
     for (std::size_t w = 0; w < windows; ++w) {
       const std::size_t from = windows + 2 * order[w];
-      values.push_back({name("start", w, "s"), "s", numbers[from], edge_error(from, numbers[order[w]])});
-      values.push_back(
-          {name("end", w, "s"), "s", numbers[from + 1], edge_error(from + 1, numbers[order[w]])});
-      values.push_back(
-          {name("torque", w, units.torque()), units.torque(), numbers[order[w]], error(order[w])});
-      values.push_back(
-          {name("duration", w, "s"), "s", numbers[from + 1] - numbers[from],
-           std::hypot(edge_error(from, numbers[order[w]]), edge_error(from + 1, numbers[order[w]]))});
+      const double height = numbers[order[w]];
+      const double start_s = numbers[from];
+      const double duration_s = std::exp(numbers[from + 1]);
+      const double end_s = start_s + duration_s;
+      const double end_error_s = StandardErrorOf(
+          covariance(at(from), at(from)) + duration_s * duration_s * covariance(at(from + 1), at(from + 1)) +
+          2.0 * duration_s * covariance(at(from), at(from + 1)));
+      const double start_known_s = edge_error(start_s, error(from), height);
+      const double end_known_s = edge_error(end_s, end_error_s, height);
+      values.push_back({name("start", w, "s"), "s", start_s, start_known_s});
+      values.push_back({name("end", w, "s"), "s", end_s, end_known_s});
+      values.push_back({name("torque", w, units.torque()), units.torque(), height, error(order[w])});
+      values.push_back({name("duration", w, "s"), "s", duration_s, std::hypot(start_known_s, end_known_s)});
     }
     values.push_back({"edge_share", "1", numbers.back(), error(numbers.size() - 1)});
     return values;
@@ -152,7 +189,7 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
     for (std::size_t w = 0; w < windows; ++w) numbers.push_back(values[4 * w + 2]);
     for (std::size_t w = 0; w < windows; ++w) {
       numbers.push_back(values[4 * w]);
-      numbers.push_back(values[4 * w + 1]);
+      numbers.push_back(std::log(std::max(values[4 * w + 1] - values[4 * w], 1e-9)));
     }
     numbers.push_back(values.back());
     return numbers;
@@ -165,12 +202,15 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
               : "a torque from outside for a limited time: something touched, braked or drove the axis",
       .where = Where::kBench,
       .degrees_of_freedom = static_cast<int>(3 * windows + 1),
-      .trials = std::pow(2.0 * (scan.last_s - scan.first_s) / scan.narrowest_s, static_cast<double>(windows)),
+      // Places of the shortest window, each half over the next, whatever the order of several; where exactly
+      // and how long is fitted.
+      .trials = std::pow(2.0 * longest_s / scan.shortest_s, static_cast<double>(windows)) /
+                std::tgamma(static_cast<double>(windows) + 1.0),
       .local = true};
   rule.parameters = {{name("torque", 0, units.torque()), units.torque(), -kUnlimited, kUnlimited, true}};
   for (std::size_t w = 0; w < windows; ++w) {
     // Shorter than that it is a knock at most, and more often a reversal that came out badly.
-    rule.parameters.push_back({name("duration", w, "s"), "s", scan.shortest_s, kUnlimited, false});
+    rule.parameters.push_back({name("duration", w, "s"), "s", 1.02 * scan.shortest_s, kUnlimited, false});
   }
   model.causes.push_back(std::move(term));
   model.rules.push_back(std::move(rule));
@@ -183,15 +223,14 @@ void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, Separ
   for (std::size_t row = 0; row < grid->rows(); ++row) scan.time_s.push_back(grid->RowTime_s(row));
   const auto [first, last] = std::minmax_element(scan.time_s.begin(), scan.time_s.end());
   scan.shortest_s = std::max(0.03, 8.0 * grid->row_spacing_s);
-  scan.narrowest_s = 4.0 * grid->row_spacing_s;
   scan.first_s = *first;
   scan.last_s = *last;
   scan.widest_s = 0.4 * (scan.last_s - scan.first_s);
-  if (!(scan.widest_s > 2.0 * scan.narrowest_s)) return;
-  // Several pushes are one effect; but what looks like several may be one beside something else.
-  const std::size_t windows = CountWindows(*grid, scan);
-  if (windows > 1) AddWindows(grid, units, scan, windows, model);
-  AddWindows(grid, units, scan, 1, model);
+  if (!(scan.widest_s > scan.shortest_s)) return;
+  // Several pushes are one effect; but what looks like several may be fewer beside something else.
+  for (std::size_t windows = CountWindows(*grid, scan); windows > 0; --windows) {
+    AddWindows(grid, units, scan, windows, model);
+  }
 }
 
 }  // namespace strainwave::analysis::diagnosis

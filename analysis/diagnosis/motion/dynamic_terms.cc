@@ -21,6 +21,7 @@ using Eigen::Index;
 constexpr double kLeastDamping = 0.004;
 // Part of a contact's deflection by which the width of a gap is not known.
 constexpr double kContactEdge = 0.1;
+constexpr double kMostShare = 1.5;  // of the inertia, that may swing
 constexpr double kUnlimited = std::numeric_limits<double>::max();
 // Of a loose load's coarse starts, where the best of them takes so many times the noise's variance; of these,
 // those that are fitted.
@@ -56,7 +57,8 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     }
     design.col(0) = grid->ProjectPassed(points);
   };
-  term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03}, {std::log(kLeastDamping), std::log(0.8), 0.3}};
+  term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03},
+                 {std::log(kLeastDamping), std::log(0.8), 0.3, true}};
 
   std::vector<std::vector<double>> tried;  // ln frequency in Hz, ln damping ratio
   for (const auto& [damping, spacing] :
@@ -65,22 +67,26 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
       tried.push_back({log_Hz, std::log(damping)});
     }
   }
-  term.starts =
-      [map = std::make_shared<const ShapeMap>(*grid, term, std::move(tried))](const Remainder& remainder) {
-        std::vector<std::vector<double>> starts;
-        Eigen::VectorXf left = map->Roots(remainder);
-        while (starts.size() < 3) {
-          Index best = 0;
-          if (!(left.maxCoeff(&best) > 0.0F)) break;
-          const std::vector<double>& shape = map->shapes()[static_cast<std::size_t>(best)];
-          starts.push_back(shape);
-          for (Index k = 0; k < left.size(); ++k) {
-            if (std::abs(map->shapes()[static_cast<std::size_t>(k)][0] - shape[0]) < 0.15) left(k) = 0.0F;
-          }
-        }
-        return starts;
-      };
   const double reference = std::max(grid->prefit(0), 1e-300);
+  term.starts = [map = std::make_shared<const ShapeMap>(*grid, term, std::move(tried)),
+                 reference](const Remainder& remainder) {
+    std::vector<std::vector<double>> starts;
+    Eigen::VectorXf left = map->Roots(remainder);
+    // Far above the motion a swing of any inertia looks alike, up to what no axis carries.
+    for (Index k = 0; k < left.size(); ++k) {
+      if (map->Coefficient(k, static_cast<double>(left(k))) > kMostShare * reference) left(k) = 0.0F;
+    }
+    while (starts.size() < 3) {
+      Index best = 0;
+      if (!(left.maxCoeff(&best) > 0.0F)) break;
+      const std::vector<double>& shape = map->shapes()[static_cast<std::size_t>(best)];
+      starts.push_back(shape);
+      for (Index k = 0; k < left.size(); ++k) {
+        if (std::abs(map->shapes()[static_cast<std::size_t>(k)][0] - shape[0]) < 0.15) left(k) = 0.0F;
+      }
+    }
+    return starts;
+  };
   const std::string inertia = units.linear ? "second_mass_kg" : "second_inertia_kgm2";
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
     const double frequency_Hz = std::exp(numbers[1]);
@@ -109,7 +115,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                      "screw or gear between drive and load",
                          .where = Where::kUndecided,
                          .effect = "E15",
-                         .parameters = {{"inertia_share", "1", 0.0, 1.5, false},
+                         .parameters = {{"inertia_share", "1", 0.0, kMostShare, false},
                                         {inertia + "s2", units.inertia() + " s²", 0.0, kUnlimited, true},
                                         {"frequency_Hz", "Hz", 1.02 * low_Hz, 0.98 * high_Hz, false},
                                         {"damping_ratio", "1", 1.1 * kLeastDamping, 0.4, false}},

@@ -43,7 +43,7 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
           points[i] = grid->direction[i] * model::StribeckShare(grid->velocity[i], speed, shapes[1]);
         }
       });
-  term.shapes = {{std::log(low), std::log(high), 0.3}, {0.5, 2.5, 0.2}};
+  term.shapes = {{std::log(low), std::log(high), 0.3, true}, {0.5, 2.5, 0.2, true}};
   term.starts = [grid, term, low, high](const Remainder& remainder) {
     std::vector<std::vector<double>> candidates;
     for (const double speed : GeometricSteps(1.1 * low, 0.9 * high, 8))
@@ -67,7 +67,9 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
        .sentence = "friction falls with speed at low speed: the lubricant film is not closed yet (Stribeck)",
        .where = Where::kUnit,
        .effect = "E8",
-       .parameters = {{amount, units.torque(), 0.0, kUnlimited, true},
+       // Height at rest, speed and exponent may stand for each other, so that none of them is known where
+       // their curve is: it is for the likelihood to say whether there is one.
+       .parameters = {{amount, units.torque(), 0.0, kUnlimited, false},
                       {speed, units.speed(), 1.01 * low, 0.99 * high, false}},
        .degrees_of_freedom = 3,
        .trials = 4.0,
@@ -161,7 +163,7 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
     design.col(1) = grid->Project(points);
   };
   if (!by_temperature) {
-    term.shapes = {{std::log(0.05 * range), std::log(20.0 * range), 0.3}};
+    term.shapes = {{std::log(0.05 * range), std::log(20.0 * range), 0.3, true}};
     term.starts = [range](const Remainder&) {
       return std::vector<std::vector<double>>{{std::log(10.0 * range)}, {std::log(0.3 * range)}};
     };

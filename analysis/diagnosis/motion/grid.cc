@@ -7,6 +7,7 @@
 
 #include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/rows.h"
+#include "analysis/diagnosis/motion/usual_effects.h"
 #include "analysis/diagnosis/temperature.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -76,36 +77,50 @@ void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, con
 
 void SetDirection(MotionGrid& grid, double width) {
   grid.sign_width = width;
-  grid.direction.resize(grid.velocity.size());
-  for (std::size_t i = 0; i < grid.velocity.size(); ++i) {
-    grid.direction[i] = width > 0.0
-                            ? std::erf(grid.velocity[i] / (std::sqrt(2.0) * width))
-                            : static_cast<double>((grid.velocity[i] > 0.0) - (grid.velocity[i] < 0.0));
-  }
+  grid.direction = grid.DirectionOf(grid.velocity);
   grid.nominal.col(2) = grid.Project(grid.direction);
 }
 
 // The sign of velocity may change over a small speed instead of at once: a detail, as long as it is small.
-void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque) {
+// Where the torque acts late it is judged by the motion at that time: a lag passes for a wide passage.
+void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s) {
+  // What no width changes is projected out once.
   const Eigen::MatrixXd usual = UsualEffects(grid);
-  const auto left = [&] {
-    Eigen::MatrixXd design(grid.nominal.rows(), grid.nominal.cols() + usual.cols());
-    design << grid.nominal, usual;
-    return (torque - design * design.colPivHouseholderQr().solve(torque)).squaredNorm();
+  Eigen::MatrixXd others(grid.nominal.rows(), grid.nominal.cols() - 1 + usual.cols());
+  const std::vector<double> later = grid.Later(grid.velocity, delay_s);
+  others << grid.ProjectPassed(grid.Later(grid.passed_acceleration, delay_s)), grid.ProjectPassed(later),
+      grid.nominal.rightCols(grid.nominal.cols() - 3), usual;
+  const Eigen::MatrixXd basis = OrthonormalBasis(others);
+  const Eigen::VectorXd rest = torque - basis * (basis.transpose() * torque);
+  const auto left_by = [&](double width) {
+    SetDirection(grid, width);
+    const Eigen::VectorXd column =
+        delay_s > 0.0 ? grid.Project(grid.DirectionOf(later)) : Eigen::VectorXd(grid.nominal.col(2));
+    const Eigen::VectorXd beside = column - basis * (basis.transpose() * column);
+    const double along = beside.dot(rest);
+    return rest.squaredNorm() - along * along / std::max(beside.squaredNorm(), 1e-300);
   };
-  double least = left();
+  double width = grid.velocity_noise;
+  double least = left_by(width);
   const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
-  for (const double share : {0.0007, 0.0015, 0.003, 0.006, 0.012, 0.025}) {
-    const double before = grid.sign_width;
-    if (share * speed <= grid.velocity_noise) continue;
-    SetDirection(grid, share * speed);
-    const double now = left();
-    if (static_cast<double>(grid.rows()) * std::log(least / now) > kClearly) {
+  const auto try_width = [&](double other, double clearly) {
+    if (other <= grid.velocity_noise) return;
+    const double now = left_by(other);
+    if (static_cast<double>(grid.rows()) * std::log(least / now) > clearly) {
       least = now;
-    } else {
-      SetDirection(grid, before);
+      width = other;
+    }
+  };
+  const double narrowest = 2e-4 * speed;
+  for (double share = 1.0; share < 130.0; share *= 2.0) try_width(share * narrowest, kClearly);
+  if (width > grid.velocity_noise) {
+    for (double ratio = std::sqrt(2.0); ratio > 1.02; ratio = std::sqrt(ratio)) {
+      const double centre = width;
+      try_width(centre * ratio, 0.0);
+      try_width(centre / ratio, 0.0);
     }
   }
+  SetDirection(grid, width);
 }
 
 // Standard error of the inertia, of the nominal model alone.
@@ -130,12 +145,38 @@ double QuantileOfMagnitude(std::span<const double> values, double share) {
   return *place;
 }
 
+std::size_t MotionGrid::Reversals() const {
+  std::size_t reversals = 0;
+  double last = 0.0;
+  const double certain = 0.05 * QuantileOfMagnitude(velocity, 0.95);
+  for (const double now : velocity) {
+    if (std::abs(now) < certain) continue;
+    if (last * now < 0.0) ++reversals;
+    last = now;
+  }
+  return reversals;
+}
+
 Eigen::VectorXd MotionGrid::Project(std::span<const double> points) const {
   Eigen::VectorXd values(static_cast<Index>(rows()));
   for (std::size_t row = 0; row < rows(); ++row) {
     values(static_cast<Index>(row)) = stretches[stretch_of_row[row]].low_pass.At(points, point_of_row[row]);
   }
   return values;
+}
+
+void MotionGrid::AddProjected(std::span<const double> points, std::size_t first, std::size_t last,
+                              Eigen::Ref<Eigen::VectorXd> values) const {
+  if (first >= last) return;
+  const auto after = std::ranges::upper_bound(stretches, first, {}, &Stretch::first);
+  const KernelTaps& kernel = std::prev(after)->low_pass;
+  auto row = std::ranges::lower_bound(point_of_row, first > kernel.reach ? first - kernel.reach : 0);
+  for (; row != point_of_row.end() && *row < last + kernel.reach; ++row) {
+    const auto at = static_cast<std::size_t>(row - point_of_row.begin());
+    if (stretch_of_row[at] == static_cast<std::size_t>(std::prev(after) - stretches.begin())) {
+      values(static_cast<Index>(at)) += kernel.At(points, *row);
+    }
+  }
 }
 
 Eigen::VectorXd MotionGrid::ProjectPassed(std::span<const double> points) const {
@@ -146,28 +187,13 @@ Eigen::VectorXd MotionGrid::ProjectPassed(std::span<const double> points) const 
   return values;
 }
 
-Eigen::VectorXd MotionGrid::Project(std::span<const double> points, int derivative, double shift_s) const {
-  Eigen::VectorXd values(static_cast<Index>(rows()));
-  std::size_t made_for = stretches.size();
-  KernelTaps kernel;
-  for (std::size_t row = 0; row < rows(); ++row) {
-    const std::size_t s = stretch_of_row[row];
-    if (s != made_for) {
-      kernel = MakeKernel(sigma_s, stretches[s].step_s, derivative, shift_s);
-    }
-    made_for = s;
-    const auto first = static_cast<std::ptrdiff_t>(stretches[s].first);
-    const auto last = first + static_cast<std::ptrdiff_t>(stretches[s].count) - 1;
-    const std::ptrdiff_t from =
-        static_cast<std::ptrdiff_t>(point_of_row[row]) - static_cast<std::ptrdiff_t>(kernel.reach);
-    double sum = 0.0;
-    for (std::size_t k = 0; k < kernel.taps.size(); ++k) {
-      const std::ptrdiff_t at = std::clamp(from + static_cast<std::ptrdiff_t>(k), first, last);
-      sum += kernel.taps[k] * points[static_cast<std::size_t>(at)];
-    }
-    values(static_cast<Index>(row)) = sum;
+std::vector<double> MotionGrid::DirectionOf(std::span<const double> velocities) const {
+  std::vector<double> directions(velocities.size());
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    directions[i] = sign_width > 0.0 ? std::erf(velocities[i] / (std::sqrt(2.0) * sign_width))
+                                     : static_cast<double>((velocities[i] > 0.0) - (velocities[i] < 0.0));
   }
-  return values;
+  return directions;
 }
 
 std::vector<double> MotionGrid::Later(std::span<const double> passed_points, double shift_s) const {
@@ -222,7 +248,7 @@ Eigen::VectorXd MotionGrid::BesideNominal(const Eigen::VectorXd& column) const {
   return column - nominal * nominal.colPivHouseholderQr().solve(column);
 }
 
-MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s) {
+MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s, double passage_delay_s) {
   const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
   MotionGrid grid;
   grid.linear = samples.linear;
@@ -238,6 +264,9 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s)
     layout.stride = std::max<std::size_t>(
         1, static_cast<std::size_t>(bandwidth.sigma_s / (kPointsPerSigma * raw.step_s)));
     layouts.push_back(layout);
+    if (raw.resampled) {
+      grid.reversal_error_s = std::max(grid.reversal_error_s, raw.step_s / std::sqrt(12.0));
+    }
     MotionGrid::Stretch stretch;
     stretch.record = raw.record;
     stretch.first = grid.time_s.size();
@@ -277,7 +306,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s)
   }
   const Eigen::VectorXd torque = grid.ProjectPassed(grid.passed_torque);
   SetDirection(grid, grid.velocity_noise);
-  ChooseSignWidth(grid, torque);
+  ChooseSignWidth(grid, torque, passage_delay_s);
   grid.measured.assign(torque.data(), torque.data() + rows);
   grid.prefit = grid.nominal.colPivHouseholderQr().solve(torque);
   grid.inertia_error = InertiaError(grid);

@@ -37,7 +37,8 @@ struct MotionGrid {
   double path_sigma_s{};    // of position, velocity and acceleration
   double velocity_noise{};  // of the points
   double position_noise{};
-  double sign_width{};  // speed over which the sign of velocity changes
+  double sign_width{};        // speed over which the sign of velocity changes
+  double reversal_error_s{};  // standard deviation of each reversal's time in a torque that is resampled
 
   // Points.
   std::vector<double> time_s;
@@ -64,23 +65,29 @@ struct MotionGrid {
   double cutoff_rad_per_s() const { return kHalfPower / sigma_s; }
   double path_cutoff_rad_per_s() const { return kHalfPower / path_sigma_s; }
   std::size_t rows() const { return point_of_row.size(); }
+  /// How often the velocity changes its sign for certain.
+  std::size_t Reversals() const;
   double RowTime_s(std::size_t row) const { return time_s[point_of_row[row]]; }
   /// Low-pass of a quantity of the points, at the rows.
   Eigen::VectorXd Project(std::span<const double> points) const;
-  /// The same, its derivative and at a later time: beyond the ends of a stretch the last value goes on.
-  Eigen::VectorXd Project(std::span<const double> points, int derivative, double shift_s) const;
+  /// The same of a quantity that is zero but at the points [first, last) of a stretch.
+  void AddProjected(std::span<const double> points, std::size_t first, std::size_t last,
+                    Eigen::Ref<Eigen::VectorXd> values) const;
   /// A quantity that has passed the low-pass already, at the rows.
   Eigen::VectorXd ProjectPassed(std::span<const double> points) const;
   /// A passed quantity a time later, at the points.
   std::vector<double> Later(std::span<const double> passed_points, double shift_s) const;
+  /// Smooth sign of velocities, as `direction` is of the points'.
+  std::vector<double> DirectionOf(std::span<const double> velocities) const;
   /// What least squares by the nominal terms leaves of a column.
   Eigen::VectorXd BesideNominal(const Eigen::VectorXd& column) const;
 };
 
 /// @param expected_delay_s  by which the torque acts late: reversals show in it that much earlier; 0 where it
 ///   does not.
+/// @param passage_delay_s  the same, for choosing over which speed the sign of velocity changes.
 /// @throws std::invalid_argument where too little motion is left.
-MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s);
+MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s, double passage_delay_s);
 
 /// Columns of effects that may be in any record, so that they do not decide on its details: drag, asymmetry,
 /// load, drift, weight.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/diagnosis/motion/kernel.h"
 
+#include <Eigen/Dense>
 #include <array>
 #include <cmath>
 
@@ -36,10 +37,9 @@ double KernelValue(double time_s, double header_sigma_s, int derivative) {
 }  // namespace
 
 double KernelTaps::At(std::span<const double> samples, std::size_t place) const {
-  const double* from = samples.data() + (place - reach);
-  double sum = 0.0;
-  for (std::size_t k = 0; k < taps.size(); ++k) sum += taps[k] * from[k];
-  return sum;
+  const auto count = static_cast<Eigen::Index>(taps.size());
+  return Eigen::Map<const Eigen::VectorXd>(taps.data(), count)
+      .dot(Eigen::Map<const Eigen::VectorXd>(samples.data() + (place - reach), count));
 }
 
 KernelTaps MakeKernel(double sigma_s, double step_s, int derivative, double shift_s) {

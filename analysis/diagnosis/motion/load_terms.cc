@@ -74,7 +74,7 @@ void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableMod
         }
       });
   const double most = std::max(passing.largest, 2.0 * std::abs(passing.offset));
-  term.shapes = {{-most, most, 0.05 * passing.largest}, {0.0, 1.2, 0.2}};
+  term.shapes = {{-most, most, 0.05 * passing.largest, true}, {0.0, 1.2, 0.2, true}};
   term.starts = [grid, term, offset = passing.offset](const Remainder& remainder) {
     return BestStarts(*grid, term, {{0.0, 0.0}, {offset, 0.0}, {0.0, 1.0}, {offset, 1.0}}, remainder, 1);
   };

@@ -56,6 +56,30 @@ std::vector<double> EnvelopeOf(const MotionGrid::Stretch& stretch) {
   return envelope;
 }
 
+struct Spell {
+  double begin{};  // point, between points
+  double end{};
+};
+
+// Where the axis is slower than `slow` around a reversal right before point `after`. Looked up, not taken
+// from the acceleration: an axis that comes to rest before it turns has none there.
+Spell SlowSpell(const MotionGrid& grid, const MotionGrid::Stretch& stretch, std::size_t after, double slow) {
+  const auto speed = [&](std::size_t i) { return std::abs(grid.velocity[i]); };
+  const std::size_t last = stretch.first + stretch.count - 1;
+  std::size_t to = after;
+  while (to < last && speed(to) < slow) ++to;
+  std::size_t from = after - 1;
+  while (from > stretch.first && speed(from) < slow) --from;
+  // Between the first point that is fast enough and its neighbour inside, whose velocity counts as negative
+  // where the reversal lies between both.
+  const auto edge = [&](std::size_t fast, std::size_t inner) {
+    const double within = grid.velocity[fast] * grid.velocity[inner] > 0.0 ? speed(inner) : -speed(inner);
+    const double share = (speed(fast) - slow) / std::max(speed(fast) - within, 1e-300);
+    return std::clamp(share, 0.0, 1.0);
+  };
+  return {static_cast<double>(from) + edge(from, from + 1), static_cast<double>(to) - edge(to, to - 1)};
+}
+
 // At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
 std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, double expected_delay_s) {
   std::vector<double> errors(grid.velocity.size(), 0.0);
@@ -64,21 +88,27 @@ std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, doubl
     const auto half = std::max<std::size_t>(
         1, static_cast<std::size_t>(std::lround(2.0 * grid.path_sigma_s / stretch.step_s)));
     const std::size_t end = stretch.first + stretch.count;
+    double told = 0.0;  // up to here
     for (std::size_t i = stretch.first + 1; i < end; ++i) {
-      if (grid.velocity[i - 1] * grid.velocity[i] > 0.0) continue;
+      // To and fro within one slow spell is one reversal.
+      if (grid.velocity[i - 1] * grid.velocity[i] > 0.0 || static_cast<double>(i) < told) continue;
       const std::size_t from = i > stretch.first + half ? i - half : stretch.first;
       const std::size_t to = std::min(i + half, end - 1);
       const double change = std::abs(grid.velocity[to] - grid.velocity[from]);
-      const double acceleration =
-          std::max(change, grid.velocity_noise) / (static_cast<double>(to - from) * stretch.step_s);
-      const double uncertain_s = (acceleration > 0.0 ? grid.velocity_noise / acceleration : 0.0) +
-                                 kBlurredReversal * grid.path_sigma_s;
+      const double blurred =
+          kBlurredReversal * change * grid.path_sigma_s / (static_cast<double>(to - from) * stretch.step_s);
+      const Spell spell = SlowSpell(grid, stretch, i, grid.velocity_noise + blurred);
+      told = spell.end;
+      const double middle = 0.5 * (spell.begin + spell.end);
+      const double uncertain_s =
+          std::max(0.5 * (spell.end - spell.begin) * stretch.step_s, kBlurredReversal * grid.path_sigma_s);
       const auto reach =
-          envelope.size() + static_cast<std::size_t>((uncertain_s + expected_delay_s) / stretch.step_s);
-      for (std::size_t k = i > stretch.first + reach ? i - reach : stretch.first;
-           k < std::min(i + reach, end); ++k) {
+          envelope.size() + static_cast<std::size_t>((uncertain_s + expected_delay_s) / stretch.step_s) + 1;
+      const auto centre = static_cast<std::size_t>(middle);
+      for (std::size_t k = centre > stretch.first + reach ? centre - reach : stretch.first;
+           k < std::min(centre + reach + 1, end); ++k) {
         // Where the torque acts late, the reversal shows in it before it shows in the motion.
-        const double after_s = (static_cast<double>(k) - static_cast<double>(i) + 0.5) * stretch.step_s;
+        const double after_s = (static_cast<double>(k) - middle) * stretch.step_s;
         const double away_s = std::max({after_s, -after_s - expected_delay_s, 0.0});
         const auto tap = static_cast<std::size_t>(std::max(0.0, away_s - uncertain_s) / stretch.step_s);
         if (tap < envelope.size()) errors[k] += 2.0 * coulomb * uncertain_s * envelope[tap];

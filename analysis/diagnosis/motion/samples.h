@@ -16,6 +16,7 @@ struct EvenStretch {
   std::size_t record{};
   double start_s{};
   double step_s{};
+  bool resampled{};  // brought onto even steps: what jumps between two samples has moved within its step
   std::vector<double> position;
   std::vector<double> torque;
   std::vector<double> velocity;          // empty: none, or none that can be used

@@ -20,14 +20,7 @@ constexpr double kAccelerates = 10.0;
 
 // Rows of one period of the motion, as reversals show it; within bounds that leave enough blocks to hold out.
 std::size_t BlockLength(const MotionGrid& grid) {
-  std::size_t reversals = 0;
-  double last = 0.0;
-  const double certain = 0.05 * QuantileOfMagnitude(grid.velocity, 0.95);
-  for (const double velocity : grid.velocity) {
-    if (std::abs(velocity) < certain) continue;
-    if (last * velocity < 0.0) ++reversals;
-    last = velocity;
-  }
+  const std::size_t reversals = grid.Reversals();
   const std::size_t period = reversals > 1 ? 2 * grid.rows() / reversals : grid.rows();
   return std::clamp<std::size_t>(period, std::max<std::size_t>(12, grid.rows() / 100),
                                  std::max<std::size_t>(12, grid.rows() / 15));
@@ -65,23 +58,31 @@ void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableMo
 
 struct SettledGrid {
   SharedGrid grid;
-  double delay_s{};  // as this grid shows it
+  DelayEstimate delay;  // as this grid shows it
 };
 
 // The grid, made again where the torque acts late: reversals show in it before they show in the motion.
+// Whether they are blurred by the lag or by a wide passage from one way to the other, what is left tells.
 SettledGrid MakeSettledGrid(const MotionSamples& samples) {
-  const auto first = std::make_shared<const MotionGrid>(MakeMotionGrid(samples, 0.0));
-  const double delay_s = EstimateDelay_s(*first);
-  if (!(delay_s > 0.0)) return {first, delay_s};
-  const auto settled = std::make_shared<const MotionGrid>(MakeMotionGrid(samples, delay_s));
-  return {settled, EstimateDelay_s(*settled)};
+  const auto make = [&](double expected_delay_s, double passage_delay_s) {
+    SettledGrid made{
+        std::make_shared<const MotionGrid>(MakeMotionGrid(samples, expected_delay_s, passage_delay_s)), {}};
+    made.delay = EstimateDelay(*made.grid);
+    return made;
+  };
+  SettledGrid first = make(0.0, 0.0);
+  const double delay_s = first.delay.delay_s;
+  if (!(delay_s > 0.0)) return first;
+  SettledGrid wide = make(delay_s, 0.0);
+  SettledGrid sharp = make(delay_s, delay_s);
+  return sharp.delay.square_sum < wide.delay.square_sum ? sharp : wide;
 }
 
 }  // namespace
 
 std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   const MotionSamples samples = PrepareMotion(records);
-  const auto [grid, delay_s] = MakeSettledGrid(samples);
+  const auto [grid, delay] = MakeSettledGrid(samples);
   const MotionUnits units{samples.linear};
   SeparableModel model;
   model.measured = grid->measured;
@@ -104,7 +105,7 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   if (std::abs(grid->prefit(0)) > kAccelerates * grid->inertia_error) {
     AddLoadCause(grid, units, model);
     AddDynamicCauses(grid, units, model);
-    AddDelayCause(grid, delay_s, units, model);
+    AddDelayCause(grid, delay.delay_s, units, model);
   } else {
     model.warnings.push_back(
         "no verdict on load_dependent_friction, torsional_resonance, backlash and time_delay: the motion "

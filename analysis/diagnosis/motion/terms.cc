@@ -46,7 +46,8 @@ std::vector<double> GeometricSteps(double low, double high, std::size_t count) {
 
 ShapeMap::ShapeMap(const MotionGrid& grid, const SeparableTerm& term, std::vector<std::vector<double>> shapes)
     : shapes_(std::move(shapes)),
-      columns_(Eigen::MatrixXf::Zero(grid.nominal.rows(), static_cast<Eigen::Index>(shapes_.size()))) {
+      columns_(Eigen::MatrixXf::Zero(grid.nominal.rows(), static_cast<Eigen::Index>(shapes_.size()))),
+      lengths_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(shapes_.size()))) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nominal(grid.nominal);
   Eigen::MatrixXd column(grid.nominal.rows(), 1);
   for (std::size_t k = 0; k < shapes_.size(); ++k) {
@@ -55,7 +56,9 @@ ShapeMap::ShapeMap(const MotionGrid& grid, const SeparableTerm& term, std::vecto
     column -= grid.nominal * nominal.solve(column);
     const double norm = column.norm();
     // What is one with the nominal model, as a swing far above the motion is with the inertia, stays zero.
-    if (norm > 1e-3 * before) columns_.col(static_cast<Eigen::Index>(k)) = (column / norm).cast<float>();
+    if (!(norm > 1e-3 * before)) continue;
+    columns_.col(static_cast<Eigen::Index>(k)) = (column / norm).cast<float>();
+    lengths_(static_cast<Eigen::Index>(k)) = norm;
   }
 }
 

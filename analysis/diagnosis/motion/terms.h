@@ -73,10 +73,13 @@ class ShapeMap {
   const std::vector<std::vector<double>>& shapes() const { return shapes_; }
   /// Roots of what each takes from the remainder's weighted sum of squares; 0 for a negative coefficient.
   Eigen::VectorXf Roots(const Remainder& remainder) const;
+  /// About the coefficient that goes with such a root.
+  double Coefficient(Eigen::Index shape, double root) const { return root / lengths_(shape); }
 
  private:
   std::vector<std::vector<double>> shapes_;
   Eigen::MatrixXf columns_;  // rows × shapes, each of length 1
+  Eigen::VectorXd lengths_;  // that they had
 };
 
 /// Looks for shapes of a term without fitting the rest again.

@@ -151,6 +151,7 @@ std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vect
       stretch.start_s = time.front();
       const bool as_they_are = by_number && !(holes && jitter < 0.2);
       stretch.step_s = as_they_are ? (time.back() - time.front()) / static_cast<double>(count - 1) : step_s;
+      stretch.resampled = !as_they_are;
       const auto even = [&](const std::vector<double>& column) {
         const std::vector<double> values = Pick(column, picked);
         return as_they_are || values.empty() ? values : Resample(time, values, step_s);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <memory>
 #include <utility>
 
@@ -62,6 +63,7 @@ void AddFreeLine(const Samples& samples, SeparableModel& model, const std::strin
   model.rules.push_back({.name = which,
                          .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
                          .degrees_of_freedom = 3,
+                         .places = 1,
                          .trials = IndependentOrders(samples.output_rad, lowest, top),
                          .named = false});
 }
@@ -80,7 +82,8 @@ void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
   std::erase_if(orders, [&](double order) { return order > top || order < 2.5; });
   const double cell = kTwoPi / std::max(SpanOf(samples.output_rad), 1e-9);
   auto angle = std::make_shared<const std::vector<double>>(samples.output_rad);
-  SeparableTerm term = LineTerm(angle, {1.0, top + 1.0, 0.3 * cell});
+  SeparableTerm term =
+      LineTerm(angle, {.low = 1.0, .high = top + 1.0, .step = 0.3 * cell, .moved = Moved::kNever});
   term.starts = [angle, orders](const Remainder& remainder) {
     double best_drop = 0.0;
     double best = 0.0;
@@ -94,9 +97,80 @@ void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = "line at a whole order",
                          .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
-                         .degrees_of_freedom = 3,
+                         .degrees_of_freedom = 2,
                          .trials = static_cast<double>(orders.size()),
                          .named = false});
+}
+
+// Places in window and order at which a ripple may be, of all widths an octave apart: windows of a turn times
+// orders that one of them tells apart.
+double CellsOfTurn(double narrowest_rad, double widest_rad, double top) {
+  return std::max(1.0, (std::log2(widest_rad / narrowest_rad) + 1.0) * (top - 3.0));
+}
+
+// A stretch of the turn and an order that is strong in it.
+struct LocalRipple {
+  double centre_rad{};
+  double width_rad{};
+  double order{};
+  double drop{};  // of the sum of squares
+};
+
+// The strongest of all windows (widths an octave apart, centres a quarter of a width) and orders (half of
+// what a window tells apart), a few that differ.
+std::vector<LocalRipple> FindRipples(std::span<const double> place, const Remainder& remainder,
+                                     double narrowest_rad, double widest_rad, double top) {
+  constexpr double kFewest = 4.0;  // samples' weight in a window
+  constexpr std::size_t kKept = 3;
+  const auto bins = static_cast<std::size_t>(std::clamp(8.0 * top, 720.0, 3600.0));
+  const double bin_rad = kTwoPi / static_cast<double>(bins);
+  std::vector<double> weight(bins, 0.0);
+  std::vector<double> sum(bins, 0.0);
+  double all = 0.0;
+  double mean = 0.0;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    const auto bin = std::min(bins - 1, static_cast<std::size_t>(place[i] / bin_rad));
+    weight[bin] += remainder.weights[i];
+    sum[bin] += remainder.weights[i] * remainder.residual[i];
+    all += remainder.weights[i];
+    mean += remainder.weights[i] * remainder.residual[i];
+  }
+  mean /= std::max(all, 1e-300);
+  std::vector<LocalRipple> found;
+  std::vector<double> weight_to(bins + 1, 0.0);  // of the bins below each
+  std::vector<std::complex<double>> line_to(bins + 1);
+  for (std::size_t b = 0; b < bins; ++b) weight_to[b + 1] = weight_to[b] + weight[b];
+  for (double width = narrowest_rad; width < widest_rad * 1.01; width *= 2.0) {
+    const double resolved = kTwoPi / width;
+    const auto reach = static_cast<std::size_t>(width / bin_rad);
+    for (double order = std::max(3.0, resolved); order <= top; order += 0.5 * resolved) {
+      const std::complex<double> turned = std::polar(1.0, -order * bin_rad);
+      std::complex<double> line = 1.0;
+      for (std::size_t b = 0; b < bins; ++b) {
+        line_to[b + 1] = line_to[b] + (sum[b] - mean * weight[b]) * line;
+        line *= turned;
+      }
+      for (std::size_t first = 0; first + reach <= bins; first += std::max<std::size_t>(1, reach / 4)) {
+        const double inside = weight_to[first + reach] - weight_to[first];
+        if (inside < kFewest) continue;
+        const double centre = (static_cast<double>(first) + 0.5 * static_cast<double>(reach)) * bin_rad;
+        found.push_back(
+            {centre, width, order, 2.0 * std::norm(line_to[first + reach] - line_to[first]) / inside});
+      }
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const LocalRipple& a, const LocalRipple& b) { return a.drop > b.drop; });
+  std::vector<LocalRipple> kept;
+  for (const LocalRipple& ripple : found) {
+    if (kept.size() == kKept) break;
+    const bool close = std::any_of(kept.begin(), kept.end(), [&](const LocalRipple& other) {
+      return std::abs(std::remainder(ripple.centre_rad - other.centre_rad, kTwoPi)) < other.width_rad &&
+             std::abs(ripple.order - other.order) < kTwoPi / other.width_rad;
+    });
+    if (!close) kept.push_back(ripple);
+  }
+  return kept;
 }
 
 // A line that is there in one stretch of the turn only.
@@ -119,20 +193,9 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
     }
   };
   term.starts = [place, narrowest, widest, top](const Remainder& remainder) {
-    // Where the residual's power is raised, then the strongest line there.
-    std::vector<double> power(remainder.residual.size());
-    for (std::size_t i = 0; i < power.size(); ++i) power[i] = remainder.residual[i] * remainder.residual[i];
     std::vector<std::vector<double>> starts;
-    for (const WindowPeak& window : FindWindows(place, power, remainder.weights, narrowest, widest, 2)) {
-      std::vector<double> inside(remainder.weights.begin(), remainder.weights.end());
-      for (std::size_t i = 0; i < inside.size(); ++i) {
-        if (std::abs(std::remainder(place[i] - window.centre, kTwoPi)) > 0.6 * window.width) inside[i] = 0.0;
-      }
-      const double lowest = kTwoPi / window.width;
-      if (!(lowest < top)) continue;
-      for (const LinePeak& line : FindLines(place, remainder.residual, inside, lowest, top, 2)) {
-        starts.push_back({window.centre, window.width, line.order});
-      }
+    for (const LocalRipple& ripple : FindRipples(place, remainder, narrowest, widest, top)) {
+      starts.push_back({ripple.centre_rad, ripple.width_rad, ripple.order});
     }
     return starts;
   };
@@ -144,7 +207,8 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
   model.rules.push_back({.name = "ripple in a window of output angle",
                          .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
                          .degrees_of_freedom = 5,
-                         .trials = 20.0 * IndependentOrders(samples.output_rad, 3.0, top),
+                         .places = 3,
+                         .trials = CellsOfTurn(narrowest, widest, top),
                          .local = true,
                          .named = false});
 }

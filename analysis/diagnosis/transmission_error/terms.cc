@@ -191,23 +191,28 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
   const double narrowest = std::max(RadFromDeg(0.5), 2.5 / density);
   const double widest = RadFromDeg(12.0);
   SeparableTerm term;
-  term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(1.0)}, {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)}};
+  constexpr double kMostSkew = 0.7;
+  term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(1.0)},
+                 {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)},
+                 {.low = -kMostSkew, .high = kMostSkew, .step = 0.2, .moved = Moved::kForReport}};
   term.fill = [place](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < place.size(); ++i) {
-      design(static_cast<Eigen::Index>(i), 0) = model::LocalToothDamageShape(place[i], shapes[0], shapes[1]);
+      design(static_cast<Eigen::Index>(i), 0) =
+          model::LocalToothDamageShape(place[i], shapes[0], shapes[1], shapes[2]);
     }
   };
   term.starts = [place, narrowest, widest](const Remainder& remainder) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
          FindWindows(place, remainder.residual, remainder.weights, narrowest, widest, 4)) {
-      starts.push_back({peak.centre, std::clamp(0.8 * peak.width, 0.6 * narrowest, widest)});
+      starts.push_back({peak.centre, std::clamp(0.8 * peak.width, 0.6 * narrowest, widest), 0.0});
     }
     return starts;
   };
   DescribeEach(term, {{"height_arcmin", "arcmin", kArcminPerRad},
                       {"centre_deg", "deg", DegFromRad(1.0)},
-                      {"width_deg", "deg", DegFromRad(1.0)}});
+                      {"width_deg", "deg", DegFromRad(1.0)},
+                      {"skew_share", "1", 1.0}});
   model.causes.push_back(std::move(term));
   model.rules.push_back(
       {.name = "local_tooth_damage",
@@ -217,6 +222,7 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
        .parameters = {{"height_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, true},
                       {"width_deg", "deg", DegFromRad(0.8 * narrowest), 14.0, false}},
        .degrees_of_freedom = 3,
+       .places = 2,
        .trials = std::max(1.0, 2.0 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
        .local = true});
 }

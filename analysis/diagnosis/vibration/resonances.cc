@@ -111,6 +111,14 @@ TermFit DropDeaf(const VibrationRemainder& remainder, TermFit solution) {
   return changed ? remainder.Refine(std::move(solution), 4) : solution;
 }
 
+// Lines at whole orders or halfway between.
+bool AreOfShaft(const VibrationTerm& lines, double cell) {
+  return std::ranges::all_of(lines.lines, [&](const LinePlace& line) {
+    const double doubled = 2.0 * (line.harmonic * lines.shapes[0] + line.offset);
+    return std::abs(doubled - std::round(doubled)) < 2.0 * cell;
+  });
+}
+
 // Lines of the shaft or of the current that stand together look like a band that noise drives, or beat like
 // knocks; and a line alone is a knock that does not die away. They are lines where so few of them explain as
 // much.
@@ -132,7 +140,9 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
     const TermFit fit = remainder.With(lines, 3);
     // Where the others stand was chosen, too.
     const double places = static_cast<double>(lines.lines.size() - 1) * std::log(fit.weight_sum);
-    if (fit.bic() + places < band.bic() + kAsGood) return true;
+    // One line is the simpler thing; several are where the shaft makes them, or have to be the better one.
+    const bool simpler = lines.lines.size() == 1 || (over_turns && AreOfShaft(lines, spectrum.cell()));
+    if (fit.bic() + places < band.bic() + (simpler ? kAsGood : 0.0)) return true;
   }
   return false;
 }

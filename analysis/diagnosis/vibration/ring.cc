@@ -14,6 +14,9 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
+constexpr double kBinsPerDecay = 4.0;
+constexpr double kLeastOverlap = 0.05;
+
 Complex PoleOf(const RingTrain& train) {
   const double natural = kTwoPi * train.ring_Hz;
   return {-train.damping_ratio * natural,
@@ -113,29 +116,129 @@ Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
   return {sample, height * *best, height};
 }
 
-double BestRingPhase(const VibrationRun& run, const RingTrain& train, std::span<const double> residual,
-                     std::span<const double> weights) {
+namespace {
+
+// Direction after so many turns, to some thousandths of a radian: good enough to search.
+Complex Direction(double turns) {
+  constexpr std::size_t kDirections = 2048;
+  static const std::vector<Complex> table = [] {
+    std::vector<Complex> directions;
+    for (std::size_t d = 0; d < kDirections; ++d)
+      directions.push_back(std::polar(1.0, kTwoPi * static_cast<double>(d) / kDirections));
+    return directions;
+  }();
+  const double share = turns - std::floor(turns);
+  return table[static_cast<std::size_t>(share * kDirections) % kDirections];
+}
+
+// Power of what noise leaves in the sum over a train's impulses, beside that of as many which do not ring
+// into one another, each turned by where it stands on `side` turns of the angle.
+double OverlapOf(const VibrationRun& run, const RingTrain& train, double side) {
+  constexpr int kPlaces = 16;
+  const Complex turn = std::polar(1.0, kTwoPi * side / train.order);
+  double sum = 0.0;
+  for (int p = 0; p < kPlaces; ++p) {
+    const std::size_t i = (2 * static_cast<std::size_t>(p) + 1) * run.size() / (2 * kPlaces);
+    const double apart_s = kTwoPi / (train.order * std::max(run.speed_rad_per_s[i], 1e-9));
+    const Complex left = turn * std::exp(PoleOf(train) * apart_s);
+    sum += ((1.0 + left) / (1.0 - left)).real() / kPlaces;
+  }
+  return std::max(kLeastOverlap, sum);
+}
+
+}  // namespace
+
+TrainMatch MatchTrain(const VibrationRun& run, const RingTrain& train, double sideband,
+                      std::span<const double> residual, std::span<const double> weights, double variance) {
   // What a ring that starts at a sample has in common with the residual behind it: a filter that runs
-  // backwards. Impulses of one phase then add up.
+  // backwards. Turned to where the ring would be in the middle of a bin of the impulse's period, the samples
+  // of one bin add up.
   const std::size_t n = run.size();
-  const Complex step = std::exp(PoleOf(train) * run.period_s);
-  const double ring_turns = train.ring_Hz * kTwoPi / (train.order * run.mean_speed_rad_per_s);
-  const auto bins = static_cast<std::size_t>(std::clamp(8.0 * ring_turns, 32.0, 4096.0));
-  std::vector<double> score(bins, 0.0);
-  std::vector<Complex> sums(bins);
-  for (const VibrationStretch& channel : run.channels) {
-    std::fill(sums.begin(), sums.end(), Complex{});
+  const std::size_t channels = run.channels.size();
+  const Complex pole = PoleOf(train);
+  const Complex step = std::exp(pole * run.period_s);
+  const double impulses = train.order * run.turns;
+  const double ring_turns = train.ring_Hz * run.span_s() / impulses;
+  const auto most = static_cast<std::size_t>(std::max(4.0, static_cast<double>(n) / impulses));
+  const auto bins = std::clamp<std::size_t>(
+      static_cast<std::size_t>(kBinsPerDecay * kTwoPi * train.damping_ratio * ring_turns), 4, most);
+  struct Place {
+    std::size_t bin;
+    Complex turn;
+    Complex slow;
+  };
+  std::vector<Place> places(n);
+  const double per_angle = train.order / kTwoPi;
+  const double middle = 0.5 * run.angle_rad.back();
+  const double ring_turns_per_s = pole.imag() / kTwoPi;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double turn = (run.angle_rad[i] - middle) * per_angle;
+    const double share = (turn - std::floor(turn)) * static_cast<double>(bins);
+    const std::size_t bin = std::min(bins - 1, static_cast<std::size_t>(share));
+    const double off = (share - static_cast<double>(bin) - 0.5) / static_cast<double>(bins);
+    const double since_s = off / (per_angle * std::max(run.speed_rad_per_s[i], 1e-9));
+    places[i] = {bin, Direction(ring_turns_per_s * since_s - 0.25),
+                 sideband > 0.0 ? Direction(-sideband / kTwoPi * run.angle_rad[i]) : Complex{}};
+  }
+  std::vector<Complex> plain(bins * channels);
+  std::vector<Complex> upper(sideband > 0.0 ? bins * channels : 0);
+  std::vector<Complex> lower(upper.size());
+  const auto product = [](Complex a, Complex b) {  // the operator looks for infinities
+    return Complex(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
+  };
+  for (std::size_t c = 0; c < channels; ++c) {
     Complex common{};
     for (std::size_t i = n; i-- > 0;) {
-      const std::size_t place = channel.first + i;
-      common = common * step + (weights[place] > 0.0 ? residual[place] : 0.0);
-      const double turn = Impulses(run, {train.order, 0.0, 0.0, 0.0, {}}, i);
-      sums[static_cast<std::size_t>((turn - std::floor(turn)) * static_cast<double>(bins)) % bins] += common;
+      const std::size_t at = run.channels[c].first + i;
+      common = product(common, step) + (weights[at] > 0.0 ? residual[at] : 0.0);
+      const Complex value = product(common, places[i].turn);
+      const std::size_t bin = c * bins + places[i].bin;
+      plain[bin] += value;
+      if (!(sideband > 0.0)) continue;
+      upper[bin] += product(value, places[i].slow);
+      lower[bin] += product(value, std::conj(places[i].slow));
     }
-    for (std::size_t b = 0; b < bins; ++b) score[b] += sums[b].imag() * sums[b].imag();
   }
-  const auto best = std::max_element(score.begin(), score.end());
-  return (static_cast<double>(best - score.begin()) + 0.5) / static_cast<double>(bins);
+  // Samples that one impulse has in a bin, and the noise of a sum over the impulses.
+  const double samples = static_cast<double>(n) / (impulses * static_cast<double>(bins));
+  const double each = samples * samples * impulses * variance / (1.0 - std::norm(step));
+  const double own_overlap = OverlapOf(run, train, 0.0);
+  const double noise = each * own_overlap;
+  const double beside_overlap = OverlapOf(run, train, sideband) + OverlapOf(run, train, -sideband);
+  TrainMatch best;
+  for (std::size_t b = 0; b < bins; ++b) {
+    double sum = 0.0;
+    Complex square{};
+    for (std::size_t c = 0; c < channels; ++c) {
+      sum += std::norm(plain[c * bins + b]);
+      square += plain[c * bins + b] * plain[c * bins + b];
+    }
+    const double power = 0.5 * (sum + std::abs(square)) / noise;
+    if (sideband <= 0.0 && power <= best.power) continue;
+    const double phase = 0.5 * std::arg(square);
+    TrainMatch match{power, 0.0, 0.0, 0.0};
+    match.phase = (static_cast<double>(b) + 0.5) / static_cast<double>(bins) + phase / (kTwoPi * ring_turns);
+    if (sideband > 0.0) {
+      const Complex back = std::polar(1.0, -phase);
+      Complex above{};
+      Complex below{};
+      double gain = 0.0;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double own = (back * plain[c * bins + b]).real();
+        above += own * back * upper[c * bins + b];
+        below += own * back * lower[c * bins + b];
+        gain += own * own;
+      }
+      if (!(gain > 0.0)) continue;
+      const Complex beside = above + std::conj(below);
+      const Complex change = 2.0 * own_overlap / beside_overlap / gain * beside;
+      match.cosine = change.real();
+      match.sine = -change.imag();
+      match.power += std::norm(beside) / (gain * each * beside_overlap);
+    }
+    if (match.power > best.power) best = match;
+  }
+  return best;
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -45,9 +45,19 @@ Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
                  std::span<const double> residual, std::span<const double> weights,
                  std::span<const double> gains = {});
 
-/// Phase at which a train of this order, ring and damping explains most of a residual of one run, over its
-/// channels together.
-double BestRingPhase(const VibrationRun& run, const RingTrain& train, std::span<const double> residual,
-                     std::span<const double> weights);
+/// A train at its best place.
+struct TrainMatch {
+  double power{};   // half the drop of the sum of squares that it brings, in variances of the noise
+  double phase{};   // as RingTrain has it
+  double cosine{};  // of the modulation
+  double sine{};
+};
+
+/// The place at which a train of this order, ring and damping explains most of a residual of one run, over
+/// its channels together, with the size of a change of its impulses.
+/// @param sideband  order of the change; 0 for even impulses
+/// @param variance  of the noise
+TrainMatch MatchTrain(const VibrationRun& run, const RingTrain& train, double sideband,
+                      std::span<const double> residual, std::span<const double> weights, double variance);
 
 }  // namespace strainwave::analysis::diagnosis

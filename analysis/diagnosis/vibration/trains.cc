@@ -2,12 +2,12 @@
 #include "analysis/diagnosis/vibration/trains.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <complex>
-#include <unsupported/Eigen/FFT>
+#include <map>
 #include <utility>
 
+#include "analysis/diagnosis/vibration/matched_orders.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -15,133 +15,17 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kDamping = 0.03;      // of the rings that are tried; a match to twice or half of it is good
-constexpr double kNextRing = 1.07;     // about a width of the resonance apart
+constexpr double kOtherRing = 0.25;    // ln of how far apart rings are that one train may have
+constexpr double kNextRing = 1.055;    // within a width of the resonance
 constexpr double kLowestRing = 0.03;   // of the sampling rate
 constexpr double kHighestRing = 0.45;  // of the sampling rate
-constexpr double kEdge = 4.0;          // half-widths of the resonance that count
-constexpr double kLeastOverlap = 0.4;
+constexpr double kLeastOverlap = 0.1;  // of a train's harmonics with the resonance
+// Far below what the number of places searched makes of noise: what is weaker is never among the strongest.
+constexpr double kLeastPower = 9.0;
 constexpr double kLeastExcess = 9.0;
-constexpr std::size_t kPadding = 4;
-constexpr std::size_t kSpeeds = 48;
-constexpr std::size_t kLooksPerRing = 60;
+constexpr std::size_t kPlacesPerHarmonic = 2;
+constexpr std::size_t kLooksPerRing = 24;
 constexpr std::size_t kTrainsPerRing = 3;
-
-// The residual, matched to a ring, over orders of the input angle.
-struct MatchedOrders {
-  double first{};
-  double step{};
-  std::vector<std::vector<Complex>> of_channel;
-  std::vector<float> power;  // of all channels
-  std::vector<float> noise;  // power that a channel has without impulses; its integral over the orders is one
-
-  double last() const { return first + step * static_cast<double>(power.size() - 1); }
-  std::size_t PlaceOf(double order) const { return static_cast<std::size_t>((order - first) / step + 0.5); }
-  Complex At(std::size_t channel, double order) const {
-    const std::size_t place = PlaceOf(order);
-    return place < power.size() ? of_channel[channel][place] : Complex{};
-  }
-};
-
-class RingMatcher {
- public:
-  explicit RingMatcher(const VibrationRemainder& remainder)
-      : remainder_(remainder), run_(remainder.samples().runs.front()), filtered_(run_.size()) {
-    const auto [slowest, fastest] = std::ranges::minmax(run_.speed_rad_per_s);
-    slowest_ = std::max(slowest, 1e-9);
-    fastest_ = std::max(fastest, 1e-9);
-  }
-
-  MatchedOrders Match(double ring_Hz, double reach) {
-    const double natural = kTwoPi * ring_Hz;
-    const Complex step = std::exp(
-        Complex(-kDamping * natural, natural * std::sqrt(1.0 - kDamping * kDamping)) * run_.period_s);
-    const double half_width = kDamping * natural;
-    const double first = std::max(0.5, (natural - kEdge * half_width) / fastest_ - reach);
-    const double last = std::max(first + 1.0, (natural + kEdge * half_width) / slowest_ + reach);
-    const double centre = 0.5 * (first + last);
-    // What is matched to a narrow ring changes slowly beside it: a few samples a bandwidth are enough.
-    const auto places = static_cast<std::size_t>(1.3 * (last - first) * run_.turns) + 8;
-    const std::size_t size = std::bit_ceil(kPadding * places);
-    const double angle_step = run_.angle_rad.back() / static_cast<double>(places);
-    std::vector<Complex> turns(run_.size());
-    for (std::size_t i = 0; i < run_.size(); ++i) turns[i] = std::polar(1.0, -centre * run_.angle_rad[i]);
-
-    MatchedOrders matched;
-    matched.step = kTwoPi / (static_cast<double>(size) * angle_step);
-    const auto below = static_cast<std::size_t>((centre - first) / matched.step);
-    const auto above = static_cast<std::size_t>((last - centre) / matched.step);
-    matched.first = centre - matched.step * static_cast<double>(below);
-    matched.power.resize(below + above + 1, 0.0F);
-    const double scale = angle_step *
-                         std::sqrt((1.0 - std::norm(step)) / (remainder_.base().variance() * run_.turns)) /
-                         kTwoPi;
-    Foretell(natural, half_width, matched);
-    for (const VibrationStretch& channel : run_.channels) {
-      Filter(channel, step, turns);
-      values_.assign(size, Complex{});
-      std::size_t i = 0;
-      for (std::size_t p = 0; p < places; ++p) {
-        const double angle = angle_step * static_cast<double>(p);
-        while (i + 2 < run_.size() && run_.angle_rad[i + 1] <= angle) ++i;
-        const double gap = run_.angle_rad[i + 1] - run_.angle_rad[i];
-        const double u = gap > 0.0 ? std::clamp((angle - run_.angle_rad[i]) / gap, 0.0, 1.0) : 0.0;
-        values_[p] = scale * ((1.0 - u) * filtered_[i] + u * filtered_[i + 1]);
-      }
-      transform_.fwd(spectrum_, values_);
-      std::vector<Complex> lines(matched.power.size());
-      for (std::size_t k = 0; k < lines.size(); ++k) {
-        // Phases from the middle of the record, so that they change slowly with the order.
-        const double off = matched.step * (static_cast<double>(k) - static_cast<double>(below));
-        lines[k] = spectrum_[(size + k - below) % size] * std::polar(1.0, 0.5 * off * run_.angle_rad.back());
-        matched.power[k] += static_cast<float>(std::norm(lines[k]));
-      }
-      matched.of_channel.push_back(std::move(lines));
-    }
-    return matched;
-  }
-
- private:
-  // The resonance is a Lorentz line over frequency; over orders it is smeared by the speeds.
-  void Foretell(double natural, double half_width, MatchedOrders& matched) const {
-    const std::size_t speeds = run_.speed_spread < 0.01 ? 1 : kSpeeds;
-    matched.noise.assign(matched.power.size(), 0.0F);
-    constexpr std::size_t kEvery = 8;  // bins; the noise is smooth
-    for (std::size_t s = 0; s < speeds; ++s) {
-      const double angle =
-          run_.angle_rad.back() * (static_cast<double>(s) + 0.5) / static_cast<double>(speeds);
-      const auto at = std::ranges::lower_bound(run_.angle_rad, angle) - run_.angle_rad.begin();
-      const double speed = std::max(run_.speed_rad_per_s[static_cast<std::size_t>(at)], 1e-9);
-      for (std::size_t k = 0; k < matched.noise.size(); k += kEvery) {
-        const double order = matched.first + matched.step * static_cast<double>(k);
-        const double off = (order * speed - natural) / half_width;
-        matched.noise[k] +=
-            static_cast<float>(speed / (kPi * half_width * (1.0 + off * off)) / static_cast<double>(speeds));
-      }
-    }
-    for (std::size_t k = 0; k < matched.noise.size(); ++k)
-      matched.noise[k] = matched.noise[k / kEvery * kEvery];
-  }
-
-  void Filter(const VibrationStretch& channel, Complex step, const std::vector<Complex>& turns) {
-    Complex common{};
-    for (std::size_t i = run_.size(); i-- > 0;) {
-      const std::size_t place = channel.first + i;
-      common =
-          common * step + (remainder_.solver().weights()[place] > 0.0 ? remainder_.residual()[place] : 0.0);
-      filtered_[i] = std::conj(common) * turns[i];
-    }
-  }
-
-  const VibrationRemainder& remainder_;
-  const VibrationRun& run_;
-  double slowest_{};
-  double fastest_{};
-  std::vector<Complex> filtered_;
-  std::vector<Complex> values_;
-  std::vector<Complex> spectrum_;
-  Eigen::FFT<double> transform_;
-};
 
 // Trains in one resonance.
 class TrainSearch {
@@ -157,29 +41,41 @@ class TrainSearch {
 
   std::vector<TrainStart> Find(double lowest, double highest,
                                const std::function<bool(double order)>& allowed) {
-    std::vector<std::pair<double, double>> looks;  // excess, order
-    const double step = 0.4 / (run_.turns * (matched_.last() - reach_));
+    std::vector<std::pair<double, double>> looks;  // statistic, order; the weakest first once it is full
+    const double step = 0.5 / (run_.turns * (matched_.last() - reach_));
+    double least = kLeastPower;
     for (double order = lowest; order < highest; order *= 1.0 + step) {
       SetOrder(order);
       if (last_ < first_ || !allowed(order)) continue;
-      looks.emplace_back(Incoherent(), order);
+      const Look plain = LookAt(0.0);
+      // No sum with phases exceeds that of the amplitudes.
+      if (plain.noise < kLeastOverlap || plain.power * (last_ - first_ + 1) < least * plain.noise) continue;
+      const double power = BestPlace(plain.noise).power;
+      if (power < least) continue;
+      looks.emplace_back(power, order);
+      std::push_heap(looks.begin(), looks.end(), std::greater<>());
+      if (looks.size() <= kLooksPerRing) continue;
+      std::pop_heap(looks.begin(), looks.end(), std::greater<>());
+      looks.pop_back();
+      least = looks.front().first;
     }
-    // The power without phases takes a fraction of the work: what is far down there does not come out on top
-    // with them.
-    const std::size_t kept = std::min(looks.size(), kLooksPerRing);
-    std::partial_sort(looks.begin(), looks.begin() + static_cast<std::ptrdiff_t>(kept), looks.end(),
-                      std::greater<>());
-    looks.resize(kept);
     std::vector<TrainStart> found;
-    for (const auto& [look, order] : looks) {
+    for (const auto& [power, order] : looks) {
       SetOrder(order);
-      const double excess = Coherent();
-      if (excess > kLeastExcess) found.push_back({order, ring_Hz_, excess});
+      const TrainStart start = WithSidebands();
+      if (start.excess > kLeastExcess) found.push_back(start);
     }
     return found;
   }
 
  private:
+  // Impulses of one train at their best place.
+  struct Place {
+    double power{};  // that they explain, half the number of amplitudes and phase under noise
+    double share{};  // of a period
+    Complex phase{1.0};
+  };
+
   void SetOrder(double order) {
     order_ = order;
     first_ = static_cast<int>(std::ceil((matched_.first + reach_) / order));
@@ -190,77 +86,127 @@ class TrainSearch {
   struct Look {
     double power{};
     double noise{};  // a channel
-    double cells{};  // harmonics that share most of it
   };
   Look LookAt(double side) const {
     Look look;
-    double squares = 0.0;
     for (int k = first_; k <= last_; ++k) {
       const std::size_t place = matched_.PlaceOf(k * order_ + side);
       if (place >= matched_.power.size()) continue;
-      const auto noise = static_cast<double>(matched_.noise[place]);
       look.power += static_cast<double>(matched_.power[place]);
-      look.noise += noise;
-      squares += noise * noise;
+      look.noise += static_cast<double>(matched_.noise[place]);
     }
-    look.cells = squares > 0.0 ? look.noise * look.noise / squares : 0.0;
     look.power *= order_;
     look.noise *= order_;
     return look;
   }
 
-  double Incoherent() const {
-    const Look plain = LookAt(0.0);
-    if (plain.noise < kLeastOverlap) return 0.0;
-    double excess = 0.0;
-    for (const double side : sidebands_) {
-      double sum = plain.power / plain.noise * plain.cells;
-      double cells = channels_ * plain.cells;
-      for (const double off : {-side, side}) {
-        if (side == 0.0) break;
-        const Look look = LookAt(off);
-        if (look.noise < 0.2 * kLeastOverlap) continue;
-        sum += look.power / look.noise * look.cells;
-        cells += channels_ * look.cells;
-      }
-      excess = std::max(excess, ExcessOf(sum, cells));
-    }
-    return excess;
-  }
-
-  // For each place of the impulses, one a channel under noise.
-  std::vector<double> PowersByPlace(double side) {
-    const double noise = std::max(0.2 * kLeastOverlap, LookAt(side).noise);
+  // The ring starts in step in all channels, or against it: of their amplitudes the parts of one phase count.
+  Place BestPlace(double noise) {
     const auto harmonics = static_cast<std::size_t>(last_ - first_ + 1);
-    const std::size_t places = harmonics > 1 ? 4 * harmonics : 1;
-    std::vector<double> powers(places, 0.0);
-    for (std::size_t c = 0; c < matched_.of_channel.size(); ++c) {
-      lines_.clear();
-      for (int k = first_; k <= last_; ++k) lines_.push_back(matched_.At(c, k * order_ + side));
+    const std::size_t places = harmonics > 1 ? kPlacesPerHarmonic * harmonics : 1;
+    const Turns& turns = TurnsOf(places);
+    sum_.assign(places, 0.0F);
+    square_real_.assign(places, 0.0F);
+    square_imaginary_.assign(places, 0.0F);
+    for (const std::vector<Complex>& channel : matched_.of_channel) {
+      real_.assign(places, 0.0F);
+      imaginary_.assign(places, 0.0F);
+      for (int k = last_; k >= first_; --k) {
+        const std::size_t place = matched_.PlaceOf(k * order_);
+        const Complex line = place < channel.size() ? channel[place] : Complex{};
+        AddLine(turns, static_cast<float>(line.real()), static_cast<float>(line.imag()));
+      }
       for (std::size_t p = 0; p < places; ++p) {
-        const Complex turn = std::polar(1.0, kTwoPi * static_cast<double>(p) / static_cast<double>(places));
-        Complex amplitude{};
-        for (std::size_t k = harmonics; k-- > 0;) amplitude = amplitude * turn + lines_[k];
-        powers[p] += order_ / noise * std::norm(amplitude);
+        const float re = real_[p];
+        const float im = imaginary_[p];
+        sum_[p] += re * re + im * im;
+        square_real_[p] += re * re - im * im;
+        square_imaginary_[p] += 2.0F * re * im;
       }
     }
-    return powers;
+    std::size_t best = 0;
+    float most = -1.0F;
+    for (std::size_t p = 0; p < places; ++p) {
+      const float power = sum_[p] + std::sqrt(square_real_[p] * square_real_[p] +
+                                              square_imaginary_[p] * square_imaginary_[p]);
+      if (power <= most) continue;
+      most = power;
+      best = p;
+    }
+    return {0.5 * static_cast<double>(most) * order_ / noise,
+            static_cast<double>(best) / static_cast<double>(places),
+            std::polar(1.0, 0.5 * std::atan2(static_cast<double>(square_imaginary_[best]),
+                                             static_cast<double>(square_real_[best])))};
   }
 
-  double Coherent() {
-    const std::vector<double> plain = PowersByPlace(0.0);
-    double excess = 0.0;
-    for (const double side : sidebands_) {
-      std::vector<double> powers = plain;
-      for (const double off : {-side, side}) {
-        if (side == 0.0) break;
-        const std::vector<double> more = PowersByPlace(off);
-        for (std::size_t p = 0; p < powers.size(); ++p) powers[p] += more[p];
-      }
-      const double cells = channels_ * (side > 0.0 ? 3.0 : 1.0);
-      excess = std::max(excess, ExcessOf(*std::ranges::max_element(powers), cells));
+  // Directions of places, as real and imaginary parts.
+  struct Turns {
+    std::vector<float> real;
+    std::vector<float> imaginary;
+  };
+  const Turns& TurnsOf(std::size_t places) {
+    Turns& turns = turns_[places];
+    for (std::size_t p = turns.real.size(); p < places; ++p) {
+      const double angle = kTwoPi * static_cast<double>(p) / static_cast<double>(places);
+      turns.real.push_back(static_cast<float>(std::cos(angle)));
+      turns.imaginary.push_back(static_cast<float>(std::sin(angle)));
     }
-    return excess;
+    return turns;
+  }
+
+  // A step of Horner's rule, for all places at once.
+  void AddLine(const Turns& turns, float line_real, float line_imaginary) {
+    const std::size_t places = real_.size();
+    float* const real = real_.data();
+    float* const imaginary = imaginary_.data();
+    const float* const turn_real = turns.real.data();
+    const float* const turn_imaginary = turns.imaginary.data();
+    for (std::size_t p = 0; p < places; ++p) {
+      const float next = real[p] * turn_real[p] - imaginary[p] * turn_imaginary[p] + line_real;
+      imaginary[p] = real[p] * turn_imaginary[p] + imaginary[p] * turn_real[p] + line_imaginary;
+      real[p] = next;
+    }
+  }
+
+  std::vector<Complex> AmplitudesAt(double side, double share) {
+    const Complex turn = std::polar(1.0, kTwoPi * share);
+    std::vector<Complex> amplitudes;
+    for (std::size_t c = 0; c < matched_.of_channel.size(); ++c) {
+      Complex sum{};
+      for (int k = last_; k >= first_; --k) sum = sum * turn + matched_.At(c, k * order_ + side);
+      amplitudes.push_back(sum);
+    }
+    return amplitudes;
+  }
+
+  // Impulses that change have sidebands in the proportion of the channels' amplitudes, the upper one the
+  // lower one's mirror image.
+  TrainStart WithSidebands() {
+    const double noise = LookAt(0.0).noise;
+    const Place place = BestPlace(noise);
+    const double cells = 0.5 * (channels_ + 1.0);
+    TrainStart start{order_, ring_Hz_, ExcessOf(place.power, cells), 0.0, matched_.loudness};
+    const std::vector<Complex> plain = AmplitudesAt(0.0, place.share);
+    for (const double side : sidebands_) {
+      // Impulses that come more seldom do not show the change; its lines are their own harmonics again.
+      if (side == 0.0 || side > kLargestSideband * order_) continue;
+      const std::vector<Complex> above = AmplitudesAt(side, place.share);
+      const std::vector<Complex> below = AmplitudesAt(-side, place.share);
+      Complex upper{};
+      Complex lower{};
+      double square = 0.0;
+      for (std::size_t c = 0; c < plain.size(); ++c) {
+        const double own = (std::conj(place.phase) * plain[c]).real();
+        upper += own * std::conj(place.phase) * above[c];
+        lower += own * std::conj(place.phase) * below[c];
+        square += own * own;
+      }
+      if (!(square > 0.0)) continue;
+      const double more = 0.5 * std::norm(upper + std::conj(lower)) / square * order_ / noise;
+      const double excess = ExcessOf(place.power + more, cells + 1.0);
+      if (excess > start.excess) start = {order_, ring_Hz_, excess, side, matched_.loudness};
+    }
+    return start;
   }
 
   const VibrationRun& run_;
@@ -272,7 +218,13 @@ class TrainSearch {
   double order_{};
   int first_{};
   int last_{};
-  std::vector<Complex> lines_;
+  std::map<std::size_t, Turns> turns_;
+  // By place.
+  std::vector<float> real_;
+  std::vector<float> imaginary_;
+  std::vector<float> sum_;
+  std::vector<float> square_real_;
+  std::vector<float> square_imaginary_;
 };
 
 // The strongest, each a cell of its harmonics from the others.
@@ -285,7 +237,8 @@ std::vector<TrainStart> Strongest(std::vector<TrainStart> trains, double turns, 
     if (chosen.size() == count) break;
     const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const TrainStart& other) {
       const double cell = start.order * turn_Hz / (turns * start.ring_Hz);
-      return std::abs(other.order - start.order) < 1.5 * cell;
+      return std::abs(other.order - start.order) < 1.5 * cell &&
+             std::abs(std::log(other.ring_Hz / start.ring_Hz)) < kOtherRing;
     });
     if (!near) chosen.push_back(start);
   }
@@ -305,7 +258,7 @@ std::vector<TrainStart> FindTrains(const VibrationRemainder& remainder, double l
   for (double ring = kLowestRing; ring < kHighestRing; ring *= kNextRing) {
     const double ring_Hz = ring / run.period_s;
     if (ring_Hz < 3.0 * turn_Hz) continue;
-    const MatchedOrders matched = matcher.Match(ring_Hz, reach);
+    const MatchedOrders matched = matcher.Match(ring_Hz, reach, highest);
     TrainSearch search(run, ring_Hz, matched, sidebands);
     const auto own = Strongest(search.Find(lowest, highest, allowed), run.turns, turn_Hz, kTrainsPerRing);
     found.insert(found.end(), own.begin(), own.end());

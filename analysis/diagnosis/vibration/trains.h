@@ -9,11 +9,16 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// Of the order: impulses that come more seldom than this do not show a change.
+inline constexpr double kLargestSideband = 0.45;
+
 /// Where a train of impulses may be: an order, and the resonance that it rings.
 struct TrainStart {
   double order{};
   double ring_Hz{};
-  double excess{};  // −ln p of one look
+  double excess{};       // −ln p of one look
+  double sideband{};     // order of the change of the impulses that says so; 0 for even ones
+  double loudness{1.0};  // power of the noise about the ring, beside white noise of its variance
 };
 
 /// Trains of impulses that ring a resonance, coherently, for resonances all over the spectrum: the residual

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "analysis/diagnosis/motion/grid.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// Columns (rows × any) of what may be in any record beside the nominal terms: UsualEffects, friction of low
+/// speed, and the strongest lines over position in what the nominal terms and UsualEffects leave.
+Eigen::MatrixXd UsualEffectsAndLines(const MotionGrid& grid);
+
+/// Orthonormal columns that span the same; fewer where some are made up by the others.
+Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/matched_orders.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kDamping = 0.03;  // of the rings that are tried; a match to twice or half of it is good
+constexpr double kEdge = 4.0;      // half-widths of the resonance that count
+constexpr std::size_t kPadding = 4;
+constexpr std::size_t kSpeeds = 48;
+constexpr std::size_t kFewestRatios = 24;
+constexpr double kLeastNoise = 0.3;  // of the resonance's peak: bins that tell how loud the noise is there
+
+}  // namespace
+
+RingMatcher::RingMatcher(const VibrationRemainder& remainder)
+    : remainder_(remainder), run_(remainder.samples().runs.front()), filtered_(run_.size()) {
+  const auto [slowest, fastest] = std::ranges::minmax(run_.speed_rad_per_s);
+  slowest_ = std::max(slowest, 1e-9);
+  fastest_ = std::max(fastest, 1e-9);
+}
+
+MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
+  const double natural = kTwoPi * ring_Hz;
+  const Complex step =
+      std::exp(Complex(-kDamping * natural, natural * std::sqrt(1.0 - kDamping * kDamping)) * run_.period_s);
+  const double half_width = kDamping * natural;
+  const double to_next = 0.55 * widest * run_.mean_speed_rad_per_s;
+  const double edge = std::max(kEdge * half_width, to_next);
+  const double first = std::max(0.5, (natural - edge) / fastest_ - reach);
+  const double highest = kPi / run_.period_s / slowest_;
+  const double last = std::max(first + 1.0, std::min(highest, (natural + edge) / slowest_ + reach));
+  const double centre = 0.5 * (first + last);
+  // What is matched to a narrow ring changes slowly beside it: a few samples a bandwidth are enough.
+  const auto places = static_cast<std::size_t>(1.3 * (last - first) * run_.turns) + 8;
+  const std::size_t size = std::bit_ceil(kPadding * places);
+  const double angle_step = run_.angle_rad.back() / static_cast<double>(places);
+  std::vector<Complex> turns(run_.size());
+  for (std::size_t i = 0; i < run_.size(); ++i) turns[i] = std::polar(1.0, -centre * run_.angle_rad[i]);
+
+  MatchedOrders matched;
+  matched.step = kTwoPi / (static_cast<double>(size) * angle_step);
+  const auto below = static_cast<std::size_t>((centre - first) / matched.step);
+  const auto above = static_cast<std::size_t>((last - centre) / matched.step);
+  matched.first = centre - matched.step * static_cast<double>(below);
+  matched.power.resize(below + above + 1, 0.0F);
+  const double scale =
+      angle_step * std::sqrt((1.0 - std::norm(step)) / (remainder_.base().variance() * run_.turns)) / kTwoPi;
+  Foretell(natural, half_width, matched);
+  for (const VibrationStretch& channel : run_.channels) {
+    Filter(channel, step, turns);
+    values_.assign(size, Complex{});
+    std::size_t i = 0;
+    for (std::size_t p = 0; p < places; ++p) {
+      const double angle = angle_step * static_cast<double>(p);
+      while (i + 2 < run_.size() && run_.angle_rad[i + 1] <= angle) ++i;
+      const double gap = run_.angle_rad[i + 1] - run_.angle_rad[i];
+      const double u = gap > 0.0 ? std::clamp((angle - run_.angle_rad[i]) / gap, 0.0, 1.0) : 0.0;
+      values_[p] = scale * ((1.0 - u) * filtered_[i] + u * filtered_[i + 1]);
+    }
+    transform_.fwd(spectrum_, values_);
+    std::vector<Complex> lines(matched.power.size());
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      // Phases from the middle of the record, so that they change slowly with the order.
+      const double off = matched.step * (static_cast<double>(k) - static_cast<double>(below));
+      lines[k] = spectrum_[(size + k - below) % size] * std::polar(1.0, 0.5 * off * run_.angle_rad.back());
+    }
+    const double loudness = Loudness(lines, matched);
+    const double louder = std::sqrt(loudness);
+    matched.loudness += loudness / static_cast<double>(run_.channels.size());
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      lines[k] /= louder;
+      matched.power[k] += static_cast<float>(std::norm(lines[k]));
+    }
+    matched.of_channel.push_back(std::move(lines));
+  }
+  return matched;
+}
+
+void RingMatcher::Foretell(double natural, double half_width, MatchedOrders& matched) const {
+  const std::size_t speeds = run_.speed_spread < 0.01 ? 1 : kSpeeds;
+  matched.noise.assign(matched.power.size(), 0.0F);
+  constexpr std::size_t kEvery = 8;  // bins; the noise is smooth
+  for (std::size_t s = 0; s < speeds; ++s) {
+    const double angle = run_.angle_rad.back() * (static_cast<double>(s) + 0.5) / static_cast<double>(speeds);
+    const auto at = std::ranges::lower_bound(run_.angle_rad, angle) - run_.angle_rad.begin();
+    const double speed = std::max(run_.speed_rad_per_s[static_cast<std::size_t>(at)], 1e-9);
+    for (std::size_t k = 0; k < matched.noise.size(); k += kEvery) {
+      const double order = matched.first + matched.step * static_cast<double>(k);
+      const double off = (order * speed - natural) / half_width;
+      matched.noise[k] +=
+          static_cast<float>(speed / (kPi * half_width * (1.0 + off * off)) / static_cast<double>(speeds));
+    }
+  }
+  for (std::size_t k = 0; k < matched.noise.size(); ++k)
+    matched.noise[k] = matched.noise[k / kEvery * kEvery];
+}
+
+double RingMatcher::Loudness(const std::vector<Complex>& lines, const MatchedOrders& matched) {
+  const float least = static_cast<float>(kLeastNoise) * std::ranges::max(matched.noise);
+  ratios_.clear();
+  for (std::size_t k = 0; k < lines.size(); k += kPadding) {
+    if (matched.noise[k] < least) continue;
+    ratios_.push_back(std::norm(lines[k]) / static_cast<double>(matched.noise[k]));
+  }
+  if (ratios_.size() < kFewestRatios) return 1.0;
+  const auto middle = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
+  std::ranges::nth_element(ratios_, middle);
+  return std::max(*middle / std::numbers::ln2, 1e-300);
+}
+
+void RingMatcher::Filter(const VibrationStretch& channel, Complex step, const std::vector<Complex>& turns) {
+  Complex common{};
+  for (std::size_t i = run_.size(); i-- > 0;) {
+    const std::size_t place = channel.first + i;
+    common =
+        common * step + (remainder_.solver().weights()[place] > 0.0 ? remainder_.residual()[place] : 0.0);
+    filtered_[i] = std::conj(common) * turns[i];
+  }
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <unsupported/Eigen/FFT>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/starts.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// The residual of the first record, matched to a ring, over orders of the input angle.
+struct MatchedOrders {
+  double first{};
+  double step{};
+  std::vector<std::vector<std::complex<double>>> of_channel;
+  std::vector<float> power;  // of all channels
+  double loudness{};         // of the channels on average, beside white noise
+  std::vector<float> noise;  // power that a channel has without impulses; its integral over the orders is one
+
+  double last() const { return first + step * static_cast<double>(power.size() - 1); }
+  std::size_t PlaceOf(double order) const { return static_cast<std::size_t>((order - first) / step + 0.5); }
+  std::complex<double> At(std::size_t channel, double order) const {
+    const std::size_t place = PlaceOf(order);
+    return place < power.size() ? of_channel[channel][place] : std::complex<double>{};
+  }
+};
+
+/// Matches what a model leaves to rings of one damping.
+class RingMatcher {
+ public:
+  explicit RingMatcher(const VibrationRemainder& remainder);
+
+  /// @param reach   of sidebands, in orders
+  /// @param widest  distance of harmonics in orders: between two of them is a ring that both are far from
+  MatchedOrders Match(double ring_Hz, double reach, double widest);
+
+ private:
+  /// The resonance is a Lorentz line over frequency; over orders it is smeared by the speeds.
+  void Foretell(double natural, double half_width, MatchedOrders& matched) const;
+  /// Noise of any colour is as loud here as the lines between those of a train say.
+  double Loudness(const std::vector<std::complex<double>>& lines, const MatchedOrders& matched);
+  void Filter(const VibrationStretch& channel, std::complex<double> step,
+              const std::vector<std::complex<double>>& turns);
+
+  const VibrationRemainder& remainder_;
+  const VibrationRun& run_;
+  double slowest_{};
+  double fastest_{};
+  std::vector<std::complex<double>> filtered_;
+  std::vector<std::complex<double>> values_;
+  std::vector<std::complex<double>> spectrum_;
+  std::vector<double> ratios_;
+  Eigen::FFT<double> transform_;
+};
+
+}  // namespace strainwave::analysis::diagnosis
