@@ -27,8 +27,11 @@ std::size_t SizeOf(const std::vector<std::size_t>& shape) {
 void WriteArray(hid_t file, const NamedArray& array) {
   const std::vector<hsize_t> shape(array.shape.begin(), array.shape.end());
   const Hdf5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  // Without the time of its making: the same content is the same file.
+  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  Check(H5Pset_obj_track_times(creation.get(), false));
   const Hdf5Handle set(H5Dcreate2(file, array.name.c_str(), H5T_IEEE_F64LE, space.get(), H5P_DEFAULT,
-                                  H5P_DEFAULT, H5P_DEFAULT),
+                                  creation.get(), H5P_DEFAULT),
                        H5Dclose);
   Check(H5Dwrite(set.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()));
 }
