@@ -57,6 +57,21 @@ Finding Report(const Judge& judge, const ScoredModel& model, std::size_t cause, 
   return finding;
 }
 
+// A description without a cause whose evidence is gone once everything is fitted to the end is none.
+ScoredModel WithoutUnproven(const Judge& judge, ScoredModel model, const DiagnoseOptions& options) {
+  for (std::size_t k = 0; k < model.fit.causes.size();) {
+    const std::size_t cause = model.fit.causes[k++];
+    const bool given = std::ranges::find(options.given_causes, cause) != options.given_causes.end();
+    if (given || judge.study().causes()[cause].named) continue;
+    ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit, FitPurpose::kReport);
+    if (!without.fit.usable || JudgeCause(judge, model, without, cause, options.family_error).passed)
+      continue;
+    model = std::move(without);
+    k = 0;
+  }
+  return model;
+}
+
 }  // namespace
 
 Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
@@ -74,8 +89,8 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
     selection = Select(*judge, options.given_causes, options);
   }
   const ScoredModel nominal = judge->Fit(options.given_causes, nullptr, FitPurpose::kReport);
-  const ScoredModel extended =
-      judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kReport);
+  const ScoredModel extended = WithoutUnproven(
+      *judge, judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kReport), options);
   diagnosis.nominal = nominal.fit;
   diagnosis.extended = extended.fit;
   diagnosis.candidates = std::move(selection.candidates);

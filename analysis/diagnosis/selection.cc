@@ -14,6 +14,7 @@ constexpr double kAsGood = 6.0;          // of BIC: odds of 20 to 1
 constexpr double kClearlyBetter = 2.0;   // for an exchange of one cause for another
 constexpr double kLeastBicBeside = 0.0;  // of what comes on top of something found
 constexpr double kPairAhead = 8.0;       // of two causes, to take the place of one
+constexpr double kErrorBeside = 0.3;     // of the error allowed, for what comes on top of something found
 constexpr double kRivalAwayFromZero =
     2.0;  // standard errors; a rival need not be proven, only not be excluded
 // A shape without a cause has to explain this much more than the best cause to take its place: our formulae
@@ -103,7 +104,7 @@ std::set<std::size_t> FarBehind(const std::vector<Candidate>& candidates, const 
 // Share of clean records in which this may be found. What comes on top of something found has to be clearer:
 // it may be the misfit of a formula that is not nature's.
 double ErrorAllowed(const ScoredModel& model, std::size_t given, const DiagnoseOptions& options) {
-  return model.fit.causes.size() > given ? 0.1 * options.family_error : options.family_error;
+  return model.fit.causes.size() > given ? kErrorBeside * options.family_error : options.family_error;
 }
 
 bool LooksPossible(const Judge& judge, const Candidate& candidate, double error) {
