@@ -57,12 +57,15 @@ Finding Report(const Judge& judge, const ScoredModel& model, std::size_t cause, 
   return finding;
 }
 
+bool IsGiven(const DiagnoseOptions& options, std::size_t cause) {
+  return std::ranges::find(options.given_causes, cause) != options.given_causes.end();
+}
+
 // A description without a cause whose evidence is gone once everything is fitted to the end is none.
 ScoredModel WithoutUnproven(const Judge& judge, ScoredModel model, const DiagnoseOptions& options) {
   for (std::size_t k = 0; k < model.fit.causes.size();) {
     const std::size_t cause = model.fit.causes[k++];
-    const bool given = std::ranges::find(options.given_causes, cause) != options.given_causes.end();
-    if (given || judge.study().causes()[cause].named) continue;
+    if (IsGiven(options, cause) || judge.study().causes()[cause].named) continue;
     ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit, FitPurpose::kReport);
     if (!without.fit.usable || JudgeCause(judge, model, without, cause, options.family_error).passed)
       continue;
@@ -102,10 +105,7 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
                              judge->samples() * study.NoiseFloor() * study.NoiseFloor();
   bool local = false;
   for (const std::size_t cause : extended.fit.causes) {
-    if (std::find(options.given_causes.begin(), options.given_causes.end(), cause) !=
-        options.given_causes.end()) {
-      continue;
-    }
+    if (IsGiven(options, cause)) continue;
     Finding finding = Report(*judge, extended, cause, explainable, selection.far_behind, options);
     const std::vector<std::string>& pairs = selection.pair_rivals[cause];
     finding.indistinguishable_from.insert(finding.indistinguishable_from.end(), pairs.begin(), pairs.end());

@@ -70,10 +70,10 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   return comparison;
 }
 
-double Judge::Score(double likelihood_ratio, double more_parameters, const CauseRule& rule) const {
-  const double places = std::min<double>(rule.places, more_parameters);
-  return likelihood_ratio - (more_parameters - places) * std::log(samples_) -
-         places * std::log(std::clamp(likelihood_ratio, 1.0, samples_)) -
+double Judge::Score(const Comparison& comparison, const CauseRule& rule) const {
+  const double places = std::min<double>(rule.places, comparison.more_parameters);
+  return comparison.likelihood_ratio - (comparison.more_parameters - places) * std::log(samples_) -
+         places * std::log(std::clamp(comparison.likelihood_ratio, 1.0, samples_)) -
          2.0 * std::log(std::max(1.0, rule.trials));
 }
 

@@ -42,8 +42,7 @@ bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t o
 
 // Of a model with this cause, ahead of the one without.
 double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause) {
-  const Comparison comparison = judge.Compare(with, without);
-  return judge.Score(comparison.likelihood_ratio, comparison.more_parameters, judge.study().causes()[cause]);
+  return judge.Score(judge.Compare(with, without), judge.study().causes()[cause]);
 }
 
 // By how much a correction has to be ahead of a cause to take its place.
@@ -79,7 +78,7 @@ std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& mode
     Candidate candidate{cause, judge.Fit(With(model.fit.causes, cause), &model.fit), {}, -1e300};
     if (!candidate.model.fit.usable) continue;
     candidate.against = judge.Compare(candidate.model, model);
-    candidate.score = ScoreOf(judge, candidate.model, model, cause);
+    candidate.score = judge.Score(candidate.against, judge.study().causes()[cause]);
     candidates.push_back(std::move(candidate));
   }
   return candidates;
@@ -149,8 +148,7 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& m
     });
     // The weakest of what is not beyond chance, which is cheap to say; else of what fails otherwise.
     auto weakest = std::find_if(rest.begin(), rest.end(), [&](const Candidate& without) {
-      const double p = judge.Corrected(without.against.p_value, rules[without.cause]);
-      return !IsBeyondChance(without.against, p, error);
+      return !LooksPossible(judge, without, error);
     });
     if (weakest == rest.end()) {
       weakest = std::find_if(rest.begin(), rest.end(), [&](const Candidate& without) {

@@ -49,7 +49,7 @@ class Judge {
   /// BIC of a cause that brings this likelihood ratio at the cost of so many parameters, less what the places
   /// searched cost: by how many there are, and by how sharply each is known (Laplace's approximation, in
   /// which an amount is known to 1/√samples and a place to 1/√ratio of a resolution cell).
-  double Score(double likelihood_ratio, double more_parameters, const CauseRule& rule) const;
+  double Score(const Comparison& comparison, const CauseRule& rule) const;
 
   /// p-value of one look, times the places that the cause's search looked at and the candidates there are.
   double Corrected(double p_value, const CauseRule& rule) const;

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <numeric>
 #include <random>
-#include <utility>
+
+#include "analysis/shuffle.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -153,10 +154,7 @@ std::vector<std::size_t> StableTerms(const SparseProblem& problem, std::span<con
   std::vector<std::size_t> order(blocks.begin(), blocks.end());
   const std::size_t half = order.size() / 2;
   for (int pair = 0; pair < pairs; ++pair) {
-    // Not std::shuffle, whose order differs between standard libraries.
-    for (std::size_t i = order.size() - 1; i > 0; --i) {
-      std::swap(order[i], order[engine() % (i + 1)]);
-    }
+    Shuffle(order, engine);
     for (const std::size_t from : {std::size_t{0}, half}) {
       for (const std::size_t t : Threshold(problem, std::span(order).subspan(from, half))) {
         ++kept[t];

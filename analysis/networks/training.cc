@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "analysis/arguments.h"
+#include "analysis/shuffle.h"
 
 namespace strainwave::analysis::networks {
 namespace {
@@ -52,11 +53,6 @@ void RequireOptions(const TrainingOptions& options, const Samples<Scalar>& valid
   if (validation.inputs.cols() == 0) {
     throw std::invalid_argument("validation has no samples (expected some for early stopping)");
   }
-}
-
-// Fisher and Yates with an engine whose bits the standard fixes; the excess of the remainder is below 2⁻³².
-void Shuffle(std::vector<Index>& order, std::mt19937_64& random) {
-  for (std::size_t left = order.size(); left > 1; --left) std::swap(order[left - 1], order[random() % left]);
 }
 
 // The samples of one batch, next to one another.

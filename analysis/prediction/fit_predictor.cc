@@ -6,7 +6,6 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <set>
 #include <utility>
 
 #include "analysis/prediction/forest.h"
@@ -17,18 +16,14 @@ namespace {
 
 constexpr double kInsideShare = 0.99;  // of unseen records that are called known
 
-int SpecimensIn(const Samples& samples) {
-  return static_cast<int>(std::set<int>(samples.specimen.begin(), samples.specimen.end()).size());
-}
-
 std::vector<Split> Folds(const Samples& samples, int folds) {
-  return SpecimensIn(samples) > 1 ? SplitsBySpecimen(samples.specimen, folds)
-                                  : SplitsByBlocks(samples.specimen, samples.cycle, folds);
+  return SpecimenCount(samples) > 1 ? SplitsBySpecimen(samples.specimen, folds)
+                                    : SplitsByBlocks(samples.specimen, samples.cycle, folds);
 }
 
 // Records that share their errors: those of a specimen; where there is one, those of a block of time.
 std::vector<int> GroupsOf(const Samples& samples) {
-  if (SpecimensIn(samples) > 1) return samples.specimen;
+  if (SpecimenCount(samples) > 1) return samples.specimen;
   constexpr std::size_t kBlocks = 40;
   std::vector<std::size_t> order(samples.cycle.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -127,14 +122,11 @@ FittedPredictor FitPredictor(const Samples& samples, const EnsembleSettings& set
   fitted.band = CalibrateBand(samples.targets, cross.predicted, SpreadOf(cross.spread, fitted.residual),
                               GroupsOf(samples), coverage);
   // What blocks of one life say, they say of that life alone.
-  fitted.band.guaranteed = fitted.band.guaranteed && SpecimensIn(samples) > 1;
+  fitted.band.guaranteed = fitted.band.guaranteed && SpecimenCount(samples) > 1;
   const Eigen::MatrixXd inputs = fitted.ensemble.input.Apply(samples.features);
   fitted.novelty = FitNovelty(inputs, inputs, kInsideShare);
   // The limit by records that the covariance had not seen, as every later record is.
-  std::vector<double> apart(cross.distance.begin(), cross.distance.end());
-  std::ranges::sort(apart);
-  const double at = std::ceil(kInsideShare * static_cast<double>(apart.size() - 1));
-  fitted.novelty.limit = std::max(fitted.novelty.limit, apart[static_cast<std::size_t>(at)]);
+  fitted.novelty.limit = std::max(fitted.novelty.limit, DistanceKept(cross.distance, kInsideShare));
   return fitted;
 }
 

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/random/uniform_int_distribution.hpp>
 #include <cmath>
 #include <numeric>
 #include <random>
 #include <stdexcept>
 
 #include "analysis/prediction/scores.h"
+#include "analysis/shuffle.h"
 
 namespace strainwave::analysis::prediction {
 
@@ -27,10 +27,7 @@ std::vector<Importance> PermutationImportance(
     double squares = 0.0;
     for (int repeat = 0; repeat < repeats; ++repeat) {
       std::iota(order.begin(), order.end(), Eigen::Index{0});
-      for (std::size_t i = order.size(); i > 1; --i) {
-        boost::random::uniform_int_distribution<std::size_t> draw(0, i - 1);
-        std::swap(order[i - 1], order[draw(engine)]);
-      }
+      Shuffle(order, engine);
       Eigen::MatrixXd shuffled = features;
       for (const Eigen::Index column : group.columns) shuffled.col(column) = features(order, column);
       const double rise = MeanMape_percent(ScoresOf(targets, predict(shuffled))) - known_percent;

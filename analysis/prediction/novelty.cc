@@ -35,6 +35,13 @@ Eigen::VectorXd Novelty::Distance(const Eigen::MatrixXd& features) const {
   return ((features.rowwise() - mean) * whitening).rowwise().norm() / std::sqrt(inputs);
 }
 
+double DistanceKept(const Eigen::VectorXd& distance, double share) {
+  std::vector<double> sorted(distance.begin(), distance.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double at = std::ceil(share * static_cast<double>(sorted.size() - 1));
+  return sorted[static_cast<std::size_t>(at)];
+}
+
 Novelty FitNovelty(const Eigen::MatrixXd& features, const Eigen::MatrixXd& apart, double inside) {
   if (features.rows() < 3 || apart.rows() < 1 || apart.cols() != features.cols()) {
     throw std::invalid_argument(fmt::format(
@@ -55,11 +62,7 @@ Novelty FitNovelty(const Eigen::MatrixXd& features, const Eigen::MatrixXd& apart
   novelty.whitening =
       root.matrixL().solve(Eigen::MatrixXd::Identity(features.cols(), features.cols())).transpose();
 
-  const Eigen::VectorXd distance = novelty.Distance(apart);
-  std::vector<double> sorted(distance.begin(), distance.end());
-  std::sort(sorted.begin(), sorted.end());
-  const double at = inside * static_cast<double>(sorted.size() - 1);
-  novelty.limit = kMargin * sorted[static_cast<std::size_t>(std::ceil(at))];
+  novelty.limit = kMargin * DistanceKept(novelty.Distance(apart), inside);
   return novelty;
 }
 

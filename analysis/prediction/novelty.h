@@ -16,6 +16,9 @@ struct Novelty {
   Eigen::VectorXd Distance(const Eigen::MatrixXd& features) const;
 };
 
+/// The distance that this share of records keeps to; of as many values as there are, rounded up.
+double DistanceKept(const Eigen::VectorXd& distance, double share);
+
 /// Fits mean and covariance, the covariance shrunk towards a multiple of the unit matrix as far as its own
 /// noise asks for, and sets the limit a tenth above the quantile that the records `apart`, which the fit does
 /// not see, keep to.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 namespace strainwave::analysis::prediction {
@@ -28,6 +29,10 @@ void RequireFinite(const char* what, const Eigen::MatrixXd& values, const std::v
 }
 
 }  // namespace
+
+int SpecimenCount(const Samples& samples) {
+  return static_cast<int>(std::set<int>(samples.specimen.begin(), samples.specimen.end()).size());
+}
 
 Samples Rows(const Samples& samples, const std::vector<Eigen::Index>& rows) {
   Samples chosen{.features = samples.features(rows, Eigen::all),

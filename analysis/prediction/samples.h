@@ -20,6 +20,9 @@ struct Samples {
   Eigen::Index size() const noexcept { return features.rows(); }
 };
 
+/// How many reducers the rows are of.
+int SpecimenCount(const Samples& samples);
+
 /// The rows of `samples` that are named, in that order.
 Samples Rows(const Samples& samples, const std::vector<Eigen::Index>& rows);
 

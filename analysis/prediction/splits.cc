@@ -4,11 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/random/uniform_int_distribution.hpp>
 #include <map>
 #include <numeric>
 #include <random>
 #include <stdexcept>
+
+#include "analysis/shuffle.h"
 
 namespace strainwave::analysis::prediction {
 namespace {
@@ -92,11 +93,7 @@ Split SplitAtRandom(Eigen::Index rows, double test_share, std::uint64_t seed) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(std::max<Eigen::Index>(rows, 0)));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
   std::mt19937_64 engine(seed);
-  // Not std::shuffle: its draws differ from one standard library to the next.
-  for (std::size_t i = order.size(); i > 1; --i) {
-    boost::random::uniform_int_distribution<std::size_t> draw(0, i - 1);
-    std::swap(order[i - 1], order[draw(engine)]);
-  }
+  Shuffle(order, engine);
   const auto tested = static_cast<std::ptrdiff_t>(static_cast<double>(rows) * test_share + 0.5);
   Split split{.train = {order.begin() + tested, order.end()},
               .test = {order.begin(), order.begin() + tested}};

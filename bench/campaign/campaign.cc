@@ -21,12 +21,6 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-[[noreturn]] void Refuse(const std::filesystem::path& where, const std::string& what,
-                         const std::string& expected) {
-  throw CampaignError(ExitCode::kWrongInput,
-                      fmt::format("{}: error: {} (expected {})", where.string(), what, expected));
-}
-
 }  // namespace
 
 std::string Difference(const std::string& before, const std::string& after) {

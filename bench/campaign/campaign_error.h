@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 
@@ -25,5 +26,9 @@ class CampaignError : public std::runtime_error {
  private:
   ExitCode exit_code_;
 };
+
+/// Wrong input: "WHERE: error: WHAT (expected EXPECTED)". @throws CampaignError always.
+[[noreturn]] void Refuse(const std::filesystem::path& where, const std::string& what,
+                         const std::string& expected);
 
 }  // namespace strainwave::bench

@@ -2,15 +2,14 @@
 #include "bench/campaign/recompute.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <mutex>
-#include <thread>
 
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign_error.h"
+#include "bench/campaign/on_all_processors.h"
 #include "daq/record_error.h"
 
 namespace strainwave::bench {
@@ -59,38 +58,31 @@ std::vector<RecomputedCycle> RecomputeCampaign(
     }
     cycles.push_back(std::move(cycle));
   }
-  std::atomic<std::size_t> next{0};
-  std::atomic<std::size_t> done{0};
+  std::size_t done = 0;
   std::mutex hdf5;  // the library is not thread-safe as Debian builds it
   std::mutex reporting;
   std::vector<std::pair<int, std::string>> findings;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < cycles.size(); i = next++) {
-      RecomputedCycle& cycle = cycles[i];
-      try {
-        std::vector<NamedRecord> records;
-        {
-          const std::lock_guard reading(hdf5);
-          records = ReadCycleRecords(folder, cycle.cycle);
-        }
-        cycle.again = AnalyzeForStore(records, cycle.cycle, context);
-        std::vector<std::vector<Result>> again{cycle.again.results};
-        again.insert(again.end(), cycle.again.repeats.begin(), cycle.again.repeats.end());
-        cycle.equal = std::ranges::equal(again, cycle.stored, SameResults);
-      } catch (const std::exception& error) {
-        const std::lock_guard lock(reporting);
-        findings.emplace_back(cycle.cycle, error.what());
+  OnAllProcessors(cycles.size(), [&](std::size_t i) {
+    RecomputedCycle& cycle = cycles[i];
+    std::string trouble;
+    try {
+      std::vector<NamedRecord> records;
+      {
+        const std::lock_guard reading(hdf5);
+        records = ReadCycleRecords(folder, cycle.cycle);
       }
-      const std::size_t finished = ++done;
-      const std::lock_guard lock(reporting);
-      if (progress) progress(finished, cycles.size());
+      cycle.again = AnalyzeForStore(records, cycle.cycle, context);
+      std::vector<std::vector<Result>> again{cycle.again.results};
+      again.insert(again.end(), cycle.again.repeats.begin(), cycle.again.repeats.end());
+      cycle.equal = std::ranges::equal(again, cycle.stored, SameResults);
+    } catch (const std::exception& error) {
+      trouble = error.what();
     }
-  };
-  {
-    std::vector<std::jthread> workers;
-    const unsigned count = std::max(1u, std::thread::hardware_concurrency());
-    for (unsigned i = 0; i < count; ++i) workers.emplace_back(work);
-  }
+    const std::lock_guard lock(reporting);
+    if (!trouble.empty()) findings.emplace_back(cycle.cycle, trouble);
+    ++done;
+    if (progress) progress(done, cycles.size());
+  });
   if (!findings.empty()) {
     std::ranges::sort(findings);
     std::string text;

@@ -7,6 +7,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/prediction/export_predictor.h"
+#include "bench/prediction/onnx_model.h"
 
 namespace strainwave::bench {
 namespace {
@@ -19,13 +20,13 @@ struct ExportCommand {
 int Run(const ExportCommand& command) {
   const ExportSummary summary = ExportPredictor(ReadPredictor(command.predictor), command.out);
   fmt::print(
-      "{}: network, {} kB, opset 13; input features 1 × {}, outputs prediction and half_width 1 × {}, "
+      "{}: network, {} kB, opset {}; input features 1 × {}, outputs prediction and half_width 1 × {}, "
       "distance\n"
       "{}: how a record becomes features, and the intervals\n"
       "{}: model card (and .json)\n"
       "read back by OpenCV dnn: agrees to {:.1e} of each output's spread\n",
-      (summary.folder / "model.onnx").string(), summary.onnx_bytes / 1000, summary.inputs, summary.outputs,
-      (summary.folder / "recipe.json").string(), (summary.folder / "model_card.md").string(),
+      (summary.folder / "model.onnx").string(), summary.onnx_bytes / 1000, kOnnxOpset, summary.inputs,
+      summary.outputs, (summary.folder / "recipe.json").string(), (summary.folder / "model_card.md").string(),
       summary.worst_disagreement);
   return static_cast<int>(ExitCode::kDone);
 }

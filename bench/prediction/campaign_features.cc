@@ -2,11 +2,9 @@
 #include "bench/prediction/campaign_features.h"
 
 #include <algorithm>
-#include <atomic>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +13,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal.h"
+#include "bench/campaign/on_all_processors.h"
 #include "bench/campaign/recompute.h"
 #include "bench/diagnosis/record_data.h"
 #include "bench/prediction/record_features.h"
@@ -151,30 +150,25 @@ void Keep(const std::filesystem::path& store, const features::WaveletRecipe& rec
 std::vector<CycleFeatures> Compute(const CampaignFolder& folder, const std::vector<int>& cycles,
                                    const features::WaveletRecipe& recipe, const FeatureProgress& progress) {
   std::vector<CycleFeatures> results(cycles.size());
-  std::atomic<std::size_t> next{0};
-  std::atomic<std::size_t> done{0};
+  std::size_t done = 0;
   std::mutex hdf5;
   std::mutex reporting;
-  const auto work = [&] {
-    features::WaveletFeatures by_wavelet(recipe);
-    for (std::size_t i = next++; i < cycles.size(); i = next++) {
-      try {
-        std::vector<NamedRecord> records;
-        {
-          const std::lock_guard reading(hdf5);
-          records = ReadCycleRecords(folder, cycles[i]);
-        }
-        results[i] = FeaturesOf(records, by_wavelet);
-      } catch (const std::exception& error) {
-        results[i].left_out = error.what();
+  OnAllProcessors(cycles.size(), [&](std::size_t i) {
+    try {
+      std::vector<NamedRecord> records;
+      {
+        const std::lock_guard reading(hdf5);
+        records = ReadCycleRecords(folder, cycles[i]);
       }
-      const std::lock_guard telling(reporting);
-      if (progress) progress(++done, cycles.size());
+      features::WaveletFeatures by_wavelet(recipe);
+      results[i] = FeaturesOf(records, by_wavelet);
+    } catch (const std::exception& error) {
+      results[i].left_out = error.what();
     }
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned k = 1; k < std::max(1U, std::thread::hardware_concurrency()); ++k) threads.emplace_back(work);
-  work();
+    const std::lock_guard telling(reporting);
+    ++done;
+    if (progress) progress(done, cycles.size());
+  });
   return results;
 }
 
@@ -219,9 +213,7 @@ CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const fea
                                     const FeatureProgress& progress) {
   const CampaignFolder folder{path};
   if (!std::filesystem::exists(folder.Journal())) {
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        fmt::format("{}: error: is not a campaign (expected a folder with campaign.db)", path.string()));
+    Refuse(path, "is not a campaign", "a folder with campaign.db");
   }
   const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
   const features::WaveletFeatures by_wavelet(recipe);

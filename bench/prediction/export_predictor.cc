@@ -49,7 +49,7 @@ Json RecipeJson(const Predictor& predictor, const std::string& onnx) {
   Json outputs = Json::array();
   for (const std::string& output : predictor.outputs) outputs.push_back(output);
   return {{"format", 1},
-          {"model", {{"file", "model.onnx"}, {"sha256", Sha256(onnx)}, {"opset", 13}}},
+          {"model", {{"file", "model.onnx"}, {"sha256", Sha256(onnx)}, {"opset", kOnnxOpset}}},
           {"recipe", JsonOf(predictor.recipe)},
           {"outputs", std::move(outputs)},
           {"coverage", predictor.fitted.band.coverage},

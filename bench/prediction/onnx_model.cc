@@ -19,7 +19,6 @@ namespace networks = analysis::networks;
 namespace prediction = analysis::prediction;
 
 constexpr int kIrVersion = 7;
-constexpr int kOpset = 13;
 
 // Builds a graph node by node; every value has one name.
 class Graph {
@@ -265,7 +264,7 @@ std::string OnnxBytes(const prediction::FittedPredictor& fitted, const OnnxMetad
   onnx::ModelProto file;
   file.set_ir_version(kIrVersion);
   file.set_producer_name("strainwave");
-  file.add_opset_import()->set_version(kOpset);
+  file.add_opset_import()->set_version(kOnnxOpset);
   Graph graph(*file.mutable_graph());
   graph.proto().set_name("predictor");
   graph.Interface(*graph.proto().add_input(), "features", inputs);

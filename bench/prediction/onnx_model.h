@@ -12,7 +12,9 @@ namespace strainwave::bench {
 /// Free text under names, for the file's metadata.
 using OnnxMetadata = std::vector<std::pair<std::string, std::string>>;
 
-/// The bytes of an ONNX model, opset 13, float32, that needs nothing beside it but the features:
+inline constexpr int kOnnxOpset = 13;
+
+/// The bytes of an ONNX model of that opset, float32, that needs nothing beside it but the features:
 ///   input  `features`   1 × inputs, unscaled;
 ///   output `prediction` 1 × outputs, in the outputs' units, the mean of the networks;
 ///   output `half_width` 1 × outputs, of the interval about it;

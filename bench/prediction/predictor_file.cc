@@ -25,12 +25,6 @@ constexpr int kFormat = 1;
 constexpr const char* kDescription = "predictor.json";
 constexpr const char* kNumbers = "numbers.h5";
 
-[[noreturn]] void Refuse(const std::filesystem::path& file, const std::string& what,
-                         const std::string& expected) {
-  throw CampaignError(ExitCode::kWrongInput,
-                      fmt::format("{}: error: {} (expected {})", file.string(), what, expected));
-}
-
 daq::NamedArray RowOf(const char* name, const Eigen::RowVectorXd& row) {
   return {name, {static_cast<std::size_t>(row.size())}, {row.begin(), row.end()}};
 }

@@ -2,17 +2,13 @@
 #include "bench/prediction/train_predictor.h"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
-#include <mutex>
-#include <set>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_error.h"
+#include "bench/campaign/on_all_processors.h"
 #include "bench/prediction/network_json.h"
 
 namespace strainwave::bench {
@@ -162,8 +158,7 @@ struct NamedSplit {
 std::vector<NamedSplit> SplitsOf(const prediction::Samples& samples, const TrainingJob& job) {
   std::vector<NamedSplit> splits{{"last part of each life", "a reducer that was watched before goes on",
                                   prediction::SplitByTime(samples.specimen, samples.cycle, job.test_share)}};
-  const std::set<int> specimens(samples.specimen.begin(), samples.specimen.end());
-  if (specimens.size() > 1) {
+  if (prediction::SpecimenCount(samples) > 1) {
     splits.push_back({"unseen specimens", "a reducer that was never seen",
                       prediction::SplitsBySpecimen(samples.specimen, job.folds).front()});
   }
@@ -173,31 +168,6 @@ std::vector<NamedSplit> SplitsOf(const prediction::Samples& samples, const Train
 }
 
 }  // namespace
-
-void OnAllProcessors(std::size_t count, const std::function<void(std::size_t)>& task) {
-  std::atomic<std::size_t> next{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        task(i);
-      } catch (...) {
-        const std::lock_guard noting(mutex);
-        if (!failure) failure = std::current_exception();
-        next = count;
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    const std::size_t wanted =
-        std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
-    for (std::size_t k = 1; k < wanted; ++k) threads.emplace_back(work);
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
-}
 
 TrainingOutcome TrainPredictor(const TrainingData& data, const analysis::features::WaveletRecipe& recipe,
                                const TrainingJob& job,

@@ -69,7 +69,4 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const analysis::feature
                                const TrainingJob& job,
                                const std::function<bool(const std::string& step, double share)>& progress);
 
-/// Calls tasks on all processors; the first exception is thrown again when all threads have ended.
-void OnAllProcessors(std::size_t count, const std::function<void(std::size_t)>& task);
-
 }  // namespace strainwave::bench

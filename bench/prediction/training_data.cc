@@ -23,12 +23,6 @@ namespace {
 
 constexpr std::size_t kFewestRecords = 20;
 
-[[noreturn]] void Refuse(const std::filesystem::path& folder, const std::string& what,
-                         const std::string& expected) {
-  throw CampaignError(ExitCode::kWrongInput,
-                      fmt::format("{}: error: {} (expected {})", folder.string(), what, expected));
-}
-
 // The outputs of one cycle, or which of them it has not.
 struct Labels {
   std::vector<double> values;

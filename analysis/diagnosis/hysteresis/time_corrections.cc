@@ -16,17 +16,28 @@ double SamplesOfRecord(const LoopRecords& records) {
   return static_cast<double>(records.samples.size()) / static_cast<double>(records.samples.records());
 }
 
+// Of the residual with its weights, and of the weights: up to each sample, and to the end.
+struct RunningSums {
+  std::vector<double> sum;
+  std::vector<double> weight;
+};
+RunningSums RunningSumsOf(const LoopGrid& grid, std::span<const double> residual) {
+  RunningSums sums{std::vector<double>(grid.size() + 1, 0.0), std::vector<double>(grid.size() + 1, 0.0)};
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    sums.sum[i + 1] = sums.sum[i] + grid.weight[i] * residual[i];
+    sums.weight[i + 1] = sums.weight[i] + grid.weight[i];
+  }
+  return sums;
+}
+
 // Samples at which the residual's mean changes most, at least a fiftieth of the record apart. A nearby
 // stretch either side counts, since fits have taken off what lasts.
 std::vector<std::size_t> BestJumps(const LoopGrid& grid, std::span<const double> residual,
                                    std::size_t count) {
   const std::size_t n = grid.size();
-  std::vector<double> sum(n + 1, 0.0);
-  std::vector<double> weight(n + 1, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    sum[i + 1] = sum[i] + grid.weight[i] * residual[i];
-    weight[i + 1] = weight[i] + grid.weight[i];
-  }
+  const RunningSums sums = RunningSumsOf(grid, residual);
+  const std::vector<double>& sum = sums.sum;
+  const std::vector<double>& weight = sums.weight;
   std::vector<std::pair<double, std::size_t>> jumps;
   for (const std::size_t reach : {n / 100, n / 25, n / 8}) {
     for (std::size_t i = reach; reach > 2 && i + reach < n; ++i) {
@@ -93,12 +104,9 @@ enum class Lasting { kBriefly, kLong };
 // A window's two ends moved to where the residual's sum of squares drops most by a level between them.
 WindowPeak WithBestEnds(const LoopGrid& grid, std::span<const double> residual, const WindowPeak& window) {
   const std::size_t n = grid.size();
-  std::vector<double> sum(n + 1, 0.0);
-  std::vector<double> weight(n + 1, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    sum[i + 1] = sum[i] + grid.weight[i] * residual[i];
-    weight[i + 1] = weight[i] + grid.weight[i];
-  }
+  const RunningSums sums = RunningSumsOf(grid, residual);
+  const std::vector<double>& sum = sums.sum;
+  const std::vector<double>& weight = sums.weight;
   const auto drop_of = [&](std::size_t first, std::size_t end) {
     const double inside = weight[end] - weight[first];
     const double share = inside / std::max(weight[n], 1e-300);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/rows.h"
 #include "analysis/diagnosis/motion/usual_effects.h"
 #include "analysis/diagnosis/temperature.h"
@@ -15,7 +14,6 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kMostRows = 16000;
 constexpr std::size_t kFewestRows = 60;
 constexpr double kPointsPerSigma = 2.5;  // steps of the points in a σ of the low-pass, at least
 constexpr double kUnknownInertia = 3.0;  // standard errors
@@ -248,8 +246,8 @@ Eigen::VectorXd MotionGrid::BesideNominal(const Eigen::VectorXd& column) const {
   return column - nominal * nominal.colPivHouseholderQr().solve(column);
 }
 
-MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s, double passage_delay_s) {
-  const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
+MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                          double expected_delay_s, double passage_delay_s) {
   MotionGrid grid;
   grid.linear = samples.linear;
   grid.sigma_s = bandwidth.sigma_s;

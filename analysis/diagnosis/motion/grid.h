@@ -6,10 +6,14 @@
 #include <span>
 #include <vector>
 
+#include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/kernel.h"
 #include "analysis/diagnosis/motion/samples.h"
 
 namespace strainwave::analysis::diagnosis {
+
+/// As many rows as a grid has at most: what fits can go over a few hundred times.
+inline constexpr std::size_t kMostRows = 16000;
 
 /// A motion record as the terms need it, on two grids.
 ///
@@ -87,7 +91,8 @@ struct MotionGrid {
 ///   does not.
 /// @param passage_delay_s  the same, for choosing over which speed the sign of velocity changes.
 /// @throws std::invalid_argument where too little motion is left.
-MotionGrid MakeMotionGrid(const MotionSamples& samples, double expected_delay_s, double passage_delay_s);
+MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                          double expected_delay_s, double passage_delay_s);
 
 /// Columns of effects that may be in any record, so that they do not decide on its details: drag, asymmetry,
 /// load, drift, weight.

@@ -64,9 +64,11 @@ struct SettledGrid {
 // The grid, made again where the torque acts late: reversals show in it before they show in the motion.
 // Whether they are blurred by the lag or by a wide passage from one way to the other, what is left tells.
 SettledGrid MakeSettledGrid(const MotionSamples& samples) {
+  const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
   const auto make = [&](double expected_delay_s, double passage_delay_s) {
-    SettledGrid made{
-        std::make_shared<const MotionGrid>(MakeMotionGrid(samples, expected_delay_s, passage_delay_s)), {}};
+    SettledGrid made{std::make_shared<const MotionGrid>(
+                         MakeMotionGrid(samples, bandwidth, expected_delay_s, passage_delay_s)),
+                     {}};
     made.delay = EstimateDelay(*made.grid);
     return made;
   };

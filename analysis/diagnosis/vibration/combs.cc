@@ -177,16 +177,4 @@ std::vector<Comb> FindCombs(const VibrationSpectrum& spectrum, double lowest, do
   return chosen;
 }
 
-double CombTrials(const VibrationSpectrum& spectrum, double lowest, double highest) {
-  double trials = 0.0;
-  highest = std::min(highest, 0.5 * spectrum.highest());
-  for (double order = lowest; order < highest;) {
-    // A few steps of the search are one independent place.
-    const double step = 2.5 * StepAt(spectrum, order);
-    trials += 1.0;
-    order += step;
-  }
-  return std::max(1.0, trials);
-}
-
 }  // namespace strainwave::analysis::diagnosis

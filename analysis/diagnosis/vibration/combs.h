@@ -29,7 +29,4 @@ Comb Refined(const VibrationSpectrum& spectrum, Comb comb);
 std::vector<Comb> FindCombs(const VibrationSpectrum& spectrum, double lowest, double highest, double sideband,
                             std::size_t count, const std::function<bool(double order)>& allowed);
 
-/// Places that FindCombs looks at, each in a few ranges of harmonics.
-double CombTrials(const VibrationSpectrum& spectrum, double lowest, double highest);
-
 }  // namespace strainwave::analysis::diagnosis

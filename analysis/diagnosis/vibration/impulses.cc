@@ -70,22 +70,19 @@ Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
   double size = 1.0;
   for (int round = 0; round < kClimbs; ++round) {
     bool moved = false;
-    for (const double sense : {-1.0, 1.0}) {
-      RingTrain train = best.train;
-      train.ring_Hz *= 1.0 + sense * size * train.damping_ratio;
-      moved = take(train, best.sideband) || moved;
-    }
-    for (const double sense : {-1.0, 1.0}) {
-      RingTrain train = best.train;
-      train.damping_ratio *= std::exp2(sense * size);
-      moved = take(train, best.sideband) || moved;
-    }
-    for (const double sense : {-1.0, 1.0}) {
-      RingTrain train = best.train;
+    const auto both_ways = [&](const auto& change) {
+      for (const double sense : {-1.0, 1.0}) {
+        RingTrain train = best.train;
+        change(train, sense * size);
+        moved = take(train, best.sideband) || moved;
+      }
+    };
+    both_ways([](RingTrain& train, double by) { train.ring_Hz *= 1.0 + by * train.damping_ratio; });
+    both_ways([](RingTrain& train, double by) { train.damping_ratio *= std::exp2(by); });
+    both_ways([&](RingTrain& train, double by) {
       const double cell = train.order * TurnHz(remainder) / (run.turns * train.ring_Hz);
-      train.order += sense * 0.4 * size * cell;
-      moved = take(train, best.sideband) || moved;
-    }
+      train.order += 0.4 * by * cell;
+    });
     if (!moved) size *= 0.5;
   }
   return best;
