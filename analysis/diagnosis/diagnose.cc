@@ -75,6 +75,22 @@ ScoredModel WithoutUnproven(const Judge& judge, ScoredModel model, const Diagnos
   return model;
 }
 
+bool IsCurve(const Finding& correction) {
+  return std::ranges::any_of(correction.parameters,
+                             [](const ParameterValue& value) { return value.name.starts_with("part_"); });
+}
+
+// What the residual shows in words, of the model with these causes of `fit`.
+std::string WordsOf(const Judge& judge, const ModelFit& fit, std::span<const Finding> left_out) {
+  std::vector<std::size_t> causes = fit.causes;
+  for (const Finding& finding : left_out) causes = Without(causes, finding.index);
+  const std::vector<double> left =
+      ResidualsOf(judge.study(), causes == fit.causes ? fit : judge.Fit(causes, &fit).fit);
+  return DescribeLeftover(
+      judge.study(), Eigen::Map<const Eigen::VectorXd>(left.data(), static_cast<Eigen::Index>(left.size())),
+      judge.weights());
+}
+
 }  // namespace
 
 Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
@@ -143,9 +159,9 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   }
   diagnosis.leftover.ljung_box_p = LjungBoxP(left, diagnosis.weights, study.stretches(), 0);
   diagnosis.leftover.runs_p = RunsP(left, diagnosis.weights, study.stretches());
-  diagnosis.leftover.signature = DescribeLeftover(
-      study, Eigen::Map<const Eigen::VectorXd>(left.data(), static_cast<Eigen::Index>(left.size())),
-      diagnosis.weights);
+  diagnosis.leftover.signature = WordsOf(*judge, extended.fit, {});
+  if (std::ranges::any_of(diagnosis.corrections, IsCurve))
+    diagnosis.leftover.described = WordsOf(*judge, extended.fit, diagnosis.corrections);
   const auto outliers = std::count(diagnosis.weights.begin(), diagnosis.weights.end(), 0.0);
   if (outliers > 0)
     diagnosis.notes.push_back(

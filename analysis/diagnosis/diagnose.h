@@ -49,6 +49,8 @@ struct Leftover {
   double ljung_box_p{1.0};
   double runs_p{1.0};
   std::string signature;  // in words: order, window, regressor and shape; empty where nothing stands out
+  /// The same of what the corrections describe, where one of them is a free curve, whose numbers say nothing.
+  std::string described;
 };
 
 struct Diagnosis {

@@ -110,6 +110,12 @@ SeparableProblem::SeparableProblem(const TermSet& set, std::span<const double> m
   gram_ = Eigen::MatrixXd::Zero(fixed, fixed);
   gram_.selfadjointView<Eigen::Lower>().rankUpdate(weighted_.transpose());
   gram_ = Eigen::MatrixXd(gram_.selfadjointView<Eigen::Lower>());
+  next = 0;
+  for (const SeparableTerm* term : set.terms) {
+    if (!term->shapes.empty()) continue;
+    gram_.diagonal().segment(next, ToIndex(term->columns)).array() += term->ridge;
+    next += ToIndex(term->columns);
+  }
 }
 
 // Normal equations of a target by the fixed columns and these further ones.

@@ -37,6 +37,8 @@ struct Remainder {
 struct SeparableTerm {
   std::size_t columns{1};
   std::vector<ShapeRange> shapes;
+  /// What each squared coefficient adds to the sum of squares; terms without shapes only.
+  double ridge{};
   /// Fills n × columns at these shapes.
   std::function<void(std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design)> fill;
   /// Shapes to start from, best first, a few; unused without shapes.

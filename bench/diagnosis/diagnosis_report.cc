@@ -43,6 +43,22 @@ void AddOnce(const std::string& entry, std::vector<std::string>& entries) {
   if (!entry.empty() && std::ranges::find(entries, entry) == entries.end()) entries.push_back(entry);
 }
 
+// The telling numbers of a correction; a window also by its ends.
+std::vector<std::string> SpokenNumbers(const diagnosis::Finding& correction) {
+  const std::vector<diagnosis::ParameterValue> parameters = TellingParameters(correction);
+  std::vector<std::string> numbers;
+  for (const diagnosis::ParameterValue& parameter : parameters) {
+    numbers.push_back(SpokenParameter(parameter));
+    if (!parameter.name.starts_with("width_")) continue;
+    const std::string centre_name = "centre_" + parameter.name.substr(std::string_view("width_").size());
+    const auto centre = std::ranges::find(parameters, centre_name, &diagnosis::ParameterValue::name);
+    if (centre == parameters.end()) continue;
+    numbers.push_back(fmt::format("from {:.4g} to {:.4g} {}", centre->value - 0.5 * parameter.value,
+                                  centre->value + 0.5 * parameter.value, parameter.unit));
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::string VerdictText(diagnosis::Verdict verdict) {
@@ -70,6 +86,12 @@ std::string ProbabilityText(double p) {
   return p >= 0.001 ? fmt::format("{:.3f}", p) : fmt::format("{:.0e}", p);
 }
 
+std::vector<diagnosis::ParameterValue> TellingParameters(const diagnosis::Finding& correction) {
+  std::vector<diagnosis::ParameterValue> telling = correction.parameters;
+  std::erase_if(telling, [](const auto& parameter) { return parameter.name.starts_with("part_"); });
+  return telling;
+}
+
 std::string SpokenParameter(const diagnosis::ParameterValue& parameter) {
   std::string words = parameter.name;
   const bool is_order = words.starts_with("order_per_");
@@ -90,11 +112,11 @@ std::string SpokenParameter(const diagnosis::ParameterValue& parameter) {
 std::string SignatureOf(const DiagnosisReport& report) {
   std::vector<std::string> parts;
   for (const diagnosis::Finding& correction : report.result.corrections) {
-    std::vector<std::string> numbers;
-    for (const auto& parameter : correction.parameters) numbers.push_back(SpokenParameter(parameter));
-    parts.push_back(
-        fmt::format("{}: {}", report.input.study->causes()[correction.index].name, fmt::join(numbers, ", ")));
+    const std::vector<std::string> numbers = SpokenNumbers(correction);
+    parts.push_back(fmt::format("{}{}{}", report.input.study->causes()[correction.index].name,
+                                numbers.empty() ? "" : ": ", fmt::join(numbers, ", ")));
   }
+  if (!report.result.leftover.described.empty()) parts.push_back(report.result.leftover.described);
   const std::string& left = report.result.leftover.signature;
   if (!left.empty()) parts.push_back(parts.empty() ? left : "besides: " + left);
   return fmt::format("{}", fmt::join(parts, "; "));

@@ -39,6 +39,10 @@ std::string CandidateName(const analysis::diagnosis::Study& study, std::size_t i
 /// "0.012", "3e-20", "<1e-99": a probability for people.
 std::string ProbabilityText(double p);
 
+/// The parameters of a correction but for a free curve's coefficients, which tell nobody anything.
+std::vector<analysis::diagnosis::ParameterValue> TellingParameters(
+    const analysis::diagnosis::Finding& correction);
+
 /// "amplitude 0.213 arcmin", "order 7.00 per output turn": a parameter as it is read out.
 std::string SpokenParameter(const analysis::diagnosis::ParameterValue& parameter);
 

@@ -129,7 +129,7 @@ std::string FoundText(const DiagnosisReport& report) {
   for (const diagnosis::Finding& finding : report.result.corrections) {
     text += Section("left over", fmt::format("{} (a description, not a cause)",
                                              report.input.study->causes()[finding.index].name));
-    text += ParametersText(finding.parameters, {});
+    text += ParametersText(TellingParameters(finding), {});
   }
   if (!report.formula.formula.empty()) {
     text += Section("formula", report.formula.formula);

@@ -240,6 +240,18 @@ TEST(MotionStudy, CallsAToneOfNoCauseUnnamedWithItsFrequency) {
   EXPECT_NEAR(frequency->value, 11.3, 0.01);
 }
 
+// The fastest tenth of the speeds comes a few times in the record: blocks that are held out have it alone.
+TEST(MotionStudy, CallsAWavyFrictionUnnamedAndSaysThatItFollowsSpeed) {
+  const Effect wavy = [](const State& s) { return 0.045 * std::sin(kTwoPi * s.speed_rad_per_s / 3.6); };
+  for (const unsigned seed : {41U, 42U}) {
+    const Diagnosed found = Ask({Record(seed, wavy, {.duration_s = 20.0})});
+    EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure) << seed;
+    EXPECT_EQ(found.names(), Names()) << seed;
+    EXPECT_NE(found.diagnosis.leftover.described.find("depends on velocity"), std::string::npos)
+        << found.diagnosis.leftover.described;
+  }
+}
+
 TEST(MotionStudy, DoesNotTakeJitterForAnEffect) {
   const Diagnosed clean = Ask({Record(11, Nothing, {.jitter = 0.3})});
   EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect);

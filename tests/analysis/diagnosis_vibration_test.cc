@@ -278,6 +278,23 @@ TEST(VibrationStudy, TakesTheSpeedFromTheShaftsLinesWhereTheRecordDoesNotSayIt) 
   EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.front().value, 7.3, 0.01);
 }
 
+// Over nine turns the shaft's two lines are not quite apart, least of all with spikes between them.
+TEST(VibrationStudy, TakesAWrongSpeedFromTheLinesOfAFewTurns) {
+  for (const unsigned seed : {51U, 52U, 53U, 54U}) {
+    VibrationData record = Record(Turning(1100.8, 0.5, 0.0), seed, Silence);
+    Signal& values = record.channels.front().values;
+    values = values + Line(Turning(1100.8, 0.5, 0.0), 2.0, 0.9);
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<std::size_t> place(0, values.size() - 1);
+    for (int spike = 0; spike < 16; ++spike) values[place(random)] += spike % 2 == 0 ? 1.0 : -1.0;
+    record.input_speed_rad_per_s.front() *= 1092.6 / 1100.8;
+    const Diagnosed answer = Ask({record});
+    ASSERT_FALSE(answer.study->warnings().empty()) << seed;
+    EXPECT_EQ(answer.study->warnings().front().substr(0, 30), "the shaft's lines stand at 110") << seed;
+    EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoEffect) << seed;
+  }
+}
+
 // What a search compares has to be what the whole fit comes to.
 TEST(OneTermSolver, FitsATermAsTheWholeModelDoes) {
   const Effect hidden = [](const Turning& run) { return Line(run, 7.3, 0.2) + Line(run, 11.9, 0.1); };

@@ -16,6 +16,11 @@ namespace {
 
 using Eigen::Index;
 
+// A curve's ordinates are taken for normal about zero, with this part of the noise's variance for precision
+// (a standard deviation of three times the noise's): where held-out rows are the only ones at a speed or a
+// place, a curve that has not seen them stays near zero there.
+constexpr double kCurveRidge = 0.1;
+
 // Uniform cubic B-spline of `count` functions over [low, high].
 double Spline(double value, double low, double high, std::size_t count, std::size_t which) {
   const double knots = static_cast<double>(count - 3);
@@ -36,26 +41,25 @@ void AddSmooth(const SharedGrid& grid, const MotionUnits& units, std::string nam
   const double low = sorted[sorted.size() / 200];
   const double high = sorted[sorted.size() - 1 - sorted.size() / 200];
   if (!(high > low)) return;
+  double square_sum = 0.0;
+  for (std::size_t i = 0; i < of.size(); ++i) square_sum += times(i) * times(i);
+  const double scale = 1.0 / std::sqrt(std::max(square_sum / static_cast<double>(of.size()), 1e-300));
   Eigen::MatrixXd columns(grid->nominal.rows(), static_cast<Index>(count));
   std::vector<double> points(of.size());
-  double largest = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
-    for (std::size_t i = 0; i < points.size(); ++i) points[i] = times(i) * Spline(of[i], low, high, count, k);
-    const Eigen::VectorXd column = grid->Project(points);
-    largest = std::max(largest, column.norm());
-    columns.col(static_cast<Index>(k)) = grid->BesideNominal(column);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      points[i] = scale * times(i) * Spline(of[i], low, high, count, k);
+    columns.col(static_cast<Index>(k)) = grid->BesideNominal(grid->Project(points));
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> parts(columns.transpose() * columns, Eigen::ComputeFullU);
   Index kept = 0;
-  while (kept < columns.cols() && parts.singularValues()(kept) > 1e-6 * largest * largest) ++kept;
+  while (kept < columns.cols() && parts.singularValues()(kept) > kCurveRidge) ++kept;
   if (kept == 0) return;
-  Eigen::MatrixXd reduced = columns * parts.matrixU().leftCols(kept);
   std::vector<ShapeDescription> numbers;
-  for (Index k = 0; k < kept; ++k) {
-    reduced.col(k) *= std::sqrt(static_cast<double>(reduced.rows())) / reduced.col(k).norm();
+  for (Index k = 0; k < kept; ++k)
     numbers.push_back({fmt::format("part_{}_{}", k + 1, units.torque()), units.torque(), 1.0});
-  }
-  SeparableTerm term = FixedTerm(std::move(reduced));
+  SeparableTerm term = FixedTerm(columns * parts.matrixU().leftCols(kept));
+  term.ridge = kCurveRidge;
   DescribeEach(term, std::move(numbers));
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = std::move(name),

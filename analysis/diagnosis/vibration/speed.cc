@@ -161,9 +161,10 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
   }
   // A foreign line nearby pulls at the scale a little, and an imbalance turns the phase of the first line
   // while the speed changes: what is stated counts until it is clearly wrong, and neither line likes it
-  // better.
-  const bool either_loses = best.line_energy[0] < given.line_energy[0] - 4.0 * variance ||
-                            best.line_energy[1] < given.line_energy[1] - 4.0 * variance;
+  // better. Over few turns the lines are not quite apart: a little of what is won may be lost at one of them.
+  const double may_lose = 4.0 * variance + 0.1 * (given.square_sum - best.square_sum);
+  const bool either_loses = best.line_energy[0] < given.line_energy[0] - may_lose ||
+                            best.line_energy[1] < given.line_energy[1] - may_lose;
   if (!(score > 20.0) || either_loses) return;
   const double before = run.mean_speed_rad_per_s;
   const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), n);
