@@ -17,6 +17,10 @@ namespace {
 constexpr std::size_t kShortBlocks = 20;
 constexpr std::size_t kMostHeldOut = 4;
 
+// Of the error allowed, for the causes together; the rest is for descriptions without a cause (weighted
+// Bonferroni; Genovese, Roeder & Wasserman, Biometrika 93 (2006) 509).
+constexpr double kShareOfCauses = 0.75;
+
 // BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
 // phase): it may say so much less where chance is excluded, and less for each of many parameters.
 constexpr double kLeastBic = -12.0;
@@ -78,7 +82,9 @@ double Judge::Score(const Comparison& comparison, const CauseRule& rule) const {
 }
 
 double Judge::Corrected(double p_value, const CauseRule& rule) const {
-  const double looks = std::max(1.0, rule.trials) * static_cast<double>(study_.causes().size());
+  const auto of_its_sort = std::ranges::count(study_.causes(), rule.named, &CauseRule::named);
+  const double share = rule.named ? kShareOfCauses : 1.0 - kShareOfCauses;
+  const double looks = std::max(1.0, rule.trials) * static_cast<double>(of_its_sort) / share;
   return -std::expm1(looks * std::log1p(-std::min(p_value, 0.999999)));
 }
 

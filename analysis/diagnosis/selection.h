@@ -51,7 +51,8 @@ class Judge {
   /// which an amount is known to 1/√samples and a place to 1/√ratio of a resolution cell).
   double Score(const Comparison& comparison, const CauseRule& rule) const;
 
-  /// p-value of one look, times the places that the cause's search looked at and the candidates there are.
+  /// p-value of one look, times the places that the cause's search looked at and the candidates there are of
+  /// its sort (causes, or descriptions), over the share of the error allowed that is for this sort.
   double Corrected(double p_value, const CauseRule& rule) const;
 
   /// Log-likelihood of held-out blocks that `richer` gains over `poorer`, in nats, with their autocorrelation

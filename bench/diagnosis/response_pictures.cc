@@ -141,6 +141,16 @@ std::string AxisBelow(bool lowest, const std::string& title) {
                      lowest ? Quoted(title) : "''");
 }
 
+// Of values at these samples those that were not left out: a few spikes must not flatten a picture.
+std::vector<double> Counted(std::span<const double> values, std::span<const std::size_t> samples,
+                            std::span<const double> weights) {
+  std::vector<double> counted;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (weights[samples[i]] > 0.0) counted.push_back(values[i]);
+  }
+  return counted;
+}
+
 }  // namespace
 
 void DrawResponse(const DiagnosisReport& report, const std::filesystem::path& stem) {
@@ -190,7 +200,8 @@ void DrawResidual(const DiagnosisReport& report, const std::filesystem::path& st
   const auto before = Picked(diagnosis::ResidualsOf(study, report.result.nominal), indices, unit);
   const auto after = Picked(diagnosis::ResidualsOf(study, report.result.extended), indices, unit);
   std::string script = FrameCommands(layout.height_px, "what the simulation misses") + MissLabel(study);
-  script += fmt::format("set xrange {}\nset yrange {}\n", RangeText(place, 0.01), RangeText(before));
+  script += fmt::format("set xrange {}\nset yrange {}\n", RangeText(place, 0.01),
+                        RangeText(Counted(before, indices, report.result.weights)));
   if (floor > 0.0) {
     script += fmt::format(
         "set object 1 rectangle from graph 0, first {:.6g} to graph 1, first {:.6g} behind fillcolor rgb "
@@ -233,7 +244,9 @@ void DrawResidualOver(const DiagnosisReport& report, std::size_t regressor,
     const auto drawn = Picked(residual, indices);
     data += DataBlock(fmt::format("points{}", k), {Picked(places, indices), drawn});
     data += DataBlock(fmt::format("means{}", k), {means.place, means.mean, means.two_standard_errors});
-    if (nominal) script += fmt::format("set yrange {}\n", RangeText(drawn));
+    if (nominal) {
+      script += fmt::format("set yrange {}\n", RangeText(Counted(drawn, indices, report.result.weights)));
+    }
     const PictureColour& colour = nominal ? kLastColour : kFirstColour;
     script += AxisBelow(k + 1 == layout.panels.size(),
                         over.title + (IsFolded(over) ? ", turns folded into one" : ""));
