@@ -43,36 +43,61 @@ double SquareSum(const Study& study, const ModelFit& fit, std::span<const double
   return sum;
 }
 
-Finding Report(const Judge& judge, const ScoredModel& model, std::size_t cause, double explainable,
-               const FarBehindOf& far_behind, const DiagnoseOptions& options) {
-  const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
-  const auto place = static_cast<std::size_t>(
-      std::find(model.fit.causes.begin(), model.fit.causes.end(), cause) - model.fit.causes.begin());
-  Finding finding{cause, model.fit.cause_parameters[place], {}, 0.0, {}};
-  finding.evidence = JudgeCause(judge, model, without, cause, options.family_error).evidence;
-  const double lost = SquareSum(judge.study(), without.fit, judge.weights()) -
-                      SquareSum(judge.study(), model.fit, judge.weights());
-  finding.share_of_explainable = explainable > 0.0 ? std::clamp(lost / explainable, 0.0, 1.0) : 0.0;
-  finding.indistinguishable_from = RivalsOf(judge, model, far_behind, cause);
-  return finding;
-}
-
 bool IsGiven(const DiagnoseOptions& options, std::size_t cause) {
   return std::ranges::find(options.given_causes, cause) != options.given_causes.end();
 }
 
-// A description without a cause whose evidence is gone once everything is fitted to the end is none.
-ScoredModel WithoutUnproven(const Judge& judge, ScoredModel model, const DiagnoseOptions& options) {
-  for (std::size_t k = 0; k < model.fit.causes.size();) {
-    const std::size_t cause = model.fit.causes[k++];
-    if (IsGiven(options, cause) || judge.study().causes()[cause].named) continue;
-    ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit, FitPurpose::kReport);
-    if (!without.fit.usable || JudgeCause(judge, model, without, cause, options.family_error).passed)
-      continue;
-    model = std::move(without);
-    k = 0;
+// A cause that was found, beside the model without it.
+struct Found {
+  std::size_t cause{};
+  ScoredModel without;
+  CandidateResult judged;
+};
+
+std::vector<Found> JudgeAll(const Judge& judge, const ScoredModel& model, const DiagnoseOptions& options) {
+  std::vector<Found> all;
+  for (const std::size_t cause : model.fit.causes) {
+    if (IsGiven(options, cause)) continue;
+    Found found{cause, judge.Fit(Without(model.fit.causes, cause), &model.fit, FitPurpose::kReport), {}};
+    found.judged = JudgeCause(judge, model, found.without, cause, options.family_error);
+    all.push_back(std::move(found));
   }
-  return model;
+  return all;
+}
+
+// What is found beside something else, or has no cause, and whose evidence is gone once everything is fitted
+// to the end, is none: the weakest first.
+// @param candidates  gets what was dropped
+std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const DiagnoseOptions& options,
+                                std::vector<CandidateResult>& candidates) {
+  for (;;) {
+    std::vector<Found> all = JudgeAll(judge, model, options);
+    const auto is_unproven = [&](const Found& found) {
+      const bool may_go = all.size() > 1 || !judge.study().causes()[found.cause].named;
+      return may_go && !found.judged.passed && found.without.fit.usable;
+    };
+    Found* weakest = nullptr;
+    for (Found& found : all) {
+      const auto evidence = [](const Found& other) { return other.judged.evidence.delta_bic; };
+      if (is_unproven(found) && (weakest == nullptr || evidence(found) < evidence(*weakest)))
+        weakest = &found;
+    }
+    if (weakest == nullptr) return all;
+    candidates.push_back(std::move(weakest->judged));
+    model = std::move(weakest->without);
+  }
+}
+
+Finding Report(const Judge& judge, const ScoredModel& model, const Found& found, double explainable,
+               const FarBehindOf& far_behind) {
+  const auto place =
+      static_cast<std::size_t>(std::ranges::find(model.fit.causes, found.cause) - model.fit.causes.begin());
+  Finding finding{found.cause, model.fit.cause_parameters[place], found.judged.evidence, 0.0, {}};
+  const double lost = SquareSum(judge.study(), found.without.fit, judge.weights()) -
+                      SquareSum(judge.study(), model.fit, judge.weights());
+  finding.share_of_explainable = explainable > 0.0 ? std::clamp(lost / explainable, 0.0, 1.0) : 0.0;
+  finding.indistinguishable_from = RivalsOf(judge, model, far_behind, found.cause);
+  return finding;
 }
 
 bool IsCurve(const Finding& correction) {
@@ -108,11 +133,11 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
     selection = Select(*judge, options.given_causes, options);
   }
   const ScoredModel nominal = judge->Fit(options.given_causes, nullptr, FitPurpose::kReport);
-  const ScoredModel extended = WithoutUnproven(
-      *judge, judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kReport), options);
+  ScoredModel extended = judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kReport);
+  diagnosis.candidates = std::move(selection.candidates);
+  const std::vector<Found> all_found = DropUnproven(*judge, extended, options, diagnosis.candidates);
   diagnosis.nominal = nominal.fit;
   diagnosis.extended = extended.fit;
-  diagnosis.candidates = std::move(selection.candidates);
   const double filtered_out = study.FilteredOutVariance();
   const auto of_record = [&](double rmse) { return std::sqrt(rmse * rmse + filtered_out); };
   diagnosis.noise_floor = study.NoiseFloor() > 0.0 ? of_record(study.NoiseFloor()) : 0.0;
@@ -120,14 +145,13 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   const double explainable = SquareSum(study, nominal.fit, diagnosis.weights) -
                              judge->samples() * study.NoiseFloor() * study.NoiseFloor();
   bool local = false;
-  for (const std::size_t cause : extended.fit.causes) {
-    if (IsGiven(options, cause)) continue;
-    Finding finding = Report(*judge, extended, cause, explainable, selection.far_behind, options);
-    const std::vector<std::string>& pairs = selection.pair_rivals[cause];
+  for (const Found& one : all_found) {
+    Finding finding = Report(*judge, extended, one, explainable, selection.far_behind);
+    const std::vector<std::string>& pairs = selection.pair_rivals[one.cause];
     finding.indistinguishable_from.insert(finding.indistinguishable_from.end(), pairs.begin(), pairs.end());
-    const CauseRule& rule = study.causes()[cause];
+    const CauseRule& rule = study.causes()[one.cause];
     local = local || rule.local;
-    diagnosis.candidates.push_back({cause, finding.evidence, true, {}});
+    diagnosis.candidates.push_back({one.cause, finding.evidence, true, {}});
     (rule.named ? diagnosis.causes : diagnosis.corrections).push_back(std::move(finding));
   }
   const auto by_evidence = [](const auto& a, const auto& b) {

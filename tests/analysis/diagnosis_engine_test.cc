@@ -8,6 +8,7 @@
 #include "analysis/diagnosis/heldout.h"
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/scans.h"
+#include "analysis/diagnosis/selection.h"
 #include "analysis/diagnosis/separable_study.h"
 #include "analysis/units.h"
 #include "tests/analysis/message_of.h"
@@ -193,6 +194,20 @@ TEST(SeparableStudy, PredictsWhatItsOwnParametersDescribe) {
   const std::vector<Study::NamedCause> unknown{{"ghost", {}}};
   EXPECT_EQ(MessageOf([&] { study.Predict(fit.nominal, unknown); }),
             "there is no cause 'ghost' for records of this kind");
+}
+
+// Two causes share three quarters of the error allowed, one description has the last quarter: 2 / 0.75 and
+// 1 / 0.25 looks.
+TEST(Judge, ChargesDescriptionsMoreForTheirLooksThanCauses) {
+  const ToyRecord record(400);
+  SeparableModel model = ToyModel(record, WhiteNoise(400, 0.1, 17));
+  model.causes.push_back(Column(record.x, "curve"));
+  model.rules.push_back({.name = "curve", .trials = 3.0, .named = false});
+  const SeparableStudy study(std::move(model));
+  const Judge judge(study, std::vector<double>(400, 1.0), {});
+  EXPECT_NEAR(judge.Corrected(1e-6, study.causes()[0]), 1e-6 * 2.0 / 0.75, 1e-10);
+  EXPECT_NEAR(judge.Corrected(1e-6, study.causes()[1]), 25.0 * 1e-6 * 2.0 / 0.75, 1e-8);
+  EXPECT_NEAR(judge.Corrected(1e-6, study.causes()[2]), 3.0 * 1e-6 * 1.0 / 0.25, 1e-9);
 }
 
 TEST(Diagnose, FindsNothingInCleanRecords) {

@@ -33,7 +33,7 @@ class CreepEffect final : public FormedEffect {
                        {"creep_rms_arcmin", "arcmin", 0.0, range_arcmin, true},
                        {"time_constant_s", "s", 0.0, 1.01 * longest_s_, false}},
         .degrees_of_freedom = 2,
-        .trials = 4.0,
+        .trials = 2.0,
         .to_settle = fmt::format(
             "# long holds at each end\n{}",
             PhaseText(records, {.name = "holds", .torque_rate_Nm_per_s = 3.0, .hold_s = 120.0, .loops = 2}))};
@@ -116,7 +116,7 @@ class ThermalDrift final : public FormedEffect {
         .effect = "E10",
         .parameters = {{"time_constant_s", "s", 0.0, 3.0 * duration_s_, false}},
         .degrees_of_freedom = 1,
-        .trials = has_temperature_ ? 4.0 : 3.0,
+        .trials = 1.5,
         .to_settle = fmt::format("# after a soak: drift goes with time and temperature, creep with torque\n"
                                  "- {{kind: soak, below_temperature: 25 degC, at_most: 2 h}}\n{}",
                                  PhaseText(records, {.name = "after-soak", .loops = 4}))};

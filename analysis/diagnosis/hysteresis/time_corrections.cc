@@ -164,8 +164,8 @@ class Window final : public LoopEffect {
                            {"bell_height_arcmin", "arcmin", -most, most, true}},
             .degrees_of_freedom = 3,
             .places = 2,
-            // Windows side by side, in all widths an octave apart.
-            .trials = 4.0 * duration_s_ / narrowest_s_,
+            // Windows that overlap, in all widths.
+            .trials = 12.0 * duration_s_ / narrowest_s_,
             .local = true,
             .named = false};
   }

@@ -120,7 +120,9 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                         {"frequency_Hz", "Hz", 1.02 * low_Hz, 0.98 * high_Hz, false},
                                         {"damping_ratio", "1", 1.1 * kLeastDamping, 0.4, false}},
                          .degrees_of_freedom = 3,
-                         .trials = std::max(4.0, 4.0 * std::log(high_Hz / low_Hz)),
+                         .trials = std::max(10.0, 10.0 * std::log(high_Hz / low_Hz)),
+                         // What tells its frequency may be one short jolt.
+                         .local = true,
                          .to_settle = units.linear ? ""
                                                    : "# the same motion with another inertia on the output: "
                                                      "the frequency moves if the compliance is the unit's\n"
@@ -235,7 +237,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
        .parameters = {{gap_name, units.position(), 1.05 * low, 0.95 * high, true},
                       {inertia_name, units.inertia(), 0.0, 1.3 * inertia, true}},
        .degrees_of_freedom = 5,
-       .trials = 8.0,
+       .trials = 40.0,
        .to_settle =
            units.linear
                ? ""

@@ -218,6 +218,7 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
        .effect = "E10",
        .parameters = {{"drift_" + suffix, inverse, -kUnlimited, kUnlimited, true}},
        .degrees_of_freedom = by_temperature ? 2 : 3,
+       .trials = by_temperature ? 1.0 : 2.0,
        .to_settle = units.linear ? ""
                                  : "# the same motion on a cold gear and on a warm one, with temperature "
                                    "recorded\n- {kind: soak, below_temperature: 25 degC, at_most: 1 h}\n"});

@@ -208,7 +208,7 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
                          .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
                          .degrees_of_freedom = 5,
                          .places = 3,
-                         .trials = CellsOfTurn(narrowest, widest, top),
+                         .trials = std::max(1.0, 0.25 * CellsOfTurn(narrowest, widest, top)),
                          .local = true,
                          .named = false});
 }

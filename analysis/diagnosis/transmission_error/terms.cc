@@ -223,7 +223,7 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
                       {"width_deg", "deg", DegFromRad(0.8 * narrowest), 14.0, false}},
        .degrees_of_freedom = 3,
        .places = 2,
-       .trials = std::max(1.0, 2.0 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
+       .trials = std::max(1.0, 0.5 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
        .local = true});
 }
 

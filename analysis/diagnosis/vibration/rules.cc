@@ -120,7 +120,7 @@ void AddResonances(Table& table) {
              .effect = "E15",
              .parameters = parameters,
              .degrees_of_freedom = 3,
-             .trials = std::max(10.0, 0.3 * share * table.cells),
+             .trials = std::max(50.0, 1.5 * share * table.cells),
              .local = true,  // a knock rings for a small part of a turn
              .to_settle = kOtherSpeed});
   if (highest > 1.1 * kHighestTorsional_Hz) {
@@ -128,7 +128,7 @@ void AddResonances(Table& table) {
               {.name = "resonance of the structure",
                .parameters = {{"damping_ratio", "1", 6e-4, 0.25, false}, table.amplitude},
                .degrees_of_freedom = 3,
-               .trials = std::max(10.0, 0.3 * (1.0 - share) * table.cells),
+               .trials = std::max(50.0, 1.5 * (1.0 - share) * table.cells),
                .local = true,
                .named = false});
   }
