@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kOperators[] = {"Sub",     "Div",  "Reshape", "Conv",    "Relu",
                                            "Sigmoid", "Tanh", "MaxPool", "Flatten", "GlobalAveragePool",
-                                           "Gemm",    "Mul",  "Add",     "Sqrt"};
+                                           "Gemm",    "Mul",  "Add",     "Sqrt",    "Softmax"};
 constexpr std::int64_t kMostValues = std::int64_t{1} << 26;
 
 [[noreturn]] void Refuse(const std::string& what) {
@@ -68,17 +68,25 @@ void RequireOrder(const onnx::GraphProto& graph) {
   }
 }
 
-void RequireOurs(const std::string& bytes, std::int64_t inputs, std::int64_t outputs) {
+// What a file of ours gives, in its order.
+std::vector<cv::String> OutputNames(OnnxNetwork::Predicts predicts) {
+  if (predicts == OnnxNetwork::Predicts::kClasses) return {"probability", "distance"};
+  return {"prediction", "half_width", "distance"};
+}
+
+void RequireOurs(const std::string& bytes, std::int64_t inputs, std::int64_t outputs,
+                 const std::vector<cv::String>& names) {
   onnx::ModelProto model;
   if (!model.ParseFromString(bytes)) Refuse("cannot be parsed");
   const onnx::GraphProto& graph = model.graph();
-  if (graph.input_size() != 1 || graph.output_size() != 3) {
+  if (graph.input_size() != 1 || graph.output_size() != static_cast<int>(names.size())) {
     Refuse(fmt::format("has {} inputs and {} outputs", graph.input_size(), graph.output_size()));
   }
   RequireShape(graph.input(0), "features", inputs);
-  RequireShape(graph.output(0), "prediction", outputs);
-  RequireShape(graph.output(1), "half_width", outputs);
-  RequireShape(graph.output(2), "distance", 1);
+  for (int k = 0; k < graph.output_size(); ++k) {
+    const bool last = k + 1 == graph.output_size();
+    RequireShape(graph.output(k), names[static_cast<std::size_t>(k)], last ? 1 : outputs);
+  }
   for (const onnx::TensorProto& tensor : graph.initializer()) RequireWhole(tensor);
   RequireOrder(graph);
 }
@@ -89,12 +97,14 @@ struct OnnxNetwork::Net {
   cv::dnn::Net net;
   cv::Mat features;
   std::vector<cv::Mat> results;
-  std::vector<std::string> names{"prediction", "half_width", "distance"};
+  std::vector<cv::String> names;
 };
 
-OnnxNetwork::OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::Index outputs)
+OnnxNetwork::OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::Index outputs,
+                         Predicts predicts)
     : net_(std::make_unique<Net>()), inputs_(inputs), outputs_(outputs) {
-  RequireOurs(bytes, inputs, outputs);
+  net_->names = OutputNames(predicts);
+  RequireOurs(bytes, inputs, outputs, net_->names);
   // What it has to say comes as an exception, too.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   try {
@@ -105,9 +115,12 @@ OnnxNetwork::OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::I
   } catch (const cv::Exception& error) {
     Refuse(fmt::format("cannot be run: {}", error.err));
   }
-  if (net_->results.size() != 3 || net_->results[0].total() != static_cast<std::size_t>(outputs) ||
-      net_->results[1].total() != static_cast<std::size_t>(outputs) || net_->results[2].total() != 1) {
-    Refuse("gives results of another shape");
+  if (net_->results.size() != net_->names.size()) Refuse("gives results of another shape");
+  for (const cv::Mat& result : net_->results) {
+    const bool last = &result == &net_->results.back();
+    if (result.type() != CV_32F || result.total() != (last ? 1U : static_cast<std::size_t>(outputs))) {
+      Refuse("gives results of another shape");
+    }
   }
 }
 
@@ -124,9 +137,13 @@ OnnxNetwork::Output OnnxNetwork::Run(const Eigen::RowVectorXd& features) {
   net_->net.setInput(net_->features, "features");
   net_->net.forward(net_->results, net_->names);
   using Values = Eigen::Map<const Eigen::RowVectorXf>;
-  return {.prediction = Values(net_->results[0].ptr<float>(), outputs_).cast<double>(),
-          .half_width = Values(net_->results[1].ptr<float>(), outputs_).cast<double>(),
-          .distance = static_cast<double>(*net_->results[2].ptr<float>())};
+  const auto values = [this](const cv::Mat& result) -> Eigen::RowVectorXd {
+    return Values(result.ptr<float>(), outputs_).cast<double>();
+  };
+  const bool has_intervals = net_->results.size() > 2;
+  return {.prediction = values(net_->results.front()),
+          .half_width = has_intervals ? values(net_->results[1]) : Eigen::RowVectorXd::Zero(outputs_),
+          .distance = static_cast<double>(*net_->results.back().ptr<float>())};
 }
 
 }  // namespace strainwave::bench

@@ -24,6 +24,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kFormat = 1;
 constexpr const char* kDescription = "predictor.json";
 constexpr const char* kNumbers = "numbers.h5";
+constexpr const char* kValues = "values";
+constexpr const char* kClasses = "classes";
 
 daq::NamedArray RowOf(const char* name, const Eigen::RowVectorXd& row) {
   return {name, {static_cast<std::size_t>(row.size())}, {row.begin(), row.end()}};
@@ -111,7 +113,8 @@ prediction::FittedPredictor FittedFrom(const Json& json, const Numbers& numbers,
       .ensemble = {.input = {numbers.Row("input_offset", inputs), numbers.Row("input_scale", inputs)},
                    .output = {numbers.Row("output_offset", outputs), numbers.Row("output_scale", outputs)},
                    .network = std::move(network),
-                   .members = {}},
+                   .members = {},
+                   .softmax = json.value("predicts", kValues) == std::string(kClasses)},
       .residual = numbers.Row("residual", outputs),
       .band = {.coverage = json.at("interval").at("coverage").get<double>(),
                .factor = numbers.Row("interval_factor", outputs),
@@ -129,29 +132,6 @@ prediction::FittedPredictor FittedFrom(const Json& json, const Numbers& numbers,
 
 }  // namespace
 
-Json JsonOf(const FeatureRecipe& recipe) {
-  return {
-      {"wavelet", recipe.wavelet.wavelet},     {"mode", analysis::wavelets::NameOf(recipe.wavelet.border)},
-      {"levels", recipe.wavelet.levels},       {"coefficients", "approximation"},
-      {"channels", recipe.channels},           {"sample_rate_hz", recipe.sample_rate_hz},
-      {"least_samples", recipe.least_samples}, {"inputs", recipe.inputs}};
-}
-
-FeatureRecipe RecipeFrom(const Json& json, const std::filesystem::path& file) {
-  try {
-    return {.wavelet = {.wavelet = json.at("wavelet").get<std::string>(),
-                        .border = analysis::wavelets::BorderOf(json.at("mode").get<std::string>()),
-                        .levels = json.at("levels").get<int>()},
-            .channels = json.at("channels").get<std::vector<std::string>>(),
-            .sample_rate_hz = json.at("sample_rate_hz").get<double>(),
-            .least_samples = json.at("least_samples").get<std::size_t>(),
-            .inputs = json.at("inputs").get<std::vector<std::string>>()};
-  } catch (const std::exception& error) {
-    Refuse(file, fmt::format("the recipe cannot be used: {}", error.what()),
-           "the file as `strainwave train` or `export` has written it");
-  }
-}
-
 void WritePredictor(const std::filesystem::path& folder, const Predictor& predictor) {
   std::filesystem::create_directories(folder);
   const prediction::FittedPredictor& fitted = predictor.fitted;
@@ -159,6 +139,7 @@ void WritePredictor(const std::filesystem::path& folder, const Predictor& predic
   const Json json{
       {"format", kFormat},
       {"recipe", JsonOf(predictor.recipe)},
+      {"predicts", predictor.classes() ? kClasses : kValues},
       {"outputs", predictor.outputs},
       {"network", JsonOf(fitted.ensemble.network.design())},
       {"members", fitted.ensemble.members.size()},

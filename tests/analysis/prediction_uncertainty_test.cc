@@ -12,6 +12,7 @@
 #include "analysis/prediction/informative_records.h"
 #include "analysis/prediction/novelty.h"
 #include "analysis/prediction/ridge.h"
+#include "analysis/prediction/scores.h"
 #include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::prediction {
@@ -146,15 +147,18 @@ TEST(PermutationImportance, FindsWhatThePredictorLooksAt) {
   const auto predict = [](const Eigen::MatrixXd& x) -> Eigen::MatrixXd {
     return (10.0 + 0.2 * x.col(0).array() + 1.0 * x.col(2).array()).matrix();
   };
-  const auto found = PermutationImportance(predict, features, predict(features),
+  const auto mape = [](const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted) {
+    return MeanMape_percent(ScoresOf(actual, predicted));
+  };
+  const auto found = PermutationImportance(predict, mape, features, predict(features),
                                            {{"little", {0}}, {"unused", {1}}, {"much", {2}}}, 4, 1);
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(found[0].name, "much");
   EXPECT_EQ(found[1].name, "little");
   EXPECT_EQ(found[2].name, "unused");
-  EXPECT_EQ(found[2].mape_rise_percent, 0.0);
+  EXPECT_EQ(found[2].error_rise_percent, 0.0);
   // |x − x'| of two normals has the mean 2/√π: 11.3 % of 10, a little more since 1/y is convex.
-  EXPECT_NEAR(found[0].mape_rise_percent, 11.3, 0.6);
+  EXPECT_NEAR(found[0].error_rise_percent, 11.3, 0.6);
 }
 
 TEST(ChooseInformative, SpreadsOverWhatThereIs) {
