@@ -2,7 +2,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal.h"
@@ -39,10 +41,16 @@ Labels LabelsOf(const std::vector<Result>& results, const std::vector<std::strin
 std::vector<std::string> CampaignOutputs(const std::filesystem::path& folder) {
   const Journal journal = Journal::Open(CampaignFolder{folder}.Journal(), Database::Mode::kReadOnly);
   std::vector<std::string> outputs;
-  for (const char* quantity : kPredictedQuantities) {
-    if (!journal.Series(quantity).empty()) outputs.emplace_back(quantity);
+  for (const CycleRow& row : journal.Cycles()) {
+    if (row.outcome != "complete" || row.cycle < 1) continue;
+    const std::vector<Result> results = journal.Results(row.cycle, 0);
+    for (const char* quantity : kPredictedQuantities) {
+      if (FindResult(results, quantity)) outputs.emplace_back(quantity);
+    }
+    if (!outputs.empty()) return outputs;
   }
-  return outputs;
+  Refuse(folder, "no cycle has a result to predict",
+         fmt::format("one of {}", fmt::join(kPredictedQuantities, ", ")));
 }
 
 SourceRows ReadCampaignRows(const std::filesystem::path& path, const SourceSettings& settings,

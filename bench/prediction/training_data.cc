@@ -12,6 +12,7 @@
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
+#include "bench/prediction/measurement_paths.h"
 
 namespace strainwave::bench {
 namespace {
@@ -19,38 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kFewestRows = 20;
-
-bool IsRecordFile(const fs::path& path) {
-  constexpr std::string_view kExtensions[] = {".csv", ".h5", ".hdf5"};
-  return std::ranges::find(kExtensions, path.extension().string()) != std::end(kExtensions);
-}
-
-// Campaigns, and the record files that are named or lie in named folders.
-struct Sorted {
-  std::vector<fs::path> campaigns;
-  std::vector<fs::path> files;
-};
-Sorted Sort(const std::vector<fs::path>& paths) {
-  Sorted sorted;
-  for (const fs::path& path : paths) {
-    if (!fs::is_directory(path)) {
-      if (!fs::exists(path)) Refuse(path, "is not a campaign", "a folder with campaign.db");
-      sorted.files.push_back(path);
-      continue;
-    }
-    if (fs::exists(CampaignFolder{path}.Journal())) {
-      sorted.campaigns.push_back(path);
-      continue;
-    }
-    std::set<fs::path> inside;
-    for (const auto& entry : fs::recursive_directory_iterator(path)) {
-      if (entry.is_regular_file() && IsRecordFile(entry.path())) inside.insert(entry.path());
-    }
-    if (inside.empty()) Refuse(path, "is not a campaign", "a folder with campaign.db, or with record files");
-    sorted.files.insert(sorted.files.end(), inside.begin(), inside.end());
-  }
-  return sorted;
-}
 
 void KeepVibration(SourceRows& rows) {
   rows.shape.names.resize(rows.shape.vibration_features);
@@ -188,7 +157,7 @@ TrainingData ReadTrainingData(const std::vector<fs::path>& paths, const SourceSe
     throw CampaignError(ExitCode::kWrongInput,
                         "error: class and quantities in one predictor (expected class alone, or without it)");
   }
-  const Sorted sorted = Sort(paths);
+  const MeasurementPaths sorted = SortPaths(paths);
   TrainingData data;
   data.recipe.features = settings.features;
   std::vector<SourceRows> sources;
