@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "analysis/networks/products.h"
+#include "analysis/networks/transpose.h"
 
 namespace strainwave::analysis::networks {
 namespace {
@@ -30,31 +31,36 @@ Eigen::Map<Rows<Scalar>> SampleOf(Matrix<Scalar>& batch, Index sample, const Sha
   return {batch.col(sample).data(), shape.channels, shape.length};
 }
 
-// What the kernel sees: a column for each [channel · kernel], a row for each place of the output.
+// Convolutions are computed with the channels of a place side by side: what a kernel sees is then one stretch
+// of memory, and every sum a combination of rows. [channel][place] becomes [place][channel], and back.
 template <typename Scalar>
-void GatherPatches(const Convolution& layer, const Network::Stage& stage, const Scalar* sample,
-                   Matrix<Scalar>& patches) {
-  const Index places = stage.output.length;
-  patches.resize(places, Index{stage.input.channels} * layer.kernel);
-  for (Index column = 0; column < patches.cols(); ++column) {
-    const Scalar* from = sample + column / layer.kernel * stage.input.length + column % layer.kernel;
-    Scalar* to = patches.col(column).data();
-    if (layer.stride == 1) {
-      std::copy_n(from, places, to);
-    } else {
-      for (Index place = 0; place < places; ++place) to[place] = from[place * layer.stride];
+void TurnToPlaces(const Scalar* sample, const Shape& shape, Scalar* turned) {
+  Transpose(sample, shape.channels, shape.length, turned);
+}
+template <typename Scalar>
+void TurnToChannels(const Scalar* turned, const Shape& shape, Scalar* sample) {
+  Transpose(turned, shape.length, shape.channels, sample);
+}
+
+// Weights [filter][channel][kernel] as [kernel][channel][filter].
+template <typename Scalar>
+void TurnWeights(const Convolution& layer, int channels, const Scalar* weights, Scalar* turned) {
+  for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
+    for (Index channel = 0; channel < channels; ++channel) {
+      for (Index filter = 0; filter < layer.filters; ++filter) {
+        *turned++ = weights[(filter * channels + channel) * layer.kernel + kernel];
+      }
     }
   }
 }
-
-// The way back: what stands in the patches goes to the samples it was taken from.
 template <typename Scalar>
-void ScatterPatches(const Convolution& layer, const Network::Stage& stage, const Matrix<Scalar>& patches,
-                    Scalar* sample) {
-  for (Index column = 0; column < patches.cols(); ++column) {
-    const Scalar* from = patches.col(column).data();
-    Scalar* to = sample + column / layer.kernel * stage.input.length + column % layer.kernel;
-    for (Index place = 0; place < patches.rows(); ++place) to[place * layer.stride] += from[place];
+void TurnWeightsBack(const Convolution& layer, int channels, const Scalar* turned, Scalar* weights) {
+  for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
+    for (Index channel = 0; channel < channels; ++channel) {
+      for (Index filter = 0; filter < layer.filters; ++filter) {
+        weights[(filter * channels + channel) * layer.kernel + kernel] = *turned++;
+      }
+    }
   }
 }
 
@@ -85,14 +91,22 @@ struct ForwardLayer {
   }
 
   void operator()(const Convolution& layer) {
-    const Scalar* weights = parameters.data() + stage.weights_begin;
-    const Index terms = stage.weights / layer.filters;
+    const Index filters = layer.filters;
+    const Index channels = stage.input.channels;
+    const Index terms = channels * layer.kernel;
     const Index places = stage.output.length;
+    pass.weights.resize(stage.weights);
+    TurnWeights(layer, stage.input.channels, parameters.data() + stage.weights_begin, pass.weights.data());
+    pass.input_places.resize(stage.input.size());
+    pass.output_places.resize(stage.output.size());
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      GatherPatches(layer, stage, input.col(sample).data(), pass.patches);
-      CombineRows<Scalar>({weights, terms, 1}, {pass.patches.data(), places},
-                          {output.col(sample).data(), places}, layer.filters, terms, places, Sum::kOverwrite);
-      SampleOf(output, sample, stage.output).colwise() += Biases(stage, parameters);
+      TurnToPlaces(input.col(sample).data(), stage.input, pass.input_places.data());
+      CombineRows<Scalar>({pass.input_places.data(), channels * layer.stride, 1},
+                          {pass.weights.data(), filters}, {pass.output_places.data(), filters}, places, terms,
+                          filters, Sum::kOverwrite);
+      Eigen::Map<Matrix<Scalar>>(pass.output_places.data(), filters, places).colwise() +=
+          Biases(stage, parameters);
+      TurnToChannels(pass.output_places.data(), stage.output, output.col(sample).data());
     }
     Activate(layer.activation, output);
   }
@@ -143,24 +157,27 @@ struct BackwardLayer {
 
   void operator()(const Convolution& layer) {
     MultiplyBySlope(layer.activation, output, output_gradient);
-    const Scalar* weights = parameters.data() + stage.weights_begin;
-    const Index terms = stage.weights / layer.filters;
+    const Index filters = layer.filters;
+    const Index channels = stage.input.channels;
+    const Index terms = channels * layer.kernel;
     const Index places = stage.output.length;
     Biases(stage, parameter_gradient).setZero();
-    if (input_gradient != nullptr) input_gradient->setZero();
-    pass.patch_gradients.resize(places, terms);
+    pass.input_places.resize(stage.input.size());
+    pass.output_places.resize(stage.output.size());
+    pass.weight_gradient.resize(stage.weights);
+    if (input_gradient != nullptr) TurnInputWeights(layer);
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      const Scalar* gradient = output_gradient.col(sample).data();
-      GatherPatches(layer, stage, input.col(sample).data(), pass.patches);
-      MultiplyRows<Scalar>({gradient, places}, {pass.patches.data(), places},
-                           {parameter_gradient.data() + stage.weights_begin, terms, 1}, layer.filters, terms,
-                           places, sample == 0 ? Sum::kOverwrite : Sum::kAdd);
-      Biases(stage, parameter_gradient) += SampleOf(output_gradient, sample, stage.output).rowwise().sum();
-      if (input_gradient == nullptr) continue;
-      CombineRows<Scalar>({weights, 1, terms}, {gradient, places}, {pass.patch_gradients.data(), places},
-                          terms, layer.filters, places, Sum::kOverwrite);
-      ScatterPatches(layer, stage, pass.patch_gradients, input_gradient->col(sample).data());
+      TurnToPlaces(input.col(sample).data(), stage.input, pass.input_places.data());
+      TurnToPlaces(output_gradient.col(sample).data(), stage.output, pass.output_places.data());
+      CombineRows<Scalar>({pass.input_places.data(), 1, channels * layer.stride},
+                          {pass.output_places.data(), filters}, {pass.weight_gradient.data(), filters}, terms,
+                          places, filters, sample == 0 ? Sum::kOverwrite : Sum::kAdd);
+      Biases(stage, parameter_gradient) +=
+          Eigen::Map<const Matrix<Scalar>>(pass.output_places.data(), filters, places).rowwise().sum();
+      if (input_gradient != nullptr) BackToInput(layer, input_gradient->col(sample).data());
     }
+    TurnWeightsBack(layer, stage.input.channels, pass.weight_gradient.data(),
+                    parameter_gradient.data() + stage.weights_begin);
   }
 
   void operator()(const MaxPool& layer) {
@@ -185,6 +202,36 @@ struct BackwardLayer {
     for (Index sample = 0; sample < input.cols(); ++sample) {
       SampleOf(*input_gradient, sample, stage.input).colwise() = (share * output_gradient.col(sample)).eval();
     }
+  }
+
+ private:
+  // [filter][channel][kernel] as [kernel][filter][channel]: what each filter hands back to the channels.
+  void TurnInputWeights(const Convolution& layer) {
+    const Index channels = stage.input.channels;
+    const Scalar* weights = parameters.data() + stage.weights_begin;
+    pass.weights.resize(stage.weights);
+    Scalar* to = pass.weights.data();
+    for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
+      for (Index filter = 0; filter < layer.filters; ++filter) {
+        for (Index channel = 0; channel < channels; ++channel) {
+          *to++ = weights[(filter * channels + channel) * layer.kernel + kernel];
+        }
+      }
+    }
+  }
+
+  // From the gradient in `output_places` to that of one sample of the input.
+  void BackToInput(const Convolution& layer, Scalar* sample) {
+    const Index channels = stage.input.channels;
+    const Index filters = layer.filters;
+    pass.input_places.setZero();
+    for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
+      CombineRows<Scalar>({pass.output_places.data(), filters, 1},
+                          {pass.weights.data() + kernel * filters * channels, channels},
+                          {pass.input_places.data() + kernel * channels, channels * layer.stride},
+                          stage.output.length, filters, channels, Sum::kAdd);
+    }
+    TurnToChannels(pass.input_places.data(), stage.input, sample);
   }
 };
 

@@ -52,8 +52,11 @@ template <typename Scalar>
 struct Pass {
   std::vector<Matrix<Scalar>> outputs;    // of each stage
   std::vector<Matrix<Scalar>> gradients;  // of the loss, by the output of each stage
-  Matrix<Scalar> patches;                 // what a convolution multiplies with
-  Matrix<Scalar> patch_gradients;
+  // Of a convolution, with the channels of each place side by side (`layers.cc`).
+  Vector<Scalar> weights;
+  Vector<Scalar> weight_gradient;
+  Vector<Scalar> input_places;
+  Vector<Scalar> output_places;
 };
 
 /// Weights drawn evenly from ±√(6 / (inputs + outputs)) (Glorot & Bengio 2010), before ReLU from ±√(6 /
