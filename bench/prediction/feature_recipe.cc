@@ -68,6 +68,7 @@ FeatureRecipe RecipeFrom(const Json& json, const std::filesystem::path& file) {
       recipe.window = {json.at("window").at("samples").get<std::size_t>(),
                        json.at("window").at("turns").get<int>()};
     }
+    ChannelFeatures{recipe.features};  // throws for a wavelet, levels or edges that there are not
     Require(recipe.sample_rate_hz > 0.0, "sample_rate_hz is not above 0");
     Require(recipe.window.turns >= 0, "window.turns is below 0");
     Require(!recipe.channels.empty() && !recipe.inputs.empty(), "channels or inputs is empty");

@@ -15,9 +15,16 @@
 namespace strainwave::bench {
 namespace {
 
-constexpr std::string_view kOperators[] = {"Sub",     "Div",  "Reshape", "Conv",    "Relu",
-                                           "Sigmoid", "Tanh", "MaxPool", "Flatten", "GlobalAveragePool",
-                                           "Gemm",    "Mul",  "Add",     "Sqrt",    "Softmax"};
+// The operators that a file of ours has, with the number of their inputs.
+struct Operator {
+  std::string_view name;
+  int inputs;
+};
+constexpr Operator kOperators[] = {
+    {"Sub", 2},     {"Div", 2},  {"Reshape", 2}, {"Conv", 3},    {"Relu", 1},
+    {"Sigmoid", 1}, {"Tanh", 1}, {"MaxPool", 1}, {"Flatten", 1}, {"Gemm", 3},
+    {"Mul", 2},     {"Add", 2},  {"Sqrt", 1},    {"Softmax", 1}, {"GlobalAveragePool", 1}};
+constexpr std::int64_t kLongestWindow = 1 << 16;
 constexpr std::int64_t kMostValues = std::int64_t{1} << 26;
 
 [[noreturn]] void Refuse(const std::string& what) {
@@ -49,15 +56,28 @@ void RequireWhole(const onnx::TensorProto& tensor) {
   if (!whole) Refuse(fmt::format("has an array '{}' whose values are not those of its sizes", tensor.name()));
 }
 
+// Windows are one high and so many long; the other attributes say that a row is one sample.
+void RequireAttribute(const onnx::NodeProto& node, const onnx::AttributeProto& attribute) {
+  const bool window = attribute.name() == "kernel_shape" || attribute.name() == "strides";
+  const bool fits = window
+                        ? attribute.ints_size() == 2 && attribute.ints(0) == 1 && attribute.ints(1) >= 1 &&
+                              attribute.ints(1) <= kLongestWindow
+                        : (attribute.name() == "axis" || attribute.name() == "transB") && attribute.i() == 1;
+  if (!fits) Refuse(fmt::format("has a node '{}' with an odd '{}'", node.name(), attribute.name()));
+}
+
 // Every value is made before it is used.
 void RequireOrder(const onnx::GraphProto& graph) {
   std::vector<std::string_view> made{graph.input(0).name()};
   for (const auto& tensor : graph.initializer()) made.push_back(tensor.name());
   const auto is_made = [&made](std::string_view name) { return std::ranges::find(made, name) != made.end(); };
   for (const onnx::NodeProto& node : graph.node()) {
-    if (std::ranges::find(kOperators, node.op_type()) == std::end(kOperators)) {
-      Refuse(fmt::format("has an operator '{}'", node.op_type()));
+    const auto known = std::ranges::find(kOperators, node.op_type(), &Operator::name);
+    if (known == std::end(kOperators)) Refuse(fmt::format("has an operator '{}'", node.op_type()));
+    if (node.input_size() != known->inputs) {
+      Refuse(fmt::format("has a node '{}' of {} inputs", node.name(), node.input_size()));
     }
+    for (const onnx::AttributeProto& attribute : node.attribute()) RequireAttribute(node, attribute);
     for (const std::string& input : node.input()) {
       if (!is_made(input)) Refuse(fmt::format("uses '{}' before it is made", input));
     }
