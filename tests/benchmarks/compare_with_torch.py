@@ -55,31 +55,42 @@ def cnn():
         nn.Linear(128, 128), nn.ReLU(), nn.Linear(128, OUTPUTS))
 
 
-def epoch_ms(model, batch, x, y):
+def timed(job):
+    wall, cpu = time.perf_counter(), time.process_time()
+    job()
+    return 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - cpu)
+
+
+def epoch(model, batch, x, y):
     optimizer = torch.optim.Adam(model.parameters(), lr=1e-3)
     order = torch.randperm(RECORDS)
-    begin = time.perf_counter()
     for first in range(0, RECORDS, batch):
         rows = order[first:first + batch]
         xb, yb = (x, y) if batch >= RECORDS else (x[rows], y[rows])
         optimizer.zero_grad(set_to_none=True)
         (100.0 * torch.mean(torch.abs((yb - model(xb)) / yb))).backward()
         optimizer.step()
-    return 1e3 * (time.perf_counter() - begin)
 
 
-def record_us(model, x):
+def thousand_records(model, x):
     with torch.no_grad():
-        begin = time.perf_counter()
-        for _ in range(200):
+        for _ in range(1000):
             model(x[:1])
-        return 1e6 * (time.perf_counter() - begin) / 200
 
 
 def ours():
     done = subprocess.run([PROGRAM, "--benchmark_filter=TrainsAnEpoch|PredictsOneRecord", "--benchmark_format=json",
                            "--benchmark_min_time=0.05"], capture_output=True, text=True, check=True)
-    return {row["name"]: row["real_time"] for row in json.loads(done.stdout)["benchmarks"]}
+    return {row["name"]: row for row in json.loads(done.stdout)["benchmarks"]}
+
+
+# Name, what PyTorch does, our benchmark at one thread and at all.
+def jobs(x, y):
+    first, second = ann(), cnn()
+    return (("ann, batch 32, ms", lambda: epoch(first, 32, x, y), "ann/32", "ann_threads/32/real_time"),
+            ("ann, full batch, ms", lambda: epoch(first, RECORDS, x, y), "ann/2500", "ann_threads/2500/real_time"),
+            ("cnn, batch 32, ms", lambda: epoch(second, 32, x, y), "cnn/32", "cnn_threads/32/real_time"),
+            ("ann, one record, us", lambda: thousand_records(first, x), None, None))
 
 
 def main():
@@ -88,31 +99,30 @@ def main():
     rounds = options.parse_args().rounds
     torch.manual_seed(1)
     x, y = torch.randn(RECORDS, INPUTS), 3.0 + torch.rand(RECORDS, OUTPUTS)
-    networks = {"ann": ann(), "cnn": cnn()}
-    jobs = {"ann, batch 32": ("ann", 32), "ann, full batch": ("ann", RECORDS), "cnn, batch 32": ("cnn", 32)}
-    theirs, own = {}, {}
+    rows = jobs(x, y)
+    cpu, wall, own_cpu, own_wall = {}, {}, {}, {}
     for _ in range(rounds):
         for threads in sorted({1, os.cpu_count()}):
             torch.set_num_threads(threads)
-            for name, (network, batch) in jobs.items():
-                theirs.setdefault((name, threads), []).append(epoch_ms(networks[network], batch, x, y))
-            theirs.setdefault(("ann, one record", threads), []).append(record_us(networks["ann"], x))
-        for name, value in ours().items():
-            own.setdefault(name, []).append(value)
-    rows = {"ann, batch 32": ("TrainsAnEpoch/ann", "/32"), "ann, full batch": ("TrainsAnEpoch/ann", "/2500"),
-            "cnn, batch 32": ("TrainsAnEpoch/cnn", "/32")}
-    print(f"{'median of ' + str(rounds) + ' rounds, wall time':34} {'PyTorch, 1; all threads':>24} "
-          f"{'ours, 1; all threads':>22} {'ratio of the better':>20}")
-    for name in [*rows, "ann, one record"]:
-        peer = [statistics.median(values) for (job, _), values in theirs.items() if job == name]
-        if name in rows:
-            stem, batch = rows[name]
-            mine = [statistics.median(own[stem + batch]), statistics.median(own[f"{stem}_threads{batch}/real_time"])]
-        else:
-            mine = [statistics.median(own["PredictsOneRecord"])]
-        unit = "us" if name == "ann, one record" else "ms"
-        print(f"{name + ', ' + unit:34} {'; '.join(f'{value:.1f}' for value in peer):>24} "
-              f"{'; '.join(f'{value:.1f}' for value in mine):>22} {min(peer) / min(mine):20.2f}")
+            for name, job, _, _ in rows:
+                wall_ms, cpu_ms = timed(job)
+                wall.setdefault((name, threads), []).append(wall_ms)
+                if threads == 1:
+                    cpu.setdefault(name, []).append(cpu_ms)
+        results = ours()
+        for name, _, one, every in rows:
+            single = results[f"TrainsAnEpoch/{one}" if one else "PredictsOneRecord"]
+            own_cpu.setdefault(name, []).append(single["cpu_time"])
+            threaded = results[f"TrainsAnEpoch/{every}"] if every else single
+            own_wall.setdefault(name, []).append(min(single["real_time"], threaded["real_time"]))
+    print(f"{f'median of {rounds} rounds':24} {'CPU, one thread:':>17} {'PyTorch':>9} {'ours':>9} {'ratio':>6} "
+          f"{'wall, best threads:':>20} {'PyTorch':>9} {'ours':>9} {'ratio':>6}")
+    middle = statistics.median
+    for name, *_ in rows:
+        peer_wall = min(middle(values) for (job, _), values in wall.items() if job == name)
+        print(f"{name:42} {middle(cpu[name]):9.1f} {middle(own_cpu[name]):9.1f} "
+              f"{middle(cpu[name]) / middle(own_cpu[name]):6.2f} {'':20} {peer_wall:9.1f} {middle(own_wall[name]):9.1f} "
+              f"{peer_wall / middle(own_wall[name]):6.2f}")
 
 
 if __name__ == "__main__":
