@@ -39,7 +39,11 @@ void MultiplyBySlope(Activation activation, const Eigen::DenseBase<Values>& valu
     case Activation::kLinear:
       return;
     case Activation::kRelu:
-      g = (f > Scalar(0)).select(g, Scalar(0));
+      // A loop that the compiler turns into vectors; Eigen's select is none.
+      for (Eigen::Index i = 0; i < f.size(); ++i) {
+        gradient.derived().coeffRef(i) =
+            value.derived().coeff(i) > Scalar(0) ? gradient.derived().coeff(i) : Scalar(0);
+      }
       return;
     case Activation::kSigmoid:
       g *= f * (Scalar(1) - f);

@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <stdexcept>
 
 namespace strainwave::analysis::networks {
 namespace {
+
+constexpr std::int64_t kMostValues = std::int64_t{1} << 26;  // of a sample between layers
 
 void RequirePositive(std::string_view name, int value) {
   if (value < 1) throw std::invalid_argument(fmt::format("{} = {} is not a number from 1 up", name, value));
@@ -46,7 +49,14 @@ struct ShapeAfter {
 Shape OutputShape(const Layer& layer, const Shape& input) {
   RequirePositive("channels", input.channels);
   RequirePositive("length", input.length);
-  return std::visit(ShapeAfter{input}, layer);
+  const Shape after = std::visit(ShapeAfter{input}, layer);
+  for (const Shape& shape : {input, after}) {
+    if (std::int64_t{shape.channels} * shape.length > kMostValues) {
+      throw std::invalid_argument(fmt::format("a sample of {} × {} values is too large (expected at most {})",
+                                              shape.channels, shape.length, kMostValues));
+    }
+  }
+  return after;
 }
 
 Design DesignOf(std::string_view name, int inputs, int outputs) {

@@ -4,67 +4,85 @@
 #include <algorithm>
 
 #include "analysis/networks/products.h"
+#include "analysis/networks/transpose.h"
 
 namespace strainwave::analysis::networks {
 namespace {
 
 using Eigen::Index;
 
-template <typename Scalar>
-using Rows = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-template <typename Scalar>
-using ConstRows = Eigen::Map<const Rows<Scalar>>;
-
 template <typename Parameters>
 auto Biases(const Network::Stage& stage, Parameters& all) {
   return all.segment(stage.weights_begin + stage.weights, stage.biases);
 }
 
-// One sample as [channel][place].
+// [channel][place] becomes [place][channel], and back.
 template <typename Scalar>
-ConstRows<Scalar> SampleOf(const Inputs<Scalar>& batch, Index sample, const Shape& shape) {
-  return {batch.col(sample).data(), shape.channels, shape.length};
+void TurnToPlaces(const Scalar* sample, const Shape& shape, Scalar* turned) {
+  Transpose(sample, shape.channels, shape.length, turned);
 }
 template <typename Scalar>
-Eigen::Map<Rows<Scalar>> SampleOf(Matrix<Scalar>& batch, Index sample, const Shape& shape) {
-  return {batch.col(sample).data(), shape.channels, shape.length};
+void TurnToChannels(const Scalar* turned, const Shape& shape, Scalar* sample) {
+  Transpose(turned, shape.length, shape.channels, sample);
 }
 
-// What the kernel sees: a column for each [channel · kernel], a row for each place of the output.
+// Samples of a stage with the channels of a place side by side, whichever way they stand: what a kernel sees
+// is then one stretch of memory, and every sum a combination of rows.
+template <typename Scalar, typename Batch>
+const Scalar* PlacesOf(const Batch& batch, Index sample, const Shape& shape, bool turns,
+                       Vector<Scalar>& memory) {
+  if (!turns) return batch.col(sample).data();
+  memory.resize(shape.size());
+  TurnToPlaces(batch.col(sample).data(), shape, memory.data());
+  return memory.data();
+}
+
+// Where to write them, and what to call when they are written.
 template <typename Scalar>
-void GatherPatches(const Convolution& layer, const Network::Stage& stage, const Scalar* sample,
-                   Matrix<Scalar>& patches) {
-  const Index places = stage.output.length;
-  patches.resize(places, Index{stage.input.channels} * layer.kernel);
-  for (Index column = 0; column < patches.cols(); ++column) {
-    const Scalar* from = sample + column / layer.kernel * stage.input.length + column % layer.kernel;
-    Scalar* to = patches.col(column).data();
-    if (layer.stride == 1) {
-      std::copy_n(from, places, to);
-    } else {
-      for (Index place = 0; place < places; ++place) to[place] = from[place * layer.stride];
+Scalar* PlacesFor(Matrix<Scalar>& batch, Index sample, const Shape& shape, bool turns,
+                  Vector<Scalar>& memory) {
+  if (!turns) return batch.col(sample).data();
+  memory.resize(shape.size());
+  return memory.data();
+}
+template <typename Scalar>
+void PutPlaces(Matrix<Scalar>& batch, Index sample, const Shape& shape, bool turns,
+               const Vector<Scalar>& memory) {
+  if (turns) TurnToChannels(memory.data(), shape, batch.col(sample).data());
+}
+
+// Weights [filter][channel][kernel] as [kernel][channel][filter].
+template <typename Scalar>
+void TurnWeights(const Convolution& layer, int channels, const Scalar* weights, Scalar* turned) {
+  for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
+    for (Index channel = 0; channel < channels; ++channel) {
+      for (Index filter = 0; filter < layer.filters; ++filter) {
+        *turned++ = weights[(filter * channels + channel) * layer.kernel + kernel];
+      }
+    }
+  }
+}
+template <typename Scalar>
+void TurnWeightsBack(const Convolution& layer, int channels, const Scalar* turned, Scalar* weights) {
+  for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
+    for (Index channel = 0; channel < channels; ++channel) {
+      for (Index filter = 0; filter < layer.filters; ++filter) {
+        weights[(filter * channels + channel) * layer.kernel + kernel] = *turned++;
+      }
     }
   }
 }
 
-// The way back: what stands in the patches goes to the samples it was taken from.
+// The inputs of a dense layer, a sample a row, as [channel][place].
 template <typename Scalar>
-void ScatterPatches(const Convolution& layer, const Network::Stage& stage, const Matrix<Scalar>& patches,
-                    Scalar* sample) {
-  for (Index column = 0; column < patches.cols(); ++column) {
-    const Scalar* from = patches.col(column).data();
-    Scalar* to = sample + column / layer.kernel * stage.input.length + column % layer.kernel;
-    for (Index place = 0; place < patches.rows(); ++place) to[place * layer.stride] += from[place];
+RowView<const Scalar> RowsOfSamples(const Network::Stage& stage, const Inputs<Scalar>& input,
+                                    Pass<Scalar>& pass) {
+  if (!stage.turns_input) return {input.data(), input.outerStride()};
+  pass.turned.resize(input.rows(), input.cols());
+  for (Index sample = 0; sample < input.cols(); ++sample) {
+    TurnToChannels(input.col(sample).data(), stage.input, pass.turned.col(sample).data());
   }
-}
-
-template <typename Scalar>
-Index PlaceOfGreatest(const ConstRows<Scalar>& sample, Index channel, Index begin, Index size) {
-  Index greatest = begin;
-  for (Index place = begin + 1; place < begin + size; ++place) {
-    if (sample(channel, place) > sample(channel, greatest)) greatest = place;
-  }
-  return greatest;
+  return {pass.turned.data(), input.rows()};
 }
 
 template <typename Scalar>
@@ -77,41 +95,55 @@ struct ForwardLayer {
 
   void operator()(const Dense& layer) {
     const Index units = layer.units;
-    MultiplyRows<Scalar>({parameters.data() + stage.weights_begin, input.rows()},
-                         {input.data(), input.outerStride()}, {output.data(), 1, units}, units, input.cols(),
-                         input.rows(), Sum::kOverwrite);
+    const RowView<const Scalar> rows = RowsOfSamples(stage, input, pass);
+    MultiplyRows<Scalar>({parameters.data() + stage.weights_begin, input.rows()}, rows,
+                         {output.data(), 1, units}, units, input.cols(), input.rows(), Sum::kOverwrite);
     output.colwise() += Biases(stage, parameters);
     Activate(layer.activation, output);
   }
 
   void operator()(const Convolution& layer) {
-    const Scalar* weights = parameters.data() + stage.weights_begin;
-    const Index terms = stage.weights / layer.filters;
+    const Index filters = layer.filters;
+    const Index channels = stage.input.channels;
     const Index places = stage.output.length;
-    for (Index sample = 0; sample < input.cols(); ++sample) {
-      GatherPatches(layer, stage, input.col(sample).data(), pass.patches);
-      CombineRows<Scalar>({weights, terms, 1}, {pass.patches.data(), places},
-                          {output.col(sample).data(), places}, layer.filters, terms, places, Sum::kOverwrite);
-      SampleOf(output, sample, stage.output).colwise() += Biases(stage, parameters);
-    }
+    pass.weights.resize(stage.weights);
+    TurnWeights(layer, stage.input.channels, parameters.data() + stage.weights_begin, pass.weights.data());
+    OverSamples([&](const Scalar* in, Scalar* out) {
+      CombineRows<Scalar>({in, channels * layer.stride, 1}, {pass.weights.data(), filters}, {out, filters},
+                          places, channels * layer.kernel, filters, Sum::kOverwrite);
+      Eigen::Map<Matrix<Scalar>>(out, filters, places).colwise() += Biases(stage, parameters);
+    });
     Activate(layer.activation, output);
   }
 
   void operator()(const MaxPool& layer) {
-    for (Index sample = 0; sample < input.cols(); ++sample) {
-      const auto in = SampleOf<Scalar>(input, sample, stage.input);
-      auto out = SampleOf(output, sample, stage.output);
-      for (Index channel = 0; channel < stage.output.channels; ++channel) {
-        for (Index place = 0; place < stage.output.length; ++place) {
-          out(channel, place) = in(channel, PlaceOfGreatest(in, channel, place * layer.stride, layer.size));
+    const Index channels = stage.input.channels;
+    OverSamples([&](const Scalar* in, Scalar* out) {
+      for (Index place = 0; place < stage.output.length; ++place) {
+        const Scalar* from = in + place * layer.stride * channels;
+        Scalar* to = out + place * channels;
+        std::copy_n(from, channels, to);
+        for (Index k = 1; k < layer.size; ++k) {
+          for (Index c = 0; c < channels; ++c) to[c] = std::max(to[c], from[k * channels + c]);
         }
       }
-    }
+    });
   }
 
   void operator()(const GlobalAveragePool&) {
+    OverSamples([&](const Scalar* in, Scalar* out) {
+      Eigen::Map<Vector<Scalar>>(out, stage.input.channels) =
+          Eigen::Map<const Matrix<Scalar>>(in, stage.input.channels, stage.input.length).rowwise().mean();
+    });
+  }
+
+ private:
+  template <typename Task>
+  void OverSamples(const Task& task) {
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      output.col(sample) = SampleOf<Scalar>(input, sample, stage.input).rowwise().mean();
+      const Scalar* in = PlacesOf(input, sample, stage.input, stage.turns_input, pass.input_places);
+      task(in, PlacesFor(output, sample, stage.output, stage.turns_output, pass.output_places));
+      PutPlaces(output, sample, stage.output, stage.turns_output, pass.output_places);
     }
   }
 };
@@ -132,58 +164,119 @@ struct BackwardLayer {
     const Index units = layer.units;
     const Index inputs = input.rows();
     const Scalar* gradient = output_gradient.data();
-    CombineRows<Scalar>({gradient, 1, units}, {input.data(), input.outerStride()},
+    CombineRows<Scalar>({gradient, 1, units}, RowsOfSamples(stage, input, pass),
                         {parameter_gradient.data() + stage.weights_begin, inputs}, units, input.cols(),
                         inputs, Sum::kOverwrite);
     Biases(stage, parameter_gradient) = output_gradient.rowwise().sum();
     if (input_gradient == nullptr) return;
+    Matrix<Scalar>& back = stage.turns_input ? pass.turned : *input_gradient;
     CombineRows<Scalar>({gradient, units, 1}, {parameters.data() + stage.weights_begin, inputs},
-                        {input_gradient->data(), inputs}, input.cols(), units, inputs, Sum::kOverwrite);
+                        {back.data(), inputs}, input.cols(), units, inputs, Sum::kOverwrite);
+    if (!stage.turns_input) return;
+    for (Index sample = 0; sample < input.cols(); ++sample) {
+      TurnToPlaces(pass.turned.col(sample).data(), stage.input, input_gradient->col(sample).data());
+    }
   }
 
   void operator()(const Convolution& layer) {
     MultiplyBySlope(layer.activation, output, output_gradient);
-    const Scalar* weights = parameters.data() + stage.weights_begin;
-    const Index terms = stage.weights / layer.filters;
+    const Index filters = layer.filters;
+    const Index channels = stage.input.channels;
     const Index places = stage.output.length;
     Biases(stage, parameter_gradient).setZero();
-    if (input_gradient != nullptr) input_gradient->setZero();
-    pass.patch_gradients.resize(places, terms);
+    pass.weight_gradient.resize(stage.weights);
+    Sum sum = Sum::kOverwrite;
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      const Scalar* gradient = output_gradient.col(sample).data();
-      GatherPatches(layer, stage, input.col(sample).data(), pass.patches);
-      MultiplyRows<Scalar>({gradient, places}, {pass.patches.data(), places},
-                           {parameter_gradient.data() + stage.weights_begin, terms, 1}, layer.filters, terms,
-                           places, sample == 0 ? Sum::kOverwrite : Sum::kAdd);
-      Biases(stage, parameter_gradient) += SampleOf(output_gradient, sample, stage.output).rowwise().sum();
-      if (input_gradient == nullptr) continue;
-      CombineRows<Scalar>({weights, 1, terms}, {gradient, places}, {pass.patch_gradients.data(), places},
-                          terms, layer.filters, places, Sum::kOverwrite);
-      ScatterPatches(layer, stage, pass.patch_gradients, input_gradient->col(sample).data());
+      const Scalar* in = PlacesOf(input, sample, stage.input, stage.turns_input, pass.input_places);
+      const Scalar* gradient = GradientPlaces(sample);
+      CombineRows<Scalar>({in, 1, channels * layer.stride}, {gradient, filters},
+                          {pass.weight_gradient.data(), filters}, channels * layer.kernel, places, filters,
+                          sum);
+      Biases(stage, parameter_gradient) +=
+          Eigen::Map<const Matrix<Scalar>>(gradient, filters, places).rowwise().sum();
+      sum = Sum::kAdd;
     }
+    TurnWeightsBack(layer, stage.input.channels, pass.weight_gradient.data(),
+                    parameter_gradient.data() + stage.weights_begin);
+    if (input_gradient == nullptr) return;
+    TurnInputWeights(layer);
+    OverInputGradients([&](Index sample, Scalar* back) {
+      const Scalar* gradient = GradientPlaces(sample);
+      for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
+        CombineRows<Scalar>(
+            {gradient, filters, 1}, {pass.weights.data() + kernel * filters * channels, channels},
+            {back + kernel * channels, channels * layer.stride}, places, filters, channels, Sum::kAdd);
+      }
+    });
   }
 
+  // To the first of the greatest: what is left of the gradient goes to the first place that has the maximum.
   void operator()(const MaxPool& layer) {
     if (input_gradient == nullptr) return;
-    input_gradient->setZero();
-    for (Index sample = 0; sample < input.cols(); ++sample) {
-      const auto in = SampleOf<Scalar>(input, sample, stage.input);
-      const auto gradient = SampleOf(output_gradient, sample, stage.output);
-      auto out = SampleOf(*input_gradient, sample, stage.input);
-      for (Index channel = 0; channel < stage.output.channels; ++channel) {
-        for (Index place = 0; place < stage.output.length; ++place) {
-          out(channel, PlaceOfGreatest(in, channel, place * layer.stride, layer.size)) +=
-              gradient(channel, place);
+    const Index channels = stage.input.channels;
+    Vector<Scalar> left(channels);
+    Vector<Scalar> greatest;
+    OverInputGradients([&](Index sample, Scalar* back) {
+      const Scalar* in = PlacesOf(input, sample, stage.input, stage.turns_input, pass.weights);
+      const Scalar* out = PlacesOf(output, sample, stage.output, stage.turns_output, greatest);
+      const Scalar* gradient = GradientPlaces(sample);
+      for (Index place = 0; place < stage.output.length; ++place) {
+        const Index begin = place * layer.stride * channels;
+        std::copy_n(gradient + place * channels, channels, left.data());
+        for (Index k = 0; k < layer.size; ++k) {
+          PassOn(in + begin + k * channels, out + place * channels, channels, left.data(),
+                 back + begin + k * channels);
         }
       }
-    }
+    });
   }
 
   void operator()(const GlobalAveragePool&) {
     if (input_gradient == nullptr) return;
     const auto share = Scalar(1) / static_cast<Scalar>(stage.input.length);
+    OverInputGradients([&](Index sample, Scalar* back) {
+      Eigen::Map<Matrix<Scalar>>(back, stage.input.channels, stage.input.length).colwise() =
+          (share * output_gradient.col(sample)).eval();
+    });
+  }
+
+ private:
+  static void PassOn(const Scalar* __restrict in, const Scalar* __restrict greatest, Index channels,
+                     Scalar* __restrict left, Scalar* __restrict back) {
+    for (Index c = 0; c < channels; ++c) {
+      const Scalar share = in[c] == greatest[c] ? left[c] : Scalar(0);
+      back[c] += share;
+      left[c] -= share;
+    }
+  }
+
+  const Scalar* GradientPlaces(Index sample) {
+    return PlacesOf(output_gradient, sample, stage.output, stage.turns_output, pass.output_places);
+  }
+
+  // The gradient of each sample of the input, from zero on.
+  template <typename Task>
+  void OverInputGradients(const Task& task) {
     for (Index sample = 0; sample < input.cols(); ++sample) {
-      SampleOf(*input_gradient, sample, stage.input).colwise() = (share * output_gradient.col(sample)).eval();
+      Scalar* back = PlacesFor(*input_gradient, sample, stage.input, stage.turns_input, pass.input_places);
+      std::fill_n(back, stage.input.size(), Scalar(0));
+      task(sample, back);
+      PutPlaces(*input_gradient, sample, stage.input, stage.turns_input, pass.input_places);
+    }
+  }
+
+  // [filter][channel][kernel] as [kernel][filter][channel]: what each filter hands back to the channels.
+  void TurnInputWeights(const Convolution& layer) {
+    const Index channels = stage.input.channels;
+    const Scalar* weights = parameters.data() + stage.weights_begin;
+    pass.weights.resize(stage.weights);
+    Scalar* to = pass.weights.data();
+    for (Index kernel = 0; kernel < layer.kernel; ++kernel) {
+      for (Index filter = 0; filter < layer.filters; ++filter) {
+        for (Index channel = 0; channel < channels; ++channel) {
+          *to++ = weights[(filter * channels + channel) * layer.kernel + kernel];
+        }
+      }
     }
   }
 };

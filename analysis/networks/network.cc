@@ -31,6 +31,9 @@ struct CountsOf {
   Counts operator()(const GlobalAveragePool&) const { return {}; }
 };
 
+// Whether it matters which index runs fastest.
+bool IsSeries(const Shape& shape) { return shape.channels > 1 && shape.length > 1; }
+
 struct ActivationOf {
   Activation operator()(const Dense& layer) const { return layer.activation; }
   Activation operator()(const Convolution& layer) const { return layer.activation; }
@@ -59,7 +62,11 @@ Network::Network(Design design) : design_(std::move(design)) {
   for (const Layer& layer : design_.layers) {
     const Shape after = OutputShape(layer, shape);
     const Counts counts = std::visit(CountsOf{shape}, layer);
-    stages_.push_back({layer, shape, after, parameter_count_, counts.weights, counts.biases});
+    const bool dense = std::holds_alternative<Dense>(layer);
+    const bool first = stages_.empty();
+    const bool last = stages_.size() + 1 == design_.layers.size();
+    stages_.push_back({layer, shape, after, parameter_count_, counts.weights, counts.biases,
+                       IsSeries(shape) && dense != first, IsSeries(after) && !dense && last});
     parameter_count_ += counts.weights + counts.biases;
     shape = after;
   }

@@ -30,6 +30,10 @@ class Network {
     Eigen::Index weights_begin{};
     Eigen::Index weights{};  // 0 for layers without parameters
     Eigen::Index biases{};   // behind the weights
+    // Between stages series stand with the channels of each place side by side, where the networks' own
+    // input, output and dense layers have [channel][place]: whether this stage turns what it takes, or gives.
+    bool turns_input{};
+    bool turns_output{};
   };
 
   /// @throws std::invalid_argument if the design has no layer or a layer does not fit.
@@ -50,10 +54,13 @@ class Network {
 /// Memory of one pass; belongs to one thread at a time, and is used again.
 template <typename Scalar>
 struct Pass {
-  std::vector<Matrix<Scalar>> outputs;    // of each stage
+  std::vector<Matrix<Scalar>> outputs;    // of each stage; of series, but for the last, [place][channel]
   std::vector<Matrix<Scalar>> gradients;  // of the loss, by the output of each stage
-  Matrix<Scalar> patches;                 // what a convolution multiplies with
-  Matrix<Scalar> patch_gradients;
+  Vector<Scalar> weights;                 // of a convolution, in the order of its sums
+  Vector<Scalar> weight_gradient;
+  Vector<Scalar> input_places;  // one sample, turned
+  Vector<Scalar> output_places;
+  Matrix<Scalar> turned;  // all samples
 };
 
 /// Weights drawn evenly from ±√(6 / (inputs + outputs)) (Glorot & Bengio 2010), before ReLU from ±√(6 /

@@ -18,9 +18,12 @@ struct VectorOf {
   static constexpr Index kLanes = Bytes / static_cast<int>(sizeof(Scalar));
 };
 
-// The sums of a block stay in twelve registers: fewer would wait for one another, more do not fit everywhere.
+// The sums of a block stay in registers: fewer than eight would wait for one another, and the machines whose
+// vectors are shorter than 64 bytes have sixteen in all.
+template <int Bytes>
+constexpr Index kMostVectors = Bytes >= 64 ? 4 : 3;
 constexpr Index kRows = 4;
-constexpr Index kVectors = 3;
+constexpr Index kManyRows = 12;  // where a block is one or two vectors wide
 // For what is left of a row: four floats, two doubles.
 constexpr int kFewBytes = 16;
 
@@ -50,6 +53,13 @@ template <typename Scalar, int Bytes, Index Width>
 STRAINWAVE_INLINE void CombineColumns(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
                                       Index rows, Index terms, Sum sum) {
   Index r = 0;
+  if constexpr (Width <= 2) {
+    constexpr Index kHeight = kManyRows / Width;
+    for (; r + kHeight <= rows; r += kHeight) {
+      CombineBlock<Scalar, Bytes, kHeight, Width>({a.data + r * a.row_stride, a.row_stride, a.column_stride},
+                                                  b, {c.data + r * c.stride, c.stride}, terms, sum);
+    }
+  }
   for (; r + kRows <= rows; r += kRows) {
     CombineBlock<Scalar, Bytes, kRows, Width>({a.data + r * a.row_stride, a.row_stride, a.column_stride}, b,
                                               {c.data + r * c.stride, c.stride}, terms, sum);
@@ -64,13 +74,26 @@ template <typename Scalar, int Bytes>
 STRAINWAVE_INLINE void Combine(GridView<const Scalar> a, RowView<const Scalar> b, RowView<Scalar> c,
                                Index rows, Index terms, Index width, Sum sum) {
   constexpr Index kLanes = VectorOf<Scalar, Bytes>::kLanes;
+  constexpr Index kVectors = kMostVectors<Bytes>;
   Index j = 0;
   for (; j + kVectors * kLanes <= width; j += kVectors * kLanes) {
     CombineColumns<Scalar, Bytes, kVectors>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms,
                                             sum);
   }
-  for (; j + kLanes <= width; j += kLanes) {
+  const Index vectors = (width - j) / kLanes;
+  if (vectors == 3) {
+    CombineColumns<Scalar, Bytes, 3>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms, sum);
+  } else if (vectors == 2) {
+    CombineColumns<Scalar, Bytes, 2>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms, sum);
+  } else if (vectors == 1) {
     CombineColumns<Scalar, Bytes, 1>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms, sum);
+  }
+  j += vectors * kLanes;
+  if (j < width && width >= kLanes && sum == Sum::kOverwrite) {
+    // The last vector again, further right: what it has in common with the one before gets the same bits.
+    j = width - kLanes;
+    CombineColumns<Scalar, Bytes, 1>(a, {b.data + j, b.stride}, {c.data + j, c.stride}, rows, terms, sum);
+    return;
   }
   constexpr Index kFew = VectorOf<Scalar, kFewBytes>::kLanes;
   for (; j + kFew <= width; j += kFew) {

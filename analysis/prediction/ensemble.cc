@@ -21,6 +21,24 @@ Columns ColumnsOf(const Samples& samples, const std::vector<Eigen::Index>& rows,
           .targets = ensemble.output.Apply(samples.targets(rows, Eigen::all)).transpose().cast<float>()};
 }
 
+Scaler OutputScaler(const Eigen::MatrixXd& targets, networks::Loss loss) {
+  switch (loss) {
+    case networks::Loss::kMape:
+      return Dividing(targets);
+    case networks::Loss::kCrossEntropy:
+      return Unscaled(targets.cols());
+    case networks::Loss::kMse:
+    case networks::Loss::kMae:
+      break;
+  }
+  return Standardizing(targets);
+}
+
+Eigen::MatrixXd Softmax(const Eigen::MatrixXd& rows) {
+  const Eigen::MatrixXd shares = (rows.colwise() - rows.rowwise().maxCoeff()).array().exp();
+  return shares.array().colwise() / shares.rowwise().sum().array();
+}
+
 // The rows to learn from, and those that tell when to stop.
 Split RowsFor(const Samples& samples, double validation_share) {
   if (validation_share <= 0.0) {
@@ -42,7 +60,8 @@ Ensemble::Prediction Ensemble::Predict(const Eigen::MatrixXd& features) const {
   networks::Pass<double> pass;
   std::vector<Eigen::MatrixXd> each;
   for (const networks::Vector<double>& parameters : members) {
-    each.push_back(output.Undo(networks::Forward<double>(network, parameters, scaled, pass).transpose()));
+    const Eigen::MatrixXd raw = networks::Forward<double>(network, parameters, scaled, pass).transpose();
+    each.push_back(softmax ? Softmax(raw) : output.Undo(raw));
     prediction.mean += each.back() / count;
   }
   if (members.size() > 1) {
@@ -58,11 +77,10 @@ Ensemble TrainEnsemble(const Samples& samples, const EnsembleSettings& settings,
                        const TrainingProgress& progress) {
   Check(samples);
   Ensemble ensemble{.input = Standardizing(samples.features),
-                    .output = settings.training.loss == networks::Loss::kMape
-                                  ? Dividing(samples.targets)
-                                  : Standardizing(samples.targets),
+                    .output = OutputScaler(samples.targets, settings.training.loss),
                     .network = networks::Network(settings.design),
-                    .members = {}};
+                    .members = {},
+                    .softmax = settings.training.loss == networks::Loss::kCrossEntropy};
   if (ensemble.network.input_size() != samples.features.cols() ||
       ensemble.network.output_size() != samples.targets.cols() || settings.members < 1) {
     throw std::invalid_argument(

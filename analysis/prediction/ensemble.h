@@ -36,6 +36,7 @@ struct Ensemble {
   Scaler output;
   networks::Network network;
   std::vector<networks::Vector<double>> members;
+  bool softmax{};  // outputs are probabilities of classes: exp z over the sum of all exp z
 
   /// What the members say of records: their mean, and how far apart they are.
   struct Prediction {
@@ -50,8 +51,8 @@ struct Ensemble {
 using TrainingProgress = std::function<bool(int member, int epoch, double loss)>;
 
 /// Trains an ensemble. Inputs are scaled to mean 0 and deviation 1; outputs are divided by their mean
-/// magnitude under the percentage loss, which keeps it a percentage, and standardised under any other.
-/// The numbers are float while training.
+/// magnitude under the percentage loss, which keeps it a percentage, left alone under the cross-entropy,
+/// whose networks end in a softmax, and standardised under any other. The numbers are float while training.
 /// @throws std::invalid_argument if the design does not fit the samples or a setting is out of range;
 ///   std::domain_error if a loss ceases to be finite; TrainingEnded when `progress` ended it.
 Ensemble TrainEnsemble(const Samples& samples, const EnsembleSettings& settings,

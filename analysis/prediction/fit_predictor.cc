@@ -16,11 +16,6 @@ namespace {
 
 constexpr double kInsideShare = 0.99;  // of unseen records that are called known
 
-std::vector<Split> Folds(const Samples& samples, int folds) {
-  return SpecimenCount(samples) > 1 ? SplitsBySpecimen(samples.specimen, folds)
-                                    : SplitsByBlocks(samples.specimen, samples.cycle, folds);
-}
-
 // Records that share their errors: those of a specimen; where there is one, those of a block of time.
 std::vector<int> GroupsOf(const Samples& samples) {
   if (SpecimenCount(samples) > 1) return samples.specimen;
@@ -105,29 +100,60 @@ CrossFit CrossPredict(const Samples& samples, const EnsembleSettings& settings,
   return all;
 }
 
-FittedPredictor FitPredictor(const Samples& samples, const EnsembleSettings& settings, double coverage,
-                             int folds, const FitProgress& progress) {
+Fit FitPredictor(const Samples& samples, const EnsembleSettings& settings, double coverage, int folds,
+                 const FitProgress& progress) {
   const double cross_share = static_cast<double>(folds) / (folds + 1.0);
   FitProgress first;
   if (progress) first = [&](double share) { return progress(cross_share * share); };
-  const CrossFit cross = CrossPredict(samples, settings, Folds(samples, folds), first);
+  const std::vector<Split> splits = HonestFolds(samples, folds);
+  CrossFit cross = CrossPredict(samples, settings, splits, first);
 
   FittedPredictor fitted{
       .ensemble = TrainEnsemble(samples, settings, ShareOf(progress, settings, cross_share, 1.0)),
       .residual = RmsOf(samples.targets - cross.predicted),
-      .band = {},
+      .band = {.coverage = 0.0,
+               .factor = Eigen::RowVectorXd::Zero(samples.targets.cols()),
+               .guaranteed = false},
       .novelty = {},
       .least = samples.features.colwise().minCoeff(),
       .greatest = samples.features.colwise().maxCoeff()};
-  fitted.band = CalibrateBand(samples.targets, cross.predicted, SpreadOf(cross.spread, fitted.residual),
-                              GroupsOf(samples), coverage);
-  // What blocks of one life say, they say of that life alone.
-  fitted.band.guaranteed = fitted.band.guaranteed && SpecimenCount(samples) > 1;
+  if (!samples.classes) {
+    fitted.band = CalibrateBand(samples.targets, cross.predicted, SpreadOf(cross.spread, fitted.residual),
+                                GroupsOf(samples), coverage);
+    // What blocks of one life say, they say of that life alone.
+    fitted.band.guaranteed = fitted.band.guaranteed && SpecimenCount(samples) > 1;
+  }
   const Eigen::MatrixXd inputs = fitted.ensemble.input.Apply(samples.features);
   fitted.novelty = FitNovelty(inputs, inputs, kInsideShare);
   // The limit by records that the covariance had not seen, as every later record is.
   fitted.novelty.limit = std::max(fitted.novelty.limit, DistanceKept(cross.distance, kInsideShare));
-  return fitted;
+  return {std::move(fitted), splits, std::move(cross)};
+}
+
+double Contestant::Error_percent() const noexcept {
+  return scores.empty() ? 100.0 - Accuracy_percent(confusion) : MeanMape_percent(scores);
+}
+
+Contestant Judge(std::string name, bool classes, const Eigen::MatrixXd& actual,
+                 const Eigen::MatrixXd& predicted) {
+  if (classes) return {std::move(name), {}, Confusion(actual, predicted)};
+  return {std::move(name), ScoresOf(actual, predicted), {}};
+}
+
+std::vector<double> FoldErrors_percent(const Samples& samples, const std::vector<Split>& folds,
+                                       const CrossFit& cross) {
+  std::vector<double> errors_percent;
+  for (const Split& fold : folds) {
+    errors_percent.push_back(Judge("network", samples.classes, samples.targets(fold.test, Eigen::all),
+                                   cross.predicted(fold.test, Eigen::all))
+                                 .Error_percent());
+  }
+  return errors_percent;
+}
+
+std::vector<Split> HonestFolds(const Samples& samples, int folds) {
+  return SpecimenCount(samples) > 1 ? SplitsBySpecimen(samples.specimen, folds)
+                                    : SplitsByBlocks(samples.specimen, samples.cycle, folds);
 }
 
 Comparison Compare(const Samples& samples, const Split& split, const EnsembleSettings& settings,
@@ -137,15 +163,21 @@ Comparison Compare(const Samples& samples, const Split& split, const EnsembleSet
   Ensemble ensemble = TrainEnsemble(train, settings, ShareOf(progress, settings, 0.0, 1.0));
   const Eigen::MatrixXd inputs = ensemble.input.Apply(train.features);
   const Eigen::MatrixXd unseen = ensemble.input.Apply(test.features);
-  const double last = std::max(1.0, *std::ranges::max_element(train.cycle));
-  const Ridge by_age = FitRidge(AgeOf(train, last), train.targets, train.specimen);
   constexpr int kTrees = 100;
-  std::vector<Contestant> contestants{
-      {"network", ScoresOf(test.targets, ensemble.Predict(test.features).mean)},
-      {"ridge", ScoresOf(test.targets, FitRidge(inputs, train.targets, train.specimen).Predict(unseen))},
-      {"forest", ScoresOf(test.targets, Forest(inputs, train.targets, kTrees).Predict(unseen))},
-      {"cycle number alone", ScoresOf(test.targets, by_age.Predict(AgeOf(test, last)))},
-      {"mean", ScoresOf(test.targets, train.targets.colwise().mean().replicate(test.size(), 1))}};
+  std::vector<Contestant> contestants;
+  const auto judge = [&](const char* name, const Eigen::MatrixXd& predicted) {
+    contestants.push_back(Judge(name, samples.classes, test.targets, predicted));
+  };
+  judge("network", ensemble.Predict(test.features).mean);
+  judge("ridge", FitRidge(inputs, train.targets, train.specimen).Predict(unseen));
+  judge("forest", Forest(inputs, train.targets, kTrees).Predict(unseen));
+  if (!samples.classes) {
+    const double last = std::max(1.0, *std::ranges::max_element(train.cycle));
+    const Ridge by_age = FitRidge(AgeOf(train, last), train.targets, train.specimen);
+    judge("cycle number alone", by_age.Predict(AgeOf(test, last)));
+  }
+  judge(samples.classes ? "commonest class" : "mean",
+        train.targets.colwise().mean().replicate(test.size(), 1));
   return {std::move(contestants), std::move(ensemble)};
 }
 

@@ -34,16 +34,6 @@ struct FittedPredictor {
 /// Progress of a long fit: share done, 0 to 1; false ends it.
 using FitProgress = std::function<bool(double share)>;
 
-/// Fits on all samples. The intervals are calibrated by cross-fitting: whole specimens (blocks of time where
-/// there is one) are left out in turn, predicted by an ensemble that has not seen them, and their errors over
-/// √(residual² + member spread²) give the factor. Source: see `conformal.h`; Barber et al. (2021) for the
-/// cross-fitting.
-/// @param folds  2 or more.
-/// @throws std::invalid_argument as TrainEnsemble and CalibrateBand; std::runtime_error when progress ended
-///   it.
-FittedPredictor FitPredictor(const Samples& samples, const EnsembleSettings& settings, double coverage,
-                             int folds, const FitProgress& progress = {});
-
 /// What a fit left out in turn: predictions of every record by an ensemble that had not seen its fold.
 struct CrossFit {
   Eigen::MatrixXd predicted;
@@ -53,14 +43,46 @@ struct CrossFit {
 CrossFit CrossPredict(const Samples& samples, const EnsembleSettings& settings,
                       const std::vector<Split>& splits, const FitProgress& progress = {});
 
-/// How one kind of predictor did on a split.
-struct Contestant {
-  std::string name;
-  std::vector<OutputScore> scores;
+/// A predictor, and what its calibration saw on the way: the honest errors of a k-fold.
+struct Fit {
+  FittedPredictor predictor;
+  std::vector<Split> folds;
+  CrossFit cross;
 };
 
+/// Fits on all samples. The intervals are calibrated by cross-fitting: whole specimens (blocks of time where
+/// there is one) are left out in turn, predicted by an ensemble that has not seen them, and their errors over
+/// √(residual² + member spread²) give the factor. Source: see `conformal.h`; Barber et al. (2021) for the
+/// cross-fitting.
+/// A predictor of classes has no intervals: the band stays at zero.
+/// @param folds  2 or more.
+/// @throws std::invalid_argument as TrainEnsemble and CalibrateBand; std::runtime_error when progress ended
+///   it.
+Fit FitPredictor(const Samples& samples, const EnsembleSettings& settings, double coverage, int folds,
+                 const FitProgress& progress = {});
+
+/// How one kind of predictor did on records that it had not seen.
+struct Contestant {
+  std::string name;
+  std::vector<OutputScore> scores;  // none for classes
+  Eigen::MatrixXi confusion;        // empty but for classes
+
+  /// The mean percentage error of all outputs; of classes, the share of records given a wrong one.
+  double Error_percent() const noexcept;
+};
+Contestant Judge(std::string name, bool classes, const Eigen::MatrixXd& actual,
+                 const Eigen::MatrixXd& predicted);
+
+/// The error of each fold (`Contestant::Error_percent`) by networks that had not seen it.
+std::vector<double> FoldErrors_percent(const Samples& samples, const std::vector<Split>& folds,
+                                       const CrossFit& cross);
+
+/// Whole specimens where there are several, blocks of time where there is one.
+std::vector<Split> HonestFolds(const Samples& samples, int folds);
+
 /// The network beside what it has to beat, trained and tested on the two sides of one split: a linear ridge,
-/// a forest, one that sees only the cycle number, and the mean of the training records.
+/// a forest, one that sees only the cycle number (not for classes), and the mean of the
+/// training records, which for classes is the commonest one.
 struct Comparison {
   std::vector<Contestant> contestants;
   Ensemble network;  // the one that was trained for it

@@ -19,8 +19,10 @@ cv::Mat MatOf(RowMajor& values) {
 
 }  // namespace
 
+// What a target is that never varies, OpenCV does not learn.
 struct Forest::Trees {
-  cv::Ptr<cv::ml::RTrees> model;
+  cv::Ptr<cv::ml::RTrees> model;  // none: `constant`
+  float constant{};
 };
 
 Forest::Forest(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, int trees) {
@@ -34,6 +36,11 @@ Forest::Forest(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, 
   for (Eigen::Index column = 0; column < targets.cols(); ++column) {
     RowMajor target = targets.col(column).cast<float>();
     auto forest = std::make_unique<Trees>();
+    if (target.minCoeff() == target.maxCoeff()) {
+      forest->constant = target(0);
+      of_output_.push_back(std::move(forest));
+      continue;
+    }
     forest->model = cv::ml::RTrees::create();
     forest->model->setMaxDepth(16);
     forest->model->setMinSampleCount(4);
@@ -55,6 +62,10 @@ Eigen::MatrixXd Forest::Predict(const Eigen::MatrixXd& features) const {
   RowMajor inputs = features.cast<float>();
   Eigen::MatrixXd predicted(features.rows(), static_cast<Eigen::Index>(of_output_.size()));
   for (std::size_t column = 0; column < of_output_.size(); ++column) {
+    if (of_output_[column]->model == nullptr) {
+      predicted.col(static_cast<Eigen::Index>(column)).setConstant(of_output_[column]->constant);
+      continue;
+    }
     RowMajor values(features.rows(), 1);
     cv::Mat results = MatOf(values);
     of_output_[column]->model->predict(MatOf(inputs), results);

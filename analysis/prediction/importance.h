@@ -19,21 +19,24 @@ struct InputGroup {
 /// What it costs not to know a group of inputs.
 struct Importance {
   std::string name;
-  double mape_rise_percent{};       // mean over the repeats
+  double error_rise_percent{};      // mean over the repeats
   double standard_error_percent{};  // of that mean
 };
 
-/// Permutation importance: the rise of the mean percentage error when the rows of a group's columns are
+/// Permutation importance: the rise of the error when the rows of a group's columns are
 /// shuffled together, the largest first. Inputs that say the same as others look unimportant: that is true
 /// of the predictor, not of the quantity.
 ///
 /// @param predict   rows of features to rows of outputs.
+/// @param error_percent  of predictions, actual first: for instance the mean percentage error.
 /// @param features, targets  records that no fit has seen.
 /// @throws std::invalid_argument if repeats < 2.
 ///
 /// Source: Breiman (2001), Random forests, section 10.
 std::vector<Importance> PermutationImportance(
-    const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& predict, const Eigen::MatrixXd& features,
-    const Eigen::MatrixXd& targets, const std::vector<InputGroup>& groups, int repeats, std::uint64_t seed);
+    const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& predict,
+    const std::function<double(const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& error_percent,
+    const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, const std::vector<InputGroup>& groups,
+    int repeats, std::uint64_t seed);
 
 }  // namespace strainwave::analysis::prediction

@@ -40,7 +40,8 @@ Samples Rows(const Samples& samples, const std::vector<Eigen::Index>& rows) {
                  .specimen = {},
                  .cycle = {},
                  .inputs = samples.inputs,
-                 .outputs = samples.outputs};
+                 .outputs = samples.outputs,
+                 .classes = samples.classes};
   chosen.specimen.reserve(rows.size());
   chosen.cycle.reserve(rows.size());
   for (const Eigen::Index row : rows) {
@@ -56,7 +57,8 @@ Samples Inputs(const Samples& samples, const std::vector<Eigen::Index>& columns)
                  .specimen = samples.specimen,
                  .cycle = samples.cycle,
                  .inputs = {},
-                 .outputs = samples.outputs};
+                 .outputs = samples.outputs,
+                 .classes = samples.classes};
   chosen.inputs.reserve(columns.size());
   for (const Eigen::Index column : columns) {
     chosen.inputs.push_back(samples.inputs[static_cast<std::size_t>(column)]);

@@ -8,7 +8,8 @@
 
 namespace strainwave::analysis::prediction {
 
-/// What a predictor learns from: one row a record, all finite.
+/// What a predictor learns from: one row a record, all finite. Where it learns classes, an output is a class,
+/// and its target is 1 for a record of that class and 0 for any other.
 struct Samples {
   Eigen::MatrixXd features;   // n × inputs
   Eigen::MatrixXd targets;    // n × outputs
@@ -16,6 +17,7 @@ struct Samples {
   std::vector<double> cycle;  // n; how far each reducer was in its life
   std::vector<std::string> inputs;
   std::vector<std::string> outputs;
+  bool classes{};
 
   Eigen::Index size() const noexcept { return features.rows(); }
 };

@@ -35,6 +35,10 @@ Scaler Standardizing(const Eigen::MatrixXd& values) {
   return scaler;
 }
 
+Scaler Unscaled(Eigen::Index columns) {
+  return {Eigen::RowVectorXd::Zero(columns), Eigen::RowVectorXd::Ones(columns)};
+}
+
 Scaler Dividing(const Eigen::MatrixXd& values) {
   RequireRows(values);
   Scaler scaler;

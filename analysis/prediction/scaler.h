@@ -18,6 +18,9 @@ struct Scaler {
 /// @throws std::invalid_argument if there is no row.
 Scaler Standardizing(const Eigen::MatrixXd& values);
 
+/// Leaves this many columns as they are.
+Scaler Unscaled(Eigen::Index columns);
+
 /// Divides by the mean magnitude and shifts nothing, so that a percentage error stays what it is.
 /// @throws std::invalid_argument if there is no row.
 Scaler Dividing(const Eigen::MatrixXd& values);

@@ -24,4 +24,13 @@ std::vector<OutputScore> ScoresOf(const Eigen::MatrixXd& actual, const Eigen::Ma
 /// The mean over all outputs.
 double MeanMape_percent(const std::vector<OutputScore>& scores) noexcept;
 
+/// How often records of one class (row) were given to another (column): of each row of predictions the
+/// greatest counts.
+/// @param actual, predicted  n × classes; `actual` is 1 in one place of each row.
+/// @throws std::invalid_argument if the shapes differ or there is no row.
+Eigen::MatrixXi Confusion(const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted);
+
+/// Share of the records that were given their own class.
+double Accuracy_percent(const Eigen::MatrixXi& confusion) noexcept;
+
 }  // namespace strainwave::analysis::prediction

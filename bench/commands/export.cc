@@ -20,13 +20,13 @@ struct ExportCommand {
 int Run(const ExportCommand& command) {
   const ExportSummary summary = ExportPredictor(ReadPredictor(command.predictor), command.out);
   fmt::print(
-      "{}: network, {} kB, opset {}; input features 1 × {}, outputs prediction and half_width 1 × {}, "
-      "distance\n"
+      "{}: network, {} kB, opset {}; input features 1 × {}, outputs {} 1 × {}, distance\n"
       "{}: how a record becomes features, and the intervals\n"
       "{}: model card (and .json)\n"
       "read back by OpenCV dnn: agrees to {:.1e} of each output's spread\n",
       (summary.folder / "model.onnx").string(), summary.onnx_bytes / 1000, kOnnxOpset, summary.inputs,
-      summary.outputs, (summary.folder / "recipe.json").string(), (summary.folder / "model_card.md").string(),
+      summary.classes ? "probability" : "prediction and half_width", summary.outputs,
+      (summary.folder / "recipe.json").string(), (summary.folder / "model_card.md").string(),
       summary.worst_disagreement);
   return static_cast<int>(ExitCode::kDone);
 }

@@ -9,7 +9,10 @@
 #include "analysis/wavelets/packets.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/terminal.h"
 #include "bench/diagnosis/record_data.h"
+#include "bench/prediction/campaign_features.h"
+#include "bench/prediction/measurement_paths.h"
 #include "bench/prediction/record_features.h"
 
 namespace strainwave::bench {
@@ -27,6 +30,7 @@ struct FeaturesCommand {
   std::string channel;
   bool coefficients{};
   bool packet{};
+  bool motor_torque{};
   bool json{};
 };
 
@@ -104,17 +108,58 @@ nlohmann::ordered_json CoefficientsReport(const daq::Record& record, const Featu
           {"details", std::move(decomposition.details)}};
 }
 
+// Those of a campaign stay in its folder; people are told where.
+nlohmann::ordered_json CampaignReport(const std::filesystem::path& folder, const FeaturesCommand& command,
+                                      const features::WaveletRecipe& recipe, ShareLine& line) {
+  const FeatureSettings settings{.set = FeatureSetOf(command.set), .wavelet = recipe, .orders = {}};
+  const CampaignFeatures all =
+      FeaturesOfCampaign(folder, settings, command.motor_torque, [&line](std::size_t done, std::size_t of) {
+        line.Show("features", static_cast<double>(done) / static_cast<double>(of));
+      });
+  line.Clear();
+  if (!command.json) {
+    fmt::print("{}: {} features of {} cycles, in {}\n", folder.string(), all.names.size(), all.cycle.size(),
+               FeaturesFile(folder, settings.set).string());
+    for (const std::string& note : all.notes) fmt::print("note: {}\n", note);
+    return {};
+  }
+  nlohmann::ordered_json cycles = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < all.cycle.size(); ++i) {
+    const auto row = all.values.row(static_cast<Eigen::Index>(i));
+    cycles.push_back({{"cycle", all.cycle[i]}, {"values", std::vector<double>(row.begin(), row.end())}});
+  }
+  return {{"campaign", folder.string()},
+          {"names", all.names},
+          {"cycles", std::move(cycles)},
+          {"notes", all.notes}};
+}
+
 int Run(const FeaturesCommand& command) {
-  features::WaveletFeatures by_wavelet(
-      {.wavelet = command.wavelet, .border = wavelets::BorderOf(command.mode), .levels = command.levels});
+  const features::WaveletRecipe recipe{
+      .wavelet = command.wavelet, .border = wavelets::BorderOf(command.mode), .levels = command.levels};
+  features::WaveletFeatures by_wavelet(recipe);
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
-  for (const std::string& path : command.paths) {
-    for (const daq::Record& record : ReadVibrationRecords(path)) {
+  ShareLine line;
+  const MeasurementPaths paths = SortPaths({command.paths.begin(), command.paths.end()});
+  if (command.coefficients && !paths.campaigns.empty()) {
+    Refuse(paths.campaigns.front(), "is a campaign", "records for --coefficients");
+  }
+  for (const std::filesystem::path& folder : paths.campaigns) {
+    nlohmann::ordered_json report = CampaignReport(folder, command, recipe, line);
+    if (command.json) reports.push_back(std::move(report));
+  }
+  std::size_t done = 0;
+  for (const std::filesystem::path& path : paths.files) {
+    if (command.json)
+      line.Show("features", static_cast<double>(done++) / static_cast<double>(paths.files.size()));
+    for (const daq::Record& record :
+         ReadVibrationRecords(path, command.motor_torque ? MotorTorque::kAdded : MotorTorque::kAsRecorded)) {
       nlohmann::ordered_json report = command.coefficients ? CoefficientsReport(record, command)
                                                            : FeaturesReport(record, command, by_wavelet);
       if (command.json) reports.push_back(std::move(report));
     }
   }
+  line.Clear();
   if (command.json) fmt::print("{}\n", (reports.size() == 1 ? reports.front() : reports).dump());
   return static_cast<int>(ExitCode::kDone);
 }
@@ -128,10 +173,18 @@ void AddFeatures(CLI::App& app, Action& action) {
       "named\n"
       "CHANNEL.aLEVEL.COLUMN; or energies in bands of orders; or the coefficients themselves.\n"
       "Example: strainwave features vibration.csv --json\n"
+      "         strainwave features campaigns/first\n"
       "         strainwave features vibration.csv --coefficients --wavelet db6 --levels 3 --channel "
       "accel_x_m_per_s2");
   auto options = std::make_shared<FeaturesCommand>();
-  command->add_option("PATH", options->paths, "record files of kind vibration (CSV, HDF5)")->required();
+  command
+      ->add_option(
+          "PATH", options->paths,
+          "record files of kind vibration (CSV, HDF5), folders of these, campaigns (whose features are "
+          "kept in their folder)")
+      ->required();
+  command->add_flag("--motor-torque", options->motor_torque,
+                    "the motor's torque (from its current), logged beside the vibration, as a channel");
   command->add_option("--set", options->set, "wavelet, or orders (energies by order of the input shaft)")
       ->capture_default_str()
       ->check(CLI::IsMember({"wavelet", "orders"}));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/recipe_inputs.h"
 #include "bench/prediction/record_features.h"
+#include "bench/prediction/record_labels.h"
 
 namespace strainwave::bench {
 namespace {
@@ -26,27 +28,42 @@ struct PredictCommand {
 
 // What was measured, where the record carries it.
 double Measured(const daq::Record& record, const std::string& output) {
-  const auto text = record.Metadata(output);
-  return text ? daq::NumberFromText(*text).value_or(std::nan("")) : std::nan("");
+  return LabelOf(record, output).value_or(std::nan(""));
 }
 
-nlohmann::ordered_json ReportOf(const daq::Record& record, const Predictor& predictor,
-                                const prediction::FittedPredictor::Prediction& predicted, bool print) {
-  const double distance = predicted.distance(0);
-  const bool outside = distance > 1.0;
-  nlohmann::ordered_json values;
-  if (print) {
-    fmt::print(
-        "{}{}{}{}\n", record.source.file, record.source.group.empty() ? "" : " ", record.source.group,
-        outside ? fmt::format(": outside what the predictor was trained on ({:.1f} times the limit): do not "
-                              "rely on these",
-                              distance)
-                : "");
+// What all windows of a record say together: the mean of values and of half widths, the middle distance.
+struct Together {
+  Eigen::RowVectorXd value;
+  Eigen::RowVectorXd half_width;
+  double distance{};
+  Eigen::Index windows{};
+
+  bool outside() const { return distance > 1.0; }
+};
+Together TogetherOf(const prediction::FittedPredictor::Prediction& windows) {
+  std::vector<double> distances(windows.distance.begin(), windows.distance.end());
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return {windows.value.colwise().mean(), windows.half_width.colwise().mean(), *middle, windows.value.rows()};
+}
+
+void PrintHead(const daq::Record& record, const Together& predicted) {
+  fmt::print("{}{}{}", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
+  if (predicted.windows > 1) fmt::print(", {} windows", predicted.windows);
+  if (predicted.outside()) {
+    fmt::print(": outside what the predictor was trained on ({:.1f} times the limit): do not rely on these",
+               predicted.distance);
   }
+  fmt::print("\n");
+}
+
+nlohmann::ordered_json ValuesReport(const daq::Record& record, const Predictor& predictor,
+                                    const Together& predicted, bool print) {
+  nlohmann::ordered_json values;
   for (std::size_t i = 0; i < predictor.outputs.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
-    const double value = predicted.value(0, column);
-    const double half_width = predicted.half_width(0, column);
+    const double value = predicted.value(column);
+    const double half_width = predicted.half_width(column);
     const double measured = Measured(record, predictor.outputs[i]);
     nlohmann::ordered_json entry{{"value", value}, {"low", value - half_width}, {"high", value + half_width}};
     if (std::isfinite(measured)) entry["measured"] = measured;
@@ -56,19 +73,50 @@ nlohmann::ordered_json ReportOf(const daq::Record& record, const Predictor& pred
     if (std::isfinite(measured)) fmt::print("   measured {:.5g}", measured);
     fmt::print("\n");
   }
-  return {{"kind", "prediction"},         {"record", record.source.file},
-          {"group", record.source.group}, {"coverage", predictor.fitted.band.coverage},
-          {"values", std::move(values)},  {"distance", distance},
-          {"outside_training", outside}};
+  return {{"coverage", predictor.fitted.band.coverage}, {"values", std::move(values)}};
+}
+
+nlohmann::ordered_json ClassReport(const daq::Record& record, const Predictor& predictor,
+                                   const Together& predicted, bool print) {
+  Eigen::Index likely = 0;
+  predicted.value.maxCoeff(&likely);
+  nlohmann::ordered_json probabilities;
+  for (std::size_t i = 0; i < predictor.outputs.size(); ++i) {
+    const double probability = predicted.value(static_cast<Eigen::Index>(i));
+    probabilities[predictor.outputs[i]] = probability;
+    if (print) fmt::print("  {:<20} {:>8.4f}\n", predictor.outputs[i], probability);
+  }
+  const std::string& name = predictor.outputs[static_cast<std::size_t>(likely)];
+  nlohmann::ordered_json report{{"class", name}, {"probabilities", std::move(probabilities)}};
+  const auto own = ClassOf(record);
+  if (own) report["measured"] = *own;
+  if (print) fmt::print("  class: {}{}\n", name, own ? fmt::format("   own class {}", *own) : "");
+  return report;
+}
+
+nlohmann::ordered_json ReportOf(const daq::Record& record, const Predictor& predictor,
+                                const Together& predicted, bool print) {
+  if (print) PrintHead(record, predicted);
+  nlohmann::ordered_json report{
+      {"kind", "prediction"}, {"record", record.source.file}, {"group", record.source.group}};
+  report.update(predictor.classes() ? ClassReport(record, predictor, predicted, print)
+                                    : ValuesReport(record, predictor, predicted, print));
+  report["windows"] = predicted.windows;
+  report["distance"] = predicted.distance;
+  report["outside_training"] = predicted.outside();
+  return report;
 }
 
 int Run(const PredictCommand& command) {
   const Predictor predictor = ReadPredictor(command.predictor);
   RecipeInputs inputs(predictor.recipe);
+  const bool with_motor_torque =
+      std::ranges::find(predictor.recipe.channels, kMotorTorqueChannel) != predictor.recipe.channels.end();
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   for (const std::string& path : command.paths) {
-    for (const daq::Record& record : ReadVibrationRecords(path)) {
-      const auto predicted = predictor.fitted.Predict(inputs.Of(record));
+    for (const daq::Record& record :
+         ReadVibrationRecords(path, with_motor_torque ? MotorTorque::kAdded : MotorTorque::kAsRecorded)) {
+      const Together predicted = TogetherOf(predictor.fitted.Predict(inputs.OfWindows(record)));
       reports.push_back(ReportOf(record, predictor, predicted, !command.json));
     }
   }
@@ -79,12 +127,12 @@ int Run(const PredictCommand& command) {
 }  // namespace
 
 void AddPredict(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("predict",
-                         "Predict transmission error and stiffness from vibration records, each with its "
-                         "interval, and say when a "
-                         "record lies outside what was trained on.\n"
-                         "Example: strainwave predict predictor campaigns/second/cycles/000100.h5");
+  CLI::App* command = app.add_subcommand(
+      "predict",
+      "Predict transmission error and stiffness from vibration records, each with its "
+      "interval, or the probability\nof each class, and say when a record lies outside what was "
+      "trained on.\n"
+      "Example: strainwave predict predictor campaigns/second/cycles/000100.h5");
   auto options = std::make_shared<PredictCommand>();
   command->add_option("PREDICTOR", options->predictor, "folder that train has written")->required();
   command->add_option("PATH", options->paths, "vibration records: CSV, HDF5, files of a campaign's cycles")

@@ -4,105 +4,61 @@
 #include <mutex>
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/terminal.h"
+#include "bench/commands/train_report.h"
 #include "bench/plots/gnuplot.h"
-#include "bench/prediction/prediction_picture.h"
 #include "bench/prediction/train_predictor.h"
+#include "bench/prediction/training_pictures.h"
 
 namespace strainwave::bench {
 namespace {
 
-namespace prediction = analysis::prediction;
-
 struct TrainCommand {
-  std::vector<std::string> folders;
+  std::vector<std::string> paths;
   std::string out;
-  std::vector<std::string> outputs;
-  std::string wavelet{"sym8"};
-  int levels{7};
+  std::string set{"wavelet"};
+  SourceSettings sources;
+  double window_s{-1.0};
   TrainingJob job;
   bool json{};
 };
-
-void PrintSplit(const SplitResult& split, const std::vector<std::string>& outputs) {
-  fmt::print("\n{} ({}): trained on {}, tested on {} records\n", split.name, split.meaning, split.train,
-             split.test);
-  fmt::print("  {:<20}", "MAPE, %");
-  for (const std::string& output : outputs) fmt::print(" {:>15}", output);
-  fmt::print(" {:>8}\n", "mean");
-  for (const prediction::Contestant& contestant : split.contestants) {
-    fmt::print("  {:<20}", contestant.name);
-    for (const prediction::OutputScore& score : contestant.scores)
-      fmt::print(" {:>15.3f}", score.mape_percent);
-    fmt::print(" {:>8.3f}\n", prediction::MeanMape_percent(contestant.scores));
-  }
-}
-
-void PrintReport(const TrainingData& data, const TrainingOutcome& outcome) {
-  const FilterSummary& filter = outcome.filter;
-  fmt::print("{} records of {} campaign{}; {} of {} vibration features kept (|r| filter on {} records)",
-             data.samples.size(), data.sources.size(), data.sources.size() == 1 ? "" : "s",
-             filter.vibration_kept, filter.vibration_features, filter.records);
-  if (filter.torque_features > 0) {
-    fmt::print("; {} of {} torque features say nothing new, and none is used",
-               filter.torque_features - filter.torque_kept, filter.torque_features);
-  }
-  fmt::print("\n");
-  for (const SplitResult& split : outcome.splits) PrintSplit(split, data.samples.outputs);
-  const prediction::FittedPredictor& fitted = outcome.predictor.fitted;
-  fmt::print("\n{:.0f} % intervals, in root mean square errors of records that no network had seen:\n",
-             100.0 * fitted.band.coverage);
-  for (std::size_t i = 0; i < data.samples.outputs.size(); ++i) {
-    const auto column = static_cast<Eigen::Index>(i);
-    fmt::print("  {:<20} ±{:.2f} × {:.4g}\n", data.samples.outputs[i], fitted.band.factor(column),
-               fitted.residual(column));
-  }
-  if (!fitted.band.guaranteed) {
-    fmt::print("  too few reducers for a guarantee: these are the widest errors that were seen\n");
-  }
-  fmt::print("\nwhat the inputs are worth (rise of the mean MAPE when they are shuffled):\n");
-  for (const prediction::Importance& importance : outcome.importances) {
-    fmt::print("  {:<40} {:+.3f} ± {:.3f} %\n", importance.name, importance.mape_rise_percent,
-               importance.standard_error_percent);
-  }
-  for (const std::string& note : data.notes) fmt::print("note: {}\n", note);
-}
 
 int Run(const TrainCommand& command) {
   ShareLine line;
   // Reading is a tenth of the work where nothing is kept from before.
   constexpr double kShareOfReading = 0.1;
-  const analysis::features::WaveletRecipe recipe{.wavelet = command.wavelet, .levels = command.levels};
+  SourceSettings settings = command.sources;
+  settings.features.set = FeatureSetOf(command.set);
+  if (command.window_s >= 0.0) settings.window_s = command.window_s;
   const TrainingData data = ReadTrainingData(
-      {command.folders.begin(), command.folders.end()}, recipe, command.outputs,
+      {command.paths.begin(), command.paths.end()}, settings,
       [&](const std::string& step, double share) { line.Show(step, kShareOfReading * share); });
   std::mutex telling;
   const TrainingOutcome outcome =
-      TrainPredictor(data, recipe, command.job, [&](const std::string& step, double share) {
+      TrainPredictor(data, command.job, [&](const std::string& step, double share) {
         const std::lock_guard lock(telling);
         line.Show(step, kShareOfReading + (1.0 - kShareOfReading) * share);
         return true;
       });
-  WritePredictor(command.out, outcome.predictor);
+  WritePredictor(command.out, *outcome.predictor);
   std::string picture_trouble;
-  const std::filesystem::path picture = std::filesystem::path(command.out) / "predicted";
+  std::vector<std::filesystem::path> pictures;
   try {
-    DrawPredictions(outcome.held_out, outcome.predictor.outputs, picture);
+    pictures = DrawTraining(data, outcome, command.out);
   } catch (const GnuplotError& error) {
     picture_trouble = error.what();
   }
   line.Clear();
   if (command.json) {
-    fmt::print("{}\n", nlohmann::ordered_json::parse(outcome.predictor.training_json).dump(2));
+    fmt::print("{}\n", nlohmann::ordered_json::parse(outcome.predictor->training_json).dump(2));
   } else {
-    PrintReport(data, outcome);
+    PrintTrainingReport(data, outcome);
     fmt::print("\npredictor: {}\n", command.out);
-    if (picture_trouble.empty()) fmt::print("picture: {}.svg (and .png)\n", picture.string());
+    for (const auto& picture : pictures) fmt::print("picture: {}.svg (and .png)\n", picture.string());
     fmt::print("next: strainwave predict {} RECORD, or strainwave export {} --out DIR\n", command.out,
                command.out);
   }
@@ -114,17 +70,39 @@ int Run(const TrainCommand& command) {
 }  // namespace
 
 void AddTrain(CLI::App& app, Action& action) {
-  CLI::App* command =
-      app.add_subcommand("train",
-                         "Train a predictor of transmission error and stiffness from the vibration of "
-                         "campaigns, and show what it is "
-                         "worth beside simpler ones.\n"
-                         "Example: strainwave train campaigns/first campaigns/second --out predictor");
+  CLI::App* command = app.add_subcommand(
+      "train",
+      "Train a predictor of transmission error and stiffness, or of a class, from the vibration "
+      "of campaigns or of\nrecords that carry what was measured (metadata or columns k2_Nm_per_rad, "
+      "e_max_arcmin, …, or class), and show\nwhat it is worth beside simpler ones.\n"
+      "Example: strainwave train campaigns/first campaigns/second --out predictor\n"
+      "         strainwave train bearings/ --out predictor --rate 12000 --channels accel_x_m_per_s2");
   auto options = std::make_shared<TrainCommand>();
-  command->add_option("DIR", options->folders, "campaign folders, of one reducer or several")->required();
+  command
+      ->add_option("PATH", options->paths,
+                   "campaigns, of one reducer or several; vibration records (CSV, HDF5); folders of these")
+      ->required();
   command->add_option("--out", options->out, "folder of the predictor")->required();
-  command->add_option("--outputs", options->outputs,
-                      "results to predict (default: all of e_max, e_avg, K1, K2, K3 that there are)");
+  command->add_option(
+      "--outputs", options->sources.outputs,
+      "what to predict: quantities, or class (default: all of e_max, e_avg, K1, K2, K3 that there "
+      "are, else class)");
+  command->add_option("--set", options->set, "wavelet, or orders (energies by order of the input shaft)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"wavelet", "orders"}));
+  command->add_option("--channels", options->sources.channels,
+                      "columns to take (default: those of the first record)");
+  command
+      ->add_option("--rate", options->sources.sample_rate_hz,
+                   "Hz; records at a whole multiple are brought down to it")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--window", options->window_s,
+                   "seconds, rounded up to whole turns where the speed is known; 0: records whole (default: "
+                   "records are cut where there are fewer than 200)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--motor-torque", options->sources.motor_torque,
+                    "the motor's torque (from its current), logged beside the vibration, as a channel");
   command->add_option("--design", options->job.design, "small, or the paper's ann and cnn")
       ->capture_default_str();
   command->add_option("--epochs", options->job.epochs, "default: as the design says")
@@ -143,9 +121,14 @@ void AddTrain(CLI::App& app, Action& action) {
                    "features alike to more than this fall out")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
-  command->add_option("--wavelet", options->wavelet, "haar, db1 to db20, sym2 to sym20, coif1 to coif5")
+  command->add_flag("--search", options->job.search, "try widths, depths and weight decays by honest folds");
+  command->add_flag("--learning-curve", options->job.learning_curve,
+                    "how few measured records would do, chosen actively or evenly");
+  command
+      ->add_option("--wavelet", options->sources.features.wavelet.wavelet,
+                   "haar, db1 to db20, sym2 to sym20, coif1 to coif5")
       ->capture_default_str();
-  command->add_option("--levels", options->levels, "of the decomposition")
+  command->add_option("--levels", options->sources.features.wavelet.levels, "of the decomposition")
       ->check(CLI::Range(1, 20))
       ->capture_default_str();
   command->add_option("--seed", options->job.seed, "of weights, batches and the random split")

@@ -33,15 +33,6 @@ std::vector<double> VibrationTime(const Record& record) {
   return time_s;
 }
 
-std::vector<double> InputSpeed(const Record& record) {
-  if (record.FindColumn("input_speed_rad_per_s") != nullptr)
-    return record.CopyAsDoubles("input_speed_rad_per_s");
-  if (record.FindColumn("input_speed_rpm") != nullptr)
-    return Scaled(record.CopyAsDoubles("input_speed_rpm"), RadPerSFromRpm(1.0));
-  const std::optional<double> speed_rpm = daq::MetadataNumber(record, "input_speed_rpm");
-  return speed_rpm ? std::vector{RadPerSFromRpm(*speed_rpm)} : std::vector<double>{};
-}
-
 }  // namespace
 
 analysis::diagnosis::TransmissionErrorData TransmissionErrorDataOf(const Record& record) {
@@ -86,13 +77,26 @@ analysis::diagnosis::MotionData MotionDataOf(const Record& record) {
   return data;
 }
 
+std::vector<double> InputSpeedsOf_rad_per_s(const Record& record) {
+  if (record.FindColumn("input_speed_rad_per_s") != nullptr)
+    return record.CopyAsDoubles("input_speed_rad_per_s");
+  if (record.FindColumn("input_speed_rpm") != nullptr)
+    return Scaled(record.CopyAsDoubles("input_speed_rpm"), RadPerSFromRpm(1.0));
+  const std::optional<double> speed_rpm = daq::MetadataNumber(record, "input_speed_rpm");
+  return speed_rpm ? std::vector{RadPerSFromRpm(*speed_rpm)} : std::vector<double>{};
+}
+
 std::vector<std::string> VibrationChannelsOf(const Record& record) {
   constexpr std::string_view kNoChannels[] = {"time_s", "temperature_degC", "input_speed_rpm",
                                               "input_speed_rad_per_s"};
+  // What a predictor learns may stand beside the signals as a column.
+  constexpr std::string_view kLabels[] = {"k1_Nm_per_rad", "k2_Nm_per_rad", "k3_Nm_per_rad",
+                                          "e_avg_arcmin",  "e_max_arcmin",  "class"};
   std::vector<std::string> names;
   for (const daq::Column& column : record.columns) {
     const bool holds_numbers = !std::holds_alternative<std::vector<daq::Direction>>(column.values);
-    if (holds_numbers && std::ranges::find(kNoChannels, column.name) == std::end(kNoChannels)) {
+    if (holds_numbers && std::ranges::find(kNoChannels, column.name) == std::end(kNoChannels) &&
+        std::ranges::find(kLabels, column.name) == std::end(kLabels)) {
       names.push_back(column.name);
     }
   }
@@ -105,7 +109,7 @@ analysis::diagnosis::VibrationData VibrationDataOf(const Record& record) {
     data.channels.push_back({name, record.CopyAsDoubles(name)});
   }
   data.time_s = VibrationTime(record);
-  data.input_speed_rad_per_s = InputSpeed(record);
+  data.input_speed_rad_per_s = InputSpeedsOf_rad_per_s(record);
   data.ratio = daq::MetadataNumber(record, "ratio").value_or(data.ratio);
   return data;
 }

@@ -15,7 +15,11 @@ analysis::diagnosis::MotionData MotionDataOf(const daq::Record& record);
 /// (`input_speed_rad_per_s`).
 analysis::diagnosis::VibrationData VibrationDataOf(const daq::Record& record);
 
-/// The columns that are channels of a vibration record, in its order.
+/// Of a vibration record: a value a sample, one in all from the metadata, or none.
+std::vector<double> InputSpeedsOf_rad_per_s(const daq::Record& record);
+
+/// The columns that are channels of a vibration record, in its order: neither time, speed and temperature nor
+/// labels of a predictor.
 std::vector<std::string> VibrationChannelsOf(const daq::Record& record);
 
 }  // namespace strainwave::bench

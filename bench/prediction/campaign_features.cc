@@ -17,14 +17,13 @@
 #include "bench/campaign/recompute.h"
 #include "bench/diagnosis/record_data.h"
 #include "bench/prediction/record_features.h"
+#include "bench/prediction/record_windows.h"
 #include "daq/arrays_file.h"
 #include "daq/data_file_error.h"
 #include "daq/record_error.h"
 
 namespace strainwave::bench {
 namespace {
-
-namespace features = analysis::features;
 
 constexpr const char* kTorqueChannel = "output_torque_Nm";
 
@@ -46,32 +45,39 @@ const daq::Record* FindRecord(const std::vector<NamedRecord>& records, std::stri
   return found == records.end() ? nullptr : &found->record;
 }
 
-CycleFeatures FeaturesOf(const std::vector<NamedRecord>& records, features::WaveletFeatures& by_wavelet) {
+CycleFeatures FeaturesOf(const std::vector<NamedRecord>& records, bool motor_torque,
+                         ChannelFeatures& features) {
   CycleFeatures cycle;
-  const daq::Record* const vibration = FindRecord(records, "vibration", "");
-  if (vibration == nullptr) {
+  const daq::Record* const found = FindRecord(records, "vibration", "");
+  if (found == nullptr) {
     cycle.left_out = "no vibration record";
     return cycle;
   }
-  cycle.channels = VibrationChannelsOf(*vibration);
-  cycle.sample_rate_hz = SampleRateOf_hz(*vibration);
-  cycle.samples = vibration->rows();
-  cycle.values = WaveletFeaturesOf(*vibration, by_wavelet).values;
+  daq::Record vibration = *found;
   const daq::Record* const rotation = FindRecord(records, "motion", kTorqueChannel);
+  if (motor_torque && rotation != nullptr) AddMotorTorque(vibration, *rotation);
+  cycle.channels = VibrationChannelsOf(vibration);
+  cycle.sample_rate_hz = SampleRateOf_hz(vibration);
+  cycle.samples = vibration.rows();
+  const RecordSignals signals = SignalsOf(vibration, {cycle.channels, cycle.sample_rate_hz, false});
+  cycle.values = FeaturesOfWindow(vibration, signals, {0, signals.rows()}, features);
   if (rotation == nullptr) return cycle;
   cycle.torque_channels = {kTorqueChannel};
-  std::vector<double> torque(by_wavelet.CountPerChannel());
-  by_wavelet.Compute(rotation->CopyAsDoubles(kTorqueChannel), torque);
+  std::vector<double> torque(features.CountPerChannel());
+  std::optional<double> samples_per_turn = signals.samples_per_turn;
+  if (samples_per_turn) *samples_per_turn *= SampleRateOf_hz(*rotation) / cycle.sample_rate_hz;
+  features.Compute(rotation->CopyAsDoubles(kTorqueChannel), samples_per_turn, torque);
   cycle.values.insert(cycle.values.end(), torque.begin(), torque.end());
   return cycle;
 }
 
-std::filesystem::path StoreOf(const CampaignFolder& folder) { return folder.root / "features.h5"; }
-
-daq::Attributes AttributesOf(const features::WaveletRecipe& recipe, const CampaignFeatures& features) {
-  return {{"wavelet", recipe.wavelet},
-          {"mode", std::string(analysis::wavelets::NameOf(recipe.border))},
-          {"levels", std::to_string(recipe.levels)},
+daq::Attributes AttributesOf(const FeatureSettings& settings, bool motor_torque,
+                             const CampaignFeatures& features) {
+  return {{"wavelet", settings.wavelet.wavelet},
+          {"mode", std::string(analysis::wavelets::NameOf(settings.wavelet.border))},
+          {"levels", std::to_string(settings.wavelet.levels)},
+          {"orders", fmt::format("{}", fmt::join(settings.orders.edges, " "))},
+          {"motor_torque", motor_torque ? "added" : "as recorded"},
           {"channels", fmt::format("{}", fmt::join(features.channels, " "))},
           {"torque_channels", fmt::format("{}", fmt::join(features.torque_channels, " "))},
           {"sample_rate_hz", daq::ShortestText(features.sample_rate_hz)},
@@ -89,18 +95,16 @@ std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
-std::vector<std::string> NamesOf(const CampaignFeatures& features,
-                                 const features::WaveletFeatures& by_wavelet) {
-  std::vector<std::string> names = by_wavelet.Names(features.channels);
-  const std::vector<std::string> torque = by_wavelet.Names(features.torque_channels);
+std::vector<std::string> NamesOf(const CampaignFeatures& features, const ChannelFeatures& channel_features) {
+  std::vector<std::string> names = channel_features.Names(features.channels);
+  const std::vector<std::string> torque = channel_features.Names(features.torque_channels);
   names.insert(names.end(), torque.begin(), torque.end());
   return names;
 }
 
 // What an earlier call has kept, if it was made with this recipe; a file that cannot be used is made anew.
-std::optional<CampaignFeatures> Kept(const std::filesystem::path& store,
-                                     const features::WaveletRecipe& recipe,
-                                     const features::WaveletFeatures& by_wavelet) {
+std::optional<CampaignFeatures> Kept(const std::filesystem::path& store, const FeatureSettings& settings,
+                                     bool motor_torque, const ChannelFeatures& channel_features) {
   if (!std::filesystem::exists(store)) return std::nullopt;
   try {
     const daq::ArraysFile file = daq::ReadArrays(store);
@@ -111,8 +115,8 @@ std::optional<CampaignFeatures> Kept(const std::filesystem::path& store,
     kept.sample_rate_hz = daq::NumberFromText(attributes.at("sample_rate_hz")).value();
     kept.least_samples =
         static_cast<std::size_t>(daq::NumberFromText(attributes.at("least_samples")).value());
-    if (file.attributes != AttributesOf(recipe, kept)) return std::nullopt;
-    kept.names = NamesOf(kept, by_wavelet);
+    if (file.attributes != AttributesOf(settings, motor_torque, kept)) return std::nullopt;
+    kept.names = NamesOf(kept, channel_features);
     const daq::NamedArray* const cycle = file.Find("cycle");
     if (cycle == nullptr || file.arrays.size() != kept.names.size() + 1) return std::nullopt;
     for (const double number : cycle->values) kept.cycle.push_back(static_cast<int>(number));
@@ -130,9 +134,9 @@ std::optional<CampaignFeatures> Kept(const std::filesystem::path& store,
   }
 }
 
-void Keep(const std::filesystem::path& store, const features::WaveletRecipe& recipe,
+void Keep(const std::filesystem::path& store, const FeatureSettings& settings, bool motor_torque,
           const CampaignFeatures& features) {
-  daq::ArraysFile file{.attributes = AttributesOf(recipe, features), .arrays = {}};
+  daq::ArraysFile file{.attributes = AttributesOf(settings, motor_torque, features), .arrays = {}};
   const std::vector<std::size_t> shape{features.cycle.size()};
   file.arrays.push_back({"cycle", shape, {features.cycle.begin(), features.cycle.end()}});
   for (std::size_t column = 0; column < features.names.size(); ++column) {
@@ -148,7 +152,8 @@ void Keep(const std::filesystem::path& store, const features::WaveletRecipe& rec
 
 // Features of the cycles named, on all processors; HDF5 is read by one thread at a time.
 std::vector<CycleFeatures> Compute(const CampaignFolder& folder, const std::vector<int>& cycles,
-                                   const features::WaveletRecipe& recipe, const FeatureProgress& progress) {
+                                   const FeatureSettings& settings, bool motor_torque,
+                                   const FeatureProgress& progress) {
   std::vector<CycleFeatures> results(cycles.size());
   std::size_t done = 0;
   std::mutex hdf5;
@@ -160,8 +165,8 @@ std::vector<CycleFeatures> Compute(const CampaignFolder& folder, const std::vect
         const std::lock_guard reading(hdf5);
         records = ReadCycleRecords(folder, cycles[i]);
       }
-      features::WaveletFeatures by_wavelet(recipe);
-      results[i] = FeaturesOf(records, by_wavelet);
+      ChannelFeatures features(settings);
+      results[i] = FeaturesOf(records, motor_torque, features);
     } catch (const std::exception& error) {
       results[i].left_out = error.what();
     }
@@ -174,7 +179,7 @@ std::vector<CycleFeatures> Compute(const CampaignFolder& folder, const std::vect
 
 // Adds the cycles that are like those before; the first one says what all must be like.
 void Append(CampaignFeatures& all, const std::vector<int>& cycles, std::vector<CycleFeatures> computed,
-            const features::WaveletFeatures& by_wavelet) {
+            const ChannelFeatures& channel_features) {
   std::vector<Eigen::RowVectorXd> rows;
   for (std::size_t i = 0; i < cycles.size(); ++i) {
     CycleFeatures& one = computed[i];
@@ -199,7 +204,7 @@ void Append(CampaignFeatures& all, const std::vector<int>& cycles, std::vector<C
     rows.emplace_back(Eigen::Map<const Eigen::RowVectorXd>(one.values.data(),
                                                            static_cast<Eigen::Index>(one.values.size())));
   }
-  all.names = NamesOf(all, by_wavelet);
+  all.names = NamesOf(all, channel_features);
   const Eigen::Index before = all.values.rows();
   all.values.conservativeResize(before + static_cast<Eigen::Index>(rows.size()),
                                 static_cast<Eigen::Index>(all.names.size()));
@@ -209,15 +214,20 @@ void Append(CampaignFeatures& all, const std::vector<int>& cycles, std::vector<C
 
 }  // namespace
 
-CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const features::WaveletRecipe& recipe,
-                                    const FeatureProgress& progress) {
+std::filesystem::path FeaturesFile(const std::filesystem::path& folder, FeatureSet set) {
+  return folder / (set == FeatureSet::kWavelet ? "features.h5" : "features_orders.h5");
+}
+
+CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const FeatureSettings& settings,
+                                    bool motor_torque, const FeatureProgress& progress) {
   const CampaignFolder folder{path};
   if (!std::filesystem::exists(folder.Journal())) {
     Refuse(path, "is not a campaign", "a folder with campaign.db");
   }
   const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
-  const features::WaveletFeatures by_wavelet(recipe);
-  CampaignFeatures all = Kept(StoreOf(folder), recipe, by_wavelet).value_or(CampaignFeatures{});
+  const ChannelFeatures channel_features(settings);
+  const std::filesystem::path store = FeaturesFile(path, settings.set);
+  CampaignFeatures all = Kept(store, settings, motor_torque, channel_features).value_or(CampaignFeatures{});
   std::vector<int> missing;
   for (const CycleRow& row : journal.Cycles()) {
     if (row.outcome == "complete" && row.cycle > 0 &&
@@ -226,8 +236,8 @@ CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const fea
     }
   }
   if (!missing.empty()) {
-    Append(all, missing, Compute(folder, missing, recipe, progress), by_wavelet);
-    if (!all.cycle.empty()) Keep(StoreOf(folder), recipe, all);
+    Append(all, missing, Compute(folder, missing, settings, motor_torque, progress), channel_features);
+    if (!all.cycle.empty()) Keep(store, settings, motor_torque, all);
   }
   if (all.cycle.empty()) {
     throw CampaignError(

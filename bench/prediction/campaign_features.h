@@ -8,11 +8,11 @@
 
 #include <Eigen/Core>
 
-#include "analysis/features/wavelet_features.h"
+#include "bench/prediction/feature_settings.h"
 
 namespace strainwave::bench {
 
-/// The wavelet features of the measurement rotations of a campaign, a row a cycle.
+/// The features of the measurement rotations of a campaign, a row a cycle.
 struct CampaignFeatures {
   std::vector<std::string> channels;         // of the vibration record
   std::vector<std::string> torque_channels;  // of the rotation record; may be none
@@ -27,13 +27,16 @@ struct CampaignFeatures {
 /// Told how many of how many cycles are done.
 using FeatureProgress = std::function<void(std::size_t done, std::size_t all)>;
 
-/// Computes the features of all complete cycles and keeps them in the folder as `features.h5` (a data set a
-/// feature, `CHANNEL.aLEVEL.COLUMN`, beside `cycle`); what is there already, of the same recipe, is not
-/// computed again. A cycle without a vibration record, or with other channels or another rate than the first
-/// one has, is left out with a note.
+/// Computes the features of all complete cycles and keeps them in the folder as `features.h5`, those by order
+/// as `features_orders.h5` (a data set a feature, beside `cycle`); what is there already, of the same
+/// settings, is not computed again. A cycle without a vibration record, or with other channels or another
+/// rate than the first one has, is left out with a note.
+/// @param motor_torque  the motor's torque of the rotation as a channel beside the vibration's.
 /// @throws CampaignError if the folder is no campaign or no cycle has vibration.
-CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& folder,
-                                    const analysis::features::WaveletRecipe& recipe,
-                                    const FeatureProgress& progress);
+CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& folder, const FeatureSettings& settings,
+                                    bool motor_torque, const FeatureProgress& progress);
+
+/// Where they are kept.
+std::filesystem::path FeaturesFile(const std::filesystem::path& folder, FeatureSet set);
 
 }  // namespace strainwave::bench

@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
+#include "bench/prediction/model_card.h"
 #include "bench/prediction/onnx_model.h"
 #include "bench/prediction/onnx_network.h"
 #include "daq/whole_file.h"
@@ -37,8 +37,10 @@ Disagreement Compare(const Predictor& predictor, OnnxNetwork& network) {
     const auto trained = fitted.Predict(features);
     const auto exported = network.Run(features);
     const Eigen::ArrayXd off = (trained.value.row(0) - exported.prediction).array().abs();
+    // A probability is itself a share.
+    const Eigen::ArrayXd magnitude = trained.value.row(0).transpose().array().abs();
     worst.over_value =
-        std::max(worst.over_value, (off / trained.value.row(0).transpose().array().abs()).maxCoeff());
+        std::max(worst.over_value, (predictor.classes() ? off : (off / magnitude).eval()).maxCoeff());
     worst.over_residual =
         std::max(worst.over_residual, (off / fitted.residual.transpose().array()).maxCoeff());
   }
@@ -51,70 +53,10 @@ Json RecipeJson(const Predictor& predictor, const std::string& onnx) {
   return {{"format", 1},
           {"model", {{"file", "model.onnx"}, {"sha256", Sha256(onnx)}, {"opset", kOnnxOpset}}},
           {"recipe", JsonOf(predictor.recipe)},
+          {"predicts", predictor.classes() ? "classes" : "values"},
           {"outputs", std::move(outputs)},
           {"coverage", predictor.fitted.band.coverage},
           {"guaranteed", predictor.fitted.band.guaranteed}};
-}
-
-Json CardJson(const Predictor& predictor, const std::string& date) {
-  const auto& fitted = predictor.fitted;
-  Json range;
-  for (std::size_t i = 0; i < predictor.recipe.inputs.size(); ++i) {
-    const auto column = static_cast<Eigen::Index>(i);
-    range[predictor.recipe.inputs[i]] = {fitted.least(column), fitted.greatest(column)};
-  }
-  return {{"exported_utc", date},
-          {"outputs", predictor.outputs},
-          {"training", Json::parse(predictor.training_json)},
-          {"valid_range", std::move(range)}};
-}
-
-std::string CardText(const Predictor& predictor, const Json& card) {
-  const Json& training = card.at("training");
-  std::string text = fmt::format(
-      "# Predictor of {}\n\nFrom the vibration of a measurement rotation ({} at {:g} Hz, at least {} "
-      "samples). Exported {}.\n\n"
-      "## Trained on\n\n| campaign | specimen | records |\n| --- | --- | --- |\n",
-      fmt::join(predictor.outputs, ", "), fmt::join(predictor.recipe.channels, ", "),
-      predictor.recipe.sample_rate_hz, predictor.recipe.least_samples,
-      card.at("exported_utc").get<std::string>());
-  for (const Json& campaign : training.at("campaigns")) {
-    text +=
-        fmt::format("| {} | {} | {} |\n", campaign.at("folder").get<std::string>(),
-                    campaign.at("specimen").get<std::string>(), campaign.at("records").get<std::size_t>());
-  }
-  text += fmt::format("\nSHA-256 of features and targets: `{}`. Design `{}`, {} networks.\n",
-                      training.at("data_sha256").get<std::string>(), training.at("design").get<std::string>(),
-                      predictor.fitted.ensemble.members.size());
-  for (const Json& split : training.at("splits")) {
-    text += fmt::format(
-        "\n## Error on {}\n\n{}; trained on {}, tested on {} records. Mean absolute percentage error:\n\n|",
-        split.at("split").get<std::string>(), split.at("meaning").get<std::string>(),
-        split.at("train").get<std::size_t>(), split.at("test").get<std::size_t>());
-    for (const std::string& output : predictor.outputs) text += fmt::format(" | {}", output);
-    text += " |\n| ---" + [&] {
-      std::string rule;
-      for (std::size_t i = 0; i < predictor.outputs.size(); ++i) rule += " | ---";
-      return rule;
-    }() + " |\n";
-    for (const auto& [name, scores] : split.at("scores").items()) {
-      text += "| " + name;
-      for (const std::string& output : predictor.outputs) {
-        text += fmt::format(" | {:.3f}", scores.at(output).at("mape_percent").get<double>());
-      }
-      text += " |\n";
-    }
-  }
-  text += fmt::format(
-      "\n## Intervals\n\nThey hold {:.0f} % of records of {}. Valid where `distance` is at most 1: beyond, a "
-      "record lies "
-      "outside what was trained on and nothing is promised. The range of each input in training is in "
-      "`model_card.json`.\n",
-      100.0 * predictor.fitted.band.coverage,
-      predictor.fitted.band.guaranteed
-          ? "a reducer like those trained on"
-          : "those seen; there were too few reducers to promise it for another one");
-  return text;
 }
 
 }  // namespace
@@ -127,7 +69,8 @@ ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem:
   }
   const std::string onnx = OnnxBytes(predictor.fitted, metadata);
   OnnxNetwork network(onnx, static_cast<Eigen::Index>(predictor.recipe.inputs.size()),
-                      static_cast<Eigen::Index>(predictor.outputs.size()));
+                      static_cast<Eigen::Index>(predictor.outputs.size()),
+                      predictor.classes() ? OnnxNetwork::Predicts::kClasses : OnnxNetwork::Predicts::kValues);
   const Disagreement worst = Compare(predictor, network);
   if (worst.over_value > kAgreement) {
     throw CampaignError(
@@ -136,14 +79,19 @@ ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem:
                     "(expected at most {:.0e}); nothing was written",
                     folder.string(), worst.over_value, kAgreement));
   }
-  const Json card = CardJson(predictor, UtcNow());
+  const ModelCard card = ModelCardOf(predictor, UtcNow());
   std::filesystem::create_directories(folder);
   daq::WriteFileAtomically(folder / "model.onnx", onnx);
-  daq::WriteFileAtomically(folder / "model_card.json", card.dump(2) + "\n");
-  daq::WriteFileAtomically(folder / "model_card.md", CardText(predictor, card));
+  daq::WriteFileAtomically(folder / "model_card.json", card.json);
+  daq::WriteFileAtomically(folder / "model_card.md", card.markdown);
   // Last: a folder without it is no exported predictor yet.
   daq::WriteFileAtomically(folder / "recipe.json", RecipeJson(predictor, onnx).dump(2) + "\n");
-  return {folder, onnx.size(), predictor.recipe.inputs.size(), predictor.outputs.size(), worst.over_residual};
+  return {folder,
+          onnx.size(),
+          predictor.recipe.inputs.size(),
+          predictor.outputs.size(),
+          predictor.classes(),
+          worst.over_residual};
 }
 
 }  // namespace strainwave::bench

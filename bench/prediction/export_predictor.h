@@ -14,6 +14,7 @@ struct ExportSummary {
   std::size_t onnx_bytes{};
   std::size_t inputs{};
   std::size_t outputs{};
+  bool classes{};
   double worst_disagreement{};  // of OpenCV with the trained networks, over each output's residual
 };
 

@@ -188,20 +188,22 @@ std::span<const double> ValuesOf(const Eigen::RowVectorXd& row) {
   return {row.data(), static_cast<std::size_t>(row.size())};
 }
 
-// Predictions of the members, their mean, and the width of the interval.
-void WriteInterval(Graph& graph, const prediction::FittedPredictor& fitted,
-                   const std::vector<std::string>& members) {
-  const std::int64_t outputs = fitted.ensemble.network.output_size();
-  const auto count = static_cast<double>(members.size());
+void WriteMean(Graph& graph, const std::vector<std::string>& members, const char* name) {
   std::string sum = members.front();
   for (std::size_t k = 1; k < members.size(); ++k) {
     const std::string next = fmt::format("sum_to_member{}", k);
     graph.Node("Add", {sum, members[k]}, next);
     sum = next;
   }
-  graph.Floats("share_of_member", {1, 1}, std::vector<double>{1.0 / count});
-  graph.Node("Mul", {sum, "share_of_member"}, "prediction");
+  graph.Floats("share_of_member", {1, 1}, std::vector<double>{1.0 / static_cast<double>(members.size())});
+  graph.Node("Mul", {sum, "share_of_member"}, name);
+}
 
+// The width of the interval, from how far the members are apart.
+void WriteInterval(Graph& graph, const prediction::FittedPredictor& fitted,
+                   const std::vector<std::string>& members) {
+  const std::int64_t outputs = fitted.ensemble.network.output_size();
+  const auto count = static_cast<double>(members.size());
   const Eigen::RowVectorXd residual_squared = fitted.residual.array().square();
   graph.Floats("residual_squared", {1, outputs}, ValuesOf(residual_squared));
   graph.Floats("share_of_variance", {1, 1}, std::vector<double>{1.0 / std::max(1.0, count - 1.0)});
@@ -268,14 +270,20 @@ std::string OnnxBytes(const prediction::FittedPredictor& fitted, const OnnxMetad
   Graph graph(*file.mutable_graph());
   graph.proto().set_name("predictor");
   graph.Interface(*graph.proto().add_input(), "features", inputs);
-  graph.Interface(*graph.proto().add_output(), "prediction", outputs);
-  graph.Interface(*graph.proto().add_output(), "half_width", outputs);
+  if (ensemble.softmax) {
+    graph.Interface(*graph.proto().add_output(), "probability", outputs);
+  } else {
+    graph.Interface(*graph.proto().add_output(), "prediction", outputs);
+    graph.Interface(*graph.proto().add_output(), "half_width", outputs);
+  }
   graph.Interface(*graph.proto().add_output(), "distance", 1);
 
   graph.Floats("input_offset", {1, inputs}, ValuesOf(ensemble.input.offset));
   graph.Floats("input_scale", {1, inputs}, ValuesOf(ensemble.input.scale));
-  graph.Floats("output_offset", {1, outputs}, ValuesOf(ensemble.output.offset));
-  graph.Floats("output_scale", {1, outputs}, ValuesOf(ensemble.output.scale));
+  if (!ensemble.softmax) {
+    graph.Floats("output_offset", {1, outputs}, ValuesOf(ensemble.output.offset));
+    graph.Floats("output_scale", {1, outputs}, ValuesOf(ensemble.output.scale));
+  }
   graph.Node("Sub", {"features", "input_offset"}, "centred");
   graph.Node("Div", {"centred", "input_scale"}, "scaled");
 
@@ -284,10 +292,15 @@ std::string OnnxBytes(const prediction::FittedPredictor& fitted, const OnnxMetad
     MemberWriter writer(graph, ensemble.members[k], static_cast<int>(k), "scaled");
     for (const networks::Network::Stage& stage : ensemble.network.stages()) writer.Write(stage);
     members.push_back(fmt::format("member{}_prediction", k));
+    if (ensemble.softmax) {
+      SetInteger(graph.Node("Softmax", {writer.at()}, members.back()), "axis", 1);
+      continue;
+    }
     graph.Node("Mul", {writer.at(), "output_scale"}, members.back() + "_shifted");
     graph.Node("Add", {members.back() + "_shifted", "output_offset"}, members.back());
   }
-  WriteInterval(graph, fitted, members);
+  WriteMean(graph, members, ensemble.softmax ? "probability" : "prediction");
+  if (!ensemble.softmax) WriteInterval(graph, fitted, members);
   WriteDistance(graph, fitted.novelty);
   for (const auto& [key, value] : metadata) AddMetadata(file, key, value);
   return file.SerializeAsString();

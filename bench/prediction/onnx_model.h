@@ -18,6 +18,7 @@ inline constexpr int kOnnxOpset = 13;
 ///   input  `features`   1 × inputs, unscaled;
 ///   output `prediction` 1 × outputs, in the outputs' units, the mean of the networks;
 ///   output `half_width` 1 × outputs, of the interval about it;
+///   where classes are predicted, in place of these two: `probability` 1 × classes, the mean of the networks;
 ///   output `distance`   1 × 1, above 1 when the record lies outside what was trained on.
 /// The batch is one record: readers that size their memory beforehand (OpenCV 4.6) refuse an open one.
 ///

@@ -15,9 +15,16 @@
 namespace strainwave::bench {
 namespace {
 
-constexpr std::string_view kOperators[] = {"Sub",     "Div",  "Reshape", "Conv",    "Relu",
-                                           "Sigmoid", "Tanh", "MaxPool", "Flatten", "GlobalAveragePool",
-                                           "Gemm",    "Mul",  "Add",     "Sqrt"};
+// The operators that a file of ours has, with the number of their inputs.
+struct Operator {
+  std::string_view name;
+  int inputs;
+};
+constexpr Operator kOperators[] = {
+    {"Sub", 2},     {"Div", 2},  {"Reshape", 2}, {"Conv", 3},    {"Relu", 1},
+    {"Sigmoid", 1}, {"Tanh", 1}, {"MaxPool", 1}, {"Flatten", 1}, {"Gemm", 3},
+    {"Mul", 2},     {"Add", 2},  {"Sqrt", 1},    {"Softmax", 1}, {"GlobalAveragePool", 1}};
+constexpr std::int64_t kLongestWindow = 1 << 16;
 constexpr std::int64_t kMostValues = std::int64_t{1} << 26;
 
 [[noreturn]] void Refuse(const std::string& what) {
@@ -49,15 +56,28 @@ void RequireWhole(const onnx::TensorProto& tensor) {
   if (!whole) Refuse(fmt::format("has an array '{}' whose values are not those of its sizes", tensor.name()));
 }
 
+// Windows are one high and so many long; the other attributes say that a row is one sample.
+void RequireAttribute(const onnx::NodeProto& node, const onnx::AttributeProto& attribute) {
+  const bool window = attribute.name() == "kernel_shape" || attribute.name() == "strides";
+  const bool fits = window
+                        ? attribute.ints_size() == 2 && attribute.ints(0) == 1 && attribute.ints(1) >= 1 &&
+                              attribute.ints(1) <= kLongestWindow
+                        : (attribute.name() == "axis" || attribute.name() == "transB") && attribute.i() == 1;
+  if (!fits) Refuse(fmt::format("has a node '{}' with an odd '{}'", node.name(), attribute.name()));
+}
+
 // Every value is made before it is used.
 void RequireOrder(const onnx::GraphProto& graph) {
   std::vector<std::string_view> made{graph.input(0).name()};
   for (const auto& tensor : graph.initializer()) made.push_back(tensor.name());
   const auto is_made = [&made](std::string_view name) { return std::ranges::find(made, name) != made.end(); };
   for (const onnx::NodeProto& node : graph.node()) {
-    if (std::ranges::find(kOperators, node.op_type()) == std::end(kOperators)) {
-      Refuse(fmt::format("has an operator '{}'", node.op_type()));
+    const auto known = std::ranges::find(kOperators, node.op_type(), &Operator::name);
+    if (known == std::end(kOperators)) Refuse(fmt::format("has an operator '{}'", node.op_type()));
+    if (node.input_size() != known->inputs) {
+      Refuse(fmt::format("has a node '{}' of {} inputs", node.name(), node.input_size()));
     }
+    for (const onnx::AttributeProto& attribute : node.attribute()) RequireAttribute(node, attribute);
     for (const std::string& input : node.input()) {
       if (!is_made(input)) Refuse(fmt::format("uses '{}' before it is made", input));
     }
@@ -68,17 +88,25 @@ void RequireOrder(const onnx::GraphProto& graph) {
   }
 }
 
-void RequireOurs(const std::string& bytes, std::int64_t inputs, std::int64_t outputs) {
+// What a file of ours gives, in its order.
+std::vector<cv::String> OutputNames(OnnxNetwork::Predicts predicts) {
+  if (predicts == OnnxNetwork::Predicts::kClasses) return {"probability", "distance"};
+  return {"prediction", "half_width", "distance"};
+}
+
+void RequireOurs(const std::string& bytes, std::int64_t inputs, std::int64_t outputs,
+                 const std::vector<cv::String>& names) {
   onnx::ModelProto model;
   if (!model.ParseFromString(bytes)) Refuse("cannot be parsed");
   const onnx::GraphProto& graph = model.graph();
-  if (graph.input_size() != 1 || graph.output_size() != 3) {
+  if (graph.input_size() != 1 || graph.output_size() != static_cast<int>(names.size())) {
     Refuse(fmt::format("has {} inputs and {} outputs", graph.input_size(), graph.output_size()));
   }
   RequireShape(graph.input(0), "features", inputs);
-  RequireShape(graph.output(0), "prediction", outputs);
-  RequireShape(graph.output(1), "half_width", outputs);
-  RequireShape(graph.output(2), "distance", 1);
+  for (int k = 0; k < graph.output_size(); ++k) {
+    const bool last = k + 1 == graph.output_size();
+    RequireShape(graph.output(k), names[static_cast<std::size_t>(k)], last ? 1 : outputs);
+  }
   for (const onnx::TensorProto& tensor : graph.initializer()) RequireWhole(tensor);
   RequireOrder(graph);
 }
@@ -89,12 +117,14 @@ struct OnnxNetwork::Net {
   cv::dnn::Net net;
   cv::Mat features;
   std::vector<cv::Mat> results;
-  std::vector<std::string> names{"prediction", "half_width", "distance"};
+  std::vector<cv::String> names;
 };
 
-OnnxNetwork::OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::Index outputs)
+OnnxNetwork::OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::Index outputs,
+                         Predicts predicts)
     : net_(std::make_unique<Net>()), inputs_(inputs), outputs_(outputs) {
-  RequireOurs(bytes, inputs, outputs);
+  net_->names = OutputNames(predicts);
+  RequireOurs(bytes, inputs, outputs, net_->names);
   // What it has to say comes as an exception, too.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   try {
@@ -105,9 +135,12 @@ OnnxNetwork::OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::I
   } catch (const cv::Exception& error) {
     Refuse(fmt::format("cannot be run: {}", error.err));
   }
-  if (net_->results.size() != 3 || net_->results[0].total() != static_cast<std::size_t>(outputs) ||
-      net_->results[1].total() != static_cast<std::size_t>(outputs) || net_->results[2].total() != 1) {
-    Refuse("gives results of another shape");
+  if (net_->results.size() != net_->names.size()) Refuse("gives results of another shape");
+  for (const cv::Mat& result : net_->results) {
+    const bool last = &result == &net_->results.back();
+    if (result.type() != CV_32F || result.total() != (last ? 1U : static_cast<std::size_t>(outputs))) {
+      Refuse("gives results of another shape");
+    }
   }
 }
 
@@ -124,9 +157,13 @@ OnnxNetwork::Output OnnxNetwork::Run(const Eigen::RowVectorXd& features) {
   net_->net.setInput(net_->features, "features");
   net_->net.forward(net_->results, net_->names);
   using Values = Eigen::Map<const Eigen::RowVectorXf>;
-  return {.prediction = Values(net_->results[0].ptr<float>(), outputs_).cast<double>(),
-          .half_width = Values(net_->results[1].ptr<float>(), outputs_).cast<double>(),
-          .distance = static_cast<double>(*net_->results[2].ptr<float>())};
+  const auto values = [this](const cv::Mat& result) -> Eigen::RowVectorXd {
+    return Values(result.ptr<float>(), outputs_).cast<double>();
+  };
+  const bool has_intervals = net_->results.size() > 2;
+  return {.prediction = values(net_->results.front()),
+          .half_width = has_intervals ? values(net_->results[1]) : Eigen::RowVectorXd::Zero(outputs_),
+          .distance = static_cast<double>(*net_->results.back().ptr<float>())};
 }
 
 }  // namespace strainwave::bench

@@ -24,6 +24,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kFormat = 1;
 constexpr const char* kDescription = "predictor.json";
 constexpr const char* kNumbers = "numbers.h5";
+constexpr const char* kValues = "values";
+constexpr const char* kClasses = "classes";
 
 daq::NamedArray RowOf(const char* name, const Eigen::RowVectorXd& row) {
   return {name, {static_cast<std::size_t>(row.size())}, {row.begin(), row.end()}};
@@ -107,20 +109,32 @@ prediction::FittedPredictor FittedFrom(const Json& json, const Numbers& numbers,
   const auto members = json.at("members").get<std::size_t>();
   const Eigen::MatrixXd parameters =
       numbers.Matrix("members", members, static_cast<std::size_t>(network.parameter_count()));
+  // All that can throw comes first: g++ 12 destroys the parts of a half-made aggregate twice.
+  Eigen::RowVectorXd input_offset = numbers.Row("input_offset", inputs);
+  Eigen::RowVectorXd input_scale = numbers.Row("input_scale", inputs);
+  Eigen::RowVectorXd output_offset = numbers.Row("output_offset", outputs);
+  Eigen::RowVectorXd output_scale = numbers.Row("output_scale", outputs);
+  Eigen::RowVectorXd residual = numbers.Row("residual", outputs);
+  Eigen::RowVectorXd factor = numbers.Row("interval_factor", outputs);
+  Eigen::RowVectorXd novelty_mean = numbers.Row("novelty_mean", inputs);
+  Eigen::MatrixXd whitening = numbers.Matrix("novelty_whitening", inputs, inputs);
+  Eigen::RowVectorXd least = numbers.Row("least", inputs);
+  Eigen::RowVectorXd greatest = numbers.Row("greatest", inputs);
+  const bool softmax = json.value("predicts", kValues) == std::string(kClasses);
+  const auto coverage = json.at("interval").at("coverage").get<double>();
+  const auto guaranteed = json.at("interval").at("guaranteed").get<bool>();
+  const auto novelty_limit = json.at("novelty_limit").get<double>();
   prediction::FittedPredictor fitted{
-      .ensemble = {.input = {numbers.Row("input_offset", inputs), numbers.Row("input_scale", inputs)},
-                   .output = {numbers.Row("output_offset", outputs), numbers.Row("output_scale", outputs)},
+      .ensemble = {.input = {std::move(input_offset), std::move(input_scale)},
+                   .output = {std::move(output_offset), std::move(output_scale)},
                    .network = std::move(network),
-                   .members = {}},
-      .residual = numbers.Row("residual", outputs),
-      .band = {.coverage = json.at("interval").at("coverage").get<double>(),
-               .factor = numbers.Row("interval_factor", outputs),
-               .guaranteed = json.at("interval").at("guaranteed").get<bool>()},
-      .novelty = {.mean = numbers.Row("novelty_mean", inputs),
-                  .whitening = numbers.Matrix("novelty_whitening", inputs, inputs),
-                  .limit = json.at("novelty_limit").get<double>()},
-      .least = numbers.Row("least", inputs),
-      .greatest = numbers.Row("greatest", inputs)};
+                   .members = {},
+                   .softmax = softmax},
+      .residual = std::move(residual),
+      .band = {.coverage = coverage, .factor = std::move(factor), .guaranteed = guaranteed},
+      .novelty = {.mean = std::move(novelty_mean), .whitening = std::move(whitening), .limit = novelty_limit},
+      .least = std::move(least),
+      .greatest = std::move(greatest)};
   for (Eigen::Index k = 0; k < parameters.rows(); ++k) {
     fitted.ensemble.members.emplace_back(parameters.row(k).transpose());
   }
@@ -129,29 +143,6 @@ prediction::FittedPredictor FittedFrom(const Json& json, const Numbers& numbers,
 
 }  // namespace
 
-Json JsonOf(const FeatureRecipe& recipe) {
-  return {
-      {"wavelet", recipe.wavelet.wavelet},     {"mode", analysis::wavelets::NameOf(recipe.wavelet.border)},
-      {"levels", recipe.wavelet.levels},       {"coefficients", "approximation"},
-      {"channels", recipe.channels},           {"sample_rate_hz", recipe.sample_rate_hz},
-      {"least_samples", recipe.least_samples}, {"inputs", recipe.inputs}};
-}
-
-FeatureRecipe RecipeFrom(const Json& json, const std::filesystem::path& file) {
-  try {
-    return {.wavelet = {.wavelet = json.at("wavelet").get<std::string>(),
-                        .border = analysis::wavelets::BorderOf(json.at("mode").get<std::string>()),
-                        .levels = json.at("levels").get<int>()},
-            .channels = json.at("channels").get<std::vector<std::string>>(),
-            .sample_rate_hz = json.at("sample_rate_hz").get<double>(),
-            .least_samples = json.at("least_samples").get<std::size_t>(),
-            .inputs = json.at("inputs").get<std::vector<std::string>>()};
-  } catch (const std::exception& error) {
-    Refuse(file, fmt::format("the recipe cannot be used: {}", error.what()),
-           "the file as `strainwave train` or `export` has written it");
-  }
-}
-
 void WritePredictor(const std::filesystem::path& folder, const Predictor& predictor) {
   std::filesystem::create_directories(folder);
   const prediction::FittedPredictor& fitted = predictor.fitted;
@@ -159,6 +150,7 @@ void WritePredictor(const std::filesystem::path& folder, const Predictor& predic
   const Json json{
       {"format", kFormat},
       {"recipe", JsonOf(predictor.recipe)},
+      {"predicts", predictor.classes() ? kClasses : kValues},
       {"outputs", predictor.outputs},
       {"network", JsonOf(fitted.ensemble.network.design())},
       {"members", fitted.ensemble.members.size()},
@@ -190,7 +182,8 @@ Predictor ReadPredictor(const std::filesystem::path& folder) {
     const daq::ArraysFile arrays = daq::ReadArrays(numbers);
     prediction::FittedPredictor fitted =
         FittedFrom(json, Numbers(numbers, arrays), recipe.inputs.size(), outputs.size());
-    return {std::move(recipe), std::move(outputs), std::move(fitted), json.at("training").dump()};
+    std::string training = json.at("training").dump();
+    return {std::move(recipe), std::move(outputs), std::move(fitted), std::move(training)};
   } catch (const Json::exception& error) {
     Refuse(description, fmt::format("cannot be used: {}", error.what()), "the file as it was written");
   } catch (const std::invalid_argument& error) {

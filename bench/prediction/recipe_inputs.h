@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
-#include "analysis/features/wavelet_features.h"
-#include "bench/prediction/predictor_file.h"
+#include "bench/prediction/feature_recipe.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {
@@ -17,16 +16,19 @@ class RecipeInputs {
   /// @throws CampaignError if an input is no feature of the recipe's channels.
   explicit RecipeInputs(const FeatureRecipe& recipe);
 
+  /// A row a window; one row where the recipe takes records whole.
   /// @throws CampaignError naming the record and what of it is not as in training: a channel that is missing,
   ///   another rate (by more than a hundredth), too few samples, a dead or a clipped sensor, an input that is
   ///   not defined.
-  Eigen::RowVectorXd Of(const daq::Record& record);
+  Eigen::MatrixXd OfWindows(const daq::Record& record);
+
+  /// The inputs of the first window alone: all there is of a record that a monitor cut to one.
+  Eigen::RowVectorXd Of(const daq::Record& record) { return OfWindows(record).row(0); }
 
  private:
   FeatureRecipe recipe_;
-  analysis::features::WaveletFeatures by_wavelet_;
+  ChannelFeatures features_;
   std::vector<Eigen::Index> place_;  // of each input among all features
-  std::vector<double> values_;
 };
 
 }  // namespace strainwave::bench

@@ -17,6 +17,8 @@
 namespace strainwave::bench {
 namespace {
 
+constexpr double kSteady = 0.01;
+
 double SampleRate(const daq::Record& record, std::span<const double> time_s) {
   if (time_s.size() < 2 || !(time_s.back() > time_s.front())) {
     throw RecordRefusal(record,
@@ -45,7 +47,6 @@ double InputSpeed(const daq::Record& record, std::span<const double> speed_rad_p
         "input_speed_rad_per_s)");
   }
   const auto [low, high] = std::ranges::minmax(speed_rad_per_s);
-  constexpr double kSteady = 0.01;
   const double middle = 0.5 * std::abs(low + high);
   if (middle == 0.0)
     throw RecordRefusal(record, "the input shaft stands still (expected a speed other than zero)");
@@ -60,8 +61,33 @@ double InputSpeed(const daq::Record& record, std::span<const double> speed_rad_p
 
 }  // namespace
 
-std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path) {
+void AddMotorTorque(daq::Record& vibration, const daq::Record& rotation) {
+  if (vibration.FindColumn(kMotorTorqueChannel) != nullptr || rotation.FindColumn("torque_Nm") == nullptr)
+    return;
+  const std::vector<double> time_s = rotation.CopyAsDoubles("time_s");
+  const std::vector<double> torque_Nm = rotation.CopyAsDoubles("torque_Nm");
+  const double rate_hz = SampleRateOf_hz(vibration);
+  std::vector<double> values(vibration.rows());
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double now_s = static_cast<double>(i) / rate_hz;
+    while (k + 2 < time_s.size() && time_s[k + 1] < now_s) ++k;
+    const double share = std::clamp((now_s - time_s[k]) / (time_s[k + 1] - time_s[k]), 0.0, 1.0);
+    values[i] = torque_Nm[k] + share * (torque_Nm[k + 1] - torque_Nm[k]);
+  }
+  vibration.columns.push_back({kMotorTorqueChannel, std::move(values), "", ""});
+}
+
+std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path, MotorTorque motor_torque) {
   std::vector<daq::Record> records = daq::ReadRecords(path);
+  if (motor_torque == MotorTorque::kAdded) {
+    const auto rotation = std::ranges::find_if(records, [](const daq::Record& record) {
+      return record.kind == "motion" && record.FindColumn("output_torque_Nm") != nullptr && record.rows() > 1;
+    });
+    for (daq::Record& record : records) {
+      if (record.kind == "vibration" && rotation != records.end()) AddMotorTorque(record, *rotation);
+    }
+  }
   std::vector<std::string> kinds;
   for (const daq::Record& record : records) {
     if (std::ranges::find(kinds, record.kind) == kinds.end()) kinds.push_back(record.kind);
@@ -72,6 +98,15 @@ std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path)
                                                            path.string(), fmt::join(kinds, ", ")));
   }
   return records;
+}
+
+std::optional<double> SteadyInputSpeedOf_rad_per_s(const daq::Record& record) {
+  const std::vector<double> speed_rad_per_s = InputSpeedsOf_rad_per_s(record);
+  if (speed_rad_per_s.empty()) return std::nullopt;
+  const auto [low, high] = std::ranges::minmax(speed_rad_per_s);
+  const double middle = 0.5 * std::abs(low + high);
+  if (middle == 0.0 || high - low > kSteady * middle) return std::nullopt;
+  return middle;
 }
 
 std::vector<double> ChannelOf(const daq::Record& record, const std::string& channel) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,26 @@ struct RecordFeatures {
   std::vector<double> values;
 };
 
+/// The channel that `AddMotorTorque` makes.
+inline constexpr const char* kMotorTorqueChannel = "motor_torque_Nm";
+
+/// Adds the torque of the motor (which drives tell from its current) that was logged beside the vibration, at
+/// the vibration's rate: linear between its samples. A record that has the channel, or a vibration whose
+/// `rotation` logs none, stays as it is.
+/// @param rotation  of kind motion, with `time_s` from the vibration's first sample on, and `torque_Nm`.
+void AddMotorTorque(daq::Record& vibration, const daq::Record& rotation);
+
+enum class MotorTorque { kAsRecorded, kAdded };
+
 /// The records of kind vibration in a file. Records of other kinds beside them in one HDF5 file are passed
-/// over.
+/// over, but for the motor's torque of a measurement rotation where it is to be added.
 /// @throws RecordError; CampaignError if the file holds none.
-std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path);
+std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path,
+                                              MotorTorque motor_torque = MotorTorque::kAsRecorded);
+
+/// The speed of the input shaft; none where the record tells none, or one that changes by more than a
+/// hundredth.
+std::optional<double> SteadyInputSpeedOf_rad_per_s(const daq::Record& record);
 
 /// One channel's samples.
 /// @param channel  its column; empty where the record has one channel alone.

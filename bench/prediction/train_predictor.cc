@@ -5,31 +5,28 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
-#include "bench/prediction/network_json.h"
+#include "bench/prediction/training_json.h"
 
 namespace strainwave::bench {
 namespace {
 
 namespace networks = analysis::networks;
 namespace prediction = analysis::prediction;
-using Json = nlohmann::ordered_json;
 
 // The paper's filter looked at 500 records.
 constexpr Eigen::Index kFilterRecords = 500;
 constexpr int kPermutations = 5;
 
-prediction::EnsembleSettings SettingsOf(const TrainingJob& job, int inputs, int outputs) {
+prediction::EnsembleSettings SettingsOf(const TrainingJob& job, const prediction::Samples& samples) {
+  const auto inputs = static_cast<int>(samples.inputs.size());
+  const auto outputs = static_cast<int>(samples.outputs.size());
   prediction::EnsembleSettings settings;
   settings.training.seed = job.seed;
   if (job.design == "small") {
-    settings.design = {
-        {1, inputs},
-        {networks::Dense{64, networks::Activation::kTanh}, networks::Dense{32, networks::Activation::kTanh},
-         networks::Dense{outputs, networks::Activation::kLinear}}};
+    settings.design = prediction::Candidate{.widths = {64, 32}}.DesignFor(inputs, outputs);
     settings.training.loss = networks::Loss::kMse;
     settings.training.schedule = networks::CosineRate{.last = 0.02};
     settings.training.weight_decay = 1e-3;
@@ -40,12 +37,20 @@ prediction::EnsembleSettings SettingsOf(const TrainingJob& job, int inputs, int 
   } else {
     try {
       settings.design = networks::DesignOf(job.design, inputs, outputs);
-    } catch (const std::invalid_argument&) {
+    } catch (const std::invalid_argument& error) {
+      if (job.design == "ann" || job.design == "cnn") {
+        throw CampaignError(
+            ExitCode::kWrongInput,
+            fmt::format("error: the design {} does not fit {} inputs: {} (expected more of them, "
+                        "or --design small)",
+                        job.design, inputs, error.what()));
+      }
       throw CampaignError(
           ExitCode::kWrongInput,
           fmt::format("error: there is no design '{}' (expected small, ann or cnn)", job.design));
     }
   }
+  if (samples.classes) settings.training.loss = networks::Loss::kCrossEntropy;
   if (job.epochs > 0) settings.training.epochs = job.epochs;
   if (job.members > 0) settings.members = job.members;
   (settings.members > 1 ? settings.parallel : settings.training.parallel) = OnAllProcessors;
@@ -97,67 +102,24 @@ std::vector<prediction::InputGroup> GroupsOf(const std::vector<std::string>& inp
   return groups;
 }
 
-Json JsonOf(const std::vector<prediction::OutputScore>& scores, const std::vector<std::string>& outputs) {
-  Json json;
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    json[outputs[i]] = {
-        {"nmse", scores[i].nmse}, {"mape_percent", scores[i].mape_percent}, {"rmse", scores[i].rmse}};
-  }
-  json["mean_mape_percent"] = prediction::MeanMape_percent(scores);
-  return json;
-}
-
-Json TrainingJson(const TrainingData& data, const TrainingJob& job,
-                  const prediction::EnsembleSettings& settings, const TrainingOutcome& outcome) {
-  Json sources = Json::array();
-  for (const TrainingSource& source : data.sources) {
-    sources.push_back(
-        {{"folder", source.folder}, {"specimen", source.specimen}, {"records", source.records}});
-  }
-  Json splits = Json::array();
-  for (const SplitResult& split : outcome.splits) {
-    Json scores;
-    for (const auto& contestant : split.contestants) {
-      scores[contestant.name] = JsonOf(contestant.scores, data.samples.outputs);
-    }
-    splits.push_back({{"split", split.name},
-                      {"meaning", split.meaning},
-                      {"train", split.train},
-                      {"test", split.test},
-                      {"scores", std::move(scores)}});
-  }
-  Json importances = Json::array();
-  for (const auto& importance : outcome.importances) {
-    importances.push_back({{"inputs", importance.name},
-                           {"mape_rise_percent", importance.mape_rise_percent},
-                           {"se", importance.standard_error_percent}});
-  }
-  return {{"campaigns", std::move(sources)},
-          {"data_sha256", data.sha256},
-          {"records", data.samples.size()},
-          {"design", job.design},
-          {"epochs", settings.training.epochs},
-          {"seed", job.seed},
-          {"filter",
-           {{"limit", job.correlation_limit},
-            {"records", outcome.filter.records},
-            {"vibration_features", outcome.filter.vibration_features},
-            {"vibration_kept", outcome.filter.vibration_kept},
-            {"torque_features", outcome.filter.torque_features},
-            {"torque_kept", outcome.filter.torque_kept}}},
-          {"splits", std::move(splits)},
-          {"importance", std::move(importances)},
-          {"notes", data.notes}};
-}
-
 struct NamedSplit {
   std::string name;
   std::string meaning;
   prediction::Split split;
 };
+
+// Whether each specimen has a later part that is worth the name.
+bool HasLives(const prediction::Samples& samples, double test_share) {
+  const double rows = static_cast<double>(samples.size()) / prediction::SpecimenCount(samples);
+  return rows * test_share >= 1.0;
+}
+
 std::vector<NamedSplit> SplitsOf(const prediction::Samples& samples, const TrainingJob& job) {
-  std::vector<NamedSplit> splits{{"last part of each life", "a reducer that was watched before goes on",
-                                  prediction::SplitByTime(samples.specimen, samples.cycle, job.test_share)}};
+  std::vector<NamedSplit> splits;
+  if (HasLives(samples, job.test_share)) {
+    splits.push_back({"last part of each life", "a reducer that was watched before goes on",
+                      prediction::SplitByTime(samples.specimen, samples.cycle, job.test_share)});
+  }
   if (prediction::SpecimenCount(samples) > 1) {
     splits.push_back({"unseen specimens", "a reducer that was never seen",
                       prediction::SplitsBySpecimen(samples.specimen, job.folds).front()});
@@ -167,54 +129,94 @@ std::vector<NamedSplit> SplitsOf(const prediction::Samples& samples, const Train
   return splits;
 }
 
+// Adds up the work of steps that take each a number of trainings.
+class Steps {
+ public:
+  Steps(double trainings, const TrainingProgressSink& sink) : trainings_(trainings), sink_(sink) {}
+
+  prediction::FitProgress Next(std::string name, double trainings) {
+    const double begin = done_;
+    done_ += trainings;
+    return [this, name = std::move(name), begin, trainings](double share) {
+      return sink_(name, (begin + share * trainings) / trainings_);
+    };
+  }
+
+ private:
+  double trainings_;
+  double done_{};
+  const TrainingProgressSink& sink_;
+};
+
+// The winner's design and decay go into the settings. The records of the first split's test stay unseen.
+std::vector<prediction::Trial> Search(const prediction::Samples& samples, const prediction::Split& split,
+                                      const TrainingJob& job, prediction::EnsembleSettings& settings,
+                                      const prediction::FitProgress& progress) {
+  const prediction::Samples seen = prediction::Rows(samples, split.train);
+  prediction::EnsembleSettings spread = settings;
+  spread.parallel = OnAllProcessors;
+  std::vector<prediction::Trial> trials = prediction::SearchDesigns(
+      seen, prediction::UsualCandidates(), prediction::HonestFolds(seen, job.folds), spread, progress);
+  const prediction::Candidate& winner = trials.front().candidate;
+  settings.design =
+      winner.DesignFor(static_cast<int>(samples.inputs.size()), static_cast<int>(samples.outputs.size()));
+  settings.training.weight_decay = winner.weight_decay;
+  return trials;
+}
+
 }  // namespace
 
-TrainingOutcome TrainPredictor(const TrainingData& data, const analysis::features::WaveletRecipe& recipe,
-                               const TrainingJob& job,
-                               const std::function<bool(const std::string&, double)>& progress) {
+TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
+                               const TrainingProgressSink& progress) {
   const Filtered filtered = Filter(data, job.correlation_limit);
   const prediction::Samples& samples = filtered.samples;
-  const prediction::EnsembleSettings settings =
-      SettingsOf(job, static_cast<int>(samples.inputs.size()), static_cast<int>(samples.outputs.size()));
+  prediction::EnsembleSettings settings = SettingsOf(job, samples);
   const std::vector<NamedSplit> splits = SplitsOf(samples, job);
-  // Trainings as their measure: one a split, one a fold, and the last one.
-  const double trainings = static_cast<double>(splits.size()) + job.folds + 1.0;
-
-  std::vector<SplitResult> results;
-  std::vector<prediction::Importance> importances;
-  HeldOut held_out;
+  constexpr double kSearch = 3.0;
+  constexpr double kCurve = 2.0;
+  Steps steps((job.search ? kSearch : 0.0) + (job.learning_curve ? kCurve : 0.0) +
+                  static_cast<double>(splits.size()) + job.folds + 1.0,
+              progress);
+  TrainingOutcome outcome;
+  outcome.filter = filtered.summary;
+  if (job.search) {
+    outcome.trials = Search(samples, splits.front().split, job, settings, steps.Next("search", kSearch));
+  }
   for (std::size_t k = 0; k < splits.size(); ++k) {
     const NamedSplit& named = splits[k];
-    const prediction::FitProgress step = [&](double share) {
-      return progress("test on " + named.name, (static_cast<double>(k) + share) / trainings);
-    };
-    prediction::Comparison comparison = prediction::Compare(samples, named.split, settings, step);
-    results.push_back({named.name, named.meaning, named.split.train.size(), named.split.test.size(),
-                       std::move(comparison.contestants)});
+    prediction::Comparison comparison =
+        prediction::Compare(samples, named.split, settings, steps.Next("test on " + named.name, 1.0));
+    outcome.splits.push_back({named.name, named.meaning, named.split.train.size(), named.split.test.size(),
+                              std::move(comparison.contestants)});
     if (k > 0) continue;
     const prediction::Samples test = prediction::Rows(samples, named.split.test);
     const auto predict = [&](const Eigen::MatrixXd& features) {
       return comparison.network.Predict(features).mean;
     };
-    importances = prediction::PermutationImportance(predict, test.features, test.targets,
-                                                    GroupsOf(samples.inputs), kPermutations, job.seed);
-    held_out = {test.cycle, test.specimen, test.targets, predict(test.features)};
+    const auto error_percent = [&](const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted) {
+      return prediction::Judge("", samples.classes, actual, predicted).Error_percent();
+    };
+    outcome.importances =
+        prediction::PermutationImportance(predict, error_percent, test.features, test.targets,
+                                          GroupsOf(samples.inputs), kPermutations, job.seed);
+    outcome.held_out = {named.name, test.cycle, test.targets, predict(test.features)};
   }
-  const double before = static_cast<double>(splits.size()) / trainings;
-  const prediction::FitProgress last = [&](double share) {
-    return progress("predictor and its intervals", before + (1.0 - before) * share);
-  };
-  Predictor predictor{.recipe = {.wavelet = recipe,
-                                 .channels = data.channels,
-                                 .sample_rate_hz = data.sample_rate_hz,
-                                 .least_samples = data.least_samples,
-                                 .inputs = samples.inputs},
-                      .outputs = samples.outputs,
-                      .fitted = prediction::FitPredictor(samples, settings, job.coverage, job.folds, last),
-                      .training_json = {}};
-  TrainingOutcome outcome{std::move(predictor), filtered.summary, std::move(results), std::move(importances),
-                          std::move(held_out)};
-  outcome.predictor.training_json = TrainingJson(data, job, settings, outcome).dump();
+  if (job.learning_curve) {
+    prediction::EnsembleSettings spread = settings;
+    spread.parallel = OnAllProcessors;
+    outcome.curve = prediction::LearningCurve(samples, splits.front().split, spread,
+                                              steps.Next("learning curve", kCurve));
+  }
+  prediction::Fit fit = prediction::FitPredictor(samples, settings, job.coverage, job.folds,
+                                                 steps.Next("predictor and its folds", job.folds + 1.0));
+  outcome.folds = {prediction::SpecimenCount(samples) > 1 ? "whole specimens" : "blocks of time",
+                   prediction::FoldErrors_percent(samples, fit.folds, fit.cross),
+                   prediction::Judge("network", samples.classes, samples.targets, fit.cross.predicted)};
+  FeatureRecipe recipe = data.recipe;
+  recipe.inputs = samples.inputs;
+  outcome.predictor.emplace(
+      Predictor{std::move(recipe), samples.outputs, std::move(fit.predictor), std::string()});
+  outcome.predictor->training_json = TrainingJson(data, job, settings, outcome);
   return outcome;
 }
 

@@ -3,11 +3,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/prediction/correlation_filter.h"
+#include "analysis/prediction/design_search.h"
 #include "analysis/prediction/importance.h"
+#include "analysis/prediction/learning_curve.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/training_data.h"
 
@@ -25,6 +28,8 @@ struct TrainingJob {
   double correlation_limit{0.75};
   double test_share{1000.0 / 3500.0};  // of each life, the last part
   std::uint64_t seed{1};
+  bool search{};          // for widths, depth and decay of a small network
+  bool learning_curve{};  // how few records would do
 };
 
 /// What the correlation filter left of the features.
@@ -45,28 +50,40 @@ struct SplitResult {
   std::vector<analysis::prediction::Contestant> contestants;
 };
 
-/// Predictions of records by networks that had not seen them, for the picture and the coverage.
+/// Predictions of records by a network that had not seen them, for the picture.
 struct HeldOut {
+  std::string split;
   std::vector<double> cycle;
-  std::vector<int> specimen;
   Eigen::MatrixXd actual;
   Eigen::MatrixXd predicted;
 };
 
-struct TrainingOutcome {
-  Predictor predictor;
-  FilterSummary filter;
-  std::vector<SplitResult> splits;
-  std::vector<analysis::prediction::Importance> importances;
-  HeldOut held_out;  // the last part of each life
+/// Every record predicted once by a network that had not seen its fold.
+struct FoldResult {
+  std::string of;                     // "whole specimens", or "blocks of time"
+  std::vector<double> error_percent;  // of each fold
+  analysis::prediction::Contestant all;
 };
 
-/// Filters the features, compares the network with what it has to beat on honest splits and on a random one,
-/// fits the predictor on everything, and measures what its inputs are worth.
-/// @param progress  step and share of all; false ends it.
+struct TrainingOutcome {
+  FilterSummary filter;
+  std::vector<analysis::prediction::Trial> trials;  // of the search, the winner first
+  std::vector<SplitResult> splits;
+  std::vector<analysis::prediction::Importance> importances;
+  HeldOut held_out;  // of the first split
+  std::vector<analysis::prediction::LearningPoint> curve;
+  FoldResult folds;
+  std::optional<Predictor> predictor;
+};
+
+/// Told step and share of all; false ends the training.
+using TrainingProgressSink = std::function<bool(const std::string& step, double share)>;
+
+/// Filters the features, searches a design if asked to, compares the network with what it has to beat on
+/// honest splits and on a random one, fits the predictor on everything, and measures what its inputs are
+/// worth.
 /// @throws CampaignError for a design without that name; prediction::TrainingEnded when progress ended it.
-TrainingOutcome TrainPredictor(const TrainingData& data, const analysis::features::WaveletRecipe& recipe,
-                               const TrainingJob& job,
-                               const std::function<bool(const std::string& step, double share)>& progress);
+TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
+                               const TrainingProgressSink& progress);
 
 }  // namespace strainwave::bench

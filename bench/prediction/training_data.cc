@@ -2,10 +2,8 @@
 #include "bench/prediction/training_data.h"
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <map>
-#include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -13,89 +11,85 @@
 #include <fmt/ranges.h>
 
 #include "bench/campaign/campaign_error.h"
-#include "bench/campaign/cycle_results.h"
 #include "bench/campaign/folder.h"
-#include "bench/campaign/journal.h"
-#include "bench/prediction/campaign_features.h"
+#include "bench/prediction/measurement_paths.h"
 
 namespace strainwave::bench {
 namespace {
 
-constexpr std::size_t kFewestRecords = 20;
+namespace fs = std::filesystem;
 
-// The outputs of one cycle, or which of them it has not.
-struct Labels {
-  std::vector<double> values;
-  std::string missing;
-};
-Labels LabelsOf(const std::vector<Result>& results, const std::vector<std::string>& outputs) {
-  Labels labels;
-  for (const std::string& output : outputs) {
-    const auto result = FindResult(results, output);
-    if (!result) {
-      labels.missing = output + " was not measured";
-      return labels;
-    }
-    if (!(result->flag.empty() || result->flag.starts_with(kThermalFlag)) || !std::isfinite(result->value)) {
-      labels.missing = fmt::format("{} is flagged: {}", output, result->flag);
-      return labels;
-    }
-    labels.values.push_back(result->value);
-  }
-  return labels;
-}
+constexpr std::size_t kFewestRows = 20;
 
-// Rows while they are collected.
-struct Rows {
-  std::vector<Eigen::RowVectorXd> features;
-  std::vector<std::vector<double>> targets;
-};
-
-void RequireLike(const TrainingData& data, const CampaignFeatures& features,
-                 const std::filesystem::path& folder) {
-  if (features.channels != data.channels || features.sample_rate_hz != data.sample_rate_hz ||
-      features.names != data.samples.inputs) {
-    Refuse(
-        folder,
-        fmt::format("vibration of {} at {} Hz", fmt::join(features.channels, " "), features.sample_rate_hz),
-        fmt::format("{} at {} Hz, as in {}", fmt::join(data.channels, " "), data.sample_rate_hz,
-                    data.sources.front().folder));
+void KeepVibration(SourceRows& rows) {
+  rows.shape.names.resize(rows.shape.vibration_features);
+  for (Eigen::RowVectorXd& row : rows.features) {
+    row.conservativeResize(static_cast<Eigen::Index>(rows.shape.vibration_features));
   }
 }
 
-void TakeCampaign(TrainingData& data, Rows& rows, std::map<std::string, int>& specimens,
-                  const std::filesystem::path& path, const CampaignFeatures& features) {
-  const CampaignFolder folder{path};
-  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
-  TrainingSource source{path.string(), journal.Property("specimen").value_or(path.string()), 0};
-  const int number = specimens.try_emplace(source.specimen, static_cast<int>(specimens.size())).first->second;
-  for (const std::string& note : features.notes) data.notes.push_back(path.string() + ": " + note);
-  for (std::size_t i = 0; i < features.cycle.size(); ++i) {
-    const Labels labels = LabelsOf(journal.Results(features.cycle[i], 0), data.samples.outputs);
-    if (!labels.missing.empty()) {
-      data.notes.push_back(
-          fmt::format("{}: cycle {} left out: {}", path.string(), features.cycle[i], labels.missing));
-      continue;
-    }
-    rows.features.emplace_back(features.values.row(static_cast<Eigen::Index>(i)));
-    rows.targets.push_back(labels.values);
-    data.samples.specimen.push_back(number);
-    data.samples.cycle.push_back(features.cycle[i]);
-    ++source.records;
+void RequireLike(const SourceRows& rows, const SourceRows& first) {
+  if (rows.shape.channels == first.shape.channels &&
+      rows.shape.sample_rate_hz == first.shape.sample_rate_hz && rows.shape.names == first.shape.names) {
+    return;
   }
-  data.sources.push_back(std::move(source));
+  Refuse(
+      rows.source,
+      fmt::format("vibration of {} at {} Hz", fmt::join(rows.shape.channels, " "), rows.shape.sample_rate_hz),
+      fmt::format("{} at {} Hz, as in {}", fmt::join(first.shape.channels, " "), first.shape.sample_rate_hz,
+                  first.source.string()));
 }
 
-void FillMatrices(TrainingData& data, const Rows& rows) {
-  const auto count = static_cast<Eigen::Index>(rows.features.size());
-  data.samples.features.resize(count, static_cast<Eigen::Index>(data.samples.inputs.size()));
-  data.samples.targets.resize(count, static_cast<Eigen::Index>(data.samples.outputs.size()));
-  for (Eigen::Index row = 0; row < count; ++row) {
-    const auto i = static_cast<std::size_t>(row);
-    data.samples.features.row(row) = rows.features[i];
-    for (std::size_t column = 0; column < rows.targets[i].size(); ++column) {
-      data.samples.targets(row, static_cast<Eigen::Index>(column)) = rows.targets[i][column];
+std::size_t CountRows(const std::vector<SourceRows>& sources) {
+  std::size_t count = 0;
+  for (const SourceRows& rows : sources) count += rows.features.size();
+  return count;
+}
+
+void RequireEnough(const std::vector<SourceRows>& sources, const TrainingData& data, bool campaigns) {
+  if (CountRows(sources) >= kFewestRows) return;
+  Refuse(
+      sources.front().source,
+      fmt::format("{} {} with vibration and {}{}", CountRows(sources), campaigns ? "cycles" : "windows",
+                  fmt::join(data.samples.outputs, ", "), data.notes.empty() ? "" : "; " + data.notes.front()),
+      fmt::format("at least {}", kFewestRows));
+}
+
+// The names of the classes become the outputs.
+void NameClasses(const std::vector<SourceRows>& sources, analysis::prediction::Samples& samples) {
+  std::set<std::string> names;
+  for (const SourceRows& rows : sources) names.insert(rows.classes.begin(), rows.classes.end());
+  if (names.size() < 2) {
+    Refuse(sources.front().source, fmt::format("the class is {} in every record", fmt::join(names, ", ")),
+           "records of two classes or more");
+  }
+  samples.outputs.assign(names.begin(), names.end());
+}
+
+// All rows of all sources, one below the other.
+void FillSamples(const std::vector<SourceRows>& sources, TrainingData& data) {
+  analysis::prediction::Samples& samples = data.samples;
+  const auto count = static_cast<Eigen::Index>(CountRows(sources));
+  samples.features.resize(count, static_cast<Eigen::Index>(samples.inputs.size()));
+  samples.targets = Eigen::MatrixXd::Zero(count, static_cast<Eigen::Index>(samples.outputs.size()));
+  std::map<std::string, int> specimens;
+  std::map<int, double> windows;  // of each specimen so far
+  Eigen::Index row = 0;
+  for (const SourceRows& rows : sources) {
+    const int number = specimens.try_emplace(rows.specimen, static_cast<int>(specimens.size())).first->second;
+    for (std::size_t i = 0; i < rows.features.size(); ++i, ++row) {
+      samples.features.row(row) = rows.features[i];
+      samples.specimen.push_back(number);
+      samples.cycle.push_back(rows.place.empty() ? ++windows[number] : rows.place[i]);
+      if (samples.classes) {
+        const auto found = std::ranges::find(samples.outputs, rows.classes[i]);
+        samples.targets(row, found - samples.outputs.begin()) = 1.0;
+        continue;
+      }
+      samples.targets.row(row) =
+          Eigen::Map<const Eigen::RowVectorXd>(rows.targets[i].data(), samples.targets.cols());
     }
+    data.sources.push_back({rows.source.string(), rows.specimen, rows.features.size()});
   }
 }
 
@@ -116,12 +110,19 @@ void LeaveOutUndefined(TrainingData& data) {
   data.vibration_features = vibration;
 }
 
-void RequireVariation(const TrainingData& data, const std::filesystem::path& folder) {
+void RequireVariation(const TrainingData& data, const fs::path& first, bool campaigns) {
   for (std::size_t column = 0; column < data.samples.outputs.size(); ++column) {
     const auto values = data.samples.targets.col(static_cast<Eigen::Index>(column));
-    if (values.maxCoeff() > values.minCoeff()) continue;
-    Refuse(folder, fmt::format("{} is {} in every cycle", data.samples.outputs[column], values(0)),
-           "something that changes over the campaign");
+    if (!(values.maxCoeff() > values.minCoeff())) {
+      Refuse(first,
+             fmt::format("{} is {} in every {}", data.samples.outputs[column], values(0),
+                         campaigns ? "cycle" : "record"),
+             fmt::format("something that changes over the {}", campaigns ? "campaign" : "records"));
+    }
+    if (!data.samples.classes && (values.array() == 0.0).any()) {
+      Refuse(first, fmt::format("{} is 0 in some records", data.samples.outputs[column]),
+             "other than 0: errors are told as a share of it");
+    }
   }
 }
 
@@ -130,54 +131,82 @@ std::string_view BytesOf(const Eigen::MatrixXd& values) {
           static_cast<std::size_t>(values.size()) * sizeof(double)};
 }
 
-std::vector<std::string> OutputsIn(const std::filesystem::path& path) {
-  const Journal journal = Journal::Open(CampaignFolder{path}.Journal(), Database::Mode::kReadOnly);
-  std::vector<std::string> outputs;
-  for (const char* quantity : kPredictedQuantities) {
-    if (!journal.Series(quantity).empty()) outputs.emplace_back(quantity);
+std::vector<SourceRows> ReadCampaigns(const std::vector<fs::path>& campaigns, const SourceSettings& settings,
+                                      const std::vector<std::string>& outputs,
+                                      const std::function<void(double)>& progress) {
+  if (outputs == std::vector<std::string>{kClassLabel}) {
+    Refuse(campaigns.front(), "a campaign has no classes", "record files with a class");
   }
-  return outputs;
+  std::vector<SourceRows> sources;
+  for (std::size_t k = 0; k < campaigns.size(); ++k) {
+    sources.push_back(
+        ReadCampaignRows(campaigns[k], settings, outputs, [&](std::size_t done, std::size_t all) {
+          const double share = static_cast<double>(done) / static_cast<double>(all);
+          progress((static_cast<double>(k) + share) / static_cast<double>(campaigns.size()));
+        }));
+  }
+  return sources;
 }
 
 }  // namespace
 
-TrainingData ReadTrainingData(const std::vector<std::filesystem::path>& folders,
-                              const analysis::features::WaveletRecipe& recipe,
-                              const std::vector<std::string>& outputs,
+TrainingData ReadTrainingData(const std::vector<fs::path>& paths, const SourceSettings& settings,
                               const std::function<void(const std::string&, double)>& progress) {
+  if (settings.outputs.size() > 1 &&
+      std::ranges::find(settings.outputs, kClassLabel) != settings.outputs.end()) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        "error: class and quantities in one predictor (expected class alone, or without it)");
+  }
+  const MeasurementPaths sorted = SortPaths(paths);
   TrainingData data;
-  Rows rows;
-  std::map<std::string, int> specimens;
-  for (std::size_t k = 0; k < folders.size(); ++k) {
-    const CampaignFeatures features =
-        FeaturesOfCampaign(folders[k], recipe, [&](std::size_t done, std::size_t all) {
-          const double share = static_cast<double>(done) / static_cast<double>(all);
-          if (progress)
-            progress("features", (static_cast<double>(k) + share) / static_cast<double>(folders.size()));
+  data.recipe.features = settings.features;
+  std::vector<SourceRows> sources;
+  std::vector<std::string> outputs = settings.outputs;
+  const double campaigns_share = sorted.files.empty() ? 1.0 : sorted.campaigns.empty() ? 0.0 : 0.5;
+  if (!sorted.campaigns.empty()) {
+    if (outputs.empty()) outputs = CampaignOutputs(sorted.campaigns.front());
+    sources = ReadCampaigns(sorted.campaigns, settings, outputs,
+                            [&](double share) { progress("features", campaigns_share * share); });
+  }
+  if (!sorted.files.empty()) {
+    SourceSettings of_records = settings;
+    of_records.outputs = outputs;
+    if (!sources.empty()) of_records.window_s = 0.0;
+    const RecordFiles records = SurveyRecords(sorted.files, of_records);
+    outputs = records.outputs;
+    data.recipe.window = records.window;
+    data.recipe.decimates = records.signals.decimates;
+    std::vector<SourceRows> rows =
+        ReadRecordRows(records, of_records, [&](std::size_t done, std::size_t all) {
+          progress("features", campaigns_share + (1.0 - campaigns_share) * static_cast<double>(done) /
+                                                     static_cast<double>(all));
         });
-    if (k == 0) {
-      data.channels = features.channels;
-      data.sample_rate_hz = features.sample_rate_hz;
-      data.least_samples = features.least_samples;
-      data.samples.inputs = features.names;
-      data.samples.outputs = outputs.empty() ? OutputsIn(folders[k]) : outputs;
-      const std::size_t all_channels = features.channels.size() + features.torque_channels.size();
-      data.vibration_features = features.names.size() / all_channels * features.channels.size();
-    }
-    RequireLike(data, features, folders[k]);
-    data.least_samples = std::min(data.least_samples, features.least_samples);
-    TakeCampaign(data, rows, specimens, folders[k], features);
+    std::ranges::move(rows, std::back_inserter(sources));
   }
-  if (rows.features.size() < kFewestRecords) {
-    Refuse(folders.front(),
-           fmt::format("{} cycles with vibration and {}{}", rows.features.size(),
-                       fmt::join(data.samples.outputs, ", "),
-                       data.notes.empty() ? "" : "; " + data.notes.front()),
-           fmt::format("at least {}", kFewestRecords));
+  const bool mixed = !sorted.campaigns.empty() && !sorted.files.empty();
+  for (SourceRows& rows : sources) {
+    // Torque is looked at to show that it says nothing new; records need not have it.
+    if (mixed) KeepVibration(rows);
   }
-  FillMatrices(data, rows);
+  const SourceRows& first = sources.front();
+  for (const SourceRows& rows : sources) {
+    RequireLike(rows, first);
+    data.notes.insert(data.notes.end(), rows.notes.begin(), rows.notes.end());
+  }
+  data.recipe.channels = first.shape.channels;
+  data.recipe.sample_rate_hz = first.shape.sample_rate_hz;
+  data.vibration_features = first.shape.vibration_features;
+  data.samples.inputs = first.shape.names;
+  data.samples.outputs = outputs;
+  data.samples.classes = outputs == std::vector<std::string>{kClassLabel};
+  const bool campaigns = !sorted.campaigns.empty();
+  RequireEnough(sources, data, campaigns);
+  std::erase_if(sources, [](const SourceRows& rows) { return rows.features.empty(); });
+  data.recipe.least_samples = std::ranges::min(sources, {}, &SourceRows::least_samples).least_samples;
+  if (data.samples.classes) NameClasses(sources, data.samples);
+  FillSamples(sources, data);
   LeaveOutUndefined(data);
-  RequireVariation(data, folders.front());
+  RequireVariation(data, sources.front().source, campaigns);
   data.sha256 =
       Sha256(std::string(BytesOf(data.samples.features)) + std::string(BytesOf(data.samples.targets)));
   return data;

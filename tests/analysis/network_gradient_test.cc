@@ -82,7 +82,7 @@ TEST(Forward, PoolsSeriesBySeries) {
   x << 1, 5, 2, 2, 9, -1, 0, -3, -4, -5, -1, -2, -8, -7;
   Pass<double> pass;
   const Matrix<double> y = Forward<double>(network, Vector<double>(0), x, pass);
-  EXPECT_EQ(pass.outputs[0], (Matrix<double>(6, 1) << 5, 9, 9, -3, -1, -2).finished());
+  EXPECT_EQ(pass.outputs[0], (Matrix<double>(6, 1) << 5, -3, 9, -1, 9, -2).finished());
   EXPECT_NEAR(y(0), 23.0 / 3.0, 1e-15);
   EXPECT_NEAR(y(1), -2.0, 1e-15);
 }

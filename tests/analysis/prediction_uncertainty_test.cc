@@ -7,11 +7,13 @@
 #include <set>
 #include <vector>
 
+#include "analysis/features/decimation.h"
 #include "analysis/prediction/conformal.h"
 #include "analysis/prediction/importance.h"
 #include "analysis/prediction/informative_records.h"
 #include "analysis/prediction/novelty.h"
 #include "analysis/prediction/ridge.h"
+#include "analysis/prediction/scores.h"
 #include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::prediction {
@@ -146,15 +148,45 @@ TEST(PermutationImportance, FindsWhatThePredictorLooksAt) {
   const auto predict = [](const Eigen::MatrixXd& x) -> Eigen::MatrixXd {
     return (10.0 + 0.2 * x.col(0).array() + 1.0 * x.col(2).array()).matrix();
   };
-  const auto found = PermutationImportance(predict, features, predict(features),
+  const auto mape = [](const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted) {
+    return MeanMape_percent(ScoresOf(actual, predicted));
+  };
+  const auto found = PermutationImportance(predict, mape, features, predict(features),
                                            {{"little", {0}}, {"unused", {1}}, {"much", {2}}}, 4, 1);
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(found[0].name, "much");
   EXPECT_EQ(found[1].name, "little");
   EXPECT_EQ(found[2].name, "unused");
-  EXPECT_EQ(found[2].mape_rise_percent, 0.0);
+  EXPECT_EQ(found[2].error_rise_percent, 0.0);
   // |x − x'| of two normals has the mean 2/√π: 11.3 % of 10, a little more since 1/y is convex.
-  EXPECT_NEAR(found[0].mape_rise_percent, 11.3, 0.6);
+  EXPECT_NEAR(found[0].error_rise_percent, 11.3, 0.6);
+}
+
+TEST(Confusion, CountsOwnClassesDownAndGivenOnesAcross) {
+  Eigen::MatrixXd actual(4, 2);
+  actual << 1, 0, 1, 0, 0, 1, 0, 1;
+  Eigen::MatrixXd predicted(4, 2);
+  predicted << 0.9, 0.1, 0.2, 0.8, 0.4, 0.6, 0.3, 0.7;
+  const Eigen::MatrixXi counts = Confusion(actual, predicted);
+  EXPECT_EQ(counts, (Eigen::MatrixXi(2, 2) << 1, 1, 0, 2).finished());
+  EXPECT_EQ(Accuracy_percent(counts), 75.0);
+}
+
+// A tone below the new Nyquist frequency stays, one above it would come back as another.
+TEST(Decimate, KeepsWhatIsBelowTheNewNyquistFrequencyAndLosesWhatIsAbove) {
+  const auto tone = [](double cycles_per_sample, int count) {
+    std::vector<double> values;
+    for (int i = 0; i < count; ++i) values.push_back(std::sin(2.0 * M_PI * cycles_per_sample * i));
+    return values;
+  };
+  const std::vector<double> kept = features::Decimate(tone(0.02, 4000), 4);
+  ASSERT_EQ(kept.size(), 1000U);
+  const std::vector<double> expected = tone(0.08, 1000);
+  for (std::size_t i = 20; i < 980; ++i) EXPECT_NEAR(kept[i], expected[i], 1e-3);
+  const std::vector<double> lost = features::Decimate(tone(0.145, 4000), 4);
+  for (std::size_t i = 20; i < 980; ++i) EXPECT_NEAR(lost[i], 0.0, 1e-3);
+  EXPECT_EQ(MessageOf([] { features::Decimate(std::vector<double>{1.0}, 0); }),
+            "factor = 0 is not from 1 up");
 }
 
 TEST(ChooseInformative, SpreadsOverWhatThereIs) {

@@ -12,6 +12,7 @@
 
 #include "bench/prediction/onnx_model.h"
 #include "bench/prediction/onnx_network.h"
+#include "tests/bench/random_predictor.h"
 
 namespace strainwave::bench {
 namespace {
@@ -19,43 +20,17 @@ namespace {
 namespace networks = analysis::networks;
 namespace prediction = analysis::prediction;
 
-Eigen::MatrixXd Normal(Eigen::Index rows, Eigen::Index columns, std::mt19937& engine) {
-  std::normal_distribution<double> normal;
-  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(engine); });
-}
-
-// A predictor of random numbers: nothing in it agrees by chance.
-prediction::FittedPredictor RandomPredictor(const networks::Design& design, int members) {
-  std::mt19937 engine(7);
-  networks::Network network(design);
-  const Eigen::Index inputs = network.input_size();
-  const Eigen::Index outputs = network.output_size();
-  prediction::FittedPredictor fitted{
-      .ensemble = {.input = {Normal(1, inputs, engine), Normal(1, inputs, engine).array().abs() + 0.5},
-                   .output = {Normal(1, outputs, engine).array() + 50.0, Normal(1, outputs, engine)},
-                   .network = network,
-                   .members = {}},
-      .residual = Normal(1, outputs, engine).array().abs() + 0.1,
-      .band = {.coverage = 0.9, .factor = Normal(1, outputs, engine).array().abs() + 1.0, .guaranteed = true},
-      .novelty = {.mean = Normal(1, inputs, engine),
-                  .whitening = Normal(inputs, inputs, engine),
-                  .limit = 1.7},
-      .least = Eigen::RowVectorXd::Zero(inputs),
-      .greatest = Eigen::RowVectorXd::Ones(inputs)};
-  for (int k = 0; k < members; ++k) {
-    fitted.ensemble.members.push_back(
-        networks::InitialParameters<double>(network, static_cast<std::uint64_t>(k)));
-    fitted.ensemble.members.back() += 0.1 * Normal(network.parameter_count(), 1, engine);
-  }
-  return fitted;
-}
-
 prediction::FittedPredictor Dense(int members) {
   return RandomPredictor(
       {{1, 12},
        {networks::Dense{9, networks::Activation::kSigmoid}, networks::Dense{7, networks::Activation::kTanh},
         networks::Dense{5, networks::Activation::kRelu}, networks::Dense{3, networks::Activation::kLinear}}},
       members);
+}
+
+prediction::FittedPredictor Classifier() {
+  return RandomPredictor({{1, 12}, {networks::Dense{9, networks::Activation::kTanh}, networks::Dense{3}}}, 3,
+                         Head::kClasses);
 }
 
 prediction::FittedPredictor Cnn() { return RandomPredictor(networks::DesignOf("cnn", 60, 4), 2); }
@@ -84,6 +59,20 @@ TEST(OnnxBytes, OpenCvAgreesWithADenseEnsemble) { ExpectAgreement(Dense(3)); }
 TEST(OnnxBytes, OpenCvAgreesWithASingleNetwork) { ExpectAgreement(Dense(1)); }
 TEST(OnnxBytes, OpenCvAgreesWithTheConvolutionsOfThePaper) { ExpectAgreement(Cnn()); }
 
+TEST(OnnxBytes, OpenCvAgreesWithTheProbabilitiesOfAClassifier) {
+  const auto fitted = Classifier();
+  OnnxNetwork network(OnnxBytes(fitted, {}), 12, 3, OnnxNetwork::Predicts::kClasses);
+  std::mt19937 engine(11);
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::RowVectorXd features = Normal(1, 12, engine);
+    const auto trained = fitted.Predict(features);
+    const auto exported = network.Run(features);
+    EXPECT_NEAR(exported.prediction.sum(), 1.0, kAgreement);
+    EXPECT_LT((exported.prediction - trained.value.row(0)).cwiseAbs().maxCoeff(), kAgreement);
+    EXPECT_NEAR(exported.distance, trained.distance(0), kAgreement * trained.distance(0));
+  }
+}
+
 TEST(OnnxBytes, PassTheirOwnersChecker) {
   if (std::system("/usr/bin/python3 -c 'import onnx' 2>/dev/null") != 0) {
     GTEST_SKIP() << "skipped, because /usr/bin/python3 has no onnx";
@@ -99,6 +88,11 @@ TEST(OnnxBytes, PassTheirOwnersChecker) {
         "assert m.metadata_props[0].value == 'k2_Nm_per_rad'\"";
     EXPECT_EQ(std::system(command.c_str()), 0);
   }
+  std::ofstream(file, std::ios::binary) << OnnxBytes(Classifier(), {{"output_0", "cracked"}});
+  const std::string command = "/usr/bin/python3 -c \"import onnx; m = onnx.load('" + file.string() +
+                              "'); onnx.checker.check_model(m, full_check=True); "
+                              "assert [o.name for o in m.graph.output] == ['probability', 'distance']\"";
+  EXPECT_EQ(std::system(command.c_str()), 0);
   std::filesystem::remove(file);
 }
 

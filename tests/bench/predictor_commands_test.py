@@ -113,6 +113,29 @@ class Predictors(unittest.TestCase):
         _, from_cycle, _ = run("predict", self.predictor, self.campaign / "cycles" / "000010.h5", "--json")
         self.assertEqual(json.loads(from_csv)["values"], json.loads(from_cycle)["values"])
 
+    def test_the_motor_s_torque_is_a_channel_that_the_recipe_states(self):
+        out = FOLDER / "by_order"
+        code, _, error = run("train", self.campaign, "--out", out, "--epochs", 10, "--set", "orders", "--motor-torque")
+        self.assertEqual(code, 0, error)
+        recipe = json.loads((out / "predictor.json").read_text())["recipe"]
+        self.assertEqual(recipe["set"], "orders")
+        self.assertEqual(sorted(recipe["channels"]), sorted([*CHANNELS, "motor_torque_Nm"]))
+        code, text, error = run("predict", out, self.campaign / "cycles" / "000010.h5", "--json")
+        self.assertEqual(code, 0, error)
+        self.assertEqual(len(json.loads(text)["values"]), 5)
+        self.assertRegex(self.refusal("predict", out, write("without.csv", vibration(10))),
+                         r"^without.csv: error: there is no channel motor_torque_Nm \(expected .*\)$")
+
+    def test_features_of_a_campaign_come_a_row_a_cycle(self):
+        code, text, error = run("features", self.campaign, "--json")
+        self.assertEqual(code, 0, error)
+        campaign_features = json.loads(text)
+        self.assertEqual([row["cycle"] for row in campaign_features["cycles"]], list(range(1, CYCLES + 1)))
+        self.assertEqual(len(campaign_features["cycles"][0]["values"]), len(campaign_features["names"]))
+        code, text, _ = run("features", self.campaign)
+        self.assertEqual(text.replace(str(FOLDER) + "/", ""),
+                         f"campaign: 1225 features of {CYCLES} cycles, in campaign/features.h5\n")
+
     def test_another_gear_s_sound_lies_outside(self):
         random = numpy.random.default_rng(1)
         columns = {name: 3.0 * values + random.standard_normal(len(values)) for name, values in vibration(10).items()}

@@ -10,6 +10,7 @@
 #include "analysis/features/wavelet_features.h"
 #include "analysis/networks/training.h"
 #include "analysis/wavelets/decomposition.h"
+#include "bench/campaign/on_all_processors.h"
 
 namespace strainwave::analysis {
 namespace {
@@ -66,18 +67,31 @@ void ComputesTheFeatures(benchmark::State& state) {
 }
 BENCHMARK(ComputesTheFeatures)->Args({4, 102400})->Args({6, 200000})->Unit(benchmark::kMillisecond);
 
-void TrainsAnEpoch(benchmark::State& state, const char* model) {
+void TrainsAnEpoch(benchmark::State& state, const char* model, const networks::ParallelFor& parallel) {
   const networks::Network network(networks::DesignOf(model, 204, 4));
   networks::Samples<float> samples{networks::Matrix<float>::Random(204, 2500),
                                    networks::Matrix<float>::Random(4, 2500).array() + 3.0F};
   networks::TrainingOptions options;
   options.epochs = 1;
   options.batch = static_cast<int>(state.range(0));
+  options.parallel = parallel;
   networks::Vector<float> parameters = networks::InitialParameters<float>(network, 1);
   for (auto _ : state) networks::Train(network, samples, {}, options, parameters);
 }
-BENCHMARK_CAPTURE(TrainsAnEpoch, ann, "ann")->Arg(32)->Arg(2500)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(TrainsAnEpoch, cnn, "cnn")->Arg(32)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(TrainsAnEpoch, ann, "ann", networks::InTurn)
+    ->Arg(32)
+    ->Arg(2500)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(TrainsAnEpoch, cnn, "cnn", networks::InTurn)->Arg(32)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(TrainsAnEpoch, ann_threads, "ann", bench::OnAllProcessors)
+    ->Arg(32)
+    ->Arg(2500)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(TrainsAnEpoch, cnn_threads, "cnn", bench::OnAllProcessors)
+    ->Arg(32)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 void PredictsOneRecord(benchmark::State& state) {
   const networks::Network network(networks::DesignOf("ann", 204, 4));

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "analysis/features/order_bands.h"
+#include "analysis/features/wavelet_features.h"
+
+namespace strainwave::bench {
+
+enum class FeatureSet { kWavelet, kOrders };
+
+std::string_view NameOf(FeatureSet set);
+/// @throws std::invalid_argument for another name than `wavelet` and `orders`.
+FeatureSet FeatureSetOf(std::string_view name);
+
+/// What the series of a channel is told by.
+struct FeatureSettings {
+  FeatureSet set{FeatureSet::kWavelet};
+  analysis::features::WaveletRecipe wavelet;
+  analysis::features::OrderBands orders;
+};
+
+/// Features of one channel after another, of whichever set. Keeps its memory; one object a thread.
+class ChannelFeatures {
+ public:
+  /// @throws std::invalid_argument for settings out of range.
+  explicit ChannelFeatures(FeatureSettings settings);
+
+  const FeatureSettings& settings() const { return settings_; }
+  std::size_t CountPerChannel() const;
+  /// `CHANNEL.aLEVEL.COLUMN` or `CHANNEL.orders.LOW_HIGH`.
+  std::vector<std::string> Names(std::span<const std::string> channels) const;
+
+  /// @param samples_per_turn  of the input shaft; only energies by order need it.
+  /// @param out  `CountPerChannel` places.
+  /// @throws std::invalid_argument if there is no speed where one is needed, or the signal is unfit.
+  void Compute(std::span<const double> signal, std::optional<double> samples_per_turn, std::span<double> out);
+
+ private:
+  FeatureSettings settings_;
+  analysis::features::WaveletFeatures by_wavelet_;
+};
+
+}  // namespace strainwave::bench
