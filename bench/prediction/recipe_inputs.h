@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include <Eigen/Core>
 
-#include "analysis/features/wavelet_features.h"
-#include "bench/prediction/predictor_file.h"
+#include "bench/prediction/signal_inputs.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {
@@ -15,18 +12,13 @@ namespace strainwave::bench {
 class RecipeInputs {
  public:
   /// @throws CampaignError if an input is no feature of the recipe's channels.
-  explicit RecipeInputs(const FeatureRecipe& recipe);
+  explicit RecipeInputs(const FeatureRecipe& recipe) : inputs_(recipe) {}
 
-  /// @throws CampaignError naming the record and what of it is not as in training: a channel that is missing,
-  ///   another rate (by more than a hundredth), too few samples, a dead or a clipped sensor, an input that is
-  ///   not defined.
+  /// @throws CampaignError naming the record and what of it is not as in training (signal_inputs.h).
   Eigen::RowVectorXd Of(const daq::Record& record);
 
  private:
-  FeatureRecipe recipe_;
-  analysis::features::WaveletFeatures by_wavelet_;
-  std::vector<Eigen::Index> place_;  // of each input among all features
-  std::vector<double> values_;
+  SignalInputs inputs_;
 };
 
 }  // namespace strainwave::bench

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/features/wavelet_features.h"
+#include "bench/prediction/feature_recipe.h"
+
+namespace strainwave::bench {
+
+/// Why signals cannot be predicted from. The numbers go to PLCs and never change their meaning.
+enum class SignalFaultKind {
+  kSampleRate = 1,
+  kMissingChannel = 2,
+  kTooShort = 3,
+  kNotFinite = 4,
+  kDead = 5,
+  kClipped = 6,
+  kSwapped = 7,
+  kUndefined = 8,   // a feature or a prediction is no number
+  kGap = 9,         // the stream broke off within the window
+  kUnreadable = 10  // the source could not deliver it
+};
+
+/// "sample_rate", "missing_channel", …
+std::string_view NameOf(SignalFaultKind kind);
+
+struct SignalFault {
+  SignalFaultKind kind{};
+  std::string text;  // "WHAT (what was expected)"
+};
+
+/// One channel of vibration under the name of its column, m/s².
+struct NamedSignal {
+  std::string_view name;
+  std::span<const double> samples;
+};
+
+/// Turns signals into the inputs of a predictor. Keeps its memory from call to call; one object a thread.
+class SignalInputs {
+ public:
+  /// @throws CampaignError if an input is no feature of the recipe's channels.
+  explicit SignalInputs(const FeatureRecipe& recipe);
+
+  /// @param signals  in any order; those that the recipe does not name are not looked at.
+  /// @param inputs  gets the features of the recipe, in its order; undefined after a fault.
+  /// @return what is not as in training: another rate (by more than a hundredth), a channel that is missing,
+  ///   too few samples, a value that is no number, a dead or a clipped sensor, a feature that is not defined.
+  std::optional<SignalFault> Compute(std::span<const NamedSignal> signals, double sample_rate_hz,
+                                     Eigen::RowVectorXd& inputs);
+
+  /// The inputs of the last `Compute`, had the signals of two of the recipe's channels been exchanged.
+  Eigen::RowVectorXd WithExchanged(std::size_t channel, std::size_t other) const;
+
+ private:
+  FeatureRecipe recipe_;
+  analysis::features::WaveletFeatures by_wavelet_;
+  std::vector<std::size_t> place_;  // of each input among all features
+  std::vector<double> values_;      // all features, channel by channel
+};
+
+}  // namespace strainwave::bench
