@@ -13,6 +13,8 @@ namespace strainwave::bench {
 namespace {
 
 constexpr double kRateTolerance = 0.01;
+// A turn of the shaft is not the same number of samples each time.
+constexpr double kLengthTolerance = 0.01;
 // So many equal samples in a row at the very top or bottom are a sensor at its end.
 constexpr int kClippedRun = 6;
 
@@ -30,9 +32,8 @@ int LongestRunAt(std::span<const double> signal, double value) {
 std::optional<SignalFault> SensorFault(const std::string& channel, std::span<const double> signal) {
   const auto odd = std::ranges::find_if_not(signal, [](double value) { return std::isfinite(value); });
   if (odd != signal.end()) {
-    return SignalFault{SignalFaultKind::kNotFinite,
-                       fmt::format("{} is {} at sample {} (expected a number)", channel, *odd,
-                                   odd - signal.begin() + 1)};
+    return SignalFault{SignalFaultKind::kNotFinite, fmt::format("{} is {} at sample {} (expected a number)",
+                                                                channel, *odd, odd - signal.begin() + 1)};
   }
   const auto [low, high] = std::ranges::minmax(signal);
   if (low == high) {
@@ -103,8 +104,9 @@ std::optional<SignalFault> SignalInputs::Compute(std::span<const NamedSignal> si
                        fmt::format("the sampling rate is {:g} Hz (expected {:g} Hz, as in training)",
                                    sample_rate_hz, recipe_.sample_rate_hz)};
   }
+  const double least = (1.0 - kLengthTolerance) * static_cast<double>(recipe_.least_samples);
   for (const NamedSignal& signal : signals) {
-    if (signal.samples.empty() || signal.samples.size() < recipe_.least_samples) {
+    if (signal.samples.empty() || static_cast<double>(signal.samples.size()) < least) {
       return SignalFault{SignalFaultKind::kTooShort,
                          fmt::format("{} samples (expected at least {}, as in training)",
                                      signal.samples.size(), recipe_.least_samples)};
@@ -115,9 +117,9 @@ std::optional<SignalFault> SignalInputs::Compute(std::span<const NamedSignal> si
     const std::string& channel = recipe_.channels[k];
     const auto signal = std::ranges::find(signals, std::string_view(channel), &NamedSignal::name);
     if (signal == signals.end()) {
-      return SignalFault{SignalFaultKind::kMissingChannel,
-                         fmt::format("there is no channel {} (expected {})", channel,
-                                     fmt::join(recipe_.channels, ", "))};
+      return SignalFault{
+          SignalFaultKind::kMissingChannel,
+          fmt::format("there is no channel {} (expected {})", channel, fmt::join(recipe_.channels, ", "))};
     }
     if (auto fault = SensorFault(channel, signal->samples)) return fault;
     by_wavelet_.Compute(signal->samples, std::span(values_).subspan(k * per_channel, per_channel));

@@ -51,8 +51,9 @@ class SignalInputs {
 
   /// @param signals  in any order; those that the recipe does not name are not looked at.
   /// @param inputs  gets the features of the recipe, in its order; undefined after a fault.
-  /// @return what is not as in training: another rate (by more than a hundredth), a channel that is missing,
-  ///   too few samples, a value that is no number, a dead or a clipped sensor, a feature that is not defined.
+  /// @return what is not as in training: another rate or too few samples (by more than a hundredth), a
+  ///   channel that is missing, a value that is no number, a dead or a clipped sensor, a feature that is not
+  ///   defined.
   std::optional<SignalFault> Compute(std::span<const NamedSignal> signals, double sample_rate_hz,
                                      Eigen::RowVectorXd& inputs);
 
