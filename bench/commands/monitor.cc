@@ -177,19 +177,20 @@ int Run(const MonitorCommand& command) {
     Say(fmt::format("modbus: input registers on {} port {}", settings.modbus->address, modbus->port()));
   }
   if (settings.mqtt) mqtt.emplace(*settings.mqtt, board, Say);
-  const auto publish = [&] {
-    if (mqtt) mqtt->Publish(SparkplugMetrics(board.State(), board.frame(), board.NowMilliseconds()));
+  const auto publish = [&](std::int64_t at_ms) {
+    if (mqtt) mqtt->Publish(SparkplugMetrics(board.State(), board.frame(), at_ms));
   };
   RunMonitor(*source, cutter, judge, board,
              {.on_result =
                   [&](const MonitorResult& result) {
                     Print(result, board.frame(), command.json);
-                    publish();
+                    // As it was at its own time: a result that comes late is still a result.
+                    publish(result.end_ms);
                   },
               .on_stale =
                   [&] {
                     Say("stale: no new window for longer than stale_after");
-                    publish();
+                    publish(board.NowMilliseconds());
                   }},
              g_stop);
   if (mqtt) FinishMqtt(*mqtt, command.linger_s);
@@ -208,7 +209,8 @@ void AddMonitor(CLI::App& app, Action& action) {
       "monitor",
       "Run an exported predictor on a stream of vibration: windows, values with intervals, alarms; publish "
       "them "
-      "to MQTT (Sparkplug B), Prometheus and Modbus TCP as the settings file says (bench/monitor/monitor.yaml "
+      "to MQTT (Sparkplug B), Prometheus and Modbus TCP as the settings file says "
+      "(bench/monitor/monitor.yaml "
       "has "
       "every key). Tests the predictor's folder before it starts.\n"
       "Ctrl-C ends it with a death certificate, exit code 130. What the broker does not take is kept in "

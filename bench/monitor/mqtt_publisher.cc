@@ -68,6 +68,7 @@ class MqttPublisher::Connection {
     Check(mosquitto_connect_async(client_.get(), settings.host.c_str(), settings.port, kKeepAlive_s));
     while (!lost_ && !publisher_.Finished()) {
       Check(mosquitto_loop(client_.get(), kLoop_ms, 1));
+      LetGo();
       if (!accepted_ && steady_clock::now() - start > kAnswer) Lose("no answer");
       if (accepted_ && !lost_ && host_online_ && (!born_ || asked_for_birth_)) Birth();
       if (born_ && !host_online_) {
@@ -77,6 +78,7 @@ class MqttPublisher::Connection {
       if (born_ && !lost_) SendWaiting();
     }
     if (accepted_ && !lost_) Farewell();
+    LetGo();
     return born_;
   }
 
@@ -110,14 +112,23 @@ class MqttPublisher::Connection {
     host_online_ = state->online;
   }
 
+  // libmosquitto also calls this from within a publish, where the mutex may be held.
   void OnAcknowledged(int ticket) {
     if (ticket == farewell_) farewell_done_ = true;
+    acknowledged_.push_back(ticket);
+  }
+
+  void LetGo() {
+    if (acknowledged_.empty()) return;
     const std::scoped_lock lock(publisher_.mutex_);
-    publisher_.outbox_.Acknowledge(ticket);
+    for (const int ticket : acknowledged_) publisher_.outbox_.Acknowledge(ticket);
+    acknowledged_.clear();
     publisher_.ShowLink();
   }
 
+  // Under the mutex: what is put into the outbox after the birth's own time is live.
   void Birth() {
+    const std::scoped_lock lock(publisher_.mutex_);
     const Board& board = publisher_.board_;
     const std::int64_t now_ms = board.NowMilliseconds();
     Send(publisher_.node_.Birth(now_ms, SparkplugMetrics(board.State(), board.frame(), now_ms)), nullptr);
@@ -128,7 +139,6 @@ class MqttPublisher::Connection {
                                   publisher_.settings_.node));
       publisher_.told_broken_ = false;
     }
-    const std::scoped_lock lock(publisher_.mutex_);
     publisher_.live_ = true;
     publisher_.ShowLink();
   }
@@ -184,6 +194,7 @@ class MqttPublisher::Connection {
   bool host_online_{};
   std::int64_t host_time_ms_{};
   bool asked_for_birth_{};
+  std::vector<int> acknowledged_;
   int farewell_{-1};
   bool farewell_done_{};
   std::string cause_;

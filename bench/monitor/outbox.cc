@@ -30,8 +30,12 @@ void Outbox::Push(std::vector<protocols::SparkplugMetric> metrics, bool live) {
   entries_.push_back({std::move(metrics), bytes, std::nullopt});
   bytes_ += bytes;
   while (!entries_.empty() && (entries_.size() > bounds_.windows || bytes_ > bounds_.bytes)) {
+    if (const auto ticket = entries_.front().ticket) {
+      given_up_.push_back(*ticket);
+    } else {
+      ++dropped_;
+    }
     Remove(entries_.begin());
-    ++dropped_;
   }
 }
 
@@ -52,6 +56,7 @@ void Outbox::Sent(int ticket) {
 }
 
 void Outbox::Acknowledge(int ticket) {
+  std::erase(given_up_, ticket);
   const auto entry =
       std::ranges::find_if(entries_, [ticket](const Entry& candidate) { return candidate.ticket == ticket; });
   if (entry != entries_.end()) Remove(entry);
@@ -63,6 +68,8 @@ void Outbox::ConnectionLost() {
     MakeHistorical(entry.metrics);
   }
   under_way_ = 0;
+  dropped_ += given_up_.size();
+  given_up_.clear();
 }
 
 void Outbox::Remove(std::deque<Entry>::iterator entry) {

@@ -39,6 +39,7 @@ class Outbox {
   std::size_t size() const { return entries_.size(); }
   std::size_t bytes() const { return bytes_; }
   std::size_t under_way() const { return under_way_; }
+  /// Entries that went unacknowledged; one that was under way counts once its connection is lost.
   std::uint64_t dropped() const { return dropped_; }
 
  private:
@@ -55,6 +56,7 @@ class Outbox {
   std::size_t bytes_{};
   std::size_t under_way_{};
   std::uint64_t dropped_{};
+  std::vector<int> given_up_;  // tickets of entries that went while they were under way, and may yet arrive
 };
 
 }  // namespace strainwave::bench

@@ -33,14 +33,19 @@ void AddError(ReadContext& context, const YamlMap& map, std::string_view key, st
   context.findings.AddError(origin.line, origin.column, std::move(message));
 }
 
+// Empty where the key is left out.
+std::string OptionalIdentifier(YamlMap& map, std::string_view key) {
+  return map.has(key) ? map.Identifier(key) : map.Text(key, "");
+}
+
 WindowRule ReadWindows(YamlMap map, ReadContext& context) {
   using By = WindowRule::By;
   WindowRule rule;
   rule.by = map.Choice<By>("by", {{"trigger", By::kTrigger}, {"revolution", By::kRevolution}}, "trigger");
-  if (map.has("trigger_channel")) {
-    rule.trigger_channel = map.Identifier("trigger_channel");
-    rule.trigger_level = map.Number("trigger_level", Bound::kAny);
-  }
+  rule.trigger_channel = OptionalIdentifier(map, "trigger_channel");
+  const bool by_edge = map.has("trigger_channel");
+  rule.trigger_level =
+      by_edge ? map.Number("trigger_level", Bound::kAny) : map.Number("trigger_level", Bound::kAny, "0");
   rule.turns = map.Number("turns", Bound::kPositive, "1");
   if (rule.by == By::kRevolution && map.has("trigger_channel")) {
     AddError(context, map, "trigger_channel",
@@ -124,7 +129,7 @@ MqttSettings ReadMqtt(YamlMap map) {
   mqtt.port = map.Count("port", 1, 65535, "1883");
   mqtt.group = map.Identifier("group", "strainwave");
   mqtt.node = map.Identifier("node");
-  if (map.has("primary_host")) mqtt.primary_host = map.Identifier("primary_host");
+  mqtt.primary_host = OptionalIdentifier(map, "primary_host");
   mqtt.user = map.Text("user", "");
   mqtt.password = map.Text("password", "");
   mqtt.keep.windows = static_cast<std::size_t>(map.Count("keep_windows", 1, kMostWindows, "10000"));

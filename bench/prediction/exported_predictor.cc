@@ -90,9 +90,9 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
     const auto off = [&](const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
       return ((a - b).transpose().array().abs() / size).maxCoeff();
     };
-    for (const double share : {off(got.prediction, expected.prediction),
-                               off(got.half_width, expected.half_width),
-                               std::abs(got.distance / expected.distance - 1.0)}) {
+    for (const double share :
+         {off(got.prediction, expected.prediction), off(got.half_width, expected.half_width),
+          std::abs(got.distance - expected.distance) / std::max(1.0, std::abs(expected.distance))}) {
       // Written so that a NaN is the worst of all.
       if (!(share <= worst)) worst = std::isnan(share) ? INFINITY : share;
     }
@@ -125,10 +125,10 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
       Refuse(file, "sample_rate_hz or coverage is out of range", kAsWritten);
     }
     for (const Json& golden : json.at("self_test")) {
-      parts.golden.push_back({RowFrom(golden.at("features"), parts.recipe.inputs.size()),
-                              {RowFrom(golden.at("prediction"), parts.outputs.size()),
-                               RowFrom(golden.at("half_width"), parts.outputs.size()),
-                               golden.at("distance").get<double>()}});
+      parts.golden.push_back(
+          {RowFrom(golden.at("features"), parts.recipe.inputs.size()),
+           {RowFrom(golden.at("prediction"), parts.outputs.size()),
+            RowFrom(golden.at("half_width"), parts.outputs.size()), golden.at("distance").get<double>()}});
     }
     if (parts.golden.empty()) Refuse(file, "there is no golden vector", kAsWritten);
     return parts;
@@ -140,6 +140,14 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
 }
 
 namespace {
+
+SignalInputs InputsOf(const std::filesystem::path& folder, const FeatureRecipe& recipe) {
+  try {
+    return SignalInputs(recipe);
+  } catch (const std::invalid_argument& error) {
+    Refuse(folder / "recipe.json", fmt::format("cannot be used: {}", error.what()), kAsWritten);
+  }
+}
 
 OnnxNetwork NetworkOf(const std::filesystem::path& folder, const std::string& onnx, std::size_t inputs,
                       std::size_t outputs) {
@@ -156,7 +164,7 @@ OnnxNetwork NetworkOf(const std::filesystem::path& folder, const std::string& on
 ExportedPredictor::ExportedPredictor(const std::filesystem::path& folder)
     : folder_(folder),
       parts_(Read(folder)),
-      inputs_(parts_.recipe),
+      inputs_(InputsOf(folder, parts_.recipe)),
       network_(NetworkOf(folder, parts_.onnx, parts_.recipe.inputs.size(), parts_.outputs.size())),
       worst_disagreement_(WorstDisagreement(network_, parts_.golden)) {
   if (!(worst_disagreement_ <= kExportAgreement)) {

@@ -24,7 +24,7 @@ struct GoldenVector {
 };
 
 /// Most that the exported network is off any golden vector: of prediction and half width over the prediction,
-/// of the distance over the distance. @throws std::invalid_argument for other sizes.
+/// of the distance over the greater of 1 and the distance. @throws std::invalid_argument for other sizes.
 double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> golden);
 
 /// Asked for of an exported network, over each output.
