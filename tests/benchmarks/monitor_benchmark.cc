@@ -35,7 +35,7 @@ void JudgesAWindow(benchmark::State& state) {
   const auto samples = static_cast<std::size_t>(state.range(0));
   const FeatureRecipe recipe = PaperRecipe(samples);
   const TestFolder folder;
-  auto design = analysis::networks::DesignOf("ann", static_cast<Eigen::Index>(recipe.inputs.size()), 2);
+  auto design = analysis::networks::DesignOf("ann", static_cast<int>(recipe.inputs.size()), 2);
   ExportPredictor(TestPredictor(recipe, design, 1), folder.path());
   ExportedPredictor predictor(folder.path());
   WindowJudge judge(predictor, {});
