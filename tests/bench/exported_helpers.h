@@ -78,7 +78,7 @@ inline Predictor TestPredictor(const FeatureRecipe& recipe, const analysis::netw
   inputs.Compute(Named(recipe.channels, TestSignals(recipe.channels.size(), recipe.least_samples)),
                  recipe.sample_rate_hz, middle);
   auto& fitted = predictor.fitted;
-  fitted.ensemble.input = {middle, Eigen::RowVectorXd::Constant(count, 0.5)};
+  fitted.ensemble.input = {middle, 0.5 * middle.cwiseAbs().cwiseMax(1.0)};
   fitted.ensemble.output = {Eigen::RowVectorXd::Constant(2, 50.0), Eigen::RowVectorXd::Ones(2)};
   for (int k = 0; k < members; ++k) {
     fitted.ensemble.members.push_back(analysis::networks::InitialParameters<double>(
