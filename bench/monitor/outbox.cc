@@ -10,7 +10,7 @@ namespace {
 
 // The memory behind an entry, to a few bytes a metric.
 std::size_t BytesOf(const std::vector<protocols::SparkplugMetric>& metrics) {
-  std::size_t bytes = sizeof(metrics);
+  std::size_t bytes = sizeof(std::vector<protocols::SparkplugMetric>);
   for (const auto& metric : metrics) {
     bytes += sizeof(metric) + metric.name.capacity();
     if (const auto* text = std::get_if<std::string>(&metric.value)) bytes += text->capacity();
@@ -72,7 +72,7 @@ void Outbox::ConnectionLost() {
   given_up_.clear();
 }
 
-void Outbox::Remove(std::deque<Entry>::iterator entry) {
+void Outbox::Remove(const std::deque<Entry>::iterator& entry) {
   bytes_ -= entry->bytes;
   under_way_ -= entry->ticket.has_value();
   entries_.erase(entry);

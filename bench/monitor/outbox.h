@@ -48,7 +48,7 @@ class Outbox {
     std::size_t bytes{};
     std::optional<int> ticket;
   };
-  void Remove(std::deque<Entry>::iterator entry);
+  void Remove(const std::deque<Entry>::iterator& entry);
   std::deque<Entry>::iterator FirstWaiting();
 
   OutboxBounds bounds_;

@@ -16,7 +16,7 @@
 namespace strainwave::bench {
 namespace {
 
-constexpr std::size_t kBlock_samples = 8192;
+constexpr std::size_t kBlock = 8192;
 constexpr double kNanoseconds = 1e9;
 
 std::int64_t DurationOf_ns(const VibrationChunk& chunk, std::size_t samples) {
@@ -68,7 +68,7 @@ bool ReplaySource::DueWithin(std::int64_t time_ns, std::chrono::milliseconds pat
 ReplaySource::Got ReplaySource::Next(std::chrono::milliseconds patience, VibrationChunk& chunk) {
   if (!playing_ && !LoadNext()) return Got::kEnd;
   const std::size_t samples = playing_->whole.samples.empty() ? 0 : playing_->whole.samples.front().size();
-  const std::size_t to = std::min(playing_->at + kBlock_samples, samples);
+  const std::size_t to = std::min(playing_->at + kBlock, samples);
   const std::int64_t end_ns =
       playing_->whole.time_ns + (to > 0 ? DurationOf_ns(playing_->whole, to) : std::int64_t{0});
   if (!DueWithin(end_ns, patience)) return Got::kNothingYet;
@@ -85,7 +85,7 @@ void ReplaySource::TakeBlock(VibrationChunk& chunk) {
     return;
   }
   const std::size_t from = playing_->at;
-  const std::size_t to = std::min(from + kBlock_samples, whole.samples.front().size());
+  const std::size_t to = std::min(from + kBlock, whole.samples.front().size());
   const auto part = [from, to](const std::vector<double>& values) {
     if (values.empty()) return std::vector<double>{};
     return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(from),

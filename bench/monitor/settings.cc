@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -74,8 +75,8 @@ void CheckOrder(ReadContext& context, const YamlMap& map, const AlarmLimits& lim
         fmt::format("alarm_below = {} is above warning_below = {} (expected the alarm beyond the warning)",
                     *limits.alarm_below, *limits.warning_below));
   }
-  double low = -INFINITY;
-  double high = INFINITY;
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
   for (const auto& limit : {limits.warning_below, limits.alarm_below})
     low = std::max(low, limit.value_or(low));
   for (const auto& limit : {limits.warning_above, limits.alarm_above})

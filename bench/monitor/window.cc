@@ -10,10 +10,10 @@
 namespace strainwave::bench {
 namespace {
 
-// Time stamps of a stream are those of its blocks: a few samples of jitter are no gap.
-constexpr double kJitter_samples = 4.0;
-// An encoder at rest flickers; more than that is a shaft that turns back.
-constexpr double kFlicker_turns = 1e-3;
+// In samples. Time stamps of a stream are those of its blocks: a few samples of jitter are no gap.
+constexpr double kMostJitter = 4.0;
+// In turns. An encoder at rest flickers; more than that is a shaft that turns back.
+constexpr double kFlicker = 1e-3;
 
 std::size_t SamplesOf(const VibrationChunk& chunk) {
   return chunk.samples.empty() ? 0 : chunk.samples.front().size();
@@ -63,7 +63,7 @@ std::vector<VibrationWindow> WindowCutter::Finish() {
 }
 
 bool WindowCutter::Continues(const VibrationChunk& chunk) const {
-  const double jitter_ns = kJitter_samples * 1e9 / open_->sample_rate_hz;
+  const double jitter_ns = kMostJitter * 1e9 / open_->sample_rate_hz;
   return chunk.sample_rate_hz == open_->sample_rate_hz && chunk.channels == open_->channels &&
          std::abs(static_cast<double>(chunk.time_ns - open_->end_ns)) <= jitter_ns;
 }
@@ -109,8 +109,8 @@ void WindowCutter::AddByTurn(const VibrationChunk& chunk) {
   for (std::size_t i = 0; i < chunk.output_turns.size(); ++i) {
     const double turns = chunk.output_turns[i];
     if (!turned_) window_from_turns_ = turns;
-    const bool back = turned_ && std::abs(turns - window_from_turns_) <
-                                     std::abs(*turned_ - window_from_turns_) - kFlicker_turns;
+    const bool back =
+        turned_ && std::abs(turns - window_from_turns_) < std::abs(*turned_ - window_from_turns_) - kFlicker;
     turned_ = turns;
     if (back) {
       Append(chunk, from, i);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -94,7 +95,7 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
          {off(got.prediction, expected.prediction), off(got.half_width, expected.half_width),
           std::abs(got.distance - expected.distance) / std::max(1.0, std::abs(expected.distance))}) {
       // Written so that a NaN is the worst of all.
-      if (!(share <= worst)) worst = std::isnan(share) ? INFINITY : share;
+      if (!(share <= worst)) worst = std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
     }
   }
   return worst;

@@ -9,6 +9,7 @@
  * long as the object. `error` may be NULL; otherwise it gets a sentence of at most `error_size` bytes with
  * its closing zero, or an empty one. No function ends the program or throws. */
 
+/* NOLINTBEGIN(readability-identifier-naming): names of a C library */
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -64,3 +65,4 @@ strainwave_status strainwave_predictor_run(strainwave_predictor* predictor, cons
 #ifdef __cplusplus
 }
 #endif
+/* NOLINTEND(readability-identifier-naming) */
