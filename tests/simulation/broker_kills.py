@@ -151,9 +151,13 @@ def kills(arguments, exported, campaign, folder):
                 os.kill(broker.process.pid, signal.SIGCONT)
             else:
                 killed += 1
+                if chance.random() < 0.5:  # what was sent to it meanwhile is under way, and dies with it
+                    os.kill(broker.process.pid, signal.SIGSTOP)
+                    drain(host, ledger, chance.uniform(0.1, 0.3))
                 broker.kill()
-                drain(host, ledger, chance.uniform(0.0, 1.5))
+                drain(host, ledger, chance.uniform(0.0, 1.0))
                 broker.start()
+                time.sleep(chance.uniform(0.0, 0.6))  # a host that is slower to come back than the monitor
         until_over(process, host, ledger)
     finally:
         process.kill()
