@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "protocols/sparkplug_b.pb.h"
 
 namespace strainwave::protocols {
@@ -13,10 +15,18 @@ namespace {
 using sparkplug_b::Payload;
 
 // Data types of the specification, chapter 6.4.16.
-enum DataType : std::uint32_t { kInt64 = 4, kUInt64 = 8, kDouble = 10, kBoolean = 11, kString = 12 };
+enum DataType : std::uint32_t {
+  kInt32 = 3,
+  kInt64 = 4,
+  kUInt64 = 8,
+  kDouble = 10,
+  kBoolean = 11,
+  kString = 12
+};
 
 constexpr int kNumbers = 256;
 constexpr std::string_view kBirthDeathNumber = "bdSeq";
+constexpr std::string_view kQuality = "Quality";
 constexpr std::string_view kRebirth = "Node Control/Rebirth";
 
 void RequireTopicName(const char* what, const std::string& name) {
@@ -54,6 +64,12 @@ void Add(Payload& payload, const SparkplugMetric& from) {
   metric.set_timestamp(static_cast<std::uint64_t>(from.time_ms));
   if (from.is_historical) metric.set_is_historical(true);
   if (from.is_null) metric.set_is_null(true);
+  if (from.quality) {
+    metric.mutable_properties()->add_keys(std::string(kQuality));
+    Payload::PropertyValue& value = *metric.mutable_properties()->add_values();
+    value.set_type(kInt32);
+    value.set_int_value(static_cast<std::uint32_t>(*from.quality));
+  }
   std::visit(ValueWriter{metric, from.is_null}, from.value);
 }
 
@@ -62,6 +78,18 @@ void AddBirthDeathNumber(Payload& payload, int number) {
   metric.set_name(std::string(kBirthDeathNumber));
   metric.set_datatype(kInt64);
   metric.set_long_value(static_cast<std::uint64_t>(number));
+}
+
+// A number that is none of the three is passed over, like every property that we do not know.
+std::optional<SparkplugQuality> QualityOf(const Payload::Metric& metric) {
+  const Payload::PropertySet& set = metric.properties();
+  for (int i = 0; i < std::min(set.keys_size(), set.values_size()); ++i) {
+    if (set.keys(i) != kQuality) continue;
+    for (const auto quality : {SparkplugQuality::kBad, SparkplugQuality::kGood, SparkplugQuality::kStale}) {
+      if (set.values(i).int_value() == static_cast<std::uint32_t>(quality)) return quality;
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<SparkplugMetric::Value> ValueOf(const Payload::Metric& metric) {
@@ -139,6 +167,20 @@ MqttMessage SparkplugEdgeNode::Data(std::int64_t now_ms, const std::vector<Spark
   return {Topic("NDATA"), payload.SerializeAsString(), 0, false};
 }
 
+std::string HostStateTopic(const std::string& host) {
+  RequireTopicName("host", host);
+  return "spBv1.0/STATE/" + host;
+}
+
+std::optional<HostState> ParseHostState(std::string_view bytes) {
+  const auto json = nlohmann::json::parse(bytes, nullptr, false);
+  if (!json.is_object() || !json.contains("online") || !json["online"].is_boolean() ||
+      !json.contains("timestamp") || !json["timestamp"].is_number_integer()) {
+    return std::nullopt;
+  }
+  return HostState{json["online"].get<bool>(), json["timestamp"].get<std::int64_t>()};
+}
+
 std::optional<SparkplugPayload> ParseSparkplug(std::string_view bytes) {
   Payload payload;
   if (!payload.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return std::nullopt;
@@ -152,7 +194,8 @@ std::optional<SparkplugPayload> ParseSparkplug(std::string_view bytes) {
                             .value = *std::move(value),
                             .time_ms = static_cast<std::int64_t>(metric.timestamp()),
                             .is_null = metric.is_null(),
-                            .is_historical = metric.is_historical()});
+                            .is_historical = metric.is_historical(),
+                            .quality = QualityOf(metric)});
   }
   return read;
 }

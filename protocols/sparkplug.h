@@ -10,6 +10,9 @@
 
 namespace strainwave::protocols {
 
+/// The property "Quality" of a metric, with the specification's numbers (6.4.18).
+enum class SparkplugQuality : int { kBad = 0, kGood = 192, kStale = 500 };
+
 /// One named value of a Sparkplug payload. Nothing in the place of a value is a null of that type: the
 /// quantity exists and is not known.
 struct SparkplugMetric {
@@ -20,6 +23,7 @@ struct SparkplugMetric {
   std::int64_t time_ms{};  // since 1970, UTC: when it was measured
   bool is_null{false};
   bool is_historical{false};  // stored while there was no connection
+  std::optional<SparkplugQuality> quality{};
 };
 
 /// What goes to the broker.
@@ -66,6 +70,19 @@ class SparkplugEdgeNode {
   int next_sequence_{-1};
   std::vector<std::string> born_;
 };
+
+/// Where the primary host, whom a node's data is meant for, says whether it listens; retained.
+/// @throws std::invalid_argument as the edge node's names.
+std::string HostStateTopic(const std::string& host);
+
+/// The host's word under that topic.
+struct HostState {
+  bool online{};
+  std::int64_t time_ms{};
+};
+
+/// Nothing when the bytes are not `{"online": …, "timestamp": …}` (5.5.1 and 6.4.24 of the specification).
+std::optional<HostState> ParseHostState(std::string_view bytes);
 
 /// A payload read back.
 struct SparkplugPayload {

@@ -5,7 +5,6 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <ctime>
@@ -15,7 +14,6 @@
 #include <system_error>
 
 #include <fmt/core.h>
-#include <openssl/evp.h>
 
 #include "bench/campaign/campaign_error.h"
 
@@ -67,17 +65,6 @@ int CampaignLock::Holder(const CampaignFolder& folder) {
   int process = 0;
   std::ifstream(folder.Lock()) >> process;
   return process;
-}
-
-std::string Sha256(std::string_view text) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int size = 0;
-  if (EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("SHA-256 is not available in this OpenSSL");
-  }
-  std::string hexadecimal;
-  for (unsigned int i = 0; i < size; ++i) hexadecimal += fmt::format("{:02x}", digest[i]);
-  return hexadecimal;
 }
 
 std::string ReadText(const std::filesystem::path& file) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "bench/campaign/sha256.h"
+
 namespace strainwave::bench {
 
 /// Where the files of a campaign are (contract, section 5).
@@ -41,9 +43,6 @@ class CampaignLock {
  private:
   int descriptor_;
 };
-
-/// Lower-case hexadecimal SHA-256.
-std::string Sha256(std::string_view text);
 
 /// The whole file. @throws std::system_error.
 std::string ReadText(const std::filesystem::path& file);

@@ -20,6 +20,7 @@ void AddDiagnose(CLI::App& app, Action& action);
 void AddTrain(CLI::App& app, Action& action);
 void AddPredict(CLI::App& app, Action& action);
 void AddExport(CLI::App& app, Action& action);
+void AddMonitor(CLI::App& app, Action& action);
 void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
 

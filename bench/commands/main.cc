@@ -65,6 +65,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddTrain(app, action);
   strainwave::bench::AddPredict(app, action);
   strainwave::bench::AddExport(app, action);
+  strainwave::bench::AddMonitor(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

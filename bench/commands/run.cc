@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
-#include <cstdlib>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -12,6 +10,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/pace.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
 #include "bench/devices/make_machine.h"
@@ -58,19 +57,6 @@ void ListenToSignals() {
   action.sa_handler = OnSignal;
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) sigaction(signal, &action, nullptr);
-}
-
-double ParsePace(const std::string& text) {
-  if (text == "max") return std::numeric_limits<double>::infinity();
-  if (text == "real") return 1.0;
-  char* end = nullptr;
-  const double pace = std::strtod(text.c_str(), &end);
-  if (end == text.c_str() || *end != '\0' || !(pace > 0.0)) {
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        fmt::format("--pace {}: error: not a pace (expected max, real, or a number above 0)", text));
-  }
-  return pace;
 }
 
 // The truth of a sweep is that at its own standstills.

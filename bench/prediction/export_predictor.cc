@@ -8,6 +8,7 @@
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
+#include "bench/prediction/exported_predictor.h"
 #include "bench/prediction/model_card.h"
 #include "bench/prediction/onnx_model.h"
 #include "bench/prediction/onnx_network.h"
@@ -18,13 +19,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Asked for: 1e-5 of the output.
-constexpr double kAgreement = 1e-5;
-
 struct Disagreement {
   double over_value{};
   double over_residual{};
 };
+
+OnnxNetwork::Predicts PredictsOf(const Predictor& predictor) {
+  return predictor.classes() ? OnnxNetwork::Predicts::kClasses : OnnxNetwork::Predicts::kValues;
+}
 
 // Records all over the range that was seen in training: its middle, and each input at its least and greatest.
 Disagreement Compare(const Predictor& predictor, OnnxNetwork& network) {
@@ -47,16 +49,47 @@ Disagreement Compare(const Predictor& predictor, OnnxNetwork& network) {
   return worst;
 }
 
-Json RecipeJson(const Predictor& predictor, const std::string& onnx) {
-  Json outputs = Json::array();
-  for (const std::string& output : predictor.outputs) outputs.push_back(output);
-  return {{"format", 1},
-          {"model", {{"file", "model.onnx"}, {"sha256", Sha256(onnx)}, {"opset", kOnnxOpset}}},
-          {"recipe", JsonOf(predictor.recipe)},
-          {"predicts", predictor.classes() ? "classes" : "values"},
-          {"outputs", std::move(outputs)},
-          {"coverage", predictor.fitted.band.coverage},
-          {"guaranteed", predictor.fitted.band.guaranteed}};
+// The middle of what was trained on, and its two far corners.
+std::vector<GoldenVector> GoldenVectors(const Predictor& predictor) {
+  const auto& fitted = predictor.fitted;
+  std::vector<GoldenVector> golden;
+  for (const Eigen::RowVectorXd& features :
+       {Eigen::RowVectorXd(fitted.ensemble.input.offset), fitted.least, fitted.greatest}) {
+    const auto trained = fitted.Predict(features);
+    golden.push_back({features, {trained.value.row(0), trained.half_width.row(0), trained.distance(0)}});
+  }
+  return golden;
+}
+
+Json ListOf(const Eigen::RowVectorXd& row) { return std::vector<double>(row.begin(), row.end()); }
+
+Json FileJson(const char* file, const std::string& content) {
+  return {{"file", file}, {"sha256", Sha256(content)}};
+}
+
+Json RecipeJson(const Predictor& predictor, const std::string& onnx, const std::string& card_json,
+                const std::string& card_text) {
+  Json model = FileJson("model.onnx", onnx);
+  model["opset"] = kOnnxOpset;
+  Json self_test = Json::array();
+  for (const GoldenVector& golden : GoldenVectors(predictor)) {
+    self_test.push_back({{"features", ListOf(golden.features)},
+                         {"prediction", ListOf(golden.expected.prediction)},
+                         {"half_width", ListOf(golden.expected.half_width)},
+                         {"distance", golden.expected.distance}});
+  }
+  Json json{{"format", kExportFormat},
+            {"model", std::move(model)},
+            {"model_card_json", FileJson("model_card.json", card_json)},
+            {"model_card_md", FileJson("model_card.md", card_text)},
+            {"recipe", JsonOf(predictor.recipe)},
+            {"predicts", NameOf(PredictsOf(predictor))},
+            {"outputs", predictor.outputs},
+            {"coverage", predictor.fitted.band.coverage},
+            {"guaranteed", predictor.fitted.band.guaranteed},
+            {"self_test", std::move(self_test)}};
+  json["sha256"] = Sha256(json.dump());  // of all that stands before it
+  return json;
 }
 
 }  // namespace
@@ -69,15 +102,15 @@ ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem:
   }
   const std::string onnx = OnnxBytes(predictor.fitted, metadata);
   OnnxNetwork network(onnx, static_cast<Eigen::Index>(predictor.recipe.inputs.size()),
-                      static_cast<Eigen::Index>(predictor.outputs.size()),
-                      predictor.classes() ? OnnxNetwork::Predicts::kClasses : OnnxNetwork::Predicts::kValues);
+                      static_cast<Eigen::Index>(predictor.outputs.size()), PredictsOf(predictor));
   const Disagreement worst = Compare(predictor, network);
-  if (worst.over_value > kAgreement) {
+  const double golden_off = WorstDisagreement(network, GoldenVectors(predictor), PredictsOf(predictor));
+  if (worst.over_value > kExportAgreement || golden_off > kExportAgreement) {
     throw CampaignError(
         ExitCode::kEndedBadly,
         fmt::format("{}: error: read back by OpenCV the network disagrees by {:.1e} of an output "
                     "(expected at most {:.0e}); nothing was written",
-                    folder.string(), worst.over_value, kAgreement));
+                    folder.string(), std::max(worst.over_value, golden_off), kExportAgreement));
   }
   const ModelCard card = ModelCardOf(predictor, UtcNow());
   std::filesystem::create_directories(folder);
@@ -85,7 +118,8 @@ ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem:
   daq::WriteFileAtomically(folder / "model_card.json", card.json);
   daq::WriteFileAtomically(folder / "model_card.md", card.markdown);
   // Last: a folder without it is no exported predictor yet.
-  daq::WriteFileAtomically(folder / "recipe.json", RecipeJson(predictor, onnx).dump(2) + "\n");
+  daq::WriteFileAtomically(folder / "recipe.json",
+                           RecipeJson(predictor, onnx, card.json, card.markdown).dump(2) + "\n");
   return {folder,
           onnx.size(),
           predictor.recipe.inputs.size(),

@@ -9,7 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "bench/prediction/feature_settings.h"
-#include "bench/prediction/record_windows.h"
+#include "bench/prediction/signal_settings.h"
 
 namespace strainwave::bench {
 

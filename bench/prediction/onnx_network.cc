@@ -134,6 +134,9 @@ OnnxNetwork::OnnxNetwork(const std::string& bytes, Eigen::Index inputs, Eigen::I
     net_->net.forward(net_->results, net_->names);
   } catch (const cv::Exception& error) {
     Refuse(fmt::format("cannot be run: {}", error.err));
+  } catch (
+      const std::exception& error) {  // sizes that no memory holds, and what else a hostile file provokes
+    Refuse(fmt::format("cannot be run: {}", error.what()));
   }
   if (net_->results.size() != net_->names.size()) Refuse("gives results of another shape");
   for (const cv::Mat& result : net_->results) {

@@ -39,4 +39,9 @@ class OnnxNetwork {
   Eigen::Index outputs_;
 };
 
+/// "values", "classes".
+constexpr const char* NameOf(OnnxNetwork::Predicts predicts) {
+  return predicts == OnnxNetwork::Predicts::kClasses ? "classes" : "values";
+}
+
 }  // namespace strainwave::bench

@@ -1,33 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/prediction/recipe_inputs.h"
 
-#include <cmath>
-#include <unordered_map>
+#include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/diagnosis/record_checks.h"
+#include "bench/prediction/record_windows.h"
 
 namespace strainwave::bench {
-
-RecipeInputs::RecipeInputs(const FeatureRecipe& recipe) : recipe_(recipe), features_(recipe.features) {
-  const std::vector<std::string> names = features_.Names(recipe_.channels);
-  std::unordered_map<std::string, Eigen::Index> places;
-  for (std::size_t i = 0; i < names.size(); ++i) places.emplace(names[i], static_cast<Eigen::Index>(i));
-  for (const std::string& input : recipe_.inputs) {
-    const auto found = places.find(input);
-    if (found == places.end()) {
-      throw CampaignError(
-          ExitCode::kWrongInput,
-          fmt::format("error: the predictor's input '{}' is no feature of its recipe (expected one of "
-                      "the channels {})",
-                      input, fmt::join(recipe_.channels, ", ")));
-    }
-    place_.push_back(found->second);
-  }
-}
 
 Eigen::MatrixXd RecipeInputs::OfWindows(const daq::Record& record) {
   const RecordSignals signals = SignalsOf(record, recipe_.signals());
@@ -37,25 +18,24 @@ Eigen::MatrixXd RecipeInputs::OfWindows(const daq::Record& record) {
                                             recipe_.window.turns));
   }
   const std::vector<Window> windows = WindowsOf(signals.rows(), signals.samples_per_turn, recipe_.window);
-  // The speed may differ a little from that of training, and with it the samples of so many turns.
-  const bool too_short =
-      windows.empty() || (recipe_.window.turns == 0 && windows[0].count < recipe_.least_samples);
-  if (too_short) {
+  if (windows.empty()) {
     throw RecordRefusal(record, fmt::format("{} samples (expected at least {}, as in training)",
                                             signals.rows(), recipe_.least_samples));
   }
+  // Of the whole record, as a short stretch at a sensor's end is more easily seen there.
   RequireAlive(record, signals, recipe_.channels);
-  Eigen::MatrixXd inputs(static_cast<Eigen::Index>(windows.size()), static_cast<Eigen::Index>(place_.size()));
+  Eigen::MatrixXd inputs(static_cast<Eigen::Index>(windows.size()),
+                         static_cast<Eigen::Index>(recipe_.inputs.size()));
+  std::vector<NamedSignal> named(recipe_.channels.size());
+  Eigen::RowVectorXd row;
   for (std::size_t k = 0; k < windows.size(); ++k) {
-    const std::vector<double> values = FeaturesOfWindow(record, signals, windows[k], features_);
-    for (std::size_t i = 0; i < place_.size(); ++i) {
-      const double value = values[static_cast<std::size_t>(place_[i])];
-      if (!std::isfinite(value)) {
-        throw RecordRefusal(
-            record, fmt::format("{} is not defined for this record (expected a number)", recipe_.inputs[i]));
-      }
-      inputs(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) = value;
+    for (std::size_t c = 0; c < named.size(); ++c) {
+      named[c] = {recipe_.channels[c],
+                  std::span(signals.channels[c]).subspan(windows[k].begin, windows[k].count)};
     }
+    if (const auto fault = inputs_.Compute(named, recipe_.sample_rate_hz, signals.samples_per_turn, row))
+      throw RecordRefusal(record, fault->text);
+    inputs.row(static_cast<Eigen::Index>(k)) = row;
   }
   return inputs;
 }

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
 
-#include "bench/prediction/feature_recipe.h"
+#include "bench/prediction/signal_inputs.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {
@@ -14,21 +12,16 @@ namespace strainwave::bench {
 class RecipeInputs {
  public:
   /// @throws CampaignError if an input is no feature of the recipe's channels.
-  explicit RecipeInputs(const FeatureRecipe& recipe);
+  explicit RecipeInputs(const FeatureRecipe& recipe) : recipe_(recipe), inputs_(recipe) {}
 
   /// A row a window; one row where the recipe takes records whole.
-  /// @throws CampaignError naming the record and what of it is not as in training: a channel that is missing,
-  ///   another rate (by more than a hundredth), too few samples, a dead or a clipped sensor, an input that is
-  ///   not defined.
+  /// @throws CampaignError naming the record and what of it is not as in training (signal_inputs.h), or that
+  ///   it tells no speed where windows are so many turns long.
   Eigen::MatrixXd OfWindows(const daq::Record& record);
-
-  /// The inputs of the first window alone: all there is of a record that a monitor cut to one.
-  Eigen::RowVectorXd Of(const daq::Record& record) { return OfWindows(record).row(0); }
 
  private:
   FeatureRecipe recipe_;
-  ChannelFeatures features_;
-  std::vector<Eigen::Index> place_;  // of each input among all features
+  SignalInputs inputs_;
 };
 
 }  // namespace strainwave::bench

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <optional>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/units.h"
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/folder.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/pace.h"
+#include "bench/configuration/embedded_bench.h"
+#include "bench/configuration/read_bench_file.h"
+#include "bench/devices/simulated_vibration_source.h"
+#include "bench/monitor/modbus_server.h"
+#include "bench/monitor/monitor_loop.h"
+#include "bench/monitor/mqtt_publisher.h"
+#include "bench/monitor/prometheus_server.h"
+#include "bench/monitor/replay_source.h"
+#include "bench/monitor/settings.h"
+#include "bench/monitor/sparkplug_metrics.h"
+
+namespace strainwave::bench {
+namespace {
+
+struct MonitorCommand {
+  std::string predictor;
+  std::vector<std::string> replay;
+  int rounds{1};
+  double every_s{};
+  bool simulate{};
+  std::string bench;
+  double input_speed_rpm{2400.0};
+  double output_torque_Nm{40.0};
+  double duration_s{60.0};
+  std::string settings;
+  std::string pace{"real"};
+  double linger_s{2.0};
+  bool json{};
+};
+
+std::atomic<bool> g_stop{false};
+
+void ListenToSignals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = true; };
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const MonitorSettings& settings,
+                                            const ExportedPredictor& predictor) {
+  const double pace = ParsePace(command.pace);
+  const std::int64_t start_ns = UtcMilliseconds() * 1'000'000;
+  if (command.simulate == !command.replay.empty()) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        "error: there must be one stream (expected --replay with records, or --simulate)");
+  }
+  if (!command.simulate) {
+    return std::make_unique<ReplaySource>(
+        ReplaySettings{.files = RecordFilesOf({command.replay.begin(), command.replay.end()}),
+                       .rounds = command.rounds,
+                       .every_s = command.every_s,
+                       .pace = pace,
+                       .ratio = settings.ratio,
+                       .start_ns = start_ns});
+  }
+  return std::make_unique<SimulatedVibrationSource>(
+      command.bench.empty() ? EmbeddedBench() : ReadBenchFile(command.bench),
+      SimulatedStream{.input_speed_rad_per_s = RadPerSFromRpm(command.input_speed_rpm),
+                      .output_torque_Nm = command.output_torque_Nm,
+                      .ratio = settings.ratio,
+                      .sample_rate_hz = predictor.recipe().sample_rate_hz,
+                      .duration_s = command.duration_s,
+                      .pace = pace,
+                      .start_ns = start_ns});
+}
+
+nlohmann::ordered_json JsonOf(const MonitorResult& result, const MonitorFrame& frame) {
+  nlohmann::ordered_json json{{"window", result.number},
+                              {"begin_utc", UtcText(result.begin_ms)},
+                              {"end_utc", UtcText(result.end_ms)},
+                              {"origin", result.origin}};
+  if (result.fault) {
+    json["status"] = NameOf(ValueStatus::kBad);
+    json["fault"] = NameOf(result.fault->kind);
+    json["error"] = result.fault->text;
+  } else {
+    json["status"] = NameOf(result.outside_training ? ValueStatus::kOutsideTraining : ValueStatus::kGood);
+    json["distance"] = result.distance;
+    json["outside_training"] = result.outside_training;
+    json["coverage"] = frame.coverage;
+  }
+  json["alarm"] = NameOf(result.alarm);
+  for (std::size_t i = 0; i < result.outputs.size(); ++i) {
+    const MonitoredOutput& output = result.outputs[i];
+    json["values"][frame.outputs[i]] = {{"value", output.value},
+                                        {"low", output.low},
+                                        {"high", output.high},
+                                        {"alarm", NameOf(result.alarms[i])}};
+  }
+  return json;
+}
+
+std::string LineOf(const MonitorResult& result, const MonitorFrame& frame) {
+  std::string line =
+      fmt::format("{}  window {}  {}", UtcText(result.end_ms), result.number, NameOf(result.alarm));
+  if (result.outside_training) {
+    line += fmt::format(
+        "  outside what the predictor was trained on ({:.1f} times the limit): do not rely on "
+        "these",
+        result.distance);
+  }
+  for (std::size_t i = 0; i < result.outputs.size(); ++i) {
+    const MonitoredOutput& output = result.outputs[i];
+    line +=
+        fmt::format("  {} {:.5g} ± {:.2g}", frame.outputs[i], output.value, 0.5 * (output.high - output.low));
+  }
+  return line;
+}
+
+// "FILE: error: WHAT", unless the text says so itself.
+std::string ErrorOf(const MonitorResult& result) {
+  const std::string& text = result.fault->text;
+  return text.starts_with(result.origin + ":") ? text : fmt::format("{}: error: {}", result.origin, text);
+}
+
+void Print(const MonitorResult& result, const MonitorFrame& frame, bool json) {
+  if (result.fault) fmt::print(stderr, "{}\n", ErrorOf(result));
+  if (json) {
+    fmt::print("{}\n", JsonOf(result, frame).dump());
+  } else if (!result.fault) {
+    fmt::print("{}\n", LineOf(result, frame));
+  }
+  std::fflush(stdout);
+}
+
+void Say(const std::string& line) { fmt::print(stderr, "{}\n", line); }
+
+// What was not delivered is told, not kept.
+void FinishMqtt(MqttPublisher& mqtt, double linger_s) {
+  const std::chrono::duration<double> linger(linger_s);
+  const std::size_t left = mqtt.Finish(std::chrono::duration_cast<std::chrono::milliseconds>(linger));
+  if (left > 0) Say(fmt::format("mqtt: error: {} windows were not delivered and are lost", left));
+}
+
+int Run(const MonitorCommand& command) {
+  const MonitorSettings settings =
+      command.settings.empty() ? MonitorSettings{} : ReadMonitorSettings(command.settings);
+  ExportedPredictor predictor(command.predictor);
+  WindowJudge judge(predictor, settings.limits);
+  const std::unique_ptr<VibrationSource> source = MakeSource(command, settings, predictor);
+  WindowRule rule = settings.windows;
+  rule.trigger_samples = predictor.recipe().least_samples;
+  // The simulated bench runs on without a mark.
+  if (command.simulate && rule.trigger_channel.empty()) rule.by = WindowRule::By::kRevolution;
+  WindowCutter cutter(rule);
+  Board board({predictor.outputs(), predictor.coverage(), settings.stale_after_ms},
+              [&source] { return source->NowNanoseconds() / 1'000'000; });
+  Say(fmt::format("self-test of {}: files unchanged, network off its golden vectors by {:.1e}",
+                  command.predictor, predictor.worst_disagreement()));
+  ListenToSignals();
+  std::optional<PrometheusServer> prometheus;
+  std::optional<ModbusServer> modbus;
+  std::optional<MqttPublisher> mqtt;
+  if (settings.prometheus) {
+    prometheus.emplace(*settings.prometheus, board);
+    Say(fmt::format("prometheus: http://{}:{}/metrics", settings.prometheus->address, prometheus->port()));
+  }
+  if (settings.modbus) {
+    modbus.emplace(*settings.modbus, board);
+    Say(fmt::format("modbus: input registers on {} port {}", settings.modbus->address, modbus->port()));
+  }
+  if (settings.mqtt) mqtt.emplace(*settings.mqtt, board, Say);
+  const auto publish = [&](std::int64_t at_ms) {
+    if (mqtt) mqtt->Publish(SparkplugMetrics(board.State(), board.frame(), at_ms));
+  };
+  RunMonitor(*source, cutter, judge, board,
+             {.on_result =
+                  [&](const MonitorResult& result) {
+                    Print(result, board.frame(), command.json);
+                    // As it was at its own time: a result that comes late is still a result.
+                    publish(result.end_ms);
+                  },
+              .on_stale =
+                  [&] {
+                    Say("stale: no new window for longer than stale_after");
+                    publish(board.NowMilliseconds());
+                  }},
+             g_stop);
+  if (mqtt) FinishMqtt(*mqtt, command.linger_s);
+  const MonitorState state = board.State();
+  Say(fmt::format("windows: {} good, {} bad, {} outside the training", state.good_windows, state.bad_windows,
+                  state.outside_windows));
+  if (g_stop) return static_cast<int>(ExitCode::kInterrupted);
+  // A record that cannot be used is wrong input here as with `predict`.
+  return static_cast<int>(state.bad_windows > 0 ? ExitCode::kWrongInput : ExitCode::kDone);
+}
+
+}  // namespace
+
+void AddMonitor(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "monitor",
+      "Run an exported predictor on a stream of vibration: windows, values with intervals, alarms; publish "
+      "them "
+      "to MQTT (Sparkplug B), Prometheus and Modbus TCP as the settings file says "
+      "(bench/monitor/monitor.yaml "
+      "has "
+      "every key). Tests the predictor's folder before it starts.\n"
+      "Ctrl-C ends it with a death certificate, exit code 130. What the broker does not take is kept in "
+      "memory, "
+      "at most keep_windows (10000) windows and keep_mebibytes (64) MiB; beyond, the oldest go and are "
+      "counted; "
+      "what is undelivered at the end is lost and told.\n"
+      "Example: strainwave monitor exported --replay campaigns/first --settings bench/monitor/monitor.yaml");
+  auto options = std::make_shared<MonitorCommand>();
+  command->add_option("PREDICTOR", options->predictor, "folder that export has written")->required();
+  command->add_option("--replay", options->replay, "records as a stream: CSV, HDF5, campaign folders");
+  command->add_option("--rounds", options->rounds, "of a replay: times through all records")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--every", options->every_s, "of a replay: seconds from record to record; 0: at once")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command->add_flag("--simulate", options->simulate, "the simulated bench as a stream, turning evenly");
+  command->add_option("--bench", options->bench, "of --simulate: bench file; without it, the embedded one");
+  command->add_option("--input-speed", options->input_speed_rpm, "of --simulate: rpm")->capture_default_str();
+  command->add_option("--output-torque", options->output_torque_Nm, "of --simulate: Nm")
+      ->capture_default_str();
+  command->add_option("--duration", options->duration_s, "of --simulate: seconds")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  command->add_option("--settings", options->settings, "windows, thresholds and where to publish (YAML)");
+  command->add_option("--pace", options->pace, "of the stream: real, max, or N times real time")
+      ->capture_default_str();
+  command->add_option("--linger", options->linger_s, "seconds at the end for what still waits for the broker")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "one object a window, each on a line of its own");
+  command->callback([options, &action] { action = [options] { return Run(*options); }; });
+}
+
+}  // namespace strainwave::bench

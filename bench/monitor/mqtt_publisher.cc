@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/monitor/mqtt_publisher.h"
+
+#include <algorithm>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <mosquitto.h>
+
+#include "bench/monitor/sparkplug_metrics.h"
+
+namespace strainwave::bench {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr int kKeepAlive_s = 10;
+constexpr int kLoop_ms = 10;
+constexpr std::size_t kMostUnderWay = 20;  // what libmosquitto itself lets pass at a time
+constexpr milliseconds kFirstPause{100};
+constexpr milliseconds kLongestPause{5000};
+constexpr milliseconds kAnswer{10'000};  // for a broker to accept a connection
+constexpr milliseconds kFarewell{1000};  // for a broker to acknowledge a death
+
+struct Library {
+  Library() { mosquitto_lib_init(); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+  ~Library() { mosquitto_lib_cleanup(); }
+};
+
+}  // namespace
+
+/// One connection from its will to its end. libmosquitto keeps nothing from one to the next.
+class MqttPublisher::Connection {
+ public:
+  explicit Connection(MqttPublisher& publisher)
+      : publisher_(publisher),
+        will_(publisher.node_.Death(publisher.board_.NowMilliseconds())),
+        client_(
+            mosquitto_new((publisher.settings_.group + "-" + publisher.settings_.node).c_str(), true, this),
+            mosquitto_destroy) {
+    mosquitto* const client = client_.get();
+    const MqttSettings& settings = publisher.settings_;
+    mosquitto_will_set(client, will_.topic.c_str(), static_cast<int>(will_.payload.size()),
+                       will_.payload.data(), will_.qos, will_.retain);
+    if (!settings.user.empty()) {
+      mosquitto_username_pw_set(client, settings.user.c_str(), settings.password.c_str());
+    }
+    mosquitto_connect_callback_set(
+        client, [](mosquitto*, void* self, int code) { static_cast<Connection*>(self)->OnConnect(code); });
+    mosquitto_message_callback_set(client, [](mosquitto*, void* self, const mosquitto_message* message) {
+      static_cast<Connection*>(self)->OnMessage(*message);
+    });
+    mosquitto_publish_callback_set(client, [](mosquitto*, void* self, int ticket) {
+      static_cast<Connection*>(self)->OnAcknowledged(ticket);
+    });
+  }
+
+  /// Until the connection is lost, the primary host leaves, or there is nothing more to do.
+  /// @return whether there was a birth.
+  bool Serve() {
+    const MqttSettings& settings = publisher_.settings_;
+    const auto start = steady_clock::now();
+    Check(mosquitto_connect_async(client_.get(), settings.host.c_str(), settings.port, kKeepAlive_s));
+    while (!lost_ && !publisher_.Finished()) {
+      Check(mosquitto_loop(client_.get(), kLoop_ms, 1));
+      LetGo();
+      if (!accepted_ && steady_clock::now() - start > kAnswer) Lose("no answer");
+      if (accepted_ && !lost_ && host_online_ && (!born_ || asked_for_birth_)) Birth();
+      if (born_ && !host_online_) {
+        cause_ = "the primary host does not listen";
+        break;
+      }
+      if (born_ && !lost_) SendWaiting();
+    }
+    if (accepted_ && !lost_) Farewell();
+    LetGo();
+    return born_;
+  }
+
+  const std::string& cause() const { return cause_; }
+
+ private:
+  void OnConnect(int code) {
+    if (code != 0) {
+      Lose(mosquitto_connack_string(code));
+      return;
+    }
+    accepted_ = true;
+    Check(mosquitto_subscribe(client_.get(), nullptr, publisher_.node_.CommandTopic().c_str(), 1));
+    const std::string& host = publisher_.settings_.primary_host;
+    host_online_ = host.empty();
+    if (!host.empty()) {
+      Check(mosquitto_subscribe(client_.get(), nullptr, protocols::HostStateTopic(host).c_str(), 1));
+    }
+  }
+
+  void OnMessage(const mosquitto_message& message) {
+    const std::string_view payload(static_cast<const char*>(message.payload),
+                                   static_cast<std::size_t>(message.payloadlen));
+    if (message.topic == publisher_.node_.CommandTopic()) {
+      asked_for_birth_ = asked_for_birth_ || protocols::AsksForRebirth(payload);
+      return;
+    }
+    const auto state = protocols::ParseHostState(payload);
+    if (!state || state->time_ms < host_time_ms_) return;
+    host_time_ms_ = state->time_ms;
+    host_online_ = state->online;
+  }
+
+  // libmosquitto also calls this from within a publish, where the mutex may be held.
+  void OnAcknowledged(int ticket) {
+    if (ticket == farewell_) farewell_done_ = true;
+    acknowledged_.push_back(ticket);
+  }
+
+  void LetGo() {
+    if (acknowledged_.empty()) return;
+    const std::scoped_lock lock(publisher_.mutex_);
+    for (const int ticket : acknowledged_) publisher_.outbox_.Acknowledge(ticket);
+    acknowledged_.clear();
+    publisher_.ShowLink();
+  }
+
+  // Under the mutex: what is put into the outbox after the birth's own time is live.
+  void Birth() {
+    const std::scoped_lock lock(publisher_.mutex_);
+    const Board& board = publisher_.board_;
+    const std::int64_t now_ms = board.NowMilliseconds();
+    Send(publisher_.node_.Birth(now_ms, SparkplugMetrics(board.State(), board.frame(), now_ms)), nullptr);
+    asked_for_birth_ = false;
+    if (lost_) return;
+    if (!std::exchange(born_, true)) {
+      publisher_.log_(fmt::format("mqtt: published the birth of {}/{}", publisher_.settings_.group,
+                                  publisher_.settings_.node));
+      publisher_.told_broken_ = false;
+    }
+    publisher_.live_ = true;
+    publisher_.ShowLink();
+  }
+
+  void SendWaiting() {
+    const std::scoped_lock lock(publisher_.mutex_);
+    Outbox& outbox = publisher_.outbox_;
+    while (!lost_ && outbox.under_way() < kMostUnderWay) {
+      const auto* metrics = outbox.Next();
+      if (metrics == nullptr) return;
+      protocols::MqttMessage message = publisher_.node_.Data(publisher_.board_.NowMilliseconds(), *metrics);
+      message.qos = 1;
+      int ticket = 0;
+      Send(message, &ticket);
+      if (!lost_) outbox.Sent(ticket);
+    }
+  }
+
+  // A connection that is ended on purpose takes its will with it: the death is published by hand.
+  void Farewell() {
+    const auto start = steady_clock::now();
+    if (born_) {
+      Send(will_, &farewell_);
+      while (!lost_ && !farewell_done_ && steady_clock::now() - start < kFarewell) {
+        Check(mosquitto_loop(client_.get(), kLoop_ms, 1));
+      }
+    }
+    mosquitto_disconnect(client_.get());
+    mosquitto_loop(client_.get(), kLoop_ms, 1);
+  }
+
+  void Send(const protocols::MqttMessage& message, int* ticket) {
+    Check(mosquitto_publish(client_.get(), ticket, message.topic.c_str(),
+                            static_cast<int>(message.payload.size()), message.payload.data(), message.qos,
+                            message.retain));
+  }
+
+  void Check(int code) {
+    if (code != MOSQ_ERR_SUCCESS && code != MOSQ_ERR_CONN_PENDING) Lose(mosquitto_strerror(code));
+  }
+
+  void Lose(const std::string& cause) {
+    if (!lost_) cause_ = cause;
+    lost_ = true;
+  }
+
+  MqttPublisher& publisher_;
+  protocols::MqttMessage will_;
+  std::unique_ptr<mosquitto, void (*)(mosquitto*)> client_;
+  bool accepted_{};
+  bool born_{};
+  bool lost_{};
+  bool host_online_{};
+  std::int64_t host_time_ms_{};
+  bool asked_for_birth_{};
+  std::vector<int> acknowledged_;
+  int farewell_{-1};
+  bool farewell_done_{};
+  std::string cause_;
+};
+
+MqttPublisher::MqttPublisher(const MqttSettings& settings, Board& board, Log log)
+    : settings_(settings),
+      board_(board),
+      log_(std::move(log)),
+      node_(settings.group, settings.node),
+      outbox_(settings.keep) {
+  thread_ = std::thread([this] { Run(); });
+}
+
+MqttPublisher::~MqttPublisher() {
+  if (thread_.joinable()) Finish(milliseconds{0});
+}
+
+void MqttPublisher::Publish(std::vector<protocols::SparkplugMetric> metrics) {
+  const std::scoped_lock lock(mutex_);
+  outbox_.Push(std::move(metrics), live_);
+  ShowLink();
+}
+
+std::size_t MqttPublisher::Finish(milliseconds patience) {
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+    deadline_ = steady_clock::now() + patience;
+  }
+  wake_.notify_all();
+  thread_.join();
+  return outbox_.size();
+}
+
+bool MqttPublisher::Finished() {
+  const std::scoped_lock lock(mutex_);
+  return FinishedLocked();
+}
+
+bool MqttPublisher::FinishedLocked() const {
+  return stopping_ && (outbox_.size() == 0 || steady_clock::now() >= deadline_);
+}
+
+void MqttPublisher::ShowLink() {
+  board_.Show(LinkState{true, live_, outbox_.size(), outbox_.bytes(), outbox_.dropped()});
+}
+
+void MqttPublisher::Run() {
+  const Library library;
+  milliseconds pause = kFirstPause;
+  while (!Finished()) {
+    Connection connection(*this);
+    const bool was_born = connection.Serve();
+    std::unique_lock lock(mutex_);
+    outbox_.ConnectionLost();
+    live_ = false;
+    ShowLink();
+    if (FinishedLocked()) return;
+    if (!std::exchange(told_broken_, true) || was_born) {
+      log_(fmt::format("mqtt: no connection to {} port {}: {}; {} windows wait", settings_.host,
+                       settings_.port, connection.cause(), outbox_.size()));
+    }
+    pause = was_born ? kFirstPause : std::min(2 * pause, kLongestPause);
+    wake_.wait_for(lock, pause, [this] { return FinishedLocked(); });
+  }
+}
+
+}  // namespace strainwave::bench

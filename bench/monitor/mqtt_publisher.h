@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/monitor/board.h"
+#include "bench/monitor/outbox.h"
+#include "bench/monitor/settings.h"
+#include "protocols/sparkplug.h"
+
+namespace strainwave::bench {
+
+/// Publishes to an MQTT broker as a Sparkplug edge node, from a thread of its own: whoever publishes never
+/// waits for the network. It connects again for as long as it lives; every connection has a will and a birth
+/// of its own, and what was not acknowledged before goes out after that birth as historical, under new
+/// sequence numbers.
+///
+/// Data goes with quality of service 1, where Sparkplug asks for 0: only what a broker acknowledges may be
+/// forgotten. Subscribers see no difference. With a primary host named, nothing is sent before that host says
+/// that it listens.
+class MqttPublisher {
+ public:
+  using Log = std::function<void(const std::string& line)>;  // called from the thread
+
+  /// @param board  outlives the publisher; gets the state of the link, gives the values of births.
+  MqttPublisher(const MqttSettings& settings, Board& board, Log log);
+  MqttPublisher(const MqttPublisher&) = delete;
+  MqttPublisher& operator=(const MqttPublisher&) = delete;
+  /// Ends the connection with a death; what still waits is lost.
+  ~MqttPublisher();
+
+  /// Puts values into the outbox.
+  void Publish(std::vector<protocols::SparkplugMetric> metrics);
+
+  /// Goes on until nothing waits or the time is over, then ends the connection with a death.
+  /// @return the entries that were not delivered.
+  std::size_t Finish(std::chrono::milliseconds patience);
+
+ private:
+  class Connection;
+
+  void Run();
+  bool Finished();
+  bool FinishedLocked() const;
+  void ShowLink();  // with the mutex held
+
+  MqttSettings settings_;
+  Board& board_;
+  Log log_;
+  protocols::SparkplugEdgeNode node_;  // of the thread alone
+  bool told_broken_{};                 // of the thread alone
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  Outbox outbox_;
+  bool live_{};  // connected and born
+  bool stopping_{};
+  std::chrono::steady_clock::time_point deadline_{};
+
+  std::thread thread_;
+};
+
+}  // namespace strainwave::bench

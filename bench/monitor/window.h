@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/prediction/signal_inputs.h"
+#include "bench/roles/vibration_source.h"
+
+namespace strainwave::bench {
+
+/// What one result is computed from.
+struct VibrationWindow {
+  std::int64_t begin_ns{};  // since 1970, UTC: of the first sample
+  std::int64_t end_ns{};    // just after the last one
+  double sample_rate_hz{};
+  std::vector<std::string> channels;
+  std::vector<std::vector<double>> samples;  // channels × samples
+  std::string origin;
+  std::optional<SignalFault> fault;  // found while cutting; the samples are then not to be used
+};
+
+struct WindowRule {
+  enum class By { kTrigger, kRevolution };
+  By by{By::kTrigger};
+  std::string trigger_channel;         // a rising edge of it begins a window; empty: the source's own marks
+  double trigger_level{};              // of the edge, in the channel's unit
+  std::size_t trigger_samples{};       // of a window after an edge
+  double turns{1.0};                   // of the output shaft, by revolution
+  std::size_t most_samples{1u << 22};  // of any window: memory has a bound
+};
+
+/// Cuts a stream into windows. No sample is in two windows; a window that the stream breaks off comes out
+/// with a fault, never shortened in silence.
+class WindowCutter {
+ public:
+  explicit WindowCutter(WindowRule rule) : rule_(std::move(rule)) {}
+
+  /// @return the windows that this chunk completes, in order of time.
+  std::vector<VibrationWindow> Add(const VibrationChunk& chunk);
+
+  /// Ends the stream: what is open cannot be completed.
+  std::vector<VibrationWindow> Finish();
+
+ private:
+  bool Continues(const VibrationChunk& chunk) const;
+  void AddByMark(const VibrationChunk& chunk);
+  void AddByEdge(const VibrationChunk& chunk, const std::vector<double>& trigger);
+  void AddByTurn(const VibrationChunk& chunk);
+  void Open(const VibrationChunk& chunk, std::size_t at);
+  void Append(const VibrationChunk& chunk, std::size_t from, std::size_t to);
+  void Close();
+  void CloseWith(SignalFault fault);
+  /// A finding about the stream and not about a window; once until it is mended.
+  void Tell(const VibrationChunk& chunk, SignalFault fault);
+
+  WindowRule rule_;
+  std::vector<VibrationWindow> done_;
+  std::optional<VibrationWindow> open_;
+  bool told_{};
+  bool above_{true};              // an edge needs a sample below it first
+  std::optional<double> turned_;  // of the last sample of an unbroken stretch
+  double window_from_turns_{};
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/monitor/window_judge.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <variant>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace strainwave::bench {
+namespace {
+
+constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
+
+std::vector<MonitoredOutput> OutputsOf(const PredictedOutputs& predicted) {
+  std::vector<MonitoredOutput> outputs;
+  for (std::size_t i = 0; i < predicted.value.size(); ++i) {
+    const double value = predicted.value[i];
+    outputs.push_back({value, value - predicted.half_width[i], value + predicted.half_width[i]});
+  }
+  return outputs;
+}
+
+}  // namespace
+
+WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits)
+    : predictor_(predictor), limits_(predictor.outputs().size()), alarms_(predictor.outputs().size()) {
+  for (const auto& [output, limit] : limits) {
+    const auto found = std::ranges::find(predictor.outputs(), output);
+    if (found == predictor.outputs().end()) {
+      throw std::invalid_argument(fmt::format("a threshold is for '{}' (expected one of the outputs {})",
+                                              output, fmt::join(predictor.outputs(), ", ")));
+    }
+    limits_[static_cast<std::size_t>(found - predictor.outputs().begin())] = limit;
+  }
+}
+
+MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
+  MonitorResult result{.number = ++windows_,
+                       .begin_ms = window.begin_ns / kNanosecondsPerMillisecond,
+                       .end_ms = window.end_ns / kNanosecondsPerMillisecond,
+                       .origin = window.origin,
+                       .fault = window.fault,
+                       .outputs = {},
+                       .alarms = {}};
+  if (!result.fault) {
+    std::vector<NamedSignal> signals;
+    for (std::size_t k = 0; k < window.channels.size(); ++k) {
+      signals.push_back({window.channels[k], window.samples[k]});
+    }
+    const auto predicted = predictor_.Predict(signals, window.sample_rate_hz);
+    if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
+      result.fault = *fault;
+    } else {
+      const auto& outputs = std::get<PredictedOutputs>(predicted);
+      result.outputs = OutputsOf(outputs);
+      result.distance = outputs.distance;
+      result.outside_training = outputs.outside_training();
+    }
+  }
+  for (std::size_t i = 0; i < alarms_.size(); ++i) {
+    if (!result.fault && !result.outside_training) {
+      alarms_[i] = Next(alarms_[i], limits_[i], result.outputs[i].value, result.end_ms);
+    }
+    result.alarms.push_back(alarms_[i].level());
+    result.alarm = std::max(result.alarm, result.alarms.back());
+  }
+  return result;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/monitor/alarm.h"
+#include "bench/monitor/monitor_result.h"
+#include "bench/monitor/window.h"
+#include "bench/prediction/exported_predictor.h"
+
+namespace strainwave::bench {
+
+/// Limits by the name of the output that they watch.
+using OutputLimits = std::vector<std::pair<std::string, AlarmLimits>>;
+
+/// Turns windows into results: features, network, alarms. One object a thread.
+class WindowJudge {
+ public:
+  /// @param predictor  outlives the judge.
+  /// @throws std::invalid_argument if a limit is of an output that the predictor does not have.
+  WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits);
+
+  /// Windows in order of time. Only a window that is good moves an alarm.
+  MonitorResult Judge(const VibrationWindow& window);
+
+ private:
+  ExportedPredictor& predictor_;
+  std::vector<AlarmLimits> limits_;  // of each output
+  std::vector<AlarmState> alarms_;
+  std::int64_t windows_{};
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/prediction/exported_predictor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/sha256.h"
+
+namespace strainwave::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kAsWritten = "the file as `strainwave export` wrote it";
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
+constexpr std::size_t kMostNames = 256;
+
+std::string ReadFile(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  std::ifstream stream(path, std::ios::binary);
+  if (error || !stream) Refuse(path, "cannot be read", "a folder that `strainwave export` wrote");
+  if (bytes > kMostBytes) Refuse(path, fmt::format("has {} bytes", bytes), "at most 1 GiB");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return std::move(text).str();
+}
+
+// Names go into topics, labels and tables: letters, digits and '_', each once.
+void RequireNames(const std::filesystem::path& file, const char* what,
+                  const std::vector<std::string>& names) {
+  const auto is_plain = [](const std::string& name) {
+    return !name.empty() && name.size() <= 100 && std::ranges::all_of(name, [](unsigned char letter) {
+      return letter < 128 && (std::isalnum(letter) != 0 || letter == '_');
+    });
+  };
+  const bool unique = std::set<std::string>(names.begin(), names.end()).size() == names.size();
+  if (names.empty() || names.size() > kMostNames || !unique || !std::ranges::all_of(names, is_plain)) {
+    Refuse(file, fmt::format("the {} have no proper names", what),
+           fmt::format("1 to {} different names of letters, digits and '_'", kMostNames));
+  }
+}
+
+Eigen::RowVectorXd RowFrom(const Json& json, std::size_t size) {
+  const auto values = json.get<std::vector<double>>();
+  if (values.size() != size) {
+    throw std::invalid_argument(
+        fmt::format("a golden vector has {} values in place of {}", values.size(), size));
+  }
+  return Eigen::Map<const Eigen::RowVectorXd>(values.data(), static_cast<Eigen::Index>(size));
+}
+
+// The description says of itself what it was, and of each file beside it.
+void RequireUnchanged(const std::filesystem::path& folder, const std::filesystem::path& file, Json json) {
+  const std::string own = json.at("sha256").get<std::string>();
+  json.erase("sha256");
+  if (Sha256(json.dump()) != own) {
+    Refuse(file, "the file has changed since it was written", "the SHA-256 that it has of itself");
+  }
+  for (const char* card : {"model_card_json", "model_card_md"}) {
+    const Json& entry = json.at(card);
+    const std::filesystem::path path = folder / entry.at("file").get<std::string>();
+    if (Sha256(ReadFile(path)) != entry.at("sha256").get<std::string>()) {
+      Refuse(path, "the file has changed since it was written", "the SHA-256 that recipe.json has of it");
+    }
+  }
+}
+
+}  // namespace
+
+double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> golden,
+                         OnnxNetwork::Predicts predicts) {
+  double worst = 0.0;
+  for (const GoldenVector& vector : golden) {
+    const OnnxNetwork::Output got = network.Run(vector.features);
+    const OnnxNetwork::Output& expected = vector.expected;
+    if (got.prediction.size() != expected.prediction.size() ||
+        got.half_width.size() != expected.half_width.size()) {
+      throw std::invalid_argument("golden vectors have another number of outputs than the network");
+    }
+    Eigen::ArrayXd size = expected.prediction.transpose().array().abs();
+    if (predicts == OnnxNetwork::Predicts::kClasses) size.setOnes();
+    const auto off = [&](const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
+      return ((a - b).transpose().array().abs() / size).maxCoeff();
+    };
+    for (const double share :
+         {off(got.prediction, expected.prediction), off(got.half_width, expected.half_width),
+          std::abs(got.distance - expected.distance) / std::max(1.0, std::abs(expected.distance))}) {
+      // Written so that a NaN is the worst of all.
+      if (!(share <= worst)) worst = std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
+    }
+  }
+  return worst;
+}
+
+ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "recipe.json";
+  const std::string text = ReadFile(file);
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("format") != kExportFormat) {
+      Refuse(file, fmt::format("format {}", json.at("format").dump()),
+             fmt::format("format {}; export the predictor again", kExportFormat));
+    }
+    RequireUnchanged(folder, file, json);
+    if (json.at("predicts") != "values") {
+      Refuse(file, fmt::format("it predicts {}", json.at("predicts").get<std::string>()),
+             "a predictor of quantities; `strainwave predict` tells classes");
+    }
+    const std::filesystem::path model = folder / json.at("model").at("file").get<std::string>();
+    Parts parts{.recipe = RecipeFrom(json.at("recipe"), file),
+                .outputs = json.at("outputs").get<std::vector<std::string>>(),
+                .coverage = json.at("coverage").get<double>(),
+                .golden = {},
+                .onnx = ReadFile(model)};
+    if (Sha256(parts.onnx) != json.at("model").at("sha256").get<std::string>()) {
+      Refuse(model, "the file has changed since it was written", "the SHA-256 that recipe.json has of it");
+    }
+    RequireNames(file, "outputs", parts.outputs);
+    RequireNames(file, "channels", parts.recipe.channels);
+    if (!(parts.recipe.sample_rate_hz > 0.0) || !(parts.coverage > 0.0 && parts.coverage < 1.0)) {
+      Refuse(file, "sample_rate_hz or coverage is out of range", kAsWritten);
+    }
+    for (const Json& golden : json.at("self_test")) {
+      parts.golden.push_back(
+          {RowFrom(golden.at("features"), parts.recipe.inputs.size()),
+           {RowFrom(golden.at("prediction"), parts.outputs.size()),
+            RowFrom(golden.at("half_width"), parts.outputs.size()), golden.at("distance").get<double>()}});
+    }
+    if (parts.golden.empty()) Refuse(file, "there is no golden vector", kAsWritten);
+    return parts;
+  } catch (const Json::exception& error) {
+    Refuse(file, fmt::format("cannot be used: {}", error.what()), kAsWritten);
+  } catch (const std::invalid_argument& error) {
+    Refuse(file, fmt::format("cannot be used: {}", error.what()), kAsWritten);
+  }
+}
+
+namespace {
+
+SignalInputs InputsOf(const std::filesystem::path& folder, const FeatureRecipe& recipe) {
+  try {
+    return SignalInputs(recipe);
+  } catch (const std::invalid_argument& error) {
+    Refuse(folder / "recipe.json", fmt::format("cannot be used: {}", error.what()), kAsWritten);
+  }
+}
+
+OnnxNetwork NetworkOf(const std::filesystem::path& folder, const std::string& onnx, std::size_t inputs,
+                      std::size_t outputs) {
+  try {
+    return {onnx, static_cast<Eigen::Index>(inputs), static_cast<Eigen::Index>(outputs)};
+  } catch (const std::invalid_argument& error) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: {}", (folder / "model.onnx").string(), error.what()));
+  }
+}
+
+}  // namespace
+
+ExportedPredictor::ExportedPredictor(const std::filesystem::path& folder)
+    : folder_(folder),
+      parts_(Read(folder)),
+      inputs_(InputsOf(folder, parts_.recipe)),
+      network_(NetworkOf(folder, parts_.onnx, parts_.recipe.inputs.size(), parts_.outputs.size())),
+      worst_disagreement_(WorstDisagreement(network_, parts_.golden)) {
+  if (!(worst_disagreement_ <= kExportAgreement)) {
+    Refuse(folder / "model.onnx",
+           fmt::format("the self-test fails: off the golden vectors by {:.1e}", worst_disagreement_),
+           fmt::format("at most {:.0e}", kExportAgreement));
+  }
+  parts_.onnx.clear();
+}
+
+std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
+    std::span<const NamedSignal> signals, double sample_rate_hz, std::optional<double> samples_per_turn) {
+  if (auto fault = inputs_.Compute(signals, sample_rate_hz, samples_per_turn, features_))
+    return *std::move(fault);
+  const OnnxNetwork::Output output = network_.Run(features_);
+  PredictedOutputs predicted{.value = {output.prediction.begin(), output.prediction.end()},
+                             .half_width = {output.half_width.begin(), output.half_width.end()},
+                             .distance = output.distance};
+  if (!output.prediction.allFinite() || !output.half_width.allFinite() || !std::isfinite(output.distance)) {
+    return SignalFault{SignalFaultKind::kUndefined,
+                       "the prediction is not a number (expected signals like those trained on)"};
+  }
+  if (!predicted.outside_training()) return predicted;
+  const std::vector<std::string>& channels = parts_.recipe.channels;
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    for (std::size_t j = i + 1; j < channels.size(); ++j) {
+      if (!(network_.Run(inputs_.WithExchanged(i, j)).distance <= 1.0)) continue;
+      return SignalFault{SignalFaultKind::kSwapped,
+                         fmt::format("{} and {} seem to be exchanged (expected the sensors as in training)",
+                                     channels[i], channels[j])};
+    }
+  }
+  return predicted;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bench/prediction/feature_recipe.h"
+#include "bench/prediction/onnx_network.h"
+#include "bench/prediction/signal_inputs.h"
+
+namespace strainwave::bench {
+
+inline constexpr int kExportFormat = 2;
+
+/// What the trained networks gave for some features, kept beside the exported one for its self-test.
+struct GoldenVector {
+  Eigen::RowVectorXd features;
+  OnnxNetwork::Output expected;
+};
+
+/// Most that the exported network is off any golden vector: of prediction and half width over the prediction,
+/// of the distance over the greater of 1 and the distance; of a class's probability as it is.
+/// @throws std::invalid_argument for other sizes.
+double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> golden,
+                         OnnxNetwork::Predicts predicts = OnnxNetwork::Predicts::kValues);
+
+/// Asked for of an exported network, over each output.
+inline constexpr double kExportAgreement = 1e-5;
+
+/// What one window of vibration says, in the outputs' units.
+struct PredictedOutputs {
+  std::vector<double> value;
+  std::vector<double> half_width;
+  double distance{};  // above 1: outside what was trained on, nothing is promised
+
+  bool outside_training() const { return !(distance <= 1.0); }
+};
+
+/// A folder that `strainwave export` wrote, as a monitor runs it. One object a thread.
+class ExportedPredictor {
+ public:
+  /// Reads the folder and tests it: hashes of all files, shapes, and the golden vectors through OpenCV.
+  /// @throws CampaignError naming the file, what is wrong with it and what was expected.
+  explicit ExportedPredictor(const std::filesystem::path& folder);
+
+  const FeatureRecipe& recipe() const { return parts_.recipe; }
+  const std::vector<std::string>& outputs() const { return parts_.outputs; }
+  double coverage() const { return parts_.coverage; }  // of the intervals
+  double worst_disagreement() const { return worst_disagreement_; }
+
+  /// @param signals  in any order, samples at `sample_rate_hz`.
+  /// @param samples_per_turn  of the input shaft, where it is known; energies by order need it.
+  /// @return the outputs, or why there are none (signal_inputs.h). Signals that lie outside what was trained
+  ///   on but would not if two channels were exchanged, count as swapped.
+  std::variant<PredictedOutputs, SignalFault> Predict(std::span<const NamedSignal> signals,
+                                                      double sample_rate_hz,
+                                                      std::optional<double> samples_per_turn = {});
+
+ private:
+  struct Parts {
+    FeatureRecipe recipe;
+    std::vector<std::string> outputs;
+    double coverage{};
+    std::vector<GoldenVector> golden;
+    std::string onnx;
+  };
+  static Parts Read(const std::filesystem::path& folder);
+
+  std::filesystem::path folder_;
+  Parts parts_;
+  SignalInputs inputs_;
+  OnnxNetwork network_;
+  double worst_disagreement_{};
+  Eigen::RowVectorXd features_;
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/prediction/signal_settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace strainwave::bench {
+namespace {
+
+constexpr double kRateTolerance = 0.01;
+// So many equal samples in a row at the very top or bottom are a sensor at its end.
+constexpr int kClippedRun = 6;
+
+int LongestRunAt(std::span<const double> signal, double value) {
+  int longest = 0;
+  int run = 0;
+  for (const double sample : signal) {
+    run = sample == value ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  return longest;
+}
+
+}  // namespace
+
+std::vector<Window> WindowsOf(std::size_t rows, std::optional<double> samples_per_turn,
+                              const WindowLength& length) {
+  if (length.turns == 0 && length.samples == 0) return {{0, rows}};
+  if (length.turns > 0 && !samples_per_turn) {
+    throw std::invalid_argument("samples_per_turn is not known (expected it for windows of whole turns)");
+  }
+  const double step =
+      length.turns > 0 ? *samples_per_turn * length.turns : static_cast<double>(length.samples);
+  const auto count = static_cast<std::size_t>(step);
+  std::vector<Window> windows;
+  for (std::size_t k = 0;; ++k) {
+    const auto begin = static_cast<std::size_t>(std::lround(static_cast<double>(k) * step));
+    if (count == 0 || begin + count > rows) return windows;
+    windows.push_back({begin, count});
+  }
+}
+
+std::string_view NameOf(SignalFaultKind kind) {
+  switch (kind) {
+    case SignalFaultKind::kSampleRate:
+      return "sample_rate";
+    case SignalFaultKind::kMissingChannel:
+      return "missing_channel";
+    case SignalFaultKind::kTooShort:
+      return "too_short";
+    case SignalFaultKind::kNotFinite:
+      return "not_finite";
+    case SignalFaultKind::kDead:
+      return "dead";
+    case SignalFaultKind::kClipped:
+      return "clipped";
+    case SignalFaultKind::kSwapped:
+      return "swapped";
+    case SignalFaultKind::kUndefined:
+      return "undefined";
+    case SignalFaultKind::kGap:
+      return "gap";
+    case SignalFaultKind::kUnreadable:
+      return "unreadable";
+  }
+  return "unreadable";
+}
+
+int DecimationFactor(double rate_hz, const SignalSettings& settings) {
+  const double ratio = rate_hz / settings.sample_rate_hz;
+  const double factor = settings.decimates ? std::max(1.0, std::round(ratio)) : 1.0;
+  return std::abs(ratio / factor - 1.0) <= kRateTolerance ? static_cast<int>(factor) : 0;
+}
+
+SignalFault RateFault(double rate_hz, const SignalSettings& settings) {
+  return {SignalFaultKind::kSampleRate,
+          fmt::format("the sampling rate is {:g} Hz (expected {:g} Hz{}, as in training)", rate_hz,
+                      settings.sample_rate_hz, settings.decimates ? " or a multiple of it" : "")};
+}
+
+SignalFault MissingChannel(const std::string& channel, const SignalSettings& settings) {
+  return {SignalFaultKind::kMissingChannel, fmt::format("there is no channel {} (expected {})", channel,
+                                                        fmt::join(settings.channels, ", "))};
+}
+
+std::optional<SignalFault> SensorFault(const std::string& channel, std::span<const double> signal) {
+  const auto odd = std::ranges::find_if_not(signal, [](double value) { return std::isfinite(value); });
+  if (odd != signal.end()) {
+    return SignalFault{SignalFaultKind::kNotFinite, fmt::format("{} is {} at sample {} (expected a number)",
+                                                                channel, *odd, odd - signal.begin() + 1)};
+  }
+  const auto [low, high] = std::ranges::minmax(signal);
+  if (low == high) {
+    return SignalFault{
+        SignalFaultKind::kDead,
+        fmt::format("{} is {} throughout (expected a signal: is the sensor connected?)", channel, low)};
+  }
+  for (const double end : {low, high}) {
+    const int run = LongestRunAt(signal, end);
+    if (run >= kClippedRun) {
+      return SignalFault{
+          SignalFaultKind::kClipped,
+          fmt::format("{} stays at its end value {} for {} samples (expected a sensor within its range)",
+                      channel, end, run)};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace strainwave::bench

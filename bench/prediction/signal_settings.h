@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace strainwave::bench {
+
+/// How long a window of a record is: so many turns of the input shaft where `turns` is not 0, each record's
+/// own number of samples; else so many samples; with both 0 the record is one window.
+struct WindowLength {
+  std::size_t samples{};
+  int turns{};
+
+  bool operator==(const WindowLength&) const = default;
+};
+
+struct Window {
+  std::size_t begin{};
+  std::size_t count{};
+};
+
+/// Windows without overlap, from the first sample on; what is left at the end is not used. None where the
+/// record is shorter than one window.
+/// @param samples_per_turn  of the input shaft; needed where the length is in turns.
+std::vector<Window> WindowsOf(std::size_t rows, std::optional<double> samples_per_turn,
+                              const WindowLength& length);
+
+/// Which channels of a record are taken, and at what rate.
+struct SignalSettings {
+  std::vector<std::string> channels;  // in this order
+  double sample_rate_hz{};
+  bool decimates{};  // a whole multiple of the rate is brought down to it
+};
+
+/// Why signals cannot be predicted from. The numbers go to PLCs and never change their meaning.
+enum class SignalFaultKind {
+  kSampleRate = 1,
+  kMissingChannel = 2,
+  kTooShort = 3,
+  kNotFinite = 4,
+  kDead = 5,
+  kClipped = 6,
+  kSwapped = 7,
+  kUndefined = 8,   // a feature or a prediction is no number
+  kGap = 9,         // the stream broke off within the window
+  kUnreadable = 10  // the source could not deliver it
+};
+
+/// "sample_rate", "missing_channel", …
+std::string_view NameOf(SignalFaultKind kind);
+
+struct SignalFault {
+  SignalFaultKind kind{};
+  std::string text;  // "WHAT (what was expected)"
+};
+
+/// By how much signals at this rate are to be brought down; 0 where the rate is another one (by more than a
+/// hundredth).
+int DecimationFactor(double rate_hz, const SignalSettings& settings);
+SignalFault RateFault(double rate_hz, const SignalSettings& settings);
+SignalFault MissingChannel(const std::string& channel, const SignalSettings& settings);
+
+/// What is wrong with the sensor behind a signal: a value that is no number, one value throughout (not
+/// connected), or so many samples at its highest or lowest value that it is at its end.
+std::optional<SignalFault> SensorFault(const std::string& channel, std::span<const double> signal);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/predictor_api/strainwave_predictor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "bench/prediction/exported_predictor.h"
+
+// NOLINTBEGIN(readability-identifier-naming): names of a C library
+struct strainwave_predictor {
+  strainwave::bench::ExportedPredictor exported;
+};
+// NOLINTEND(readability-identifier-naming)
+
+namespace {
+
+using strainwave::bench::NamedSignal;
+using strainwave::bench::PredictedOutputs;
+using strainwave::bench::SignalFault;
+
+void Say(std::string_view text, char* error, size_t error_size) noexcept {
+  if (error == nullptr || error_size == 0) return;
+  const std::size_t length = std::min(text.size(), error_size - 1);
+  std::memcpy(error, text.data(), length);
+  error[length] = '\0';
+}
+
+strainwave_status Run(strainwave_predictor& predictor, const double* const* channels, size_t samples,
+                      double sample_rate_hz, strainwave_value* values, double& distance, char* error,
+                      size_t error_size) {
+  const std::vector<std::string>& names = predictor.exported.recipe().channels;
+  std::vector<NamedSignal> signals;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (channels[k] == nullptr) {
+      Say("a channel is NULL (expected as many as channel_count)", error, error_size);
+      return STRAINWAVE_BAD_ARGUMENT;
+    }
+    signals.push_back({names[k], {channels[k], samples}});
+  }
+  const auto predicted = predictor.exported.Predict(signals, sample_rate_hz);
+  if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
+    Say(fault->text, error, error_size);
+    return STRAINWAVE_BAD_SIGNAL;
+  }
+  const auto& outputs = std::get<PredictedOutputs>(predicted);
+  for (std::size_t i = 0; i < outputs.value.size(); ++i) {
+    const double value = outputs.value[i];
+    values[i] = {value, value - outputs.half_width[i], value + outputs.half_width[i]};
+  }
+  distance = outputs.distance;
+  if (!outputs.outside_training()) return STRAINWAVE_OK;
+  Say("the window lies outside what the predictor was trained on", error, error_size);
+  return STRAINWAVE_OUTSIDE_TRAINING;
+}
+
+const char* NameAt(const std::vector<std::string>& names, size_t at) {
+  return at < names.size() ? names[at].c_str() : nullptr;
+}
+
+}  // namespace
+
+// NOLINTBEGIN(readability-identifier-naming)
+strainwave_predictor* strainwave_predictor_open(const char* folder, char* error, size_t error_size) {
+  Say("", error, error_size);
+  if (folder == nullptr) {
+    Say("folder is NULL (expected a folder that `strainwave export` wrote)", error, error_size);
+    return nullptr;
+  }
+  try {
+    return new strainwave_predictor{strainwave::bench::ExportedPredictor(folder)};
+  } catch (const std::exception& failure) {
+    Say(failure.what(), error, error_size);
+  } catch (...) {
+    Say("the folder cannot be opened", error, error_size);
+  }
+  return nullptr;
+}
+
+void strainwave_predictor_close(strainwave_predictor* predictor) { delete predictor; }
+
+size_t strainwave_predictor_channel_count(const strainwave_predictor* predictor) {
+  return predictor == nullptr ? 0 : predictor->exported.recipe().channels.size();
+}
+
+const char* strainwave_predictor_channel_name(const strainwave_predictor* predictor, size_t channel) {
+  return predictor == nullptr ? nullptr : NameAt(predictor->exported.recipe().channels, channel);
+}
+
+double strainwave_predictor_sample_rate_hz(const strainwave_predictor* predictor) {
+  return predictor == nullptr ? 0.0 : predictor->exported.recipe().sample_rate_hz;
+}
+
+size_t strainwave_predictor_least_samples(const strainwave_predictor* predictor) {
+  return predictor == nullptr ? 0 : predictor->exported.recipe().least_samples;
+}
+
+size_t strainwave_predictor_output_count(const strainwave_predictor* predictor) {
+  return predictor == nullptr ? 0 : predictor->exported.outputs().size();
+}
+
+const char* strainwave_predictor_output_name(const strainwave_predictor* predictor, size_t output) {
+  return predictor == nullptr ? nullptr : NameAt(predictor->exported.outputs(), output);
+}
+
+double strainwave_predictor_coverage(const strainwave_predictor* predictor) {
+  return predictor == nullptr ? 0.0 : predictor->exported.coverage();
+}
+
+strainwave_status strainwave_predictor_run(strainwave_predictor* predictor, const double* const* channels,
+                                           size_t samples, double sample_rate_hz, strainwave_value* values,
+                                           double* distance, char* error, size_t error_size) {
+  Say("", error, error_size);
+  if (distance != nullptr) *distance = std::numeric_limits<double>::quiet_NaN();
+  if (predictor == nullptr || channels == nullptr || values == nullptr || samples == 0) {
+    Say("predictor, channels or values is NULL, or there are no samples", error, error_size);
+    return STRAINWAVE_BAD_ARGUMENT;
+  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::fill_n(values, predictor->exported.outputs().size(), strainwave_value{kNone, kNone, kNone});
+  try {
+    double measured = kNone;
+    const strainwave_status status =
+        Run(*predictor, channels, samples, sample_rate_hz, values, measured, error, error_size);
+    if (distance != nullptr) *distance = measured;
+    return status;
+  } catch (const std::exception& failure) {
+    Say(failure.what(), error, error_size);
+  } catch (...) {
+    Say("the prediction failed", error, error_size);
+  }
+  return STRAINWAVE_FAILED;
+}
+// NOLINTEND(readability-identifier-naming)

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stddef.h>
+
+/* An exported predictor in someone else's monitor: libstrainwave_predictor. C99 and C++.
+ *
+ * One object serves one thread at a time; several objects run side by side. Strings that are returned live as
+ * long as the object. `error` may be NULL; otherwise it gets a sentence of at most `error_size` bytes with
+ * its closing zero, or an empty one. No function ends the program or throws. */
+
+/* NOLINTBEGIN(readability-identifier-naming): names of a C library */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct strainwave_predictor strainwave_predictor;
+
+/* The numbers never change their meaning. */
+typedef enum {
+  STRAINWAVE_OK = 0,
+  STRAINWAVE_OUTSIDE_TRAINING = 1, /* values are filled in, and nothing is promised of them */
+  STRAINWAVE_BAD_SIGNAL = 2,   /* rate, length, NaN, a dead or clipped sensor, swapped channels; values NaN */
+  STRAINWAVE_BAD_ARGUMENT = 3, /* a NULL or a zero where there must be none */
+  STRAINWAVE_FAILED = 4        /* memory, or the network's reader */
+} strainwave_status;
+
+/* An output in its unit, and the interval that holds `strainwave_predictor_coverage` of records. */
+typedef struct {
+  double value;
+  double low;
+  double high;
+} strainwave_value;
+
+/* Opens a folder that `strainwave export` wrote, and tests it: hashes of all files, and the network against
+ * its golden vectors. NULL, with the file and what is wrong with it in `error`, if anything is not as
+ * written. */
+strainwave_predictor* strainwave_predictor_open(const char* folder, char* error, size_t error_size);
+
+/* NULL is passed over. */
+void strainwave_predictor_close(strainwave_predictor* predictor);
+
+/* What a record must be like: channels by name in their order, samples a second, least samples. Names of
+ * channels and outputs end in their unit ("accel_x_m_per_s2", "k2_Nm_per_rad"); NULL beyond the last one. */
+size_t strainwave_predictor_channel_count(const strainwave_predictor* predictor);
+const char* strainwave_predictor_channel_name(const strainwave_predictor* predictor, size_t channel);
+double strainwave_predictor_sample_rate_hz(const strainwave_predictor* predictor);
+size_t strainwave_predictor_least_samples(const strainwave_predictor* predictor);
+
+size_t strainwave_predictor_output_count(const strainwave_predictor* predictor);
+const char* strainwave_predictor_output_name(const strainwave_predictor* predictor, size_t output);
+double strainwave_predictor_coverage(const strainwave_predictor* predictor);
+
+/* Predicts from one window.
+ *
+ * channels        channel_count pointers to `samples` values each, m/s², in the order of the channels
+ * sample_rate_hz  of these samples
+ * values          gets output_count values
+ * distance        may be NULL; gets how far the window lies from the training, above 1 is outside; NaN when
+ * bad */
+strainwave_status strainwave_predictor_run(strainwave_predictor* predictor, const double* const* channels,
+                                           size_t samples, double sample_rate_hz, strainwave_value* values,
+                                           double* distance, char* error, size_t error_size);
+
+#ifdef __cplusplus
+}
+#endif
+/* NOLINTEND(readability-identifier-naming) */

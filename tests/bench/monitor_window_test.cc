@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/monitor/window.h"
+
+#include <gtest/gtest.h>
+
+namespace strainwave::bench {
+namespace {
+
+constexpr double kRate_hz = 1000.0;
+constexpr std::int64_t kSample_ns = 1'000'000;
+
+// Samples that are their own numbers, so that each can be found again.
+VibrationChunk Numbers(int from, int to) {
+  VibrationChunk chunk;
+  chunk.time_ns = from * kSample_ns;
+  chunk.sample_rate_hz = kRate_hz;
+  chunk.channels = {"a", "trigger_V"};
+  chunk.samples.resize(2);
+  for (int i = from; i < to; ++i) {
+    chunk.samples[0].push_back(i);
+    chunk.samples[1].push_back(0.0);
+  }
+  chunk.origin = "here";
+  return chunk;
+}
+
+void ExpectNumbers(const VibrationWindow& window, int from, int to) {
+  ASSERT_FALSE(window.fault) << window.fault->text;
+  ASSERT_EQ(window.samples[0].size(), static_cast<std::size_t>(to - from));
+  EXPECT_EQ(window.samples[0].front(), from);
+  EXPECT_EQ(window.samples[0].back(), to - 1);
+  EXPECT_EQ(window.begin_ns, from * kSample_ns);
+  EXPECT_EQ(window.end_ns, to * kSample_ns);
+  EXPECT_EQ(window.origin, "here");
+}
+
+WindowRule ByEdge(std::size_t samples) {
+  WindowRule rule;
+  rule.trigger_channel = "trigger_V";
+  rule.trigger_level = 2.5;
+  rule.trigger_samples = samples;
+  return rule;
+}
+
+WindowRule ByTurns(double turns) {
+  WindowRule rule;
+  rule.by = WindowRule::By::kRevolution;
+  rule.turns = turns;
+  return rule;
+}
+
+TEST(WindowCutter, GivesAMarkedMeasurementWhole) {
+  WindowCutter cutter({});
+  VibrationChunk first = Numbers(0, 10);
+  first.begins_measurement = true;
+  VibrationChunk last = Numbers(10, 25);
+  last.ends_measurement = true;
+  EXPECT_TRUE(cutter.Add(first).empty());
+  const auto windows = cutter.Add(last);
+  ASSERT_EQ(windows.size(), 1U);
+  ExpectNumbers(windows[0], 0, 25);
+  EXPECT_TRUE(cutter.Add(Numbers(25, 40)).empty()) << "samples between measurements belong to none";
+}
+
+TEST(WindowCutter, BeginsAtARisingEdgeWhereverTheBlocksLie) {
+  for (int block = 1; block < 40; ++block) {
+    WindowCutter cutter(ByEdge(10));
+    std::vector<VibrationWindow> windows;
+    for (int from = 0; from < 60; from += block) {
+      VibrationChunk chunk = Numbers(from, std::min(from + block, 60));
+      for (std::size_t i = 0; i < chunk.samples[1].size(); ++i) {
+        const int at = from + static_cast<int>(i);
+        // High from the start (no edge), a pulse at 12, another within its window, one at 40.
+        const bool high = at < 5 || (at >= 12 && at < 15) || at == 18 || at >= 40;
+        chunk.samples[1][i] = high ? 5.0 : 0.0;
+      }
+      for (VibrationWindow& window : cutter.Add(chunk)) windows.push_back(std::move(window));
+    }
+    ASSERT_EQ(windows.size(), 2U) << "in blocks of " << block;
+    ExpectNumbers(windows[0], 12, 22);
+    ExpectNumbers(windows[1], 40, 50);
+  }
+}
+
+TEST(WindowCutter, SaysOnceThatTheTriggerIsNotThere) {
+  WindowCutter cutter(ByEdge(10));
+  VibrationChunk chunk = Numbers(0, 10);
+  chunk.channels[1] = "other";
+  const auto windows = cutter.Add(chunk);
+  ASSERT_EQ(windows.size(), 1U);
+  EXPECT_EQ(windows[0].fault->kind, SignalFaultKind::kMissingChannel);
+  EXPECT_EQ(windows[0].fault->text, "there is no channel trigger_V (expected the trigger)");
+  EXPECT_TRUE(cutter.Add(chunk).empty());
+}
+
+TEST(WindowCutter, CutsATurnAtATimeInEitherDirection) {
+  for (const double direction : {1.0, -1.0}) {
+    WindowCutter cutter(ByTurns(2.0));
+    std::vector<VibrationWindow> windows;
+    for (int from = 0; from < 1000; from += 64) {
+      VibrationChunk chunk = Numbers(from, from + 64);
+      for (int i = from; i < from + 64; ++i) chunk.output_turns.push_back(7.3 + direction * i / 128.0);
+      for (VibrationWindow& window : cutter.Add(chunk)) windows.push_back(std::move(window));
+    }
+    ASSERT_EQ(windows.size(), 3U);
+    ExpectNumbers(windows[0], 0, 256);
+    ExpectNumbers(windows[1], 256, 512);
+    ExpectNumbers(windows[2], 512, 768);
+    EXPECT_TRUE(cutter.Finish().empty());
+  }
+}
+
+TEST(WindowCutter, AShaftThatTurnsBackMakesNoTurn) {
+  WindowCutter cutter(ByTurns(1.0));
+  VibrationChunk chunk = Numbers(0, 100);
+  for (int i = 0; i < 100; ++i) chunk.output_turns.push_back(i < 60 ? 0.01 * i : 1.2 - 0.01 * i);
+  const auto windows = cutter.Add(chunk);
+  ASSERT_EQ(windows.size(), 1U);
+  EXPECT_EQ(windows[0].fault->text, "the shaft turned back (expected a turn in one direction)");
+}
+
+TEST(WindowCutter, WithoutAnAngleThereIsNoTurn) {
+  WindowCutter cutter(ByTurns(1.0));
+  const auto windows = cutter.Add(Numbers(0, 10));
+  ASSERT_EQ(windows.size(), 1U);
+  EXPECT_EQ(windows[0].fault->kind, SignalFaultKind::kMissingChannel);
+}
+
+TEST(WindowCutter, AGapBreaksTheWindowAndIsNotBridged) {
+  for (const int lost : {5, 500}) {
+    WindowCutter cutter({});
+    VibrationChunk first = Numbers(0, 10);
+    first.begins_measurement = true;
+    cutter.Add(first);
+    VibrationChunk last = Numbers(10 + lost, 25 + lost);
+    last.ends_measurement = true;
+    const auto windows = cutter.Add(last);
+    ASSERT_EQ(windows.size(), 1U);
+    EXPECT_EQ(windows[0].fault->kind, SignalFaultKind::kGap);
+    EXPECT_TRUE(windows[0].samples.empty());
+  }
+}
+
+TEST(WindowCutter, JitterOfTimeStampsIsNoGap) {
+  WindowCutter cutter({});
+  VibrationChunk first = Numbers(0, 10);
+  first.begins_measurement = true;
+  cutter.Add(first);
+  VibrationChunk last = Numbers(10, 25);
+  last.time_ns += 3 * kSample_ns;
+  last.ends_measurement = true;
+  const auto windows = cutter.Add(last);
+  ASSERT_EQ(windows.size(), 1U);
+  EXPECT_FALSE(windows[0].fault);
+}
+
+TEST(WindowCutter, AnotherRateOrOtherChannelsBreakTheWindow) {
+  for (const bool rate : {true, false}) {
+    WindowCutter cutter({});
+    VibrationChunk first = Numbers(0, 10);
+    first.begins_measurement = true;
+    cutter.Add(first);
+    VibrationChunk next = Numbers(10, 25);
+    if (rate) next.sample_rate_hz *= 2.0;
+    if (!rate) next.channels[0] = "b";
+    const auto windows = cutter.Add(next);
+    ASSERT_EQ(windows.size(), 1U);
+    EXPECT_EQ(windows[0].fault->kind, SignalFaultKind::kGap);
+  }
+}
+
+TEST(WindowCutter, TroubleOfTheSourceIsAWindowThatIsNotGood) {
+  WindowCutter cutter({});
+  VibrationChunk first = Numbers(0, 10);
+  first.begins_measurement = true;
+  cutter.Add(first);
+  VibrationChunk trouble;
+  trouble.trouble = "no such file (expected a record)";
+  const auto windows = cutter.Add(trouble);
+  ASSERT_EQ(windows.size(), 2U);
+  EXPECT_EQ(windows[0].fault->kind, SignalFaultKind::kGap);
+  EXPECT_EQ(windows[1].fault->kind, SignalFaultKind::kUnreadable);
+  EXPECT_EQ(windows[1].fault->text, trouble.trouble);
+  EXPECT_EQ(cutter.Add(trouble).size(), 1U) << "each one is told";
+}
+
+TEST(WindowCutter, AWindowThatNeverEndsDoesNotFillTheMemory) {
+  WindowRule rule;
+  rule.most_samples = 100;
+  WindowCutter cutter(rule);
+  VibrationChunk chunk = Numbers(0, 60);
+  chunk.begins_measurement = true;
+  EXPECT_TRUE(cutter.Add(chunk).empty());
+  const auto windows = cutter.Add(Numbers(60, 120));
+  ASSERT_EQ(windows.size(), 1U);
+  EXPECT_EQ(windows[0].fault->text,
+            "the window does not end within 100 samples (expected the next trigger, or a shaft that turns)");
+}
+
+TEST(WindowCutter, TheEndOfTheStreamCompletesNothing) {
+  WindowCutter cutter({});
+  VibrationChunk first = Numbers(0, 10);
+  first.begins_measurement = true;
+  cutter.Add(first);
+  const auto windows = cutter.Finish();
+  ASSERT_EQ(windows.size(), 1U);
+  EXPECT_EQ(windows[0].fault->text, "the stream ended (expected the whole window)");
+}
+
+}  // namespace
+}  // namespace strainwave::bench
