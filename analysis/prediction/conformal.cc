@@ -76,4 +76,23 @@ Eigen::RowVectorXd CoverageOf(const ConformalBand& band, const Eigen::MatrixXd& 
   return ((actual - predicted).array().abs() <= width).cast<double>().colwise().mean();
 }
 
+Eigen::RowVectorXd LeftOutCoverage(const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted,
+                                   const Eigen::MatrixXd& spread, std::span<const int> group,
+                                   std::span<const Split> folds, double coverage) {
+  Eigen::RowVectorXd inside = Eigen::RowVectorXd::Zero(actual.cols());
+  double records = 0.0;
+  for (const Split& fold : folds) {
+    std::vector<int> others;
+    for (const Eigen::Index row : fold.train) others.push_back(group[static_cast<std::size_t>(row)]);
+    const ConformalBand band =
+        CalibrateBand(actual(fold.train, Eigen::all), predicted(fold.train, Eigen::all),
+                      spread(fold.train, Eigen::all), others, coverage);
+    const auto tested = static_cast<double>(fold.test.size());
+    inside += tested * CoverageOf(band, actual(fold.test, Eigen::all), predicted(fold.test, Eigen::all),
+                                  spread(fold.test, Eigen::all));
+    records += tested;
+  }
+  return inside / records;
+}
+
 }  // namespace strainwave::analysis::prediction

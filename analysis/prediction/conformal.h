@@ -5,6 +5,8 @@
 
 #include <span>
 
+#include "analysis/prediction/splits.h"
+
 namespace strainwave::analysis::prediction {
 
 /// Half widths of the intervals of a predictor: prediction ± factor · spread(record).
@@ -32,5 +34,12 @@ ConformalBand CalibrateBand(const Eigen::MatrixXd& actual, const Eigen::MatrixXd
 /// Share of the records inside, one an output.
 Eigen::RowVectorXd CoverageOf(const ConformalBand& band, const Eigen::MatrixXd& actual,
                               const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& spread);
+
+/// The same of each fold's records by a band that the others alone calibrated: what the intervals are worth
+/// on a reducer that was not there.
+/// @param folds  each record is tested once.
+Eigen::RowVectorXd LeftOutCoverage(const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted,
+                                   const Eigen::MatrixXd& spread, std::span<const int> group,
+                                   std::span<const Split> folds, double coverage);
 
 }  // namespace strainwave::analysis::prediction

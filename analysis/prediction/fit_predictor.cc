@@ -117,9 +117,12 @@ Fit FitPredictor(const Samples& samples, const EnsembleSettings& settings, doubl
       .novelty = {},
       .least = samples.features.colwise().minCoeff(),
       .greatest = samples.features.colwise().maxCoeff()};
+  Eigen::RowVectorXd left_out_coverage;
   if (!samples.classes) {
-    fitted.band = CalibrateBand(samples.targets, cross.predicted, SpreadOf(cross.spread, fitted.residual),
-                                GroupsOf(samples), coverage);
+    const Eigen::MatrixXd spread = SpreadOf(cross.spread, fitted.residual);
+    fitted.band = CalibrateBand(samples.targets, cross.predicted, spread, GroupsOf(samples), coverage);
+    left_out_coverage =
+        LeftOutCoverage(samples.targets, cross.predicted, spread, GroupsOf(samples), splits, coverage);
     // What blocks of one life say, they say of that life alone.
     fitted.band.guaranteed = fitted.band.guaranteed && SpecimenCount(samples) > 1;
   }
@@ -127,7 +130,7 @@ Fit FitPredictor(const Samples& samples, const EnsembleSettings& settings, doubl
   fitted.novelty = FitNovelty(inputs, inputs, kInsideShare);
   // The limit by records that the covariance had not seen, as every later record is.
   fitted.novelty.limit = std::max(fitted.novelty.limit, DistanceKept(cross.distance, kInsideShare));
-  return {std::move(fitted), splits, std::move(cross)};
+  return {std::move(fitted), splits, std::move(cross), std::move(left_out_coverage)};
 }
 
 double Contestant::Error_percent() const noexcept {

@@ -48,6 +48,9 @@ struct Fit {
   FittedPredictor predictor;
   std::vector<Split> folds;
   CrossFit cross;
+  /// Share of the records, one an output, inside intervals that were calibrated without their fold; empty for
+  /// classes.
+  Eigen::RowVectorXd left_out_coverage;
 };
 
 /// Fits on all samples. The intervals are calibrated by cross-fitting: whole specimens (blocks of time where

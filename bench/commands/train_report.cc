@@ -112,13 +112,15 @@ void PrintFolds(const TrainingData& data, const FoldResult& folds) {
   fmt::print("\n");
 }
 
-void PrintIntervals(const std::vector<std::string>& outputs, const prediction::FittedPredictor& fitted) {
+void PrintIntervals(const std::vector<std::string>& outputs, const prediction::FittedPredictor& fitted,
+                    const FoldResult& folds) {
   fmt::print("\n{:.0f} % intervals, in root mean square errors of records that no network had seen:\n",
              100.0 * fitted.band.coverage);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
-    fmt::print("  {:<20} ±{:.2f} × {:.4g}\n", outputs[i], fitted.band.factor(column),
-               fitted.residual(column));
+    fmt::print("  {:<20} ±{:.2f} × {:.4g}; calibrated without each fold in turn they held {:.1f} %\n",
+               outputs[i], fitted.band.factor(column), fitted.residual(column),
+               100.0 * folds.interval_coverage(column));
   }
   if (!fitted.band.guaranteed) {
     fmt::print("  too few reducers for a guarantee: these are the widest errors that were seen\n");
@@ -150,7 +152,7 @@ void PrintTrainingReport(const TrainingData& data, const TrainingOutcome& outcom
   }
   PrintFolds(data, outcome.folds);
   PrintCurve(outcome.curve, outcome.splits.front().name);
-  if (!classes) PrintIntervals(data.samples.outputs, outcome.predictor->fitted);
+  if (!classes) PrintIntervals(data.samples.outputs, outcome.predictor->fitted, outcome.folds);
   fmt::print("\nwhat the inputs are worth (rise of the {} when they are shuffled):\n",
              classes ? "share of wrong classes" : "mean MAPE");
   for (const prediction::Importance& importance : outcome.importances) {

@@ -211,7 +211,8 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
                                                  steps.Next("predictor and its folds", job.folds + 1.0));
   outcome.folds = {prediction::SpecimenCount(samples) > 1 ? "whole specimens" : "blocks of time",
                    prediction::FoldErrors_percent(samples, fit.folds, fit.cross),
-                   prediction::Judge("network", samples.classes, samples.targets, fit.cross.predicted)};
+                   prediction::Judge("network", samples.classes, samples.targets, fit.cross.predicted),
+                   fit.left_out_coverage};
   FeatureRecipe recipe = data.recipe;
   recipe.inputs = samples.inputs;
   outcome.predictor.emplace(

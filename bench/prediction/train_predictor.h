@@ -63,6 +63,8 @@ struct FoldResult {
   std::string of;                     // "whole specimens", or "blocks of time"
   std::vector<double> error_percent;  // of each fold
   analysis::prediction::Contestant all;
+  /// Share of the records, one an output, inside intervals calibrated on the other folds; empty for classes.
+  Eigen::RowVectorXd interval_coverage;
 };
 
 struct TrainingOutcome {

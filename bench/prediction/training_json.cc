@@ -117,7 +117,9 @@ std::string TrainingJson(const TrainingData& data, const TrainingJob& job,
             {"folds",
              {{"of", outcome.folds.of},
               {"error_percent", outcome.folds.error_percent},
-              {"network", JsonOf(outcome.folds.all, data.samples.outputs)}}},
+              {"network", JsonOf(outcome.folds.all, data.samples.outputs)},
+              {"interval_coverage", std::vector<double>(outcome.folds.interval_coverage.begin(),
+                                                        outcome.folds.interval_coverage.end())}}},
             {"importance", ImportanceJson(outcome, classes)},
             {"notes", data.notes}};
   if (!outcome.trials.empty()) json["search"] = SearchJson(outcome);

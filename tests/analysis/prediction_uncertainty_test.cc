@@ -89,6 +89,25 @@ TEST(CalibrateBand, PromisesNothingFromTooFewReducers) {
             "spread has a value that is not positive");
 }
 
+// Two calm reducers of 10 records and a wild one of 20, each left out in turn: the wild one is never held by
+// what the calm ones promise, and the calm ones always.
+TEST(LeftOutCoverage, JudgesAReducerByTheOthers) {
+  Eigen::MatrixXd actual(40, 1);
+  std::vector<int> group;
+  std::vector<Split> folds(3);
+  for (int row = 0; row < 40; ++row) {
+    const int own = row < 10 ? 0 : row < 20 ? 1 : 2;
+    actual(row, 0) = own == 2 ? 10.0 : 1.0;
+    group.push_back(own);
+    for (int fold = 0; fold < 3; ++fold) (fold == own ? folds[fold].test : folds[fold].train).push_back(row);
+  }
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(40, 1);
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(40, 1);
+  const Eigen::RowVectorXd share = LeftOutCoverage(actual, zero, one, group, folds, 0.6);
+  EXPECT_DOUBLE_EQ(share(0), 0.5);
+  EXPECT_DOUBLE_EQ(CoverageOf(CalibrateBand(actual, zero, one, group, 0.6), actual, zero, one)(0), 1.0);
+}
+
 TEST(FitNovelty, MeasuresInTheSpreadOfTheRecordsThemselves) {
   // Two inputs that move together: one step along their common direction is usual, one across is not.
   Eigen::MatrixXd features = Normal(4000, 2, 3);
