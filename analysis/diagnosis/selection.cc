@@ -15,8 +15,9 @@ constexpr double kClearlyBetter = 2.0;   // for an exchange of one cause for ano
 constexpr double kLeastBicBeside = 0.0;  // of what comes on top of something found
 constexpr double kPairAhead = 8.0;       // of two causes, to take the place of one
 constexpr double kErrorBeside = 0.3;     // of the error allowed, for what comes on top of something found
-constexpr double kRivalAwayFromZero =
-    2.0;  // standard errors; a rival need not be proven, only not be excluded
+// Standard errors: a rival need not be proven, only not be excluded.
+constexpr double kRivalAwayFromZero = 2.0;
+constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
 // A shape without a cause has to explain this much more than the best cause to take its place: our formulae
 // are not nature's, and a free curve always follows the last few percent better.
 constexpr double kCorrectionLead = 10.0;
@@ -369,13 +370,17 @@ std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, 
   std::vector<std::string> rivals = rules[cause].aliases;
   const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
   if (!without.fit.usable) return rivals;
-  const double own = ScoreOf(judge, model, without, cause);
+  const Comparison own = judge.Compare(model, without);
   for (std::size_t other = 0; other < rules.size(); ++other) {
     if (!rules[other].named || Contains(model.fit.causes, other)) continue;
     if (IsFarBehind(far_behind, cause, other)) continue;
     ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
     if (!exchanged.fit.usable) continue;
-    if (ScoreOf(judge, exchanged, without, other) < own - kAsGood) continue;
+    // As probable; or explaining the same at the price of more numbers: simpler is likelier, but no proof.
+    const Comparison its = judge.Compare(exchanged, without);
+    const bool as_good = judge.Score(its, rules[other]) >= judge.Score(own, rules[cause]) - kAsGood ||
+                         its.likelihood_ratio >= own.likelihood_ratio - kWithinThreeSigma;
+    if (!as_good) continue;
     exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
     if (!judge.Objection(exchanged.fit, other, kRivalAwayFromZero).empty()) continue;
     // One cause in two forms (a drift by time, or by temperature): the form is what cannot be told.

@@ -116,7 +116,7 @@ class ThermalDrift final : public FormedEffect {
         .effect = "E10",
         .parameters = {{"time_constant_s", "s", 0.0, 3.0 * duration_s_, false}},
         .degrees_of_freedom = 1,
-        .trials = 1.5,
+        .trials = 3.0,
         .to_settle = fmt::format("# after a soak: drift goes with time and temperature, creep with torque\n"
                                  "- {{kind: soak, below_temperature: 25 degC, at_most: 2 h}}\n{}",
                                  PhaseText(records, {.name = "after-soak", .loops = 4}))};

@@ -38,7 +38,7 @@ class BrakeSlip final : public FormedEffect {
             .parameters = {{"slip_torque_Nm", "Nm", 0.3 * peak_Nm_, peak_Nm_, false},
                            {"slip_balance", "1", -1.0, 1.0, false}},
             .degrees_of_freedom = 2,
-            .trials = 5.0,
+            .trials = 15.0,
             .to_settle = fmt::format(
                 "# loops below the torque at which the angle stayed behind, then beyond it\n{}{}",
                 PhaseText(records, {.name = "below"}),
