@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
+#include "analysis/diagnosis/hysteresis/signal.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/generated_loop.h"
@@ -33,6 +35,33 @@ void ExpectNear(const ParameterValue& parameter, double truth, double most_relat
   EXPECT_NEAR(parameter.value, truth, 4.0 * parameter.standard_error + 0.02 * std::abs(truth))
       << parameter.name;
   EXPECT_LT(parameter.standard_error, most_relative_error * std::abs(truth)) << parameter.name;
+}
+
+// A ramp of three times its noise a sample that ends in a hold: at the corner and beside it the mean of many
+// draws stays on the corner.
+TEST(WithoutNoise, LeavesACornerWhereItIs) {
+  constexpr std::size_t kCorner = 60;
+  constexpr double kNoise_Nm = 0.025;
+  constexpr int kDraws = 300;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0.0, kNoise_Nm);
+  std::vector<double> time_s(120);
+  std::vector<double> truth_Nm(120);
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    time_s[i] = 0.015 * static_cast<double>(i);
+    truth_Nm[i] = 0.075 * static_cast<double>(std::min(i, kCorner));
+  }
+  std::vector<double> mean_error_Nm(5, 0.0);  // two samples either side
+  for (int draw = 0; draw < kDraws; ++draw) {
+    std::vector<double> torque_Nm = truth_Nm;
+    for (double& value : torque_Nm) value += normal(random);
+    const std::vector<double> clean_Nm = WithoutNoise(time_s, torque_Nm, kNoise_Nm);
+    for (std::size_t k = 0; k < 5; ++k) {
+      const std::size_t at = kCorner - 2 + k;
+      mean_error_Nm[k] += (clean_Nm[at] - truth_Nm[at]) / kDraws;
+    }
+  }
+  for (const double error_Nm : mean_error_Nm) EXPECT_NEAR(error_Nm, 0.0, 0.25 * kNoise_Nm);
 }
 
 TEST(HysteresisStudy, FindsNothingInACleanLoopAndFitsItsNumbers) {

@@ -117,6 +117,41 @@ ShortLine LineThrough(std::span<const double> t, std::span<const double> y, doub
   return {mean_y + slope * (end_s - mean_t), slope, std::sqrt(std::max(0.0, yy - slope * ty) / n)};
 }
 
+// Samples after which a signal turns from one straight line into another, both as straight as the noise lets
+// one see: a ramp that ends in a hold. By lines through as many samples on either side; of neighbours the one
+// whose lines part most.
+std::vector<std::size_t> Corners(std::span<const double> t, std::span<const double> y, double noise) {
+  constexpr std::size_t kReach = 16;
+  constexpr double kClear = 8.0;  // standard errors of the change of slope
+  const auto count = static_cast<double>(kReach);
+  const double straight = noise * (1.0 + 2.5 / std::sqrt(2.0 * count));
+  std::vector<std::size_t> corners;
+  std::size_t best = 0;
+  double most = 0.0;
+  for (std::size_t i = kReach - 1; i + kReach < t.size(); ++i) {
+    const ShortLine left =
+        LineThrough(t.subspan(i + 1 - kReach, kReach), y.subspan(i + 1 - kReach, kReach), t[i]);
+    const ShortLine right = LineThrough(t.subspan(i + 1, kReach), y.subspan(i + 1, kReach), t[i + 1]);
+    const double step_s = (t[i + kReach] - t[i + 1 - kReach]) / (2.0 * count - 1.0);
+    const double error = noise / step_s * std::sqrt(24.0 / (count * count * count));
+    const double change = std::abs(left.slope - right.slope) / error;
+    if (left.misfit > straight || right.misfit > straight || change < kClear) continue;
+    const double share = (right.at_end - right.slope * (t[i + 1] - t[i]) - left.at_end) /
+                         (left.slope - right.slope) / (t[i + 1] - t[i]);
+    if (!(share > -1.0 && share < 2.0)) continue;
+    if (most > 0.0 && i > best + kReach / 2) {
+      corners.push_back(best);
+      most = 0.0;
+    }
+    if (change > most) {
+      most = change;
+      best = i;
+    }
+  }
+  if (most > 0.0) corners.push_back(best);
+  return corners;
+}
+
 }  // namespace
 
 double SampleNoise(std::span<const double> signal) {
@@ -144,10 +179,18 @@ std::vector<double> WithoutNoise(std::span<const double> time_s, std::span<const
   const std::size_t n = signal.size();
   if (!(noise > 0.0) || n < 6) return clean;
   const double gap_s = kGap * (time_s[n - 1] - time_s[0]) / static_cast<double>(n - 1);
+  const std::vector<std::size_t> corners = Corners(time_s, signal, noise);
+  auto corner = corners.begin();
   std::size_t first = 0;
   while (first < n) {
     std::size_t end = first + 1;
-    while (end < n && time_s[end] - time_s[end - 1] < gap_s) ++end;
+    while (end < n && time_s[end] - time_s[end - 1] < gap_s) {
+      if (corner != corners.end() && *corner + 1 == end) {
+        ++corner;
+        break;
+      }
+      ++end;
+    }
     const auto times = time_s.subspan(first, end - first);
     const auto values = signal.subspan(first, end - first);
     for (std::size_t i = 0; i < values.size(); ++i) {
