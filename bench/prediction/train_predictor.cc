@@ -188,18 +188,19 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
         prediction::Compare(samples, named.split, settings, steps.Next("test on " + named.name, 1.0));
     outcome.splits.push_back({named.name, named.meaning, named.split.train.size(), named.split.test.size(),
                               std::move(comparison.contestants)});
-    if (k > 0) continue;
+    if (k + 1 == splits.size()) continue;  // the random one, which flatters
     const prediction::Samples test = prediction::Rows(samples, named.split.test);
     const auto predict = [&](const Eigen::MatrixXd& features) {
       return comparison.network.Predict(features).mean;
     };
+    outcome.held_out.push_back({named.name, test.cycle, test.targets, predict(test.features)});
+    if (k > 0) continue;
     const auto error_percent = [&](const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted) {
       return prediction::Judge("", samples.classes, actual, predicted).Error_percent();
     };
     outcome.importances =
         prediction::PermutationImportance(predict, error_percent, test.features, test.targets,
                                           GroupsOf(samples.inputs), kPermutations, job.seed);
-    outcome.held_out = {named.name, test.cycle, test.targets, predict(test.features)};
   }
   if (job.learning_curve) {
     prediction::EnsembleSettings spread = settings;

@@ -50,7 +50,7 @@ struct SplitResult {
   std::vector<analysis::prediction::Contestant> contestants;
 };
 
-/// Predictions of records by a network that had not seen them, for the picture.
+/// Predictions of a split's test by a network that had not seen it, for the picture.
 struct HeldOut {
   std::string split;
   std::vector<double> cycle;
@@ -72,7 +72,7 @@ struct TrainingOutcome {
   std::vector<analysis::prediction::Trial> trials;  // of the search, the winner first
   std::vector<SplitResult> splits;
   std::vector<analysis::prediction::Importance> importances;
-  HeldOut held_out;  // of the first split
+  std::vector<HeldOut> held_out;  // of the honest splits
   std::vector<analysis::prediction::LearningPoint> curve;
   FoldResult folds;
   std::optional<Predictor> predictor;

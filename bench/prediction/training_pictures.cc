@@ -13,8 +13,9 @@ namespace {
 
 namespace prediction = analysis::prediction;
 
-void DrawPredictions(const HeldOut& held_out, const std::vector<std::string>& outputs,
-                     const std::filesystem::path& stem) {
+// Of one reducer: its life, measured and predicted.
+void DrawLife(const HeldOut& held_out, const std::vector<std::string>& outputs,
+              const std::filesystem::path& stem) {
   constexpr int kPanelHeight_px = 320;
   std::string script = "$held_out << EOD\n";
   for (Eigen::Index row = 0; row < held_out.actual.rows(); ++row) {
@@ -35,6 +36,38 @@ void DrawPredictions(const HeldOut& held_out, const std::vector<std::string>& ou
   }
   script += "unset multiplot\n";
   RenderPicture(script, stem, {1200, kPanelHeight_px * static_cast<int>(outputs.size())});
+}
+
+// Of several: predicted over measured, which is on the diagonal where all is well.
+void DrawAgreement(const std::vector<HeldOut>& held_out, const std::vector<std::string>& outputs,
+                   const std::filesystem::path& stem) {
+  constexpr int kPanel_px = 430;
+  const std::string_view colours[] = {kFirstColour.plain, kLastColour.plain};
+  std::string script;
+  for (std::size_t k = 0; k < held_out.size(); ++k) {
+    script += fmt::format("$split{} << EOD\n", k);
+    for (Eigen::Index row = 0; row < held_out[k].actual.rows(); ++row) {
+      for (Eigen::Index column = 0; column < held_out[k].actual.cols(); ++column)
+        script += fmt::format("{} {} ", held_out[k].actual(row, column), held_out[k].predicted(row, column));
+      script += "\n";
+    }
+    script += "EOD\n";
+  }
+  const int rows = (static_cast<int>(outputs.size()) + 1) / 2;
+  script += fmt::format(
+      "set multiplot layout {},2 title 'records that the network had not seen'\nset grid\n"
+      "set key left top\nset xtics rotate by 40 right\nset size square\nset xlabel 'measured'\nset ylabel 'predicted'\n",
+      rows);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    script += fmt::format("set title {}\nplot x with lines lc rgb '#888888' notitle", Quoted(outputs[i]));
+    for (std::size_t k = 0; k < held_out.size(); ++k) {
+      script += fmt::format(", $split{} using {}:{} with points pt 7 ps 0.35 lc rgb '{}' title {}", k,
+                            2 * i + 1, 2 * i + 2, colours[k % 2], Quoted(held_out[k].split));
+    }
+    script += "\n";
+  }
+  script += "unset multiplot\n";
+  RenderPicture(script, stem, {2 * kPanel_px + 120, kPanel_px * rows + 60});
 }
 
 void DrawConfusion(const FoldResult& folds, const std::vector<std::string>& classes,
@@ -88,7 +121,11 @@ std::vector<std::filesystem::path> DrawTraining(const TrainingData& data, const 
     DrawConfusion(outcome.folds, data.samples.outputs, pictures.back());
   } else {
     pictures.push_back(folder / "predicted");
-    DrawPredictions(outcome.held_out, data.samples.outputs, pictures.back());
+    if (outcome.held_out.size() > 1) {
+      DrawAgreement(outcome.held_out, data.samples.outputs, pictures.back());
+    } else {
+      DrawLife(outcome.held_out.front(), data.samples.outputs, pictures.back());
+    }
   }
   if (!outcome.curve.empty()) {
     pictures.push_back(folder / "learning_curve");

@@ -8,8 +8,9 @@
 
 namespace strainwave::bench {
 
-/// Draws what a training came to into `folder`, each picture as .svg and .png: `predicted` (measured and
-/// predicted, one panel an output, for records that the network had not seen) or, for classes, `confusion`
+/// Draws what a training came to into `folder`, each picture as .svg and .png: `predicted` (records that
+/// the network had not seen, one panel an output: of one reducer over its life, of several over what was
+/// measured) or, for classes, `confusion`
 /// (of the honest folds); and `learning_curve` where there is one.
 /// @return the pictures without their extension.
 /// @throws GnuplotError, std::filesystem::filesystem_error as RenderPicture does.
