@@ -24,6 +24,7 @@ constexpr double kCorrectionLead = 10.0;
 constexpr double kCorrectionShare = 0.15;
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
 constexpr double kLeastShare = 0.004;
+constexpr double kLeastShareBesideUnnamed = 0.01;  // where the model is known to lack something
 
 // Of the likelihood ratio, from which on what reaches less than this share of it is no rival.
 constexpr double kClearlyAhead = 60.0;
@@ -309,6 +310,10 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     judged.clear();
     const Candidate* chosen = nullptr;
     const double error = ErrorAllowed(model, given.size(), options);
+    const bool lacks = std::ranges::any_of(model.fit.causes, [&](std::size_t cause) {
+      return !judge.study().causes()[cause].named && !Contains(given, cause);
+    });
+    const double least_share = lacks ? kLeastShareBesideUnnamed : kLeastShare;
     const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
     for (const Candidate& candidate : candidates) {
       CandidateResult result{
@@ -321,7 +326,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
         result = JudgeCause(judge, candidate.model, model, candidate.cause, error);
         const bool beside = model.fit.causes.size() > given.size();
         if (result.passed && ((beside && candidate.against.delta_bic < kLeastBicBeside) ||
-                              candidate.against.likelihood_ratio < kLeastShare * explained)) {
+                              candidate.against.likelihood_ratio < least_share * explained)) {
           result.passed = false;
           result.objection =
               "too small beside what was found already to be told from a misfit of its formula";

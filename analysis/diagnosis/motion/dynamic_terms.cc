@@ -149,7 +149,7 @@ void FillLooseLoad(const MotionGrid& grid, const model::LooseLoad::Numbers& numb
 void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const auto [first, last] = std::minmax_element(grid->position.begin(), grid->position.end());
   const double low = std::max(6.0 * grid->position_noise, 5e-5 * (*last - *first));
-  const double high = 0.25 * (*last - *first);
+  const double high = 0.1 * (*last - *first);
   const double inertia = std::abs(grid->prefit(0));
   const double braking = std::abs(grid->prefit(2)) / std::max(inertia, 1e-300);
   const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
