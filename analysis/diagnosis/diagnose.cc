@@ -102,7 +102,7 @@ Finding Report(const Judge& judge, const ScoredModel& model, const Found& found,
 
 bool IsCurve(const Finding& correction) {
   return std::ranges::any_of(correction.parameters,
-                             [](const ParameterValue& value) { return value.name.starts_with("part_"); });
+                             [](const ParameterValue& value) { return value.name.starts_with(kCurvePart); });
 }
 
 // What the residual shows in words, of the model with these causes of `fit`.

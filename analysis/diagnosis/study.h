@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace strainwave::analysis::diagnosis {
@@ -12,6 +13,9 @@ namespace strainwave::analysis::diagnosis {
 /// Where a cause lies. Undecided where the record's kind cannot tell (an encoder's eccentricity and the
 /// output's own look the same).
 enum class Where { kBench, kUnit, kUndecided };
+
+/// What the names of a free curve's coefficients begin with: numbers that tell nobody anything.
+inline constexpr std::string_view kCurvePart = "part_";
 
 /// A number of a model as people read it, in the unit that its name ends in.
 struct ParameterValue {

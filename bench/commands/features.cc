@@ -55,12 +55,11 @@ void PrintWaveletTable(const RecordFeatures& values, const std::vector<std::stri
 }
 
 nlohmann::ordered_json FeaturesReport(const daq::Record& record, const FeaturesCommand& command,
-                                      features::WaveletFeatures& by_wavelet) {
-  const bool by_order = command.set == "orders";
-  RecordFeatures values = by_order ? OrderFeaturesOf(record, {}) : WaveletFeaturesOf(record, by_wavelet);
+                                      ChannelFeatures& channel_features) {
+  RecordFeatures values = FeaturesOfRecord(record, channel_features);
   if (!command.json) {
     fmt::print("{}{}{}\n", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
-    if (by_order) {
+    if (channel_features.settings().set == FeatureSet::kOrders) {
       for (std::size_t i = 0; i < values.names.size(); ++i) {
         fmt::print("  {:<50} {:>11.5g}\n", values.names[i], values.values[i]);
       }
@@ -110,8 +109,7 @@ nlohmann::ordered_json CoefficientsReport(const daq::Record& record, const Featu
 
 // Those of a campaign stay in its folder; people are told where.
 nlohmann::ordered_json CampaignReport(const std::filesystem::path& folder, const FeaturesCommand& command,
-                                      const features::WaveletRecipe& recipe, ShareLine& line) {
-  const FeatureSettings settings{.set = FeatureSetOf(command.set), .wavelet = recipe, .orders = {}};
+                                      const FeatureSettings& settings, ShareLine& line) {
   const CampaignFeatures all =
       FeaturesOfCampaign(folder, settings, command.motor_torque, [&line](std::size_t done, std::size_t of) {
         line.Show("features", static_cast<double>(done) / static_cast<double>(of));
@@ -135,9 +133,12 @@ nlohmann::ordered_json CampaignReport(const std::filesystem::path& folder, const
 }
 
 int Run(const FeaturesCommand& command) {
-  const features::WaveletRecipe recipe{
-      .wavelet = command.wavelet, .border = wavelets::BorderOf(command.mode), .levels = command.levels};
-  features::WaveletFeatures by_wavelet(recipe);
+  const FeatureSettings settings{.set = FeatureSetOf(command.set),
+                                 .wavelet = {.wavelet = command.wavelet,
+                                             .border = wavelets::BorderOf(command.mode),
+                                             .levels = command.levels},
+                                 .orders = {}};
+  ChannelFeatures channel_features(settings);
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   ShareLine line;
   const MeasurementPaths paths = SortPaths({command.paths.begin(), command.paths.end()});
@@ -145,17 +146,17 @@ int Run(const FeaturesCommand& command) {
     Refuse(paths.campaigns.front(), "is a campaign", "records for --coefficients");
   }
   for (const std::filesystem::path& folder : paths.campaigns) {
-    nlohmann::ordered_json report = CampaignReport(folder, command, recipe, line);
+    nlohmann::ordered_json report = CampaignReport(folder, command, settings, line);
     if (command.json) reports.push_back(std::move(report));
   }
   std::size_t done = 0;
   for (const std::filesystem::path& path : paths.files) {
     if (command.json)
       line.Show("features", static_cast<double>(done++) / static_cast<double>(paths.files.size()));
-    for (const daq::Record& record :
-         ReadVibrationRecords(path, command.motor_torque ? MotorTorque::kAdded : MotorTorque::kAsRecorded)) {
-      nlohmann::ordered_json report = command.coefficients ? CoefficientsReport(record, command)
-                                                           : FeaturesReport(record, command, by_wavelet);
+    for (const daq::Record& record : ReadVibrationRecords(path, MotorTorqueAdded(command.motor_torque))) {
+      nlohmann::ordered_json report = command.coefficients
+                                          ? CoefficientsReport(record, command)
+                                          : FeaturesReport(record, command, channel_features);
       if (command.json) reports.push_back(std::move(report));
     }
   }

@@ -114,8 +114,7 @@ int Run(const PredictCommand& command) {
       std::ranges::find(predictor.recipe.channels, kMotorTorqueChannel) != predictor.recipe.channels.end();
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   for (const std::string& path : command.paths) {
-    for (const daq::Record& record :
-         ReadVibrationRecords(path, with_motor_torque ? MotorTorque::kAdded : MotorTorque::kAsRecorded)) {
+    for (const daq::Record& record : ReadVibrationRecords(path, MotorTorqueAdded(with_motor_torque))) {
       const Together predicted = TogetherOf(predictor.fitted.Predict(inputs.OfWindows(record)));
       reports.push_back(ReportOf(record, predictor, predicted, !command.json));
     }

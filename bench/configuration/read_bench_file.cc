@@ -156,9 +156,8 @@ SimulationDescription ReadSimulation(YamlMap map, const std::filesystem::path& f
     try {
       simulation.terms = ReadPlantFile(folder / simulation.plant_file);
     } catch (const BenchFileError& error) {
-      context.findings.AddError(
-          origin.line, origin.column,
-          fmt::format("plant_file cannot be used (expected a plant file):\n{}", error.what()));
+      map.AddError("plant_file",
+                   fmt::format("plant_file cannot be used (expected a plant file):\n{}", error.what()));
     }
   }
   return simulation;

@@ -88,7 +88,7 @@ std::string ProbabilityText(double p) {
 
 std::vector<diagnosis::ParameterValue> TellingParameters(const diagnosis::Finding& correction) {
   std::vector<diagnosis::ParameterValue> telling = correction.parameters;
-  std::erase_if(telling, [](const auto& parameter) { return parameter.name.starts_with("part_"); });
+  std::erase_if(telling, [](const auto& parameter) { return parameter.name.starts_with(diagnosis::kCurvePart); });
   return telling;
 }
 

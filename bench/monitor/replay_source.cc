@@ -25,22 +25,15 @@ std::int64_t DurationOf_ns(const VibrationChunk& chunk, std::size_t samples) {
 
 // Turns of the output shaft from its start, where the record tells the speed of the input.
 std::vector<double> OutputTurnsOf(const daq::Record& record, double ratio, double sample_rate_hz) {
-  std::vector<double> speed_rpm;
-  if (record.FindColumn("input_speed_rpm") != nullptr) {
-    speed_rpm = record.CopyAsDoubles("input_speed_rpm");
-  } else if (record.FindColumn("input_speed_rad_per_s") != nullptr) {
-    speed_rpm = record.CopyAsDoubles("input_speed_rad_per_s");
-    for (double& speed : speed_rpm) speed = RpmFromRadPerS(speed);
-  } else if (const auto text = record.Metadata("input_speed_rpm")) {
-    if (const auto speed = daq::NumberFromText(*text)) speed_rpm.assign(record.rows(), *speed);
-  }
+  std::vector<double> values = InputSpeedsOf_rad_per_s(record);
+  if (values.size() == 1) values.resize(record.rows(), values.front());
   double turns = 0.0;
-  for (double& value : speed_rpm) {
-    const double step = value / (60.0 * ratio * sample_rate_hz);
+  for (double& value : values) {
+    const double step = value / (kTwoPi * ratio * sample_rate_hz);
     value = turns;
     turns += step;
   }
-  return speed_rpm;
+  return values;
 }
 
 }  // namespace

@@ -28,18 +28,12 @@ constexpr int kMostMebibytes = 65'536;
 
 std::int64_t Milliseconds(double time_s) { return std::llround(time_s * 1e3); }
 
-void AddError(ReadContext& context, const YamlMap& map, std::string_view key, std::string message) {
-  if (map.is_wrong(key)) return;
-  const auto& origin = context.origins[map.PathOf(key)];
-  context.findings.AddError(origin.line, origin.column, std::move(message));
-}
-
 // Empty where the key is left out.
 std::string OptionalIdentifier(YamlMap& map, std::string_view key) {
   return map.has(key) ? map.Identifier(key) : map.Text(key, "");
 }
 
-WindowRule ReadWindows(YamlMap map, ReadContext& context) {
+WindowRule ReadWindows(YamlMap map) {
   using By = WindowRule::By;
   WindowRule rule;
   rule.by = map.Choice<By>("by", {{"trigger", By::kTrigger}, {"revolution", By::kRevolution}}, "trigger");
@@ -49,8 +43,8 @@ WindowRule ReadWindows(YamlMap map, ReadContext& context) {
       by_edge ? map.Number("trigger_level", Bound::kAny) : map.Number("trigger_level", Bound::kAny, "0");
   rule.turns = map.Number("turns", Bound::kPositive, "1");
   if (rule.by == By::kRevolution && map.has("trigger_channel")) {
-    AddError(context, map, "trigger_channel",
-             "trigger_channel has no meaning for windows by revolution (expected 'by: trigger')");
+    map.AddError("trigger_channel",
+                 "trigger_channel has no meaning for windows by revolution (expected 'by: trigger')");
   }
   map.Finish();
   return rule;
@@ -62,16 +56,16 @@ std::optional<double> OptionalNumber(YamlMap& map, std::string_view key) {
 }
 
 // The alarm lies beyond the warning, and what is too high lies above what is too low.
-void CheckOrder(ReadContext& context, const YamlMap& map, const AlarmLimits& limits) {
+void CheckOrder(YamlMap& map, const AlarmLimits& limits) {
   if (limits.alarm_above && limits.warning_above && *limits.alarm_above < *limits.warning_above) {
-    AddError(
-        context, map, "alarm_above",
+    map.AddError(
+        "alarm_above",
         fmt::format("alarm_above = {} is below warning_above = {} (expected the alarm beyond the warning)",
                     *limits.alarm_above, *limits.warning_above));
   }
   if (limits.alarm_below && limits.warning_below && *limits.alarm_below > *limits.warning_below) {
-    AddError(
-        context, map, "alarm_below",
+    map.AddError(
+        "alarm_below",
         fmt::format("alarm_below = {} is above warning_below = {} (expected the alarm beyond the warning)",
                     *limits.alarm_below, *limits.warning_below));
   }
@@ -83,15 +77,15 @@ void CheckOrder(ReadContext& context, const YamlMap& map, const AlarmLimits& lim
     high = std::min(high, limit.value_or(high));
   if (high - low < 2.0 * limits.hysteresis) {
     const std::string_view at = map.has("hysteresis") ? "hysteresis" : "output";
-    AddError(
-        context, map, at,
+    map.AddError(
+        at,
         fmt::format("nothing is left between {} and {} (expected lower and upper limits further apart than "
                     "twice the hysteresis)",
                     low, high));
   }
 }
 
-AlarmLimits ReadLimits(YamlMap& map, ReadContext& context) {
+AlarmLimits ReadLimits(YamlMap& map) {
   AlarmLimits limits;
   limits.warning_above = OptionalNumber(map, "warning_above");
   limits.warning_below = OptionalNumber(map, "warning_below");
@@ -101,24 +95,24 @@ AlarmLimits ReadLimits(YamlMap& map, ReadContext& context) {
   limits.hold_ms = Milliseconds(map.Quantity("hold", Dimension::kTime, Bound::kNotNegative, "0 s"));
   const bool any = limits.warning_above || limits.warning_below || limits.alarm_above || limits.alarm_below;
   if (!any) {
-    AddError(
-        context, map, "output",
+    map.AddError(
+        "output",
         "the threshold has no limit (expected warning_above, warning_below, alarm_above or alarm_below)");
   }
-  CheckOrder(context, map, limits);
+  CheckOrder(map, limits);
   return limits;
 }
 
-OutputLimits ReadThresholds(std::vector<YamlMap> maps, ReadContext& context) {
+OutputLimits ReadThresholds(std::vector<YamlMap> maps) {
   OutputLimits thresholds;
   for (YamlMap& map : maps) {
     const std::string output = map.Identifier("output");
     if (std::ranges::find(thresholds, output, &std::pair<std::string, AlarmLimits>::first) !=
         thresholds.end()) {
-      AddError(context, map, "output",
-               fmt::format("output {} has a threshold already (expected one for each output)", output));
+      map.AddError("output",
+                   fmt::format("output {} has a threshold already (expected one for each output)", output));
     }
-    thresholds.emplace_back(output, ReadLimits(map, context));
+    thresholds.emplace_back(output, ReadLimits(map));
     map.Finish();
   }
   return thresholds;
@@ -149,11 +143,11 @@ MonitorSettings ReadTop(const YamlNode& root, ReadContext& context) {
   YamlMap map(root, context);
   map.Version("monitor");
   MonitorSettings settings;
-  settings.windows = ReadWindows(map.Map("windows", Presence::kOptional), context);
+  settings.windows = ReadWindows(map.Map("windows", Presence::kOptional));
   settings.ratio = map.Number("ratio", Bound::kNotZero, "80");
   settings.stale_after_ms =
       Milliseconds(map.Quantity("stale_after", Dimension::kTime, Bound::kPositive, "5 min"));
-  settings.limits = ReadThresholds(map.MapList("thresholds", Presence::kOptional), context);
+  settings.limits = ReadThresholds(map.MapList("thresholds", Presence::kOptional));
   if (map.has("mqtt")) settings.mqtt = ReadMqtt(map.Map("mqtt", Presence::kRequired));
   if (map.has("prometheus")) {
     settings.prometheus = ReadListen(map.Map("prometheus", Presence::kRequired), "9464");

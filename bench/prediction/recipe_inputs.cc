@@ -22,18 +22,16 @@ Eigen::MatrixXd RecipeInputs::OfWindows(const daq::Record& record) {
     throw RecordRefusal(record, fmt::format("{} samples (expected at least {}, as in training)",
                                             signals.rows(), recipe_.least_samples));
   }
-  // Of the whole record, as a short stretch at a sensor's end is more easily seen there.
+  // Of the whole record, as in training: where little moves, a window's own highest value may well last.
   RequireAlive(record, signals, recipe_.channels);
   Eigen::MatrixXd inputs(static_cast<Eigen::Index>(windows.size()),
                          static_cast<Eigen::Index>(recipe_.inputs.size()));
-  std::vector<NamedSignal> named(recipe_.channels.size());
+  std::vector<std::span<const double>> channels(signals.channels.size());
   Eigen::RowVectorXd row;
   for (std::size_t k = 0; k < windows.size(); ++k) {
-    for (std::size_t c = 0; c < named.size(); ++c) {
-      named[c] = {recipe_.channels[c],
-                  std::span(signals.channels[c]).subspan(windows[k].begin, windows[k].count)};
-    }
-    if (const auto fault = inputs_.Compute(named, recipe_.sample_rate_hz, signals.samples_per_turn, row))
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      channels[c] = std::span(signals.channels[c]).subspan(windows[k].begin, windows[k].count);
+    if (const auto fault = inputs_.OfChannels(channels, signals.samples_per_turn, row))
       throw RecordRefusal(record, fault->text);
     inputs.row(static_cast<Eigen::Index>(k)) = row;
   }

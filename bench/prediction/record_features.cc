@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <stdexcept>
 
+#include "analysis/units.h"
 #include "bench/diagnosis/record_checks.h"
 #include "bench/diagnosis/record_data.h"
 #include "daq/read_records.h"
@@ -133,31 +133,24 @@ double SampleRateOf_hz(const daq::Record& record) {
   return SampleRate(record, has_time ? record.CopyAsDoubles("time_s") : std::vector<double>{});
 }
 
-RecordFeatures WaveletFeaturesOf(const daq::Record& record, analysis::features::WaveletFeatures& features) {
+RecordFeatures FeaturesOfRecord(const daq::Record& record, ChannelFeatures& features) {
   const std::vector<std::string> channels = VibrationChannelsOf(record);
-  RecordFeatures result{features.Names(channels),
-                        std::vector<double>(channels.size() * features.CountPerChannel())};
+  const std::size_t per_channel = features.CountPerChannel();
+  RecordFeatures result{features.Names(channels), std::vector<double>(channels.size() * per_channel)};
+  std::optional<double> samples_per_turn;
+  if (features.settings().set == FeatureSet::kOrders) {
+    const analysis::diagnosis::VibrationData data = VibrationDataOf(record);
+    samples_per_turn =
+        SampleRate(record, data.time_s) * kTwoPi / InputSpeed(record, data.input_speed_rad_per_s);
+  }
   std::span<double> left = result.values;
   for (const std::string& channel : channels) {
-    features.Compute(record.CopyAsDoubles(channel), left.first(features.CountPerChannel()));
-    left = left.subspan(features.CountPerChannel());
-  }
-  return result;
-}
-
-RecordFeatures OrderFeaturesOf(const daq::Record& record, const analysis::features::OrderBands& bands) {
-  const analysis::diagnosis::VibrationData data = VibrationDataOf(record);
-  const double samples_per_turn = SampleRate(record, data.time_s) * 2.0 * std::numbers::pi /
-                                  InputSpeed(record, data.input_speed_rad_per_s);
-  const std::vector<std::string> channels = VibrationChannelsOf(record);
-  RecordFeatures result{analysis::features::OrderBandNames(channels, bands), {}};
-  for (const auto& channel : data.channels) {
     try {
-      const auto energies = analysis::features::OrderBandEnergies(channel.values, samples_per_turn, bands);
-      result.values.insert(result.values.end(), energies.begin(), energies.end());
+      features.Compute(record.CopyAsDoubles(channel), samples_per_turn, left.first(per_channel));
     } catch (const std::invalid_argument& error) {
-      throw RecordRefusal(record, fmt::format("{}: {}", channel.name, error.what()));
+      throw RecordRefusal(record, fmt::format("{}: {}", channel, error.what()));
     }
+    left = left.subspan(per_channel);
   }
   return result;
 }

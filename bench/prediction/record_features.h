@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/features/order_bands.h"
-#include "analysis/features/wavelet_features.h"
+#include "bench/prediction/feature_settings.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {
@@ -28,6 +27,9 @@ inline constexpr const char* kMotorTorqueChannel = "motor_torque_Nm";
 void AddMotorTorque(daq::Record& vibration, const daq::Record& rotation);
 
 enum class MotorTorque { kAsRecorded, kAdded };
+constexpr MotorTorque MotorTorqueAdded(bool added) {
+  return added ? MotorTorque::kAdded : MotorTorque::kAsRecorded;
+}
 
 /// The records of kind vibration in a file. Records of other kinds beside them in one HDF5 file are passed
 /// over, but for the motor's torque of a measurement rotation where it is to be added.
@@ -48,14 +50,10 @@ std::vector<double> ChannelOf(const daq::Record& record, const std::string& chan
 /// @throws CampaignError if there is neither, or the samples are not even in time.
 double SampleRateOf_hz(const daq::Record& record);
 
-/// `CHANNEL.aLEVEL.COLUMN` (analysis/features/wavelet_features.h). `features` keeps its memory between
-/// records.
-RecordFeatures WaveletFeaturesOf(const daq::Record& record, analysis::features::WaveletFeatures& features);
-
-/// `CHANNEL.orders.LOW_HIGH` (analysis/features/order_bands.h).
-/// @throws CampaignError if the record tells no speed of the input shaft, stands still, changes speed by more
-/// than a
-///   hundredth, holds less than four turns, or is not evenly sampled.
-RecordFeatures OrderFeaturesOf(const daq::Record& record, const analysis::features::OrderBands& bands);
+/// Of the record as a whole, `CHANNEL.aLEVEL.COLUMN` or `CHANNEL.orders.LOW_HIGH` (feature_settings.h).
+/// `features` keeps its memory between records.
+/// @throws CampaignError for energies by order if the record tells no speed of the input shaft, stands still,
+///   changes speed by more than a hundredth, holds less than four turns, or is not evenly sampled.
+RecordFeatures FeaturesOfRecord(const daq::Record& record, ChannelFeatures& features);
 
 }  // namespace strainwave::bench

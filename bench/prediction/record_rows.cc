@@ -4,12 +4,12 @@
 #include <iterator>
 #include <limits>
 #include <mutex>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
 #include "bench/diagnosis/record_checks.h"
@@ -38,7 +38,7 @@ struct Facts {
 };
 
 std::vector<daq::Record> ReadFile(const std::filesystem::path& file, const SourceSettings& settings) {
-  return ReadVibrationRecords(file, settings.motor_torque ? MotorTorque::kAdded : MotorTorque::kAsRecorded);
+  return ReadVibrationRecords(file, MotorTorqueAdded(settings.motor_torque));
 }
 
 Facts FactsOf(daq::Record record) {
@@ -100,9 +100,7 @@ std::vector<std::string> OutputsOf(const std::vector<Facts>& all) {
 void RequireAlike(const std::vector<Facts>& all, const SourceSettings& settings,
                   const SignalSettings& signals) {
   for (const Facts& one : all) {
-    const double ratio = one.sample_rate_hz / signals.sample_rate_hz;
-    const double whole = signals.decimates ? std::max(1.0, std::round(ratio)) : 1.0;
-    if (!(std::abs(ratio / whole - 1.0) <= 0.01)) {
+    if (DecimationFactor(one.sample_rate_hz, signals) == 0) {
       throw RecordRefusal(
           one.record,
           signals.decimates
@@ -143,8 +141,7 @@ WindowLength WindowFor(const std::vector<Facts>& all, const SourceSettings& sett
     turning = turning && one.speed_rad_per_s.has_value();
     if (turning) slowest_rad_per_s = std::min(slowest_rad_per_s, *one.speed_rad_per_s);
   }
-  const double samples_per_turn =
-      turning ? signals.sample_rate_hz * 2.0 * std::numbers::pi / slowest_rad_per_s : 0.0;
+  const double samples_per_turn = turning ? signals.sample_rate_hz * kTwoPi / slowest_rad_per_s : 0.0;
   const double wanted =
       settings.window_s ? *settings.window_s * signals.sample_rate_hz
                         : std::max({samples / kWantedWindows, kLeastSamples, kLeastTurns * samples_per_turn});
@@ -193,6 +190,7 @@ class RowTaker {
                       records_.window.turns > 0 ? fmt::format("{} turns", records_.window.turns)
                                                 : fmt::format("{} samples", records_.window.samples)));
     }
+    const Labels labels = LabelsOf(record);
     for (const Window& window : windows) {
       const std::vector<double> values = FeaturesOfWindow(record, signals, window, features_);
       rows.features.emplace_back(
@@ -200,13 +198,23 @@ class RowTaker {
       rows.least_samples =
           rows.least_samples == 0 ? window.count : std::min(rows.least_samples, window.count);
       if (by_class_) {
-        rows.classes.push_back(*ClassOf(record));
-        continue;
+        rows.classes.push_back(labels.name);
+      } else {
+        rows.targets.push_back(labels.values);
       }
-      rows.targets.emplace_back();
-      for (const std::string& output : records_.outputs)
-        rows.targets.back().push_back(*LabelOf(record, output));
     }
+  }
+
+  // What all windows of a record share.
+  struct Labels {
+    std::string name;  // of the class
+    std::vector<double> values;
+  };
+  Labels LabelsOf(const daq::Record& record) const {
+    if (by_class_) return {*ClassOf(record), {}};
+    Labels labels;
+    for (const std::string& output : records_.outputs) labels.values.push_back(*LabelOf(record, output));
+    return labels;
   }
 
   const RecordFiles& records_;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/features/decimation.h"
+#include "analysis/units.h"
 #include "bench/diagnosis/record_checks.h"
 #include "bench/prediction/record_features.h"
 
@@ -29,7 +29,7 @@ RecordSignals SignalsOf(const daq::Record& record, const SignalSettings& setting
                                            : analysis::features::Decimate(signal, factor));
   }
   if (const auto speed_rad_per_s = SteadyInputSpeedOf_rad_per_s(record)) {
-    signals.samples_per_turn = rate_hz / factor * 2.0 * std::numbers::pi / *speed_rad_per_s;
+    signals.samples_per_turn = rate_hz / factor * kTwoPi / *speed_rad_per_s;
   }
   return signals;
 }

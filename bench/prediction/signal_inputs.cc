@@ -18,7 +18,8 @@ namespace {
 constexpr double kLengthTolerance = 0.01;
 }  // namespace
 
-SignalInputs::SignalInputs(const FeatureRecipe& recipe) : recipe_(recipe), features_(recipe.features) {
+SignalInputs::SignalInputs(const FeatureRecipe& recipe)
+    : recipe_(recipe), settings_(recipe.signals()), features_(recipe.features) {
   const std::vector<std::string> names = features_.Names(recipe_.channels);
   values_.resize(names.size());
   for (const std::string& input : recipe_.inputs) {
@@ -34,33 +35,45 @@ SignalInputs::SignalInputs(const FeatureRecipe& recipe) : recipe_(recipe), featu
   }
 }
 
+std::optional<SignalFault> SignalInputs::TooShort(std::size_t samples) const {
+  const double least = (1.0 - kLengthTolerance) * static_cast<double>(recipe_.least_samples);
+  if (samples > 0 && static_cast<double>(samples) >= least) return std::nullopt;
+  return SignalFault{
+      SignalFaultKind::kTooShort,
+      fmt::format("{} samples (expected at least {}, as in training)", samples, recipe_.least_samples)};
+}
+
 std::optional<SignalFault> SignalInputs::Compute(std::span<const NamedSignal> signals, double sample_rate_hz,
                                                  std::optional<double> samples_per_turn,
                                                  Eigen::RowVectorXd& inputs) {
-  const SignalSettings settings = recipe_.signals();
-  const int factor = DecimationFactor(sample_rate_hz, settings);
-  if (factor == 0) return RateFault(sample_rate_hz, settings);
+  const int factor = DecimationFactor(sample_rate_hz, settings_);
+  if (factor == 0) return RateFault(sample_rate_hz, settings_);
   if (samples_per_turn) *samples_per_turn /= factor;
-  const double least = (1.0 - kLengthTolerance) * static_cast<double>(recipe_.least_samples);
-  const std::size_t per_channel = features_.CountPerChannel();
+  decimated_.resize(recipe_.channels.size());
+  std::vector<std::span<const double>> channels;
   for (std::size_t k = 0; k < recipe_.channels.size(); ++k) {
     const std::string& channel = recipe_.channels[k];
     const auto signal = std::ranges::find(signals, std::string_view(channel), &NamedSignal::name);
-    if (signal == signals.end()) return MissingChannel(channel, settings);
-    std::span<const double> samples = signal->samples;
-    const std::size_t count = samples.size() / static_cast<std::size_t>(factor);
-    if (count == 0 || static_cast<double>(count) < least) {
-      return SignalFault{
-          SignalFaultKind::kTooShort,
-          fmt::format("{} samples (expected at least {}, as in training)", count, recipe_.least_samples)};
-    }
-    if (auto fault = SensorFault(channel, samples)) return fault;
-    if (factor > 1) {
-      decimated_ = analysis::features::Decimate(samples, factor);
-      samples = decimated_;
-    }
+    if (signal == signals.end()) return MissingChannel(channel, settings_);
+    if (auto fault = TooShort(signal->samples.size() / static_cast<std::size_t>(factor))) return fault;
+    if (auto fault = SensorFault(channel, signal->samples)) return fault;
+    channels.push_back(signal->samples);
+    if (factor == 1) continue;
+    decimated_[k] = analysis::features::Decimate(signal->samples, factor);
+    channels[k] = decimated_[k];
+  }
+  return OfChannels(channels, samples_per_turn, inputs);
+}
+
+std::optional<SignalFault> SignalInputs::OfChannels(std::span<const std::span<const double>> channels,
+                                                    std::optional<double> samples_per_turn,
+                                                    Eigen::RowVectorXd& inputs) {
+  const std::size_t per_channel = features_.CountPerChannel();
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    if (auto fault = TooShort(channels[k].size())) return fault;
     try {
-      features_.Compute(samples, samples_per_turn, std::span(values_).subspan(k * per_channel, per_channel));
+      features_.Compute(channels[k], samples_per_turn,
+                        std::span(values_).subspan(k * per_channel, per_channel));
     } catch (const std::invalid_argument& error) {
       return SignalFault{SignalFaultKind::kUndefined, error.what()};
     }

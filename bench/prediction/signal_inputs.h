@@ -35,15 +35,22 @@ class SignalInputs {
   std::optional<SignalFault> Compute(std::span<const NamedSignal> signals, double sample_rate_hz,
                                      std::optional<double> samples_per_turn, Eigen::RowVectorXd& inputs);
 
-  /// The inputs of the last `Compute`, had the signals of two of the recipe's channels been exchanged.
+  /// The same of channels in the recipe's order, at its rate, from sensors that were found alive.
+  std::optional<SignalFault> OfChannels(std::span<const std::span<const double>> channels,
+                                        std::optional<double> samples_per_turn, Eigen::RowVectorXd& inputs);
+
+  /// The inputs of the last call, had the signals of two of the recipe's channels been exchanged.
   Eigen::RowVectorXd WithExchanged(std::size_t channel, std::size_t other) const;
 
  private:
+  std::optional<SignalFault> TooShort(std::size_t samples) const;
+
   FeatureRecipe recipe_;
+  SignalSettings settings_;
   ChannelFeatures features_;
-  std::vector<std::size_t> place_;  // of each input among all features
-  std::vector<double> values_;      // all features, channel by channel
-  std::vector<double> decimated_;
+  std::vector<std::size_t> place_;              // of each input among all features
+  std::vector<double> values_;                  // all features, channel by channel
+  std::vector<std::vector<double>> decimated_;  // where the signals come at a multiple of the rate
 };
 
 }  // namespace strainwave::bench

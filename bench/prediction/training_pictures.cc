@@ -56,7 +56,8 @@ void DrawAgreement(const std::vector<HeldOut>& held_out, const std::vector<std::
   const int rows = (static_cast<int>(outputs.size()) + 1) / 2;
   script += fmt::format(
       "set multiplot layout {},2 title 'records that the network had not seen'\nset grid\n"
-      "set key left top\nset xtics rotate by 40 right\nset size square\nset xlabel 'measured'\nset ylabel 'predicted'\n",
+      "set key left top\nset xtics rotate by 40 right\nset size square\nset xlabel 'measured'\nset ylabel "
+      "'predicted'\n",
       rows);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     script += fmt::format("set title {}\nplot x with lines lc rgb '#888888' notitle", Quoted(outputs[i]));
@@ -121,7 +122,7 @@ std::vector<std::filesystem::path> DrawTraining(const TrainingData& data, const 
     DrawConfusion(outcome.folds, data.samples.outputs, pictures.back());
   } else {
     pictures.push_back(folder / "predicted");
-    if (outcome.held_out.size() > 1) {
+    if (prediction::SpecimenCount(data.samples) > 1) {
       DrawAgreement(outcome.held_out, data.samples.outputs, pictures.back());
     } else {
       DrawLife(outcome.held_out.front(), data.samples.outputs, pictures.back());

@@ -51,6 +51,12 @@ bool YamlMap::is_wrong(std::string_view key) const {
   return origin != context_->origins.end() && origin->second.wrong;
 }
 
+void YamlMap::AddError(std::string_view key, std::string message) {
+  if (is_wrong(key)) return;
+  const Origin& origin = context_->origins[PathOf(key)];
+  context_->findings.AddError(origin.line, origin.column, std::move(message));
+}
+
 const YamlMap::Entry* YamlMap::Find(std::string_view key) const {
   const auto found = std::find_if(entries_.begin(), entries_.end(),
                                   [&](const Entry& entry) { return entry.key->text == key; });

@@ -79,6 +79,8 @@ class YamlMap {
   bool has(std::string_view key) const { return Find(key) != nullptr; }
   /// True when the key was asked for and a stand-in was given.
   bool is_wrong(std::string_view key) const;
+  /// A finding of the caller's own about a key; none where the key has one already.
+  void AddError(std::string_view key, std::string message);
   int line() const { return line_; }
   int column() const { return column_; }
   /// Of a key in the context's origins: "limits.output_torque".

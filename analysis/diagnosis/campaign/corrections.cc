@@ -15,7 +15,8 @@ using Eigen::Index;
 std::vector<SeriesNumber> Numbered(std::size_t count) {
   std::vector<SeriesNumber> numbers;
   for (std::size_t k = 1; k <= count; ++k) {
-    numbers.push_back({.what = "part_" + std::to_string(k), .per = "", .unit_per = "", .factor = 1.0});
+    numbers.push_back(
+        {.what = std::string(kCurvePart) + std::to_string(k), .per = "", .unit_per = "", .factor = 1.0});
   }
   return numbers;
 }

@@ -57,7 +57,7 @@ void AddSmooth(const SharedGrid& grid, const MotionUnits& units, std::string nam
   if (kept == 0) return;
   std::vector<ShapeDescription> numbers;
   for (Index k = 0; k < kept; ++k)
-    numbers.push_back({fmt::format("part_{}_{}", k + 1, units.torque()), units.torque(), 1.0});
+    numbers.push_back({fmt::format("{}{}_{}", kCurvePart, k + 1, units.torque()), units.torque(), 1.0});
   SeparableTerm term = FixedTerm(columns * parts.matrixU().leftCols(kept));
   term.ridge = kCurveRidge;
   DescribeEach(term, std::move(numbers));
