@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/autocorrelation.h"
+#include "analysis/decompositions.h"
 
 namespace strainwave::analysis {
 namespace {
@@ -23,15 +24,15 @@ Eigen::MatrixXd NormalInverse(const Eigen::MatrixXd& a, Eigen::Index* rank) {
     s = s > 0.0 ? 1.0 / s : 0.0;
   }
   const Eigen::MatrixXd normal = scale.asDiagonal() * (a.transpose() * a).eval() * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal);
-  const double floor = 1e-13 * std::max(eigen.eigenvalues().maxCoeff(), 0.0);
-  Eigen::VectorXd inverse = eigen.eigenvalues();
+  const SymmetricParts eigen = SymmetricEigen(normal);
+  const double floor = 1e-13 * std::max(eigen.values.maxCoeff(), 0.0);
+  Eigen::VectorXd inverse = eigen.values;
   *rank = 0;
   for (double& value : inverse) {
     *rank += value > floor ? 1 : 0;
     value = value > floor ? 1.0 / value : 0.0;
   }
-  Eigen::MatrixXd result = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  Eigen::MatrixXd result = eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
   result = scale.asDiagonal() * result * scale.asDiagonal();
   return result.topLeftCorner(p, p);
 }

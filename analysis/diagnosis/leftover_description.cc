@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/leftover_views.h"
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/residual_tests.h"
@@ -30,7 +31,7 @@ Eigen::VectorXd Project(const Eigen::MatrixXd& columns, const Eigen::VectorXd& r
   const Eigen::Map<const Eigen::VectorXd> w(weights.data(), static_cast<Eigen::Index>(weights.size()));
   const Eigen::MatrixXd gram = columns.transpose() * w.asDiagonal() * columns;
   const Eigen::VectorXd right = columns.transpose() * w.cwiseProduct(residual);
-  *coefficients = gram.completeOrthogonalDecomposition().solve(right);
+  *coefficients = ShortestLeastSquares(gram, right);
   return columns * *coefficients;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/decompositions.h"
+
 namespace strainwave::analysis::diagnosis {
 namespace {
 
@@ -30,12 +32,11 @@ Eigen::VectorXd SolveNormal(Eigen::MatrixXd gram, Eigen::VectorXd right, double 
   if (factor.info() == Eigen::Success && pivots.minCoeff() > kUndetermined * pivots.maxCoeff()) {
     return scale.cwiseProduct(factor.solve(right));
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
-  const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-300);
-  const Eigen::VectorXd inverse = eigen.eigenvalues().unaryExpr(
+  const SymmetricParts eigen = SymmetricEigen(gram);
+  const double largest = std::max(eigen.values.maxCoeff(), 1e-300);
+  const Eigen::VectorXd inverse = eigen.values.unaryExpr(
       [&](double value) { return value > kUndetermined * largest ? 1.0 / value : 0.0; });
-  return scale.cwiseProduct(eigen.eigenvectors() * inverse.asDiagonal() *
-                            (eigen.eigenvectors().transpose() * right));
+  return scale.cwiseProduct(eigen.vectors * inverse.asDiagonal() * (eigen.vectors.transpose() * right));
 }
 
 // Columns of the derivative by each shape: a central difference of the term's prediction.

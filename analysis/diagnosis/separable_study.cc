@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/separable_fit.h"
 #include "analysis/units.h"
@@ -123,14 +124,11 @@ double KnownBefore(const TermSet& set, const SeparableSolution& solution, std::s
   const Eigen::MatrixXd common = by_others.transpose() * by_known;
   const Eigen::MatrixXd gram = by_others.transpose() * by_others;
   const Eigen::MatrixXd information =
-      (by_known.transpose() * by_known -
-       common.transpose() * gram.completeOrthogonalDecomposition().solve(common)) /
-      variance;
+      (by_known.transpose() * by_known - common.transpose() * ShortestLeastSquares(gram, common)) / variance;
   const Eigen::Map<const Eigen::VectorXd> range(ranges.data(), static_cast<Eigen::Index>(ranges.size()));
   const Eigen::MatrixXd excluded = range.asDiagonal() * information * range.asDiagonal() / kTwoPi;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(excluded, Eigen::EigenvaluesOnly);
   double free = 0.0;
-  for (const double value : eigen.eigenvalues()) {
+  for (const double value : SymmetricEigenvalues(excluded)) {
     free += 1.0 - std::min(1.0, std::log1p(std::max(value, 0.0)) / std::log(std::max(samples, 3.0)));
   }
   return free;

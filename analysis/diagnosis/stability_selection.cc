@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "analysis/decompositions.h"
 #include "analysis/shuffle.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -58,8 +59,7 @@ std::vector<double> TermPValues(const SparseProblem& problem, std::span<const st
     const Index k = problem.terms[t].columns.cols();
     const Eigen::VectorXd part = coefficients.segment(first, k);
     const Eigen::MatrixXd block = covariance.block(first, first, k, k);
-    const double wald =
-        part.dot(block.completeOrthogonalDecomposition().solve(part)) / static_cast<double>(k);
+    const double wald = part.dot(ShortestLeastSquares(block, part).col(0)) / static_cast<double>(k);
     const boost::math::fisher_f distribution(static_cast<double>(k), clusters - static_cast<double>(k));
     p_values.push_back(std::isfinite(wald)
                            ? boost::math::cdf(boost::math::complement(distribution, std::max(0.0, wald)))
@@ -174,7 +174,7 @@ Eigen::VectorXd SparseCoefficients(const SparseProblem& problem, std::span<const
   const Index p = static_cast<Index>(columns.size());
   auto [gram, right] = NormalEquations(problem, columns, blocks);
   Eigen::VectorXd numbers(p + 1);
-  numbers.head(p) = problem.scale(columns).cwiseProduct(gram.completeOrthogonalDecomposition().solve(right));
+  numbers.head(p) = problem.scale(columns).cwiseProduct(ShortestLeastSquares(gram, right).col(0));
   numbers(p) = residual_mean - numbers.head(p).dot(problem.mean(columns));
   return numbers;
 }

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "analysis/decompositions.h"
+
 namespace strainwave::analysis::prediction {
 namespace {
 
@@ -25,9 +27,9 @@ class PenalizedFit {
         mean_(features.colwise().mean()),
         intercept_(targets.colwise().mean()) {
     const Eigen::MatrixXd centred = features.rowwise() - mean_;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(centred.transpose() * centred);
-    vectors_ = eigen.eigenvectors();
-    values_ = eigen.eigenvalues().cwiseMax(0.0);
+    SymmetricParts parts = SymmetricEigen(centred.transpose() * centred);
+    vectors_ = std::move(parts.vectors);
+    values_ = parts.values.cwiseMax(0.0);
     projected_ = vectors_.transpose() * (centred.transpose() * (targets.rowwise() - intercept_));
   }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/decompositions.h"
 #include "analysis/noise_level.h"
 #include "analysis/units.h"
 
@@ -54,7 +55,7 @@ std::vector<double> LeftBeside(const std::vector<double>& values, const Eigen::M
   for (std::size_t i = 0; i < rows.size(); ++i) {
     y(static_cast<Index>(i)) = values[static_cast<std::size_t>(rows[i])];
   }
-  const Eigen::VectorXd left = y - design * design.colPivHouseholderQr().solve(y);
+  const Eigen::VectorXd left = y - design * LeastSquares(design, y);
   std::vector<double> result(values.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     result[static_cast<std::size_t>(rows[i])] = left(static_cast<Index>(i));
@@ -159,8 +160,7 @@ double ClearCorrelation(const std::vector<double>& a, double a_scatter, const st
 Eigen::MatrixXd MadePositive(Eigen::MatrixXd correlation) {
   constexpr double kSmallestEigenvalue = 0.05;
   for (int step = 0; step < 60; ++step) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation, Eigen::EigenvaluesOnly);
-    if (eigen.eigenvalues().minCoeff() >= kSmallestEigenvalue) break;
+    if (SymmetricEigenvalues(correlation).minCoeff() >= kSmallestEigenvalue) break;
     const Eigen::VectorXd diagonal = correlation.diagonal();
     correlation *= 0.95;
     correlation.diagonal() = diagonal;

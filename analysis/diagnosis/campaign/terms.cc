@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/units.h"
 
@@ -164,8 +165,7 @@ std::vector<std::vector<double>> BestCandidates(const CampaignLayout& layout, co
       columns.row(i - first) =
           root_weight(i) * wear.row(static_cast<Index>(layout.cycle_of[static_cast<std::size_t>(i)]));
     }
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
-    bases.push_back(qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols()));
+    bases.push_back(OrthonormalBasis(columns));
     auto part = residual.segment(first, last - first);
     part -= bases.back() * (bases.back().transpose() * part).eval();
   }
@@ -181,7 +181,7 @@ std::vector<std::vector<double>> BestCandidates(const CampaignLayout& layout, co
           bases[s].transpose() * design.middleRows(static_cast<Index>(layout.stretches[s]), bases[s].rows());
       gram -= along.transpose() * along;
     }
-    drops.emplace_back(-right.dot(gram.completeOrthogonalDecomposition().solve(right)), c);
+    drops.emplace_back(-right.dot(ShortestLeastSquares(gram, right).col(0)), c);
   }
   std::sort(drops.begin(), drops.end());
   std::vector<std::vector<double>> best;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "analysis/decompositions.h"
 #include "analysis/prepared_loop.h"
 #include "analysis/stiffness_start.h"
 #include "analysis/units.h"
@@ -31,8 +32,7 @@ Eigen::MatrixXd OrthonormalColumns(const Eigen::MatrixXd& derivatives) {
   }
   Eigen::MatrixXd columns = derivatives(Eigen::all, used);
   for (Index k = 0; k < columns.cols(); ++k) columns.col(k).normalize();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
+  return OrthonormalBasis(columns);
 }
 
 struct RankedStart {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/usual_effects.h"
 
@@ -52,7 +53,7 @@ DelayEstimate EstimateDelay(const MotionGrid& grid) {
   const auto left = [&](double delay_s) {
     Eigen::MatrixXd later = MotionLater(grid, delay_s);
     later -= basis * (basis.transpose() * later);
-    return (rest - later * later.colPivHouseholderQr().solve(rest)).squaredNorm();
+    return (rest - later * LeastSquares(later, rest)).squaredNorm();
   };
   constexpr int kSteps = 32;
   const double without = left(0.0);
@@ -80,7 +81,7 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
   const double about_s = std::max(delay_s, 0.1 * grid->row_spacing_s);
   Eigen::MatrixXd later = grid->nominal;
   later.leftCols(3) = MotionLater(*grid, about_s);
-  const Eigen::VectorXd numbers = later.colPivHouseholderQr().solve(measured);
+  const Eigen::VectorXd numbers = LeastSquares(later, measured);
   SeparableTerm term = FixedTerm((later - grid->nominal) * numbers / about_s);
   // Each reversal of a resampled torque is off by a part of a step of its own, which no residual's noise
   // tells.

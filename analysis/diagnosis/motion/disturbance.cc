@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/diagnosis/motion/usual_effects.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/motion/rows.h"
 #include "analysis/diagnosis/motion/usual_effects.h"
 #include "analysis/diagnosis/temperature.h"
@@ -124,10 +125,11 @@ void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque, double del
 // Standard error of the inertia, of the nominal model alone.
 double InertiaError(const MotionGrid& grid) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
-  const double left = grid.BesideNominal(measured).squaredNorm() / static_cast<double>(grid.rows());
+  const double left =
+      (measured - grid.nominal * grid.prefit).squaredNorm() / static_cast<double>(grid.rows());
   const Eigen::MatrixXd others = grid.nominal.rightCols(grid.nominal.cols() - 1);
   const Eigen::VectorXd acceleration = grid.nominal.col(0);
-  const double own = (acceleration - others * others.colPivHouseholderQr().solve(acceleration)).squaredNorm();
+  const double own = (acceleration - others * LeastSquares(others, acceleration)).squaredNorm();
   return std::sqrt(left / std::max(own, 1e-300));
 }
 
@@ -242,8 +244,8 @@ Eigen::MatrixXd UsualEffects(const MotionGrid& grid) {
   return usual;
 }
 
-Eigen::VectorXd MotionGrid::BesideNominal(const Eigen::VectorXd& column) const {
-  return column - nominal * nominal.colPivHouseholderQr().solve(column);
+Eigen::MatrixXd MotionGrid::BesideNominal(const Eigen::MatrixXd& columns) const {
+  return columns - nominal_basis * (nominal_basis.transpose() * columns).eval();
 }
 
 MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& bandwidth,
@@ -306,13 +308,14 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   SetDirection(grid, grid.velocity_noise);
   ChooseSignWidth(grid, torque, passage_delay_s);
   grid.measured.assign(torque.data(), torque.data() + rows);
-  grid.prefit = grid.nominal.colPivHouseholderQr().solve(torque);
+  grid.prefit = LeastSquares(grid.nominal, torque);
   grid.inertia_error = InertiaError(grid);
   if (std::abs(grid.prefit(0)) < kUnknownInertia * grid.inertia_error) {
     // What is left of the acceleration is noise: a number for it would only blow up where it is not fitted.
     grid.nominal.col(0).setZero();
-    grid.prefit = grid.nominal.completeOrthogonalDecomposition().solve(torque);
+    grid.prefit = ShortestLeastSquares(grid.nominal, torque);
   }
+  grid.nominal_basis = OrthonormalBasis(grid.nominal);
   return grid;
 }
 

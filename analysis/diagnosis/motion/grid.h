@@ -58,10 +58,11 @@ struct MotionGrid {
   std::vector<std::size_t> stretch_of_row;
   std::vector<std::size_t> response_stretches;  // first row of each run without a gap
   std::vector<double> measured;                 // torque, low-passed
-  Eigen::MatrixXd nominal;  // rows × (acceleration, velocity, direction, one for each record)
-  Eigen::VectorXd prefit;   // the nominal numbers by least squares
-  double inertia_error{};   // standard error of the first of them; its column is zero where that drowns it
-  double noise_floor{};     // of the low-passed torque
+  Eigen::MatrixXd nominal;        // rows × (acceleration, velocity, direction, one for each record)
+  Eigen::MatrixXd nominal_basis;  // orthonormal, of the same space
+  Eigen::VectorXd prefit;         // the nominal numbers by least squares
+  double inertia_error{};  // standard error of the first of them; its column is zero where that drowns it
+  double noise_floor{};    // of the low-passed torque
   double filtered_out_variance{};  // of the torque's noise, by the low-pass
   double row_spacing_s{};
 
@@ -83,8 +84,8 @@ struct MotionGrid {
   std::vector<double> Later(std::span<const double> passed_points, double shift_s) const;
   /// Smooth sign of velocities, as `direction` is of the points'.
   std::vector<double> DirectionOf(std::span<const double> velocities) const;
-  /// What least squares by the nominal terms leaves of a column.
-  Eigen::VectorXd BesideNominal(const Eigen::VectorXd& column) const;
+  /// What least squares by the nominal terms leaves of columns.
+  Eigen::MatrixXd BesideNominal(const Eigen::MatrixXd& columns) const;
 };
 
 /// @param expected_delay_s  by which the torque acts late: reversals show in it that much earlier; 0 where it

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/motion/terms.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -37,7 +38,7 @@ Passing PassingTorque(const MotionGrid& grid) {
   // A friction that follows the load makes the inertia look larger: once more with the term itself.
   std::vector<double> points(grid.position.size());
   for (int round = 0; round < 3; ++round) {
-    const Eigen::VectorXd numbers = design.completeOrthogonalDecomposition().solve(measured);
+    const Eigen::VectorXd numbers = ShortestLeastSquares(design, measured);
     passing.offset = numbers(3);
     for (std::size_t i = 0; i < points.size(); ++i) {
       passing.load[i] = numbers(0) * grid.passed_acceleration[i] + numbers(nominal) * cosine[i] +

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/decompositions.h"
+
 namespace strainwave::analysis::diagnosis {
 
 SeparableTerm FixedTerm(Eigen::MatrixXd columns) {
@@ -48,12 +50,11 @@ ShapeMap::ShapeMap(const MotionGrid& grid, const SeparableTerm& term, std::vecto
     : shapes_(std::move(shapes)),
       columns_(Eigen::MatrixXf::Zero(grid.nominal.rows(), static_cast<Eigen::Index>(shapes_.size()))),
       lengths_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(shapes_.size()))) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nominal(grid.nominal);
   Eigen::MatrixXd column(grid.nominal.rows(), 1);
   for (std::size_t k = 0; k < shapes_.size(); ++k) {
     term.fill(shapes_[k], column);
     const double before = column.norm();
-    column -= grid.nominal * nominal.solve(column);
+    column = grid.BesideNominal(column);
     const double norm = column.norm();
     // What is one with the nominal model, as a swing far above the motion is with the inertia, stays zero.
     if (!(norm > 1e-3 * before)) continue;
@@ -76,7 +77,6 @@ StartSearch::StartSearch(const MotionGrid& grid, const SeparableTerm& term, cons
     : grid_(grid),
       term_(term),
       sign_(sign),
-      nominal_(grid.nominal),
       columns_(grid.nominal.rows(), static_cast<Eigen::Index>(term.columns)),
       weights_(Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), grid.nominal.rows())),
       weighted_(Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), grid.nominal.rows())
@@ -84,11 +84,11 @@ StartSearch::StartSearch(const MotionGrid& grid, const SeparableTerm& term, cons
 
 double StartSearch::Drop(std::span<const double> shapes) {
   term_.fill(shapes, columns_);
-  columns_ -= grid_.nominal * nominal_.solve(columns_);
+  columns_ = grid_.BesideNominal(columns_);
   const Eigen::VectorXd right = columns_.transpose() * weighted_;
   if (sign_ == Sign::kPositive && right(0) <= 0.0) return 0.0;
   const Eigen::MatrixXd gram = columns_.transpose() * weights_.asDiagonal() * columns_;
-  return right.dot(gram.completeOrthogonalDecomposition().solve(right));
+  return right.dot(ShortestLeastSquares(gram, right).col(0));
 }
 
 std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const std::vector<double>& steps) {

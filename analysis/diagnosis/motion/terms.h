@@ -103,7 +103,6 @@ class StartSearch {
   const MotionGrid& grid_;
   const SeparableTerm& term_;
   Sign sign_;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nominal_;
   Eigen::MatrixXd columns_;
   Eigen::VectorXd weights_;
   Eigen::VectorXd weighted_;

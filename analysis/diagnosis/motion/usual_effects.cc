@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/model/axis_motion.h"
 #include "analysis/units.h"
@@ -23,7 +24,7 @@ Eigen::MatrixXd UsualEffectsAndLines(const MotionGrid& grid) {
   const Eigen::MatrixXd usual = UsualEffects(grid);
   Eigen::MatrixXd known(grid.nominal.rows(), grid.nominal.cols() + usual.cols());
   known << grid.nominal, usual;
-  const Eigen::VectorXd residual = measured - known * known.colPivHouseholderQr().solve(measured);
+  const Eigen::VectorXd residual = measured - known * LeastSquares(known, measured);
   std::vector<double> angle;
   for (const std::size_t point : grid.point_of_row) {
     angle.push_back(grid.position[point] * (grid.linear ? kTwoPi : 1.0));
@@ -53,11 +54,6 @@ Eigen::MatrixXd UsualEffectsAndLines(const MotionGrid& grid) {
     columns.col(column++) = grid.Project(points);
   }
   return columns;
-}
-
-Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(columns);
-  return factor.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), factor.rank());
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -11,7 +11,4 @@ namespace strainwave::analysis::diagnosis {
 /// speed, and the strongest lines over position in what the nominal terms and UsualEffects leave.
 Eigen::MatrixXd UsualEffectsAndLines(const MotionGrid& grid);
 
-/// Orthonormal columns that span the same; fewer where some are made up by the others.
-Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns);
-
 }  // namespace strainwave::analysis::diagnosis

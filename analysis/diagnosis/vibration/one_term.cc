@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/decompositions.h"
+
 namespace strainwave::analysis::diagnosis {
 namespace {
 
@@ -22,12 +24,12 @@ MatrixXd BasisOf(const MatrixXd& columns) {
   const MatrixXd products = columns.transpose() * columns;
   VectorXd scale = products.diagonal();
   for (Index i = 0; i < scale.size(); ++i) scale(i) = scale(i) > 0.0 ? 1.0 / std::sqrt(scale(i)) : 0.0;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * products * scale.asDiagonal());
+  const SymmetricParts parts = SymmetricEigen(scale.asDiagonal() * products * scale.asDiagonal());
   constexpr double kSmallest = 1e-9;
-  const auto dropped = (solver.eigenvalues().array() < kSmallest).count();
+  const auto dropped = (parts.values.array() < kSmallest).count();
   const Index kept = products.rows() - dropped;
-  const VectorXd stretch = solver.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse();
-  return columns * (scale.asDiagonal() * solver.eigenvectors().rightCols(kept) * stretch.asDiagonal());
+  const VectorXd stretch = parts.values.tail(kept).cwiseSqrt().cwiseInverse();
+  return columns * (scale.asDiagonal() * parts.vectors.rightCols(kept) * stretch.asDiagonal());
 }
 
 bool IsFilter(const VibrationTerm& term) { return !HasColumns(term.form); }

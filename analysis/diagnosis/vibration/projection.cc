@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "analysis/decompositions.h"
+
 namespace strainwave::analysis::diagnosis {
 
 using Eigen::Index;
@@ -14,13 +16,11 @@ MatrixXd PseudoInverse(const MatrixXd& symmetric) {
   // To unit diagonal first: columns differ in size by their units.
   VectorXd scale = symmetric.diagonal();
   for (Index i = 0; i < scale.size(); ++i) scale(i) = scale(i) > 0.0 ? 1.0 / std::sqrt(scale(i)) : 0.0;
-  const MatrixXd unit = scale.asDiagonal() * symmetric * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(unit);
+  const SymmetricParts unit = SymmetricEigen(scale.asDiagonal() * symmetric * scale.asDiagonal());
   constexpr double kSmallest = 1e-10;
-  VectorXd inverse = solver.eigenvalues();
+  VectorXd inverse = unit.values;
   for (Index i = 0; i < inverse.size(); ++i) inverse(i) = inverse(i) > kSmallest ? 1.0 / inverse(i) : 0.0;
-  return scale.asDiagonal() *
-         (solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose()) *
+  return scale.asDiagonal() * (unit.vectors * inverse.asDiagonal() * unit.vectors.transpose()) *
          scale.asDiagonal();
 }
 
