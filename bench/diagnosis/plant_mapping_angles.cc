@@ -105,23 +105,31 @@ void MapBrakeSlip(const NamedCause& cause, const MappingContext& context, PlantT
 
 void MapCreep(const NamedCause& cause, Parameters nominal, const MappingContext& context, PlantTerms& plant) {
   const double constant_s = Require(cause, "time_constant_s");
-  // Creep is a share of the gear's twist; the plant's goes with torque, over the mean stiffness up to T₂.
+  // The plant's creep goes with torque. Where it was found to be a share of the gear's twist, it is taken
+  // over the mean stiffness up to T₂.
   const model::TorsionSpring own;
   const model::TorsionSpring spring{Find(nominal, "k1_Nm_per_rad").value_or(own.k1_Nm_per_rad),
                                     Find(nominal, "k2_Nm_per_rad").value_or(own.k2_Nm_per_rad),
                                     Find(nominal, "k3_Nm_per_rad").value_or(own.k3_Nm_per_rad), context.t1_Nm,
                                     context.t2_Nm};
   const double stiffness = context.t2_Nm / model::SpringTwist(spring, context.t2_Nm);
-  if (const auto per_decade = Find(cause.parameters, "creep_share_per_decade")) {
+  const auto share_of = [&](const char* of_twist, const char* of_torque) -> std::optional<double> {
+    if (const auto share = Find(cause.parameters, of_twist)) return share;
+    if (const auto torque = Find(cause.parameters, of_torque)) return RadFromArcmin(*torque) * stiffness;
+    return std::nullopt;
+  };
+  if (const auto per_decade = share_of("creep_share_per_decade", "creep_arcmin_per_Nm_per_decade")) {
     // Elements a decade apart from τ on go as log₁₀(1 + t/t₀) with τ = t₀ · 10^(½ + γ/ln 10), γ = 0.5772.
     constexpr double kFastestOverOnset = 5.632;
     plant.Set("creep", {{"share_per_decade", *per_decade},
                         {"reference_Nm_per_rad", stiffness},
                         {"fastest_s", kFastestOverOnset * constant_s}});
-  } else {
-    plant.Set("exponential_creep", {{"compliance_rad_per_Nm", Require(cause, "creep_share") / stiffness},
-                                    {"time_constant_s", constant_s}});
+    return;
   }
+  const auto share = share_of("creep_share", "creep_arcmin_per_Nm");
+  const double all = share ? *share : Require(cause, "creep_share");
+  plant.Set("exponential_creep",
+            {{"compliance_rad_per_Nm", all / stiffness}, {"time_constant_s", constant_s}});
 }
 
 void MapFurtherFriction(const NamedCause& cause, PlantTerms& plant) {

@@ -64,6 +64,20 @@ TEST(WithoutNoise, LeavesACornerWhereItIs) {
   for (const double error_Nm : mean_error_Nm) EXPECT_NEAR(error_Nm, 0.0, 0.25 * kNoise_Nm);
 }
 
+// The two samples beside a gap in a ramp stand as far off the mean of their neighbours as half of the gap.
+TEST(LoneSpikes, TakesNoGapForASpike) {
+  std::vector<double> time_s;
+  std::vector<double> torque_Nm;
+  for (int i = 0; i < 100; ++i) {
+    if (i > 40 && i < 60) continue;
+    time_s.push_back(0.1 * i);
+    torque_Nm.push_back(0.3 * i + 0.001 * (i % 3));
+  }
+  EXPECT_TRUE(LoneSpikes(time_s, torque_Nm, 0.01).empty());
+  torque_Nm[20] += 1.0;
+  EXPECT_EQ(LoneSpikes(time_s, torque_Nm, 0.01), std::vector<std::size_t>{20});
+}
+
 TEST(HysteresisStudy, FindsNothingInACleanLoopAndFitsItsNumbers) {
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const Diagnosed clean = Ask({}, {}, seed);
@@ -98,6 +112,15 @@ TEST(HysteresisStudy, NamesCreepUnderHeldTorque) {
   const Diagnosed found = Ask({.creep_share = 0.01, .creep_s = 4.0});
   EXPECT_EQ(found.names(), Names{"creep"});
   ExpectNear(found.value("time_constant_s"), 4.0, 0.35);
+}
+
+// A yielding mount follows the torque: nothing of the friction's loop is in it. Strong enough for what a
+// creep of the wind-up would leave over to look like another cause.
+TEST(HysteresisStudy, NamesOnlyCreepWhereTheMountYields) {
+  const Diagnosed found = Ask({.creep_s = 4.0, .creep_rad_per_Nm = 3e-6});
+  EXPECT_EQ(found.names(), Names{"creep"});
+  ExpectNear(found.value("creep_arcmin_per_Nm"), ArcminFromRad(3e-6), 0.1);
+  ExpectNear(found.value("time_constant_s"), 4.0, 0.1);
 }
 
 TEST(HysteresisStudy, NamesABrakeThatSlips) {

@@ -31,6 +31,7 @@ struct GeneratedGear {
   double creep_share_per_decade{};  // three Kelvin-Voigt elements, one a decade, from `creep_s` on
   double creep_share{};             // one element of `creep_s`
   double creep_s{2.0};
+  double creep_rad_per_Nm{};  // > 0: one element of `creep_s` that goes with the torque, not with the twist
   double slip_from_Nm{1e9};
   double slip_rad_per_Nms{};  // speed by the excess over `slip_from_Nm`
   double slip_rad_per_s{};    // one speed beyond it
@@ -92,6 +93,7 @@ class SteppedGear {
         change_Nm -= part_rad * stiffness + 1e-15;
       }
     }
+    yielded_rad_ += (gear_.creep_rad_per_Nm * torque_Nm - yielded_rad_) * step_s / gear_.creep_s;
     double time_constant_s = gear_.creep_s;
     for (double& part : creep_) {
       part += (twist_rad_ - part) * step_s / time_constant_s;
@@ -109,7 +111,7 @@ class SteppedGear {
     for (const double part : creep_) creep_rad += part;
     const double share = gear_.creep_share > 0.0 ? gear_.creep_share : gear_.creep_share_per_decade;
     return twist_rad_ + 0.5 * gear_.outside_dead_zone_rad * std::tanh(torque_Nm_ / 0.05) + share * creep_rad +
-           slip_rad_;
+           slip_rad_ + yielded_rad_;
   }
 
  private:
@@ -151,6 +153,7 @@ class SteppedGear {
   double spring_Nm_{};
   double spring_at_rad_{};
   double slip_rad_{};
+  double yielded_rad_{};
   std::vector<double> element_Nm_;
   std::vector<double> creep_;
 };

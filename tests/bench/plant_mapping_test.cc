@@ -251,6 +251,14 @@ TEST(PlantMapping, CreepsAsTheModelDoes) {
   Hold(exponential, Locked(20.0), 40.0);
   EXPECT_NEAR(exponential.state().output_rad - from, 0.03 * wind_up_rad * (1.0 - std::exp(-1.0)),
               0.02 * 0.03 * wind_up_rad);
+  // With the torque the plant creeps as it was found to, without a stiffness in between.
+  GearPlant of_torque =
+      LoopPlant({Cause("creep", {{"creep_arcmin_per_Nm", 0.002}, {"time_constant_s", 40.0}})});
+  Hold(of_torque, Locked(20.0), 0.1);
+  const double without = of_torque.state().output_rad;
+  Hold(of_torque, Locked(20.0), 40.0);
+  const double all_rad = RadFromArcmin(0.002 * 20.0);
+  EXPECT_NEAR(of_torque.state().output_rad - without, all_rad * (1.0 - std::exp(-1.0)), 0.02 * all_rad);
 }
 
 TEST(PlantMapping, SlipsAtTheBrakeByWhatTheOutputShows) {

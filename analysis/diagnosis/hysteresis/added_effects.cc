@@ -11,11 +11,12 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+// Logarithmic or exponential, of the gear's wind-up with all its bends and friction (E22) or of a part that
+// yields in proportion to the torque (a glued joint, the mount).
 class CreepEffect final : public FormedEffect {
  public:
   explicit CreepEffect(const LoopRecords& records)
-      : FormedEffect(records, {{"creep_share_per_decade", "1", 1.0}, {"creep_share", "1", 1.0}},
-                     "creep_rms_arcmin", "time_constant_s", "s"),
+      : FormedEffect(records, FormsOf(records), "creep_rms_arcmin", "time_constant_s", "s"),
         shortest_s_(2.0 * records.step_s),
         longest_s_(0.6 * records.duration_s),
         duration_s_(records.duration_s) {
@@ -28,16 +29,20 @@ class CreepEffect final : public FormedEffect {
             "wait)",
         .where = Where::kUnit,
         .effect = "E22",
-        .parameters = {{"creep_share_per_decade", "1", 0.0, 0.2, false},
-                       {"creep_share", "1", 0.0, 0.5, false},
+        .parameters = {{"creep_share_per_decade", "1", 0.0, kMostPerDecade, false},
+                       {"creep_share", "1", 0.0, kMost, false},
+                       {"creep_arcmin_per_Nm_per_decade", "arcmin/Nm", 0.0,
+                        kMostPerDecade * ArcminFromRad(records.compliance_rad_per_Nm()), false},
+                       {"creep_arcmin_per_Nm", "arcmin/Nm", 0.0,
+                        kMost * ArcminFromRad(records.compliance_rad_per_Nm()), false},
                        {"creep_rms_arcmin", "arcmin", 0.0, range_arcmin, true},
                        {"time_constant_s", "s", 0.0, 1.01 * longest_s_, false}},
         .degrees_of_freedom = 2,
-        .trials = 2.0,
+        .trials = 4.0,
         .to_settle = fmt::format(
             "# long holds at each end\n{}",
             PhaseText(records, {.name = "holds", .torque_rate_Nm_per_s = 3.0, .hold_s = 120.0, .loops = 2}))};
-    numbers = {{0.0, 1.0, 0.0, true, false},
+    numbers = {{0.0, 3.0, 0.0, true, false},
                {0.0, 1.0, 1e-6, false, true},
                {std::log(shortest_s_), std::log(longest_s_), 1e-4, false, false}};
     follows_gear = true;
@@ -47,15 +52,21 @@ class CreepEffect final : public FormedEffect {
            Eigen::VectorXd& total_rad) const override {
     if (v[1] == 0.0) return;
     const double time_s = std::exp(v[2]);
+    const auto form = std::lround(v[0]);
     const model::CreepLadder ladder =
-        v[0] < 0.5 ? model::LogarithmicCreep(time_s, duration_s_) : model::ExponentialCreep(time_s);
+        form % 2 == 0 ? model::LogarithmicCreep(time_s, duration_s_) : model::ExponentialCreep(time_s);
+    const bool of_torque = form >= 2;
+    const double straight_rad_per_Nm = records_.compliance_rad_per_Nm();
+    const auto driver_rad = [&](std::size_t i) {
+      return of_torque ? straight_rad_per_Nm * grid.torque_Nm[i] : gear_rad(static_cast<Eigen::Index>(i));
+    };
     std::vector<model::RungStep> steps(ladder.rungs.size());
     std::vector<double> state(ladder.rungs.size());
     for (std::size_t r = 0; r < grid.records(); ++r) {
       // At rest at the first sample's twist, whatever that came from: the rest is in the record's offset.
       std::fill(state.begin(), state.end(), 0.0);
       double last_step_s = -1.0;
-      const double rest_rad = gear_rad(static_cast<Eigen::Index>(grid.starts[r]));
+      const double rest_rad = driver_rad(grid.starts[r]);
       for (std::size_t i = grid.starts[r] + 1; i < grid.starts[r + 1]; ++i) {
         const double step_s = grid.time_s[i] - grid.time_s[i - 1];
         // Equal steps share their exponentials.
@@ -65,15 +76,14 @@ class CreepEffect final : public FormedEffect {
             steps[k] = model::StepOf(ladder.rungs[k].time_constant_s, step_s);
           }
         }
-        const auto index = static_cast<Eigen::Index>(i);
-        const double from = gear_rad(index - 1) - rest_rad;
-        const double to = gear_rad(index) - rest_rad;
+        const double from = driver_rad(i - 1) - rest_rad;
+        const double to = driver_rad(i) - rest_rad;
         double sum = 0.0;
         for (std::size_t k = 0; k < steps.size(); ++k) {
           state[k] = model::AdvanceRung(steps[k], state[k], from, to);
           sum += ladder.rungs[k].weight * state[k];
         }
-        total_rad(index) += v[1] * sum;
+        total_rad(static_cast<Eigen::Index>(i)) += v[1] * sum;
       }
     }
   }
@@ -81,7 +91,7 @@ class CreepEffect final : public FormedEffect {
   std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
     std::vector<std::vector<double>> starts;
     constexpr int kPlaces = 5;
-    for (const double form : {0.0, 1.0}) {
+    for (const double form : {0.0, 1.0, 2.0, 3.0}) {
       for (int k = 0; k < kPlaces; ++k) {
         const double place = (k + 0.5) / kPlaces;
         starts.push_back({form, 0.0, std::log(shortest_s_) + place * std::log(longest_s_ / shortest_s_)});
@@ -91,6 +101,17 @@ class CreepEffect final : public FormedEffect {
   }
 
  private:
+  static constexpr double kMostPerDecade = 0.2;  // of the wind-up
+  static constexpr double kMost = 0.5;
+
+  static std::vector<Form> FormsOf(const LoopRecords& records) {
+    const double arcmin_per_Nm = ArcminFromRad(records.compliance_rad_per_Nm());
+    return {{"creep_share_per_decade", "1", 1.0},
+            {"creep_share", "1", 1.0},
+            {"creep_arcmin_per_Nm_per_decade", "arcmin/Nm", arcmin_per_Nm},
+            {"creep_arcmin_per_Nm", "arcmin/Nm", arcmin_per_Nm}};
+  }
+
   double shortest_s_;
   double longest_s_;
   double duration_s_;

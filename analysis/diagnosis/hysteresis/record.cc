@@ -36,7 +36,7 @@ bool FallsWithTorque(std::span<const double> torque_Nm, std::span<const double> 
 std::vector<double> DrivingTorque(const HysteresisData& record, double compliance_rad_per_Nm) {
   std::vector<double> torque_Nm = record.torque_Nm;
   const double noise_Nm = SampleNoise(torque_Nm);
-  InterpolateOver(torque_Nm, LoneSpikes(torque_Nm, noise_Nm));
+  InterpolateOver(torque_Nm, LoneSpikes(record.time_s, torque_Nm, noise_Nm));
   const double followed = FollowedShare(torque_Nm, record.output_angle_rad, compliance_rad_per_Nm);
   const std::vector<double> clean_Nm = WithoutNoise(record.time_s, torque_Nm, noise_Nm);
   for (std::size_t i = 0; i < torque_Nm.size(); ++i) {

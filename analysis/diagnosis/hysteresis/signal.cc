@@ -206,12 +206,16 @@ std::vector<double> WithoutNoise(std::span<const double> time_s, std::span<const
   return clean;
 }
 
-std::vector<std::size_t> LoneSpikes(std::span<const double> signal, double noise) {
+std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<const double> signal,
+                                    double noise) {
   constexpr double kBeyondNoise = 8.0;
   constexpr double kBeyondTurn = 3.0;
   std::vector<std::size_t> spikes;
   for (std::size_t i = 2; i + 2 < signal.size(); ++i) {
-    const double off = std::abs(signal[i] - 0.5 * (signal[i - 1] + signal[i + 1]));
+    // By time: beside a gap the mean of both neighbours is far off any ramp.
+    const double span_s = time_s[i + 1] - time_s[i - 1];
+    const double share = span_s > 0.0 ? (time_s[i] - time_s[i - 1]) / span_s : 0.5;
+    const double off = std::abs(signal[i] - std::lerp(signal[i - 1], signal[i + 1], share));
     const double turn = std::abs((signal[i + 2] - signal[i + 1]) - (signal[i - 1] - signal[i - 2]));
     if (off > kBeyondNoise * noise && off > kBeyondTurn * turn && off > 0.0) spikes.push_back(i);
   }

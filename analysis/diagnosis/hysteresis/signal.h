@@ -20,8 +20,11 @@ double SampleNoise(std::span<const double> signal);
 std::vector<double> WithoutNoise(std::span<const double> time_s, std::span<const double> signal,
                                  double noise);
 
-/// Single samples that stand off their neighbours by more than noise and by more than the signal turns there.
-std::vector<std::size_t> LoneSpikes(std::span<const double> signal, double noise);
+/// Single samples that stand off the line through their neighbours by more than noise and by more than the
+/// signal turns there.
+/// @param time_s  rising.
+std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<const double> signal,
+                                    double noise);
 
 /// By how much `response` follows the fluctuation of `drive` from sample to sample: the slope between their
 /// fourth differences, as a share of `slope`, 0 to 1. 0 where that cannot be told from nothing.
