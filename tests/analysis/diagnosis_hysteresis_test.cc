@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/diagnosis/hysteresis/noise_reversals.h"
 #include "analysis/diagnosis/hysteresis/signal.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
@@ -55,13 +56,38 @@ TEST(WithoutNoise, LeavesACornerWhereItIs) {
   for (int draw = 0; draw < kDraws; ++draw) {
     std::vector<double> torque_Nm = truth_Nm;
     for (double& value : torque_Nm) value += normal(random);
-    const std::vector<double> clean_Nm = WithoutNoise(time_s, torque_Nm, kNoise_Nm);
+    const std::vector<double> clean_Nm = WithoutNoise(time_s, torque_Nm, kNoise_Nm).values;
     for (std::size_t k = 0; k < 5; ++k) {
       const std::size_t at = kCorner - 2 + k;
       mean_error_Nm[k] += (clean_Nm[at] - truth_Nm[at]) / kDraws;
     }
   }
   for (const double error_Nm : mean_error_Nm) EXPECT_NEAR(error_Nm, 0.0, 0.25 * kNoise_Nm);
+}
+
+// A held load neither creeps back nor forth, whatever its noise; a reversal beyond the noise stays.
+TEST(WithoutNoiseReversals, KeepsAHoldWhereItIs) {
+  const std::vector<double> values{0.0, 1.0, 2.0, 3.1, 2.95, 3.0, 3.05, 2.92, 2.98, 2.0, 1.0, 0.0};
+  const std::vector<double> errors(values.size(), 0.05);
+  const std::vector<Branch> branches = SplitBranches(values, 0.5);
+  ASSERT_EQ(branches.size(), 2U);
+  const std::vector<double> settled = WithoutNoiseReversals(values, errors, 0.2, branches);
+  for (std::size_t i = 3; i < 9; ++i) EXPECT_NEAR(settled[i], 3.0, 1e-12) << i;
+  EXPECT_EQ(settled[2], 2.0);
+  EXPECT_EQ(settled[9], 2.0);
+  EXPECT_EQ(WithoutNoiseReversals(values, errors, 0.01, branches), values);
+}
+
+// Two minutes of hold at each end of a stiff friction's loop: torque that goes to and fro by its noise would
+// wind it up, and the record be blamed for it.
+TEST(HysteresisStudy, FindsNothingInLongHoldsOfANoisyTorque) {
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) {
+    const Diagnosed clean =
+        Ask({.friction_Nm = {3.0}, .yield_rad = {0.7e-4}},
+            {.torque_noise_Nm = 0.02, .angle_noise_rad = RadFromArcmin(0.004)}, seed, Loops(34.0, 30.0));
+    EXPECT_EQ(clean.names(), Names()) << seed;
+    EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
+  }
 }
 
 // The two samples beside a gap in a ramp stand as far off the mean of their neighbours as half of the gap.

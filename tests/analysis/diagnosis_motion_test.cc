@@ -332,6 +332,22 @@ TEST(LoneSamples, StandOffBothSides) {
   EXPECT_EQ(FindLoneSamples(signal, 0.8), std::vector<std::size_t>{});  // two steps of a coarse converter
 }
 
+TEST(LoneSamples, ShowInATorqueThatChangesFasterThanThey) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  std::vector<double> signal;
+  for (int i = 0; i < 400; ++i) {
+    const double swing = 80.0 * std::sin(0.3 * i);                      // 24 a sample
+    const double corner = i > 250 ? 20.0 * std::min(i - 250, 3) : 0.0;  // a ramp of three samples
+    const double step = i < 120 ? 0.0 : i == 120 ? 10.0 : 30.0;         // a friction that turns round
+    signal.push_back(swing + corner + step + noise(random));
+  }
+  EXPECT_EQ(FindLoneSamples(signal), std::vector<std::size_t>{});
+  signal[200] += 60.0;
+  signal[300] -= 60.0;
+  EXPECT_EQ(FindLoneSamples(signal), (std::vector<std::size_t>{200, 300}));
+}
+
 TEST(MotionStudy, JoinsRecordsEachWithItsOwnOffset) {
   const Effect weak = [](const State& s) { return 0.0075 * std::cos(s.position_rad - 1.0); };
   const Logger one{.duration_s = 20.0};

@@ -11,6 +11,7 @@
 
 #include "analysis/arguments.h"
 #include "analysis/diagnosis/hysteresis/checks.h"
+#include "analysis/diagnosis/hysteresis/noise_reversals.h"
 #include "analysis/diagnosis/hysteresis/signal.h"
 #include "analysis/loop_branches.h"
 #include "analysis/noise_level.h"
@@ -32,13 +33,26 @@ bool FallsWithTorque(std::span<const double> torque_Nm, std::span<const double> 
   return covariance < 0.0;
 }
 
+// Branches of a torque: reversals smaller than this are none.
+std::vector<Branch> BranchesOf(std::span<const double> torque_Nm, double t3_Nm, double noise_Nm) {
+  const auto [low, high] = std::minmax_element(torque_Nm.begin(), torque_Nm.end());
+  return SplitBranches(torque_Nm, std::max(0.02 * std::min(t3_Nm, *high - *low), 6.0 * noise_Nm));
+}
+
+std::vector<double> Settled(const CleanSignal& torque, double t3_Nm, double noise_Nm) {
+  if (!(noise_Nm > 0.0)) return torque.values;
+  return WithoutNoiseReversals(torque.values, torque.errors, noise_Nm,
+                               BranchesOf(torque.values, t3_Nm, noise_Nm));
+}
+
 // The torque that drives the model.
 std::vector<double> DrivingTorque(const HysteresisData& record, double compliance_rad_per_Nm) {
   std::vector<double> torque_Nm = record.torque_Nm;
   const double noise_Nm = SampleNoise(torque_Nm);
   InterpolateOver(torque_Nm, LoneSpikes(record.time_s, torque_Nm, noise_Nm));
   const double followed = FollowedShare(torque_Nm, record.output_angle_rad, compliance_rad_per_Nm);
-  const std::vector<double> clean_Nm = WithoutNoise(record.time_s, torque_Nm, noise_Nm);
+  const std::vector<double> clean_Nm =
+      Settled(WithoutNoise(record.time_s, torque_Nm, noise_Nm), record.t3_Nm, noise_Nm);
   for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
     torque_Nm[i] = clean_Nm[i] + followed * (torque_Nm[i] - clean_Nm[i]);
   }
@@ -83,7 +97,8 @@ void AppendTemperature(std::span<const HysteresisData> records, LoopGrid& grid) 
   for (const HysteresisData& record : records) {
     if (record.temperature_degC.empty()) return;
     const std::vector<double> clean = WithoutNoise(RisingTimes(record.time_s), record.temperature_degC,
-                                                   SampleNoise(record.temperature_degC));
+                                                   SampleNoise(record.temperature_degC))
+                                          .values;
     all.insert(all.end(), clean.begin(), clean.end());
   }
   const double mean = std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
@@ -97,9 +112,7 @@ void AppendTemperature(std::span<const HysteresisData> records, LoopGrid& grid) 
 
 void AppendBranches(std::span<const double> torque_Nm, double t3_Nm, LoopRecords& prepared) {
   const std::size_t base = prepared.samples.direction.size();
-  const std::vector<Branch> branches = SplitBranches(
-      torque_Nm,
-      std::max(0.02 * std::min(t3_Nm, 2.0 * prepared.peak_torque_Nm), 6.0 * SampleNoise(torque_Nm)));
+  const std::vector<Branch> branches = BranchesOf(torque_Nm, t3_Nm, SampleNoise(torque_Nm));
   prepared.samples.direction.resize(base + torque_Nm.size(), 1.0);
   for (const Branch& branch : branches) {
     const std::size_t first = branch.first == 0 ? 0 : branch.first + 1;
@@ -205,7 +218,7 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
     const double place_noise_rad = SampleNoise(record.output_angle_rad);
     prepared.place_noise_rad = std::max(prepared.place_noise_rad, place_noise_rad);
     const std::vector<double> place_rad =
-        WithoutNoise(turned.time_s, record.output_angle_rad, place_noise_rad);
+        WithoutNoise(turned.time_s, record.output_angle_rad, place_noise_rad).values;
     prepared.centre_rad.push_back(centre_rad);
     for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
       grid.time_s.push_back(turned.time_s[i] - turned.time_s[0]);

@@ -11,14 +11,18 @@ namespace strainwave::analysis::diagnosis {
 /// smooth curves do not count; resolution included where neighbours often read the same. 0 below 6 values.
 double SampleNoise(std::span<const double> signal);
 
-/// The signal without its white noise: at each sample the parabola over the longest stretch, to its left, its
-/// right or both, over which parabolas of all lengths agree within the noise. Corners and reversals stay
-/// where they are.
-/// @param time_s  rising; the abscissa of the parabolas.
+struct CleanSignal {
+  std::vector<double> values;
+  std::vector<double> errors;  // standard errors; 0 where there is no noise
+};
+
+/// The signal without its white noise: at each sample a constant, a line or a parabola over the longest
+/// stretch, to its left, its right or both, over which polynomials of its degree and of all lengths agree
+/// within the noise. Corners and reversals stay where they are.
+/// @param time_s  rising; the abscissa of the polynomials.
 /// @param noise   standard deviation; 0 returns the signal.
 /// Source: intersection of confidence intervals, Katkovnik, IEEE Trans. Signal Process. 47 (1999) 2567.
-std::vector<double> WithoutNoise(std::span<const double> time_s, std::span<const double> signal,
-                                 double noise);
+CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise);
 
 /// Single samples that stand off the line through their neighbours by more than noise and by more than the
 /// signal turns there.
