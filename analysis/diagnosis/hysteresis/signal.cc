@@ -24,11 +24,9 @@ std::vector<double> FourthDifferences(std::span<const double> x) {
   return differences;
 }
 
-// Constant, line and parabola through samples of a growing stretch, seen from one place.
-class GrowingPolynomials {
+// Parabola through samples of a growing stretch, seen from one place.
+class GrowingParabola {
  public:
-  static constexpr std::size_t kDegrees = 3;
-
   void Add(double x, double y) {
     double power = 1.0;
     for (double& sum : x_) {
@@ -44,14 +42,8 @@ class GrowingPolynomials {
     double value;
     double variance;  // over that of a sample
   };
-  // Value at x = 0, by the cofactors of the normal matrix; none where the samples do not hold the polynomial.
-  std::optional<Point> AtZero(std::size_t degree) const {
-    if (degree == 0) return Point{y_[0] / x_[0], 1.0 / x_[0]};
-    if (degree == 1) {
-      const double determinant = x_[0] * x_[2] - x_[1] * x_[1];
-      if (!(determinant > 1e-9 * x_[0] * x_[2])) return std::nullopt;
-      return Point{(x_[2] * y_[0] - x_[1] * y_[1]) / determinant, x_[2] / determinant};
-    }
+  // Value at x = 0, by the cofactors of the normal matrix; none where the samples do not hold a parabola.
+  std::optional<Point> AtZero() const {
     const double c0 = x_[2] * x_[4] - x_[3] * x_[3];
     const double c1 = x_[3] * x_[2] - x_[1] * x_[4];
     const double c2 = x_[1] * x_[3] - x_[2] * x_[2];
@@ -65,28 +57,18 @@ class GrowingPolynomials {
   std::array<double, 3> y_{};
 };
 
-using Point = GrowingPolynomials::Point;
+constexpr std::size_t kLongest = 64;
 
-constexpr std::size_t kLongest = 256;
-
-// What the stretches of one degree agree on so far.
-struct Agreement {
-  double low;
-  double high;
-  bool alive{true};
-};
-
-// The longest stretch that may be used at `at`, to its left, its right or both, before polynomials of its
-// degree leave what shorter ones say; of the degrees the one that knows the value best. A held signal is a
-// constant: what a parabola makes of its noise would be reversals, which wind up friction.
-Point LongestAgreeing(std::span<const double> t, std::span<const double> y, std::size_t at, double noise,
-                      bool left, bool right) {
-  constexpr double kAgree = 2.5;  // standard errors
-  GrowingPolynomials polynomials;
-  polynomials.Add(0.0, y[at]);
-  Point best{y[at], 1.0};
-  std::array<Agreement, GrowingPolynomials::kDegrees> agreements;
-  agreements.fill({y[at] - kAgree * noise, y[at] + kAgree * noise});
+// The longest stretch that may be used at `at`, to its left, its right or both, before the parabola leaves
+// what shorter ones say.
+GrowingParabola::Point LongestAgreeing(std::span<const double> t, std::span<const double> y, std::size_t at,
+                                       double noise, bool left, bool right) {
+  constexpr double kAgree = 2.0;  // standard errors
+  GrowingParabola parabola;
+  parabola.Add(0.0, y[at]);
+  GrowingParabola::Point best{y[at], 1.0};
+  double low = y[at] - kAgree * noise;
+  double high = y[at] + kAgree * noise;
   const std::size_t before = left ? at : kLongest;
   const std::size_t after = right ? t.size() - 1 - at : kLongest;
   const std::size_t room = std::min({before, after, kLongest});
@@ -94,26 +76,17 @@ Point LongestAgreeing(std::span<const double> t, std::span<const double> y, std:
   const double scale = t[nearest] - t[nearest - 1] > 0.0 ? t[nearest] - t[nearest - 1] : 1.0;
   std::size_t next = left && right ? 2 : 4;
   for (std::size_t reach = 1; reach <= room; ++reach) {
-    if (left) polynomials.Add((t[at - reach] - t[at]) / scale, y[at - reach]);
-    if (right) polynomials.Add((t[at + reach] - t[at]) / scale, y[at + reach]);
+    if (left) parabola.Add((t[at - reach] - t[at]) / scale, y[at - reach]);
+    if (right) parabola.Add((t[at + reach] - t[at]) / scale, y[at + reach]);
     if (reach != next) continue;
     next = reach * 3 / 2;
-    bool any = false;
-    for (std::size_t degree = 0; degree < agreements.size(); ++degree) {
-      Agreement& agreement = agreements[degree];
-      if (!agreement.alive) continue;
-      const auto point = polynomials.AtZero(degree);
-      const double error = point ? kAgree * noise * std::sqrt(point->variance) : 0.0;
-      if (point) {
-        agreement.low = std::max(agreement.low, point->value - error);
-        agreement.high = std::min(agreement.high, point->value + error);
-      }
-      agreement.alive = point && agreement.low <= agreement.high;
-      if (!agreement.alive) continue;
-      any = true;
-      if (point->variance < best.variance) best = *point;
-    }
-    if (!any) break;
+    const auto point = parabola.AtZero();
+    if (!point) break;
+    const double error = kAgree * noise * std::sqrt(point->variance);
+    low = std::max(low, point->value - error);
+    high = std::min(high, point->value + error);
+    if (low > high) break;
+    if (point->variance < best.variance) best = *point;
   }
   return best;
 }
@@ -220,9 +193,9 @@ CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double>
     const auto times = time_s.subspan(first, end - first);
     const auto values = signal.subspan(first, end - first);
     for (std::size_t i = 0; i < values.size(); ++i) {
-      Point best{values[i], 1.0};
+      GrowingParabola::Point best{values[i], 1.0};
       for (const auto& [left, right] : {std::pair{true, true}, {true, false}, {false, true}}) {
-        const Point point = LongestAgreeing(times, values, i, noise, left, right);
+        const GrowingParabola::Point point = LongestAgreeing(times, values, i, noise, left, right);
         if (point.variance < best.variance) best = point;
       }
       clean.values[first + i] = best.value;

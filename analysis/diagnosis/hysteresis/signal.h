@@ -16,10 +16,10 @@ struct CleanSignal {
   std::vector<double> errors;  // standard errors; 0 where there is no noise
 };
 
-/// The signal without its white noise: at each sample a constant, a line or a parabola over the longest
-/// stretch, to its left, its right or both, over which polynomials of its degree and of all lengths agree
-/// within the noise. Corners and reversals stay where they are.
-/// @param time_s  rising; the abscissa of the polynomials.
+/// The signal without its white noise: at each sample the parabola over the longest stretch, to its left, its
+/// right or both, over which parabolas of all lengths agree within the noise. Corners and reversals stay
+/// where they are.
+/// @param time_s  rising; the abscissa of the parabolas.
 /// @param noise   standard deviation; 0 returns the signal.
 /// Source: intersection of confidence intervals, Katkovnik, IEEE Trans. Signal Process. 47 (1999) 2567.
 CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise);
