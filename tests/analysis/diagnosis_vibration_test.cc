@@ -295,6 +295,17 @@ TEST(VibrationStudy, TakesAWrongSpeedFromTheLinesOfAFewTurns) {
   }
 }
 
+// Twenty spikes of thirty standard deviations a second: with them the channel would seem to be twice as loud.
+TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverSpikesThereAre) {
+  VibrationData record = Record(Turning(1500.0, 1.0, 0.0), 31, Silence, {1.0, 1.0});
+  for (std::size_t i = 100; i < record.time_s.size(); i += 256) record.channels[0].values[i] += 3.0;
+  const VibrationSamples samples = PrepareVibration({&record, 1});
+  const auto& channels = samples.runs.front().channels;
+  constexpr double kErrorOfScale = 0.1;  // of a background of some thousand bins
+  EXPECT_NEAR(channels[0].scale / channels[1].scale, 1.0, kErrorOfScale);
+  EXPECT_NEAR(samples.noise_floor, kNoise_m_per_s2, kErrorOfScale * kNoise_m_per_s2);
+}
+
 // What a search compares has to be what the whole fit comes to.
 TEST(OneTermSolver, FitsATermAsTheWholeModelDoes) {
   const Effect hidden = [](const Turning& run) { return Line(run, 7.3, 0.2) + Line(run, 11.9, 0.1); };
