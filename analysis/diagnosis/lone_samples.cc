@@ -13,6 +13,9 @@ std::vector<std::size_t> FindLoneSamples(std::span<const double> signal, double 
   constexpr double kStandsOff = 5.5;  // standard deviations; one clean sample in 26 million
   constexpr double kNextTo = 0.35;    // of the spike
   constexpr double kFlicker = 2.0;    // steps of the resolution
+  constexpr double kMayMeet = 0.02;   // pairs that chance makes
+  constexpr std::size_t kMostSideBySide = 2;
+  constexpr std::size_t kRinging = 12;
   std::vector<std::size_t> lone;
   const std::size_t n = signal.size();
   if (n < 4 * kReach) return lone;
@@ -35,6 +38,27 @@ std::vector<std::size_t> FindLoneSamples(std::span<const double> signal, double 
       lone.push_back(i);
     }
   }
+  // Where there are so many that two may stand side by side by chance, these are as little physical.
+  const auto count = static_cast<double>(lone.size());
+  if (count * count < kMayMeet * static_cast<double>(n)) return lone;
+  const auto stands_off = [&](std::size_t i) { return std::abs(off[i]) > limit; };
+  for (std::size_t i = 1; i + 2 < n;) {
+    std::size_t end = i;
+    while (end + 1 < n && stands_off(end)) ++end;
+    if (end > i && end - i <= kMostSideBySide) {
+      // What rings stands off again a few samples on.
+      bool company = false;
+      for (std::size_t k = i > kRinging ? i - kRinging : 0; k < std::min(n, end + kRinging); ++k) {
+        company = company || ((k < i || k >= end) && stands_off(k));
+      }
+      if (!company) {
+        for (std::size_t k = i; k < end; ++k) lone.push_back(k);
+      }
+    }
+    i = end + 1;
+  }
+  std::ranges::sort(lone);
+  lone.erase(std::unique(lone.begin(), lone.end()), lone.end());
   return lone;
 }
 
