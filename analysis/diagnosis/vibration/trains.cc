@@ -237,7 +237,10 @@ class TrainSearch {
         square += own * own;
       }
       if (!(square > 0.0)) continue;
-      const double more = 0.5 * std::norm(upper + std::conj(lower)) / square * comb.order / noise;
+      // About a ring that is far from the harmonics the sidebands are the louder ones, by noise alone.
+      const double beside = LookAt(comb, side).noise + LookAt(comb, -side).noise;
+      if (beside < kLeastOverlap) continue;
+      const double more = std::norm(upper + std::conj(lower)) / square * comb.order / beside;
       const double excess = ExcessOf(place.power + more, cells + 1.0);
       if (excess > start.excess) start = {comb.order, ring_Hz_, excess, side, matched_.loudness};
     }
