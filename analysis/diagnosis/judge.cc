@@ -69,7 +69,8 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   if (more > 0.0 && freedom > 2.0) {
     const double f = std::expm1(std::min(700.0, comparison.likelihood_ratio / samples_)) * freedom / more;
     const boost::math::fisher_f distribution(more, freedom);
-    comparison.p_value = boost::math::cdf(boost::math::complement(distribution, f));
+    const double places = std::exp(std::max(0.0, richer.fit.log_places - poorer.fit.log_places));
+    comparison.p_value = std::min(1.0, places * boost::math::cdf(boost::math::complement(distribution, f)));
   }
   return comparison;
 }

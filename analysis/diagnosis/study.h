@@ -81,6 +81,9 @@ struct ModelFit {
   int free_parameters{};
   /// Of these, as many as are not charged for: what the record says of them is no more than was known before.
   double known_before{};
+  /// Logarithm of how many places the fit chose from beyond those that the rules of its causes count: of each
+  /// further one of several knocks, its time.
+  double log_places{};
   std::vector<double> state;  // the fit's own numbers, to start the next one from; its layout is the study's
   bool usable{};              // false: no solution inside the hard bounds; everything else is then void
 

@@ -210,6 +210,21 @@ TEST(Judge, ChargesDescriptionsMoreForTheirLooksThanCauses) {
   EXPECT_NEAR(judge.Corrected(1e-6, study.causes()[2]), 3.0 * 1e-6 * 1.0 / 0.25, 1e-9);
 }
 
+TEST(Judge, MultipliesChanceByThePlacesThatAFitChoseFrom) {
+  const ToyRecord record(600);
+  const SeparableStudy study(ToyModel(record, WhiteNoise(600, 0.1, 3)));
+  const Judge judge(study, std::vector<double>(600, 1.0), {});
+  const ScoredModel poorer = judge.Fit({}, nullptr);
+  ScoredModel richer = poorer;
+  richer.fit.free_parameters += 2;
+  for (double& likelihood : richer.noise.log_likelihood) likelihood += 8.0;
+  const double one = judge.Compare(richer, poorer).p_value;
+  richer.fit.log_places = std::log(50.0);
+  EXPECT_NEAR(judge.Compare(richer, poorer).p_value, 50.0 * one, 1e-9);
+  richer.fit.log_places = 60.0;
+  EXPECT_EQ(judge.Compare(richer, poorer).p_value, 1.0);
+}
+
 TEST(Diagnose, FindsNothingInCleanRecords) {
   const ToyRecord record(400);
   int alarms = 0;

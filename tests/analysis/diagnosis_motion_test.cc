@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/diagnosis/lone_samples.h"
 #include "analysis/diagnosis/temperature.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
@@ -317,35 +316,6 @@ TEST(MotionStudy, FindsSeveralPushesBesideFrictionOfLowSpeed) {
   const auto third = std::ranges::find(parameters, "duration_3_s", &ParameterValue::name);
   ASSERT_NE(third, parameters.end());
   EXPECT_NEAR(third->value, 0.7, 4.0 * third->standard_error);
-}
-
-TEST(LoneSamples, StandOffBothSides) {
-  std::vector<double> signal(400);
-  std::mt19937 random(21);
-  std::normal_distribution<double> normal;
-  for (std::size_t i = 0; i < signal.size(); ++i) signal[i] = 0.1 * normal(random) + (i < 200 ? -5.0 : 5.0);
-  EXPECT_EQ(FindLoneSamples(signal), std::vector<std::size_t>{});  // a step is none, nor its foot
-  signal[60] += 1.5;
-  signal[300] -= 1.5;
-  signal[120] += 1.5, signal[121] += 1.5;  // two samples may be something
-  EXPECT_EQ(FindLoneSamples(signal), (std::vector<std::size_t>{60, 300}));
-  EXPECT_EQ(FindLoneSamples(signal, 0.8), std::vector<std::size_t>{});  // two steps of a coarse converter
-}
-
-TEST(LoneSamples, ShowInATorqueThatChangesFasterThanThey) {
-  std::mt19937 random(4);
-  std::normal_distribution<double> noise(0.0, 1.0);
-  std::vector<double> signal;
-  for (int i = 0; i < 400; ++i) {
-    const double swing = 80.0 * std::sin(0.3 * i);                      // 24 a sample
-    const double corner = i > 250 ? 20.0 * std::min(i - 250, 3) : 0.0;  // a ramp of three samples
-    const double step = i < 120 ? 0.0 : i == 120 ? 10.0 : 30.0;         // a friction that turns round
-    signal.push_back(swing + corner + step + noise(random));
-  }
-  EXPECT_EQ(FindLoneSamples(signal), std::vector<std::size_t>{});
-  signal[200] += 60.0;
-  signal[300] -= 60.0;
-  EXPECT_EQ(FindLoneSamples(signal), (std::vector<std::size_t>{200, 300}));
 }
 
 TEST(MotionStudy, JoinsRecordsEachWithItsOwnOffset) {

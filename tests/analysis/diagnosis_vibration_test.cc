@@ -132,7 +132,6 @@ TEST(VibrationStudy, NamesABearingByItsOrderWhileTheSpeedChanges) {
   EXPECT_NEAR(answer.value("ring_decay_ratio").value, 0.03, 0.012);
 }
 
-// Noise that remembers the sample before.
 // Each harmonic is lost in the noise: only their sum with phases and sidebands shows them.
 TEST(VibrationStudy, NamesWeakBearings) {
   for (const unsigned seed : {31U, 32U, 33U}) {
@@ -144,6 +143,21 @@ TEST(VibrationStudy, NamesWeakBearings) {
   }
 }
 
+// The resonance lies at a harmonic or next to it, so that most is in one line: the change of the impulses,
+// two numbers more, is what says that it is no line alone.
+TEST(VibrationStudy, NamesWeakBearingsByTheChangeOfTheirImpulses) {
+  const struct {
+    double speed_rpm;
+    double height;
+    unsigned seed;
+  } records[] = {{1540.0, 0.025, 45}, {1561.9, 0.046, 42}, {1580.0, 0.025, 43}};
+  for (const auto& [speed_rpm, height, seed] : records) {
+    const Diagnosed answer = Ask({Record(Turning(speed_rpm, 1.2, 0.0), seed, Bearing(height))});
+    EXPECT_EQ(answer.names(), Names{"bearing_defect"}) << seed;
+  }
+}
+
+// Noise that remembers the sample before.
 Signal ColouredNoise(const Turning& run, unsigned seed, double deviation, double memory) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, deviation * std::sqrt(1.0 - memory * memory));
@@ -213,6 +227,8 @@ TEST(VibrationStudy, NamesAResonanceThatKnocksRing) {
   EXPECT_NEAR(answer.value("damping_ratio").value, 0.015, 0.005);
   EXPECT_NEAR(answer.value("knock_1_s").value, 0.2111, 0.001);
   EXPECT_NEAR(answer.value("knock_2_s").value, 0.7037, 0.001);
+  // One of them may be in any half period of 1.2 s.
+  EXPECT_NEAR(answer.diagnosis.extended.log_places, std::log(2.0 * 140.0 * 1.2), 0.01);
 }
 
 // Bells of 4 % of their distance at 2 · 81/80 an input turn, stronger on one side of the output.
@@ -242,7 +258,7 @@ TEST(VibrationStudy, NamesWeakFlexsplineCracks) {
     return signal;
   };
   int named = 0;
-  for (const unsigned seed : {41U, 42U, 43U, 44U, 45U}) {
+  for (const unsigned seed : {41U, 42U, 43U, 44U, 45U, 46U, 47U, 48U}) {
     const Diagnosed answer = Ask({Record(Turning(2400.0, 3.0, 0.0), seed, weak, {1.0, 0.7})});
     if (answer.names() == Names{"flexspline_crack"}) ++named;
   }
@@ -293,6 +309,17 @@ TEST(VibrationStudy, TakesAWrongSpeedFromTheLinesOfAFewTurns) {
     EXPECT_EQ(answer.study->warnings().front().substr(0, 30), "the shaft's lines stand at 110") << seed;
     EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoEffect) << seed;
   }
+}
+
+// Twenty spikes of thirty standard deviations a second: with them the channel would seem to be twice as loud.
+TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverSpikesThereAre) {
+  VibrationData record = Record(Turning(1500.0, 1.0, 0.0), 31, Silence, {1.0, 1.0});
+  for (std::size_t i = 100; i < record.time_s.size(); i += 256) record.channels[0].values[i] += 3.0;
+  const VibrationSamples samples = PrepareVibration({&record, 1});
+  const auto& channels = samples.runs.front().channels;
+  constexpr double kErrorOfScale = 0.1;  // of a background of some thousand bins
+  EXPECT_NEAR(channels[0].scale / channels[1].scale, 1.0, kErrorOfScale);
+  EXPECT_NEAR(samples.noise_floor, kNoise_m_per_s2, kErrorOfScale * kNoise_m_per_s2);
 }
 
 // What a search compares has to be what the whole fit comes to.

@@ -17,7 +17,7 @@ using Best = std::optional<TermFit>;
 
 constexpr std::size_t kMostStarts = 24;
 constexpr std::size_t kMostFitted = 8;
-constexpr std::size_t kMostRefined = 2;
+constexpr std::size_t kMostRefined = 3;
 constexpr double kFirstDamping = 0.03;
 constexpr double kLeastDamping = 0.008;
 constexpr double kMostDamping = 0.6;
@@ -27,6 +27,8 @@ constexpr int kClimbs = 4;
 constexpr double kBeyondLine = 28.0;
 constexpr double kBeyondLineShare = 0.05;
 constexpr double kPartOfFirst = 0.5;  // of that, for a first look
+// Depth of a change: an impulse does not pull. With what noise adds to it.
+constexpr double kDeepest = 1.3;
 
 double TurnHz(const VibrationRemainder& remainder) {
   return remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
@@ -88,6 +90,26 @@ Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
   return best;
 }
 
+// −ln p of what a train explains, by its numbers. BIC charges all of them by the length of the record, and
+// would rather have a train without its change, or another one, than what is least likely to be chance.
+double UnlikelinessOf(const VibrationRemainder& remainder, const TermFit& fit) {
+  const VibrationSolution& base = remainder.base();
+  const double explained = (base.square_sum - fit.square_sum) / fit.variance();
+  return ExcessOf(0.5 * explained, 0.5 * (fit.free_parameters - base.free_parameters));
+}
+
+bool IsTooDeep(const VibrationTerm& ring) {
+  for (std::size_t m = 0; m < ring.lines.size(); ++m) {
+    if (std::hypot(ring.shapes[3 + 2 * m], ring.shapes[4 + 2 * m]) > kDeepest) return true;
+  }
+  return false;
+}
+
+void KeepUnlikelier(const VibrationRemainder& remainder, TermFit fit, Best& best) {
+  if (IsTooDeep(fit.term)) return;
+  if (!best || UnlikelinessOf(remainder, fit) > UnlikelinessOf(remainder, *best)) best = std::move(fit);
+}
+
 TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Look& look) {
   const VibrationSamples& samples = remainder.samples();
   VibrationTerm term;
@@ -146,11 +168,11 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
     Keep(remainder.With(std::move(moved), 6), own);
   }
   VibrationTerm simple = own->term;
-  Keep(std::move(*own), best);
+  KeepUnlikelier(remainder, std::move(*own), best);
   if (!simple.lines.empty()) {
     simple.lines.clear();
     simple.shapes.erase(simple.shapes.begin() + 3, simple.shapes.begin() + 5);
-    Keep(remainder.With(std::move(simple), 6), best);
+    KeepUnlikelier(remainder, remainder.With(std::move(simple), 6), best);
     return;
   }
   for (const double modulation : modulations) {
@@ -160,7 +182,7 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
     // A channel that the even impulses did not pay for may pay now.
     term.heard.assign(term.heard.size(), 1);
     term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
-    Keep(remainder.With(std::move(term), 8), best);
+    KeepUnlikelier(remainder, remainder.With(std::move(term), 8), best);
   }
 }
 
@@ -179,15 +201,19 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
   looks.resize(std::min(looks.size(), kMostFitted));
   std::vector<TermFit> fits;
   for (const Look& look : looks) fits.push_back(remainder.Refine(FitLook(remainder, index, look), 3));
-  std::sort(fits.begin(), fits.end(), [](const auto& a, const auto& b) { return a.bic() < b.bic(); });
+  std::ranges::sort(fits, std::greater<>(),
+                    [&](const TermFit& fit) { return UnlikelinessOf(remainder, fit); });
   Best best;
   std::size_t refined = 0;
   for (TermFit& fit : fits) {
     if (refined == kMostRefined) break;
     // A line is every train that has it among its harmonics: these are not to hide another train.
     if (IsOneLine(remainder, fit, kPartOfFirst)) continue;
-    Improve(remainder, std::move(fit), modulations, best);
+    Best improved;
+    Improve(remainder, std::move(fit), modulations, improved);
     ++refined;
+    if (improved && !IsOneLine(remainder, *improved, 1.0))
+      KeepUnlikelier(remainder, std::move(*improved), best);
   }
   if (!best) return best;
   // Every second impulse, or each twice: the same harmonics, or half of them.

@@ -50,6 +50,7 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
 
   MatchedOrders matched;
   matched.step = kTwoPi / (static_cast<double>(size) * angle_step);
+  matched.per_order = 1.0 / matched.step;
   const auto below = static_cast<std::size_t>((centre - first) / matched.step);
   const auto above = static_cast<std::size_t>((last - centre) / matched.step);
   matched.first = centre - matched.step * static_cast<double>(below);
@@ -78,11 +79,11 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
     const double loudness = Loudness(lines, matched);
     const double louder = std::sqrt(loudness);
     matched.loudness += loudness / static_cast<double>(run_.channels.size());
+    std::vector<std::complex<float>>& own = matched.of_channel.emplace_back(lines.size());
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      lines[k] /= louder;
-      matched.power[k] += static_cast<float>(std::norm(lines[k]));
+      own[k] = lines[k] / louder;
+      matched.power[k] += std::norm(own[k]);
     }
-    matched.of_channel.push_back(std::move(lines));
   }
   return matched;
 }

@@ -14,16 +14,19 @@ namespace strainwave::analysis::diagnosis {
 struct MatchedOrders {
   double first{};
   double step{};
-  std::vector<std::vector<std::complex<double>>> of_channel;
+  double per_order{};  // places
+  std::vector<std::vector<std::complex<float>>> of_channel;
   std::vector<float> power;  // of all channels
   double loudness{};         // of the channels on average, beside white noise
   std::vector<float> noise;  // power that a channel has without impulses; its integral over the orders is one
 
   double last() const { return first + step * static_cast<double>(power.size() - 1); }
-  std::size_t PlaceOf(double order) const { return static_cast<std::size_t>((order - first) / step + 0.5); }
+  std::size_t PlaceOf(double order) const {
+    return static_cast<std::size_t>((order - first) * per_order + 0.5);
+  }
   std::complex<double> At(std::size_t channel, double order) const {
     const std::size_t place = PlaceOf(order);
-    return place < power.size() ? of_channel[channel][place] : std::complex<double>{};
+    return place < power.size() ? std::complex<double>(of_channel[channel][place]) : std::complex<double>{};
   }
 };
 

@@ -75,7 +75,7 @@ void AddBearing(Table& table) {
                       table.amplitude},
        .degrees_of_freedom = 5,
        // Orders, at each some tens of resonances that may ring, with each change of the impulses.
-       .trials = 40.0 * table.cells,
+       .trials = 160.0 * table.cells,
        .to_settle = "# the motor alone, uncoupled: a defect that is still heard is in the motor's bearings\n"
                     "- {kind: measurement_rotation, turns: 1, direction: cw, output_torque: 40 Nm, "
                     "input_speed: 1500 rpm, vibration_rate: 25.6 kHz}\n"});
@@ -98,7 +98,7 @@ void AddCrack(Table& table) {
                        false},
                       table.amplitude},
        .degrees_of_freedom = 2,
-       .trials = 12.0,
+       .trials = 40.0,
        .to_settle = "# a whole turn of the output or more: the impulses come back once per output turn\n"
                     "- {kind: measurement_rotation, turns: 4, direction: cw, output_torque: 40 Nm, "
                     "input_speed: 2400 rpm, vibration_rate: 25.6 kHz}\n"});

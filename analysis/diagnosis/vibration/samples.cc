@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/diagnosis/lone_samples.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/diagnosis/vibration/speed.h"
 #include "analysis/noise_level.h"
@@ -146,6 +147,13 @@ void TakeChannels(VibrationSamples& samples, VibrationRun& run, const VibrationD
   }
 }
 
+// Spikes are left out of every fit: with them in its scale a channel would count for more or less than the
+// others, and what is found in the one that counts for more would look clearer than it is.
+std::vector<double> WithoutLoneSamples(std::vector<double> values) {
+  InterpolateOver(values, FindLoneSamples(values, EstimateNoise(values).step));
+  return values;
+}
+
 }  // namespace
 
 std::size_t VibrationSamples::channels() const {
@@ -229,7 +237,7 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
         std::sqrt(Eigen::Map<const Eigen::VectorXd>(channel.data(), static_cast<Eigen::Index>(channel.size()))
                       .squaredNorm() /
                   static_cast<double>(channel.size()));
-    noise.push_back(std::max(BroadbandDeviation(channel), 1e-9 * rms));
+    noise.push_back(std::max(BroadbandDeviation(WithoutLoneSamples(channel)), 1e-9 * rms));
     mean_square += noise.back() * noise.back() / static_cast<double>(values.size());
   }
   samples.noise_floor = std::sqrt(mean_square);

@@ -191,9 +191,19 @@ class VibrationStudy final : public Study {
                                                      static_cast<Eigen::Index>(samples_.measured.size()));
     fit.predicted = measured - solver.Residual(solution);
     fit.free_parameters = solution.free_parameters;
+    for (const VibrationTerm& term : solution.terms) fit.log_places += LogPlacesOf(term);
     fit.state = PackTerms(solution.terms);
     fit.usable = fit.predicted.allFinite();
     return fit;
+  }
+
+  // Each knock beside the first may be at any time, to half a period of what rings; which one is the first
+  // does not matter.
+  double LogPlacesOf(const VibrationTerm& term) const {
+    if (term.form != VibrationForm::kKicks) return 0.0;
+    const double further = 0.5 * static_cast<double>(term.shapes.size() - 3);
+    const double times = 2.0 * term.shapes[0] * samples_.runs.front().span_s();
+    return std::max(0.0, further * std::log(std::max(1.0, times)) - std::lgamma(further + 1.0));
   }
 
   VibrationSamples samples_;

@@ -2,13 +2,17 @@
 #include "analysis/diagnosis/vibration/trains.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <complex>
-#include <map>
+#include <cstdint>
 #include <utility>
 
 #include "analysis/diagnosis/vibration/matched_orders.h"
+#include "analysis/diagnosis/vibration/place_sums.h"
 #include "analysis/units.h"
+#include "analysis/vector_clones.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -23,9 +27,49 @@ constexpr double kLeastOverlap = 0.1;  // of a train's harmonics with the resona
 // Far below what the number of places searched makes of noise: what is weaker is never among the strongest.
 constexpr double kLeastPower = 9.0;
 constexpr double kLeastExcess = 9.0;
-constexpr std::size_t kPlacesPerHarmonic = 2;
+constexpr std::size_t kPlacesPerHarmonic = 2;  // or more: a power of two in all
 constexpr std::size_t kLooksPerRing = 24;
 constexpr std::size_t kTrainsPerRing = 3;
+
+// Of complex numbers: adds their norms, and their squares.
+STRAINWAVE_VECTOR_CLONES
+void AddSquares(std::span<const float> real, std::span<const float> imaginary, std::span<float> norms,
+                std::span<float> squares_real, std::span<float> squares_imaginary) {
+  for (std::size_t n = 0; n < norms.size(); ++n) {
+    const float real_square = real[n] * real[n];
+    const float imaginary_square = imaginary[n] * imaginary[n];
+    norms[n] += real_square + imaginary_square;
+    squares_real[n] += real_square - imaginary_square;
+    squares_imaginary[n] += 2.0F * real[n] * imaginary[n];
+  }
+}
+
+// Twice what lies along the best phase, out of norms and squares of several numbers.
+STRAINWAVE_VECTOR_CLONES
+void AddOfOnePhase(std::span<float> norms, std::span<const float> squares_real,
+                   std::span<const float> squares_imaginary) {
+  for (std::size_t n = 0; n < norms.size(); ++n) {
+    norms[n] += std::sqrt(squares_real[n] * squares_real[n] + squares_imaginary[n] * squares_imaginary[n]);
+  }
+}
+
+// By place, then by list: the place of each list at which it is largest.
+STRAINWAVE_VECTOR_CLONES
+std::array<std::int32_t, PlaceSums::kLists> LargestOfEach(std::span<const float> values) {
+  std::array<float, PlaceSums::kLists> largest{};
+  std::array<std::int32_t, PlaceSums::kLists> at{};
+  std::copy_n(values.begin(), PlaceSums::kLists, largest.begin());
+  const float* row = values.data();
+  for (std::int32_t p = 0; p < static_cast<std::int32_t>(values.size() / PlaceSums::kLists); ++p) {
+    for (std::size_t i = 0; i < PlaceSums::kLists; ++i) {
+      const bool larger = row[i] > largest[i];
+      largest[i] = larger ? row[i] : largest[i];
+      at[i] = larger ? p : at[i];
+    }
+    row += PlaceSums::kLists;
+  }
+  return at;
+}
 
 // Trains in one resonance.
 class TrainSearch {
@@ -42,27 +86,39 @@ class TrainSearch {
   std::vector<TrainStart> Find(double lowest, double highest,
                                const std::function<bool(double order)>& allowed) {
     std::vector<std::pair<double, double>> looks;  // statistic, order; the weakest first once it is full
-    const double step = 0.5 / (run_.turns * (matched_.last() - reach_));
     double least = kLeastPower;
+    std::vector<Comb> together;
+    const auto take = [&] {
+      const std::vector<Place> best = BestPlaces(together);
+      for (std::size_t i = 0; i < together.size(); ++i) {
+        if (best[i].power < least) continue;
+        looks.emplace_back(best[i].power, together[i].order);
+        std::push_heap(looks.begin(), looks.end(), std::greater<>());
+        if (looks.size() <= kLooksPerRing) continue;
+        std::pop_heap(looks.begin(), looks.end(), std::greater<>());
+        looks.pop_back();
+        least = looks.front().first;
+      }
+      together.clear();
+    };
+    const double step = 0.5 / (run_.turns * (matched_.last() - reach_));
     for (double order = lowest; order < highest; order *= 1.0 + step) {
-      SetOrder(order);
-      if (last_ < first_ || !allowed(order)) continue;
-      const Look plain = LookAt(0.0);
+      Comb comb = CombOf(order);
+      if (comb.last < comb.first || !allowed(order)) continue;
+      const Look plain = LookAt(comb, 0.0);
       // No sum with phases exceeds that of the amplitudes.
-      if (plain.noise < kLeastOverlap || plain.power * (last_ - first_ + 1) < least * plain.noise) continue;
-      const double power = BestPlace(plain.noise).power;
-      if (power < least) continue;
-      looks.emplace_back(power, order);
-      std::push_heap(looks.begin(), looks.end(), std::greater<>());
-      if (looks.size() <= kLooksPerRing) continue;
-      std::pop_heap(looks.begin(), looks.end(), std::greater<>());
-      looks.pop_back();
-      least = looks.front().first;
+      if (plain.noise < kLeastOverlap ||
+          plain.power * static_cast<double>(comb.harmonics()) < least * plain.noise)
+        continue;
+      comb.noise = plain.noise;
+      if (!together.empty() && together.front().places() != comb.places()) take();
+      together.push_back(comb);
+      if (together.size() == PlaceSums::kLists) take();
     }
+    take();
     std::vector<TrainStart> found;
     for (const auto& [power, order] : looks) {
-      SetOrder(order);
-      const TrainStart start = WithSidebands();
+      const TrainStart start = WithSidebands(CombOf(order));
       if (start.excess > kLeastExcess) found.push_back(start);
     }
     return found;
@@ -76,10 +132,22 @@ class TrainSearch {
     Complex phase{1.0};
   };
 
-  void SetOrder(double order) {
-    order_ = order;
-    first_ = static_cast<int>(std::ceil((matched_.first + reach_) / order));
-    last_ = static_cast<int>(std::floor((matched_.last() - reach_) / order));
+  // Harmonics of an order that the ring lets through.
+  struct Comb {
+    double order{};
+    int first{};
+    int last{};
+    double noise{};  // a channel
+
+    std::size_t harmonics() const { return static_cast<std::size_t>(last - first + 1); }
+    std::size_t places() const {
+      return harmonics() > 1 ? std::bit_ceil(kPlacesPerHarmonic * harmonics()) : 1;
+    }
+  };
+
+  Comb CombOf(double order) const {
+    return {order, static_cast<int>(std::ceil((matched_.first + reach_) / order)),
+            static_cast<int>(std::floor((matched_.last() - reach_) / order)), 0.0};
   }
 
   // Power of the harmonics moved by `side`, beside what noise has there.
@@ -87,93 +155,59 @@ class TrainSearch {
     double power{};
     double noise{};  // a channel
   };
-  Look LookAt(double side) const {
+  Look LookAt(const Comb& comb, double side) const {
     Look look;
-    for (int k = first_; k <= last_; ++k) {
-      const std::size_t place = matched_.PlaceOf(k * order_ + side);
+    for (int k = comb.first; k <= comb.last; ++k) {
+      const std::size_t place = matched_.PlaceOf(k * comb.order + side);
       if (place >= matched_.power.size()) continue;
       look.power += static_cast<double>(matched_.power[place]);
       look.noise += static_cast<double>(matched_.noise[place]);
     }
-    look.power *= order_;
-    look.noise *= order_;
+    look.power *= comb.order;
+    look.noise *= comb.order;
     return look;
   }
 
   // The ring starts in step in all channels, or against it: of their amplitudes the parts of one phase count.
-  Place BestPlace(double noise) {
-    const auto harmonics = static_cast<std::size_t>(last_ - first_ + 1);
-    const std::size_t places = harmonics > 1 ? kPlacesPerHarmonic * harmonics : 1;
-    const Turns& turns = TurnsOf(places);
-    sum_.assign(places, 0.0F);
-    square_real_.assign(places, 0.0F);
-    square_imaginary_.assign(places, 0.0F);
-    for (const std::vector<Complex>& channel : matched_.of_channel) {
-      real_.assign(places, 0.0F);
-      imaginary_.assign(places, 0.0F);
-      for (int k = last_; k >= first_; --k) {
-        const std::size_t place = matched_.PlaceOf(k * order_);
-        const Complex line = place < channel.size() ? channel[place] : Complex{};
-        AddLine(turns, static_cast<float>(line.real()), static_cast<float>(line.imag()));
+  // @param combs  with as many places each
+  std::vector<Place> BestPlaces(std::span<const Comb> combs) {
+    std::vector<Place> best(combs.size());
+    if (combs.empty()) return best;
+    const std::size_t places = combs.front().places();
+    const std::size_t count = places * PlaceSums::kLists;
+    sum_.assign(count, 0.0F);
+    square_real_.assign(count, 0.0F);
+    square_imaginary_.assign(count, 0.0F);
+    for (const std::vector<std::complex<float>>& channel : matched_.of_channel) {
+      sums_.Clear(places);
+      for (std::size_t i = 0; i < combs.size(); ++i) {
+        for (int k = combs[i].first; k <= combs[i].last; ++k) {
+          const std::size_t place = matched_.PlaceOf(k * combs[i].order);
+          if (place < channel.size())
+            sums_.Set(i, static_cast<std::size_t>(k - combs[i].first), channel[place]);
+        }
       }
-      for (std::size_t p = 0; p < places; ++p) {
-        const float re = real_[p];
-        const float im = imaginary_[p];
-        sum_[p] += re * re + im * im;
-        square_real_[p] += re * re - im * im;
-        square_imaginary_[p] += 2.0F * re * im;
-      }
+      sums_.Sum();
+      AddSquares(sums_.real(), sums_.imaginary(), sum_, square_real_, square_imaginary_);
     }
-    std::size_t best = 0;
-    float most = -1.0F;
-    for (std::size_t p = 0; p < places; ++p) {
-      const float power = sum_[p] + std::sqrt(square_real_[p] * square_real_[p] +
-                                              square_imaginary_[p] * square_imaginary_[p]);
-      if (power <= most) continue;
-      most = power;
-      best = p;
+    AddOfOnePhase(sum_, square_real_, square_imaginary_);
+    const std::array<std::int32_t, PlaceSums::kLists> loudest = LargestOfEach(sum_);
+    for (std::size_t i = 0; i < combs.size(); ++i) {
+      const std::size_t most = static_cast<std::size_t>(loudest[i]) * PlaceSums::kLists + i;
+      best[i] = {0.5 * static_cast<double>(sum_[most]) * combs[i].order / combs[i].noise,
+                 static_cast<double>(most / PlaceSums::kLists) / static_cast<double>(places),
+                 std::polar(1.0, 0.5 * std::atan2(static_cast<double>(square_imaginary_[most]),
+                                                  static_cast<double>(square_real_[most])))};
     }
-    return {0.5 * static_cast<double>(most) * order_ / noise,
-            static_cast<double>(best) / static_cast<double>(places),
-            std::polar(1.0, 0.5 * std::atan2(static_cast<double>(square_imaginary_[best]),
-                                             static_cast<double>(square_real_[best])))};
+    return best;
   }
 
-  // Directions of places, as real and imaginary parts.
-  struct Turns {
-    std::vector<float> real;
-    std::vector<float> imaginary;
-  };
-  const Turns& TurnsOf(std::size_t places) {
-    Turns& turns = turns_[places];
-    for (std::size_t p = turns.real.size(); p < places; ++p) {
-      const double angle = kTwoPi * static_cast<double>(p) / static_cast<double>(places);
-      turns.real.push_back(static_cast<float>(std::cos(angle)));
-      turns.imaginary.push_back(static_cast<float>(std::sin(angle)));
-    }
-    return turns;
-  }
-
-  // A step of Horner's rule, for all places at once.
-  void AddLine(const Turns& turns, float line_real, float line_imaginary) {
-    const std::size_t places = real_.size();
-    float* const real = real_.data();
-    float* const imaginary = imaginary_.data();
-    const float* const turn_real = turns.real.data();
-    const float* const turn_imaginary = turns.imaginary.data();
-    for (std::size_t p = 0; p < places; ++p) {
-      const float next = real[p] * turn_real[p] - imaginary[p] * turn_imaginary[p] + line_real;
-      imaginary[p] = real[p] * turn_imaginary[p] + imaginary[p] * turn_real[p] + line_imaginary;
-      real[p] = next;
-    }
-  }
-
-  std::vector<Complex> AmplitudesAt(double side, double share) {
+  std::vector<Complex> AmplitudesAt(const Comb& comb, double side, double share) const {
     const Complex turn = std::polar(1.0, kTwoPi * share);
     std::vector<Complex> amplitudes;
     for (std::size_t c = 0; c < matched_.of_channel.size(); ++c) {
       Complex sum{};
-      for (int k = last_; k >= first_; --k) sum = sum * turn + matched_.At(c, k * order_ + side);
+      for (int k = comb.last; k >= comb.first; --k) sum = sum * turn + matched_.At(c, k * comb.order + side);
       amplitudes.push_back(sum);
     }
     return amplitudes;
@@ -181,17 +215,18 @@ class TrainSearch {
 
   // Impulses that change have sidebands in the proportion of the channels' amplitudes, the upper one the
   // lower one's mirror image.
-  TrainStart WithSidebands() {
-    const double noise = LookAt(0.0).noise;
-    const Place place = BestPlace(noise);
+  TrainStart WithSidebands(Comb comb) {
+    const double noise = LookAt(comb, 0.0).noise;
+    comb.noise = noise;
+    const Place place = BestPlaces({&comb, 1}).front();
     const double cells = 0.5 * (channels_ + 1.0);
-    TrainStart start{order_, ring_Hz_, ExcessOf(place.power, cells), 0.0, matched_.loudness};
-    const std::vector<Complex> plain = AmplitudesAt(0.0, place.share);
+    TrainStart start{comb.order, ring_Hz_, ExcessOf(place.power, cells), 0.0, matched_.loudness};
+    const std::vector<Complex> plain = AmplitudesAt(comb, 0.0, place.share);
     for (const double side : sidebands_) {
       // Impulses that come more seldom do not show the change; its lines are their own harmonics again.
-      if (side == 0.0 || side > kLargestSideband * order_) continue;
-      const std::vector<Complex> above = AmplitudesAt(side, place.share);
-      const std::vector<Complex> below = AmplitudesAt(-side, place.share);
+      if (side == 0.0 || side > kLargestSideband * comb.order) continue;
+      const std::vector<Complex> above = AmplitudesAt(comb, side, place.share);
+      const std::vector<Complex> below = AmplitudesAt(comb, -side, place.share);
       Complex upper{};
       Complex lower{};
       double square = 0.0;
@@ -202,9 +237,12 @@ class TrainSearch {
         square += own * own;
       }
       if (!(square > 0.0)) continue;
-      const double more = 0.5 * std::norm(upper + std::conj(lower)) / square * order_ / noise;
+      // About a ring that is far from the harmonics the sidebands are the louder ones, by noise alone.
+      const double beside = LookAt(comb, side).noise + LookAt(comb, -side).noise;
+      if (beside < kLeastOverlap) continue;
+      const double more = std::norm(upper + std::conj(lower)) / square * comb.order / beside;
       const double excess = ExcessOf(place.power + more, cells + 1.0);
-      if (excess > start.excess) start = {order_, ring_Hz_, excess, side, matched_.loudness};
+      if (excess > start.excess) start = {comb.order, ring_Hz_, excess, side, matched_.loudness};
     }
     return start;
   }
@@ -215,13 +253,8 @@ class TrainSearch {
   std::span<const double> sidebands_;
   double reach_{};
   double channels_{};
-  double order_{};
-  int first_{};
-  int last_{};
-  std::map<std::size_t, Turns> turns_;
-  // By place.
-  std::vector<float> real_;
-  std::vector<float> imaginary_;
+  PlaceSums sums_;
+  // By place, then by comb.
   std::vector<float> sum_;
   std::vector<float> square_real_;
   std::vector<float> square_imaginary_;
