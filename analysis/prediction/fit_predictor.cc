@@ -137,19 +137,17 @@ double Contestant::Error_percent() const noexcept {
   return scores.empty() ? 100.0 - Accuracy_percent(confusion) : MeanMape_percent(scores);
 }
 
-Contestant Judge(std::string name, bool classes, const Eigen::MatrixXd& actual,
-                 const Eigen::MatrixXd& predicted) {
-  if (classes) return {std::move(name), {}, Confusion(actual, predicted)};
-  return {std::move(name), ScoresOf(actual, predicted), {}};
+Contestant Judge(std::string name, const Samples& samples, const Eigen::MatrixXd& predicted) {
+  if (samples.classes) return {std::move(name), {}, Confusion(samples.targets, predicted)};
+  return {std::move(name), ScoresOf(Values(samples, samples.targets), Values(samples, predicted)), {}};
 }
 
 std::vector<double> FoldErrors_percent(const Samples& samples, const std::vector<Split>& folds,
                                        const CrossFit& cross) {
   std::vector<double> errors_percent;
   for (const Split& fold : folds) {
-    errors_percent.push_back(Judge("network", samples.classes, samples.targets(fold.test, Eigen::all),
-                                   cross.predicted(fold.test, Eigen::all))
-                                 .Error_percent());
+    errors_percent.push_back(
+        Judge("network", Rows(samples, fold.test), cross.predicted(fold.test, Eigen::all)).Error_percent());
   }
   return errors_percent;
 }
@@ -169,7 +167,7 @@ Comparison Compare(const Samples& samples, const Split& split, const EnsembleSet
   constexpr int kTrees = 100;
   std::vector<Contestant> contestants;
   const auto judge = [&](const char* name, const Eigen::MatrixXd& predicted) {
-    contestants.push_back(Judge(name, samples.classes, test.targets, predicted));
+    contestants.push_back(Judge(name, test, predicted));
   };
   judge("network", ensemble.Predict(test.features).mean);
   judge("ridge", FitRidge(inputs, train.targets, train.specimen).Predict(unseen));

@@ -73,8 +73,8 @@ struct Contestant {
   /// The mean percentage error of all outputs; of classes, the share of records given a wrong one.
   double Error_percent() const noexcept;
 };
-Contestant Judge(std::string name, bool classes, const Eigen::MatrixXd& actual,
-                 const Eigen::MatrixXd& predicted);
+/// @param predicted  of the samples, as their targets are.
+Contestant Judge(std::string name, const Samples& samples, const Eigen::MatrixXd& predicted);
 
 /// The error of each fold (`Contestant::Error_percent`) by networks that had not seen it.
 std::vector<double> FoldErrors_percent(const Samples& samples, const std::vector<Split>& folds,

@@ -29,6 +29,7 @@ namespace {
 
 struct MonitorCommand {
   std::string predictor;
+  std::string baseline;
   std::vector<std::string> replay;
   int rounds{1};
   double every_s{};
@@ -153,6 +154,7 @@ int Run(const MonitorCommand& command) {
   const MonitorSettings settings =
       command.settings.empty() ? MonitorSettings{} : ReadMonitorSettings(command.settings);
   ExportedPredictor predictor(command.predictor);
+  predictor.UseBaseline(command.baseline);
   WindowJudge judge(predictor, settings.limits);
   const std::unique_ptr<VibrationSource> source = MakeSource(command, settings, predictor);
   WindowRule rule = settings.windows;
@@ -221,6 +223,9 @@ void AddMonitor(CLI::App& app, Action& action) {
       "Example: strainwave monitor exported --replay campaigns/first --settings bench/monitor/monitor.yaml");
   auto options = std::make_shared<MonitorCommand>();
   command->add_option("PREDICTOR", options->predictor, "folder that export has written")->required();
+  command->add_option(
+      "--baseline", options->baseline,
+      "what the reducer was like at first, as `baseline` writes it, for a predictor of changes");
   command->add_option("--replay", options->replay, "records as a stream: CSV, HDF5, campaign folders");
   command->add_option("--rounds", options->rounds, "of a replay: times through all records")
       ->check(CLI::Range(1, 1'000'000))

@@ -150,9 +150,10 @@ void PrintTrainingReport(const TrainingData& data, const TrainingOutcome& outcom
                split.test);
     classes ? PrintAccuracies(split) : PrintValues(split, data.samples.outputs);
   }
-  PrintFolds(data, outcome.folds);
+  if (outcome.predictor) PrintFolds(data, outcome.folds);
   PrintCurve(outcome.curve, outcome.splits.front().name);
-  if (!classes) PrintIntervals(data.samples.outputs, outcome.predictor->fitted, outcome.folds);
+  if (!classes && outcome.predictor)
+    PrintIntervals(data.samples.outputs, outcome.predictor->fitted, outcome.folds);
   fmt::print("\nwhat the inputs are worth (rise of the {} when they are shuffled):\n",
              classes ? "share of wrong classes" : "mean MAPE");
   for (const prediction::Importance& importance : outcome.importances) {

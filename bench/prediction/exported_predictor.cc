@@ -15,6 +15,7 @@
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/sha256.h"
+#include "bench/prediction/baseline_file.h"
 
 namespace strainwave::bench {
 namespace {
@@ -88,7 +89,8 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
         got.half_width.size() != expected.half_width.size()) {
       throw std::invalid_argument("golden vectors have another number of outputs than the network");
     }
-    Eigen::ArrayXd size = expected.prediction.transpose().array().abs();
+    Eigen::ArrayXd size =
+        expected.prediction.transpose().array().abs().max(expected.half_width.transpose().array());
     if (predicts == OnnxNetwork::Predicts::kClasses) size.setOnes();
     const auto off = [&](const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
       return ((a - b).transpose().array().abs() / size).maxCoeff();
@@ -104,7 +106,7 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
 }
 
 ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / "recipe.json";
+  const std::filesystem::path file = folder / kExportedRecipe;
   const std::string text = ReadFile(file);
   try {
     const Json json = Json::parse(text);
@@ -152,7 +154,7 @@ SignalInputs InputsOf(const std::filesystem::path& folder, const FeatureRecipe& 
   try {
     return SignalInputs(recipe);
   } catch (const std::invalid_argument& error) {
-    Refuse(folder / "recipe.json", fmt::format("cannot be used: {}", error.what()), kAsWritten);
+    Refuse(folder / kExportedRecipe, fmt::format("cannot be used: {}", error.what()), kAsWritten);
   }
 }
 
@@ -182,11 +184,20 @@ ExportedPredictor::ExportedPredictor(const std::filesystem::path& folder)
   parts_.onnx.clear();
 }
 
+void ExportedPredictor::UseBaseline(const std::filesystem::path& file) {
+  baseline_ = BaselineFor(parts_.recipe, parts_.outputs, file);
+}
+
 std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
     std::span<const NamedSignal> signals, double sample_rate_hz, std::optional<double> samples_per_turn) {
   if (auto fault = inputs_.Compute(signals, sample_rate_hz, samples_per_turn, features_))
     return *std::move(fault);
-  const OnnxNetwork::Output output = network_.Run(features_);
+  if ((parts_.recipe.baseline_records > 0) != baseline_.has_value()) {
+    throw std::logic_error("a predictor of changes was run without a baseline");
+  }
+  if (baseline_) features_ -= baseline_->features;
+  OnnxNetwork::Output output = network_.Run(features_);
+  if (baseline_) output.prediction += baseline_->values;
   PredictedOutputs predicted{.value = {output.prediction.begin(), output.prediction.end()},
                              .half_width = {output.half_width.begin(), output.half_width.end()},
                              .distance = output.distance};
@@ -198,7 +209,9 @@ std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
   const std::vector<std::string>& channels = parts_.recipe.channels;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     for (std::size_t j = i + 1; j < channels.size(); ++j) {
-      if (!(network_.Run(inputs_.WithExchanged(i, j)).distance <= 1.0)) continue;
+      features_ = inputs_.WithExchanged(i, j);
+      if (baseline_) features_ -= baseline_->features;
+      if (!(network_.Run(features_).distance <= 1.0)) continue;
       return SignalFault{SignalFaultKind::kSwapped,
                          fmt::format("{} and {} seem to be exchanged (expected the sensors as in training)",
                                      channels[i], channels[j])};

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -67,13 +68,22 @@ const char* NameAt(const std::vector<std::string>& names, size_t at) {
 
 // NOLINTBEGIN(readability-identifier-naming)
 strainwave_predictor* strainwave_predictor_open(const char* folder, char* error, size_t error_size) {
+  return strainwave_predictor_open_for(folder, "", error, error_size);
+}
+
+strainwave_predictor* strainwave_predictor_open_for(const char* folder, const char* baseline_file,
+                                                    char* error, size_t error_size) {
   Say("", error, error_size);
-  if (folder == nullptr) {
-    Say("folder is NULL (expected a folder that `strainwave export` wrote)", error, error_size);
+  if (folder == nullptr || baseline_file == nullptr) {
+    Say(folder == nullptr ? "folder is NULL (expected a folder that `strainwave export` wrote)"
+                          : "baseline_file is NULL (expected a file that `strainwave baseline` wrote)",
+        error, error_size);
     return nullptr;
   }
   try {
-    return new strainwave_predictor{strainwave::bench::ExportedPredictor(folder)};
+    auto predictor = std::make_unique<strainwave_predictor>(strainwave::bench::ExportedPredictor(folder));
+    predictor->exported.UseBaseline(baseline_file);
+    return predictor.release();
   } catch (const std::exception& failure) {
     Say(failure.what(), error, error_size);
   } catch (...) {

@@ -37,6 +37,11 @@ typedef struct {
  * written. */
 strainwave_predictor* strainwave_predictor_open(const char* folder, char* error, size_t error_size);
 
+/* The same for one reducer, with its baseline: a file that `strainwave baseline` wrote. A predictor of
+ * changes since a reducer's first records cannot do without, and `strainwave_predictor_open` refuses it. */
+strainwave_predictor* strainwave_predictor_open_for(const char* folder, const char* baseline_file,
+                                                    char* error, size_t error_size);
+
 /* NULL is passed over. */
 void strainwave_predictor_close(strainwave_predictor* predictor);
 
