@@ -159,6 +159,7 @@ int Run(const MonitorCommand& command) {
   const std::unique_ptr<VibrationSource> source = MakeSource(command, settings, predictor);
   WindowRule rule = settings.windows;
   rule.trigger_samples = predictor.recipe().least_samples;
+  rule.ratio = settings.ratio;
   // The simulated bench runs on without a mark.
   if (command.simulate && rule.trigger_channel.empty()) rule.by = WindowRule::By::kRevolution;
   WindowCutter cutter(rule);

@@ -49,7 +49,7 @@ MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
     for (std::size_t k = 0; k < window.channels.size(); ++k) {
       signals.push_back({window.channels[k], window.samples[k]});
     }
-    const auto predicted = predictor_.Predict(signals, window.sample_rate_hz);
+    const auto predicted = predictor_.Predict(signals, window.sample_rate_hz, window.samples_per_turn);
     if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
       result.fault = *fault;
     } else {

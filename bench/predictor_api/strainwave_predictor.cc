@@ -7,6 +7,7 @@
 #include <exception>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -33,8 +34,8 @@ void Say(std::string_view text, char* error, size_t error_size) noexcept {
 }
 
 strainwave_status Run(strainwave_predictor& predictor, const double* const* channels, size_t samples,
-                      double sample_rate_hz, strainwave_value* values, double& distance, char* error,
-                      size_t error_size) {
+                      double sample_rate_hz, std::optional<double> samples_per_turn, strainwave_value* values,
+                      double& distance, char* error, size_t error_size) {
   const std::vector<std::string>& names = predictor.exported.recipe().channels;
   std::vector<NamedSignal> signals;
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -44,7 +45,7 @@ strainwave_status Run(strainwave_predictor& predictor, const double* const* chan
     }
     signals.push_back({names[k], {channels[k], samples}});
   }
-  const auto predicted = predictor.exported.Predict(signals, sample_rate_hz);
+  const auto predicted = predictor.exported.Predict(signals, sample_rate_hz, samples_per_turn);
   if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
     Say(fault->text, error, error_size);
     return STRAINWAVE_BAD_SIGNAL;
@@ -58,6 +59,32 @@ strainwave_status Run(strainwave_predictor& predictor, const double* const* chan
   if (!outputs.outside_training()) return STRAINWAVE_OK;
   Say("the window lies outside what the predictor was trained on", error, error_size);
   return STRAINWAVE_OUTSIDE_TRAINING;
+}
+
+// Whatever goes wrong becomes a status.
+strainwave_status RunGuarded(strainwave_predictor* predictor, const double* const* channels, size_t samples,
+                             double sample_rate_hz, std::optional<double> samples_per_turn,
+                             strainwave_value* values, double* distance, char* error, size_t error_size) {
+  Say("", error, error_size);
+  if (distance != nullptr) *distance = std::numeric_limits<double>::quiet_NaN();
+  if (predictor == nullptr || channels == nullptr || values == nullptr || samples == 0) {
+    Say("predictor, channels or values is NULL, or there are no samples", error, error_size);
+    return STRAINWAVE_BAD_ARGUMENT;
+  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::fill_n(values, predictor->exported.outputs().size(), strainwave_value{kNone, kNone, kNone});
+  try {
+    double measured = kNone;
+    const strainwave_status status = Run(*predictor, channels, samples, sample_rate_hz, samples_per_turn,
+                                         values, measured, error, error_size);
+    if (distance != nullptr) *distance = measured;
+    return status;
+  } catch (const std::exception& failure) {
+    Say(failure.what(), error, error_size);
+  } catch (...) {
+    Say("the prediction failed", error, error_size);
+  }
+  return STRAINWAVE_FAILED;
 }
 
 const char* NameAt(const std::vector<std::string>& names, size_t at) {
@@ -125,25 +152,21 @@ double strainwave_predictor_coverage(const strainwave_predictor* predictor) {
 strainwave_status strainwave_predictor_run(strainwave_predictor* predictor, const double* const* channels,
                                            size_t samples, double sample_rate_hz, strainwave_value* values,
                                            double* distance, char* error, size_t error_size) {
-  Say("", error, error_size);
-  if (distance != nullptr) *distance = std::numeric_limits<double>::quiet_NaN();
-  if (predictor == nullptr || channels == nullptr || values == nullptr || samples == 0) {
-    Say("predictor, channels or values is NULL, or there are no samples", error, error_size);
+  return RunGuarded(predictor, channels, samples, sample_rate_hz, std::nullopt, values, distance, error,
+                    error_size);
+}
+
+strainwave_status strainwave_predictor_run_at(strainwave_predictor* predictor, const double* const* channels,
+                                              size_t samples, double sample_rate_hz, double input_speed_rpm,
+                                              strainwave_value* values, double* distance, char* error,
+                                              size_t error_size) {
+  if (!(std::abs(input_speed_rpm) > 0.0)) {
+    Say("input_speed_rpm is 0 or no number (expected the speed of a shaft that turns)", error, error_size);
     return STRAINWAVE_BAD_ARGUMENT;
   }
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::fill_n(values, predictor->exported.outputs().size(), strainwave_value{kNone, kNone, kNone});
-  try {
-    double measured = kNone;
-    const strainwave_status status =
-        Run(*predictor, channels, samples, sample_rate_hz, values, measured, error, error_size);
-    if (distance != nullptr) *distance = measured;
-    return status;
-  } catch (const std::exception& failure) {
-    Say(failure.what(), error, error_size);
-  } catch (...) {
-    Say("the prediction failed", error, error_size);
-  }
-  return STRAINWAVE_FAILED;
+  constexpr double kSecondsPerMinute = 60.0;
+  return RunGuarded(predictor, channels, samples, sample_rate_hz,
+                    sample_rate_hz * kSecondsPerMinute / std::abs(input_speed_rpm), values, distance, error,
+                    error_size);
 }
 // NOLINTEND(readability-identifier-naming)

@@ -67,6 +67,13 @@ strainwave_status strainwave_predictor_run(strainwave_predictor* predictor, cons
                                            size_t samples, double sample_rate_hz, strainwave_value* values,
                                            double* distance, char* error, size_t error_size);
 
+/* The same where the speed of the input shaft is known, in revolutions per minute, and steady to a hundredth
+ * over the window: predictors from energies by order of that shaft need it. */
+strainwave_status strainwave_predictor_run_at(strainwave_predictor* predictor, const double* const* channels,
+                                              size_t samples, double sample_rate_hz, double input_speed_rpm,
+                                              strainwave_value* values, double* distance, char* error,
+                                              size_t error_size);
+
 #ifdef __cplusplus
 }
 #endif
