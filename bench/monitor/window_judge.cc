@@ -26,6 +26,10 @@ std::vector<MonitoredOutput> OutputsOf(const PredictedOutputs& predicted) {
 
 WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits)
     : predictor_(predictor), limits_(predictor.outputs().size()), alarms_(predictor.outputs().size()) {
+  if (predictor.classes() && !limits.empty()) {
+    throw std::invalid_argument(fmt::format(
+        "a threshold is for '{}' (expected none: the predictor tells classes)", limits.front().first));
+  }
   for (const auto& [output, limit] : limits) {
     const auto found = std::ranges::find(predictor.outputs(), output);
     if (found == predictor.outputs().end()) {

@@ -115,12 +115,13 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
              fmt::format("format {}; export the predictor again", kExportFormat));
     }
     RequireUnchanged(folder, file, json);
-    if (json.at("predicts") != "values") {
-      Refuse(file, fmt::format("it predicts {}", json.at("predicts").get<std::string>()),
-             "a predictor of quantities; `strainwave predict` tells classes");
+    const bool classes = json.at("predicts") == NameOf(OnnxNetwork::Predicts::kClasses);
+    if (!classes && json.at("predicts") != NameOf(OnnxNetwork::Predicts::kValues)) {
+      Refuse(file, fmt::format("it predicts {}", json.at("predicts").dump()), "values or classes");
     }
     const std::filesystem::path model = folder / json.at("model").at("file").get<std::string>();
     Parts parts{.recipe = RecipeFrom(json.at("recipe"), file),
+                .predicts = classes ? OnnxNetwork::Predicts::kClasses : OnnxNetwork::Predicts::kValues,
                 .outputs = json.at("outputs").get<std::vector<std::string>>(),
                 .coverage = json.at("coverage").get<double>(),
                 .golden = {},
@@ -130,7 +131,8 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
     }
     RequireNames(file, "outputs", parts.outputs);
     RequireNames(file, "channels", parts.recipe.channels);
-    if (!(parts.recipe.sample_rate_hz > 0.0) || !(parts.coverage > 0.0 && parts.coverage < 1.0)) {
+    if (!(parts.recipe.sample_rate_hz > 0.0) ||
+        (!classes && !(parts.coverage > 0.0 && parts.coverage < 1.0))) {
       Refuse(file, "sample_rate_hz or coverage is out of range", kAsWritten);
     }
     for (const Json& golden : json.at("self_test")) {
@@ -159,9 +161,9 @@ SignalInputs InputsOf(const std::filesystem::path& folder, const FeatureRecipe& 
 }
 
 OnnxNetwork NetworkOf(const std::filesystem::path& folder, const std::string& onnx, std::size_t inputs,
-                      std::size_t outputs) {
+                      std::size_t outputs, OnnxNetwork::Predicts predicts) {
   try {
-    return {onnx, static_cast<Eigen::Index>(inputs), static_cast<Eigen::Index>(outputs)};
+    return {onnx, static_cast<Eigen::Index>(inputs), static_cast<Eigen::Index>(outputs), predicts};
   } catch (const std::invalid_argument& error) {
     throw CampaignError(ExitCode::kWrongInput,
                         fmt::format("{}: error: {}", (folder / "model.onnx").string(), error.what()));
@@ -174,8 +176,9 @@ ExportedPredictor::ExportedPredictor(const std::filesystem::path& folder)
     : folder_(folder),
       parts_(Read(folder)),
       inputs_(InputsOf(folder, parts_.recipe)),
-      network_(NetworkOf(folder, parts_.onnx, parts_.recipe.inputs.size(), parts_.outputs.size())),
-      worst_disagreement_(WorstDisagreement(network_, parts_.golden)) {
+      network_(NetworkOf(folder, parts_.onnx, parts_.recipe.inputs.size(), parts_.outputs.size(),
+                         parts_.predicts)),
+      worst_disagreement_(WorstDisagreement(network_, parts_.golden, parts_.predicts)) {
   if (!(worst_disagreement_ <= kExportAgreement)) {
     Refuse(folder / "model.onnx",
            fmt::format("the self-test fails: off the golden vectors by {:.1e}", worst_disagreement_),

@@ -36,7 +36,8 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
 /// Asked for of an exported network, over each output.
 inline constexpr double kExportAgreement = 1e-5;
 
-/// What one window of vibration says, in the outputs' units.
+/// What one window of vibration says, in the outputs' units; of classes, their probabilities, without a
+/// width.
 struct PredictedOutputs {
   std::vector<double> value;
   std::vector<double> half_width;
@@ -54,6 +55,7 @@ class ExportedPredictor {
 
   const FeatureRecipe& recipe() const { return parts_.recipe; }
   const std::vector<std::string>& outputs() const { return parts_.outputs; }
+  bool classes() const { return parts_.predicts == OnnxNetwork::Predicts::kClasses; }
   double coverage() const { return parts_.coverage; }  // of the intervals
 
   /// What the predictor's changes are added to. @throws CampaignError as `BaselineFor`; it must be called,
@@ -74,6 +76,7 @@ class ExportedPredictor {
  private:
   struct Parts {
     FeatureRecipe recipe;
+    OnnxNetwork::Predicts predicts{OnnxNetwork::Predicts::kValues};
     std::vector<std::string> outputs;
     double coverage{};
     std::vector<GoldenVector> golden;

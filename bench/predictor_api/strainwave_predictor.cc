@@ -145,6 +145,10 @@ const char* strainwave_predictor_output_name(const strainwave_predictor* predict
   return predictor == nullptr ? nullptr : NameAt(predictor->exported.outputs(), output);
 }
 
+int strainwave_predictor_tells_classes(const strainwave_predictor* predictor) {
+  return predictor != nullptr && predictor->exported.classes() ? 1 : 0;
+}
+
 double strainwave_predictor_coverage(const strainwave_predictor* predictor) {
   return predictor == nullptr ? 0.0 : predictor->exported.coverage();
 }

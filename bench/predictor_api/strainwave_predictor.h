@@ -54,6 +54,9 @@ size_t strainwave_predictor_least_samples(const strainwave_predictor* predictor)
 
 size_t strainwave_predictor_output_count(const strainwave_predictor* predictor);
 const char* strainwave_predictor_output_name(const strainwave_predictor* predictor, size_t output);
+/* 1 where the outputs are classes: then a value is the probability of its class, without an interval (low and
+ * high are the same number), and the greatest is the likeliest. */
+int strainwave_predictor_tells_classes(const strainwave_predictor* predictor);
 double strainwave_predictor_coverage(const strainwave_predictor* predictor);
 
 /* Predicts from one window.
