@@ -80,6 +80,11 @@ Contestant Judge(std::string name, const Samples& samples, const Eigen::MatrixXd
 std::vector<double> FoldErrors_percent(const Samples& samples, const std::vector<Split>& folds,
                                        const CrossFit& cross);
 
+/// The network of a cross-fit beside what it has to beat, every record predicted by what had not seen its
+/// fold.
+std::vector<Contestant> CompareFolds(const Samples& samples, const std::vector<Split>& folds,
+                                     const CrossFit& cross);
+
 /// Whole specimens where there are several, blocks of time where there is one.
 std::vector<Split> HonestFolds(const Samples& samples, int folds);
 

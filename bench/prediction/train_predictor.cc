@@ -236,7 +236,7 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
                                                  steps.Next("predictor and its folds", fit_trainings));
   outcome.folds = {prediction::SpecimenCount(samples) > 1 ? "whole specimens" : "blocks of time",
                    prediction::FoldErrors_percent(samples, fit.folds, fit.cross),
-                   prediction::Judge("network", samples, fit.cross.predicted), fit.left_out_coverage};
+                   prediction::CompareFolds(samples, fit.folds, fit.cross), fit.left_out_coverage};
   FeatureRecipe recipe = data.recipe;
   recipe.inputs = samples.inputs;
   recipe.baseline_records = job.baseline_records;

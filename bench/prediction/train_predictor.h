@@ -60,11 +60,11 @@ struct HeldOut {
   Eigen::MatrixXd predicted;
 };
 
-/// Every record predicted once by a network that had not seen its fold.
+/// Every record predicted once, by what had not seen its fold.
 struct FoldResult {
-  std::string of;                     // "whole specimens", or "blocks of time"
-  std::vector<double> error_percent;  // of each fold
-  analysis::prediction::Contestant all;
+  std::string of;                                             // "whole specimens", or "blocks of time"
+  std::vector<double> error_percent;                          // of each fold
+  std::vector<analysis::prediction::Contestant> contestants;  // the network first
   /// Share of the records, one an output, inside intervals calibrated on the other folds; empty for classes.
   Eigen::RowVectorXd interval_coverage;
 };

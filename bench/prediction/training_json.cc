@@ -44,16 +44,21 @@ Json SourcesJson(const TrainingData& data) {
   return sources;
 }
 
+Json ScoresJson(const std::vector<prediction::Contestant>& contestants,
+                const std::vector<std::string>& outputs) {
+  Json scores;
+  for (const auto& contestant : contestants) scores[contestant.name] = JsonOf(contestant, outputs);
+  return scores;
+}
+
 Json SplitsJson(const TrainingOutcome& outcome, const std::vector<std::string>& outputs) {
   Json splits = Json::array();
   for (const SplitResult& split : outcome.splits) {
-    Json scores;
-    for (const auto& contestant : split.contestants) scores[contestant.name] = JsonOf(contestant, outputs);
     splits.push_back({{"split", split.name},
                       {"meaning", split.meaning},
                       {"train", split.train},
                       {"test", split.test},
-                      {"scores", std::move(scores)}});
+                      {"scores", ScoresJson(split.contestants, outputs)}});
   }
   return splits;
 }
@@ -61,7 +66,8 @@ Json SplitsJson(const TrainingOutcome& outcome, const std::vector<std::string>& 
 Json FoldsJson(const FoldResult& folds, const std::vector<std::string>& outputs) {
   return {{"of", folds.of},
           {"error_percent", folds.error_percent},
-          {"network", JsonOf(folds.all, outputs)},
+          {"network", JsonOf(folds.contestants.front(), outputs)},
+          {"scores", ScoresJson(folds.contestants, outputs)},
           {"interval_coverage",
            std::vector<double>(folds.interval_coverage.begin(), folds.interval_coverage.end())}};
 }

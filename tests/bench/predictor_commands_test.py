@@ -75,6 +75,12 @@ class Predictors(unittest.TestCase):
             self.assertEqual(list(split["scores"]), ["network", "ridge", "forest", "cycle number alone", "mean"])
             self.assertEqual(split["train"] + split["test"], CYCLES)
         self.assertEqual(self.report["campaigns"][0]["specimen"], "SIM-0001")
+        # The folds compare the same, over all records.
+        folds = self.report["folds"]
+        self.assertEqual(list(folds["scores"]), ["network", "ridge", "forest", "cycle number alone", "mean"])
+        self.assertEqual(folds["scores"]["network"], folds["network"])
+        errors = [scores["mean_mape_percent"] for scores in folds["scores"].values()]
+        self.assertEqual(len(set(errors)), 5)
         kept = self.report["filter"]
         self.assertEqual((kept["vibration_features"], kept["torque_features"]), (980, 245))
         self.assertLess(kept["vibration_kept"], 980)
