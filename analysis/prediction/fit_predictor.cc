@@ -64,6 +64,29 @@ Eigen::MatrixXd AgeOf(const Samples& samples, double last) {
   return age;
 }
 
+// What a network has to beat, and what it says of the test.
+struct Rival {
+  std::string name;
+  Eigen::MatrixXd predicted;
+};
+std::vector<Rival> RivalsOn(const Samples& train, const Samples& test) {
+  constexpr int kTrees = 100;
+  const Scaler scaler = Standardizing(train.features);
+  const Eigen::MatrixXd inputs = scaler.Apply(train.features);
+  const Eigen::MatrixXd unseen = scaler.Apply(test.features);
+  std::vector<Rival> rivals;
+  rivals.push_back({"ridge", FitRidge(inputs, train.targets, train.specimen).Predict(unseen)});
+  rivals.push_back({"forest", Forest(inputs, train.targets, kTrees).Predict(unseen)});
+  if (!train.classes) {
+    const double last = std::max(1.0, *std::ranges::max_element(train.cycle));
+    const Ridge by_age = FitRidge(AgeOf(train, last), train.targets, train.specimen);
+    rivals.push_back({"cycle number alone", by_age.Predict(AgeOf(test, last))});
+  }
+  rivals.push_back(
+      {train.classes ? "commonest class" : "mean", train.targets.colwise().mean().replicate(test.size(), 1)});
+  return rivals;
+}
+
 }  // namespace
 
 FittedPredictor::Prediction FittedPredictor::Predict(const Eigen::MatrixXd& features) const {
@@ -137,21 +160,34 @@ double Contestant::Error_percent() const noexcept {
   return scores.empty() ? 100.0 - Accuracy_percent(confusion) : MeanMape_percent(scores);
 }
 
-Contestant Judge(std::string name, bool classes, const Eigen::MatrixXd& actual,
-                 const Eigen::MatrixXd& predicted) {
-  if (classes) return {std::move(name), {}, Confusion(actual, predicted)};
-  return {std::move(name), ScoresOf(actual, predicted), {}};
+Contestant Judge(std::string name, const Samples& samples, const Eigen::MatrixXd& predicted) {
+  if (samples.classes) return {std::move(name), {}, Confusion(samples.targets, predicted)};
+  return {std::move(name), ScoresOf(Values(samples, samples.targets), Values(samples, predicted)), {}};
 }
 
 std::vector<double> FoldErrors_percent(const Samples& samples, const std::vector<Split>& folds,
                                        const CrossFit& cross) {
   std::vector<double> errors_percent;
   for (const Split& fold : folds) {
-    errors_percent.push_back(Judge("network", samples.classes, samples.targets(fold.test, Eigen::all),
-                                   cross.predicted(fold.test, Eigen::all))
-                                 .Error_percent());
+    errors_percent.push_back(
+        Judge("network", Rows(samples, fold.test), cross.predicted(fold.test, Eigen::all)).Error_percent());
   }
   return errors_percent;
+}
+
+std::vector<Contestant> CompareFolds(const Samples& samples, const std::vector<Split>& folds,
+                                     const CrossFit& cross) {
+  std::vector<Rival> all;
+  for (const Split& fold : folds) {
+    const std::vector<Rival> of_fold = RivalsOn(Rows(samples, fold.train), Rows(samples, fold.test));
+    for (std::size_t k = 0; k < of_fold.size(); ++k) {
+      if (k == all.size()) all.push_back({of_fold[k].name, samples.targets});
+      all[k].predicted(fold.test, Eigen::all) = of_fold[k].predicted;
+    }
+  }
+  std::vector<Contestant> contestants{Judge("network", samples, cross.predicted)};
+  for (const Rival& rival : all) contestants.push_back(Judge(rival.name, samples, rival.predicted));
+  return contestants;
 }
 
 std::vector<Split> HonestFolds(const Samples& samples, int folds) {
@@ -164,23 +200,9 @@ Comparison Compare(const Samples& samples, const Split& split, const EnsembleSet
   const Samples train = Rows(samples, split.train);
   const Samples test = Rows(samples, split.test);
   Ensemble ensemble = TrainEnsemble(train, settings, ShareOf(progress, settings, 0.0, 1.0));
-  const Eigen::MatrixXd inputs = ensemble.input.Apply(train.features);
-  const Eigen::MatrixXd unseen = ensemble.input.Apply(test.features);
-  constexpr int kTrees = 100;
-  std::vector<Contestant> contestants;
-  const auto judge = [&](const char* name, const Eigen::MatrixXd& predicted) {
-    contestants.push_back(Judge(name, samples.classes, test.targets, predicted));
-  };
-  judge("network", ensemble.Predict(test.features).mean);
-  judge("ridge", FitRidge(inputs, train.targets, train.specimen).Predict(unseen));
-  judge("forest", Forest(inputs, train.targets, kTrees).Predict(unseen));
-  if (!samples.classes) {
-    const double last = std::max(1.0, *std::ranges::max_element(train.cycle));
-    const Ridge by_age = FitRidge(AgeOf(train, last), train.targets, train.specimen);
-    judge("cycle number alone", by_age.Predict(AgeOf(test, last)));
-  }
-  judge(samples.classes ? "commonest class" : "mean",
-        train.targets.colwise().mean().replicate(test.size(), 1));
+  std::vector<Contestant> contestants{Judge("network", test, ensemble.Predict(test.features).mean)};
+  for (const Rival& rival : RivalsOn(train, test))
+    contestants.push_back(Judge(rival.name, test, rival.predicted));
   return {std::move(contestants), std::move(ensemble)};
 }
 

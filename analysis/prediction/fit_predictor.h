@@ -73,12 +73,17 @@ struct Contestant {
   /// The mean percentage error of all outputs; of classes, the share of records given a wrong one.
   double Error_percent() const noexcept;
 };
-Contestant Judge(std::string name, bool classes, const Eigen::MatrixXd& actual,
-                 const Eigen::MatrixXd& predicted);
+/// @param predicted  of the samples, as their targets are.
+Contestant Judge(std::string name, const Samples& samples, const Eigen::MatrixXd& predicted);
 
 /// The error of each fold (`Contestant::Error_percent`) by networks that had not seen it.
 std::vector<double> FoldErrors_percent(const Samples& samples, const std::vector<Split>& folds,
                                        const CrossFit& cross);
+
+/// The network of a cross-fit beside what it has to beat, every record predicted by what had not seen its
+/// fold.
+std::vector<Contestant> CompareFolds(const Samples& samples, const std::vector<Split>& folds,
+                                     const CrossFit& cross);
 
 /// Whole specimens where there are several, blocks of time where there is one.
 std::vector<Split> HonestFolds(const Samples& samples, int folds);

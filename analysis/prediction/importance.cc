@@ -14,12 +14,10 @@
 namespace strainwave::analysis::prediction {
 
 std::vector<Importance> PermutationImportance(
-    const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& predict,
-    const std::function<double(const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& error_percent,
-    const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, const std::vector<InputGroup>& groups,
-    int repeats, std::uint64_t seed) {
+    const std::function<double(const Eigen::MatrixXd& features)>& error_percent,
+    const Eigen::MatrixXd& features, const std::vector<InputGroup>& groups, int repeats, std::uint64_t seed) {
   if (repeats < 2) throw std::invalid_argument(fmt::format("repeats = {} (expected at least 2)", repeats));
-  const double known_percent = error_percent(targets, predict(features));
+  const double known_percent = error_percent(features);
   std::mt19937_64 engine(seed);
   std::vector<Eigen::Index> order(static_cast<std::size_t>(features.rows()));
   std::vector<Importance> importances;
@@ -31,7 +29,7 @@ std::vector<Importance> PermutationImportance(
       Shuffle(order, engine);
       Eigen::MatrixXd shuffled = features;
       for (const Eigen::Index column : group.columns) shuffled.col(column) = features(order, column);
-      const double rise = error_percent(targets, predict(shuffled)) - known_percent;
+      const double rise = error_percent(shuffled) - known_percent;
       sum += rise;
       squares += rise * rise;
     }

@@ -27,16 +27,13 @@ struct Importance {
 /// shuffled together, the largest first. Inputs that say the same as others look unimportant: that is true
 /// of the predictor, not of the quantity.
 ///
-/// @param predict   rows of features to rows of outputs.
-/// @param error_percent  of predictions, actual first: for instance the mean percentage error.
-/// @param features, targets  records that no fit has seen.
+/// @param error_percent  of predictions from features, for instance the mean percentage error.
+/// @param features  records that no fit has seen.
 /// @throws std::invalid_argument if repeats < 2.
 ///
 /// Source: Breiman (2001), Random forests, section 10.
 std::vector<Importance> PermutationImportance(
-    const std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>& predict,
-    const std::function<double(const Eigen::MatrixXd&, const Eigen::MatrixXd&)>& error_percent,
-    const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, const std::vector<InputGroup>& groups,
-    int repeats, std::uint64_t seed);
+    const std::function<double(const Eigen::MatrixXd& features)>& error_percent,
+    const Eigen::MatrixXd& features, const std::vector<InputGroup>& groups, int repeats, std::uint64_t seed);
 
 }  // namespace strainwave::analysis::prediction

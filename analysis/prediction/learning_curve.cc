@@ -46,8 +46,7 @@ std::vector<LearningPoint> LearningCurve(const Samples& samples, const Split& sp
     const Samples chosen =
         Rows(pool, active ? ChooseInformative(scaled, point.count) : Even(pool.size(), point.count));
     const Ensemble network = TrainEnsemble(chosen, single);
-    const Contestant judged =
-        Judge("network", samples.classes, test.targets, network.Predict(test.features).mean);
+    const Contestant judged = Judge("network", test, network.Predict(test.features).mean);
     (active ? point.active_percent : point.even_percent) = judged.Error_percent();
     const std::lock_guard lock(telling);
     done += 1.0;

@@ -34,6 +34,10 @@ int SpecimenCount(const Samples& samples) {
   return static_cast<int>(std::set<int>(samples.specimen.begin(), samples.specimen.end()).size());
 }
 
+Eigen::MatrixXd Values(const Samples& samples, const Eigen::MatrixXd& targets) {
+  return samples.origin.size() > 0 ? samples.origin + targets : targets;
+}
+
 Samples Rows(const Samples& samples, const std::vector<Eigen::Index>& rows) {
   Samples chosen{.features = samples.features(rows, Eigen::all),
                  .targets = samples.targets(rows, Eigen::all),
@@ -41,7 +45,9 @@ Samples Rows(const Samples& samples, const std::vector<Eigen::Index>& rows) {
                  .cycle = {},
                  .inputs = samples.inputs,
                  .outputs = samples.outputs,
-                 .classes = samples.classes};
+                 .classes = samples.classes,
+                 .origin = {}};
+  if (samples.origin.size() > 0) chosen.origin = samples.origin(rows, Eigen::all);
   chosen.specimen.reserve(rows.size());
   chosen.cycle.reserve(rows.size());
   for (const Eigen::Index row : rows) {
@@ -58,7 +64,8 @@ Samples Inputs(const Samples& samples, const std::vector<Eigen::Index>& columns)
                  .cycle = samples.cycle,
                  .inputs = {},
                  .outputs = samples.outputs,
-                 .classes = samples.classes};
+                 .classes = samples.classes,
+                 .origin = samples.origin};
   chosen.inputs.reserve(columns.size());
   for (const Eigen::Index column : columns) {
     chosen.inputs.push_back(samples.inputs[static_cast<std::size_t>(column)]);

@@ -18,12 +18,18 @@ struct Samples {
   std::vector<std::string> inputs;
   std::vector<std::string> outputs;
   bool classes{};
+  /// n × outputs where targets are changes since each reducer's baseline (`baseline.h`): what they are
+  /// changes from. Empty where they are values.
+  Eigen::MatrixXd origin{};
 
   Eigen::Index size() const noexcept { return features.rows(); }
 };
 
 /// How many reducers the rows are of.
 int SpecimenCount(const Samples& samples);
+
+/// Targets or predictions of all rows as values in the outputs' units.
+Eigen::MatrixXd Values(const Samples& samples, const Eigen::MatrixXd& targets);
 
 /// The rows of `samples` that are named, in that order.
 Samples Rows(const Samples& samples, const std::vector<Eigen::Index>& rows);

@@ -18,6 +18,7 @@ void AddStop(CLI::App& app, Action& action);
 void AddRecompute(CLI::App& app, Action& action);
 void AddDiagnose(CLI::App& app, Action& action);
 void AddTrain(CLI::App& app, Action& action);
+void AddBaseline(CLI::App& app, Action& action);
 void AddPredict(CLI::App& app, Action& action);
 void AddExport(CLI::App& app, Action& action);
 void AddMonitor(CLI::App& app, Action& action);

@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddSimulate(app, action);
   strainwave::bench::AddFeatures(app, action);
   strainwave::bench::AddTrain(app, action);
+  strainwave::bench::AddBaseline(app, action);
   strainwave::bench::AddPredict(app, action);
   strainwave::bench::AddExport(app, action);
   strainwave::bench::AddMonitor(app, action);

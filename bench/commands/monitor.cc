@@ -29,6 +29,7 @@ namespace {
 
 struct MonitorCommand {
   std::string predictor;
+  std::string baseline;
   std::vector<std::string> replay;
   int rounds{1};
   double every_s{};
@@ -94,9 +95,15 @@ nlohmann::ordered_json JsonOf(const MonitorResult& result, const MonitorFrame& f
     json["status"] = NameOf(result.outside_training ? ValueStatus::kOutsideTraining : ValueStatus::kGood);
     json["distance"] = result.distance;
     json["outside_training"] = result.outside_training;
-    json["coverage"] = frame.coverage;
+    if (!frame.classes) json["coverage"] = frame.coverage;
   }
   json["alarm"] = NameOf(result.alarm);
+  if (frame.classes && !result.outputs.empty()) {
+    json["class"] = frame.outputs[LikeliestOf(result.outputs)];
+    for (std::size_t i = 0; i < result.outputs.size(); ++i)
+      json["probabilities"][frame.outputs[i]] = result.outputs[i].value;
+    return json;
+  }
   for (std::size_t i = 0; i < result.outputs.size(); ++i) {
     const MonitoredOutput& output = result.outputs[i];
     json["values"][frame.outputs[i]] = {{"value", output.value},
@@ -115,6 +122,11 @@ std::string LineOf(const MonitorResult& result, const MonitorFrame& frame) {
         "  outside what the predictor was trained on ({:.1f} times the limit): do not rely on "
         "these",
         result.distance);
+  }
+  if (frame.classes && !result.outputs.empty()) {
+    const std::size_t likeliest = LikeliestOf(result.outputs);
+    return line +
+           fmt::format("  class {} ({:.3f})", frame.outputs[likeliest], result.outputs[likeliest].value);
   }
   for (std::size_t i = 0; i < result.outputs.size(); ++i) {
     const MonitoredOutput& output = result.outputs[i];
@@ -153,14 +165,16 @@ int Run(const MonitorCommand& command) {
   const MonitorSettings settings =
       command.settings.empty() ? MonitorSettings{} : ReadMonitorSettings(command.settings);
   ExportedPredictor predictor(command.predictor);
+  predictor.UseBaseline(command.baseline);
   WindowJudge judge(predictor, settings.limits);
   const std::unique_ptr<VibrationSource> source = MakeSource(command, settings, predictor);
   WindowRule rule = settings.windows;
   rule.trigger_samples = predictor.recipe().least_samples;
+  rule.ratio = settings.ratio;
   // The simulated bench runs on without a mark.
   if (command.simulate && rule.trigger_channel.empty()) rule.by = WindowRule::By::kRevolution;
   WindowCutter cutter(rule);
-  Board board({predictor.outputs(), predictor.coverage(), settings.stale_after_ms},
+  Board board({predictor.outputs(), predictor.coverage(), settings.stale_after_ms, predictor.classes()},
               [&source] { return source->NowNanoseconds() / 1'000'000; });
   Say(fmt::format("self-test of {}: files unchanged, network off its golden vectors by {:.1e}",
                   command.predictor, predictor.worst_disagreement()));
@@ -221,6 +235,9 @@ void AddMonitor(CLI::App& app, Action& action) {
       "Example: strainwave monitor exported --replay campaigns/first --settings bench/monitor/monitor.yaml");
   auto options = std::make_shared<MonitorCommand>();
   command->add_option("PREDICTOR", options->predictor, "folder that export has written")->required();
+  command->add_option(
+      "--baseline", options->baseline,
+      "what the reducer was like at first, as `baseline` writes it, for a predictor of changes");
   command->add_option("--replay", options->replay, "records as a stream: CSV, HDF5, campaign folders");
   command->add_option("--rounds", options->rounds, "of a replay: times through all records")
       ->check(CLI::Range(1, 1'000'000))

@@ -10,6 +10,7 @@
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/prediction/baseline_file.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/recipe_inputs.h"
 #include "bench/prediction/record_features.h"
@@ -22,6 +23,7 @@ namespace prediction = analysis::prediction;
 
 struct PredictCommand {
   std::string predictor;
+  std::string baseline;
   std::vector<std::string> paths;
   bool json{};
 };
@@ -110,12 +112,16 @@ nlohmann::ordered_json ReportOf(const daq::Record& record, const Predictor& pred
 int Run(const PredictCommand& command) {
   const Predictor predictor = ReadPredictor(command.predictor);
   RecipeInputs inputs(predictor.recipe);
+  const auto baseline = BaselineFor(predictor.recipe, predictor.outputs, command.baseline);
   const bool with_motor_torque =
       std::ranges::find(predictor.recipe.channels, kMotorTorqueChannel) != predictor.recipe.channels.end();
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   for (const std::string& path : command.paths) {
     for (const daq::Record& record : ReadVibrationRecords(path, MotorTorqueAdded(with_motor_torque))) {
-      const Together predicted = TogetherOf(predictor.fitted.Predict(inputs.OfWindows(record)));
+      Eigen::MatrixXd features = inputs.OfWindows(record);
+      if (baseline) features.rowwise() -= baseline->features;
+      Together predicted = TogetherOf(predictor.fitted.Predict(features));
+      if (baseline) predicted.value += baseline->values;
       reports.push_back(ReportOf(record, predictor, predicted, !command.json));
     }
   }
@@ -136,6 +142,9 @@ void AddPredict(CLI::App& app, Action& action) {
   command->add_option("PREDICTOR", options->predictor, "folder that train has written")->required();
   command->add_option("PATH", options->paths, "vibration records: CSV, HDF5, files of a campaign's cycles")
       ->required();
+  command->add_option(
+      "--baseline", options->baseline,
+      "what the reducer was like at first, as `baseline` writes it, for a predictor of changes");
   command->add_flag("--json", options->json, "one object a record; several as an array");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

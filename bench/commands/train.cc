@@ -28,6 +28,11 @@ struct TrainCommand {
 };
 
 int Run(const TrainCommand& command) {
+  if (command.out.empty() != command.job.compare_only) {
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        "error: a predictor is written somewhere or not at all (expected --out or --compare)");
+  }
   ShareLine line;
   // Reading is a tenth of the work where nothing is kept from before.
   constexpr double kShareOfReading = 0.1;
@@ -44,23 +49,27 @@ int Run(const TrainCommand& command) {
         line.Show(step, kShareOfReading + (1.0 - kShareOfReading) * share);
         return true;
       });
-  WritePredictor(command.out, *outcome.predictor);
   std::string picture_trouble;
   std::vector<std::filesystem::path> pictures;
-  try {
-    pictures = DrawTraining(data, outcome, command.out);
-  } catch (const GnuplotError& error) {
-    picture_trouble = error.what();
+  if (outcome.predictor) {
+    WritePredictor(command.out, *outcome.predictor);
+    try {
+      pictures = DrawTraining(data, outcome, command.out);
+    } catch (const GnuplotError& error) {
+      picture_trouble = error.what();
+    }
   }
   line.Clear();
   if (command.json) {
-    fmt::print("{}\n", nlohmann::ordered_json::parse(outcome.predictor->training_json).dump(2));
+    fmt::print("{}\n", nlohmann::ordered_json::parse(outcome.report_json).dump(2));
   } else {
     PrintTrainingReport(data, outcome);
-    fmt::print("\npredictor: {}\n", command.out);
+    if (outcome.predictor) fmt::print("\npredictor: {}\n", command.out);
     for (const auto& picture : pictures) fmt::print("picture: {}.svg (and .png)\n", picture.string());
-    fmt::print("next: strainwave predict {} RECORD, or strainwave export {} --out DIR\n", command.out,
-               command.out);
+    if (outcome.predictor) {
+      fmt::print("next: strainwave predict {} RECORD, or strainwave export {} --out DIR\n", command.out,
+                 command.out);
+    }
   }
   if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
   fmt::print(stderr, "error: no pictures: {}\n", picture_trouble);
@@ -82,7 +91,10 @@ void AddTrain(CLI::App& app, Action& action) {
       ->add_option("PATH", options->paths,
                    "campaigns, of one reducer or several; vibration records (CSV, HDF5); folders of these")
       ->required();
-  command->add_option("--out", options->out, "folder of the predictor")->required();
+  command->add_option("--out", options->out, "folder of the predictor");
+  command->add_flag(
+      "--compare", options->job.compare_only,
+      "only compare, on the splits that do not flatter: no folds, no predictor, nothing written");
   command->add_option(
       "--outputs", options->sources.outputs,
       "what to predict: quantities, or class (default: all of e_max, e_avg, K1, K2, K3 that there "
@@ -120,6 +132,13 @@ void AddTrain(CLI::App& app, Action& action) {
       ->add_option("--correlation", options->job.correlation_limit,
                    "features alike to more than this fall out")
       ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--baseline", options->job.baseline_records,
+          "records at the beginning of each reducer's life: what comes later is told as a change since "
+          "these, so that reducers never seen can be followed; 0: none")
+      ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   command->add_flag("--search", options->job.search, "try widths, depths and weight decays by honest folds");
   command->add_flag("--learning-curve", options->job.learning_curve,

@@ -47,11 +47,12 @@ void PrintSearch(const std::vector<prediction::Trial>& trials) {
   }
 }
 
-void PrintValues(const SplitResult& split, const std::vector<std::string>& outputs) {
+void PrintValues(const std::vector<prediction::Contestant>& contestants,
+                 const std::vector<std::string>& outputs) {
   fmt::print("  {:<20}", "MAPE, %");
   for (const std::string& output : outputs) fmt::print(" {:>15}", output);
   fmt::print(" {:>8}\n", "mean");
-  for (const prediction::Contestant& contestant : split.contestants) {
+  for (const prediction::Contestant& contestant : contestants) {
     fmt::print("  {:<20}", contestant.name);
     for (const prediction::OutputScore& score : contestant.scores)
       fmt::print(" {:>15.3f}", score.mape_percent);
@@ -59,9 +60,9 @@ void PrintValues(const SplitResult& split, const std::vector<std::string>& outpu
   }
 }
 
-void PrintAccuracies(const SplitResult& split) {
+void PrintAccuracies(const std::vector<prediction::Contestant>& contestants) {
   fmt::print("  {:<20} {:>12}\n", "", "accuracy, %");
-  for (const prediction::Contestant& contestant : split.contestants) {
+  for (const prediction::Contestant& contestant : contestants) {
     fmt::print("  {:<20} {:>12.2f}\n", contestant.name, 100.0 - contestant.Error_percent());
   }
 }
@@ -97,17 +98,18 @@ void PrintLonelyClasses(const prediction::Samples& samples) {
 }
 
 void PrintFolds(const TrainingData& data, const FoldResult& folds) {
-  fmt::print("\n{} folds of {}, each predicted by a network that had not seen it:\n",
-             folds.error_percent.size(), folds.of);
+  fmt::print("\n{} folds of {}, each predicted by what had not seen it:\n", folds.error_percent.size(),
+             folds.of);
   if (data.samples.classes) {
-    fmt::print("  accuracy {:.2f} %; by fold", 100.0 - folds.all.Error_percent());
+    fmt::print("  accuracy {:.2f} %; by fold", 100.0 - folds.contestants.front().Error_percent());
     for (const double error : folds.error_percent) fmt::print(" {:.1f}", 100.0 - error);
     fmt::print("\n");
-    PrintConfusion(folds.all.confusion, data.samples.outputs);
+    PrintConfusion(folds.contestants.front().confusion, data.samples.outputs);
     PrintLonelyClasses(data.samples);
     return;
   }
-  fmt::print("  mean MAPE {:.3f} %; by fold", folds.all.Error_percent());
+  PrintValues(folds.contestants, data.samples.outputs);
+  fmt::print("  mean MAPE of the network {:.3f} %; by fold", folds.contestants.front().Error_percent());
   for (const double error : folds.error_percent) fmt::print(" {:.3f}", error);
   fmt::print("\n");
 }
@@ -148,11 +150,12 @@ void PrintTrainingReport(const TrainingData& data, const TrainingOutcome& outcom
   for (const SplitResult& split : outcome.splits) {
     fmt::print("\n{} ({}): trained on {}, tested on {} records\n", split.name, split.meaning, split.train,
                split.test);
-    classes ? PrintAccuracies(split) : PrintValues(split, data.samples.outputs);
+    classes ? PrintAccuracies(split.contestants) : PrintValues(split.contestants, data.samples.outputs);
   }
-  PrintFolds(data, outcome.folds);
+  if (outcome.predictor) PrintFolds(data, outcome.folds);
   PrintCurve(outcome.curve, outcome.splits.front().name);
-  if (!classes) PrintIntervals(data.samples.outputs, outcome.predictor->fitted, outcome.folds);
+  if (!classes && outcome.predictor)
+    PrintIntervals(data.samples.outputs, outcome.predictor->fitted, outcome.folds);
   fmt::print("\nwhat the inputs are worth (rise of the {} when they are shuffled):\n",
              classes ? "share of wrong classes" : "mean MAPE");
   for (const prediction::Importance& importance : outcome.importances) {

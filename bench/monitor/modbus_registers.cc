@@ -40,6 +40,7 @@ std::vector<std::uint16_t> ModbusRegisters(const MonitorState& state, const Moni
     Put(all.subspan(6), static_cast<std::uint32_t>(state.last->end_ms / 1000));
     all[10] = Code(std::clamp<std::int64_t>((now_ms - state.last->end_ms) / 1000, 0, 65535));
   }
+  if (frame.classes && good) all[12] = Code(1 + LikeliestOf(state.last->outputs));
   for (std::size_t k = 0; k < frame.outputs.size(); ++k) {
     const auto at = all.subspan(kFirstOutputRegister + kRegistersPerOutput * k, kRegistersPerOutput);
     const MonitoredOutput output = good ? state.last->outputs[k] : MonitoredOutput{kNone, kNone, kNone};

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/monitor/monitor_result.h"
 
+#include <algorithm>
+
 namespace strainwave::bench {
+
+std::size_t LikeliestOf(const std::vector<MonitoredOutput>& outputs) {
+  return static_cast<std::size_t>(std::ranges::max_element(outputs, {}, &MonitoredOutput::value) -
+                                  outputs.begin());
+}
 
 std::string_view NameOf(ValueStatus status) {
   switch (status) {

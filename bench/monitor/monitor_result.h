@@ -11,7 +11,7 @@
 
 namespace strainwave::bench {
 
-/// One output of one window, in its unit.
+/// One output of one window, in its unit; of a class, its probability thrice.
 struct MonitoredOutput {
   double value{};
   double low{};
@@ -33,6 +33,9 @@ struct MonitorResult {
   AlarmLevel alarm{};              // the highest of them
 };
 
+/// The place of the likeliest class. @param outputs  one or more.
+std::size_t LikeliestOf(const std::vector<MonitoredOutput>& outputs);
+
 /// What a reader may make of the newest values. The numbers go to PLCs and never change their meaning.
 enum class ValueStatus { kNone = 0, kGood = 1, kBad = 2, kStale = 3, kOutsideTraining = 4 };
 
@@ -41,9 +44,10 @@ std::string_view NameOf(ValueStatus status);
 
 /// What stays the same while a monitor runs.
 struct MonitorFrame {
-  std::vector<std::string> outputs;  // with units: "k2_Nm_per_rad"
+  std::vector<std::string> outputs;  // with units: "k2_Nm_per_rad"; of classes, their names
   double coverage{};                 // of the intervals
   std::int64_t stale_after_ms{};     // a value older than that is not good
+  bool classes{};                    // outputs are probabilities of classes
 };
 
 /// The way to the broker.

@@ -32,7 +32,13 @@ void PerOutput(std::string& text, const MonitorFrame& frame, std::string_view na
 std::string PrometheusText(const MonitorState& state, const MonitorFrame& frame, std::int64_t now_ms) {
   const ValueStatus status = StatusOf(state, frame, now_ms);
   std::string text;
-  if (status == ValueStatus::kGood) {
+  if (status == ValueStatus::kGood && frame.classes) {
+    const std::size_t likeliest = LikeliestOf(state.last->outputs);
+    PerOutput(text, frame, "strainwave_class", "1 for the likeliest class.",
+              [&](std::size_t i) { return static_cast<int>(i == likeliest); });
+    PerOutput(text, frame, "strainwave_class_probability", "Probability of each class; not calibrated.",
+              [&](std::size_t i) { return state.last->outputs[i].value; });
+  } else if (status == ValueStatus::kGood) {
     const auto& outputs = state.last->outputs;
     PerOutput(text, frame, "strainwave_predicted", "Prediction in the unit that the output's name ends in.",
               [&](std::size_t i) { return outputs[i].value; });
@@ -54,9 +60,11 @@ std::string PrometheusText(const MonitorState& state, const MonitorFrame& frame,
          static_cast<int>(status == ValueStatus::kStale));
   Single(text, "strainwave_outside_training", "gauge", "1 when the newest window is unlike the training.",
          static_cast<int>(status == ValueStatus::kOutsideTraining));
-  if (state.last) {
+  if (state.last && !frame.classes) {
     PerOutput(text, frame, "strainwave_alarm", "0 ok, 1 warning, 2 alarm.",
               [&](std::size_t i) { return static_cast<int>(state.last->alarms[i]); });
+  }
+  if (state.last) {
     Single(text, "strainwave_window_end_timestamp_seconds", "gauge", "End of the newest window.",
            static_cast<double>(state.last->end_ms) / 1000.0);
   }

@@ -60,6 +60,15 @@ std::vector<SparkplugMetric> SparkplugMetrics(const MonitorState& state, const M
   add("Outside training", status == ValueStatus::kOutsideTraining, has_values);
   add("Distance", has_values ? state.last->distance : 0.0, has_values, quality);
   add("Dropped windows", static_cast<std::int64_t>(state.link.dropped_windows), true);
+  if (frame.classes) {
+    add("Class", has_values ? frame.outputs[LikeliestOf(state.last->outputs)] : std::string(), has_values,
+        quality);
+    for (std::size_t i = 0; i < frame.outputs.size(); ++i) {
+      add(frame.outputs[i] + "/Probability", has_values ? state.last->outputs[i].value : 0.0, has_values,
+          quality);
+    }
+    return metrics;
+  }
   for (std::size_t i = 0; i < frame.outputs.size(); ++i) {
     const MonitoredOutput output = has_values ? state.last->outputs[i] : MonitoredOutput{};
     const std::string& name = frame.outputs[i];

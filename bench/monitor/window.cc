@@ -14,6 +14,9 @@ namespace {
 constexpr double kMostJitter = 4.0;
 // In turns. An encoder at rest flickers; more than that is a shaft that turns back.
 constexpr double kFlicker = 1e-3;
+// As of records (record_features.h): over each part of a window the speed is that of the whole.
+constexpr double kSteady = 0.01;
+constexpr std::size_t kParts = 8;
 
 std::size_t SamplesOf(const VibrationChunk& chunk) {
   return chunk.samples.empty() ? 0 : chunk.samples.front().size();
@@ -21,6 +24,18 @@ std::size_t SamplesOf(const VibrationChunk& chunk) {
 
 std::int64_t TimeAt(const VibrationChunk& chunk, std::size_t sample) {
   return chunk.time_ns + std::llround(static_cast<double>(sample) * 1e9 / chunk.sample_rate_hz);
+}
+
+// Samples for one turn of the output shaft, if it turns evenly.
+std::optional<double> SamplesPerTurn(const std::vector<double>& turns) {
+  if (turns.size() <= kParts) return std::nullopt;
+  const std::size_t part = (turns.size() - 1) / kParts;
+  const double turned = turns[kParts * part] - turns.front();
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const double share = turns[(k + 1) * part] - turns[k * part];
+    if (!(std::abs(share * kParts / turned - 1.0) <= kSteady)) return std::nullopt;
+  }
+  return static_cast<double>(kParts * part) / std::abs(turned);
 }
 
 }  // namespace
@@ -135,6 +150,7 @@ void WindowCutter::Open(const VibrationChunk& chunk, std::size_t at) {
   open_->channels = chunk.channels;
   open_->samples.resize(chunk.channels.size());
   open_->origin = chunk.origin;
+  open_turns_.clear();
 }
 
 void WindowCutter::Append(const VibrationChunk& chunk, std::size_t from, std::size_t to) {
@@ -143,6 +159,10 @@ void WindowCutter::Append(const VibrationChunk& chunk, std::size_t from, std::si
     const auto& samples = chunk.samples[k];
     open_->samples[k].insert(open_->samples[k].end(), samples.begin() + static_cast<std::ptrdiff_t>(from),
                              samples.begin() + static_cast<std::ptrdiff_t>(to));
+  }
+  if (chunk.output_turns.size() >= to) {
+    open_turns_.insert(open_turns_.end(), chunk.output_turns.begin() + static_cast<std::ptrdiff_t>(from),
+                       chunk.output_turns.begin() + static_cast<std::ptrdiff_t>(to));
   }
   open_->end_ns = TimeAt(chunk, to);
   if (open_->samples.front().size() > rule_.most_samples) {
@@ -153,7 +173,11 @@ void WindowCutter::Append(const VibrationChunk& chunk, std::size_t from, std::si
 }
 
 void WindowCutter::Close() {
-  if (open_) done_.push_back(*std::exchange(open_, std::nullopt));
+  if (!open_) return;
+  if (!open_->fault && open_turns_.size() == open_->samples.front().size()) {
+    if (const auto samples = SamplesPerTurn(open_turns_)) open_->samples_per_turn = *samples / rule_.ratio;
+  }
+  done_.push_back(*std::exchange(open_, std::nullopt));
 }
 
 void WindowCutter::CloseWith(SignalFault fault) {
@@ -170,6 +194,7 @@ void WindowCutter::Tell(const VibrationChunk& chunk, SignalFault fault) {
                    .sample_rate_hz = chunk.sample_rate_hz,
                    .channels = chunk.channels,
                    .samples = {},
+                   .samples_per_turn = {},
                    .origin = chunk.origin,
                    .fault = std::move(fault)});
 }

@@ -19,6 +19,7 @@ struct VibrationWindow {
   double sample_rate_hz{};
   std::vector<std::string> channels;
   std::vector<std::vector<double>> samples;  // channels × samples
+  std::optional<double> samples_per_turn{};  // of the input shaft, where its speed is known and steady
   std::string origin;
   std::optional<SignalFault> fault;  // found while cutting; the samples are then not to be used
 };
@@ -30,6 +31,7 @@ struct WindowRule {
   double trigger_level{};              // of the edge, in the channel's unit
   std::size_t trigger_samples{};       // of a window after an edge
   double turns{1.0};                   // of the output shaft, by revolution
+  double ratio{80.0};                  // turns of the input shaft for one of the output's
   std::size_t most_samples{1u << 22};  // of any window: memory has a bound
 };
 
@@ -60,6 +62,7 @@ class WindowCutter {
   WindowRule rule_;
   std::vector<VibrationWindow> done_;
   std::optional<VibrationWindow> open_;
+  std::vector<double> open_turns_;  // of the output shaft, at each sample of the open window that has them
   bool told_{};
   bool above_{true};              // an edge needs a sample below it first
   std::optional<double> turned_;  // of the last sample of an unbroken stretch

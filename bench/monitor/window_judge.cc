@@ -26,6 +26,10 @@ std::vector<MonitoredOutput> OutputsOf(const PredictedOutputs& predicted) {
 
 WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits)
     : predictor_(predictor), limits_(predictor.outputs().size()), alarms_(predictor.outputs().size()) {
+  if (predictor.classes() && !limits.empty()) {
+    throw std::invalid_argument(fmt::format(
+        "a threshold is for '{}' (expected none: the predictor tells classes)", limits.front().first));
+  }
   for (const auto& [output, limit] : limits) {
     const auto found = std::ranges::find(predictor.outputs(), output);
     if (found == predictor.outputs().end()) {
@@ -49,7 +53,7 @@ MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
     for (std::size_t k = 0; k < window.channels.size(); ++k) {
       signals.push_back({window.channels[k], window.samples[k]});
     }
-    const auto predicted = predictor_.Predict(signals, window.sample_rate_hz);
+    const auto predicted = predictor_.Predict(signals, window.sample_rate_hz, window.samples_per_turn);
     if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
       result.fault = *fault;
     } else {

@@ -20,7 +20,8 @@ using OutputLimits = std::vector<std::pair<std::string, AlarmLimits>>;
 class WindowJudge {
  public:
   /// @param predictor  outlives the judge.
-  /// @throws std::invalid_argument if a limit is of an output that the predictor does not have.
+  /// @throws std::invalid_argument if a limit is of an output that the predictor does not have, or of a
+  /// class.
   WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits);
 
   /// Windows in order of time. Only a window that is good moves an alarm.

@@ -40,7 +40,8 @@ Disagreement Compare(const Predictor& predictor, OnnxNetwork& network) {
     const auto exported = network.Run(features);
     const Eigen::ArrayXd off = (trained.value.row(0) - exported.prediction).array().abs();
     // A probability is itself a share.
-    const Eigen::ArrayXd magnitude = trained.value.row(0).transpose().array().abs();
+    const Eigen::ArrayXd magnitude =
+        trained.value.row(0).transpose().array().abs().max(trained.half_width.row(0).transpose().array());
     worst.over_value =
         std::max(worst.over_value, (predictor.classes() ? off : (off / magnitude).eval()).maxCoeff());
     worst.over_residual =
@@ -118,7 +119,7 @@ ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem:
   daq::WriteFileAtomically(folder / "model_card.json", card.json);
   daq::WriteFileAtomically(folder / "model_card.md", card.markdown);
   // Last: a folder without it is no exported predictor yet.
-  daq::WriteFileAtomically(folder / "recipe.json",
+  daq::WriteFileAtomically(folder / kExportedRecipe,
                            RecipeJson(predictor, onnx, card.json, card.markdown).dump(2) + "\n");
   return {folder,
           onnx.size(),

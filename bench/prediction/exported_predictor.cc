@@ -15,6 +15,7 @@
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/sha256.h"
+#include "bench/prediction/baseline_file.h"
 
 namespace strainwave::bench {
 namespace {
@@ -88,7 +89,8 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
         got.half_width.size() != expected.half_width.size()) {
       throw std::invalid_argument("golden vectors have another number of outputs than the network");
     }
-    Eigen::ArrayXd size = expected.prediction.transpose().array().abs();
+    Eigen::ArrayXd size =
+        expected.prediction.transpose().array().abs().max(expected.half_width.transpose().array());
     if (predicts == OnnxNetwork::Predicts::kClasses) size.setOnes();
     const auto off = [&](const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
       return ((a - b).transpose().array().abs() / size).maxCoeff();
@@ -104,7 +106,7 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
 }
 
 ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / "recipe.json";
+  const std::filesystem::path file = folder / kExportedRecipe;
   const std::string text = ReadFile(file);
   try {
     const Json json = Json::parse(text);
@@ -113,12 +115,13 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
              fmt::format("format {}; export the predictor again", kExportFormat));
     }
     RequireUnchanged(folder, file, json);
-    if (json.at("predicts") != "values") {
-      Refuse(file, fmt::format("it predicts {}", json.at("predicts").get<std::string>()),
-             "a predictor of quantities; `strainwave predict` tells classes");
+    const bool classes = json.at("predicts") == NameOf(OnnxNetwork::Predicts::kClasses);
+    if (!classes && json.at("predicts") != NameOf(OnnxNetwork::Predicts::kValues)) {
+      Refuse(file, fmt::format("it predicts {}", json.at("predicts").dump()), "values or classes");
     }
     const std::filesystem::path model = folder / json.at("model").at("file").get<std::string>();
     Parts parts{.recipe = RecipeFrom(json.at("recipe"), file),
+                .predicts = classes ? OnnxNetwork::Predicts::kClasses : OnnxNetwork::Predicts::kValues,
                 .outputs = json.at("outputs").get<std::vector<std::string>>(),
                 .coverage = json.at("coverage").get<double>(),
                 .golden = {},
@@ -128,7 +131,8 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
     }
     RequireNames(file, "outputs", parts.outputs);
     RequireNames(file, "channels", parts.recipe.channels);
-    if (!(parts.recipe.sample_rate_hz > 0.0) || !(parts.coverage > 0.0 && parts.coverage < 1.0)) {
+    if (!(parts.recipe.sample_rate_hz > 0.0) ||
+        (!classes && !(parts.coverage > 0.0 && parts.coverage < 1.0))) {
       Refuse(file, "sample_rate_hz or coverage is out of range", kAsWritten);
     }
     for (const Json& golden : json.at("self_test")) {
@@ -152,14 +156,14 @@ SignalInputs InputsOf(const std::filesystem::path& folder, const FeatureRecipe& 
   try {
     return SignalInputs(recipe);
   } catch (const std::invalid_argument& error) {
-    Refuse(folder / "recipe.json", fmt::format("cannot be used: {}", error.what()), kAsWritten);
+    Refuse(folder / kExportedRecipe, fmt::format("cannot be used: {}", error.what()), kAsWritten);
   }
 }
 
 OnnxNetwork NetworkOf(const std::filesystem::path& folder, const std::string& onnx, std::size_t inputs,
-                      std::size_t outputs) {
+                      std::size_t outputs, OnnxNetwork::Predicts predicts) {
   try {
-    return {onnx, static_cast<Eigen::Index>(inputs), static_cast<Eigen::Index>(outputs)};
+    return {onnx, static_cast<Eigen::Index>(inputs), static_cast<Eigen::Index>(outputs), predicts};
   } catch (const std::invalid_argument& error) {
     throw CampaignError(ExitCode::kWrongInput,
                         fmt::format("{}: error: {}", (folder / "model.onnx").string(), error.what()));
@@ -172,8 +176,9 @@ ExportedPredictor::ExportedPredictor(const std::filesystem::path& folder)
     : folder_(folder),
       parts_(Read(folder)),
       inputs_(InputsOf(folder, parts_.recipe)),
-      network_(NetworkOf(folder, parts_.onnx, parts_.recipe.inputs.size(), parts_.outputs.size())),
-      worst_disagreement_(WorstDisagreement(network_, parts_.golden)) {
+      network_(NetworkOf(folder, parts_.onnx, parts_.recipe.inputs.size(), parts_.outputs.size(),
+                         parts_.predicts)),
+      worst_disagreement_(WorstDisagreement(network_, parts_.golden, parts_.predicts)) {
   if (!(worst_disagreement_ <= kExportAgreement)) {
     Refuse(folder / "model.onnx",
            fmt::format("the self-test fails: off the golden vectors by {:.1e}", worst_disagreement_),
@@ -182,11 +187,20 @@ ExportedPredictor::ExportedPredictor(const std::filesystem::path& folder)
   parts_.onnx.clear();
 }
 
+void ExportedPredictor::UseBaseline(const std::filesystem::path& file) {
+  baseline_ = BaselineFor(parts_.recipe, parts_.outputs, file);
+}
+
 std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
     std::span<const NamedSignal> signals, double sample_rate_hz, std::optional<double> samples_per_turn) {
   if (auto fault = inputs_.Compute(signals, sample_rate_hz, samples_per_turn, features_))
     return *std::move(fault);
-  const OnnxNetwork::Output output = network_.Run(features_);
+  if ((parts_.recipe.baseline_records > 0) != baseline_.has_value()) {
+    throw std::logic_error("a predictor of changes was run without a baseline");
+  }
+  if (baseline_) features_ -= baseline_->features;
+  OnnxNetwork::Output output = network_.Run(features_);
+  if (baseline_) output.prediction += baseline_->values;
   PredictedOutputs predicted{.value = {output.prediction.begin(), output.prediction.end()},
                              .half_width = {output.half_width.begin(), output.half_width.end()},
                              .distance = output.distance};
@@ -198,7 +212,9 @@ std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
   const std::vector<std::string>& channels = parts_.recipe.channels;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     for (std::size_t j = i + 1; j < channels.size(); ++j) {
-      if (!(network_.Run(inputs_.WithExchanged(i, j)).distance <= 1.0)) continue;
+      features_ = inputs_.WithExchanged(i, j);
+      if (baseline_) features_ -= baseline_->features;
+      if (!(network_.Run(features_).distance <= 1.0)) continue;
       return SignalFault{SignalFaultKind::kSwapped,
                          fmt::format("{} and {} seem to be exchanged (expected the sensors as in training)",
                                      channels[i], channels[j])};

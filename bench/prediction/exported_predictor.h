@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "analysis/prediction/baseline.h"
 #include "bench/prediction/feature_recipe.h"
 #include "bench/prediction/onnx_network.h"
 #include "bench/prediction/signal_inputs.h"
@@ -17,6 +18,7 @@
 namespace strainwave::bench {
 
 inline constexpr int kExportFormat = 2;
+inline constexpr const char* kExportedRecipe = "recipe.json";
 
 /// What the trained networks gave for some features, kept beside the exported one for its self-test.
 struct GoldenVector {
@@ -24,8 +26,9 @@ struct GoldenVector {
   OnnxNetwork::Output expected;
 };
 
-/// Most that the exported network is off any golden vector: of prediction and half width over the prediction,
-/// of the distance over the greater of 1 and the distance; of a class's probability as it is.
+/// Most that the exported network is off any golden vector: of prediction and half width over the prediction
+/// (or over the half width, where that is greater: a change may be next to nothing), of the distance over the
+/// greater of 1 and the distance; of a class's probability as it is.
 /// @throws std::invalid_argument for other sizes.
 double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> golden,
                          OnnxNetwork::Predicts predicts = OnnxNetwork::Predicts::kValues);
@@ -33,7 +36,8 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
 /// Asked for of an exported network, over each output.
 inline constexpr double kExportAgreement = 1e-5;
 
-/// What one window of vibration says, in the outputs' units.
+/// What one window of vibration says, in the outputs' units; of classes, their probabilities, without a
+/// width.
 struct PredictedOutputs {
   std::vector<double> value;
   std::vector<double> half_width;
@@ -51,7 +55,14 @@ class ExportedPredictor {
 
   const FeatureRecipe& recipe() const { return parts_.recipe; }
   const std::vector<std::string>& outputs() const { return parts_.outputs; }
+  bool classes() const { return parts_.predicts == OnnxNetwork::Predicts::kClasses; }
   double coverage() const { return parts_.coverage; }  // of the intervals
+
+  /// What the predictor's changes are added to. @throws CampaignError as `BaselineFor`; it must be called,
+  /// with an empty path where there is no file, before the first prediction of a predictor that takes a
+  /// baseline.
+  void UseBaseline(const std::filesystem::path& file);
+
   double worst_disagreement() const { return worst_disagreement_; }
 
   /// @param signals  in any order, samples at `sample_rate_hz`.
@@ -65,6 +76,7 @@ class ExportedPredictor {
  private:
   struct Parts {
     FeatureRecipe recipe;
+    OnnxNetwork::Predicts predicts{OnnxNetwork::Predicts::kValues};
     std::vector<std::string> outputs;
     double coverage{};
     std::vector<GoldenVector> golden;
@@ -78,6 +90,7 @@ class ExportedPredictor {
   OnnxNetwork network_;
   double worst_disagreement_{};
   Eigen::RowVectorXd features_;
+  std::optional<analysis::prediction::Baseline> baseline_;
 };
 
 }  // namespace strainwave::bench

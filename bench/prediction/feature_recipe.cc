@@ -51,6 +51,7 @@ Json JsonOf(const FeatureRecipe& recipe) {
   json["decimates"] = recipe.decimates;
   json["window"] = {{"samples", recipe.window.samples}, {"turns", recipe.window.turns}};
   json["least_samples"] = recipe.least_samples;
+  json["baseline_records"] = recipe.baseline_records;
   json["inputs"] = recipe.inputs;
   return json;
 }
@@ -63,6 +64,7 @@ FeatureRecipe RecipeFrom(const Json& json, const std::filesystem::path& file) {
                          .decimates = json.value("decimates", false),
                          .window = {},
                          .least_samples = json.at("least_samples").get<std::size_t>(),
+                         .baseline_records = json.value("baseline_records", 0),
                          .inputs = json.at("inputs").get<std::vector<std::string>>()};
     if (json.contains("window")) {
       recipe.window = {json.at("window").at("samples").get<std::size_t>(),
@@ -70,6 +72,7 @@ FeatureRecipe RecipeFrom(const Json& json, const std::filesystem::path& file) {
     }
     ChannelFeatures{recipe.features};  // throws for a wavelet, levels or edges that there are not
     Require(recipe.sample_rate_hz > 0.0, "sample_rate_hz is not above 0");
+    Require(recipe.baseline_records >= 0, "baseline_records is below 0");
     Require(recipe.window.turns >= 0, "window.turns is below 0");
     Require(!recipe.channels.empty() && !recipe.inputs.empty(), "channels or inputs is empty");
     Require(recipe.inputs.size() <= kMostInputs, "inputs has more than 100000 names");

@@ -22,6 +22,7 @@ struct FeatureRecipe {
   bool decimates{};
   WindowLength window;
   std::size_t least_samples{};      // of a window
+  int baseline_records{};           // since which features and outputs are changes (0: they are values)
   std::vector<std::string> inputs;  // the features that are kept, by name, in the networks' order
 
   SignalSettings signals() const { return {channels, sample_rate_hz, decimates}; }

@@ -105,6 +105,15 @@ std::string CardText(const Predictor& predictor, const Json& card) {
   text += fmt::format("\nSHA-256 of features and targets: `{}`. Design `{}`{}, {} networks.\n",
                       training.at("data_sha256").get<std::string>(), training.at("design").get<std::string>(),
                       SearchText(training), predictor.fitted.ensemble.members.size());
+  if (predictor.recipe.baseline_records > 0) {
+    text += fmt::format(
+        "\n## Baseline\n\nIt tells changes: the means over a reducer's first {} records are taken off the "
+        "inputs "
+        "and added to the outputs. Every reducer needs its own, from `strainwave baseline`; without it "
+        "nothing is "
+        "predicted. The network's inputs and outputs are differences.\n",
+        predictor.recipe.baseline_records);
+  }
   for (const Json& split : training.at("splits")) text += SplitText(split, predictor);
   if (training.contains("folds")) text += FoldsText(training.at("folds"), predictor);
   if (predictor.classes()) {

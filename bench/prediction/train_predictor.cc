@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/prediction/baseline.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
 #include "bench/prediction/training_json.h"
@@ -50,6 +51,8 @@ prediction::EnsembleSettings SettingsOf(const TrainingJob& job, const prediction
           fmt::format("error: there is no design '{}' (expected small, ann or cnn)", job.design));
     }
   }
+  // A change passes through zero, of which nothing is a percentage.
+  if (job.baseline_records > 0) settings.training.loss = networks::Loss::kMse;
   if (samples.classes) settings.training.loss = networks::Loss::kCrossEntropy;
   if (job.epochs > 0) settings.training.epochs = job.epochs;
   if (job.members > 0) settings.members = job.members;
@@ -69,20 +72,32 @@ struct Filtered {
   prediction::Samples samples;
   FilterSummary summary;
 };
-Filtered Filter(const TrainingData& data, double limit) {
-  const std::vector<Eigen::Index> looked_at = Spread(data.samples.size(), kFilterRecords);
-  const auto columns = prediction::FilterCorrelated(data.samples.features(looked_at, Eigen::all), limit);
+Filtered Filter(const prediction::Samples& samples, std::size_t vibration_features, double limit) {
+  const std::vector<Eigen::Index> looked_at = Spread(samples.size(), kFilterRecords);
+  const auto columns = prediction::FilterCorrelated(samples.features(looked_at, Eigen::all), limit);
   FilterSummary summary{.records = looked_at.size(),
-                        .vibration_features = data.vibration_features,
-                        .torque_features = columns.size() - data.vibration_features};
+                        .vibration_features = vibration_features,
+                        .torque_features = columns.size() - vibration_features};
   std::vector<Eigen::Index> kept;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (!columns[i].kept) continue;
-    const bool vibration = i < data.vibration_features;
+    const bool vibration = i < vibration_features;
     ++(vibration ? summary.vibration_kept : summary.torque_kept);
     if (vibration) kept.push_back(static_cast<Eigen::Index>(i));
   }
-  return {prediction::Inputs(data.samples, kept), summary};
+  return {prediction::Inputs(samples, kept), summary};
+}
+
+prediction::Samples ChangesOf(const TrainingData& data, int baseline_records) {
+  try {
+    prediction::Samples changes = prediction::SinceBaseline(data.samples, baseline_records);
+    if (changes.size() >= static_cast<Eigen::Index>(kFewestRows)) return changes;
+    throw std::invalid_argument(
+        fmt::format("{} records remain (expected at least {})", changes.size(), kFewestRows));
+  } catch (const std::invalid_argument& error) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("error: baseline of {} records: {}", baseline_records, error.what()));
+  }
 }
 
 // All of one channel, and all of one level.
@@ -169,14 +184,18 @@ std::vector<prediction::Trial> Search(const prediction::Samples& samples, const 
 
 TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
                                const TrainingProgressSink& progress) {
-  const Filtered filtered = Filter(data, job.correlation_limit);
+  const Filtered filtered =
+      Filter(job.baseline_records > 0 ? ChangesOf(data, job.baseline_records) : data.samples,
+             data.vibration_features, job.correlation_limit);
   const prediction::Samples& samples = filtered.samples;
   prediction::EnsembleSettings settings = SettingsOf(job, samples);
-  const std::vector<NamedSplit> splits = SplitsOf(samples, job);
+  std::vector<NamedSplit> splits = SplitsOf(samples, job);
+  if (job.compare_only) std::erase_if(splits, [](const NamedSplit& split) { return !split.honest; });
+  const double fit_trainings = job.compare_only ? 0.0 : job.folds + 1.0;
   constexpr double kSearch = 3.0;
   constexpr double kCurve = 2.0;
   Steps steps((job.search ? kSearch : 0.0) + (job.learning_curve ? kCurve : 0.0) +
-                  static_cast<double>(splits.size()) + job.folds + 1.0,
+                  static_cast<double>(splits.size()) + fit_trainings,
               progress);
   TrainingOutcome outcome;
   outcome.filter = filtered.summary;
@@ -194,14 +213,14 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
     const auto predict = [&](const Eigen::MatrixXd& features) {
       return comparison.network.Predict(features).mean;
     };
-    outcome.held_out.push_back({named.name, test.cycle, test.targets, predict(test.features)});
+    outcome.held_out.push_back({named.name, test.cycle, prediction::Values(test, test.targets),
+                                prediction::Values(test, predict(test.features))});
     if (k > 0) continue;
-    const auto error_percent = [&](const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted) {
-      return prediction::Judge("", samples.classes, actual, predicted).Error_percent();
+    const auto error_percent = [&](const Eigen::MatrixXd& features) {
+      return prediction::Judge("", test, predict(features)).Error_percent();
     };
-    outcome.importances =
-        prediction::PermutationImportance(predict, error_percent, test.features, test.targets,
-                                          GroupsOf(samples.inputs), kPermutations, job.seed);
+    outcome.importances = prediction::PermutationImportance(
+        error_percent, test.features, GroupsOf(samples.inputs), kPermutations, job.seed);
   }
   if (job.learning_curve) {
     prediction::EnsembleSettings spread = settings;
@@ -209,17 +228,21 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
     outcome.curve = prediction::LearningCurve(samples, splits.front().split, spread,
                                               steps.Next("learning curve", kCurve));
   }
+  if (job.compare_only) {
+    outcome.report_json = TrainingJson(data, job, settings, outcome);
+    return outcome;
+  }
   prediction::Fit fit = prediction::FitPredictor(samples, settings, job.coverage, job.folds,
-                                                 steps.Next("predictor and its folds", job.folds + 1.0));
+                                                 steps.Next("predictor and its folds", fit_trainings));
   outcome.folds = {prediction::SpecimenCount(samples) > 1 ? "whole specimens" : "blocks of time",
                    prediction::FoldErrors_percent(samples, fit.folds, fit.cross),
-                   prediction::Judge("network", samples.classes, samples.targets, fit.cross.predicted),
-                   fit.left_out_coverage};
+                   prediction::CompareFolds(samples, fit.folds, fit.cross), fit.left_out_coverage};
   FeatureRecipe recipe = data.recipe;
   recipe.inputs = samples.inputs;
+  recipe.baseline_records = job.baseline_records;
+  outcome.report_json = TrainingJson(data, job, settings, outcome);
   outcome.predictor.emplace(
-      Predictor{std::move(recipe), samples.outputs, std::move(fit.predictor), std::string()});
-  outcome.predictor->training_json = TrainingJson(data, job, settings, outcome);
+      Predictor{std::move(recipe), samples.outputs, std::move(fit.predictor), outcome.report_json});
   return outcome;
 }
 

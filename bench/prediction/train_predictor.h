@@ -27,9 +27,11 @@ struct TrainingJob {
   double coverage{0.9};
   double correlation_limit{0.75};
   double test_share{1000.0 / 3500.0};  // of each life, the last part
+  int baseline_records{};  // of each reducer's first, since which changes are predicted; 0: values are
   std::uint64_t seed{1};
   bool search{};          // for widths, depth and decay of a small network
   bool learning_curve{};  // how few records would do
+  bool compare_only{};    // on the honest splits; no predictor is fitted, which takes most of the time
 };
 
 /// What the correlation filter left of the features.
@@ -58,11 +60,11 @@ struct HeldOut {
   Eigen::MatrixXd predicted;
 };
 
-/// Every record predicted once by a network that had not seen its fold.
+/// Every record predicted once, by what had not seen its fold.
 struct FoldResult {
-  std::string of;                     // "whole specimens", or "blocks of time"
-  std::vector<double> error_percent;  // of each fold
-  analysis::prediction::Contestant all;
+  std::string of;                                             // "whole specimens", or "blocks of time"
+  std::vector<double> error_percent;                          // of each fold
+  std::vector<analysis::prediction::Contestant> contestants;  // the network first
   /// Share of the records, one an output, inside intervals calibrated on the other folds; empty for classes.
   Eigen::RowVectorXd interval_coverage;
 };
@@ -75,7 +77,8 @@ struct TrainingOutcome {
   std::vector<HeldOut> held_out;  // of the honest splits
   std::vector<analysis::prediction::LearningPoint> curve;
   FoldResult folds;
-  std::optional<Predictor> predictor;
+  std::optional<Predictor> predictor;  // none, and no folds, where the job was to compare
+  std::string report_json;             // an object: from what it was trained, how, and how well it did
 };
 
 /// Told step and share of all; false ends the training.
@@ -84,7 +87,8 @@ using TrainingProgressSink = std::function<bool(const std::string& step, double 
 /// Filters the features, searches a design if asked to, compares the network with what it has to beat on
 /// honest splits and on a random one, fits the predictor on everything, and measures what its inputs are
 /// worth.
-/// @throws CampaignError for a design without that name; prediction::TrainingEnded when progress ended it.
+/// @throws CampaignError for a design without that name, or too few records beside a baseline;
+/// prediction::TrainingEnded when progress ended it.
 TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
                                const TrainingProgressSink& progress);
 

@@ -19,8 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kFewestRows = 20;
-
 void KeepVibration(SourceRows& rows) {
   rows.shape.names.resize(rows.shape.vibration_features);
   for (Eigen::RowVectorXd& row : rows.features) {

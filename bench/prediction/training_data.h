@@ -29,6 +29,8 @@ struct TrainingData {
   std::string sha256;              // of all features and targets that were used
 };
 
+inline constexpr std::size_t kFewestRows = 20;
+
 /// Reads campaign folders, record files of kind vibration with labels, and folders of such files; whatever is
 /// of one specimen is one reducer. Cycles with a flagged result, and features that are not finite in every
 /// row, are left out with a note.

@@ -44,18 +44,32 @@ Json SourcesJson(const TrainingData& data) {
   return sources;
 }
 
+Json ScoresJson(const std::vector<prediction::Contestant>& contestants,
+                const std::vector<std::string>& outputs) {
+  Json scores;
+  for (const auto& contestant : contestants) scores[contestant.name] = JsonOf(contestant, outputs);
+  return scores;
+}
+
 Json SplitsJson(const TrainingOutcome& outcome, const std::vector<std::string>& outputs) {
   Json splits = Json::array();
   for (const SplitResult& split : outcome.splits) {
-    Json scores;
-    for (const auto& contestant : split.contestants) scores[contestant.name] = JsonOf(contestant, outputs);
     splits.push_back({{"split", split.name},
                       {"meaning", split.meaning},
                       {"train", split.train},
                       {"test", split.test},
-                      {"scores", std::move(scores)}});
+                      {"scores", ScoresJson(split.contestants, outputs)}});
   }
   return splits;
+}
+
+Json FoldsJson(const FoldResult& folds, const std::vector<std::string>& outputs) {
+  return {{"of", folds.of},
+          {"error_percent", folds.error_percent},
+          {"network", JsonOf(folds.contestants.front(), outputs)},
+          {"scores", ScoresJson(folds.contestants, outputs)},
+          {"interval_coverage",
+           std::vector<double>(folds.interval_coverage.begin(), folds.interval_coverage.end())}};
 }
 
 Json ImportanceJson(const TrainingOutcome& outcome, bool classes) {
@@ -106,6 +120,7 @@ std::string TrainingJson(const TrainingData& data, const TrainingJob& job,
             {"weight_decay", settings.training.weight_decay},
             {"epochs", settings.training.epochs},
             {"seed", job.seed},
+            {"baseline_records", job.baseline_records},
             {"filter",
              {{"limit", job.correlation_limit},
               {"records", filter.records},
@@ -114,14 +129,9 @@ std::string TrainingJson(const TrainingData& data, const TrainingJob& job,
               {"torque_features", filter.torque_features},
               {"torque_kept", filter.torque_kept}}},
             {"splits", SplitsJson(outcome, data.samples.outputs)},
-            {"folds",
-             {{"of", outcome.folds.of},
-              {"error_percent", outcome.folds.error_percent},
-              {"network", JsonOf(outcome.folds.all, data.samples.outputs)},
-              {"interval_coverage", std::vector<double>(outcome.folds.interval_coverage.begin(),
-                                                        outcome.folds.interval_coverage.end())}}},
             {"importance", ImportanceJson(outcome, classes)},
             {"notes", data.notes}};
+  if (!job.compare_only) json["folds"] = FoldsJson(outcome.folds, data.samples.outputs);
   if (!outcome.trials.empty()) json["search"] = SearchJson(outcome);
   if (!outcome.curve.empty()) json["learning_curve"] = CurveJson(outcome);
   return json.dump();

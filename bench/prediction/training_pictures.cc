@@ -73,7 +73,7 @@ void DrawAgreement(const std::vector<HeldOut>& held_out, const std::vector<std::
 
 void DrawConfusion(const FoldResult& folds, const std::vector<std::string>& classes,
                    const std::filesystem::path& stem) {
-  const Eigen::MatrixXi& counts = folds.all.confusion;
+  const Eigen::MatrixXi& counts = folds.contestants.front().confusion;
   std::string script = "$confusion << EOD\n";
   std::string x_tics;
   std::string y_tics;
@@ -92,7 +92,8 @@ void DrawConfusion(const FoldResult& folds, const std::vector<std::string>& clas
       "set palette defined (0 'white', 1 '{}')\nset cblabel 'share of the records of a class'\nunset key\n"
       "set xlabel 'predicted'\nset ylabel 'own class'\nset xtics ({}) rotate by 30 right\nset ytics ({})\n"
       "plot $confusion using 1:2:3 with image, '' using 1:2:(sprintf('%d', $4)) with labels tc rgb '{}'\n",
-      Quoted(fmt::format("accuracy {:.2f} %, by folds of {}", 100.0 - folds.all.Error_percent(), folds.of)),
+      Quoted(fmt::format("accuracy {:.2f} %, by folds of {}",
+                         100.0 - folds.contestants.front().Error_percent(), folds.of)),
       most, most, kFirstColour.pale, x_tics, y_tics, kFirstColour.dark);
   RenderPicture(script, stem, {900, 800});
 }

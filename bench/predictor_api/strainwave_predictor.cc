@@ -6,6 +6,8 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -32,8 +34,8 @@ void Say(std::string_view text, char* error, size_t error_size) noexcept {
 }
 
 strainwave_status Run(strainwave_predictor& predictor, const double* const* channels, size_t samples,
-                      double sample_rate_hz, strainwave_value* values, double& distance, char* error,
-                      size_t error_size) {
+                      double sample_rate_hz, std::optional<double> samples_per_turn, strainwave_value* values,
+                      double& distance, char* error, size_t error_size) {
   const std::vector<std::string>& names = predictor.exported.recipe().channels;
   std::vector<NamedSignal> signals;
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -43,7 +45,7 @@ strainwave_status Run(strainwave_predictor& predictor, const double* const* chan
     }
     signals.push_back({names[k], {channels[k], samples}});
   }
-  const auto predicted = predictor.exported.Predict(signals, sample_rate_hz);
+  const auto predicted = predictor.exported.Predict(signals, sample_rate_hz, samples_per_turn);
   if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
     Say(fault->text, error, error_size);
     return STRAINWAVE_BAD_SIGNAL;
@@ -59,6 +61,32 @@ strainwave_status Run(strainwave_predictor& predictor, const double* const* chan
   return STRAINWAVE_OUTSIDE_TRAINING;
 }
 
+// Whatever goes wrong becomes a status.
+strainwave_status RunGuarded(strainwave_predictor* predictor, const double* const* channels, size_t samples,
+                             double sample_rate_hz, std::optional<double> samples_per_turn,
+                             strainwave_value* values, double* distance, char* error, size_t error_size) {
+  Say("", error, error_size);
+  if (distance != nullptr) *distance = std::numeric_limits<double>::quiet_NaN();
+  if (predictor == nullptr || channels == nullptr || values == nullptr || samples == 0) {
+    Say("predictor, channels or values is NULL, or there are no samples", error, error_size);
+    return STRAINWAVE_BAD_ARGUMENT;
+  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::fill_n(values, predictor->exported.outputs().size(), strainwave_value{kNone, kNone, kNone});
+  try {
+    double measured = kNone;
+    const strainwave_status status = Run(*predictor, channels, samples, sample_rate_hz, samples_per_turn,
+                                         values, measured, error, error_size);
+    if (distance != nullptr) *distance = measured;
+    return status;
+  } catch (const std::exception& failure) {
+    Say(failure.what(), error, error_size);
+  } catch (...) {
+    Say("the prediction failed", error, error_size);
+  }
+  return STRAINWAVE_FAILED;
+}
+
 const char* NameAt(const std::vector<std::string>& names, size_t at) {
   return at < names.size() ? names[at].c_str() : nullptr;
 }
@@ -67,13 +95,22 @@ const char* NameAt(const std::vector<std::string>& names, size_t at) {
 
 // NOLINTBEGIN(readability-identifier-naming)
 strainwave_predictor* strainwave_predictor_open(const char* folder, char* error, size_t error_size) {
+  return strainwave_predictor_open_for(folder, "", error, error_size);
+}
+
+strainwave_predictor* strainwave_predictor_open_for(const char* folder, const char* baseline_file,
+                                                    char* error, size_t error_size) {
   Say("", error, error_size);
-  if (folder == nullptr) {
-    Say("folder is NULL (expected a folder that `strainwave export` wrote)", error, error_size);
+  if (folder == nullptr || baseline_file == nullptr) {
+    Say(folder == nullptr ? "folder is NULL (expected a folder that `strainwave export` wrote)"
+                          : "baseline_file is NULL (expected a file that `strainwave baseline` wrote)",
+        error, error_size);
     return nullptr;
   }
   try {
-    return new strainwave_predictor{strainwave::bench::ExportedPredictor(folder)};
+    auto predictor = std::make_unique<strainwave_predictor>(strainwave::bench::ExportedPredictor(folder));
+    predictor->exported.UseBaseline(baseline_file);
+    return predictor.release();
   } catch (const std::exception& failure) {
     Say(failure.what(), error, error_size);
   } catch (...) {
@@ -108,6 +145,10 @@ const char* strainwave_predictor_output_name(const strainwave_predictor* predict
   return predictor == nullptr ? nullptr : NameAt(predictor->exported.outputs(), output);
 }
 
+int strainwave_predictor_tells_classes(const strainwave_predictor* predictor) {
+  return predictor != nullptr && predictor->exported.classes() ? 1 : 0;
+}
+
 double strainwave_predictor_coverage(const strainwave_predictor* predictor) {
   return predictor == nullptr ? 0.0 : predictor->exported.coverage();
 }
@@ -115,25 +156,21 @@ double strainwave_predictor_coverage(const strainwave_predictor* predictor) {
 strainwave_status strainwave_predictor_run(strainwave_predictor* predictor, const double* const* channels,
                                            size_t samples, double sample_rate_hz, strainwave_value* values,
                                            double* distance, char* error, size_t error_size) {
-  Say("", error, error_size);
-  if (distance != nullptr) *distance = std::numeric_limits<double>::quiet_NaN();
-  if (predictor == nullptr || channels == nullptr || values == nullptr || samples == 0) {
-    Say("predictor, channels or values is NULL, or there are no samples", error, error_size);
+  return RunGuarded(predictor, channels, samples, sample_rate_hz, std::nullopt, values, distance, error,
+                    error_size);
+}
+
+strainwave_status strainwave_predictor_run_at(strainwave_predictor* predictor, const double* const* channels,
+                                              size_t samples, double sample_rate_hz, double input_speed_rpm,
+                                              strainwave_value* values, double* distance, char* error,
+                                              size_t error_size) {
+  if (!(std::abs(input_speed_rpm) > 0.0)) {
+    Say("input_speed_rpm is 0 or no number (expected the speed of a shaft that turns)", error, error_size);
     return STRAINWAVE_BAD_ARGUMENT;
   }
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  std::fill_n(values, predictor->exported.outputs().size(), strainwave_value{kNone, kNone, kNone});
-  try {
-    double measured = kNone;
-    const strainwave_status status =
-        Run(*predictor, channels, samples, sample_rate_hz, values, measured, error, error_size);
-    if (distance != nullptr) *distance = measured;
-    return status;
-  } catch (const std::exception& failure) {
-    Say(failure.what(), error, error_size);
-  } catch (...) {
-    Say("the prediction failed", error, error_size);
-  }
-  return STRAINWAVE_FAILED;
+  constexpr double kSecondsPerMinute = 60.0;
+  return RunGuarded(predictor, channels, samples, sample_rate_hz,
+                    sample_rate_hz * kSecondsPerMinute / std::abs(input_speed_rpm), values, distance, error,
+                    error_size);
 }
 // NOLINTEND(readability-identifier-naming)

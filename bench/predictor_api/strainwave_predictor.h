@@ -37,6 +37,11 @@ typedef struct {
  * written. */
 strainwave_predictor* strainwave_predictor_open(const char* folder, char* error, size_t error_size);
 
+/* The same for one reducer, with its baseline: a file that `strainwave baseline` wrote. A predictor of
+ * changes since a reducer's first records cannot do without, and `strainwave_predictor_open` refuses it. */
+strainwave_predictor* strainwave_predictor_open_for(const char* folder, const char* baseline_file,
+                                                    char* error, size_t error_size);
+
 /* NULL is passed over. */
 void strainwave_predictor_close(strainwave_predictor* predictor);
 
@@ -49,6 +54,9 @@ size_t strainwave_predictor_least_samples(const strainwave_predictor* predictor)
 
 size_t strainwave_predictor_output_count(const strainwave_predictor* predictor);
 const char* strainwave_predictor_output_name(const strainwave_predictor* predictor, size_t output);
+/* 1 where the outputs are classes: then a value is the probability of its class, without an interval (low and
+ * high are the same number), and the greatest is the likeliest. */
+int strainwave_predictor_tells_classes(const strainwave_predictor* predictor);
 double strainwave_predictor_coverage(const strainwave_predictor* predictor);
 
 /* Predicts from one window.
@@ -61,6 +69,13 @@ double strainwave_predictor_coverage(const strainwave_predictor* predictor);
 strainwave_status strainwave_predictor_run(strainwave_predictor* predictor, const double* const* channels,
                                            size_t samples, double sample_rate_hz, strainwave_value* values,
                                            double* distance, char* error, size_t error_size);
+
+/* The same where the speed of the input shaft is known, in revolutions per minute, and steady to a hundredth
+ * over the window: predictors from energies by order of that shaft need it. */
+strainwave_status strainwave_predictor_run_at(strainwave_predictor* predictor, const double* const* channels,
+                                              size_t samples, double sample_rate_hz, double input_speed_rpm,
+                                              strainwave_value* values, double* distance, char* error,
+                                              size_t error_size);
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "analysis/prediction/baseline.h"
 #include "analysis/prediction/correlation_filter.h"
 #include "analysis/prediction/samples.h"
 #include "analysis/prediction/scaler.h"
@@ -54,6 +55,33 @@ TEST(Samples, SayWhichValueIsNotFinite) {
   samples = ThreeReducers();
   samples.cycle.pop_back();
   EXPECT_EQ(MessageOf([&] { Check(samples); }), "cycle has 11 values (expected 12)");
+}
+
+// Reducer 0 has rows 0, 3, 6, 9 and lives from the last of them to the first: 9 and 6 are its baseline, with
+// the means 7.5, −7.5 and 107.5.
+TEST(SinceBaseline, TellsLaterRecordsAsChangesSinceTheFirstOfEachReducer) {
+  const Samples changes = SinceBaseline(ThreeReducers(), 2);
+  ASSERT_EQ(changes.size(), 6);
+  EXPECT_EQ(changes.specimen, (std::vector<int>{0, 1, 2, 0, 1, 2}));
+  EXPECT_EQ(changes.cycle, (std::vector<double>{100, 99, 98, 97, 96, 95}));
+  EXPECT_EQ(changes.features.row(0), Eigen::RowVector2d(0.0 - 7.5, 0.0 + 7.5));
+  EXPECT_EQ(changes.targets(0, 0), 100.0 - 107.5);
+  EXPECT_EQ(changes.targets(3, 0), 103.0 - 107.5);
+  // Reducer 1: rows 10 and 7, the mean is 108.5.
+  EXPECT_EQ(changes.targets(1, 0), 101.0 - 108.5);
+  const Samples last = Rows(changes, {5, 3});
+  EXPECT_EQ(Values(last, last.targets), Eigen::Vector2d(105.0, 103.0));
+  EXPECT_EQ(Values(ThreeReducers(), ThreeReducers().targets), ThreeReducers().targets);
+}
+
+TEST(SinceBaseline, SaysWhatIsWrong) {
+  EXPECT_EQ(MessageOf([] { SinceBaseline(ThreeReducers(), 0); }), "records = 0 (expected at least 1)");
+  EXPECT_EQ(MessageOf([] { SinceBaseline(ThreeReducers(), 4); }),
+            "a reducer has 4 records (expected more than the 4 of its baseline)");
+  Samples classes = ThreeReducers();
+  classes.classes = true;
+  EXPECT_EQ(MessageOf([&] { SinceBaseline(classes, 1); }), "classes have no baseline (expected quantities)");
+  EXPECT_EQ(MessageOf([] { BaselineOf({}, {}); }), "features has no row (expected one or more)");
 }
 
 // By hand: errors 1, 0, −1 of 10, 20, 40.

@@ -167,11 +167,11 @@ TEST(PermutationImportance, FindsWhatThePredictorLooksAt) {
   const auto predict = [](const Eigen::MatrixXd& x) -> Eigen::MatrixXd {
     return (10.0 + 0.2 * x.col(0).array() + 1.0 * x.col(2).array()).matrix();
   };
-  const auto mape = [](const Eigen::MatrixXd& actual, const Eigen::MatrixXd& predicted) {
-    return MeanMape_percent(ScoresOf(actual, predicted));
+  const auto mape = [&](const Eigen::MatrixXd& x) {
+    return MeanMape_percent(ScoresOf(predict(features), predict(x)));
   };
-  const auto found = PermutationImportance(predict, mape, features, predict(features),
-                                           {{"little", {0}}, {"unused", {1}}, {"much", {2}}}, 4, 1);
+  const auto found =
+      PermutationImportance(mape, features, {{"little", {0}}, {"unused", {1}}, {"much", {2}}}, 4, 1);
   ASSERT_EQ(found.size(), 3U);
   EXPECT_EQ(found[0].name, "much");
   EXPECT_EQ(found[1].name, "little");

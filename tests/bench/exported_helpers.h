@@ -108,12 +108,12 @@ inline FeatureRecipe TestRecipe() {
   return recipe;
 }
 
-/// Writes a small exported predictor of `TestRecipe` there.
-inline void WriteTestExport(const std::filesystem::path& folder) {
+/// Writes a small exported predictor there.
+inline void WriteTestExport(const std::filesystem::path& folder, const FeatureRecipe& recipe = TestRecipe()) {
   using analysis::networks::Activation;
   using analysis::networks::Dense;
   ExportPredictor(
-      TestPredictor(TestRecipe(), {{1, 12}, {Dense{6, Activation::kTanh}, Dense{2, Activation::kLinear}}}, 3),
+      TestPredictor(recipe, {{1, 12}, {Dense{6, Activation::kTanh}, Dense{2, Activation::kLinear}}}, 3),
       folder);
 }
 

@@ -116,6 +116,21 @@ class LabelledRecords(unittest.TestCase):
         self.assertIn(b"Softmax", (FOLDER / "exported" / "model.onnx").read_bytes())
         self.assertIn("| cracked | sound | worn |", (FOLDER / "exported" / "model_card.md").read_text())
 
+    def test_a_monitor_tells_the_class_that_predict_tells(self):
+        path = class_record(FOLDER / "streamed.csv", 78, "cracked")
+        code, out, error = run("monitor", FOLDER / "exported", "--replay", path, "--pace", "max", "--json")
+        self.assertEqual(code, 0, error)
+        told = json.loads(out)
+        self.assertEqual((told["class"], told["status"]), ("cracked", "good"))
+        self.assertNotIn("values", told)
+        self.assertAlmostEqual(sum(told["probabilities"].values()), 1.0, places=5)
+        code, out, _ = run("monitor", FOLDER / "exported", "--replay", path, "--pace", "max")
+        self.assertRegex(out, r"  ok  class cracked \([01]\.\d{3}\)\n$")
+        limits = FOLDER / "limits.yaml"
+        limits.write_text("monitor: 1\nthresholds:\n  - output: worn\n    warning_above: 0.5\n")
+        self.assertEqual(self.refusal("monitor", FOLDER / "exported", "--replay", path, "--settings", limits),
+                         "error: a threshold is for 'worn' (expected none: the predictor tells classes)")
+
     def test_values_by_order_with_a_search_and_a_learning_curve(self):
         out = FOLDER / "by_order"
         code, text, error = run("train", FOLDER / "values", "--out", out, "--set", "orders", "--search",

@@ -4,6 +4,7 @@
 program in C.
 
 usage: monitor_command_test.py PROGRAM EXAMPLE     exit code 77: skipped, a peer is not there"""
+import ctypes
 import json
 import math
 import os
@@ -126,6 +127,46 @@ class Monitor(unittest.TestCase):
     def expected(self, name):
         _, results, _ = self.run_once(self.exported, "--replay", self.record, "--pace", "max")
         return results[0]["values"][name]["value"]
+
+    def test_energies_by_order_are_of_the_shaft_s_speed(self):
+        predictor, exported = FOLDER / "by_order", FOLDER / "by_order_exported"
+        for command in (["train", self.campaign, "--set", "orders", "--epochs", 10, "--out", predictor],
+                        ["export", predictor, "--out", exported]):
+            done = subprocess.run([PROGRAM, *map(str, command)], capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        predicted = json.loads(subprocess.run([PROGRAM, "predict", predictor, self.record, "--json"],
+                                              capture_output=True, text=True, check=True).stdout)["values"]
+        code, results, error = self.run_once(exported, "--replay", self.record, "--pace", "max")
+        self.assertEqual(code, 0, error)
+        from_c = self.values_from_c(exported, 2400.0)
+        for place, name in enumerate(OUTPUTS):
+            value = predicted[name]["value"]
+            self.assertAlmostEqual(results[0]["values"][name]["value"] / value, 1, delta=1e-5)
+            self.assertAlmostEqual(from_c[place] / value, 1, delta=1e-5)
+        self.assertEqual(self.values_from_c(exported, 0.0),
+                         "input_speed_rpm is 0 or no number (expected the speed of a shaft that turns)")
+        silent = self.write("silent.csv", self.good)
+        silent.write_text(silent.read_text().replace("# input_speed_rpm: 2400\n", ""))
+        code, results, error = self.run_once(exported, "--replay", silent, "--pace", "max")
+        self.assertEqual((code, results[0]["status"]), (2, "bad"))
+        self.assertIn(f"{silent}: error: there is no steady speed of the input shaft (expected ", error)
+
+    def values_from_c(self, exported, input_speed_rpm):
+        """The outputs, or why there are none."""
+        library = ctypes.CDLL(str(pathlib.Path(PROGRAM).parent / "libstrainwave_predictor.so"))
+        library.strainwave_predictor_open.restype = ctypes.c_void_p
+        error = ctypes.create_string_buffer(400)
+        predictor = ctypes.c_void_p(library.strainwave_predictor_open(str(exported).encode(), error, 400))
+        self.assertTrue(predictor.value, error.value)
+        samples = [numpy.ascontiguousarray(self.good[name]) for name in CHANNELS]
+        pointer = ctypes.POINTER(ctypes.c_double)
+        channels = (pointer * len(samples))(*(each.ctypes.data_as(pointer) for each in samples))
+        values = (ctypes.c_double * (3 * len(OUTPUTS)))()
+        status = library.strainwave_predictor_run_at(
+            predictor, channels, ctypes.c_size_t(len(samples[0])), ctypes.c_double(25600.0),
+            ctypes.c_double(input_speed_rpm), values, None, error, ctypes.c_size_t(400))
+        library.strainwave_predictor_close(predictor)
+        return list(values)[::3] if status in (0, 1) else error.value.decode()
 
     def test_a_trigger_channel_cuts_a_long_record(self):
         columns = {name: numpy.tile(values, 3)[:120000] for name, values in self.good.items()}

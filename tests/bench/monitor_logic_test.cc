@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts of the monitor that know neither network nor clock.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -155,7 +156,8 @@ TEST(Outbox, AnEntryThatWentWhileUnderWayIsLostOnlyIfItDidNotArrive) {
   }
 }
 
-const MonitorFrame kFrame{{"k2_Nm_per_rad", "e_max_arcmin"}, 0.9, 60'000};
+const MonitorFrame kFrame{{"k2_Nm_per_rad", "e_max_arcmin"}, 0.9, 60'000, false};
+const MonitorFrame kClasses{{"sound", "worn"}, 0.0, 60'000, true};
 
 MonitorState Good() {
   MonitorState state;
@@ -218,6 +220,41 @@ TEST(ModbusRegisters, HoldTheTableOfTheDocument) {
   EXPECT_EQ(registers[27], 1);
   EXPECT_EQ(FloatAt(registers, 28), 1.0F);
   EXPECT_EQ(registers[34], 0);
+}
+
+// Of two classes with the probabilities 0.25 and 0.75.
+MonitorState Worn() {
+  MonitorState state = Good();
+  state.last->outputs = {{0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}};
+  state.last->alarms = {AlarmLevel::kOk, AlarmLevel::kOk};
+  return state;
+}
+
+TEST(Classes, ArePublishedByNameWithTheirProbabilities) {
+  EXPECT_EQ(ModbusRegisters(Worn(), kClasses, 1'003'000)[12], 2);
+  EXPECT_EQ(FloatAt(ModbusRegisters(Worn(), kClasses, 1'003'000), 28), 0.75F);
+  EXPECT_EQ(ModbusRegisters(Clipped(), kClasses, 1'003'000)[12], 0);
+  EXPECT_EQ(ModbusRegisters(Good(), kFrame, 1'003'000)[12], 0);
+
+  const std::string text = PrometheusText(Worn(), kClasses, 1'003'000);
+  for (const char* line : {"strainwave_class{output=\"sound\"} 0\n", "strainwave_class{output=\"worn\"} 1\n",
+                           "strainwave_class_probability{output=\"worn\"} 0.75\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line << "in\n" << text;
+  }
+  EXPECT_EQ(text.find("strainwave_predicted"), std::string::npos);
+  EXPECT_EQ(text.find("strainwave_alarm"), std::string::npos);
+  EXPECT_EQ(PrometheusText(Clipped(), kClasses, 1'003'000).find("strainwave_class"), std::string::npos);
+
+  const auto find = [](const std::vector<SparkplugMetric>& metrics, const std::string& name) {
+    return *std::ranges::find(metrics, name, &SparkplugMetric::name);
+  };
+  const auto good = SparkplugMetrics(Worn(), kClasses, 1'003'000);
+  EXPECT_EQ(std::get<std::string>(find(good, "Class").value), "worn");
+  EXPECT_EQ(std::get<double>(find(good, "sound/Probability").value), 0.25);
+  const auto bad = SparkplugMetrics(Clipped(), kClasses, 1'003'000);
+  EXPECT_TRUE(find(bad, "Class").is_null);
+  EXPECT_EQ(find(bad, "Class").quality, SparkplugQuality::kBad);
+  EXPECT_EQ(bad.size(), good.size()) << "a birth has every metric that data can have";
 }
 
 TEST(ModbusRegisters, HaveNoNumberWhereNoneIsGood) {

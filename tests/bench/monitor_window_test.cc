@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/monitor/window.h"
 
+#include <functional>
+
 #include <gtest/gtest.h>
 
 namespace strainwave::bench {
@@ -60,6 +62,27 @@ TEST(WindowCutter, GivesAMarkedMeasurementWhole) {
   ASSERT_EQ(windows.size(), 1U);
   ExpectNumbers(windows[0], 0, 25);
   EXPECT_TRUE(cutter.Add(Numbers(25, 40)).empty()) << "samples between measurements belong to none";
+}
+
+// A hundredth of a turn of the output a sample, of which the input makes four: 25 samples a turn.
+TEST(WindowCutter, TellsTheSpeedOfTheInputShaftWhereItIsSteady) {
+  WindowRule rule;
+  rule.ratio = 4.0;
+  const auto samples_per_turn = [&](const std::function<double(double)>& turns) {
+    WindowCutter cutter(rule);
+    VibrationChunk chunk = Numbers(0, 200);
+    chunk.begins_measurement = chunk.ends_measurement = true;
+    for (int i = 0; i < 200; ++i) chunk.output_turns.push_back(turns(i));
+    return cutter.Add(chunk).at(0).samples_per_turn;
+  };
+  EXPECT_NEAR(samples_per_turn([](double i) { return 7.0 + i / 100.0; }).value(), 25.0, 1e-9);
+  EXPECT_NEAR(samples_per_turn([](double i) { return -i / 100.0; }).value(), 25.0, 1e-9);
+  EXPECT_EQ(samples_per_turn([](double i) { return i / 100.0 * (1.0 + i / 4000.0); }), std::nullopt);
+  EXPECT_EQ(samples_per_turn([](double) { return 7.0; }), std::nullopt) << "a shaft at rest has no orders";
+  WindowCutter cutter(rule);
+  VibrationChunk chunk = Numbers(0, 200);
+  chunk.begins_measurement = chunk.ends_measurement = true;
+  EXPECT_EQ(cutter.Add(chunk).at(0).samples_per_turn, std::nullopt) << "nothing is known of the shaft";
 }
 
 TEST(WindowCutter, BeginsAtARisingEdgeWhereverTheBlocksLie) {

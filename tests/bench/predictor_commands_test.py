@@ -75,6 +75,12 @@ class Predictors(unittest.TestCase):
             self.assertEqual(list(split["scores"]), ["network", "ridge", "forest", "cycle number alone", "mean"])
             self.assertEqual(split["train"] + split["test"], CYCLES)
         self.assertEqual(self.report["campaigns"][0]["specimen"], "SIM-0001")
+        # The folds compare the same, over all records.
+        folds = self.report["folds"]
+        self.assertEqual(list(folds["scores"]), ["network", "ridge", "forest", "cycle number alone", "mean"])
+        self.assertEqual(folds["scores"]["network"], folds["network"])
+        errors = [scores["mean_mape_percent"] for scores in folds["scores"].values()]
+        self.assertEqual(len(set(errors)), 5)
         kept = self.report["filter"]
         self.assertEqual((kept["vibration_features"], kept["torque_features"]), (980, 245))
         self.assertLess(kept["vibration_kept"], 980)
@@ -191,6 +197,64 @@ class Predictors(unittest.TestCase):
         self.assertEqual(self.refusal("train", self.campaign, "--out", FOLDER / "p", "--design", "tall"),
                          "error: there is no design 'tall' (expected small, ann or cnn)")
         self.assertFalse((FOLDER / "p").exists())
+
+    def test_a_comparison_writes_nothing(self):
+        code, out, error = run("train", self.campaign, "--compare", "--epochs", 10, "--json")
+        self.assertEqual(code, 0, error)
+        report = json.loads(out)
+        self.assertEqual([split["split"] for split in report["splits"]], ["last part of each life"])
+        self.assertNotIn("folds", report)
+        told = "error: a predictor is written somewhere or not at all (expected --out or --compare)"
+        self.assertEqual(self.refusal("train", self.campaign), told)
+        self.assertEqual(self.refusal("train", self.campaign, "--compare", "--out", FOLDER / "p"), told)
+
+    def test_changes_since_a_baseline_need_the_reducer_s_own(self):
+        predictor, exported, own = FOLDER / "changes", FOLDER / "changes_exported", FOLDER / "own.json"
+        code, out, error = run("train", self.campaign, "--out", predictor, "--baseline", 3, "--epochs", 40, "--json")
+        self.assertEqual(code, 0, error)
+        self.assertEqual(json.loads(out)["baseline_records"], 3)
+        self.assertEqual([split["train"] + split["test"] for split in json.loads(out)["splits"]], [CYCLES - 3] * 2)
+        code, _, error = run("export", predictor, "--out", exported)
+        self.assertEqual(code, 0, error)
+        self.assertIn("first 3 records", (exported / "model_card.md").read_text())
+        cycle = self.campaign / "cycles" / "000010.h5"
+        needed = ("error: the predictor tells changes since a reducer's first 3 records (expected its baseline file, "
+                  "as `strainwave baseline` writes it)")
+        self.assertEqual(self.refusal("predict", predictor, cycle), needed)
+        self.assertEqual(self.refusal("monitor", exported, "--replay", cycle), needed)
+        for folder in predictor, exported:
+            code, out, error = run("baseline", folder, self.campaign, "--out", own)
+            self.assertEqual(code, 0, error)
+            self.assertRegex(out, r"own.json: SIM-0001, 3 records: e_max_arcmin \S+ .* k3_Nm_per_rad \S+\n$")
+        code, out, error = run("predict", predictor, cycle, "--baseline", own, "--json")
+        self.assertEqual(code, 0, error)
+        with sqlite3.connect(self.campaign / "campaign.db") as database:
+            measured = dict(database.execute("SELECT quantity, value FROM results WHERE cycle = 10 AND repeat = 0"))
+        values = json.loads(out)["values"]
+        for quantity, value in values.items():
+            self.assertAlmostEqual(value["value"] / measured[quantity], 1.0, delta=0.05)
+        code, out, error = run("monitor", exported, "--baseline", own, "--replay", cycle, "--pace", "max", "--json")
+        self.assertEqual(code, 0, error)
+        for quantity, value in json.loads(out)["values"].items():
+            self.assertAlmostEqual(value["value"] / values[quantity]["value"], 1.0, delta=1e-5)
+
+    def test_a_baseline_is_of_one_reducer_and_whole(self):
+        predictor, out = FOLDER / "whole", FOLDER / "whole.json"
+        self.assertEqual(self.refusal("train", self.campaign, "--out", predictor, "--baseline", CYCLES),
+                         f"error: baseline of {CYCLES} records: a reducer has {CYCLES} records (expected more than the "
+                         f"{CYCLES} of its baseline)")
+        self.assertEqual(self.refusal("train", self.campaign, "--out", predictor, "--baseline", 11),
+                         "error: baseline of 11 records: 19 records remain (expected at least 20)")
+        self.assertEqual(self.refusal("baseline", self.predictor, self.campaign, "--out", out),
+                         "error: the predictor takes no baseline (expected one trained with --baseline)")
+        code, _, error = run("train", self.campaign, "--out", predictor, "--baseline", 6, "--epochs", 10)
+        self.assertEqual(code, 0, error)
+        self.assertEqual(self.refusal("baseline", predictor, self.campaign / "cycles" / "000001.h5", "--out", out),
+                         "campaign/cycles/000001.h5: error: 0 records with vibration and e_max_arcmin, e_avg_arcmin, "
+                         "k1_Nm_per_rad, k2_Nm_per_rad, k3_Nm_per_rad; campaign/cycles/000001.h5: error: group "
+                         "'/measurement_rotation/vibration': left out: there is no e_max_arcmin (expected at least the "
+                         "6 of the baseline)")
+        self.assertFalse(out.exists())
 
     def test_the_export_says_what_it_is(self):
         out = FOLDER / "exported"

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/prediction/baseline_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/sha256.h"
+
+namespace strainwave::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;
+constexpr const char* kAsWritten = "a file as `strainwave baseline` writes it";
+
+Json ByName(const std::vector<std::string>& names, const Eigen::RowVectorXd& values) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < names.size(); ++i) json[names[i]] = values(static_cast<Eigen::Index>(i));
+  return json;
+}
+
+// How a feature of a name is computed; which of them a predictor takes does not matter.
+Json FeaturesJson(const FeatureRecipe& recipe) {
+  Json json = JsonOf(recipe);
+  for (const char* of_one_predictor :
+       {"channels", "inputs", "least_samples", "baseline_records", "decimates"})
+    json.erase(of_one_predictor);
+  return json;
+}
+
+Eigen::RowVectorXd Chosen(const Json& values, const std::vector<std::string>& names,
+                          const std::filesystem::path& file, const char* what) {
+  Eigen::RowVectorXd row(static_cast<Eigen::Index>(names.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto found = values.find(names[i]);
+    if (found == values.end()) {
+      Refuse(file, fmt::format("there is no baseline of {}", names[i]),
+             fmt::format("one of every {} of the predictor", what));
+    }
+    row(static_cast<Eigen::Index>(i)) = found->get<double>();
+  }
+  return row;
+}
+
+Json ReadUnchanged(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) Refuse(file, "cannot be read", kAsWritten);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  Json json = Json::parse(text.str());
+  if (json.at("format").get<int>() != kFormat) {
+    Refuse(file, fmt::format("format {}", json.at("format").dump()), fmt::format("format {}", kFormat));
+  }
+  const auto own = json.at("sha256").get<std::string>();
+  json.erase("sha256");
+  if (Sha256(json.dump()) != own) {
+    Refuse(file, "the file has changed since it was written", "the SHA-256 that it has of itself");
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string BaselineText(const ReducerBaseline& baseline) {
+  Json json{{"format", kFormat},
+            {"specimen", baseline.specimen},
+            {"records", baseline.records},
+            {"recipe", FeaturesJson(baseline.recipe)},
+            {"features", ByName(baseline.recipe.inputs, baseline.means.features)},
+            {"values", ByName(baseline.outputs, baseline.means.values)}};
+  json["sha256"] = Sha256(json.dump());  // of all that stands before it
+  return json.dump(2) + "\n";
+}
+
+std::optional<analysis::prediction::Baseline> BaselineFor(const FeatureRecipe& recipe,
+                                                          const std::vector<std::string>& outputs,
+                                                          const std::filesystem::path& file) {
+  if (recipe.baseline_records == 0) {
+    if (!file.empty()) Refuse(file, "the predictor takes no baseline", "none");
+    return std::nullopt;
+  }
+  if (file.empty()) {
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("error: the predictor tells changes since a reducer's first {} records (expected its "
+                    "baseline file, as `strainwave baseline` writes it)",
+                    recipe.baseline_records));
+  }
+  try {
+    const Json json = ReadUnchanged(file);
+    const Json wanted = FeaturesJson(recipe);
+    const Json& own = json.at("recipe");
+    for (const auto& [key, value] : wanted.items()) {
+      if (own.value(key, Json()) == value) continue;
+      Refuse(file, fmt::format("{} of its features is {}", key, own.value(key, Json()).dump()),
+             fmt::format("{}, as the predictor's", value.dump()));
+    }
+    return analysis::prediction::Baseline{Chosen(json.at("features"), recipe.inputs, file, "input"),
+                                          Chosen(json.at("values"), outputs, file, "output")};
+  } catch (const Json::exception& error) {
+    Refuse(file, fmt::format("cannot be used: {}", error.what()), kAsWritten);
+  }
+}
+
+}  // namespace strainwave::bench
