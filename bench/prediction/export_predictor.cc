@@ -32,6 +32,7 @@ OnnxNetwork::Predicts PredictsOf(const Predictor& predictor) {
 Disagreement Compare(const Predictor& predictor, OnnxNetwork& network) {
   const auto& fitted = predictor.fitted;
   const Eigen::RowVectorXd middle = fitted.ensemble.input.offset;
+  const OutputsAre what = WhatOutputsAre(predictor.recipe, PredictsOf(predictor));
   Disagreement worst;
   for (Eigen::Index i = -1; i < 2 * middle.size(); ++i) {
     Eigen::RowVectorXd features = middle;
@@ -39,11 +40,8 @@ Disagreement Compare(const Predictor& predictor, OnnxNetwork& network) {
     const auto trained = fitted.Predict(features);
     const auto exported = network.Run(features);
     const Eigen::ArrayXd off = (trained.value.row(0) - exported.prediction).array().abs();
-    // A probability is itself a share.
-    const Eigen::ArrayXd magnitude =
-        trained.value.row(0).transpose().array().abs().max(trained.half_width.row(0).transpose().array());
-    worst.over_value =
-        std::max(worst.over_value, (predictor.classes() ? off : (off / magnitude).eval()).maxCoeff());
+    const Eigen::ArrayXd size = ComparedOver(what, trained.value.row(0), trained.half_width.row(0));
+    worst.over_value = std::max(worst.over_value, (off / size).maxCoeff());
     worst.over_residual =
         std::max(worst.over_residual, (off / fitted.residual.transpose().array()).maxCoeff());
   }
@@ -105,7 +103,8 @@ ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem:
   OnnxNetwork network(onnx, static_cast<Eigen::Index>(predictor.recipe.inputs.size()),
                       static_cast<Eigen::Index>(predictor.outputs.size()), PredictsOf(predictor));
   const Disagreement worst = Compare(predictor, network);
-  const double golden_off = WorstDisagreement(network, GoldenVectors(predictor), PredictsOf(predictor));
+  const double golden_off = WorstDisagreement(network, GoldenVectors(predictor),
+                                              WhatOutputsAre(predictor.recipe, PredictsOf(predictor)));
   if (worst.over_value > kExportAgreement || golden_off > kExportAgreement) {
     throw CampaignError(
         ExitCode::kEndedBadly,

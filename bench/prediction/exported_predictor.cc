@@ -79,8 +79,19 @@ void RequireUnchanged(const std::filesystem::path& folder, const std::filesystem
 
 }  // namespace
 
-double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> golden,
-                         OnnxNetwork::Predicts predicts) {
+OutputsAre WhatOutputsAre(const FeatureRecipe& recipe, OnnxNetwork::Predicts predicts) {
+  if (predicts == OnnxNetwork::Predicts::kClasses) return OutputsAre::kClasses;
+  return recipe.baseline_records > 0 ? OutputsAre::kChanges : OutputsAre::kValues;
+}
+
+Eigen::ArrayXd ComparedOver(OutputsAre what, const Eigen::RowVectorXd& value,
+                            const Eigen::RowVectorXd& half_width) {
+  if (what == OutputsAre::kClasses) return Eigen::ArrayXd::Ones(value.size());
+  const Eigen::ArrayXd size = value.transpose().array().abs();
+  return what == OutputsAre::kChanges ? size.max(half_width.transpose().array()).eval() : size;
+}
+
+double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> golden, OutputsAre what) {
   double worst = 0.0;
   for (const GoldenVector& vector : golden) {
     const OnnxNetwork::Output got = network.Run(vector.features);
@@ -89,9 +100,7 @@ double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> gol
         got.half_width.size() != expected.half_width.size()) {
       throw std::invalid_argument("golden vectors have another number of outputs than the network");
     }
-    Eigen::ArrayXd size =
-        expected.prediction.transpose().array().abs().max(expected.half_width.transpose().array());
-    if (predicts == OnnxNetwork::Predicts::kClasses) size.setOnes();
+    const Eigen::ArrayXd size = ComparedOver(what, expected.prediction, expected.half_width);
     const auto off = [&](const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
       return ((a - b).transpose().array().abs() / size).maxCoeff();
     };
@@ -178,7 +187,8 @@ ExportedPredictor::ExportedPredictor(const std::filesystem::path& folder)
       inputs_(InputsOf(folder, parts_.recipe)),
       network_(NetworkOf(folder, parts_.onnx, parts_.recipe.inputs.size(), parts_.outputs.size(),
                          parts_.predicts)),
-      worst_disagreement_(WorstDisagreement(network_, parts_.golden, parts_.predicts)) {
+      worst_disagreement_(
+          WorstDisagreement(network_, parts_.golden, WhatOutputsAre(parts_.recipe, parts_.predicts))) {
   if (!(worst_disagreement_ <= kExportAgreement)) {
     Refuse(folder / "model.onnx",
            fmt::format("the self-test fails: off the golden vectors by {:.1e}", worst_disagreement_),

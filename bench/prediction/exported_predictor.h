@@ -26,12 +26,18 @@ struct GoldenVector {
   OnnxNetwork::Output expected;
 };
 
-/// Most that the exported network is off any golden vector: of prediction and half width over the prediction
-/// (or over the half width, where that is greater: a change may be next to nothing), of the distance over the
-/// greater of 1 and the distance; of a class's probability as it is.
+/// What outputs are, and with it over what two of them are compared: values over themselves, changes, which
+/// may be next to nothing, over the greater of themselves and their half width, probabilities as they are.
+enum class OutputsAre { kValues, kChanges, kClasses };
+OutputsAre WhatOutputsAre(const FeatureRecipe& recipe, OnnxNetwork::Predicts predicts);
+Eigen::ArrayXd ComparedOver(OutputsAre what, const Eigen::RowVectorXd& value,
+                            const Eigen::RowVectorXd& half_width);
+
+/// Most that the exported network is off any golden vector: of prediction and half width over ComparedOver,
+/// of the distance over the greater of 1 and the distance.
 /// @throws std::invalid_argument for other sizes.
 double WorstDisagreement(OnnxNetwork& network, std::span<const GoldenVector> golden,
-                         OnnxNetwork::Predicts predicts = OnnxNetwork::Predicts::kValues);
+                         OutputsAre what = OutputsAre::kValues);
 
 /// Asked for of an exported network, over each output.
 inline constexpr double kExportAgreement = 1e-5;
