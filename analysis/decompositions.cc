@@ -22,6 +22,10 @@ SymmetricParts SymmetricEigen(const MatrixXd& symmetric) {
   return {.values = solver.eigenvalues(), .vectors = solver.eigenvectors()};
 }
 
+VectorXd SymmetricParts::InverseAbove(double floor) const {
+  return values.unaryExpr([floor](double value) { return value > floor ? 1.0 / value : 0.0; });
+}
+
 VectorXd SymmetricEigenvalues(const MatrixXd& symmetric) {
   return Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
 }

@@ -25,6 +25,9 @@ Eigen::MatrixXd ShortestLeastSquares(const ConstMatrixRef& a, const ConstMatrixR
 struct SymmetricParts {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;  // orthonormal columns
+
+  /// Of the pseudo-inverse: 1 / value, and 0 where a value is not above the floor.
+  Eigen::VectorXd InverseAbove(double floor) const;
 };
 SymmetricParts SymmetricEigen(const Eigen::MatrixXd& symmetric);
 

@@ -26,13 +26,8 @@ Eigen::MatrixXd NormalInverse(const Eigen::MatrixXd& a, Eigen::Index* rank) {
   const Eigen::MatrixXd normal = scale.asDiagonal() * (a.transpose() * a).eval() * scale.asDiagonal();
   const SymmetricParts eigen = SymmetricEigen(normal);
   const double floor = 1e-13 * std::max(eigen.values.maxCoeff(), 0.0);
-  Eigen::VectorXd inverse = eigen.values;
-  *rank = 0;
-  for (double& value : inverse) {
-    *rank += value > floor ? 1 : 0;
-    value = value > floor ? 1.0 / value : 0.0;
-  }
-  Eigen::MatrixXd result = eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
+  *rank = (eigen.values.array() > floor).count();
+  Eigen::MatrixXd result = eigen.vectors * eigen.InverseAbove(floor).asDiagonal() * eigen.vectors.transpose();
   result = scale.asDiagonal() * result * scale.asDiagonal();
   return result.topLeftCorner(p, p);
 }

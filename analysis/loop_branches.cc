@@ -4,40 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/isotonic.h"
 #include "analysis/linear_regression.h"
 
 namespace strainwave::analysis {
 namespace {
 
-struct Pool {
-  double sum{};
-  std::size_t count{};
-
-  double Mean() const { return sum / static_cast<double>(count); }
-};
-
 void MakeMonotone(std::span<const double> signal, bool rising, std::span<double> result) {
-  std::vector<Pool> pools;
-  pools.reserve(signal.size());
-  for (double value : signal) {
-    pools.push_back({value, 1});
-    while (pools.size() > 1) {
-      const Pool& last = pools.back();
-      const Pool& previous = pools[pools.size() - 2];
-      const bool in_order = rising ? previous.Mean() <= last.Mean() : previous.Mean() >= last.Mean();
-      if (in_order) {
-        break;
-      }
-      const Pool merged{previous.sum + last.sum, previous.count + last.count};
-      pools.pop_back();
-      pools.back() = merged;
-    }
-  }
   std::size_t i = 0;
-  for (const Pool& pool : pools) {
-    for (std::size_t k = 0; k < pool.count; ++k) {
-      result[i++] = pool.Mean();
-    }
+  for (const Pool& pool : PoolAdjacentViolators(signal, {}, rising)) {
+    for (std::size_t k = 0; k < pool.count; ++k) result[i++] = pool.Mean();
   }
 }
 

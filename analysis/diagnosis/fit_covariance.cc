@@ -60,9 +60,8 @@ Eigen::MatrixXd FitCovariance(const Eigen::MatrixXd& sensitivities, std::span<co
       FitNoise(residual, weights, stretches, largest_noise_order, std::max(std::sqrt(square_sum), 1e-300));
   const SymmetricParts eigen = SymmetricEigen(used.transpose() * used);
   const double largest = std::max(eigen.values.maxCoeff(), 1e-300);
-  const Eigen::VectorXd inverse =
-      eigen.values.unaryExpr([&](double value) { return value > 1e-12 * largest ? 1.0 / value : 0.0; });
-  const Eigen::MatrixXd bread = eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
+  const Eigen::MatrixXd bread =
+      eigen.vectors * eigen.InverseAbove(1e-12 * largest).asDiagonal() * eigen.vectors.transpose();
   const double freedom = std::max(1.0, count - static_cast<double>(p));
   Eigen::MatrixXd covariance = square_sum / freedom * bread;
   if (noise.order > 0) {

@@ -34,8 +34,7 @@ Eigen::VectorXd SolveNormal(Eigen::MatrixXd gram, Eigen::VectorXd right, double 
   }
   const SymmetricParts eigen = SymmetricEigen(gram);
   const double largest = std::max(eigen.values.maxCoeff(), 1e-300);
-  const Eigen::VectorXd inverse = eigen.values.unaryExpr(
-      [&](double value) { return value > kUndetermined * largest ? 1.0 / value : 0.0; });
+  const Eigen::VectorXd inverse = eigen.InverseAbove(kUndetermined * largest);
   return scale.cwiseProduct(eigen.vectors * inverse.asDiagonal() * (eigen.vectors.transpose() * right));
 }
 

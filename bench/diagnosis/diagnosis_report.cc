@@ -88,7 +88,8 @@ std::string ProbabilityText(double p) {
 
 std::vector<diagnosis::ParameterValue> TellingParameters(const diagnosis::Finding& correction) {
   std::vector<diagnosis::ParameterValue> telling = correction.parameters;
-  std::erase_if(telling, [](const auto& parameter) { return parameter.name.starts_with(diagnosis::kCurvePart); });
+  std::erase_if(telling,
+                [](const auto& parameter) { return parameter.name.starts_with(diagnosis::kCurvePart); });
   return telling;
 }
 

@@ -12,17 +12,10 @@
 #include "analysis/diagnosis/separable_study.h"
 #include "analysis/units.h"
 #include "tests/analysis/message_of.h"
+#include "tests/analysis/white_noise.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-std::vector<double> WhiteNoise(std::size_t n, double sd, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal(0.0, sd);
-  std::vector<double> noise(n);
-  for (double& value : noise) value = normal(random);
-  return noise;
-}
 
 SeparableTerm Column(std::vector<double> values, std::string name) {
   SeparableTerm term;

@@ -8,17 +8,10 @@
 #include <vector>
 
 #include "analysis/diagnosis/lone_samples.h"
+#include "tests/analysis/white_noise.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-std::vector<double> Noise(std::size_t count, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal;
-  std::vector<double> signal(count);
-  for (double& value : signal) value = normal(generator);
-  return signal;
-}
 
 TEST(LoneSamples, StandOffBothSides) {
   std::vector<double> signal(400);
@@ -50,7 +43,7 @@ TEST(LoneSamples, ShowInATorqueThatChangesFasterThanThey) {
 }
 
 TEST(LoneSamples, AreFoundSideBySideWhereThereAreMany) {
-  std::vector<double> signal = Noise(4000, 7);
+  std::vector<double> signal = WhiteNoise(4000, 1.0, 7);
   std::vector<std::size_t> spikes;
   for (std::size_t i = 100; i < 3900; i += 190) spikes.push_back(i);
   spikes.insert(spikes.begin() + 1, spikes[0] + 1);
@@ -59,7 +52,7 @@ TEST(LoneSamples, AreFoundSideBySideWhereThereAreMany) {
 }
 
 TEST(LoneSamples, TakeTwoSideBySideForRealWhereNoOtherStandsOff) {
-  std::vector<double> signal = Noise(4000, 7);
+  std::vector<double> signal = WhiteNoise(4000, 1.0, 7);
   signal[100] += 10.0;
   signal[101] += 10.0;
   EXPECT_EQ(FindLoneSamples(signal), std::vector<std::size_t>{});
@@ -67,7 +60,7 @@ TEST(LoneSamples, TakeTwoSideBySideForRealWhereNoOtherStandsOff) {
 
 // Something that rings moves more samples than two: of those no more are lone than without the spikes.
 TEST(LoneSamples, LeaveWhatRings) {
-  std::vector<double> signal = Noise(4000, 7);
+  std::vector<double> signal = WhiteNoise(4000, 1.0, 7);
   for (std::size_t i = 0; i < 60; ++i) {
     const double since = static_cast<double>(i);
     signal[2050 + i] += 20.0 * std::exp(-0.05 * since) * std::sin(0.9 * since + 0.5);

@@ -14,6 +14,7 @@
 #include "analysis/wavelets/packets.h"
 #include "tests/analysis/golden.h"
 #include "tests/analysis/message_of.h"
+#include "tests/analysis/white_noise.h"
 
 namespace {
 int allocations = 0;
@@ -34,14 +35,6 @@ namespace {
 constexpr Border kBorders[] = {Border::kSymmetric, Border::kPeriodization, Border::kZero};
 // Sums of up to 40 products of numbers of size one.
 constexpr double kRounding = 1e-13;
-
-std::vector<double> Noise(std::size_t n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<double> x(n);
-  for (double& value : x) value = normal(random);
-  return x;
-}
 
 // The signal written out to both sides, sample by sample, with as many copies as it takes.
 std::vector<double> WrittenOut(std::vector<double> x, std::size_t margin, Border border) {
@@ -89,7 +82,7 @@ TEST(Transform, IsTheConvolutionOfItsDefinitionForEveryWaveletBorderAndLength) {
     const FilterBank bank = FilterBankOf(name);
     for (const Border border : kBorders) {
       for (const std::size_t n : {1U, 2U, 3U, 7U, 16U, 39U, 41U, 255U, 1030U}) {
-        const std::vector<double> x = Noise(n, static_cast<unsigned>(n));
+        const std::vector<double> x = WhiteNoise(n, 1.0, static_cast<unsigned>(n));
         std::vector<double> a(CoefficientCount(n, bank.length(), border));
         std::vector<double> d(a.size());
         Transform(x, bank, border, a, d);
@@ -113,7 +106,7 @@ TEST(Decompose, IsUndoneByReconstructAtEveryLengthAndDepth) {
     const double tolerance = name.starts_with("sym") ? 1e-9 : 1e-12;
     for (const Border border : kBorders) {
       for (const std::size_t n : {1U, 2U, 5U, 40U, 77U, 600U}) {
-        const std::vector<double> x = Noise(n, 7);
+        const std::vector<double> x = WhiteNoise(n, 1.0, 7);
         Decomposition decomposition;
         Decompose(x, bank, border, 4, Details::kKeep, decomposition);
         ExpectClose(Reconstruct(decomposition, bank, border, n), x, tolerance,
@@ -125,8 +118,8 @@ TEST(Decompose, IsUndoneByReconstructAtEveryLengthAndDepth) {
 
 TEST(Decompose, OfAnotherSignalOfTheSameLengthAllocatesNothing) {
   const FilterBank bank = FilterBankOf("sym8");
-  const std::vector<double> first = Noise(1000, 1);
-  const std::vector<double> second = Noise(1000, 2);
+  const std::vector<double> first = WhiteNoise(1000, 1.0, 1);
+  const std::vector<double> second = WhiteNoise(1000, 1.0, 2);
   Decomposition decomposition;
   Decompose(first, bank, Border::kSymmetric, 7, Details::kLeaveOut, decomposition);
   const int before = allocations;
@@ -149,7 +142,7 @@ TEST(Transform, LeavesNoDetailOfAPolynomial) {
 
 TEST(DecomposePackets, SplitsEveryNodeAsTheTransformDoes) {
   const FilterBank bank = FilterBankOf("db6");
-  const std::vector<double> x = Noise(333, 5);
+  const std::vector<double> x = WhiteNoise(333, 1.0, 5);
   Packets packets;
   for (int repeat = 0; repeat < 2; ++repeat) DecomposePackets(x, bank, Border::kSymmetric, 3, packets);
   const std::vector<std::string> paths = PacketPaths(3);

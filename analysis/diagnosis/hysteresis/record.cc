@@ -33,7 +33,7 @@ bool FallsWithTorque(std::span<const double> torque_Nm, std::span<const double> 
   return covariance < 0.0;
 }
 
-// Branches of a torque: reversals smaller than this are none.
+// Branches of a torque. What goes back by less than a fiftieth of the range, or by noise, does not turn.
 std::vector<Branch> BranchesOf(std::span<const double> torque_Nm, double t3_Nm, double noise_Nm) {
   const auto [low, high] = std::minmax_element(torque_Nm.begin(), torque_Nm.end());
   return SplitBranches(torque_Nm, std::max(0.02 * std::min(t3_Nm, *high - *low), 6.0 * noise_Nm));

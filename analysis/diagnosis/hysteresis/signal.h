@@ -11,6 +11,7 @@ namespace strainwave::analysis::diagnosis {
 /// smooth curves do not count; resolution included where neighbours often read the same. 0 below 6 values.
 double SampleNoise(std::span<const double> signal);
 
+/// A signal with its white noise taken off.
 struct CleanSignal {
   std::vector<double> values;
   std::vector<double> errors;  // standard errors; 0 where there is no noise

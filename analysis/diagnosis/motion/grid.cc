@@ -7,7 +7,6 @@
 
 #include "analysis/decompositions.h"
 #include "analysis/diagnosis/motion/rows.h"
-#include "analysis/diagnosis/motion/usual_effects.h"
 #include "analysis/diagnosis/temperature.h"
 
 namespace strainwave::analysis::diagnosis {

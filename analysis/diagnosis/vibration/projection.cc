@@ -18,9 +18,8 @@ MatrixXd PseudoInverse(const MatrixXd& symmetric) {
   for (Index i = 0; i < scale.size(); ++i) scale(i) = scale(i) > 0.0 ? 1.0 / std::sqrt(scale(i)) : 0.0;
   const SymmetricParts unit = SymmetricEigen(scale.asDiagonal() * symmetric * scale.asDiagonal());
   constexpr double kSmallest = 1e-10;
-  VectorXd inverse = unit.values;
-  for (Index i = 0; i < inverse.size(); ++i) inverse(i) = inverse(i) > kSmallest ? 1.0 / inverse(i) : 0.0;
-  return scale.asDiagonal() * (unit.vectors * inverse.asDiagonal() * unit.vectors.transpose()) *
+  return scale.asDiagonal() *
+         (unit.vectors * unit.InverseAbove(kSmallest).asDiagonal() * unit.vectors.transpose()) *
          scale.asDiagonal();
 }
 
