@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-
 #include <filesystem>
 #include <memory>
 
@@ -48,10 +47,9 @@ int Run(const BaselineCommand& command) {
 void AddBaseline(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "baseline",
-      "Keep what one reducer was like at its first measurements, for a predictor trained with --baseline: "
-      "means "
-      "of\nfeatures and of what was measured. `predict` and `monitor` then add to it what vibration says has "
-      "changed.\n"
+      "Keep what one reducer was like at its first measurements, for a predictor trained with --baseline:\n"
+      "means of features and of what was measured. `predict` and `monitor` then add to it what vibration\n"
+      "says has changed.\n"
       "Example: strainwave baseline predictor campaigns/second --out second.json");
   auto options = std::make_shared<BaselineCommand>();
   command->add_option("PREDICTOR", options->predictor, "folder that train or export has written")->required();

@@ -113,11 +113,10 @@ int Run(const PredictCommand& command) {
   const Predictor predictor = ReadPredictor(command.predictor);
   RecipeInputs inputs(predictor.recipe);
   const auto baseline = BaselineFor(predictor.recipe, predictor.outputs, command.baseline);
-  const bool with_motor_torque =
-      std::ranges::find(predictor.recipe.channels, kMotorTorqueChannel) != predictor.recipe.channels.end();
+  const MotorTorque motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe.channels));
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   for (const std::string& path : command.paths) {
-    for (const daq::Record& record : ReadVibrationRecords(path, MotorTorqueAdded(with_motor_torque))) {
+    for (const daq::Record& record : ReadVibrationRecords(path, motor_torque)) {
       Eigen::MatrixXd features = inputs.OfWindows(record);
       if (baseline) features.rowwise() -= baseline->features;
       Together predicted = TogetherOf(predictor.fitted.Predict(features));

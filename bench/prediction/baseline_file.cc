@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/prediction/baseline_file.h"
 
-#include <cmath>
-#include <fstream>
-#include <sstream>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_error.h"
-#include "bench/campaign/sha256.h"
+#include "bench/prediction/sealed_json.h"
 
 namespace strainwave::bench {
 namespace {
@@ -49,19 +45,11 @@ Eigen::RowVectorXd Chosen(const Json& values, const std::vector<std::string>& na
 }
 
 Json ReadUnchanged(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) Refuse(file, "cannot be read", kAsWritten);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  Json json = Json::parse(text.str());
+  Json json = Json::parse(ReadBounded(file, kAsWritten));
   if (json.at("format").get<int>() != kFormat) {
     Refuse(file, fmt::format("format {}", json.at("format").dump()), fmt::format("format {}", kFormat));
   }
-  const auto own = json.at("sha256").get<std::string>();
-  json.erase("sha256");
-  if (Sha256(json.dump()) != own) {
-    Refuse(file, "the file has changed since it was written", "the SHA-256 that it has of itself");
-  }
+  RequireSeal(file, json);
   return json;
 }
 
@@ -74,7 +62,7 @@ std::string BaselineText(const ReducerBaseline& baseline) {
             {"recipe", FeaturesJson(baseline.recipe)},
             {"features", ByName(baseline.recipe.inputs, baseline.means.features)},
             {"values", ByName(baseline.outputs, baseline.means.values)}};
-  json["sha256"] = Sha256(json.dump());  // of all that stands before it
+  Seal(json);
   return json.dump(2) + "\n";
 }
 

@@ -12,6 +12,7 @@
 #include "bench/prediction/model_card.h"
 #include "bench/prediction/onnx_model.h"
 #include "bench/prediction/onnx_network.h"
+#include "bench/prediction/sealed_json.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -87,7 +88,7 @@ Json RecipeJson(const Predictor& predictor, const std::string& onnx, const std::
             {"coverage", predictor.fitted.band.coverage},
             {"guaranteed", predictor.fitted.band.guaranteed},
             {"self_test", std::move(self_test)}};
-  json["sha256"] = Sha256(json.dump());  // of all that stands before it
+  Seal(json);
   return json;
 }
 

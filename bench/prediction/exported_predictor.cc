@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -16,6 +14,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/sha256.h"
 #include "bench/prediction/baseline_file.h"
+#include "bench/prediction/sealed_json.h"
 
 namespace strainwave::bench {
 namespace {
@@ -23,18 +22,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kAsWritten = "the file as `strainwave export` wrote it";
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
 constexpr std::size_t kMostNames = 256;
 
 std::string ReadFile(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  std::ifstream stream(path, std::ios::binary);
-  if (error || !stream) Refuse(path, "cannot be read", "a folder that `strainwave export` wrote");
-  if (bytes > kMostBytes) Refuse(path, fmt::format("has {} bytes", bytes), "at most 1 GiB");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return std::move(text).str();
+  return ReadBounded(path, "a folder that `strainwave export` wrote");
 }
 
 // Names go into topics, labels and tables: letters, digits and '_', each once.
@@ -62,12 +53,9 @@ Eigen::RowVectorXd RowFrom(const Json& json, std::size_t size) {
 }
 
 // The description says of itself what it was, and of each file beside it.
-void RequireUnchanged(const std::filesystem::path& folder, const std::filesystem::path& file, Json json) {
-  const std::string own = json.at("sha256").get<std::string>();
-  json.erase("sha256");
-  if (Sha256(json.dump()) != own) {
-    Refuse(file, "the file has changed since it was written", "the SHA-256 that it has of itself");
-  }
+void RequireUnchanged(const std::filesystem::path& folder, const std::filesystem::path& file,
+                      const Json& json) {
+  RequireSeal(file, json);
   for (const char* card : {"model_card_json", "model_card_md"}) {
     const Json& entry = json.at(card);
     const std::filesystem::path path = folder / entry.at("file").get<std::string>();
@@ -201,6 +189,13 @@ void ExportedPredictor::UseBaseline(const std::filesystem::path& file) {
   baseline_ = BaselineFor(parts_.recipe, parts_.outputs, file);
 }
 
+OnnxNetwork::Output ExportedPredictor::RunSinceBaseline(const Eigen::RowVectorXd& features) {
+  if (!baseline_) return network_.Run(features);
+  OnnxNetwork::Output output = network_.Run(features - baseline_->features);
+  output.prediction += baseline_->values;
+  return output;
+}
+
 std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
     std::span<const NamedSignal> signals, double sample_rate_hz, std::optional<double> samples_per_turn) {
   if (auto fault = inputs_.Compute(signals, sample_rate_hz, samples_per_turn, features_))
@@ -208,9 +203,7 @@ std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
   if ((parts_.recipe.baseline_records > 0) != baseline_.has_value()) {
     throw std::logic_error("a predictor of changes was run without a baseline");
   }
-  if (baseline_) features_ -= baseline_->features;
-  OnnxNetwork::Output output = network_.Run(features_);
-  if (baseline_) output.prediction += baseline_->values;
+  const OnnxNetwork::Output output = RunSinceBaseline(features_);
   PredictedOutputs predicted{.value = {output.prediction.begin(), output.prediction.end()},
                              .half_width = {output.half_width.begin(), output.half_width.end()},
                              .distance = output.distance};
@@ -222,9 +215,7 @@ std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
   const std::vector<std::string>& channels = parts_.recipe.channels;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     for (std::size_t j = i + 1; j < channels.size(); ++j) {
-      features_ = inputs_.WithExchanged(i, j);
-      if (baseline_) features_ -= baseline_->features;
-      if (!(network_.Run(features_).distance <= 1.0)) continue;
+      if (!(RunSinceBaseline(inputs_.WithExchanged(i, j)).distance <= 1.0)) continue;
       return SignalFault{SignalFaultKind::kSwapped,
                          fmt::format("{} and {} seem to be exchanged (expected the sensors as in training)",
                                      channels[i], channels[j])};

@@ -89,6 +89,8 @@ class ExportedPredictor {
     std::string onnx;
   };
   static Parts Read(const std::filesystem::path& folder);
+  /// Values from features, by way of their changes where there is a baseline.
+  OnnxNetwork::Output RunSinceBaseline(const Eigen::RowVectorXd& features);
 
   std::filesystem::path folder_;
   Parts parts_;

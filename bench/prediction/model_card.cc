@@ -108,10 +108,8 @@ std::string CardText(const Predictor& predictor, const Json& card) {
   if (predictor.recipe.baseline_records > 0) {
     text += fmt::format(
         "\n## Baseline\n\nIt tells changes: the means over a reducer's first {} records are taken off the "
-        "inputs "
-        "and added to the outputs. Every reducer needs its own, from `strainwave baseline`; without it "
-        "nothing is "
-        "predicted. The network's inputs and outputs are differences.\n",
+        "inputs and added to the outputs. Every reducer needs its own, from `strainwave baseline`; without "
+        "it nothing is predicted. The network's inputs and outputs are differences.\n",
         predictor.recipe.baseline_records);
   }
   for (const Json& split : training.at("splits")) text += SplitText(split, predictor);

@@ -78,6 +78,10 @@ void AddMotorTorque(daq::Record& vibration, const daq::Record& rotation) {
   vibration.columns.push_back({kMotorTorqueChannel, std::move(values), "", ""});
 }
 
+bool HasMotorTorque(const std::vector<std::string>& channels) {
+  return std::ranges::find(channels, kMotorTorqueChannel) != channels.end();
+}
+
 std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path, MotorTorque motor_torque) {
   std::vector<daq::Record> records = daq::ReadRecords(path);
   if (motor_torque == MotorTorque::kAdded) {

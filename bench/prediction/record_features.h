@@ -26,6 +26,8 @@ inline constexpr const char* kMotorTorqueChannel = "motor_torque_Nm";
 /// @param rotation  of kind motion, with `time_s` from the vibration's first sample on, and `torque_Nm`.
 void AddMotorTorque(daq::Record& vibration, const daq::Record& rotation);
 
+bool HasMotorTorque(const std::vector<std::string>& channels);
+
 enum class MotorTorque { kAsRecorded, kAdded };
 constexpr MotorTorque MotorTorqueAdded(bool added) {
   return added ? MotorTorque::kAdded : MotorTorque::kAsRecorded;

@@ -18,7 +18,7 @@ std::vector<SourceRows> RowsOf(const MeasurementPaths& paths, const FeatureRecip
                                const std::vector<std::string>& outputs) {
   SourceSettings settings;
   settings.features = recipe.features;
-  settings.motor_torque = std::ranges::find(recipe.channels, kMotorTorqueChannel) != recipe.channels.end();
+  settings.motor_torque = HasMotorTorque(recipe.channels);
   std::vector<SourceRows> sources;
   for (const auto& campaign : paths.campaigns)
     sources.push_back(ReadCampaignRows(campaign, settings, outputs, {}));

@@ -61,9 +61,9 @@ strainwave_status Run(strainwave_predictor& predictor, const double* const* chan
   return STRAINWAVE_OUTSIDE_TRAINING;
 }
 
-// Whatever goes wrong becomes a status.
+// Whatever goes wrong becomes a status, and no value that was there before stays.
 strainwave_status RunGuarded(strainwave_predictor* predictor, const double* const* channels, size_t samples,
-                             double sample_rate_hz, std::optional<double> samples_per_turn,
+                             double sample_rate_hz, std::optional<double> input_speed_rpm,
                              strainwave_value* values, double* distance, char* error, size_t error_size) {
   Say("", error, error_size);
   if (distance != nullptr) *distance = std::numeric_limits<double>::quiet_NaN();
@@ -73,6 +73,15 @@ strainwave_status RunGuarded(strainwave_predictor* predictor, const double* cons
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::fill_n(values, predictor->exported.outputs().size(), strainwave_value{kNone, kNone, kNone});
+  std::optional<double> samples_per_turn;
+  if (input_speed_rpm) {
+    if (!(std::abs(*input_speed_rpm) > 0.0)) {
+      Say("input_speed_rpm is 0 or no number (expected the speed of a shaft that turns)", error, error_size);
+      return STRAINWAVE_BAD_ARGUMENT;
+    }
+    constexpr double kSecondsPerMinute = 60.0;
+    samples_per_turn = sample_rate_hz * kSecondsPerMinute / std::abs(*input_speed_rpm);
+  }
   try {
     double measured = kNone;
     const strainwave_status status = Run(*predictor, channels, samples, sample_rate_hz, samples_per_turn,
@@ -164,13 +173,7 @@ strainwave_status strainwave_predictor_run_at(strainwave_predictor* predictor, c
                                               size_t samples, double sample_rate_hz, double input_speed_rpm,
                                               strainwave_value* values, double* distance, char* error,
                                               size_t error_size) {
-  if (!(std::abs(input_speed_rpm) > 0.0)) {
-    Say("input_speed_rpm is 0 or no number (expected the speed of a shaft that turns)", error, error_size);
-    return STRAINWAVE_BAD_ARGUMENT;
-  }
-  constexpr double kSecondsPerMinute = 60.0;
-  return RunGuarded(predictor, channels, samples, sample_rate_hz,
-                    sample_rate_hz * kSecondsPerMinute / std::abs(input_speed_rpm), values, distance, error,
+  return RunGuarded(predictor, channels, samples, sample_rate_hz, input_speed_rpm, values, distance, error,
                     error_size);
 }
 // NOLINTEND(readability-identifier-naming)

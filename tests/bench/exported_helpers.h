@@ -6,10 +6,18 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/sha256.h"
 #include "bench/prediction/export_predictor.h"
 #include "bench/prediction/signal_inputs.h"
 
@@ -30,6 +38,35 @@ class TestFolder {
  private:
   std::filesystem::path path_;
 };
+
+inline std::string ReadText(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+/// Changes a sealed file as someone who knows how it is made, and hashes it again.
+inline void RewriteSealed(const std::filesystem::path& path,
+                          const std::function<void(nlohmann::ordered_json&)>& change) {
+  auto json = nlohmann::ordered_json::parse(ReadText(path));
+  json.erase("sha256");
+  change(json);
+  json["sha256"] = Sha256(json.dump());
+  std::ofstream(path, std::ios::binary) << json.dump();
+}
+
+/// What an action is refused with as wrong input, without the name of its folder.
+inline std::string RefusalWithin(const std::filesystem::path& folder, const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const CampaignError& error) {
+    EXPECT_EQ(error.exit_code(), ExitCode::kWrongInput);
+    std::string text = error.what();
+    const std::string prefix = folder.string() + "/";
+    return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
+  }
+  return "accepted";
+}
 
 /// Channels of a machine that does not exist: a line each, of other size and frequency, and noise.
 inline std::vector<std::vector<double>> TestSignals(std::size_t channels, std::size_t samples,

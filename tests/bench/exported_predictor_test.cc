@@ -19,13 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string Read(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 class AnExportedFolder : public testing::Test {
  protected:
   void SetUp() override { WriteTestExport(folder_.path()); }
@@ -34,25 +27,10 @@ class AnExportedFolder : public testing::Test {
   void Write(const std::string& name, const std::string& content) const {
     std::ofstream(File(name), std::ios::binary) << content;
   }
-  // As someone who knows how the folder is made, and hashes again what was changed.
-  void Rewrite(const std::function<void(Json&)>& change) const {
-    Json json = Json::parse(Read(File("recipe.json")));
-    json.erase("sha256");
-    change(json);
-    json["sha256"] = Sha256(json.dump());
-    Write("recipe.json", json.dump());
-  }
+  void Rewrite(const std::function<void(Json&)>& change) const { RewriteSealed(File("recipe.json"), change); }
   // What opening it is refused with, without the folder's own name.
   std::string Refusal() const {
-    try {
-      ExportedPredictor predictor(folder_.path());
-    } catch (const CampaignError& error) {
-      EXPECT_EQ(error.exit_code(), ExitCode::kWrongInput);
-      std::string text = error.what();
-      const std::string prefix = folder_.path().string() + "/";
-      return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
-    }
-    return "accepted";
+    return RefusalWithin(folder_.path(), [this] { ExportedPredictor predictor(folder_.path()); });
   }
   std::string FaultOf(const std::vector<std::vector<double>>& signals, double rate_hz = 1000.0) const {
     return FaultOf(Named(TestRecipe().channels, signals), rate_hz);
@@ -97,7 +75,7 @@ TEST_F(AnExportedFolder, PredictsWhatTheTrainedNetworksPredict) {
 
 TEST_F(AnExportedFolder, IsRefusedWhenAnyFileOfItHasChanged) {
   for (const char* name : {"model.onnx", "model_card.json", "model_card.md"}) {
-    const std::string whole = Read(File(name));
+    const std::string whole = ReadText(File(name));
     std::string changed = whole;
     changed[changed.size() / 2] ^= 1;
     Write(name, changed);
@@ -106,7 +84,7 @@ TEST_F(AnExportedFolder, IsRefusedWhenAnyFileOfItHasChanged) {
                              "recipe.json has of it)");
     Write(name, whole);
   }
-  const std::string recipe = Read(File("recipe.json"));
+  const std::string recipe = ReadText(File("recipe.json"));
   std::string changed = recipe;
   changed.replace(changed.find("1000.0"), 6, "2000.0");
   Write("recipe.json", changed);
@@ -164,7 +142,7 @@ TEST_F(AnExportedFolder, IsRefusedWithNamesThatFitNoTopicOrTable) {
 
 // Whatever the network file is, and though its hash fits: an answer in words, or the same values.
 TEST_F(AnExportedFolder, OutlivesAHostileNetworkWhoseHashFits) {
-  const std::string whole = Read(File("model.onnx"));
+  const std::string whole = ReadText(File("model.onnx"));
   std::mt19937 engine(5);
   int refused = 0;
   for (int k = 0; k < 400; ++k) {
@@ -181,7 +159,7 @@ TEST_F(AnExportedFolder, OutlivesAHostileNetworkWhoseHashFits) {
 }
 
 TEST_F(AnExportedFolder, OutlivesAHostileDescription) {
-  const std::string whole = Read(File("recipe.json"));
+  const std::string whole = ReadText(File("recipe.json"));
   std::mt19937 engine(6);
   for (int k = 0; k < 400; ++k) {
     Rewrite([&](Json& json) {

@@ -2,14 +2,13 @@
 // A predictor of changes, the reducer's baseline file that it needs, and what is refused.
 #include "bench/prediction/baseline_file.h"
 
+#include <cmath>
 #include <fstream>
-#include <sstream>
+#include <limits>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
-#include "bench/campaign/sha256.h"
 #include "bench/prediction/exported_predictor.h"
 #include "bench/predictor_api/strainwave_predictor.h"
 #include "tests/bench/exported_helpers.h"
@@ -37,12 +36,6 @@ ReducerBaseline TestBaseline() {
           .means = {TestFeatures(), Eigen::RowVector3d(2.0, 500.0, 1000.0)}};
 }
 
-std::string Read(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 class APredictorOfChanges : public testing::Test {
  protected:
   void SetUp() override {
@@ -52,25 +45,10 @@ class APredictorOfChanges : public testing::Test {
   std::filesystem::path exported() const { return folder_.path() / "exported"; }
   std::filesystem::path file() const { return folder_.path() / "reducer.json"; }
 
-  void Rewrite(const std::function<void(Json&)>& change) const {
-    std::ifstream stream(file());
-    Json json = Json::parse(stream);
-    json.erase("sha256");
-    change(json);
-    json["sha256"] = Sha256(json.dump());
-    std::ofstream(file()) << json.dump();
-  }
+  void Rewrite(const std::function<void(Json&)>& change) const { RewriteSealed(file(), change); }
   std::string Refusal(const std::filesystem::path& baseline) const {
     ExportedPredictor predictor(exported());
-    try {
-      predictor.UseBaseline(baseline);
-    } catch (const CampaignError& error) {
-      EXPECT_EQ(error.exit_code(), ExitCode::kWrongInput);
-      std::string text = error.what();
-      const std::string prefix = folder_.path().string() + "/";
-      return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
-    }
-    return "accepted";
+    return RefusalWithin(folder_.path(), [&] { predictor.UseBaseline(baseline); });
   }
 
   TestFolder folder_;
@@ -87,7 +65,7 @@ TEST_F(APredictorOfChanges, AddsThemToTheReducersOwnFirstValues) {
   SignalInputs inputs(RecipeOfChanges());
   Eigen::RowVectorXd features;
   inputs.Compute(Named(TestRecipe().channels, signals), 1000.0, std::nullopt, features);
-  OnnxNetwork network(Read(exported() / "model.onnx"), 12, 2);
+  OnnxNetwork network(ReadText(exported() / "model.onnx"), 12, 2);
   const OnnxNetwork::Output change = network.Run(features - TestFeatures());
   EXPECT_EQ(outputs.value, (std::vector{1000.0 + change.prediction(0), 2.0 + change.prediction(1)}));
   EXPECT_EQ(outputs.half_width, (std::vector{change.half_width(0), change.half_width(1)}));
@@ -127,7 +105,7 @@ TEST_F(APredictorOfChanges, RefusesAFileThatIsNotOfItsFeatures) {
 }
 
 TEST_F(APredictorOfChanges, RefusesAFileThatWasChanged) {
-  std::string changed = Read(file());
+  std::string changed = ReadText(file());
   changed.replace(changed.find("500.0"), 5, "501.0");
   std::ofstream(file()) << changed;
   EXPECT_EQ(
@@ -161,6 +139,26 @@ TEST_F(APredictorOfChanges, NeedsTheFileFromCToo) {
   strainwave_predictor* predictor =
       strainwave_predictor_open_for(exported().c_str(), file().c_str(), error, sizeof error);
   ASSERT_NE(predictor, nullptr) << error;
+  strainwave_predictor_close(predictor);
+}
+
+TEST_F(APredictorOfChanges, LeavesNoOldValueWhereTheSpeedIsNoNumber) {
+  char error[400];
+  strainwave_predictor* predictor =
+      strainwave_predictor_open_for(exported().c_str(), file().c_str(), error, sizeof error);
+  ASSERT_NE(predictor, nullptr) << error;
+  const auto signals = TestSignals(3, 1000);
+  const double* const channels[] = {signals[0].data(), signals[1].data(), signals[2].data()};
+  for (const double speed_rpm : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
+    strainwave_value values[2] = {{1.0, 1.0, 1.0}, {1.0, 1.0, 1.0}};
+    double distance = 1.0;
+    EXPECT_EQ(strainwave_predictor_run_at(predictor, channels, 1000, 1000.0, speed_rpm, values, &distance,
+                                          error, sizeof error),
+              STRAINWAVE_BAD_ARGUMENT);
+    EXPECT_EQ(std::string(error),
+              "input_speed_rpm is 0 or no number (expected the speed of a shaft that turns)");
+    EXPECT_TRUE(std::isnan(values[0].value) && std::isnan(values[1].high) && std::isnan(distance));
+  }
   strainwave_predictor_close(predictor);
 }
 

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/prediction/sealed_json.h"
+
+#include <cstdint>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/campaign/sha256.h"
+
+namespace strainwave::bench {
+
+void Seal(nlohmann::ordered_json& json) { json["sha256"] = Sha256(json.dump()); }
+
+void RequireSeal(const std::filesystem::path& file, nlohmann::ordered_json json) {
+  const auto own = json.at("sha256").get<std::string>();
+  json.erase("sha256");
+  if (Sha256(json.dump()) != own) {
+    Refuse(file, "the file has changed since it was written", "the SHA-256 that it has of itself");
+  }
+}
+
+std::string ReadBounded(const std::filesystem::path& file, const std::string& expected) {
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  std::ifstream stream(file, std::ios::binary);
+  if (error || !stream) Refuse(file, "cannot be read", expected);
+  if (bytes > kMostBytes) Refuse(file, fmt::format("has {} bytes", bytes), "at most 1 GiB");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return std::move(text).str();
+}
+
+}  // namespace strainwave::bench

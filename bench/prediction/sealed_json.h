@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+/// Files that say of themselves what they were: their last key, `sha256`, is that of all that stands before
+/// it.
+namespace strainwave::bench {
+
+void Seal(nlohmann::ordered_json& json);
+
+/// @throws CampaignError if the file has changed since it was sealed; nlohmann's exception if it has no seal.
+void RequireSeal(const std::filesystem::path& file, nlohmann::ordered_json json);
+
+/// The bytes of a file.
+/// @throws CampaignError if it cannot be read, naming what was expected, or has more than 1 GiB.
+std::string ReadBounded(const std::filesystem::path& file, const std::string& expected);
+
+}  // namespace strainwave::bench
