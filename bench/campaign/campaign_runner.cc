@@ -29,7 +29,8 @@ constexpr double kEncoderOffsetTolerance_rad = RadFromDeg(0.5);
 constexpr std::chrono::seconds kKeepInterval{10};
 
 RunnerSettings SettingsOf(const schedules::Schedule& schedule, const BenchDescription& bench) {
-  return {bench.control_period_s, schedule.limits, schedule.suspend};
+  // A simulated bench on its own clock; a real one keeps its period whatever the disk does.
+  return {bench.control_period_s, schedule.limits, schedule.suspend, !bench.simulated};
 }
 
 // The same for the same phase of the same cycle, however often it is run.
@@ -104,6 +105,7 @@ CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from, do
   Transition(BenchEvent::kReset);
   Transition(BenchEvent::kStart);
   if (auto end = Reference(expected_offset_rad)) return *end;
+  if (!runner_.realtime_trouble().empty()) Note("warning", "", "not_realtime", runner_.realtime_trouble());
   if (resume_from) {
     if (auto end = WarmUp(pause_s)) return *end;
   }
@@ -119,7 +121,7 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   const ReferencingProgram::Tolerances tolerances{kTorqueZeroShareOfRange * bench_.transducer.range_Nm,
                                                   kEncoderOffsetTolerance_rad};
   ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
-  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseProgram&) {});
+  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
   if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
   if (outcome.reason) return EndForFault(outcome, "referencing");
   Transition(BenchEvent::kReferenced);
@@ -150,7 +152,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WarmUp(double pause_s) {
                    pause_s, run.duration_s));
   const auto program = MakeProgram(run, schedule_.specimen, 0.0, bench_.control_period_s);
   Transition(BenchEvent::kBeginLoadRun);
-  const PhaseOutcome outcome = runner_.Run(*program, [](const PhaseProgram&) {});
+  const PhaseOutcome outcome = runner_.Run(*program, [](const PhaseSnapshot&, const PhaseProgram&) {});
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, "warm_up");
   Transition(BenchEvent::kPhaseEnded);
   if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
@@ -218,23 +220,23 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   Checkpoint at{.cycle = cycle_, .step = step.index, .repeat = repeat, .credited_load_s = credited_before_s};
   // Before the journal's row: a phase that is on record has a state to go on from.
   TakeMemory();
-  WriteCheckpoint(at, blank);
+  WriteCheckpoint(at, runner_.last_readings(), blank);
   const std::int64_t id = journal_.BeginPhase(row);
   if (blank) machine_.MountBlank(true);
   machine_.BeginPhase(PhaseKey(cycle_, step.index, repeat));
   Transition(BeginEvent(phase.parameters));
 
   auto last_kept = std::chrono::steady_clock::now();
-  PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseProgram& running) {
+  PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
       records_.WriteAhead(step, repeat, attempt, running.RecordsSoFar());
     }
     // A measurement that is cut is taken again from its beginning, so a simulated bench goes back there too.
     if (step.accumulates) TakeMemory();
-    at.credited_load_s = running.credited_load_s();
-    WriteCheckpoint(at, blank);
-    progress_.Update({cycle_, schedule_.cycles, phase.name, ShareDone(step, running.share_done())});
+    at.credited_load_s = now.credited_load_s;
+    WriteCheckpoint(at, now.readings, blank);
+    progress_.Update({cycle_, schedule_.cycles, phase.name, ShareDone(step, now.share_done)});
   });
   if (blank) machine_.MountBlank(false);
 
@@ -244,7 +246,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   TakeMemory();
   at.credited_load_s = outcome.credited_load_s;
   at.finished = complete;
-  WriteCheckpoint(at, blank);
+  WriteCheckpoint(at, runner_.last_readings(), blank);
   journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause),
                     outcome.credited_load_s - credited_before_s);
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase.name);
@@ -263,8 +265,7 @@ void CampaignRunner::TakeMemory() {
   memory_.assign(memory.begin(), memory.end());
 }
 
-void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, bool blank) {
-  const Readings& last = runner_.last_readings();
+void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, const Readings& last, bool blank) {
   checkpoint.time_s = Time_s();
   checkpoint.utc_ms = UtcMilliseconds();
   checkpoint.encoder_offset_rad =
@@ -302,7 +303,7 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
-  const StopReason ended = runner_.WaitUntilRecovered([](const PhaseProgram&) {});
+  const StopReason ended = runner_.WaitUntilRecovered([](const PhaseSnapshot&, const PhaseProgram&) {});
   if (!ended) {
     Note("info", phase, "resumed", "the suspend condition has passed; going on");
     Transition(BenchEvent::kResume);

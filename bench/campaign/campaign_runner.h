@@ -60,7 +60,7 @@ class CampaignRunner {
   MaybeEnd CheckBetweenPhases();
 
   void TakeMemory();
-  void WriteCheckpoint(Checkpoint checkpoint, bool blank);
+  void WriteCheckpoint(Checkpoint checkpoint, const Readings& last, bool blank);
   void Note(std::string_view severity, std::string_view phase, std::string_view code,
             const std::string& text);
   double Time_s() const;

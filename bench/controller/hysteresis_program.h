@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <optional>
 
 #include "bench/controller/motion.h"
@@ -49,7 +50,7 @@ class HysteresisProgram final : public PhaseProgram {
   std::vector<double> peaks_Nm_;  // turning points of the torque, in order
   std::size_t peak_{};
   std::optional<Ramp> torque_;
-  std::vector<RowLog> logs_;  // one a lock angle
+  std::deque<RowLog> logs_;  // one a lock angle
 };
 
 }  // namespace strainwave::bench

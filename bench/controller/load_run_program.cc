@@ -62,7 +62,7 @@ StepResult LoadRunProgram::Step(const Readings& readings, double elapsed_s, Benc
   devices.driving.CommandSpeed(speed_.Step(wanted, period_s_));
   devices.load.CommandTorque(torque_.Step(-direction_ * parameters_.output_torque_Nm, period_s_));
 
-  credited_s_ += period_s_;
+  credited_s_.store(credited_s_ + period_s_, std::memory_order_relaxed);
   if (!Log(readings, elapsed_s)) return StepResult::kLogFull;
   winding_down_ = credited_s_ + 0.5 * period_s_ >= parameters_.duration_s;
   return StepResult::kRunning;
@@ -118,7 +118,7 @@ std::vector<NamedRecord> LoadRunProgram::RecordsSoFar() const {
   NamedRecord named{"load_run", {}};
   named.record.kind = "history";
   named.record.SetMetadata("log_rate_hz", parameters_.log_rate_hz);
-  named.record.SetMetadata("credited_load_s", credited_s_);
+  named.record.SetMetadata("credited_load_s", credited_load_s());
   const std::vector<std::string> single{"input_speed_rpm",
                                         "torque_mean_Nm",
                                         "torque_min_Nm",

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+
 #include "bench/controller/motion.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
@@ -48,7 +50,7 @@ class LoadRunProgram final : public PhaseProgram {
   double ratio_;
   double turn_input_rad_;
   double period_s_;
-  double credited_s_;
+  std::atomic<double> credited_s_;  // written by the phase alone
   double direction_{1.0};
   double turn_start_rad_{};
   double next_row_s_{};

@@ -65,7 +65,7 @@ class PhaseProgram {
   /// What was measured; once, at the end. An interrupted phase's records are whole rows, cut short.
   virtual std::vector<NamedRecord> TakeRecords() = 0;
   /// The same while a long phase runs, to be kept in case the program dies; nothing where a phase that is cut
-  /// begins anew.
+  /// begins anew. May be called from another thread than the one that steps.
   virtual std::vector<NamedRecord> RecordsSoFar() const { return {}; }
 };
 

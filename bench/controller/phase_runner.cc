@@ -4,8 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <thread>
 
 #include "analysis/units.h"
+#include "bench/controller/latest_value.h"
+#include "bench/controller/realtime.h"
 #include "bench/controller/standstill_programs.h"
 
 namespace strainwave::bench {
@@ -102,7 +108,8 @@ StopReason PhaseRunner::OnePeriod(PhaseProgram& program, double elapsed_s, doubl
   readings_ = devices_.sampler.Read();
   Remember(readings_);
   if (const StopReason broken = interlocks_.Check(readings_, Inputs(program))) return broken;
-  if (request_.load(std::memory_order_relaxed) == StopRequest::kQuickStop) {
+  if (request_.load(std::memory_order_relaxed) == StopRequest::kQuickStop ||
+      abandoned_.load(std::memory_order_relaxed)) {
     return {StopCause::kQuickStopRequested, 0.0, 0.0, readings_.time};
   }
   if (const StopReason suspended = suspend_.Check(readings_, period_s)) return suspended;
@@ -113,60 +120,96 @@ StopReason PhaseRunner::OnePeriod(PhaseProgram& program, double elapsed_s, doubl
 }
 
 PhaseOutcome PhaseRunner::Run(PhaseProgram& program, const HeartbeatFunction& heartbeat) {
-  const double period_s = std::min(settings_.control_period_s, program.control_period_s());
-  const nanoseconds period = Nanoseconds(period_s);
   PhaseOutcome outcome;
-  {
-    const SafeOnExit safe(*this);
-    const nanoseconds start = devices_.clock.Now();
-    nanoseconds next = start;
-    nanoseconds next_heartbeat = start + Nanoseconds(kHeartbeat_s);
-    readings_ = devices_.sampler.Read();
-    bool set_up = false;
-    StopReason winding_down;
-    double waiting_for_drives_s = 0.0;
-    while (true) {
-      const double elapsed_s = duration<double>(next - start).count();
-      outcome.reason = OnePeriod(program, elapsed_s, period_s);
-      if (outcome.reason) break;
-      if (!set_up) {
-        program.SetUp(readings_, devices_);
-        set_up = true;
-      }
-      if (!winding_down) {
-        winding_down = SoftRequest();
-        const bool by_itself = winding_down && program.WindDown();
-        if (!by_itself && winding_down.cause == StopCause::kShutdownRequested) {
-          outcome.reason = winding_down;
-          break;
-        }
-        // A pause waits for the end of a phase that cannot be cut.
-        if (!by_itself) winding_down = {};
-      }
-      const StepResult result = program.Step(readings_, elapsed_s, devices_);
-      waiting_for_drives_s = program.ready() ? 0.0 : waiting_for_drives_s + period_s;
-      if (waiting_for_drives_s > kLongestBringUp_s) {
-        outcome.reason = {StopCause::kDriveNotReady, waiting_for_drives_s, kLongestBringUp_s, readings_.time};
-        break;
-      }
-      if (result == StepResult::kDone) outcome.reason = winding_down;
-      if (result == StepResult::kFailedCheck) outcome.reason = program.failed_check();
-      if (result == StepResult::kLogFull) outcome.reason = {StopCause::kLogFull, 0.0, 0.0, readings_.time};
-      if (result != StepResult::kRunning) break;
-      program.Collect(devices_);
-      if (next >= next_heartbeat) {
-        next_heartbeat += Nanoseconds(kHeartbeat_s);
-        heartbeat(program);
-      }
-      next += period;
-      devices_.clock.SleepUntil(next);
-    }
-  }
+  outcome.reason = settings_.own_thread
+                       ? LoopOnItsOwnThread(program, heartbeat)
+                       : Loop(program, [&](const PhaseSnapshot& snapshot) { heartbeat(snapshot, program); });
   outcome.credited_load_s = program.credited_load_s();
   if (IsFault(outcome.reason.cause)) AfterFault(program, outcome);
   program.Collect(devices_);
   outcome.records = program.TakeRecords();
   return outcome;
+}
+
+StopReason PhaseRunner::LoopOnItsOwnThread(PhaseProgram& program, const HeartbeatFunction& heartbeat) {
+  constexpr std::uint32_t kEnded = std::numeric_limits<std::uint32_t>::max();
+  LatestValue<PhaseSnapshot> latest;
+  std::atomic<std::uint32_t> beats{};
+  StopReason reason;
+  std::exception_ptr failure;
+  abandoned_ = false;
+  std::thread thread([&] {
+    realtime_trouble_ = BecomeRealtime();
+    try {
+      reason = Loop(program, [&](const PhaseSnapshot& snapshot) {
+        latest.Write(snapshot);
+        ++beats;
+        beats.notify_one();
+      });
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    beats = kEnded;
+    beats.notify_one();
+  });
+  try {
+    std::uint32_t seen = 0;
+    while (seen != kEnded) {
+      beats.wait(seen);
+      seen = beats;
+      if (seen != kEnded) heartbeat(latest.Read(), program);
+    }
+  } catch (...) {
+    abandoned_ = true;
+    thread.join();
+    throw;
+  }
+  thread.join();
+  if (failure) std::rethrow_exception(failure);
+  return reason;
+}
+
+StopReason PhaseRunner::Loop(PhaseProgram& program, const Beat& beat) {
+  const double period_s = std::min(settings_.control_period_s, program.control_period_s());
+  const nanoseconds period = Nanoseconds(period_s);
+  const SafeOnExit safe(*this);
+  const nanoseconds start = devices_.clock.Now();
+  nanoseconds next = start;
+  nanoseconds next_beat = start + Nanoseconds(kHeartbeat_s);
+  readings_ = devices_.sampler.Read();
+  bool set_up = false;
+  StopReason winding_down;
+  double waiting_for_drives_s = 0.0;
+  while (true) {
+    const double elapsed_s = duration<double>(next - start).count();
+    if (const StopReason broken = OnePeriod(program, elapsed_s, period_s)) return broken;
+    if (!set_up) {
+      program.SetUp(readings_, devices_);
+      set_up = true;
+    }
+    if (!winding_down) {
+      winding_down = SoftRequest();
+      const bool by_itself = winding_down && program.WindDown();
+      if (!by_itself && winding_down.cause == StopCause::kShutdownRequested) return winding_down;
+      // A pause waits for the end of a phase that cannot be cut.
+      if (!by_itself) winding_down = {};
+    }
+    const StepResult result = program.Step(readings_, elapsed_s, devices_);
+    waiting_for_drives_s = program.ready() ? 0.0 : waiting_for_drives_s + period_s;
+    if (waiting_for_drives_s > kLongestBringUp_s) {
+      return {StopCause::kDriveNotReady, waiting_for_drives_s, kLongestBringUp_s, readings_.time};
+    }
+    if (result == StepResult::kDone) return winding_down;
+    if (result == StepResult::kFailedCheck) return program.failed_check();
+    if (result == StepResult::kLogFull) return {StopCause::kLogFull, 0.0, 0.0, readings_.time};
+    program.Collect(devices_);
+    if (next >= next_beat) {
+      next_beat += Nanoseconds(kHeartbeat_s);
+      beat({program.share_done(), program.credited_load_s(), readings_});
+    }
+    next += period;
+    devices_.clock.SleepUntil(next);
+  }
 }
 
 void PhaseRunner::AfterFault(PhaseProgram& program, PhaseOutcome& outcome) {
@@ -226,7 +269,7 @@ StopReason PhaseRunner::WaitUntilRecovered(const HeartbeatFunction& heartbeat) {
     since_heartbeat_s += period_s;
     if (since_heartbeat_s >= kHeartbeat_s) {
       since_heartbeat_s = 0.0;
-      heartbeat(standstill);
+      heartbeat({0.0, 0.0, readings_}, standstill);
     }
   }
 }

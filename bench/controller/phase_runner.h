@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "bench/controller/interlocks.h"
@@ -28,13 +29,25 @@ struct PhaseOutcome {
   std::vector<NamedRecord> black_box;
 };
 
-/// Called about once a second of bench time, between two control periods.
-using HeartbeatFunction = std::function<void(const PhaseProgram&)>;
+/// What a running phase says of itself.
+struct PhaseSnapshot {
+  double share_done{};
+  double credited_load_s{};
+  Readings readings;
+};
+
+/// Called about once a second of bench time. It may take its time and may throw; of the program it may ask
+/// `RecordsSoFar` alone.
+using HeartbeatFunction = std::function<void(const PhaseSnapshot&, const PhaseProgram&)>;
 
 struct RunnerSettings {
   double control_period_s{0.01};
   schedules::Limits limits;
   schedules::SuspendRule suspend;
+  /// The loop runs on a thread of its own, with real-time priority where the machine grants it, so that
+  /// neither a disk nor a terminal holds it up; heartbeats come on the caller's. A simulated bench, whose
+  /// clock waits for everybody, needs none, and gives the same bits every time without.
+  bool own_thread{};
 };
 
 /// Runs phases on the bench: keeps the period, watches every limit and every request, steps the program, and
@@ -53,9 +66,18 @@ class PhaseRunner {
   /// Torque off and brakes on, at once.
   void MakeSafe() noexcept;
 
+  /// Of the loop's last period; not while a phase runs.
   const Readings& last_readings() const noexcept { return readings_; }
 
+  /// What the machine refused to the loop's own thread, in words; nothing when it has all it needs, or has no
+  /// thread of its own.
+  const std::string& realtime_trouble() const noexcept { return realtime_trouble_; }
+
  private:
+  using Beat = std::function<void(const PhaseSnapshot&)>;
+
+  StopReason Loop(PhaseProgram& program, const Beat& beat);
+  StopReason LoopOnItsOwnThread(PhaseProgram& program, const HeartbeatFunction& heartbeat);
   StopReason OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept;
   StopReason SoftRequest() const noexcept;  // pause or shutdown, where asked for
   InterlockInputs Inputs(const PhaseProgram& program) const noexcept;
@@ -69,6 +91,8 @@ class PhaseRunner {
   const std::atomic<StopRequest>& request_;
   daq::HistoryRing history_;
   Readings readings_;
+  std::atomic<bool> abandoned_{};  // a heartbeat has failed: the phase ends at once
+  std::string realtime_trouble_;
 };
 
 }  // namespace strainwave::bench

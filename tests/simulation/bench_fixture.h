@@ -26,6 +26,8 @@ class SpyDrive final : public ServoDrive {
     if (quick_stop_at <= enabled_at) quick_stop_at = clock_.Now();
     set_points_after_stop = 0;
     drive_.QuickStop();
+    ++quick_stops;
+    quick_stops.notify_all();
   }
   void ResetFault() noexcept override { drive_.ResetFault(); }
   void SetBrake(bool engaged) noexcept override { drive_.SetBrake(engaged); }
@@ -47,6 +49,7 @@ class SpyDrive final : public ServoDrive {
   std::chrono::nanoseconds quick_stop_at{-1};
   int set_points_after_stop{};
   bool deaf{};  // never gets enabled
+  std::atomic<int> quick_stops{};
 
  private:
   ServoDrive& drive_;
@@ -144,6 +147,6 @@ class SpiedBench {
   PhaseRunner runner;
 };
 
-inline void NoHeartbeat(const PhaseProgram&) {}
+inline void NoHeartbeat(const PhaseSnapshot&, const PhaseProgram&) {}
 
 }  // namespace strainwave::bench

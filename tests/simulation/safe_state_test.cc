@@ -67,7 +67,7 @@ TEST_P(SafeState, IsReachedWithinOneControlPeriodAndTheCauseIsNamed) {
   SpiedBench bench;
   const auto program = MakeProgram(phase.parameters, TestSpecimen(), 0.0, 0.01);
   int beats = 0;
-  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseProgram&) {
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseSnapshot&, const PhaseProgram&) {
     if (++beats == 1) way.happen(bench);
   });
   EXPECT_EQ(outcome.reason.cause, way.cause) << Describe(outcome.reason);
@@ -94,7 +94,8 @@ INSTANTIATE_TEST_SUITE_P(OfEveryPhase, SafeState,
 TEST(SafeStateOnException, IsReachedBeforeTheExceptionLeaves) {
   SpiedBench bench;
   const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
-  EXPECT_THROW(bench.runner.Run(*program, [](const PhaseProgram&) { throw std::runtime_error("disk full"); }),
+  EXPECT_THROW(bench.runner.Run(*program, [](const PhaseSnapshot&,
+                                             const PhaseProgram&) { throw std::runtime_error("disk full"); }),
                std::runtime_error);
   EXPECT_TRUE(bench.Safe());
 }
@@ -134,7 +135,7 @@ TEST(FirstOut, TellsTheFirstCauseFromWhatFollowed) {
   SpiedBench bench(settings);
   const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
   int beats = 0;
-  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseProgram&) {
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseSnapshot&, const PhaseProgram&) {
     if (++beats == 1) bench.machine.bench().Inject({.gear_temperature_degC = 80.0});
   });
   // Forty Nm are asked for and thirty allowed: that came first, well before the first heartbeat.
@@ -147,7 +148,7 @@ TEST(FirstOut, KeepsTheSamplesBeforeAndAfter) {
   SpiedBench bench;
   const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
   int beats = 0;
-  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseProgram&) {
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseSnapshot&, const PhaseProgram&) {
     if (++beats == 20) bench.machine.bench().Inject({.load_fault = true});
   });
   ASSERT_EQ(outcome.black_box.size(), 1u);
@@ -164,8 +165,8 @@ TEST(Pause, WaitsForTheEndOfAMeasurementAndCutsALoadRun) {
   EXPECT_FALSE(bench.runner.Run(*sweep, NoHeartbeat).reason);
   bench.request = StopRequest::kNone;
   const auto run = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
-  const PhaseOutcome outcome = bench.runner.Run(*run, [&](const PhaseProgram& program) {
-    if (program.credited_load_s() > 20.0) bench.request = StopRequest::kPause;
+  const PhaseOutcome outcome = bench.runner.Run(*run, [&](const PhaseSnapshot& now, const PhaseProgram&) {
+    if (now.credited_load_s > 20.0) bench.request = StopRequest::kPause;
   });
   EXPECT_EQ(outcome.reason.cause, StopCause::kPauseRequested);
   EXPECT_GT(outcome.credited_load_s, 20.0);
@@ -192,8 +193,8 @@ TEST(Suspend, GoesOnByItselfWhenTheGearHasCooledDown) {
   settings.suspend.resume_temperature_degC = 50.0;
   SpiedBench bench(settings);
   const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);
-  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseProgram& running) {
-    if (running.credited_load_s() > 10.0) bench.machine.bench().Inject({.gear_temperature_degC = 65.0});
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram&) {
+    if (now.credited_load_s > 10.0) bench.machine.bench().Inject({.gear_temperature_degC = 65.0});
   });
   EXPECT_EQ(outcome.reason.cause, StopCause::kTemperatureSuspend);
   EXPECT_TRUE(bench.Safe());
