@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/configuration/device_descriptions.h"
 #include "schedules/reader/findings.h"
 
 namespace strainwave::bench {
@@ -16,6 +17,7 @@ struct ServoDescription {
   double peak_torque_Nm{};
   double peak_speed_rad_per_s{};
   double max_acceleration_rad_per_s2{};
+  DriveLink drive;  // of a bench that is not simulated
 };
 
 /// The transducer between the gear and the load.
@@ -56,7 +58,7 @@ struct TermDescription {
   int line{};
 };
 
-/// Only for a simulated bench.
+/// Of a simulated bench, and of the device side that stands in for a real one (`strainwave-devices`).
 struct SimulationDescription {
   std::uint64_t seed{};
   double time_skew_s{};                // by which the output encoder is read late (E20)
@@ -84,6 +86,8 @@ struct BenchDescription {
   /// Half width of the error of the angle that the blank test holds the output encoder against.
   double blank_reference_accuracy_rad{};
   std::vector<AccelerometerDescription> accelerometers;
+  std::vector<DeviceDescription> devices;  // none where the bench is simulated
+  std::vector<ChannelLink> channels;
   SimulationDescription simulation;
 
   std::string file_name;  // as given to the reader

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "bench/configuration/read_devices.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -53,13 +54,14 @@ std::string ReadDate(YamlMap& map, std::string_view key, ReadContext& context) {
   return text;
 }
 
-ServoDescription ReadServo(YamlMap map) {
+ServoDescription ReadServo(YamlMap map, const std::filesystem::path& folder) {
   ServoDescription servo;
   servo.serial = map.Text("serial", "");
   servo.peak_torque_Nm = map.Quantity("peak_torque", Dimension::kTorque, Bound::kPositive);
   servo.peak_speed_rad_per_s = map.Quantity("peak_speed", Dimension::kAngularSpeed, Bound::kPositive);
   servo.max_acceleration_rad_per_s2 =
       map.Quantity("max_acceleration", Dimension::kAngularAcceleration, Bound::kPositive);
+  servo.drive = ReadDriveLink(map.Map("drive", Presence::kOptional), folder);
   map.Finish();
   return servo;
 }
@@ -174,8 +176,8 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
       map.Quantity("fast_control_period", Dimension::kTime, Bound::kPositive, "1 ms");
   bench.vibration_rate_hz =
       map.Quantity("vibration_rate", Dimension::kFrequency, Bound::kPositive, "51.2 kHz");
-  bench.driving_servo = ReadServo(map.Map("driving_servo", Presence::kRequired));
-  bench.load_servo = ReadServo(map.Map("load_servo", Presence::kRequired));
+  bench.driving_servo = ReadServo(map.Map("driving_servo", Presence::kRequired), folder);
+  bench.load_servo = ReadServo(map.Map("load_servo", Presence::kRequired), folder);
   bench.load_reducer_ratio = map.Number("load_reducer_ratio", Bound::kPositive, "70");
   bench.transducer = ReadTransducer(map.Map("torque_transducer", Presence::kRequired), context);
   bench.input_encoder = ReadEncoder(map.Map("input_encoder", Presence::kRequired), context);
@@ -183,14 +185,25 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
   bench.blank_reference_accuracy_rad =
       map.Quantity("blank_reference_accuracy", Dimension::kAngle, Bound::kPositive, "0.5 arcsec");
   bench.accelerometers = ReadAccelerometers(map.MapList("accelerometers", Presence::kOptional), context);
+  const bool has_devices = map.has("devices");
+  bench.devices = ReadDevices(map.MapList("devices", Presence::kOptional), folder, context);
+  bench.channels = ReadChannelLinks(map.MapList("channels", Presence::kOptional), context);
   const bool has_simulation = map.has("simulation");
   bench.simulation = ReadSimulation(map.Map("simulation", Presence::kOptional), folder, context);
   map.Finish();
-  if (has_simulation && !bench.simulated && !map.is_wrong("simulated")) {
+  if (map.is_wrong("simulated")) return bench;
+  if (has_devices && bench.simulated) {
+    const schedules::Origin& origin = context.origins["simulated"];
+    context.findings.AddError(
+        origin.line, origin.column,
+        "a simulated bench has no devices (expected 'simulated: false', or no devices)");
+  }
+  if (has_simulation && !has_devices && !bench.simulated) {
     const schedules::Origin& origin = context.origins["simulation"];
     context.findings.AddError(origin.line, origin.column,
                               "simulation belongs to a simulated bench (expected 'simulated: true')");
   }
+  if (has_devices && !bench.simulated) CheckDevices(bench, context.origins["devices"].line, context);
   return bench;
 }
 

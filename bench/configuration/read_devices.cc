@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/configuration/read_devices.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace strainwave::bench {
+
+using schedules::Presence;
+using schedules::ReadContext;
+using schedules::YamlMap;
+using Kind = DeviceDescription::Kind;
+
+namespace {
+
+constexpr int kMostNodes = 127;
+constexpr int kMostUnits = 247;
+
+std::filesystem::path Below(const std::filesystem::path& folder, const std::string& file) {
+  return file.empty() ? std::filesystem::path() : folder / file;
+}
+
+const DeviceDescription* Find(const std::vector<DeviceDescription>& devices, std::string_view name) {
+  const auto found = std::ranges::find(devices, name, &DeviceDescription::name);
+  return found == devices.end() ? nullptr : &*found;
+}
+
+bool GivesChannels(Kind kind) {
+  switch (kind) {
+    case Kind::kModbus:
+    case Kind::kStream:
+    case Kind::kIio:
+    case Kind::kHid:
+      return true;
+    case Kind::kCanopen:
+    case Kind::kPendant:
+    case Kind::kCamera:
+      return false;
+  }
+  return false;
+}
+
+bool IsChannel(const BenchDescription& bench, std::string_view name) {
+  const auto is_name = [&](const char* known) { return name == known; };
+  return std::ranges::any_of(kNeededChannels, is_name) || std::ranges::any_of(kFurtherChannels, is_name) ||
+         std::ranges::find(bench.accelerometers, name, &AccelerometerDescription::name) !=
+             bench.accelerometers.end();
+}
+
+std::string AllChannels(const BenchDescription& bench) {
+  std::string all;
+  for (const char* name : kNeededChannels) all += fmt::format("{}, ", name);
+  for (const char* name : kFurtherChannels) all += fmt::format("{}, ", name);
+  for (const auto& accelerometer : bench.accelerometers) all += fmt::format("{}, ", accelerometer.name);
+  return all.substr(0, all.size() - 2);
+}
+
+void CheckDrive(const BenchDescription& bench, const DriveLink& link, const std::string& servo, int line,
+                ReadContext& context) {
+  const auto place = context.origins.find(servo + ".drive.device");
+  if (link.device.empty()) {
+    context.findings.AddError(
+        line, 1,
+        fmt::format("{} has no drive (expected {}.drive with device, and node and profile "
+                    "where the device is a CAN bus)",
+                    servo, servo));
+    return;
+  }
+  if (place == context.origins.end() || place->second.wrong) return;
+  const auto error = [&](std::string message) {
+    context.findings.AddError(place->second.line, place->second.column, std::move(message));
+  };
+  const DeviceDescription* device = Find(bench.devices, link.device);
+  if (device == nullptr) {
+    error(fmt::format("device = {} is not among the devices (expected the name of one)", link.device));
+  } else if (device->kind == Kind::kCanopen) {
+    if (link.node == 0 || link.profile.empty()) {
+      error(fmt::format("device = {} is a CAN bus (expected node and profile beside it)", link.device));
+    }
+  } else if (device->kind != Kind::kModbus) {
+    error(fmt::format("device = {} drives nothing (expected one of kind canopen or modbus)", link.device));
+  }
+}
+
+}  // namespace
+
+std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std::filesystem::path& folder,
+                                           ReadContext& context) {
+  std::vector<DeviceDescription> devices;
+  for (YamlMap& map : maps) {
+    DeviceDescription device;
+    device.line = map.line();
+    device.name = map.Identifier("name");
+    device.kind = map.Choice<Kind>("kind", {{"canopen", Kind::kCanopen},
+                                            {"modbus", Kind::kModbus},
+                                            {"stream", Kind::kStream},
+                                            {"iio", Kind::kIio},
+                                            {"pendant", Kind::kPendant},
+                                            {"hid", Kind::kHid},
+                                            {"camera", Kind::kCamera}});
+    switch (device.kind) {
+      case Kind::kCanopen:
+        device.address = map.Text("interface");
+        device.log = Below(folder, map.Text("log", ""));
+        break;
+      case Kind::kModbus:
+        device.address = map.Text("address");
+        device.unit = map.Count("unit", 0, kMostUnits, "1");
+        device.file = Below(folder, map.Text("registers"));
+        break;
+      case Kind::kStream:
+      case Kind::kIio:
+      case Kind::kCamera:
+        device.address = map.Text("address");
+        break;
+      case Kind::kPendant:
+      case Kind::kHid:
+        device.file = Below(folder, map.Text("profile"));
+        break;
+    }
+    map.Finish();
+    if (!map.is_wrong("name") && Find(devices, device.name) != nullptr) {
+      const schedules::Origin& origin = context.origins[map.PathOf("name")];
+      context.findings.AddError(
+          origin.line, origin.column,
+          fmt::format("two devices are named '{}' (expected a name of its own)", device.name));
+    }
+    devices.push_back(std::move(device));
+  }
+  return devices;
+}
+
+DriveLink ReadDriveLink(YamlMap map, const std::filesystem::path& folder) {
+  DriveLink link;
+  link.device = map.Text("device", "");
+  link.node = map.Count("node", 0, kMostNodes, "0");
+  link.profile = Below(folder, map.Text("profile", ""));
+  map.Finish();
+  return link;
+}
+
+std::vector<ChannelLink> ReadChannelLinks(std::vector<YamlMap> maps, ReadContext& context) {
+  std::vector<ChannelLink> links;
+  for (YamlMap& map : maps) {
+    ChannelLink link;
+    link.line = map.line();
+    link.channel = map.Identifier("channel");
+    link.device = map.Identifier("device");
+    link.source = map.Text("source");
+    map.Finish();
+    const auto first = std::ranges::find(links, link.channel, &ChannelLink::channel);
+    if (first != links.end() && !map.is_wrong("channel")) {
+      const schedules::Origin& origin = context.origins[map.PathOf("channel")];
+      context.findings.AddError(
+          origin.line, origin.column,
+          fmt::format("channel '{}' is there twice (expected once; it is already on line "
+                      "{})",
+                      link.channel, first->line));
+    }
+    links.push_back(std::move(link));
+  }
+  return links;
+}
+
+void CheckDevices(const BenchDescription& bench, int line, ReadContext& context) {
+  CheckDrive(bench, bench.driving_servo.drive, "driving_servo", line, context);
+  CheckDrive(bench, bench.load_servo.drive, "load_servo", line, context);
+  for (std::size_t i = 0; i < bench.channels.size(); ++i) {
+    const ChannelLink& link = bench.channels[i];
+    const auto error = [&](const char* key, const std::string& message) {
+      const schedules::Origin& origin = context.origins[fmt::format("channels[{}].{}", i, key)];
+      if (!origin.wrong) context.findings.AddError(origin.line, origin.column, message);
+    };
+    if (!IsChannel(bench, link.channel)) {
+      error("channel", fmt::format("channel = {} is not one of the bench's (expected one of {})",
+                                   link.channel, AllChannels(bench)));
+    }
+    const DeviceDescription* device = Find(bench.devices, link.device);
+    if (device == nullptr) {
+      error("device",
+            fmt::format("device = {} is not among the devices (expected the name of one)", link.device));
+    } else if (!GivesChannels(device->kind)) {
+      error("device",
+            fmt::format("device = {} has no channels (expected one of kind modbus, stream, iio or hid)",
+                        link.device));
+    }
+  }
+  const auto section = context.origins.find("channels");
+  const int at = section == context.origins.end() ? line : section->second.line;
+  for (const char* needed : kNeededChannels) {
+    if (std::ranges::find(bench.channels, needed, &ChannelLink::channel) == bench.channels.end()) {
+      context.findings.AddError(
+          at, 1,
+          fmt::format("channels has no {} (expected {{channel: {}, device: …, source: …}})", needed, needed));
+    }
+  }
+  for (const AccelerometerDescription& accelerometer : bench.accelerometers) {
+    if (std::ranges::find(bench.channels, accelerometer.name, &ChannelLink::channel) ==
+        bench.channels.end()) {
+      context.findings.AddError(
+          at, 1,
+          fmt::format("channels has no {} (expected one for every accelerometer)", accelerometer.name));
+    }
+  }
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sections of a bench file that say which real devices play its parts.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "bench/configuration/read_bench_file.h"
+#include "tests/schedules/schedule_text.h"
+
+namespace strainwave::bench {
+namespace {
+
+using schedules::With;
+
+std::string RealBench() {
+  return R"(bench: 1
+name: real
+simulated: false
+driving_servo:
+  peak_torque: 7 Nm
+  peak_speed: 3000 rpm
+  max_acceleration: 2000 rad/s2
+  drive: {device: can, node: 1, profile: drives/servo.yaml}
+load_servo:
+  peak_torque: 7 Nm
+  peak_speed: 6000 rpm
+  max_acceleration: 2000 rad/s2
+  drive: {device: load}
+torque_transducer: {range: 100 Nm}
+input_encoder: {counts_per_rev: 1048576, accuracy: 20 arcsec}
+output_encoder: {counts_per_rev: 268435456, accuracy: 2.5 arcsec}
+accelerometers:
+  - name: accel_x
+devices:
+  - {name: can, kind: canopen, interface: can0, log: frames.log}
+  - {name: load, kind: modbus, address: "tcp:10.0.0.2:502", unit: 3, registers: load.yaml}
+  - {name: front, kind: stream, address: "tcp:127.0.0.1:5025"}
+  - {name: key, kind: pendant, profile: pendant.yaml}
+  - {name: eye, kind: camera, address: /dev/video0}
+channels:
+  - {channel: input_angle, device: front, source: input_deg}
+  - {channel: output_angle, device: front, source: output_deg}
+  - {channel: output_torque, device: front, source: torque_Nm}
+  - {channel: gear_temperature, device: load, source: gear_degC}
+  - {channel: accel_x, device: front, source: accel_x_m_per_s2}
+)";
+}
+
+std::string MessageOf(std::string_view from, std::string_view to) {
+  try {
+    ParseBenchFile(With(RealBench(), from, to), "real.yaml", "lab");
+    return {};
+  } catch (const BenchFileError& error) {
+    return error.what();
+  }
+}
+
+TEST(DeviceSections, NameEveryDeviceAndWhereItIs) {
+  const BenchDescription bench = ParseBenchFile(RealBench(), "real.yaml", "lab");
+  ASSERT_EQ(bench.devices.size(), 5U);
+  EXPECT_EQ(bench.devices[0].kind, DeviceDescription::Kind::kCanopen);
+  EXPECT_EQ(bench.devices[0].address, "can0");
+  EXPECT_EQ(bench.devices[0].log, "lab/frames.log");
+  EXPECT_EQ(bench.devices[1].kind, DeviceDescription::Kind::kModbus);
+  EXPECT_EQ(bench.devices[1].unit, 3);
+  EXPECT_EQ(bench.devices[1].file, "lab/load.yaml");
+  EXPECT_EQ(bench.devices[4].kind, DeviceDescription::Kind::kCamera);
+  EXPECT_EQ(bench.driving_servo.drive.device, "can");
+  EXPECT_EQ(bench.driving_servo.drive.node, 1);
+  EXPECT_EQ(bench.driving_servo.drive.profile, "lab/drives/servo.yaml");
+  EXPECT_EQ(bench.load_servo.drive.device, "load");
+  ASSERT_EQ(bench.channels.size(), 5U);
+  EXPECT_EQ(bench.channels[3].channel, "gear_temperature");
+  EXPECT_EQ(bench.channels[3].device, "load");
+  EXPECT_EQ(bench.channels[3].source, "gear_degC");
+}
+
+TEST(DeviceSections, RefuseADriveWithoutADevice) {
+  EXPECT_EQ(
+      MessageOf("  drive: {device: load}\n", ""),
+      "real.yaml:18:1: error: load_servo has no drive (expected load_servo.drive with device, and node and "
+      "profile where the device is a CAN bus)");
+  EXPECT_EQ(MessageOf("{device: load}", "{device: loda}"),
+            "real.yaml:13:19: error: device = loda is not among the devices (expected the name of one)");
+  EXPECT_EQ(MessageOf("{device: load}", "{device: front}"),
+            "real.yaml:13:19: error: device = front drives nothing (expected one of kind canopen or modbus)");
+  EXPECT_EQ(MessageOf("{device: load}", "{device: can, node: 2}"),
+            "real.yaml:13:19: error: device = can is a CAN bus (expected node and profile beside it)");
+}
+
+TEST(DeviceSections, RefuseChannelsThatLeadNowhere) {
+  EXPECT_EQ(
+      MessageOf("channel: accel_x,", "channel: accel_y,"),
+      "real.yaml:25:1: error: channels has no accel_x (expected one for every accelerometer)\n"
+      "real.yaml:30:15: error: channel = accel_y is not one of the bench's (expected one of input_angle, "
+      "output_angle, output_torque, gear_temperature, input_speed, motor_torque, ambient_temperature, "
+      "accel_x)");
+  EXPECT_EQ(
+      MessageOf("channel: accel_x, device: front", "channel: accel_x, device: key"),
+      "real.yaml:30:32: error: device = key has no channels (expected one of kind modbus, stream, iio or "
+      "hid)");
+  EXPECT_EQ(
+      MessageOf("  - {channel: output_torque, device: front, source: torque_Nm}\n", ""),
+      "real.yaml:25:1: error: channels has no output_torque (expected {channel: output_torque, device: …, "
+      "source: …})");
+  EXPECT_EQ(
+      MessageOf("channel: output_angle", "channel: input_angle"),
+      "real.yaml:25:1: error: channels has no output_angle (expected {channel: output_angle, device: …, "
+      "source: …})\n"
+      "real.yaml:27:15: error: channel 'input_angle' is there twice (expected once; it is already on line "
+      "25)");
+}
+
+TEST(DeviceSections, RefuseDevicesOfOneName) {
+  EXPECT_EQ(MessageOf("name: eye", "name: key"),
+            "real.yaml:24:12: error: two devices are named 'key' (expected a name of its own)");
+}
+
+TEST(DeviceSections, DoNotStandBesideASimulatedBench) {
+  EXPECT_EQ(MessageOf("simulated: false", "simulated: true"),
+            "real.yaml:3:12: error: a simulated bench has no devices (expected 'simulated: false', or no "
+            "devices)");
+}
+
+}  // namespace
+}  // namespace strainwave::bench
