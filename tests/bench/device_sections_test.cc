@@ -108,7 +108,7 @@ TEST(DeviceSections, RefuseChannelsThatLeadNowhere) {
       "real.yaml:25:1: error: channels has no output_angle (expected {channel: output_angle, device: …, "
       "source: …})\n"
       "real.yaml:27:15: error: channel 'input_angle' is there twice (expected once; it is already on line "
-      "25)");
+      "26)");
 }
 
 TEST(DeviceSections, RefuseDevicesOfOneName) {
