@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -151,6 +152,26 @@ int YamlMap::Count(std::string_view key, int least, int most, std::optional<std:
       throw std::invalid_argument(fmt::format("out of range (expected {})", expectation));
     }
     return static_cast<int>(value);
+  });
+}
+
+std::int64_t YamlMap::Integer(std::string_view key, std::int64_t least, std::int64_t most,
+                              std::optional<std::string_view> default_text) {
+  const std::string expectation =
+      fmt::format("a whole number from {} to {}, decimal or 0x and hexadecimal digits", least, most);
+  return Read(key, expectation, default_text, least, [&](const std::string& text) {
+    const bool is_hex = text.starts_with("0x") || text.starts_with("0X");
+    const char* const end = text.data() + text.size();
+    std::int64_t value{};
+    const auto [read_to, error] =
+        std::from_chars(text.data() + (is_hex ? 2 : 0), end, value, is_hex ? 16 : 10);
+    if (error == std::errc::invalid_argument || read_to != end) {
+      throw std::invalid_argument(fmt::format("not whole (expected {})", expectation));
+    }
+    if (error != std::errc() || value < least || value > most) {
+      throw std::invalid_argument(fmt::format("out of range (expected {})", expectation));
+    }
+    return value;
   });
 }
 

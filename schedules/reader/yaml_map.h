@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <span>
@@ -50,9 +51,14 @@ class YamlMap {
   double Number(std::string_view key, Bound bound, std::optional<std::string_view> default_text = {});
   /// A whole number from `least` to `most`.
   int Count(std::string_view key, int least, int most, std::optional<std::string_view> default_text = {});
+  /// The same for numbers as a wire has them: up to 64 bits, decimal or hexadecimal (0x1018).
+  std::int64_t Integer(std::string_view key, std::int64_t least, std::int64_t most,
+                       std::optional<std::string_view> default_text = {});
   bool Flag(std::string_view key, std::optional<std::string_view> default_text = {});
   /// One line of 1 to 200 characters; a default may be empty.
   std::string Text(std::string_view key, std::optional<std::string_view> default_text = {});
+  /// A list of such lines, or a single one; an absent one is empty.
+  std::vector<std::string> TextList(std::string_view key);
   /// Letters, digits, '-' and '_': what may name a folder or a group.
   std::string Identifier(std::string_view key, std::optional<std::string_view> default_text = {});
 

@@ -51,6 +51,28 @@ std::vector<double> YamlMap::QuantityList(std::string_view key, Dimension dimens
   return values;
 }
 
+std::vector<std::string> YamlMap::TextList(std::string_view key) {
+  const Entry* entry = Find(key);
+  if (entry == nullptr) {
+    known_.emplace_back(key);
+    return {};
+  }
+  if (entry->value->type != YamlNode::Type::kSequence) return {Text(key)};
+  known_.emplace_back(key);
+  const YamlNode& list = *entry->value;
+  context_->origins[PathOf(key)] = {list.line, list.column, {}, false};
+  std::vector<std::string> texts;
+  for (const YamlNode& item : list.children) {
+    if (item.type != YamlNode::Type::kScalar || item.text.empty()) {
+      Wrong(key, item,
+            fmt::format("{}[{}] is {} (expected one line of text)", key, texts.size(), TypeText(item.type)));
+      return {};
+    }
+    texts.push_back(item.text);
+  }
+  return texts;
+}
+
 YamlMap YamlMap::Map(std::string_view key, Presence presence) {
   const std::string expectation = "a section with keys of its own";
   const Entry* entry = Ask(key, expectation, presence == Presence::kRequired);
