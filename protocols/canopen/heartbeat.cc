@@ -26,7 +26,7 @@ void Check(std::uint8_t node_id, std::string_view name, nanoseconds time) {
 }  // namespace
 
 CanFrame HeartbeatFrame(std::uint8_t node_id, NmtState state) noexcept {
-  return DataFrame(kHeartbeatBase + node_id, {static_cast<std::uint8_t>(state)});
+  return FrameOf(kHeartbeatBase + node_id, {static_cast<std::uint8_t>(state)});
 }
 
 HeartbeatProducer::HeartbeatProducer(std::uint8_t node_id, nanoseconds period)

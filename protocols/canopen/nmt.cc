@@ -20,7 +20,7 @@ std::string_view Name(NmtState state) {
 }
 
 CanFrame NmtFrame(NmtCommand command, std::uint8_t node_id) noexcept {
-  return DataFrame(0x000, {static_cast<std::uint8_t>(command), node_id});
+  return FrameOf(0x000, {static_cast<std::uint8_t>(command), node_id});
 }
 
 std::optional<NmtState> NmtStateOf(std::uint8_t heartbeat_byte) noexcept {

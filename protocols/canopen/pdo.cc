@@ -107,7 +107,7 @@ std::int64_t SignExtended(std::uint64_t value, unsigned bits) noexcept {
 }
 
 std::uint16_t CommunicationIndex(const PdoSetting& pdo) noexcept {
-  const unsigned base = pdo.direction == PdoDirection::kToDrive ? 0x1400 : 0x1800;
+  const unsigned base = pdo.flow == PdoFlow::kToDrive ? 0x1400 : 0x1800;
   return static_cast<std::uint16_t>(base + pdo.number - 1U);
 }
 

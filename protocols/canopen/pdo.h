@@ -45,11 +45,11 @@ std::optional<std::uint64_t> PdoValue(const CanFrame& frame, std::span<const Pdo
 /// The lowest `bits` of a value as a two's complement number.
 std::int64_t SignExtended(std::uint64_t value, unsigned bits) noexcept;
 
-enum class PdoDirection : std::uint8_t { kToDrive, kFromDrive };
+enum class PdoFlow : std::uint8_t { kToDrive, kFromDrive };
 
 /// One PDO as it shall be, named from the drive: what the master sends is the drive's RPDO.
 struct PdoSetting {
-  PdoDirection direction{};
+  PdoFlow flow{};
   std::uint16_t number{};            // 1 to 512: communication object 1400h or 1800h + number - 1
   std::uint32_t cob_id{};            // 11 bits
   std::uint8_t transmission_type{};  // 0 to 240 with SYNC, 254 and 255 by event

@@ -155,7 +155,7 @@ void SdoClient::OnFrame(const CanFrame& frame, nanoseconds now) noexcept {
 void SdoClient::Send(const Payload& payload, nanoseconds now) noexcept {
   // Each answer asks for one frame at most, and Poll takes them out between; if nobody polls, the transfer
   // times out.
-  (void)out_.Push(DataFrame(kRequestBase + node_id_, payload));
+  (void)out_.Push(FrameOf(kRequestBase + node_id_, payload));
   deadline_ = now + timeout_;
 }
 

@@ -49,7 +49,7 @@ CanFrame SdoClient::NextBlockSegment(nanoseconds now) noexcept {
     phase_ = Phase::kBlockDownloadAcknowledge;
     deadline_ = now + timeout_;
   }
-  return DataFrame(0x600U + node_id_, payload);
+  return FrameOf(0x600U + node_id_, payload);
 }
 
 void SdoClient::OnBlockDownloadAcknowledge(const Payload& data, nanoseconds now) noexcept {

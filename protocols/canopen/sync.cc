@@ -20,9 +20,9 @@ SyncProducer::SyncProducer(std::uint8_t overflow) : overflow_(overflow) {
 
 CanFrame SyncProducer::Next() noexcept {
   constexpr std::uint32_t kSyncId = 0x80;
-  if (overflow_ == 0) return DataFrame(kSyncId, {});
+  if (overflow_ == 0) return FrameOf(kSyncId, {});
   counter_ = counter_ >= overflow_ ? std::uint8_t{1} : static_cast<std::uint8_t>(counter_ + 1);
-  return DataFrame(kSyncId, {counter_});
+  return FrameOf(kSyncId, {counter_});
 }
 
 std::optional<nanoseconds> SyncMeter::OnSync(nanoseconds now) noexcept {

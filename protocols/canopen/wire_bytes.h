@@ -24,15 +24,15 @@ constexpr void ToLittleEndian(std::uint64_t value, std::span<std::uint8_t> bytes
 }
 
 /// A data frame of an 11-bit identifier; of more than eight bytes the first eight.
-constexpr CanFrame DataFrame(std::uint32_t id, std::span<const std::uint8_t> bytes) noexcept {
+constexpr CanFrame FrameOf(std::uint32_t id, std::span<const std::uint8_t> bytes) noexcept {
   CanFrame frame{.id = id};
   for (const std::uint8_t byte : bytes) {
     if (frame.length < frame.data.size()) frame.data[frame.length++] = byte;
   }
   return frame;
 }
-constexpr CanFrame DataFrame(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) noexcept {
-  return DataFrame(id, std::span(bytes.begin(), bytes.size()));
+constexpr CanFrame FrameOf(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) noexcept {
+  return FrameOf(id, std::span(bytes.begin(), bytes.size()));
 }
 
 /// Whether the frame carries data under this 11-bit identifier, with a length that a frame can have.

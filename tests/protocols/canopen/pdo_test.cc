@@ -61,7 +61,7 @@ TEST(SignExtended, ReadsTwosComplement) {
 }
 
 PdoSetting SomeRpdo() {
-  return {.direction = PdoDirection::kToDrive,
+  return {.flow = PdoFlow::kToDrive,
           .number = 2,
           .cob_id = 0x303,
           .transmission_type = 255,
@@ -94,7 +94,7 @@ TEST(RemapReadBack, CoversEverythingThatWasWritten) {
 
 TEST(RemapWrites, AddressTheDrivesTransmitPdosAt1800h) {
   PdoSetting pdo = SomeRpdo();
-  pdo.direction = PdoDirection::kFromDrive;
+  pdo.flow = PdoFlow::kFromDrive;
   pdo.number = 4;
   pdo.inhibit_time_100us = 10;
   const std::vector<PdoWrite> writes = RemapWrites(pdo);
