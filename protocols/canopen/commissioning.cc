@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "protocols/canopen/commissioning.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+#include "protocols/canopen/wire_bytes.h"
+
+namespace strainwave::protocols::canopen {
+namespace {
+
+using std::chrono::nanoseconds;
+using Action = CommissioningStep::Action;
+using Concern = CommissioningStep::Concern;
+
+bool WritesAllBits(const CommissioningStep& step) {
+  return step.mask == (step.bytes >= 4 ? 0xFFFFFFFF : (std::uint32_t{1} << (8 * step.bytes)) - 1);
+}
+
+}  // namespace
+
+Commissioning::Commissioning(std::vector<CommissioningStep> steps, std::uint8_t node_id,
+                             nanoseconds sdo_timeout)
+    : steps_(std::move(steps)), node_id_(node_id), client_(node_id, sdo_timeout) {}
+
+void Commissioning::Start(nanoseconds now) noexcept {
+  client_.Reset();
+  step_ = 0;
+  state_ = State::kRunning;
+  BeginStep(now);
+}
+
+void Commissioning::Abandon() noexcept {
+  client_.Reset();
+  state_ = State::kIdle;
+}
+
+void Commissioning::BeginStep(nanoseconds now) noexcept {
+  if (step_ == steps_.size()) {
+    state_ = State::kDone;
+    return;
+  }
+  const CommissioningStep& step = steps_[step_];
+  if (step.action == Action::kWrite && WritesAllBits(step)) return Write(step.value, now);
+  is_writing_ = false;
+  (void)client_.StartUpload(step.address, step.bytes, SdoTransfer::kExpeditedOrSegmented, now);
+}
+
+void Commissioning::Write(std::uint32_t value, nanoseconds now) noexcept {
+  const CommissioningStep& step = steps_[step_];
+  std::array<std::uint8_t, 4> bytes{};
+  ToLittleEndian(value, bytes);
+  is_writing_ = true;
+  (void)client_.StartDownload(step.address, std::span(bytes).first(step.bytes),
+                              SdoTransfer::kExpeditedOrSegmented, now);
+}
+
+void Commissioning::OnTransferDone(nanoseconds now) noexcept {
+  const CommissioningStep& step = steps_[step_];
+  if (!is_writing_) {
+    read_ = static_cast<std::uint32_t>(FromLittleEndian(client_.data()));
+    const bool is_equal = (read_ & step.mask) == step.value;
+    switch (step.action) {
+      case Action::kWrite:
+        return Write((read_ & ~step.mask) | step.value, now);
+      case Action::kExpect:
+      case Action::kExpectNot:
+        if (is_equal != (step.action == Action::kExpect)) {
+          state_ = State::kFailed;
+          return;
+        }
+    }
+  }
+  ++step_;
+  BeginStep(now);
+}
+
+void Commissioning::OnFrame(const CanFrame& frame, nanoseconds now) noexcept {
+  client_.OnFrame(frame, now);
+  if (state_ != State::kRunning) return;
+  if (client_.state() == SdoClient::State::kDone) OnTransferDone(now);
+  if (client_.state() == SdoClient::State::kFailed) state_ = State::kFailed;
+}
+
+std::optional<CanFrame> Commissioning::Poll(nanoseconds now) noexcept {
+  const std::optional<CanFrame> frame = client_.Poll(now);
+  if (state_ == State::kRunning && client_.state() == SdoClient::State::kFailed) state_ = State::kFailed;
+  return frame;
+}
+
+std::string Commissioning::FailureWords() const {
+  if (state_ != State::kFailed) return {};
+  const CommissioningStep& step = steps_[step_];
+  if (client_.state() == SdoClient::State::kFailed) {
+    return fmt::format("{} cannot be {}: {}", step.purpose, is_writing_ ? "written" : "read",
+                       Words(client_.failure()));
+  }
+  const std::string object = fmt::format("{} ({})", step.purpose, Words(step.address));
+  const int digits = 2 * step.bytes;
+  switch (step.concern) {
+    case Concern::kIdentity:
+      return fmt::format(
+          "node {} is another drive than the profile's, nothing was written to it: {} is "
+          "{:0{}X}h (expected {:0{}X}h)",
+          node_id_, object, read_ & step.mask, digits, step.value, digits);
+    case Concern::kAbility:
+      return fmt::format(
+          "node {} is not able to do what the profile says: {} is {:0{}X}h (expected {:0{}X}h)", node_id_,
+          object, read_ & step.mask, digits, step.value, digits);
+    case Concern::kSetting:
+      return fmt::format("node {} did not take a setting: {} reads {:0{}X}h (written {:0{}X}h)", node_id_,
+                         object, read_ & step.mask, digits, step.value, digits);
+    case Concern::kSupervision:
+      return fmt::format(
+          "node {} must not be enabled, it would not notice that the master is gone: {} reads "
+          "back as off ({:0{}X}h)",
+          node_id_, object, read_, digits);
+  }
+  return {};
+}
+
+}  // namespace strainwave::protocols::canopen

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocols/canopen/drive_profile.h"
+#include "protocols/canopen/object.h"
+
+namespace strainwave::protocols::canopen {
+
+/// One step of a drive's boot, as data. `mask` has the bits that count: of a check those compared, of a write
+/// those set, while the others stay as they are read before.
+struct CommissioningStep {
+  enum class Action : std::uint8_t { kExpect, kExpectNot, kWrite };
+  /// What it means when the step fails.
+  enum class Concern : std::uint8_t {
+    kIdentity,     // another drive; nothing has been written yet
+    kAbility,      // the drive cannot do what the profile says
+    kSetting,      // it does not take a value
+    kSupervision,  // it would not notice that the master is gone
+  };
+
+  Action action{};
+  Concern concern{};
+  ObjectAddress address;
+  std::uint8_t bytes{};  // 1, 2 or 4
+  std::uint32_t value{};
+  std::uint32_t mask{0xFFFFFFFF};
+  std::string purpose;
+
+  bool operator==(const CommissioningStep&) const = default;
+};
+
+/// The boot of one drive: identity before anything else, what it can do, protective objects and the
+/// profile's own written and read back, PDOs mapped anew and read back, and at last that every supervision
+/// reads as on.
+/// @throws std::invalid_argument for a PDO that cannot be.
+std::vector<CommissioningStep> CommissioningSteps(const DriveProfile& profile, std::uint8_t node_id);
+
+}  // namespace strainwave::protocols::canopen
