@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "protocols/canopen/eds_file.h"
+
+#include <charconv>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "protocols/canopen/ini_text.h"
+#include "protocols/canopen/type_limits.h"
+
+namespace strainwave::protocols::canopen {
+namespace {
+
+constexpr std::int64_t kMostSubindex = 254;  // 255 tells the structure of an object
+constexpr std::uint8_t kAnyNode = 1;         // where only the form of a number is asked for
+
+enum class ObjectKind : std::uint8_t { kDomain = 0x2, kVariable = 0x7, kArray = 0x8, kRecord = 0x9 };
+
+template <typename Number>
+std::optional<Number> HexOf(std::string_view digits) {
+  Number number{};
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number, 16);
+  if (error != std::errc() || end != digits.data() + digits.size() || digits.empty()) return std::nullopt;
+  return number;
+}
+
+struct SectionAddress {
+  ObjectAddress address;
+  bool has_subindex{};
+};
+
+// "1018" and "1018sub1" in lower case; nothing for sections of another kind.
+std::optional<SectionAddress> AddressOf(std::string_view section) {
+  if (section.size() < 4) return std::nullopt;
+  const auto index = HexOf<std::uint16_t>(section.substr(0, 4));
+  if (!index) return std::nullopt;
+  std::string_view rest = section.substr(4);
+  if (rest.empty()) return SectionAddress{{*index, 0}, false};
+  if (!rest.starts_with("sub")) return std::nullopt;
+  const auto subindex = HexOf<std::uint8_t>(rest.substr(3));
+  if (!subindex) return std::nullopt;
+  return SectionAddress{{*index, *subindex}, true};
+}
+
+class EdsReader {
+ public:
+  EdsReader(std::string_view text, std::string_view file_name)
+      : findings_(file_name), sections_(ParseIni(text, findings_)) {}
+
+  EdsFile Read() {
+    ReadDevice();
+    const std::set<std::uint16_t> listed = ReadLists();
+    for (const auto& [name, section] : sections_) {
+      const std::optional<SectionAddress> place = AddressOf(name);
+      if (!place) continue;
+      if (listed.count(place->address.index) == 0) {
+        Add(section, fmt::format("object {:04X} is in none of the lists (expected it in [MandatoryObjects], "
+                                 "[OptionalObjects] or [ManufacturerObjects])",
+                                 place->address.index));
+      } else if (place->has_subindex) {
+        ReadSub(section, *place);
+      } else {
+        ReadObject(section, place->address);
+      }
+    }
+    findings_.ThrowIfAny();
+    return std::move(file_);
+  }
+
+ private:
+  const IniSection* Section(const std::string& name) const {
+    const auto found = sections_.find(LowerCase(name));
+    return found == sections_.end() ? nullptr : &found->second;
+  }
+  void Add(const IniSection& section, std::string what) { findings_.Add(section.line, 1, std::move(what)); }
+  void Add(const IniValue& value, std::string what) {
+    findings_.Add(value.line, value.column, std::move(what));
+  }
+
+  const IniSection* Demand(const std::string& name) {
+    const IniSection* section = Section(name);
+    if (section == nullptr) findings_.Add(1, 1, fmt::format("there is no section [{}] (expected one)", name));
+    return section;
+  }
+  const IniValue* Demand(const IniSection& section, std::string_view key) {
+    const IniValue* value = section.Find(LowerCase(key));
+    if (value == nullptr) Add(section, fmt::format("[{}] has no {} (expected one)", section.name, key));
+    return value;
+  }
+
+  // A number from 0 to `most`; nothing with a finding.
+  std::optional<std::uint32_t> Unsigned(const IniValue& value, std::string_view key, std::int64_t most) {
+    const std::optional<std::int64_t> number = EdsNumber(value.text, kAnyNode);
+    if (number && *number >= 0 && *number <= most) return static_cast<std::uint32_t>(*number);
+    Add(value, fmt::format("{} '{}' (expected a number from 0 to {})", key, value.text, most));
+    return std::nullopt;
+  }
+  std::optional<std::uint32_t> Optional(const IniSection& section, std::string_view key, std::int64_t most) {
+    const IniValue* value = section.Find(LowerCase(key));
+    if (value == nullptr || value->text.empty()) return std::nullopt;
+    return Unsigned(*value, key, most);
+  }
+
+  void ReadDevice() {
+    Demand("FileInfo");
+    const IniSection* device = Demand("DeviceInfo");
+    if (device == nullptr) return;
+    const auto text = [&](std::string_view key, std::string& target) {
+      if (const IniValue* value = Demand(*device, key)) target = value->text;
+    };
+    const auto number = [&](std::string_view key, std::uint32_t& target) {
+      const IniValue* value = Demand(*device, key);
+      if (value != nullptr) target = Unsigned(*value, key, 0xFFFFFFFF).value_or(0);
+    };
+    text("VendorName", file_.vendor_name);
+    text("ProductName", file_.product_name);
+    number("VendorNumber", file_.vendor_number);
+    number("ProductNumber", file_.product_number);
+    number("RevisionNumber", file_.revision_number);
+  }
+
+  std::set<std::uint16_t> ReadLists() {
+    std::set<std::uint16_t> listed;
+    const auto read = [&](const IniSection* section) {
+      if (section == nullptr) return;
+      const IniValue* count = Demand(*section, "SupportedObjects");
+      const std::uint32_t entries =
+          count == nullptr ? 0 : Unsigned(*count, "SupportedObjects", 0xFFFF).value_or(0);
+      for (std::uint32_t i = 1; i <= entries; ++i) {
+        const IniValue* value = section->Find(std::to_string(i));
+        if (value == nullptr) {
+          Add(*count, fmt::format("[{}] has no entry {} (expected 1 to {})", section->name, i, entries));
+          break;
+        }
+        const auto index = Unsigned(*value, "object", 0xFFFF);
+        if (!index) continue;
+        if (!listed.insert(static_cast<std::uint16_t>(*index)).second) {
+          Add(*value, fmt::format("object {:04X} is listed twice (expected once)", *index));
+        } else if (Section(fmt::format("{:04x}", *index)) == nullptr) {
+          Add(*value, fmt::format("object {:04X} has no section (expected [{:04X}])", *index, *index));
+        }
+      }
+    };
+    read(Demand("MandatoryObjects"));
+    read(Section("OptionalObjects"));
+    read(Section("ManufacturerObjects"));
+    return listed;
+  }
+
+  void ReadObject(const IniSection& section, ObjectAddress address) {
+    Demand(section, "ParameterName");
+    const std::uint32_t kind = Optional(section, "ObjectType", 0xFF).value_or(0x7);
+    switch (static_cast<ObjectKind>(kind)) {
+      case ObjectKind::kDomain:
+      case ObjectKind::kVariable:
+        file_.objects[address] = ReadValue(section, kind == 0x2);
+        return;
+      case ObjectKind::kArray:
+      case ObjectKind::kRecord:
+        break;
+    }
+    if (kind != 0x8 && kind != 0x9) {
+      Add(*section.Find("objecttype"),
+          fmt::format("ObjectType 0x{:X} (expected 0x2 domain, 0x7 variable, 0x8 array or 0x9 record)",
+                      kind));
+      return;
+    }
+    if (const auto compact = Optional(section, "CompactSubObj", kMostSubindex); compact && *compact > 0) {
+      ReadCompact(section, address.index, static_cast<std::uint8_t>(*compact));
+      return;
+    }
+    const IniValue* number = Demand(section, "SubNumber");
+    if (number == nullptr) return;
+    const auto expected = Unsigned(*number, "SubNumber", kMostSubindex + 1);
+    if (!expected) return;
+    std::uint32_t subs = 0;
+    for (int subindex = 0; subindex <= 0xFF; ++subindex) {
+      if (Section(fmt::format("{:04x}sub{:x}", address.index, subindex)) != nullptr) ++subs;
+    }
+    if (subs != *expected) {
+      Add(*number, fmt::format("SubNumber {} of object {:04X}, which has {} sub-objects (expected {})",
+                               *expected, address.index, subs, subs));
+    }
+  }
+
+  void ReadSub(const IniSection& section, SectionAddress place) {
+    if (Section(fmt::format("{:04x}", place.address.index)) == nullptr) return;  // said of the list
+    Demand(section, "ParameterName");
+    file_.objects[place.address] = ReadValue(section, false);
+  }
+
+  // One description for all sub-objects (CiA 306, 4.6.3): names and values differ in sections of their own.
+  void ReadCompact(const IniSection& section, std::uint16_t index, std::uint8_t count) {
+    file_.objects[{index, 0}] = {"number of entries",
+                                 DataType::kUnsigned8,
+                                 AccessType::kReadOnly,
+                                 false,
+                                 std::to_string(count),
+                                 "",
+                                 ""};
+    const EdsObject common = ReadValue(section, false);
+    const IniSection* names = Section(fmt::format("{:04x}name", index));
+    const IniSection* values = Section(fmt::format("{:04x}value", index));
+    for (int i = 1; i <= count; ++i) {
+      EdsObject object = common;
+      object.name = common.name + std::to_string(i);
+      const std::string key = std::to_string(i);
+      if (const IniValue* name = names == nullptr ? nullptr : names->Find(key)) object.name = name->text;
+      if (const IniValue* value = values == nullptr ? nullptr : values->Find(key)) {
+        object.default_value = value->text;
+        CheckNumber(*value, "value", object.type);
+      }
+      file_.objects[{index, static_cast<std::uint8_t>(i)}] = object;
+    }
+  }
+
+  EdsObject ReadValue(const IniSection& section, bool domain) {
+    EdsObject object;
+    if (const IniValue* name = section.Find("parametername")) object.name = name->text;
+    object.type = ReadType(section, domain);
+    object.access = ReadAccess(section, domain);
+    object.mappable = Optional(section, "PDOMapping", 1).value_or(0) == 1;
+    const auto number = [&](std::string_view key, std::string& target) {
+      const IniValue* value = section.Find(LowerCase(key));
+      if (value == nullptr) return std::optional<std::int64_t>();
+      target = value->text;
+      return CheckNumber(*value, key, object.type);
+    };
+    auto initial = number("DefaultValue", object.default_value);
+    // A DCF file says with it what this one node is set to.
+    if (section.Find("parametervalue") != nullptr) initial = number("ParameterValue", object.default_value);
+    const auto low = number("LowLimit", object.low_limit);
+    const auto high = number("HighLimit", object.high_limit);
+    if (low && high && *low > *high) {
+      Add(*section.Find("highlimit"), fmt::format("HighLimit {} is below LowLimit {} (expected not below)",
+                                                  object.high_limit, object.low_limit));
+    } else if (initial && ((low && *initial < *low) || (high && *initial > *high))) {
+      const IniValue* value = section.Find("parametervalue");
+      Add(value == nullptr ? *section.Find("defaultvalue") : *value,
+          fmt::format("value {} is not within the object's limits (expected {} to {})", object.default_value,
+                      low ? object.low_limit : "any", high ? object.high_limit : "any"));
+    }
+    return object;
+  }
+
+  DataType ReadType(const IniSection& section, bool domain) {
+    if (domain && section.Find("datatype") == nullptr) return DataType::kDomain;
+    const IniValue* value = Demand(section, "DataType");
+    if (value == nullptr) return DataType::kUnsigned8;
+    const auto type = Unsigned(*value, "DataType", 0xFFFF);
+    if (type && IsKnownType(static_cast<DataType>(*type))) return static_cast<DataType>(*type);
+    if (type)
+      Add(*value, fmt::format("DataType '{}' (expected a type of CiA 301 that is used here)", value->text));
+    return DataType::kUnsigned8;
+  }
+
+  AccessType ReadAccess(const IniSection& section, bool domain) {
+    if (domain && section.Find("accesstype") == nullptr) return AccessType::kReadWrite;
+    const IniValue* value = Demand(section, "AccessType");
+    if (value == nullptr) return AccessType::kReadOnly;
+    const std::string access = LowerCase(value->text);
+    if (access == "ro") return AccessType::kReadOnly;
+    if (access == "wo") return AccessType::kWriteOnly;
+    if (access == "const") return AccessType::kConstant;
+    if (access != "rw" && access != "rwr" && access != "rww") {
+      Add(*value, fmt::format("AccessType '{}' (expected ro, wo, rw, rwr, rww or const)", value->text));
+    }
+    return AccessType::kReadWrite;
+  }
+
+  // The number as a value of `type`; nothing of an empty text and of types that are no integers.
+  std::optional<std::int64_t> CheckNumber(const IniValue& value, std::string_view key, DataType type) {
+    if (value.text.empty() || !IsIntegerType(type)) return std::nullopt;
+    const std::optional<std::int64_t> typed = TypedEdsNumber(value.text, kAnyNode, type);
+    if (!typed) {
+      Add(value, fmt::format("{} '{}' (expected {})", key, value.text, RangeWords(type)));
+    }
+    return typed;
+  }
+
+  FileFindings findings_;
+  std::map<std::string, IniSection> sections_;
+  EdsFile file_;
+};
+
+}  // namespace
+
+EdsFile ParseEds(std::string_view text, std::string_view file_name) {
+  return EdsReader(text, file_name).Read();
+}
+
+}  // namespace strainwave::protocols::canopen

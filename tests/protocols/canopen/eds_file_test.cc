@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "protocols/canopen/eds_file.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace strainwave::protocols::canopen {
+namespace {
+
+constexpr std::string_view kGood = R"([FileInfo]
+FileName=invented.eds
+; a device that nobody makes
+
+[DeviceInfo]
+VendorName=Invented Drives
+VendorNumber=0x2A
+ProductName = Turner 7
+ProductNumber=7
+RevisionNumber=0x00010002
+
+[MandatoryObjects]
+SupportedObjects=3
+1=0x1000
+2=0x1001
+3=0x1018
+[OptionalObjects]
+SupportedObjects=4
+1=0x1008
+2=0x1010
+3=0x1016
+4=0x1400
+[ManufacturerObjects]
+SupportedObjects=2
+1=0x2000
+2=0x2001
+
+[1000]
+ParameterName=device type
+ObjectType=0x7
+DataType=0x0007
+AccessType=const
+DefaultValue=0x00020192
+PDOMapping=0
+[1001]
+ParameterName=error register
+DataType=0x0005
+AccessType=RO
+PDOMapping=1
+[1018]
+ParameterName=identity
+ObjectType=0x9
+SubNumber=2
+[1018sub0]
+ParameterName=number of entries
+DataType=0x0005
+AccessType=const
+DefaultValue=1
+[1018sub1]
+ParameterName=vendor
+DataType=0x0007
+AccessType=ro
+DefaultValue=0x2A
+[1008]
+parametername=name
+DATATYPE=0x0009
+accesstype=const
+DefaultValue=Turner = 7; not a comment
+[1010]
+ParameterName=store
+ObjectType=2
+[1016]
+ParameterName=heartbeat consumer
+ObjectType=0x8
+DataType=0x0007
+AccessType=rw
+CompactSubObj=3
+DefaultValue=0
+[1016Name]
+NrOfEntries=1
+2=the master
+[1016Value]
+NrOfEntries=1
+3=0x00010064
+[1400]
+ParameterName=RPDO
+ObjectType=0x9
+SubNumber=2
+[1400sub0]
+ParameterName=highest
+DataType=0x0005
+AccessType=ro
+DefaultValue=1
+[1400sub1]
+ParameterName=COB-ID
+DataType=0x0007
+AccessType=rww
+DefaultValue=$NODEID+0x200
+[2000]
+ParameterName=offset
+DataType=0x0003
+AccessType=rwr
+LowLimit=0x8000
+HighLimit=100
+DefaultValue=-12
+PDOMapping=1
+[2001]
+ParameterName=key
+DataType=0x0006
+AccessType=wo
+DefaultValue=
+)";
+
+EdsFile Good() { return ParseEds(kGood, "invented.eds"); }
+
+TEST(ParseEds, ReadsWhoMadeTheDevice) {
+  const EdsFile file = Good();
+  EXPECT_EQ(file.vendor_name, "Invented Drives");
+  EXPECT_EQ(file.product_name, "Turner 7");
+  EXPECT_EQ(file.vendor_number, 42U);
+  EXPECT_EQ(file.product_number, 7U);
+  EXPECT_EQ(file.revision_number, 0x10002U);
+}
+
+TEST(ParseEds, ReadsObjectsWithAllTheirKeys) {
+  const EdsFile file = Good();
+  EXPECT_EQ(file.objects.size(), 3U + 1U + 1U + 4U + 2U + 2U + 1U);
+  const EdsObject& offset = file.objects.at({0x2000, 0});
+  EXPECT_EQ(offset.name, "offset");
+  EXPECT_EQ(offset.type, DataType::kInteger16);
+  EXPECT_EQ(offset.access, AccessType::kReadWrite);
+  EXPECT_TRUE(offset.mappable);
+  EXPECT_EQ(offset.default_value, "-12");
+  EXPECT_EQ(offset.low_limit, "0x8000");
+  EXPECT_EQ(offset.high_limit, "100");
+  EXPECT_EQ(file.objects.at({0x1001, 0}).access, AccessType::kReadOnly);
+  EXPECT_TRUE(file.objects.at({0x1001, 0}).mappable);
+  EXPECT_EQ(file.objects.at({0x1000, 0}).access, AccessType::kConstant);
+  EXPECT_FALSE(file.objects.at({0x1000, 0}).mappable);
+  EXPECT_EQ(file.objects.at({0x2001, 0}).access, AccessType::kWriteOnly);
+  EXPECT_EQ(file.objects.at({0x1018, 1}).name, "vendor");
+  EXPECT_EQ(file.objects.at({0x1400, 1}).default_value, "$NODEID+0x200");
+  EXPECT_EQ(file.objects.at({0x1400, 1}).access, AccessType::kReadWrite);
+  EXPECT_EQ(file.objects.at({0x1008, 0}).default_value, "Turner = 7; not a comment");
+  EXPECT_EQ(file.objects.at({0x1010, 0}).type, DataType::kDomain);
+}
+
+TEST(ParseEds, UnfoldsCompactSubObjects) {
+  const EdsFile file = Good();
+  EXPECT_EQ(file.objects.at({0x1016, 0}).default_value, "3");
+  EXPECT_EQ(file.objects.at({0x1016, 0}).type, DataType::kUnsigned8);
+  EXPECT_EQ(file.objects.at({0x1016, 1}).name, "heartbeat consumer1");
+  EXPECT_EQ(file.objects.at({0x1016, 1}).default_value, "0");
+  EXPECT_EQ(file.objects.at({0x1016, 2}).name, "the master");
+  EXPECT_EQ(file.objects.at({0x1016, 3}).default_value, "0x00010064");
+  EXPECT_EQ(file.objects.at({0x1016, 3}).access, AccessType::kReadWrite);
+}
+
+std::string Replaced(std::string_view from, std::string_view to, std::string text = std::string(kGood)) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(ParseEds, TakesEitherEndOfLineCaseAndAByteOrderMark) {
+  std::string text = "\xEF\xBB\xBF";
+  for (const char c : kGood) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  text = Replaced("[DeviceInfo]", "  [deviceINFO] ", text);
+  EXPECT_EQ(ParseEds(text, "x").objects.size(), Good().objects.size());
+}
+
+TEST(ParseEds, TakesWhatADcfFileSetsForTheDefault) {
+  const EdsFile file =
+      ParseEds(Replaced("DefaultValue=-12\n", "DefaultValue=-12\nParameterValue=99\n"), "x.dcf");
+  EXPECT_EQ(file.objects.at({0x2000, 0}).default_value, "99");
+}
+
+std::string Findings(std::string_view from, std::string_view to) {
+  try {
+    ParseEds(Replaced(from, to), "bad.eds");
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(ParseEds, SaysWhatIsWrongAndWhere) {
+  EXPECT_EQ(Findings("AccessType=wo", "AccessType=write"),
+            "bad.eds:100:12: error: AccessType 'write' (expected ro, wo, rw, rwr, rww or const)");
+  EXPECT_EQ(Findings("DataType=0x0006", "DataType=0x0042"),
+            "bad.eds:99:10: error: DataType '0x0042' (expected a type of CiA 301 that is used here)");
+  EXPECT_EQ(Findings("DataType=0x0006", "DataType=word"),
+            "bad.eds:99:10: error: DataType 'word' (expected a number from 0 to 65535)");
+  EXPECT_EQ(Findings("DataType=0x0006\n", ""), "bad.eds:97:1: error: [2001] has no DataType (expected one)");
+  EXPECT_EQ(Findings("ParameterName=key\n", ""),
+            "bad.eds:97:1: error: [2001] has no ParameterName (expected one)");
+  EXPECT_EQ(Findings("DefaultValue=-12", "DefaultValue=30000"),
+            "bad.eds:95:14: error: value 30000 is not within the object's limits (expected 0x8000 to 100)");
+  EXPECT_EQ(Findings("DefaultValue=-12", "DefaultValue=40000"),
+            "bad.eds:95:14: error: DefaultValue '40000' (expected a number from -32768 to 32767)");
+  EXPECT_EQ(Findings("DefaultValue=-12", "DefaultValue=-70000"),
+            "bad.eds:95:14: error: DefaultValue '-70000' (expected a number from -32768 to 32767)");
+  EXPECT_EQ(Findings("HighLimit=100", "HighLimit=-32769"),
+            "bad.eds:94:11: error: HighLimit '-32769' (expected a number from -32768 to 32767)");
+  EXPECT_EQ(Findings("LowLimit=0x8000", "LowLimit=101"),
+            "bad.eds:94:11: error: HighLimit 100 is below LowLimit 101 (expected not below)");
+  EXPECT_EQ(Findings("PDOMapping=1\n[2001]", "PDOMapping=2\n[2001]"),
+            "bad.eds:96:12: error: PDOMapping '2' (expected a number from 0 to 1)");
+  EXPECT_EQ(
+      Findings("ObjectType=2", "ObjectType=5"),
+      "bad.eds:61:12: error: ObjectType 0x5 (expected 0x2 domain, 0x7 variable, 0x8 array or 0x9 record)");
+  EXPECT_EQ(Findings("SubNumber=2\n[1018sub0]", "SubNumber=3\n[1018sub0]"),
+            "bad.eds:43:11: error: SubNumber 3 of object 1018, which has 2 sub-objects (expected 2)");
+}
+
+TEST(ParseEds, HoldsListsAndSectionsAgainstEachOther) {
+  EXPECT_EQ(Findings("2=0x2001", "2=0x2002"),
+            "bad.eds:26:3: error: object 2002 has no section (expected [2002])\n"
+            "bad.eds:97:1: error: object 2001 is in none of the lists (expected it in [MandatoryObjects], "
+            "[OptionalObjects] or [ManufacturerObjects])");
+  EXPECT_EQ(Findings("2=0x2001", "2=0x2000"),
+            "bad.eds:26:3: error: object 2000 is listed twice (expected once)\n"
+            "bad.eds:97:1: error: object 2001 is in none of the lists (expected it in [MandatoryObjects], "
+            "[OptionalObjects] or [ManufacturerObjects])");
+  EXPECT_EQ(Findings("SupportedObjects=3", "SupportedObjects=4"),
+            "bad.eds:13:18: error: [MandatoryObjects] has no entry 4 (expected 1 to 4)");
+}
+
+TEST(ParseEds, SaysWhatIsMissing) {
+  EXPECT_EQ(Findings("[FileInfo]", "[File]"),
+            "bad.eds:1:1: error: there is no section [FileInfo] (expected one)");
+  EXPECT_EQ(Findings("VendorNumber=0x2A\n", ""),
+            "bad.eds:5:1: error: [DeviceInfo] has no VendorNumber (expected one)");
+  EXPECT_EQ(Findings("VendorNumber=0x2A", "VendorNumber="),
+            "bad.eds:7:14: error: VendorNumber '' (expected a number from 0 to 4294967295)");
+}
+
+TEST(ParseEds, RefusesLinesThatAreNoSectionAndNoValue) {
+  EXPECT_EQ(Findings("[1000]", "[1000\n[1000]"),
+            "bad.eds:28:1: error: not the head of a section (expected '[NAME]')");
+  EXPECT_EQ(
+      Findings("; a device", " a device"),
+      "bad.eds:3:2: error: neither a section nor a value (expected '[NAME]', 'KEY=VALUE' or a comment after "
+      "';')");
+  EXPECT_EQ(Findings("[FileInfo]", "Early=1\n[FileInfo]"),
+            "bad.eds:1:1: error: 'Early' stands before the first section (expected '[NAME]' first)");
+  EXPECT_EQ(
+      Findings("ProductNumber=7", "ProductNumber=7\nproductnumber=8"),
+      "bad.eds:10:1: error: 'productnumber' comes twice in [DeviceInfo] (expected once; first on line 9)");
+  EXPECT_EQ(Findings("[2001]\n", "[2001]\nParameterName=a\nDataType=5\nAccessType=ro\n[2001]\n"),
+            "bad.eds:101:2: error: section [2001] comes twice (expected once; first on line 97)");
+}
+
+TEST(ParseEds, TellsOfEverythingAtOnceInTheOrderOfTheFile) {
+  EXPECT_EQ(Findings("[1000]\nParameterName=device type\nObjectType=0x7\nDataType=0x0007\nAccessType=const",
+                     "[1000]\nObjectType=7\nDataType=0\nAccessType="),
+            "bad.eds:28:1: error: [1000] has no ParameterName (expected one)\n"
+            "bad.eds:30:10: error: DataType '0' (expected a type of CiA 301 that is used here)\n"
+            "bad.eds:31:12: error: AccessType '' (expected ro, wo, rw, rwr, rww or const)\n"
+            "bad.eds:32:14: error: DefaultValue '0x00020192' (expected a number from 0 to 255)");
+}
+
+TEST(EdsNumber, ReadsEachFormOfCia306) {
+  EXPECT_EQ(EdsNumber("1234", 5), 1234);
+  EXPECT_EQ(EdsNumber("0x7fFF", 5), 0x7FFF);
+  EXPECT_EQ(EdsNumber("0X10", 5), 16);
+  EXPECT_EQ(EdsNumber("017", 5), 15);
+  EXPECT_EQ(EdsNumber("0", 5), 0);
+  EXPECT_EQ(EdsNumber("-12", 5), -12);
+  EXPECT_EQ(EdsNumber("$NODEID+0x600", 5), 0x605);
+  EXPECT_EQ(EdsNumber("$NodeId + 0x180", 0x7F), 0x1FF);
+  EXPECT_EQ(EdsNumber("$NODEID", 5), 5);
+  EXPECT_EQ(EdsNumber("$NODEID+0x80000200", 1), 0x80000201);
+  EXPECT_EQ(EdsNumber("-9223372036854775808", 5), std::numeric_limits<std::int64_t>::min());
+}
+
+TEST(EdsNumber, SaysNothingForAnythingElse) {
+  for (const char* text : {"", "-", "0x", "12a", "0x1G", "08", "1 2", "+5", "--5", "1.5", "$NODE+1",
+                           "$NODEID-1", "$NODEID+", "$NODEID+-1", "0x600+$NODEID", "9223372036854775808"}) {
+    EXPECT_EQ(EdsNumber(text, 5), std::nullopt) << text;
+  }
+}
+
+}  // namespace
+}  // namespace strainwave::protocols::canopen
