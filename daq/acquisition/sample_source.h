@@ -15,12 +15,12 @@ namespace strainwave::daq::acquisition {
 /// What is known of a channel's raw values before one is seen, all in counts (or in the unit that a device
 /// which scales itself sends). What is not known is not judged.
 struct RawLimits {
-  std::optional<double> least;            // below it no honest sensor reads
-  std::optional<double> most;             // above it neither
-  std::optional<double> saturation_low;   // the converter's ends
-  std::optional<double> saturation_high;  //
-  double quantum{1};                      // the step between two neighbouring values; 0 if there is none
-  double noise{};                         // standard deviation with nothing to measure; 0 if it is not known
+  std::optional<double> least{};            // below it no honest sensor reads
+  std::optional<double> most{};             // above it neither
+  std::optional<double> saturation_low{};   // the converter's ends
+  std::optional<double> saturation_high{};  //
+  double quantum{1};                        // the step between two neighbouring values; 0 if there is none
+  double noise{};  // standard deviation with nothing to measure; 0 if it is not known
 };
 
 /// One channel of a source. The name ends in the unit of the calibrated value ("accel_x_m_per_s2").
