@@ -2,37 +2,17 @@
 // What others write, we read, and the other way round: h5py, another face of HDF5 than the one under test.
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
 #include <string>
 
 #include "daq/cycle_file.h"
 #include "daq/read_records.h"
 #include "daq/record_error.h"
+#include "tests/daq/run_python.h"
 #include "tests/daq/sample_records.h"
 #include "tests/daq/scratch_folder.h"
 
 namespace strainwave::daq {
 namespace {
-
-struct PythonResult {
-  int status;
-  std::string output;
-};
-
-PythonResult RunPython(const ScratchFolder& folder, const std::string& script) {
-  WriteBytes(folder / "script.py", script);
-  const std::string command = "cd '" + folder.path().string() + "' && /usr/bin/python3 script.py 2>&1";
-  std::FILE* const pipe = ::popen(command.c_str(), "r");
-  if (pipe == nullptr) return {-1, ""};
-  PythonResult result{0, ""};
-  std::array<char, 4096> buffer{};
-  while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
-    result.output.append(buffer.data(), got);
-  }
-  result.status = ::pclose(pipe);
-  return result;
-}
 
 class H5pyTest : public testing::Test {
  protected:

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "daq/acquisition/calibration.h"
+
+/// The electronic data sheet in a sensor, IEEE 1451.4.
+namespace strainwave::daq::acquisition {
+
+/// The first 64 bits of every data sheet: who made the sensor and which one it is.
+struct BasicTeds {
+  std::uint16_t manufacturer_id{};  // 14 bits, 17 to 16381
+  std::uint16_t model_number{};     // 15 bits
+  char version_letter{};            // 5 bits, A to Z
+  std::uint8_t version_number{};    // 6 bits
+  std::uint32_t serial_number{};    // 24 bits
+
+  bool operator==(const BasicTeds&) const = default;
+};
+
+constexpr std::size_t kBasicTeds_bytes = 8;
+
+/// Fields follow each other from the lowest bit of the first byte on.
+/// @throws std::invalid_argument naming the field that is out of its range.
+BasicTeds BasicTedsFrom(std::span<const std::uint8_t, kBasicTeds_bytes> bytes);
+std::array<std::uint8_t, kBasicTeds_bytes> BytesOf(const BasicTeds& teds);
+
+/// Fields that are kept by name with a calibration: the basic ones ("Manufacturer ID", "Model Number",
+/// "Version Letter", "Version Number", "Serial Number"), and of the template for accelerometers and force
+/// transducers (25) and the calibration part "%Sens@Ref", "%TF_HP_S", "%Sign", "%Direction", "%Weight",
+/// "%RefFreq", "%RefTemp", "%CalDate", "%CalInitials", "%CalPeriod", "%MeasID".
+bool IsTedsField(std::string_view name);
+
+/// The calibration that a data sheet speaks of: the sensor's number, sensitivity from "%Sens@Ref" times
+/// "%Sign" (volts per m/s^2 or N) times `raw_per_volt` of the converter, date, and due date "%CalPeriod" days
+/// later.
+/// @throws std::invalid_argument for a field with an unknown name, a number that is none, or no "%Sens@Ref".
+Calibration CalibrationFromTeds(const BasicTeds& basic, const Attributes& fields, double raw_per_volt);
+
+}  // namespace strainwave::daq::acquisition

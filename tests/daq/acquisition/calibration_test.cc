@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daq/acquisition/calibration.h"
+
+#include <gtest/gtest.h>
+
+#include "daq/acquisition/teds.h"
+#include "tests/daq/scratch_folder.h"
+
+namespace strainwave::daq::acquisition {
+namespace {
+
+Calibration TorqueCalibration() {
+  return {.id = "T-2026-11",
+          .sensor_serial = "0815",
+          .sensitivity = 80,
+          .zero = -12,
+          .polynomial = {0.5, 2, 0.25},
+          .date = DateFrom("2026-11-02"),
+          .due = DateFrom("2027-11-02"),
+          .teds = {{"%RefFreq", "159.2"}, {"Serial Number", "815"}}};
+}
+
+TEST(Calibration, AppliesZeroSensitivityAndPolynomial) {
+  EXPECT_EQ(TorqueCalibration().Apply(148), 0.5 + 2 * 2 + 0.25 * 4);  // (148 + 12) / 80 = 2
+  EXPECT_EQ((Calibration{.id = "a", .sensitivity = -4, .zero = 10}.Apply(2)), 2);
+  EXPECT_EQ(Calibration{}.Apply(7), 7);
+}
+
+TEST(Calibration, SurvivesItsTextsInAFile) {
+  const Calibration calibration = TorqueCalibration();
+  const Attributes attributes = AttributesOf(calibration);
+  EXPECT_EQ(attributes, (Attributes{{"calibration", "T-2026-11"},
+                                    {"calibrated_sensor", "0815"},
+                                    {"sensitivity", "80"},
+                                    {"zero", "-12"},
+                                    {"polynomial", "0.5 2 0.25"},
+                                    {"calibration_date", "2026-11-02"},
+                                    {"calibration_due", "2027-11-02"},
+                                    {"%RefFreq", "159.2"},
+                                    {"Serial Number", "815"}}));
+  EXPECT_EQ(CalibrationFrom(attributes), calibration);
+  EXPECT_TRUE(AttributesOf(Calibration{}).empty());
+  EXPECT_EQ(CalibrationFrom(Attributes{{"unit", "Nm"}}), Calibration{});
+}
+
+TEST(Calibration, RefusesTextsThatSayNothing) {
+  const auto message = [](const char* name, const char* text) {
+    return MessageOf<std::invalid_argument>([&] { CalibrationFrom(Attributes{{name, text}}); });
+  };
+  EXPECT_EQ(message("sensitivity", "0"), "sensitivity = 0 scales nothing");
+  EXPECT_EQ(message("sensitivity", "nan"), "sensitivity = 'nan' is not a finite number");
+  EXPECT_EQ(message("zero", "two"), "zero = 'two' is not a finite number");
+  EXPECT_EQ(message("polynomial", "1 x 3"), "polynomial = 'x' is not a finite number");
+  for (const char* date :
+       {"2026-02-30", "2026-1-02", "20261-02-3", "yesterday", "2026-11-02 ", "2026/11/02", ""}) {
+    EXPECT_EQ(message("calibration_due", date),
+              std::string("'").append(date).append("' is not a date such as 2026-11-22"));
+  }
+}
+
+TEST(Calibration, BlocksOrStampsWhenItIsExpired) {
+  const Calibration calibration = TorqueCalibration();
+  const auto finding = [&](const char* today, ExpiredPolicy policy, const char* mounted = "0815") {
+    return JudgeCalibration(calibration, "torque_Nm", mounted, DateFrom(today), policy);
+  };
+  EXPECT_EQ(finding("2027-11-02", ExpiredPolicy::kBlocks).verdict, CalibrationVerdict::kGood);
+  EXPECT_EQ(finding("2027-11-02", ExpiredPolicy::kBlocks).reason, "");
+  EXPECT_EQ(finding("2027-11-03", ExpiredPolicy::kBlocks).verdict, CalibrationVerdict::kBlocks);
+  EXPECT_EQ(finding("2028-01-01", ExpiredPolicy::kStamps).verdict, CalibrationVerdict::kStamps);
+  EXPECT_EQ(finding("2028-01-01", ExpiredPolicy::kStamps).reason,
+            "calibration T-2026-11 of channel torque_Nm was due on 2027-11-02, 60 days ago");
+  EXPECT_EQ(finding("2026-11-01", ExpiredPolicy::kBlocks).reason,
+            "calibration T-2026-11 of channel torque_Nm was made on 2026-11-02, after today, 2026-11-01");
+  EXPECT_EQ(finding("2027-01-01", ExpiredPolicy::kBlocks, "0816").reason,
+            "calibration T-2026-11 of channel torque_Nm is of sensor 0815, but sensor 0816 is mounted");
+  EXPECT_EQ(finding("2027-01-01", ExpiredPolicy::kBlocks, "").verdict, CalibrationVerdict::kGood);
+  const CalibrationFinding none =
+      JudgeCalibration({}, "torque_Nm", "", DateFrom("2026-01-01"), ExpiredPolicy::kBlocks);
+  EXPECT_EQ(none.verdict, CalibrationVerdict::kBlocks);
+  EXPECT_EQ(none.reason, "channel torque_Nm has no calibration");
+}
+
+// Put together bit by bit by hand: manufacturer 43 (14 bits), model 7115 (15), letter C = 3 (5), version 12
+// (6), serial number 1 234 567 (24), from the lowest bit on.
+constexpr std::array<std::uint8_t, 8> kTeds{0x2B, 0xC0, 0xF2, 0x66, 0x30, 0x87, 0xD6, 0x12};
+
+TEST(Teds, ReadsTheFirstSixtyFourBits) {
+  const BasicTeds teds{43, 7115, 'C', 12, 1234567};
+  EXPECT_EQ(BasicTedsFrom(kTeds), teds);
+  EXPECT_EQ(BytesOf(teds), kTeds);
+  auto wrong = kTeds;
+  wrong[0] = 0x10;
+  EXPECT_EQ(MessageOf<std::invalid_argument>([&] { BasicTedsFrom(wrong); }),
+            "Manufacturer ID = 16 is not between 17 and 16381");
+  EXPECT_EQ(MessageOf<std::invalid_argument>([] {
+              BytesOf({43, 40000, 'C', 12, 1});
+            }),
+            "Model Number = 40000 is not between 0 and 32767");
+  EXPECT_EQ(MessageOf<std::invalid_argument>([] {
+              BytesOf({43, 1, 'C', 12, 1U << 24});
+            }),
+            "Serial Number = 16777216 is not between 0 and 16777215");
+}
+
+TEST(Teds, BecomesACalibration) {
+  const Attributes fields{{"%Sens@Ref", "0.0102"},    {"%Sign", "-"},        {"%RefFreq", "159.2"},
+                          {"%CalDate", "2026-03-01"}, {"%CalPeriod", "365"}, {"%CalInitials", "AB"}};
+  const Calibration calibration = CalibrationFromTeds({43, 7115, 'C', 12, 1234567}, fields, 3276.8);
+  EXPECT_EQ(calibration.id, "TEDS 1234567 C12 2026-03-01");
+  EXPECT_EQ(calibration.sensor_serial, "1234567");
+  // 10.2 mV per m/s^2 upside down, 3276.8 counts a volt.
+  EXPECT_NEAR(calibration.Apply(-0.0102 * 3276.8 * 9.81), 9.81, 1e-12);
+  EXPECT_EQ(calibration.due, DateFrom("2027-03-01"));
+  EXPECT_EQ(CalibrationFrom(AttributesOf(calibration)), calibration);
+  EXPECT_EQ(MessageOf<std::invalid_argument>([] {
+              CalibrationFromTeds({}, {{"%Sensitivity", "1"}}, 1);
+            }),
+            "'%Sensitivity' is not a field of a sensor's data sheet");
+  EXPECT_EQ(MessageOf<std::invalid_argument>([] {
+              CalibrationFromTeds({}, {{"%Sign", "up"}}, 1);
+            }),
+            "%Sign = 'up' is neither + nor -");
+  EXPECT_EQ(MessageOf<std::invalid_argument>([] {
+              CalibrationFromTeds({}, {{"%CalPeriod", "1"}}, 1);
+            }),
+            "%Sens@Ref is missing or 0, so that nothing can be scaled");
+}
+
+}  // namespace
+}  // namespace strainwave::daq::acquisition
