@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/devices/modbus/modbus_servo_profile.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "protocols/modbus/register_codec.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace mb = protocols::modbus;
+
+struct Need {
+  const char* name;
+  const char* unit;
+  bool read, polled, write, optional;
+};
+constexpr Need kNeeds[] = {
+    {"control", "", false, false, true, false},
+    {"status", "", true, true, false, false},
+    {"mode", "", false, false, true, false},
+    {"speed_set_point", "rad/s", false, false, true, false},
+    {"torque_set_point", "Nm", false, false, true, false},
+    {"actual_speed", "rad/s", true, true, false, false},
+    {"actual_torque", "Nm", true, true, false, false},
+    {"actual_position", "rad", true, true, false, true},
+    {"brake", "", true, true, true, false},
+    {"watchdog_time", "s", true, false, true, false},
+    {"watchdog", "", false, false, true, true},
+};
+
+void CheckNeed(const mb::RegisterMap& map, const Need& need, std::vector<std::string>& problems) {
+  const auto found = Find(map, need.name);
+  if (!found) {
+    if (!need.optional) problems.push_back(fmt::format("a servo drive needs a register '{}'", need.name));
+    return;
+  }
+  const mb::Register& value = map.registers[*found];
+  if (value.unit != need.unit) {
+    problems.push_back(
+        fmt::format("'{}' is in '{}' (expected a unit of '{}')", need.name, value.unit, need.unit));
+  }
+  if (need.read && !CanRead(value)) problems.push_back(fmt::format("'{}' must be readable", need.name));
+  if (need.write && !CanWrite(value)) problems.push_back(fmt::format("'{}' must be writable", need.name));
+  if (need.polled && value.poll_period.count() == 0) {
+    problems.push_back(fmt::format("'{}' must be polled", need.name));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> CheckServoProfile(const mb::RegisterMap& map, const ModbusServoProfile& profile) {
+  std::vector<std::string> problems;
+  for (const Need& need : kNeeds) CheckNeed(map, need, problems);
+  const auto fits = [&](const char* name, double number) {
+    const auto found = Find(map, name);
+    if (found && Encode(map.registers[*found], number).problem != mb::CodecProblem::kNone) {
+      problems.push_back(fmt::format("'{}' cannot hold {}", name, number));
+    }
+  };
+  for (const double word : {profile.control.off, profile.control.enable, profile.control.quick_stop,
+                            profile.control.reset_fault}) {
+    fits("control", word);
+  }
+  for (const char* name : {"speed_set_point", "torque_set_point"}) fits(name, 0.0);
+  for (const double mode : {profile.speed_mode, profile.torque_mode}) fits("mode", mode);
+  for (const double brake : {profile.brake_engaged, profile.brake_released}) fits("brake", brake);
+  fits("watchdog_time", std::chrono::duration<double>(profile.watchdog_time).count());
+  if (profile.control.enable == profile.control.off || profile.control.enable == profile.control.quick_stop) {
+    problems.emplace_back("the control word 'enable' is also one that stops");
+  }
+  if (profile.brake_engaged == profile.brake_released) {
+    problems.emplace_back("the brake is released by the word that engages it");
+  }
+  const bool can_enable = std::ranges::any_of(profile.status, [](const ModbusServoProfile::Status& row) {
+    return row.state == protocols::PowerState::kOperationEnabled && (row.value & ~row.mask) == 0;
+  });
+  if (!can_enable) problems.emplace_back("no row of the status says 'operation enabled'");
+  if (profile.period.count() <= 0) problems.emplace_back("the period of writing is not above zero");
+  if (profile.watchdog_time < 2 * profile.period) {
+    problems.emplace_back("the watchdog time is shorter than two periods of writing");
+  }
+  return problems;
+}
+
+ModbusServoRegisters FindServoRegisters(const mb::RegisterMap& map, const ModbusServoProfile& profile) {
+  const std::vector<std::string> problems = CheckServoProfile(map, profile);
+  if (!problems.empty()) {
+    throw std::invalid_argument(fmt::format("servo drive {}: {}", map.device, fmt::join(problems, "; ")));
+  }
+  ModbusServoRegisters at;
+  at.control = *Find(map, "control");
+  at.status = *Find(map, "status");
+  at.mode = *Find(map, "mode");
+  at.speed_set_point = *Find(map, "speed_set_point");
+  at.torque_set_point = *Find(map, "torque_set_point");
+  at.actual_speed = *Find(map, "actual_speed");
+  at.actual_torque = *Find(map, "actual_torque");
+  at.brake = *Find(map, "brake");
+  at.watchdog_time = *Find(map, "watchdog_time");
+  at.actual_position = Find(map, "actual_position");
+  at.watchdog = Find(map, "watchdog");
+  return at;
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <limits>
+
+namespace strainwave::bench {
+
+/// The newest value of a slow channel, in the channel's unit, and when it was true on the clock of
+/// `BenchClock`. Only a good one is a value: fresh, plausible and received without an error.
+struct ChannelValue {
+  double value{std::numeric_limits<double>::quiet_NaN()};
+  std::chrono::nanoseconds time{};
+  bool good{};
+};
+
+}  // namespace strainwave::bench
