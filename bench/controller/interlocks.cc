@@ -15,6 +15,7 @@ constexpr std::array kTable{
     InterlockRow{"twist, input locked", "limits.twist", "torque off, brakes on"},
     InterlockRow{"age of the readings", "three control periods", "torque off, brakes on"},
     InterlockRow{"drive fault", "power state fault", "torque off, brakes on"},
+    InterlockRow{"quick-stop key", "pressed, or its pendant gone", "torque off, brakes on"},
     InterlockRow{"gear temperature", "suspend.trip_temperature", "suspend, resume by itself"},
     InterlockRow{"bad channel", "suspend.bad_sensor", "suspend, resume by itself"},
 };
@@ -40,6 +41,7 @@ std::size_t Interlocks::CheckAll(const Readings& readings, const InterlockInputs
   const auto channel_good = [&](Channel channel) {
     return (readings.bad_channels & (1u << static_cast<unsigned>(channel))) == 0;
   };
+  if (readings.quick_stop_pressed) add(StopCause::kQuickStopKey, 0.0, 0.0);
   const auto age = inputs.now - readings.time;
   if (age > longest_silence_) {
     add(StopCause::kStaleReadings, std::chrono::duration<double>(age).count(),

@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "analysis/units.h"
-#include "bench/controller/latest_value.h"
 #include "bench/controller/realtime.h"
 #include "bench/controller/standstill_programs.h"
+#include "bench/devices/latest.h"
 
 namespace strainwave::bench {
 namespace {
@@ -133,7 +133,7 @@ PhaseOutcome PhaseRunner::Run(PhaseProgram& program, const HeartbeatFunction& he
 
 StopReason PhaseRunner::LoopOnItsOwnThread(PhaseProgram& program, const HeartbeatFunction& heartbeat) {
   constexpr std::uint32_t kEnded = std::numeric_limits<std::uint32_t>::max();
-  LatestValue<PhaseSnapshot> latest;
+  Latest<PhaseSnapshot> latest;
   std::atomic<std::uint32_t> beats{};
   StopReason reason;
   std::exception_ptr failure;
@@ -142,7 +142,7 @@ StopReason PhaseRunner::LoopOnItsOwnThread(PhaseProgram& program, const Heartbea
     realtime_trouble_ = BecomeRealtime();
     try {
       reason = Loop(program, [&](const PhaseSnapshot& snapshot) {
-        latest.Write(snapshot);
+        latest.Set(snapshot);
         ++beats;
         beats.notify_one();
       });
@@ -157,7 +157,7 @@ StopReason PhaseRunner::LoopOnItsOwnThread(PhaseProgram& program, const Heartbea
     while (seen != kEnded) {
       beats.wait(seen);
       seen = beats;
-      if (seen != kEnded) heartbeat(latest.Read(), program);
+      if (seen != kEnded) heartbeat(latest.Get(), program);
     }
   } catch (...) {
     abandoned_ = true;

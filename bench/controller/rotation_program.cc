@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "analysis/units.h"
 
@@ -139,6 +140,9 @@ std::vector<NamedRecord> RotationProgram::TakeRecords() {
   vibration.record.SetMetadata("sample_rate_hz", parameters_.vibration_rate_hz);
   vibration.record.SetMetadata("input_speed_rpm", RpmFromRadPerS(parameters_.input_speed_rad_per_s));
   vibration.record.SetMetadata("direction", parameters_.clockwise ? "cw" : "ccw");
+  if (vibration_.lost_samples > 0) {
+    vibration.record.SetMetadata("lost_samples", std::to_string(vibration_.lost_samples));
+  }
   const auto add = [&](const char* name, std::vector<float>& samples) {
     vibration.record.columns.push_back({name, std::move(samples), {}, {}});
   };

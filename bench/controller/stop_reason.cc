@@ -4,8 +4,35 @@
 #include <fmt/core.h>
 
 #include "analysis/units.h"
+#include "bench/roles/sampler.h"
 
 namespace strainwave::bench {
+namespace {
+
+// A reason carries the channel as a number.
+std::string_view NameOf(double channel) {
+  switch (static_cast<Channel>(static_cast<unsigned>(channel))) {
+    case Channel::kInputAngle:
+      return "input angle";
+    case Channel::kOutputAngle:
+      return "output angle";
+    case Channel::kInputSpeed:
+      return "input speed";
+    case Channel::kOutputTorque:
+      return "output torque";
+    case Channel::kMotorTorque:
+      return "motor torque";
+    case Channel::kGearTemperature:
+      return "gear temperature";
+    case Channel::kAmbientTemperature:
+      return "ambient temperature";
+    case Channel::kVibrationRms:
+      return "vibration";
+  }
+  return "channel";
+}
+
+}  // namespace
 
 std::string_view Code(StopCause cause) {
   switch (cause) {
@@ -43,6 +70,8 @@ std::string_view Code(StopCause cause) {
       return "pause";
     case StopCause::kQuickStopRequested:
       return "quick_stop";
+    case StopCause::kQuickStopKey:
+      return "quick_stop_key";
     case StopCause::kShutdownRequested:
       return "shutdown";
   }
@@ -70,7 +99,7 @@ std::string Describe(const StopReason& reason) {
     case StopCause::kStaleReadings:
       return fmt::format("no fresh readings for {:.0f} ms (at most {:.0f} ms)", value * 1e3, limit * 1e3);
     case StopCause::kImplausibleReading:
-      return fmt::format("channel {:.0f} gives no plausible value", value);
+      return fmt::format("the {} gives no plausible value", NameOf(value));
     case StopCause::kDriveFault:
       return value < 0.5 ? "the driving servo reports a fault" : "the load servo reports a fault";
     case StopCause::kDriveNotReady:
@@ -84,11 +113,13 @@ std::string Describe(const StopReason& reason) {
     case StopCause::kTemperatureSuspend:
       return fmt::format("suspended: gear temperature {:.1f} degC is above {:.1f} degC", value, limit);
     case StopCause::kSensorSuspend:
-      return fmt::format("suspended: channel {:.0f} was bad for {:.1f} s", value, limit);
+      return fmt::format("suspended: the {} was bad for {:.1f} s", NameOf(value), limit);
     case StopCause::kPauseRequested:
       return "paused on request";
     case StopCause::kQuickStopRequested:
       return "quick stop on request";
+    case StopCause::kQuickStopKey:
+      return "the quick-stop key was pressed, or its pendant is gone";
     case StopCause::kShutdownRequested:
       return "shut down on request";
   }
@@ -101,7 +132,7 @@ bool IsSuspend(StopCause cause) {
 
 bool IsRequest(StopCause cause) {
   return cause == StopCause::kPauseRequested || cause == StopCause::kQuickStopRequested ||
-         cause == StopCause::kShutdownRequested;
+         cause == StopCause::kQuickStopKey || cause == StopCause::kShutdownRequested;
 }
 
 bool IsFault(StopCause cause) { return cause != StopCause::kNone && !IsSuspend(cause) && !IsRequest(cause); }

@@ -29,6 +29,7 @@ enum class StopCause {
   // A person asked for it.
   kPauseRequested,
   kQuickStopRequested,
+  kQuickStopKey,
   kShutdownRequested,
 };
 

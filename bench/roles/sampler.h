@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct Readings {
   double vibration_rms_m_per_s2{};  // over the last tenth of a second, strongest axis
   /// Bit n set: channel n of `Channel` gave no fresh, plausible value this period.
   unsigned bad_channels{};
+  bool quick_stop_pressed{};  // the operator's key, where the bench has one
 };
 
 /// Number and order of the slow channels, as in `Readings::bad_channels`.
@@ -42,6 +44,7 @@ struct VibrationBlock {
   std::vector<float> accel_y_m_per_s2;
   std::vector<float> accel_z_m_per_s2;
   std::vector<float> accel_motor_z_m_per_s2;
+  std::uint64_t lost_samples{};  // missing among them, of each, since the recording started
 };
 
 /// The measuring side of a bench.

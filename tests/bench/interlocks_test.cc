@@ -150,5 +150,20 @@ TEST(SuspendMonitor, ForgivesAShortDropoutButNotALongOne) {
   EXPECT_EQ(monitor.Check(readings, 1.0).cause, StopCause::kSensorSuspend);
 }
 
+TEST(Interlocks, TakeTheQuickStopKeyForAStopThatAPersonAskedFor) {
+  Readings readings = Quiet();
+  readings.quick_stop_pressed = true;
+  const StopReason reason = kInterlocks.Check(readings, Now());
+  EXPECT_EQ(reason.cause, StopCause::kQuickStopKey);
+  EXPECT_TRUE(IsRequest(reason.cause));
+  EXPECT_EQ(Describe(reason), "the quick-stop key was pressed, or its pendant is gone");
+}
+
+TEST(Interlocks, NameTheChannelThatIsBad) {
+  Readings readings = Quiet();
+  readings.bad_channels = 1U << static_cast<unsigned>(Channel::kOutputTorque);
+  EXPECT_EQ(Describe(kInterlocks.Check(readings, Now())), "the output torque gives no plausible value");
+}
+
 }  // namespace
 }  // namespace strainwave::bench

@@ -173,6 +173,7 @@ void VibrationSynthesis::Drain(VibrationBlock& block) {
     targets[channel]->insert(targets[channel]->end(), samples_[channel].begin(), samples_[channel].end());
     samples_[channel].clear();
   }
+  block.lost_samples = lost_;
 }
 
 }  // namespace strainwave::bench

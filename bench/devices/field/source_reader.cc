@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/devices/field/source_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace strainwave::bench {
+
+using daq::acquisition::ChannelDescription;
+using daq::acquisition::Decimator;
+using daq::acquisition::DecimatorSettings;
+using daq::acquisition::NextResult;
+using daq::acquisition::SampleBlock;
+using daq::acquisition::SampleSource;
+using daq::acquisition::SourceDescription;
+using daq::acquisition::SpscRing;
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+namespace {
+
+constexpr milliseconds kPatience{20};
+constexpr double kVibrationWindow_s = 0.1;
+constexpr double kCaptureRoom_s = 4.0;
+
+SourceDescription Started(SampleSource& source) {
+  source.Start();
+  const SourceDescription& description = source.description();
+  if (description.channels.size() > SourceSnapshot::kMostChannels) {
+    throw std::invalid_argument(fmt::format("{} has {} channels (must be at most {})", description.name,
+                                            description.channels.size(), SourceSnapshot::kMostChannels));
+  }
+  return description;
+}
+
+SampleBlock RoomFor(const SourceDescription& description) {
+  return SampleBlock(description.channels.size() * description.most_samples_a_block);
+}
+
+}  // namespace
+
+// The ring between the reader's thread and the capturing one.
+struct SourceReader::Capture {
+  Capture(const SourceDescription& source, unsigned factor, std::vector<std::size_t> wanted)
+      : channels(std::move(wanted)) {
+    if (factor > 1) {
+      DecimatorSettings settings;
+      settings.factor = factor;
+      decimator.emplace(source, settings);
+    }
+    const SourceDescription& out = decimator ? decimator->description() : source;
+    const double blocks = kCaptureRoom_s * out.rate_hz / std::max(1U, source.most_samples_a_block / factor);
+    lowered = std::make_unique<SampleBlock>(RoomFor(out));
+    ring.emplace(static_cast<std::size_t>(blocks) + 2, *lowered);
+  }
+
+  std::vector<std::size_t> channels;
+  std::optional<Decimator> decimator;
+  std::unique_ptr<SampleBlock> lowered;
+  std::optional<SpscRing<SampleBlock>> ring;
+  bool begun{};
+  std::atomic<std::uint64_t> lost{};
+};
+
+SourceReader::SourceReader(std::unique_ptr<SampleSource> source, const MonotonicClock& clock)
+    : source_(std::move(source)),
+      clock_(clock),
+      description_(Started(*source_)),
+      ledger_({.bits = description_.counter_bits}, description_.rate_hz),
+      watch_(description_),
+      window_(static_cast<std::size_t>(std::max(1.0, kVibrationWindow_s * description_.rate_hz))) {
+  for (std::size_t i = 0; i < description_.channels.size(); ++i) {
+    if (description_.channels[i].unit == "m/s^2") accelerometers_.push_back(i);
+  }
+  sums_.resize(accelerometers_.size());
+  squares_.resize(accelerometers_.size());
+  thread_ = std::thread([this] { Run(); });
+}
+
+SourceReader::~SourceReader() {
+  ending_ = true;
+  thread_.join();
+  source_->Stop();
+}
+
+std::optional<std::size_t> SourceReader::Find(std::string_view channel) const {
+  const auto found = std::ranges::find(description_.channels, channel, &ChannelDescription::name);
+  if (found == description_.channels.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - description_.channels.begin());
+}
+
+void SourceReader::Run() {
+  SampleBlock block = RoomFor(description_);
+  while (!ending_) {
+    try {
+      switch (source_->Next(block, kPatience)) {
+        case NextResult::kBlock:
+          Take(block);
+          Say({});
+          break;
+        case NextResult::kNothingYet:
+          watch_.Tick(std::chrono::steady_clock::now().time_since_epoch());
+          break;
+        case NextResult::kEnded:
+          Say(fmt::format("{} has come to its end", description_.name));
+          std::this_thread::sleep_for(kPatience);
+          break;
+        case NextResult::kFailed:
+          Say(fmt::format("{}: {}", description_.name, source_->trouble()));
+          break;
+      }
+    } catch (const std::exception& error) {
+      Say(fmt::format("{}: {}", description_.name, error.what()));
+      std::this_thread::sleep_for(kPatience);
+    }
+    for (std::size_t i = 0; i < description_.channels.size(); ++i) {
+      const bool good = watch_.fault(i) == daq::acquisition::SensorFault::kNone;
+      const std::uint32_t bit = 1U << i;
+      next_.bad_channels =
+          good && next_.time.count() != 0 ? next_.bad_channels & ~bit : next_.bad_channels | bit;
+    }
+    newest_.Set(next_);
+    totals_.Set(ledger_.totals());
+  }
+}
+
+void SourceReader::Take(SampleBlock& block) {
+  ledger_.Admit(block);
+  if (block.header.samples == 0) return;
+  watch_.Judge(block);
+  MeasureVibration(block);
+  const std::size_t last = block.header.samples - 1;
+  for (std::size_t i = 0; i < description_.channels.size(); ++i) {
+    next_.values[i] = description_.channels[i].calibration.Apply(block.Value(last, i));
+  }
+  next_.time = clock_.FromKernel(block.header.arrival);
+  Keep(block);
+}
+
+void SourceReader::MeasureVibration(const SampleBlock& block) noexcept {
+  if (accelerometers_.empty()) return;
+  for (std::uint32_t sample = 0; sample < block.header.samples; ++sample) {
+    for (std::size_t i = 0; i < accelerometers_.size(); ++i) {
+      const std::size_t channel = accelerometers_[i];
+      const double value = description_.channels[channel].calibration.Apply(block.Value(sample, channel));
+      sums_[i] += value;
+      squares_[i] += value * value;
+    }
+    if (++in_window_ < window_) continue;
+    double strongest = 0.0;
+    const auto count = static_cast<double>(in_window_);
+    for (std::size_t i = 0; i < accelerometers_.size(); ++i) {
+      const double mean = sums_[i] / count;
+      strongest = std::max(strongest, squares_[i] / count - mean * mean);
+      sums_[i] = squares_[i] = 0.0;
+    }
+    next_.vibration_rms_m_per_s2 = std::sqrt(strongest);
+    in_window_ = 0;
+  }
+}
+
+void SourceReader::Keep(const SampleBlock& block) {
+  std::shared_ptr<Capture> capture;
+  {
+    const std::lock_guard lock(mutex_);
+    capture = capture_;
+  }
+  if (!capture) return;
+  const SampleBlock* whole = &block;
+  if (capture->decimator) {
+    capture->decimator->Decimate(block, *capture->lowered);
+    whole = capture->lowered.get();
+    if (whole->header.samples == 0) return;
+  }
+  if (capture->begun) capture->lost += whole->header.lost_before;
+  capture->begun = true;
+  SampleBlock* const slot = capture->ring->BeginWrite();
+  if (slot == nullptr) {
+    capture->lost += whole->header.samples;
+    return;
+  }
+  slot->CopyFrom(*whole);
+  capture->ring->EndWrite();
+}
+
+void SourceReader::StartCapture(std::span<const std::size_t> channels, double rate_hz) {
+  const double factor = std::round(description_.rate_hz / rate_hz);
+  if (!(factor >= 1.0) || std::abs(description_.rate_hz / rate_hz - factor) > 1e-9 * factor) {
+    throw std::invalid_argument(
+        fmt::format("rate_hz = {} does not divide the {} Hz of {} (must be a whole part)", rate_hz,
+                    description_.rate_hz, description_.name));
+  }
+  auto capture = std::make_shared<Capture>(description_, static_cast<unsigned>(factor),
+                                           std::vector<std::size_t>(channels.begin(), channels.end()));
+  drained_ = capture;
+  const std::lock_guard lock(mutex_);
+  capture_ = std::move(capture);
+}
+
+void SourceReader::StopCapture() {
+  const std::lock_guard lock(mutex_);
+  capture_.reset();
+}
+
+void SourceReader::Drain(std::span<std::vector<float>* const> channels) {
+  if (!drained_) return;
+  while (const SampleBlock* const block = drained_->ring->BeginRead()) {
+    for (std::uint32_t sample = 0; sample < block->header.samples; ++sample) {
+      for (std::size_t i = 0; i < channels.size() && i < drained_->channels.size(); ++i) {
+        const std::size_t channel = drained_->channels[i];
+        const double value = description_.channels[channel].calibration.Apply(block->Value(sample, channel));
+        channels[i]->push_back(static_cast<float>(value));
+      }
+    }
+    drained_->ring->EndRead();
+  }
+}
+
+std::uint64_t SourceReader::lost_in_capture() const noexcept { return drained_ ? drained_->lost.load() : 0; }
+
+void SourceReader::Say(std::string trouble) {
+  const std::lock_guard lock(mutex_);
+  trouble_ = std::move(trouble);
+  for (std::size_t i = 0; i < description_.channels.size(); ++i) {
+    const std::string reason = watch_.ReasonOf(i);
+    if (reason.empty()) continue;
+    if (!trouble_.empty()) trouble_ += "; ";
+    trouble_ += reason;
+  }
+}
+
+std::string SourceReader::Trouble() const {
+  const std::lock_guard lock(mutex_);
+  return trouble_;
+}
+
+}  // namespace strainwave::bench
