@@ -29,6 +29,23 @@ TEST(DriveBus, CommissionsBothDrives) {
   EXPECT_EQ(bench.bus->counts().malformed, 0U);
 }
 
+TEST(DriveBus, SaysToItsDrivesThatItLives) {
+  InProcessDrives bench;
+  bench.Commission();
+  bench.sent_to_drives.clear();
+  bench.Run(seconds(1));
+  int heartbeats = 0;
+  int syncs = 0;
+  for (const auto& frame : bench.sent_to_drives) {
+    heartbeats += frame.id == 0x700 + 127 && frame.data[0] == 5 ? 1 : 0;
+    syncs += frame.id == 0x80 ? 1 : 0;
+  }
+  // Every 50 ms, at the next SYNC of 4 ms.
+  EXPECT_GE(heartbeats, 19);
+  EXPECT_LE(heartbeats, 20);
+  EXPECT_EQ(syncs, 250);
+}
+
 TEST(DriveBus, TurnsAMotorAtTheSpeedThatIsAskedFor) {
   InProcessDrives bench;
   bench.Commission();
