@@ -230,7 +230,10 @@ void DriveNode::Poll(std::chrono::nanoseconds now) {
 
 void DriveNode::StepDrive(double dt_s) {
   reading_ = physics_.Read();
-  if (reading_.out_of_order && power_.state() != PowerState::kFault) Fault(ErrorCode::kDeviceSoftware);
+  if (reading_.out_of_order && power_.state() != PowerState::kFault) {
+    Fault(ErrorCode::kDeviceSoftware);
+    power_.DisableVoltage();  // there is nothing left to ramp down with
+  }
   if (reading_.safe_torque_off) {
     if (power_.powered()) emergencies_.Raise(ErrorCode::kSafeTorqueOff);
     power_.DisableVoltage();

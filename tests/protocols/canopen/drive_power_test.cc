@@ -107,9 +107,9 @@ TEST_F(DrivePowerTest, ReactsToAFaultAsTheOptionSays) {
     motor.reading = {};
     Turn();
     Set(0x605E, 0, option);
-    motor.reading.out_of_order = true;
+    node.SetBusOff(true);
     Run();
-    EXPECT_EQ(Get(0x603F), 0x6000);
+    EXPECT_EQ(Get(0x603F), 0x8140);
     if (option == 0) {
       EXPECT_EQ(node.power_state(), kFault);
     } else {
@@ -118,8 +118,17 @@ TEST_F(DrivePowerTest, ReactsToAFaultAsTheOptionSays) {
       EXPECT_EQ(node.power_state(), kFault) << option;
     }
     EXPECT_EQ(motor.command, (DriveCommand{})) << option;
-    motor.reading.out_of_order = false;
+    node.SetBusOff(false);
   }
+}
+
+TEST_F(DrivePowerTest, HasNoRampLeftWhenItIsOutOfOrder) {
+  Turn();
+  motor.reading.out_of_order = true;
+  Run();
+  EXPECT_EQ(node.power_state(), kFault);
+  EXPECT_EQ(motor.command, DriveCommand{});
+  EXPECT_EQ(Get(0x603F), 0x6000);
 }
 
 TEST_F(DrivePowerTest, ResetsAFaultOnTheEdgeAndOnlyWhenItsCauseIsGone) {
