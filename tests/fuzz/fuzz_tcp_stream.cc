@@ -39,7 +39,7 @@ void PutRight(std::vector<std::byte>& bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace strainwave::daq::acquisition;
-  if (size < 2) return 0;
+  if (size < 3) return 0;
   const std::size_t piece = 1 + data[0];
   std::vector<std::byte> bytes(size - 2);
   std::memcpy(bytes.data(), data + 2, size - 2);
