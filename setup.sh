@@ -21,7 +21,7 @@ PACKAGES=(
   libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libhdf5-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
-  libmosquitto-dev libmodbus-dev libcpp-httplib-dev
+  libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev
   libgtest-dev libbenchmark-dev mosquitto
   gnuplot-nox sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   python3-pymodbus python3-serial-asyncio socat

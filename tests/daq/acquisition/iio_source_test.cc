@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// libiio itself, over its network context, against a device behind an emulated iiod.
+// context.
+#include "daq/acquisition/sources/iio_source.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <system_error>
+
+#include "daq/acquisition/gap_ledger.h"
+#include "tests/daq/scratch_folder.h"
+
+namespace strainwave::daq::acquisition {
+namespace {
+
+constexpr std::chrono::nanoseconds kPatience = std::chrono::seconds(5);
+
+class EmulatedIiod {
+ public:
+  explicit EmulatedIiod(const std::vector<std::string>& arguments) {
+    std::array<int, 2> out{};
+    if (::pipe(out.data()) != 0) throw std::runtime_error("no pipe");
+    process_ = ::fork();
+    if (process_ == 0) {
+      ::dup2(out[1], 1);
+      std::vector<char*> words;
+      std::vector<std::string> texts{"/usr/bin/python3",
+                                     STRAINWAVE_SOURCE_DIR "/tests/daq/acquisition/peers/iiod_emulator.py"};
+      texts.insert(texts.end(), arguments.begin(), arguments.end());
+      for (std::string& text : texts) words.push_back(text.data());
+      words.push_back(nullptr);
+      ::execv(words[0], words.data());
+      ::_exit(127);
+    }
+    ::close(out[1]);
+    std::FILE* const file = ::fdopen(out[0], "r");
+    if (std::fscanf(file, "%d", &port_) != 1) throw std::runtime_error("no emulator");
+    std::fclose(file);
+  }
+  EmulatedIiod(const EmulatedIiod&) = delete;
+  EmulatedIiod& operator=(const EmulatedIiod&) = delete;
+  ~EmulatedIiod() {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+  std::string uri() const { return "ip:127.0.0.1:" + std::to_string(port_); }
+
+ private:
+  pid_t process_{};
+  int port_{};
+};
+
+TEST(IioSource, ReadsCountsWithTheDriversScale) {
+  const EmulatedIiod device({"--blocks", "20"});
+  IioSource source({.uri = device.uri(), .device = "adxl355", .samples_a_block = 50, .source = 3});
+  source.Start();
+  ASSERT_EQ(source.description().channels.size(), 2U);
+  EXPECT_EQ(source.description().rate_hz, 1000);
+  EXPECT_EQ(source.description().channels[0].name, "accel_x");
+  EXPECT_EQ(source.description().channels[0].unit, "m/s^2");
+  EXPECT_NEAR(source.description().channels[0].calibration.Apply(1000), 0.038245, 1e-12);
+  EXPECT_EQ(source.description().channels[0].limits.saturation_low, -524288);
+  EXPECT_EQ(source.description().channels[0].limits.saturation_high, 524287);
+  EXPECT_FALSE(source.has_time_stamps());
+  SampleBlock block(100);
+  std::uint64_t samples = 0;
+  NextResult result{};
+  while ((result = source.Next(block, kPatience)) == NextResult::kBlock) {
+    ASSERT_EQ(block.header.device_counter, samples);
+    for (std::uint32_t i = 0; i < block.header.samples; ++i) {
+      ASSERT_EQ(block.Value(i, 0), static_cast<double>(samples + i));
+      ASSERT_EQ(block.Value(i, 1), -static_cast<double>(samples + i));
+    }
+    samples += block.header.samples;
+  }
+  EXPECT_EQ(samples, 1000U);
+  EXPECT_EQ(result, NextResult::kFailed);
+  EXPECT_EQ(source.trouble(), "iio:" + device.uri() + "/adxl355: No such device");
+}
+
+TEST(IioSource, TellsWhatTheDeviceDroppedByItsTimeStamps) {
+  const EmulatedIiod device({"--stamp", "--blocks", "20", "--skip-after", "8", "--skip", "333"});
+  IioSource source({.uri = device.uri(), .device = "iio:device0", .samples_a_block = 50});
+  source.Start();
+  EXPECT_TRUE(source.has_time_stamps());
+  EXPECT_EQ(source.description().channels.size(), 2U);
+  GapLedger ledger({}, source.description().rate_hz);
+  SampleBlock block(100);
+  while (source.Next(block, kPatience) == NextResult::kBlock) {
+    // It came as fast as it could, not in its own time.
+    block.header.arrival = block.header.device_time;
+    ledger.Admit(block);
+    ASSERT_EQ(block.Value(0, 0), static_cast<double>(block.header.first_sample));
+    ASSERT_EQ(block.header.device_time.count(),
+              5'000'000'000 + static_cast<std::int64_t>(block.header.first_sample) * 1'000'000);
+  }
+  EXPECT_EQ(ledger.totals(), (GapTotals{.received = 1000, .lost = 333, .gaps = 1}));
+}
+
+TEST(IioSource, SaysWhatIsNotThere) {
+  const EmulatedIiod device({});
+  const auto message = [&](IioSettings settings) {
+    IioSource source(std::move(settings));
+    return MessageOf<std::system_error>([&] { source.Start(); });
+  };
+  EXPECT_EQ(message({.uri = device.uri(), .device = "ad7606"}),
+            "the IIO context '" + device.uri() + "' has no device 'ad7606': No such device");
+  EXPECT_EQ(message({.uri = device.uri(), .device = "adxl355", .channels = {"accel_z"}}),
+            "'iio:" + device.uri() + "/adxl355' has no channel 'accel_z' to scan: No such device");
+  EXPECT_TRUE(
+      message({.uri = "xml:/none.xml", .device = "x"}).starts_with("no IIO context at 'xml:/none.xml': "));
+}
+
+}  // namespace
+}  // namespace strainwave::daq::acquisition
