@@ -27,7 +27,8 @@ using Kind = ModbusDeviceFault::Kind;
 
 constexpr std::size_t kMostClients = 8;
 constexpr std::uint32_t kByte_us = 100'000;  // a client that stops within a request does not keep the others
-constexpr std::uint8_t kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue = 3, kNoSuchUnit = 11;
+constexpr std::uint8_t kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue = 3, kDeviceFailure = 4,
+                       kNoSuchUnit = 11;
 
 int WordAt(const std::uint8_t* bytes) { return bytes[0] << 8 | bytes[1]; }
 
@@ -153,6 +154,7 @@ std::uint8_t ModbusDevice::Fill(mb::Table table, int first, int count) {
     const mb::Register& value = map_.registers[owner->second];
     if (!CanRead(value)) return kIllegalAddress;
     const mb::Encoded encoded = Encode(value, Value(owner->second));
+    if (encoded.problem != mb::CodecProblem::kNone) return kDeviceFailure;
     for (std::size_t i = 0; i < encoded.length; ++i) {
       const std::size_t at = value.address + i;
       modbus_mapping_t& to = *context_->mapping;

@@ -45,4 +45,12 @@ ModbusReply ModbusLink::Write(std::span<const protocols::modbus::WriteRequest> r
   return {};
 }
 
+ModbusReply ModbusLink::WriteUnlessCalled(std::span<const protocols::modbus::WriteRequest> requests) {
+  for (const auto& request : requests) {
+    const Pdu pdu = protocols::modbus::WritePdu(request.table, request.first, request.words);
+    if (const ModbusReply reply = Ask(pdu, {}, wake_); !reply.good()) return reply;
+  }
+  return {};
+}
+
 }  // namespace strainwave::bench

@@ -32,6 +32,8 @@ class ModbusLink {
   ModbusReply Write(const protocols::modbus::WriteRequest& request);
   /// All of them, until one is not good.
   ModbusReply Write(std::span<const protocols::modbus::WriteRequest> requests);
+  /// The same, but called away from like a reading: for what the next writing says anew.
+  ModbusReply WriteUnlessCalled(std::span<const protocols::modbus::WriteRequest> requests);
 
   const ModbusSettings& settings() const { return settings_; }
   const ModbusCounts& counts() const { return counts_; }

@@ -67,6 +67,7 @@ std::vector<std::string> CheckServoProfile(const mb::RegisterMap& map, const Mod
     fits("control", word);
   }
   for (const char* name : {"speed_set_point", "torque_set_point"}) fits(name, 0.0);
+  for (const double count : {0.0, 32767.0}) fits("watchdog", count);
   for (const double mode : {profile.speed_mode, profile.torque_mode}) fits("mode", mode);
   for (const double brake : {profile.brake_engaged, profile.brake_released}) fits("brake", brake);
   fits("watchdog_time", std::chrono::duration<double>(profile.watchdog_time).count());

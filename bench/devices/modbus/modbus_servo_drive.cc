@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/devices/modbus/modbus_servo_drive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "protocols/modbus/register_codec.h"
+
+namespace strainwave::bench {
+namespace {
+
+namespace mb = protocols::modbus;
+using protocols::PowerState;
+using std::chrono::nanoseconds;
+using Values = std::vector<std::pair<std::size_t, double>>;
+
+constexpr nanoseconds kLongAgo = -std::chrono::hours(1);
+constexpr std::uint16_t kMostCount = 0x7FFF;  // fits a signed register, too
+
+// As near to what is wanted as the register holds; a set point is never a reason not to be able to stop.
+double Held(const mb::Register& value, double wanted) {
+  const double least = value.least.value_or(-std::numeric_limits<double>::infinity());
+  const double most = value.most.value_or(std::numeric_limits<double>::infinity());
+  const double held = std::clamp(wanted, least, most);
+  return Encode(value, held).problem == mb::CodecProblem::kNone ? held : 0.0;
+}
+
+}  // namespace
+
+ModbusServoDrive::ModbusServoDrive(ModbusSettings settings, const mb::RegisterMap& map,
+                                   const ModbusServoProfile& profile, const BenchClock& clock,
+                                   nanoseconds patience)
+    : map_(map),
+      profile_(profile),
+      at_(FindServoRegisters(map_, profile_)),
+      clock_(clock),
+      patience_(patience),
+      heard_ns_(clock.Now().count()),
+      client_(std::move(settings), map, clock, this) {}
+
+void ModbusServoDrive::Order(bool at_once) noexcept {
+  heard_ns_ = clock_.Now().count();
+  command_.Set(mine_);
+  if (at_once) client_.Call();
+}
+
+void ModbusServoDrive::Enable(DriveMode mode) noexcept {
+  if (mode == DriveMode::kPosition) return;
+  mine_.enable = true;
+  mine_.quick = false;
+  mine_.mode = mode;
+  mine_.set_point = 0.0;
+  ++mine_.enables;
+  Order(true);
+}
+
+void ModbusServoDrive::Disable() noexcept {
+  const bool news = mine_.enable;
+  mine_.enable = false;
+  mine_.set_point = 0.0;
+  mine_.stops += news ? 1 : 0;
+  Order(news);
+}
+
+void ModbusServoDrive::QuickStop() noexcept {
+  const bool news = mine_.enable || !mine_.quick || !mine_.brake_engaged;
+  mine_.enable = false;
+  mine_.quick = true;
+  mine_.set_point = 0.0;
+  mine_.brake_engaged = true;
+  mine_.stops += news ? 1 : 0;
+  Order(news);
+}
+
+void ModbusServoDrive::ResetFault() noexcept {
+  mine_.enable = false;
+  mine_.set_point = 0.0;
+  ++mine_.resets;
+  Order(true);
+}
+
+void ModbusServoDrive::SetBrake(bool engaged) noexcept {
+  const bool news = mine_.brake_engaged != engaged;
+  mine_.brake_engaged = engaged;
+  Order(news);
+}
+
+void ModbusServoDrive::Take(DriveMode mode, double value) noexcept {
+  const bool in_force = mine_.enable && mine_.mode == mode && Power() == PowerState::kOperationEnabled;
+  if (in_force && std::isfinite(value)) mine_.set_point = value;
+  Order(false);
+}
+
+void ModbusServoDrive::CommandSpeed(double speed_rad_per_s) noexcept {
+  Take(DriveMode::kSpeed, speed_rad_per_s);
+}
+
+void ModbusServoDrive::CommandPosition(double) noexcept { heard_ns_ = clock_.Now().count(); }
+
+void ModbusServoDrive::CommandTorque(double torque_Nm) noexcept { Take(DriveMode::kTorque, torque_Nm); }
+
+std::optional<PowerState> ModbusServoDrive::Power() const noexcept {
+  const ChannelValue status = client_.Value(at_.status);
+  if (!status.good || status.value < 0) return std::nullopt;
+  const auto bits = static_cast<std::uint32_t>(status.value);
+  for (const ModbusServoProfile::Status& row : profile_.status) {
+    if ((bits & row.mask) == row.value) return row.state;
+  }
+  return std::nullopt;
+}
+
+DriveActual ModbusServoDrive::Actual() const noexcept {
+  heard_ns_ = clock_.Now().count();
+  const ChannelValue status = client_.Value(at_.status);
+  const ChannelValue speed = client_.Value(at_.actual_speed);
+  const ChannelValue torque = client_.Value(at_.actual_torque);
+  const ChannelValue brake = client_.Value(at_.brake);
+  const std::optional<PowerState> power = Power();
+  DriveActual actual;
+  const bool whole = power && speed.good && torque.good && brake.good;
+  actual.time = whole ? std::min({status.time, speed.time, torque.time}) : kLongAgo;
+  actual.speed_rad_per_s = speed.value;
+  actual.torque_Nm = torque.value;
+  if (at_.actual_position) actual.position_rad = client_.Value(*at_.actual_position).value;
+  actual.power = power.value_or(PowerState::kNotReadyToSwitchOn);
+  actual.brake_engaged = brake.good && brake.value == profile_.brake_engaged;
+  return actual;
+}
+
+// Torque off comes first, by itself: whatever becomes of the rest, it has been said.
+ModbusReply ModbusServoDrive::WriteStop(ModbusLink& link, bool quick, bool brake_engaged) {
+  const Values stop{{at_.control, quick ? profile_.control.quick_stop : profile_.control.off}};
+  if (const ModbusReply reply = link.Write(PlanWrites(map_, stop)); !reply.good()) return reply;
+  const Values rest{{at_.speed_set_point, 0.0},
+                    {at_.torque_set_point, 0.0},
+                    {at_.brake, brake_engaged ? profile_.brake_engaged : profile_.brake_released}};
+  return link.Write(PlanWrites(map_, rest));
+}
+
+ModbusReply ModbusServoDrive::WriteCommand(ModbusLink& link, const Command& command, bool enable) {
+  const bool speed_mode = command.mode == DriveMode::kSpeed;
+  const auto set_point = [&](std::size_t index, bool in_force) {
+    return std::pair(index, enable && in_force ? Held(map_.registers[index], command.set_point) : 0.0);
+  };
+  Values values{set_point(at_.speed_set_point, speed_mode),
+                set_point(at_.torque_set_point, !speed_mode),
+                {at_.mode, speed_mode ? profile_.speed_mode : profile_.torque_mode},
+                {at_.brake, command.brake_engaged ? profile_.brake_engaged : profile_.brake_released}};
+  if (at_.watchdog) {
+    count_ = count_ == kMostCount ? 0 : static_cast<std::uint16_t>(count_ + 1);
+    values.emplace_back(*at_.watchdog, count_);
+  }
+  const double stopped = command.quick ? profile_.control.quick_stop : profile_.control.off;
+  const Values control{{at_.control, enable ? profile_.control.enable : stopped}};
+  // Enabled with the set points already there, stopped before them.
+  if (enable) {
+    if (const ModbusReply reply = link.WriteUnlessCalled(PlanWrites(map_, values)); !reply.good())
+      return reply;
+    return link.WriteUnlessCalled(PlanWrites(map_, control));
+  }
+  if (const ModbusReply reply = link.WriteUnlessCalled(PlanWrites(map_, control)); !reply.good())
+    return reply;
+  return link.WriteUnlessCalled(PlanWrites(map_, values));
+}
+
+ModbusReply ModbusServoDrive::Connected(ModbusLink& link, ModbusPoller& poller) {
+  Lost();
+  if (const ModbusReply reply = WriteStop(link, true, true); !reply.good()) return reply;
+  const double wanted_s = std::chrono::duration<double>(profile_.watchdog_time).count();
+  const Values time{{at_.watchdog_time, wanted_s}};
+  if (const ModbusReply reply = link.Write(PlanWrites(map_, time)); !reply.good()) return reply;
+  if (const ModbusReply reply = poller.ReadNow(link, std::span(&at_.watchdog_time, 1)); !reply.good()) {
+    return reply;
+  }
+  const ChannelValue read = poller.Value(at_.watchdog_time);
+  const mb::Register& value = map_.registers[at_.watchdog_time];
+  if (std::isnan(read.value) || Encode(value, read.value).words != Encode(value, wanted_s).words) {
+    return {ModbusReply::Outcome::kWrongAnswer, 0,
+            "the watchdog time reads back as another than was written; the drive would not stop by itself"};
+  }
+  return {};
+}
+
+bool ModbusServoDrive::WatchdogFollows() const noexcept {
+  if (!at_.watchdog || map_.registers[*at_.watchdog].poll_period.count() == 0) return true;
+  const ChannelValue read = client_.Value(*at_.watchdog);
+  if (!read.good) return false;
+  const auto behind =
+      static_cast<std::uint16_t>(count_ - static_cast<std::uint16_t>(read.value)) & kMostCount;
+  const auto periods = (clock_.Now() - read.time) / profile_.period;
+  constexpr int kOnTheWay = 3;
+  return behind <= periods + kOnTheWay;
+}
+
+ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
+  Command command = command_.Get();
+  const bool enable = command.enable && command.enables > void_enables_;
+  // Once something went wrong, the brake stays on until somebody enables the drive anew.
+  if (command.enables <= void_enables_) command.brake_engaged = true;
+  if (command.enable && !enable) command.quick = true;
+  if (command.stops != stops_done_) {
+    const ModbusReply reply = WriteStop(link, command.quick, command.brake_engaged);
+    if (reply.good()) stops_done_ = command.stops;
+    was_enabled_ = false;
+    return reply;
+  }
+  if (command.resets != resets_done_) {
+    const Values off{{at_.control, profile_.control.off}};
+    const Values reset{{at_.control, profile_.control.reset_fault}};
+    if (const ModbusReply reply = link.Write(PlanWrites(map_, off)); !reply.good()) return reply;
+    const ModbusReply reply = link.Write(PlanWrites(map_, reset));
+    if (reply.good()) resets_done_ = command.resets;
+    return reply;
+  }
+  const std::optional<PowerState> power = Power();
+  const bool hangs = clock_.Now().count() - heard_ns_ > patience_.count();
+  const bool left = was_enabled_ && power && power != PowerState::kOperationEnabled;  // by itself
+  if (enable && (hangs || left || power == PowerState::kFault || (was_enabled_ && !WatchdogFollows()))) {
+    void_enables_ = command.enables;
+    was_enabled_ = false;
+    return WriteStop(link, true, true);
+  }
+  // What was read before the drive was last enabled says nothing of what became of that.
+  was_enabled_ = enable && power == PowerState::kOperationEnabled && command.enables == enables_begun_ &&
+                 client_.Value(at_.status).time > begun_;
+  if (enable && command.enables != enables_begun_) {
+    // From a quick stop the way leads through off, so that a stop never turns into motion by one word.
+    const ModbusReply reply = WriteStop(link, false, true);
+    if (reply.good()) enables_begun_ = command.enables;
+    begun_ = clock_.Now();
+    return reply;
+  }
+  return WriteCommand(link, command, enable);
+}
+
+void ModbusServoDrive::Lost() noexcept {
+  void_enables_ = command_.Get().enables;
+  was_enabled_ = false;
+}
+
+void ModbusServoDrive::Leave(ModbusLink& link) {
+  if (WriteStop(link, true, true).good()) return;
+  WriteStop(link, true, true);
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "bench/devices/latest.h"
+#include "bench/devices/modbus/modbus_client.h"
+#include "bench/devices/modbus/modbus_servo_profile.h"
+#include "bench/roles/servo_drive.h"
+
+namespace strainwave::bench {
+
+/// The newest that a control thread wants of a drive.
+struct ModbusServoCommand {
+  bool enable{};
+  bool quick{};  // a stop was the last that was asked for
+  DriveMode mode{DriveMode::kTorque};
+  double set_point{};
+  bool brake_engaged{true};
+  std::uint64_t stops{}, enables{}, resets{};  // asked for until now
+};
+
+/// A servo drive on Modbus, in speed or torque mode. What is written is the newest command and never a queue:
+/// after a stop there is no older set point that could still be sent.
+///
+/// Off is the state at the start, after every connection, after a fault and whenever this program is in
+/// doubt; only a new `Enable` leads out of it, and only after one the brake can be released. The drive is
+/// stopped (torque off, then brake on)
+/// - when it is asked to be, at once;
+/// - when nobody has called this object for `patience`: the control loop hangs;
+/// - when the drive's own watchdog register does not follow what is written to it;
+/// - as the last word on every way out.
+/// Where the connection is gone, the drive's watchdog does it; so nothing is enabled unless the drive's
+/// watchdog time reads back as it was written. That it works is proven by `ProveWatchdog`.
+class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
+ public:
+  /// @param clock  outlives the drive.
+  /// @throws std::invalid_argument for a map or profile that cannot be used.
+  ModbusServoDrive(ModbusSettings settings, const protocols::modbus::RegisterMap& map,
+                   const ModbusServoProfile& profile, const BenchClock& clock,
+                   std::chrono::nanoseconds patience = std::chrono::milliseconds(500));
+  ~ModbusServoDrive() override = default;
+
+  /// A position mode there is not: asked for it, the drive stays off.
+  void Enable(DriveMode mode) noexcept override;
+  void Disable() noexcept override;
+  void QuickStop() noexcept override;
+  void ResetFault() noexcept override;
+  void SetBrake(bool engaged) noexcept override;
+  void CommandSpeed(double speed_rad_per_s) noexcept override;
+  void CommandPosition(double position_rad) noexcept override;
+  void CommandTorque(double torque_Nm) noexcept override;
+  /// Its time is that of the oldest of state, speed and torque, and long ago while one of them is no value.
+  DriveActual Actual() const noexcept override;
+
+  /// Why the drive does not do what it should, in words; empty while all is well. Not for the control thread.
+  std::string trouble() const { return client_.trouble(); }
+  const ModbusCounts& counts() const { return client_.counts(); }
+
+ private:
+  using Command = ModbusServoCommand;
+
+  std::chrono::nanoseconds WritePeriod() const override { return profile_.period; }
+  ModbusReply Connected(ModbusLink& link, ModbusPoller& poller) override;
+  ModbusReply Write(ModbusLink& link) override;
+  void Lost() noexcept override;
+  void Leave(ModbusLink& link) override;
+
+  ModbusReply WriteStop(ModbusLink& link, bool quick, bool brake_engaged);
+  ModbusReply WriteCommand(ModbusLink& link, const Command& command, bool enable);
+  std::optional<protocols::PowerState> Power() const noexcept;
+  bool WatchdogFollows() const noexcept;
+  void Order(bool at_once) noexcept;
+  void Take(DriveMode mode, double value) noexcept;
+
+  const protocols::modbus::RegisterMap map_;
+  const ModbusServoProfile profile_;
+  const ModbusServoRegisters at_;
+  const BenchClock& clock_;
+  const std::chrono::nanoseconds patience_;
+
+  // Of the control thread.
+  Command mine_;
+  mutable std::atomic<std::int64_t> heard_ns_;
+  Latest<Command> command_;
+
+  // Of the client's thread.
+  std::uint64_t void_enables_{};  // asked for before something went wrong
+  std::uint64_t stops_done_{}, resets_done_{}, enables_begun_{};
+  std::chrono::nanoseconds begun_{};  // when the last enabling began
+  bool was_enabled_{};
+  std::uint16_t count_{};  // last written to the watchdog register
+
+  ModbusClient client_;  // last: its thread uses all of the above
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// The servo drive of bench/devices/profiles/modbus_servo_drive.yaml: our side and the drive's over TCP.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "bench/configuration/read_register_map.h"
+#include "bench/devices/device_side/modbus_device.h"
+#include "bench/devices/device_side/modbus_servo_model.h"
+#include "bench/devices/modbus/modbus_servo_drive.h"
+#include "bench/devices/modbus/modbus_watchdog_proof.h"
+#include "tests/bench/modbus/modbus_helpers.h"
+
+namespace strainwave::bench {
+namespace {
+
+using namespace std::chrono_literals;
+using protocols::PowerState;
+using Kind = ModbusDeviceFault::Kind;
+
+class Servo : public testing::Test {
+ protected:
+  Servo() {
+    settings_.port = ModbusTcpPort{"127.0.0.1", device_.port()};
+    settings_.answer_time = 500ms;
+    settings_.retries = 0;
+    settings_.first_pause = 10ms;
+    settings_.longest_pause = 50ms;
+  }
+
+  // The control loop goes on calling while it waits, as on a bench.
+  bool UntilCalling(ServoDrive& drive, auto&& condition) {
+    return Until([&] { return drive.Actual(), condition(); });
+  }
+  bool IsEnabled(ServoDrive& drive) {
+    return UntilCalling(drive, [&] { return drive.Actual().power == PowerState::kOperationEnabled; });
+  }
+  void RunAt(ServoDrive& drive, double speed_rad_per_s) {
+    drive.Enable(DriveMode::kSpeed);
+    ASSERT_TRUE(IsEnabled(drive));
+    drive.SetBrake(false);
+    ASSERT_TRUE(UntilCalling(drive, [&] {
+      drive.CommandSpeed(speed_rad_per_s);
+      const DriveActual actual = drive.Actual();
+      return std::abs(actual.speed_rad_per_s - speed_rad_per_s) < 0.01 && !actual.brake_engaged;
+    }));
+  }
+  bool IsSafe() {
+    return model_.power(clock_.Now()) != PowerState::kOperationEnabled && model_.brake_engaged();
+  }
+  std::unique_ptr<ModbusServoDrive> Drive(std::chrono::nanoseconds patience = 10s) {
+    auto drive =
+        std::make_unique<ModbusServoDrive>(settings_, profile_.map, *profile_.servo, clock_, patience);
+    EXPECT_TRUE(Until([&] { return drive->Actual().time >= 0s; })) << drive->trouble();
+    return drive;
+  }
+
+  SteadyBenchClock clock_;
+  ModbusProfile profile_ =
+      ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
+  std::atomic<int> heard_{0};
+  ModbusServoModel model_{profile_.map, *profile_.servo};
+  ModbusDevice device_{
+      profile_.map,
+      1,
+      {[this](std::size_t index) { return model_.Read(index, clock_.Now()); },
+       [this](std::size_t index, double value) { return model_.Write(index, value, clock_.Now()); },
+       [this] { ++heard_, model_.Hear(clock_.Now()); }},
+      ModbusDevice::Tcp{}};
+  ModbusSettings settings_;
+};
+
+TEST_F(Servo, IsOffAndBrakedUntilItIsEnabled) {
+  const auto drive = Drive();
+  EXPECT_EQ(drive->Actual().power, PowerState::kSwitchOnDisabled);
+  EXPECT_TRUE(drive->Actual().brake_engaged);
+  drive->CommandSpeed(10.0);
+  drive->CommandTorque(1.0);
+  drive->Enable(DriveMode::kPosition);
+  model_.TakeWritten();
+  std::vector<std::string> written;
+  ASSERT_TRUE(Until([&] {
+    for (std::string& line : model_.TakeWritten()) written.push_back(std::move(line));
+    return written.size() > 30;
+  }));
+  EXPECT_EQ(std::ranges::count(written, "control 1"), 0);
+  EXPECT_EQ(std::ranges::count(written, "brake 1"), 0);
+  EXPECT_GT(std::ranges::count(written, "speed_set_point 0"), 0);
+}
+
+TEST_F(Servo, RunsAtSpeedAndPullsTorque) {
+  const auto drive = Drive();
+  RunAt(*drive, 104.7);
+  EXPECT_NEAR(model_.actual_speed_rad_per_s(clock_.Now()), 104.7, 0.001);
+  drive->Disable();
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().power == PowerState::kSwitchOnDisabled; }));
+  drive->Enable(DriveMode::kTorque);
+  ASSERT_TRUE(IsEnabled(*drive));
+  EXPECT_EQ(drive->Actual().torque_Nm, 0.0) << "what was commanded before is gone";
+  EXPECT_TRUE(UntilCalling(*drive, [&] {
+    drive->CommandTorque(-12.5);
+    return std::abs(drive->Actual().torque_Nm + 12.5) < 0.005;
+  }));
+}
+
+TEST_F(Servo, StopsWithTorqueFirstAndNoSetPointAfterIt) {
+  const auto drive = Drive();
+  RunAt(*drive, 50.0);
+  model_.TakeWritten();
+  drive->QuickStop();
+  drive->CommandSpeed(50.0);
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return IsSafe(); }));
+  std::vector<std::string> written = model_.TakeWritten();
+  const auto stop = std::ranges::find(written, "control 2");
+  ASSERT_NE(stop, written.end());
+  const std::vector<std::string> after(stop, written.end());
+  EXPECT_LT(std::ranges::find(after, "control 2"), std::ranges::find(after, "brake 0"));
+  for (const std::string& line : after) {
+    EXPECT_FALSE(line.starts_with("speed_set_point") && line != "speed_set_point 0") << line;
+    EXPECT_NE(line, "control 1");
+    EXPECT_NE(line, "brake 1");
+  }
+}
+
+TEST_F(Servo, AStopIsDoneEvenIfTheNextEnableFollowsAtOnce) {
+  const auto drive = Drive();
+  RunAt(*drive, 50.0);
+  model_.TakeWritten();
+  drive->QuickStop();
+  drive->Enable(DriveMode::kSpeed);
+  std::vector<std::string> written;
+  ASSERT_TRUE(UntilCalling(*drive, [&] {
+    for (std::string& line : model_.TakeWritten()) written.push_back(std::move(line));
+    const auto off = std::ranges::find(written, "control 0");
+    return std::find(off, written.end(), "control 1") != written.end();
+  }));
+  const auto off = std::ranges::find(written, "control 0");
+  for (auto line = off; line != written.end(); ++line) {
+    EXPECT_FALSE(line->starts_with("speed_set_point") && *line != "speed_set_point 0") << *line;
+  }
+}
+
+TEST_F(Servo, OverTcpAStopDoesNotWaitForAnAnswerThatIsDue) {
+  settings_.answer_time = 5s;
+  const auto drive = Drive();
+  RunAt(*drive, 50.0);
+  model_.set_watchdog(ModbusServoModel::Watchdog::kNever);
+  device_.Set({Kind::kSilence, -1});
+  const int before = heard_;
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return heard_ > before; }));  // its answer is due now
+  drive->QuickStop();
+  EXPECT_TRUE(
+      UntilCalling(*drive, [&] { return model_.power(clock_.Now()) == PowerState::kQuickStopActive; }));
+  EXPECT_EQ(drive->counts().timeouts, 0U);
+}
+
+TEST_F(Servo, EveryWayOutLeavesTheDriveOffAndBraked) {
+  {
+    const auto drive = Drive();
+    RunAt(*drive, 50.0);
+    model_.set_watchdog(ModbusServoModel::Watchdog::kNever);
+  }
+  EXPECT_TRUE(IsSafe());
+}
+
+TEST_F(Servo, AControlLoopThatHangsIsNoticed) {
+  const auto drive = Drive(300ms);
+  RunAt(*drive, 50.0);
+  model_.set_watchdog(ModbusServoModel::Watchdog::kNever);
+  EXPECT_TRUE(Until([&] { return IsSafe(); })) << "nobody calls the drive";
+  drive->CommandSpeed(50.0);
+  EXPECT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().power == PowerState::kQuickStopActive; }));
+}
+
+TEST_F(Servo, AfterALostConnectionItStaysOff) {
+  const auto drive = Drive();
+  RunAt(*drive, 50.0);
+  device_.Set({Kind::kHalf, 1});  // costs the connection
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return IsSafe(); }));
+  ASSERT_TRUE(UntilCalling(*drive, [&] {
+    drive->CommandSpeed(50.0);
+    return drive->Actual().time > 0s && drive->trouble().empty() && drive->Actual().brake_engaged;
+  }));
+  model_.TakeWritten();
+  std::vector<std::string> written;
+  ASSERT_TRUE(UntilCalling(*drive, [&] {
+    for (std::string& line : model_.TakeWritten()) written.push_back(std::move(line));
+    return written.size() > 30;
+  }));
+  EXPECT_EQ(std::ranges::count(written, "control 1"), 0);
+  EXPECT_EQ(std::ranges::count(written, "brake 1"), 0);
+  ASSERT_EQ(drive->Actual().power, PowerState::kFault) << "its watchdog has stopped it";
+  drive->ResetFault();
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().power == PowerState::kSwitchOnDisabled; }));
+  EXPECT_TRUE(IsSafe());
+  RunAt(*drive, 20.0);
+}
+
+TEST_F(Servo, AFaultIsResetByCommandAndLeadsToOff) {
+  const auto drive = Drive();
+  RunAt(*drive, 50.0);
+  model_.Fault();
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().power == PowerState::kFault && IsSafe(); }));
+  drive->ResetFault();
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().power == PowerState::kSwitchOnDisabled; }));
+  EXPECT_TRUE(IsSafe());
+  RunAt(*drive, 20.0);
+}
+
+TEST_F(Servo, WithoutAConnectionItsStateIsLongAgo) {
+  const auto drive = Drive();
+  device_.Set({Kind::kSilence, -1});
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().time < 0s; }));
+  EXPECT_EQ(drive->Actual().power, PowerState::kNotReadyToSwitchOn);
+  EXPECT_TRUE(UntilCalling(*drive, [&] { return !drive->Actual().brake_engaged; }));
+}
+
+TEST_F(Servo, AWatchdogTimeThatReadsBackOtherwiseIsRefused) {
+  for (const double time_s : {0.0, 5.0}) {
+    model_.set_fixed_watchdog_time(time_s);
+    ModbusServoDrive drive(settings_, profile_.map, *profile_.servo, clock_);
+    drive.Enable(DriveMode::kSpeed);
+    EXPECT_TRUE(Until([&] {
+      return drive.trouble() ==
+             "setting up: wrong answer: the watchdog time reads back as another than was written; the drive "
+             "would "
+             "not stop by itself";
+    })) << drive.trouble();
+    EXPECT_TRUE(IsSafe());
+  }
+}
+
+class WatchdogProofs : public Servo {
+ protected:
+  WatchdogProof Prove() {
+    ModbusLink link(settings_, nullptr);
+    link.Open();
+    WatchdogProof proof = ProveWatchdog(link, profile_.map, *profile_.servo, clock_);
+    EXPECT_TRUE(IsSafe());
+    return proof;
+  }
+};
+
+TEST_F(WatchdogProofs, MeasureHowLongADriveGoesOn) {
+  const WatchdogProof proof = Prove();
+  EXPECT_TRUE(proof.proven) << proof.words;
+  EXPECT_GT(proof.time_to_stop, 200ms);
+  EXPECT_TRUE(proof.words.ends_with("ms after the last write while it was still read")) << proof.words;
+}
+
+TEST_F(WatchdogProofs, RefuseAWatchdogThatReadingAloneKeepsQuiet) {
+  model_.set_watchdog(ModbusServoModel::Watchdog::kAnything);
+  const WatchdogProof proof = Prove();
+  EXPECT_FALSE(proof.proven);
+  EXPECT_EQ(
+      proof.words,
+      "the drive did not stop within 480 ms after the last write while it was read, but did within 480 ms of "
+      "complete silence: reading alone keeps its watchdog quiet (expected a watchdog that only writing keeps "
+      "quiet)");
+}
+
+TEST_F(WatchdogProofs, RefuseADriveWithoutAny) {
+  model_.set_watchdog(ModbusServoModel::Watchdog::kNever);
+  const WatchdogProof proof = Prove();
+  EXPECT_FALSE(proof.proven);
+  EXPECT_EQ(proof.words,
+            "the drive did not stop within 480 ms after the last write while it was read, nor 480 ms after "
+            "the last "
+            "request of any kind: it has no watchdog (expected a watchdog that only writing keeps quiet)");
+}
+
+TEST_F(WatchdogProofs, RefuseATimeThatReadsBackOtherwise) {
+  model_.set_fixed_watchdog_time(0.0);
+  EXPECT_EQ(Prove().words,
+            "the watchdog time was written as 0.2 s and reads back as 0 s (expected the same)");
+}
+
+}  // namespace
+}  // namespace strainwave::bench
