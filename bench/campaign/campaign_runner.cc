@@ -30,7 +30,7 @@ constexpr std::chrono::seconds kKeepInterval{10};
 
 RunnerSettings SettingsOf(const schedules::Schedule& schedule, const BenchDescription& bench) {
   // A simulated bench on its own clock; a real one keeps its period whatever the disk does.
-  return {bench.control_period_s, schedule.limits, schedule.suspend, !bench.simulated};
+  return {bench.control_period_s, bench.stale_after_s, schedule.limits, schedule.suspend, !bench.simulated};
 }
 
 // The same for the same phase of the same cycle, however often it is run.
@@ -283,7 +283,8 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForRequest(const PhaseOutcome& outco
 CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome, std::string_view phase) {
   Transition(BenchEvent::kFault);
   checkpoint_.Sync();
-  const std::string text = Describe(outcome.reason);
+  std::string text = Describe(outcome.reason);
+  if (const std::string troubles = machine_.Troubles(); !troubles.empty()) text += "\n" + troubles;
   Note("alarm", phase, Code(outcome.reason.cause), text);
   for (const StopReason& followed : outcome.followed) {
     Note("info", phase, Code(followed.cause), "followed: " + Describe(followed));

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <csignal>
+#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -14,6 +17,7 @@
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
 #include "bench/devices/make_machine.h"
+#include "bench/devices/wake.h"
 
 namespace strainwave::bench {
 namespace {
@@ -57,6 +61,17 @@ void ListenToSignals() {
   action.sa_handler = OnSignal;
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) sigaction(signal, &action, nullptr);
+}
+
+// A person at the terminal says when it is done. A stop that is asked for meanwhile counts as a no.
+bool Ask(const std::string& what) {
+  fmt::print(stderr, "\n{}, then press Enter\n", what);
+  while (g_request == StopRequest::kNone) {
+    if (WaitReadable(STDIN_FILENO, nullptr, std::chrono::milliseconds(100)) != Waited::kReadable) continue;
+    std::string line;
+    return static_cast<bool>(std::getline(std::cin, line));
+  }
+  return false;
 }
 
 // The truth of a sweep is that at its own standstills.
@@ -125,7 +140,7 @@ int Run(const RunOptions& options) {
   ListenToSignals();
   CampaignEnd end;
   {
-    const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth));
+    const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth), Ask);
     TerminalProgress progress;
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, g_request, progress);
     const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();

@@ -76,6 +76,7 @@ struct BenchDescription {
   /// The shortest period that the bench can keep, for a phase that asks to be logged faster than the usual
   /// one.
   double fast_control_period_s{};
+  double stale_after_s{};  // how old readings may become before the bench stops; zero: three control periods
   double vibration_rate_hz{};  // highest sample rate of the accelerometers
   ServoDescription driving_servo;
   ServoDescription load_servo;

@@ -174,6 +174,7 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
   bench.control_period_s = map.Quantity("control_period", Dimension::kTime, Bound::kPositive, "10 ms");
   bench.fast_control_period_s =
       map.Quantity("fast_control_period", Dimension::kTime, Bound::kPositive, "1 ms");
+  bench.stale_after_s = map.OptionalQuantity("stale_after", Dimension::kTime, Bound::kPositive).value_or(0.0);
   bench.vibration_rate_hz =
       map.Quantity("vibration_rate", Dimension::kFrequency, Bound::kPositive, "51.2 kHz");
   bench.driving_servo = ReadServo(map.Map("driving_servo", Presence::kRequired), folder);

@@ -61,7 +61,9 @@ PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
                          const std::atomic<StopRequest>& request)
     : devices_(devices),
       settings_(settings),
-      interlocks_(settings.limits, Nanoseconds(3.0 * settings.control_period_s)),
+      interlocks_(settings.limits,
+                  Nanoseconds(settings.stale_after_s > 0.0 ? settings.stale_after_s
+                                                           : 3.0 * settings.control_period_s)),
       suspend_(settings.suspend),
       request_(request),
       history_(static_cast<std::size_t>(kHistory_s / settings.control_period_s), kHistoryChannels) {
@@ -139,7 +141,7 @@ StopReason PhaseRunner::LoopOnItsOwnThread(PhaseProgram& program, const Heartbea
   std::exception_ptr failure;
   abandoned_ = false;
   std::thread thread([&] {
-    realtime_trouble_ = BecomeRealtime();
+    realtime_trouble_ = BecomeRealtime(RealtimeRank::kControl);
     try {
       reason = Loop(program, [&](const PhaseSnapshot& snapshot) {
         latest.Set(snapshot);

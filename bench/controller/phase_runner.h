@@ -42,6 +42,7 @@ using HeartbeatFunction = std::function<void(const PhaseSnapshot&, const PhasePr
 
 struct RunnerSettings {
   double control_period_s{0.01};
+  double stale_after_s{};  // how old readings may become; zero: three control periods
   schedules::Limits limits;
   schedules::SuspendRule suspend;
   /// The loop runs on a thread of its own, with real-time priority where the machine grants it, so that

@@ -11,25 +11,19 @@
 #include <fmt/core.h>
 
 namespace strainwave::bench {
-namespace {
 
-// Above every ordinary thread, below the kernel's own interrupt threads.
-constexpr int kPriority = 40;
-
-}  // namespace
-
-std::string BecomeRealtime() {
+std::string BecomeRealtime(RealtimeRank rank) {
   sched_param parameters{};
-  parameters.sched_priority = kPriority;
+  parameters.sched_priority = static_cast<int>(rank);
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error != 0) {
     return fmt::format(
-        "the control loop runs without real-time priority: {} (expected CAP_SYS_NICE, or an rtprio of {} in "
+        "a cyclic thread runs without real-time priority: {} (expected CAP_SYS_NICE, or an rtprio of {} in "
         "/etc/security/limits.conf)",
-        std::strerror(error), kPriority);
+        std::strerror(error), static_cast<int>(rank));
   }
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     return fmt::format(
-        "the control loop's memory may be paged out: {} (expected CAP_IPC_LOCK, or memlock unlimited in "
+        "its memory may be paged out: {} (expected CAP_IPC_LOCK, or memlock unlimited in "
         "/etc/security/limits.conf)",
         std::strerror(errno));
   }

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "bench/configuration/bench_description.h"
+#include "bench/roles/ask_operator.h"
 #include "bench/roles/bench_machine.h"
 
 namespace strainwave::bench {
@@ -24,8 +25,11 @@ struct SimulatedTest {
 /// @param test  for a simulated bench. Rows are added to the truth file; of two with one cycle number the
 /// last
 ///   counts.
-/// @throws CampaignError for a bench that this build has no devices for; BenchFileError for a plant term or a
-///   parameter that there is not.
-std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, const SimulatedTest& test);
+/// @param ask   what a person at a real bench must do by hand.
+/// @throws CampaignError for a real bench whose devices are not there or refuse; BenchFileError for files
+/// that
+///   cannot be used, and for a plant term or a parameter that there is not.
+std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, const SimulatedTest& test,
+                                          const AskOperator& ask = {});
 
 }  // namespace strainwave::bench

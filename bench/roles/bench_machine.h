@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "bench/controller/phase_program.h"
 
@@ -30,6 +31,9 @@ class BenchMachine {
 
   /// The gear is replaced by the rigid blank, or put back. On metal a person does it and confirms.
   virtual void MountBlank(bool mounted) = 0;
+
+  /// What is wrong with its devices at the moment, in words, a line each; empty where nothing is.
+  virtual std::string Troubles() const { return {}; }
 
   /// All measurements of a cycle are done; a simulated bench may note the truth it alone knows.
   virtual void CycleMeasured(int) {}

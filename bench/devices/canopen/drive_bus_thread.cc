@@ -55,7 +55,7 @@ bool DriveBusThread::AtRest() const noexcept {
 }
 
 void DriveBusThread::Run() noexcept {
-  timing_.trouble = BecomeRealtime();
+  timing_.trouble = BecomeRealtime(RealtimeRank::kBus);
   nanoseconds last = clock_.Now();
   nanoseconds next = last;
   nanoseconds give_up = nanoseconds::max();

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "bench/controller/realtime.h"
+
 namespace strainwave::bench {
 
 using daq::acquisition::ChannelDescription;
@@ -76,6 +78,9 @@ SourceReader::SourceReader(std::unique_ptr<SampleSource> source, const Monotonic
   for (std::size_t i = 0; i < description_.channels.size(); ++i) {
     if (description_.channels[i].unit == "m/s^2") accelerometers_.push_back(i);
   }
+  next_.bad_channels = description_.channels.size() == SourceSnapshot::kMostChannels
+                           ? ~0U
+                           : (1U << description_.channels.size()) - 1U;
   sums_.resize(accelerometers_.size());
   squares_.resize(accelerometers_.size());
   thread_ = std::thread([this] { Run(); });
@@ -94,6 +99,8 @@ std::optional<std::size_t> SourceReader::Find(std::string_view channel) const {
 }
 
 void SourceReader::Run() {
+  // Where it is refused, the control loop's own warning says so.
+  (void)BecomeRealtime(RealtimeRank::kAcquisition);
   SampleBlock block = RoomFor(description_);
   while (!ending_) {
     try {

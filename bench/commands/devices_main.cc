@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// strainwave-devices: the simulated bench as separate devices on real buses.
+#include <unistd.h>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <thread>
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+
+#include "bench/campaign/campaign_error.h"
+#include "bench/configuration/read_bench_file.h"
+#include "bench/controller/realtime.h"
+#include "bench/devices/can/socket_can_bus.h"
+#include "bench/devices/device_side/device_side.h"
+#include "bench/devices/monotonic_clock.h"
+#include "bench/devices/plant_model_of.h"
+#include "bench/devices/wake.h"
+
+namespace strainwave::bench {
+namespace {
+
+std::atomic<bool> g_ending{};
+
+void OnSignal(int) { g_ending = true; }
+
+void ListenToSignals() {
+  struct sigaction action {};
+  action.sa_handler = OnSignal;
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+}
+
+// One line of standard input at a time, while the devices go on.
+void Listen(DeviceSide& devices) {
+  std::string line;
+  while (!g_ending) {
+    if (WaitReadable(STDIN_FILENO, nullptr, std::chrono::milliseconds(100)) != Waited::kReadable) continue;
+    if (!std::getline(std::cin, line)) return;  // nobody will say anything any more
+    if (line.empty()) continue;
+    if (line == "quit") {
+      g_ending = true;
+      return;
+    }
+    try {
+      fmt::print("{}\n", line == "help" ? DeviceSide::Commands() : devices.Do(line));
+    } catch (const std::exception& error) {
+      fmt::print("error: {} ({})\n", line, error.what());
+    }
+    std::fflush(stdout);
+  }
+}
+
+int Run(const std::string& file, double ratio) {
+  const BenchDescription bench = ReadBenchFile(file);
+  const MonotonicClock clock;
+  std::vector<std::unique_ptr<CanBus>> ends;
+  DeviceSideBuses buses;
+  for (const DeviceDescription& device : bench.devices) {
+    if (device.kind != DeviceDescription::Kind::kCanopen) continue;
+    SocketCanSettings settings;
+    settings.interface = device.address;
+    settings.transmit_frames = 64;
+    settings.clock_zero = -clock.FromKernel({});
+    for (int drive = 0; drive < 2; ++drive) {
+      ends.push_back(std::make_unique<SocketCanBus>(settings));
+      buses[device.name].push_back(ends.back().get());
+    }
+  }
+  DeviceSide devices(bench, PlantModelOf(bench, ratio), buses);
+  for (const DeviceDescription& device : bench.devices) {
+    const std::string address = devices.AddressOf(device.name);
+    fmt::print("{}: {}\n", device.name, address.empty() ? device.address : address);
+  }
+  fmt::print("ready; a line of standard input is a command (help, quit)\n");
+  std::fflush(stdout);
+  ListenToSignals();
+  std::thread listener([&] { Listen(devices); });
+  if (const std::string refused = BecomeRealtime(RealtimeRank::kDeviceSide); !refused.empty()) {
+    fmt::print(stderr, "warning: {}\n", refused);
+  }
+  MonotonicClock pace;
+  auto next = pace.Now();
+  while (!g_ending) {
+    devices.Step(clock.Now());
+    next += DeviceSide::kStep;
+    pace.SleepUntil(next);
+    next = std::max(next, pace.Now() - DeviceSide::kStep);
+  }
+  listener.join();
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+}  // namespace strainwave::bench
+
+int main(int argc, char** argv) {
+  using strainwave::bench::ExitCode;
+  CLI::App app(
+      "strainwave-devices plays the devices that a bench file names: two drives on CAN, Modbus servers, "
+      "streams of "
+      "samples, with the simulated bench behind them. Faults come on command, by standard input.\n"
+      "Example: strainwave-devices bench/examples/can.yaml\n"
+      "Where the kernel has no CAN: a bench file with 'interface: in_process' needs no strainwave-devices.");
+  std::string file;
+  double ratio = 80.0;
+  app.add_option("BENCH", file, "bench file (YAML)")->required();
+  app.add_option("--ratio", ratio, "of the gear, input turns for one of the output")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return strainwave::bench::Run(file, ratio);
+  } catch (const strainwave::schedules::FileError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return static_cast<int>(ExitCode::kWrongInput);
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "{}: error: {}\n", file, error.what());
+    return static_cast<int>(ExitCode::kWrongInput);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: error: {}\n", file, error.what());
+    return static_cast<int>(ExitCode::kMachineFailed);
+  }
+}

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/devices/device_side/device_side.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "analysis/units.h"
+#include "bench/configuration/read_drive_profile.h"
+#include "bench/configuration/read_register_map.h"
+#include "bench/devices/device_side/device_side_parts.h"
+#include "bench/devices/device_side/own_drive.h"
+#include "bench/devices/tcp_address.h"
+
+namespace strainwave::bench {
+
+using daq::acquisition::ChannelDescription;
+using daq::acquisition::SampleBlock;
+using daq::acquisition::SampleType;
+using daq::acquisition::SourceDescription;
+using std::chrono::nanoseconds;
+using Kind = DeviceDescription::Kind;
+
+namespace {
+
+constexpr double kSlowRate_hz = 1e3;
+// A converter of 24 bits whose range is a quarter wider than the sensor's.
+constexpr double kConverterEnd = 8388607.0;
+constexpr double kReserve = 1.25;
+// Counts of a turn as a stream sends them: 32 bits then hold 128 turns either way.
+constexpr double kMostCountsPerTurn = 16777216.0;
+constexpr std::uint32_t kVibrationBlocksPerSecond = 200;
+
+SimulatedBenchSettings SettingsOf(const SimulationDescription& simulation) {
+  SimulatedBenchSettings settings;
+  settings.seed = simulation.seed;
+  settings.time_skew_s = simulation.time_skew_s;
+  return settings;
+}
+
+// How a channel of the bench is sent: counts, and what makes degrees, Nm or m/s² of them.
+ChannelDescription Sent(const BenchDescription& bench, const ChannelLink& link) {
+  ChannelDescription channel;
+  channel.name = link.source;
+  auto& calibration = channel.calibration;
+  const auto converter = [&](double range) {
+    calibration.sensitivity = kConverterEnd / (kReserve * range);
+    channel.limits.saturation_low = -kConverterEnd - 1.0;
+    channel.limits.saturation_high = kConverterEnd;
+  };
+  const auto encoder = [&](const EncoderDescription& description) {
+    channel.unit = "deg";
+    channel.sensor_serial = description.serial;
+    calibration.id = description.calibration;
+    calibration.sensitivity =
+        std::min(static_cast<double>(description.counts_per_rev), kMostCountsPerTurn) / 360.0;
+  };
+  if (link.channel == "input_angle") {
+    encoder(bench.input_encoder);
+  } else if (link.channel == "output_angle") {
+    encoder(bench.output_encoder);
+  } else if (link.channel == "output_torque") {
+    channel.unit = "Nm";
+    channel.sensor_serial = bench.transducer.serial;
+    calibration.id = bench.transducer.calibration;
+    converter(bench.transducer.range_Nm);
+  } else {
+    const auto found = std::ranges::find(bench.accelerometers, link.channel, &AccelerometerDescription::name);
+    if (found == bench.accelerometers.end()) {
+      throw std::invalid_argument(
+          fmt::format("channel {} of device {} is none that a stream has here (must be an "
+                      "angle, the torque or an accelerometer)",
+                      link.channel, link.device));
+    }
+    channel.unit = "m/s^2";
+    channel.sensor_serial = found->serial;
+    calibration.id = found->calibration;
+    converter(found->range_m_per_s2);
+  }
+  if (calibration.id.empty()) calibration.id = "none";  // so that the sensitivity is sent
+  return channel;
+}
+
+std::uint32_t Word(double value, const ChannelDescription& channel) {
+  const double counts = std::round(value * channel.calibration.sensitivity);
+  const double low = channel.limits.saturation_low.value_or(std::numeric_limits<std::int32_t>::min());
+  const double high = channel.limits.saturation_high.value_or(std::numeric_limits<std::int32_t>::max());
+  return std::bit_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(counts, low, high)));
+}
+
+}  // namespace
+
+DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::PlantModel& model,
+                       const DeviceSideBuses& buses)
+    : bench_(model, SettingsOf(bench.simulation)) {
+  AddDrive(bench, bench.driving_servo, bench_.driving_servo(), 1.0, buses);
+  AddDrive(bench, bench.load_servo, bench_.load_servo(), bench.load_reducer_ratio, buses);
+  for (const DeviceDescription& device : bench.devices) {
+    switch (device.kind) {
+      case Kind::kModbus:
+        AddModbus(device);
+        break;
+      case Kind::kStream:
+        AddStream(bench, device);
+        break;
+      case Kind::kCanopen:
+      case Kind::kIio:
+      case Kind::kPendant:
+      case Kind::kHid:
+      case Kind::kCamera:
+        break;
+    }
+  }
+  if (vibrates_) bench_.sampler().StartVibration(bench.vibration_rate_hz);
+}
+
+DeviceSide::~DeviceSide() = default;
+
+void DeviceSide::AddDrive(const BenchDescription& bench, const ServoDescription& servo, ServoDrive& simulated,
+                          double reducer_ratio, const DeviceSideBuses& buses) {
+  const auto device = std::ranges::find(bench.devices, servo.drive.device, &DeviceDescription::name);
+  if (device == bench.devices.end() || device->kind != Kind::kCanopen) {
+    throw std::invalid_argument(
+        fmt::format("device {} drives a servo (must be of kind canopen here)", servo.drive.device));
+  }
+  const auto& ends = buses.at(servo.drive.device);
+  const protocols::canopen::EdsFile& eds = OwnDriveEds();
+  ServoUnits units = UnitsOf(eds, 1);
+  // The simulated servo speaks of the shaft behind its reducer.
+  units.increments_per_turn *= reducer_ratio;
+  units.rated_torque_Nm *= reducer_ratio;
+  const auto taken =
+      static_cast<std::size_t>(std::ranges::count_if(drives_, [&](const auto&) { return true; }));
+  drives_.push_back(std::make_unique<Drive>(eds, servo.drive.node, simulated, units, *ends.at(taken)));
+}
+
+void DeviceSide::AddModbus(const DeviceDescription& device) {
+  const ModbusProfile profile = ReadModbusProfile(device.file);
+  const auto find = [&](const char* name) { return protocols::modbus::Find(profile.map, name); };
+  const auto gear = find("gear_temperature");
+  const auto ambient = find("ambient_temperature");
+  if (!gear && !ambient) {
+    throw std::invalid_argument(
+        fmt::format("{} has neither gear_temperature nor ambient_temperature (must have one "
+                    "to be played here)",
+                    device.file.string()));
+  }
+  ModbusDevice::Behaviour behaviour;
+  behaviour.read = [this, gear, ambient](std::size_t index) {
+    if (gear && index == *gear) return gear_temperature_degC_.load();
+    if (ambient && index == *ambient) return ambient_temperature_degC_.load();
+    return 0.0;
+  };
+  behaviour.write = [](std::size_t, double) { return true; };
+  if (device.address.starts_with("rtu:")) {
+    modbus_[device.name] = std::make_unique<ModbusDevice>(profile.map, device.unit, std::move(behaviour));
+    return;
+  }
+  const TcpAddress at = ParseTcpAddress(device.address);
+  modbus_[device.name] = std::make_unique<ModbusDevice>(profile.map, device.unit, std::move(behaviour),
+                                                        ModbusDevice::Tcp{at.host, at.port});
+}
+
+void DeviceSide::AddStream(const BenchDescription& bench, const DeviceDescription& device) {
+  SourceDescription source;
+  source.name = device.name;
+  source.type = SampleType::kInt32;
+  std::vector<std::string> channels;
+  bool vibration = false;
+  for (const ChannelLink& link : bench.channels) {
+    if (link.device != device.name) continue;
+    source.channels.push_back(Sent(bench, link));
+    vibration = vibration || source.channels.back().unit == "m/s^2";
+    channels.push_back(link.channel);
+  }
+  if (channels.empty()) {
+    throw std::invalid_argument(fmt::format("device {} has no channels (must have one)", device.name));
+  }
+  source.rate_hz = vibration ? bench.vibration_rate_hz : kSlowRate_hz;
+  source.most_samples_a_block =
+      vibration ? static_cast<std::uint32_t>(source.rate_hz / kVibrationBlocksPerSecond) + 1 : 1;
+  const TcpAddress at = ParseTcpAddress(device.address);
+  auto server = std::make_unique<StreamServer>(source, at.host, at.port);
+  SampleBlock block(channels.size() * source.most_samples_a_block);
+  block.header.channels = static_cast<std::uint32_t>(channels.size());
+  block.header.type = source.type;
+  block.header.rate_hz = source.rate_hz;
+  vibrates_ = vibrates_ || vibration;
+  streams_.push_back(std::make_unique<Stream>(
+      Stream{device.name, std::move(channels), vibration, std::move(server), std::move(block), 0}));
+}
+
+void DeviceSide::Step(nanoseconds now) {
+  const std::lock_guard lock(mutex_);
+  // A hold-up is caught up with, but not one of seconds: the shafts have stood meanwhile.
+  constexpr nanoseconds kMostBehind = std::chrono::milliseconds(500);
+  bench_now_ = std::max(bench_now_, now - kMostBehind);
+  while (bench_now_ + kStep <= now) {
+    bench_now_ += kStep;
+    bench_.clock().SleepUntil(bench_.clock().Now() + kStep);
+    const Readings readings = bench_.sampler().Read();
+    gear_temperature_degC_ = readings.gear_temperature_degC;
+    ambient_temperature_degC_ = readings.ambient_temperature_degC;
+    if (vibrates_) bench_.sampler().DrainVibration(vibration_);
+    for (const auto& stream : streams_) FillStream(*stream, readings, bench_now_);
+  }
+  for (const auto& drive : drives_) drive->on_bus.Cycle(now);
+}
+
+void DeviceSide::FillStream(Stream& stream, const Readings& readings, nanoseconds now) {
+  SampleBlock& block = stream.block;
+  const auto& channels = stream.server->description().channels;
+  const auto send = [&](std::uint32_t samples) {
+    block.header.samples = samples;
+    block.header.device_counter = stream.counter;
+    block.header.device_time = now;
+    stream.server->Push(block);
+    stream.counter += samples;
+  };
+  if (!stream.is_vibration) {
+    block.header.samples = 1;
+    const std::span<std::uint32_t> words = block.words();
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      const std::string& name = stream.channels[i];
+      const double value = name == "input_angle"    ? DegFromRad(readings.input_angle_rad)
+                           : name == "output_angle" ? DegFromRad(readings.output_angle_rad)
+                                                    : readings.output_torque_Nm;
+      words[i] = Word(value, channels[i]);
+    }
+    return send(1);
+  }
+  const std::pair<const char*, const std::vector<float>*> all[] = {
+      {"accel_x", &vibration_.accel_x_m_per_s2},
+      {"accel_y", &vibration_.accel_y_m_per_s2},
+      {"accel_z", &vibration_.accel_z_m_per_s2},
+      {"accel_motor_z", &vibration_.accel_motor_z_m_per_s2}};
+  const std::size_t count = vibration_.accel_x_m_per_s2.size();
+  const std::uint32_t most = stream.server->description().most_samples_a_block;
+  // Whole blocks alone: what is left waits for the next step.
+  std::size_t from = 0;
+  for (; from + most <= count; from += most) {
+    block.header.samples = most;
+    const std::span<std::uint32_t> words = block.words();
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      const auto* const found =
+          std::ranges::find_if(all, [&](const auto& named) { return stream.channels[i] == named.first; });
+      for (std::uint32_t sample = 0; sample < most; ++sample) {
+        words[sample * channels.size() + i] =
+            found == std::end(all) ? 0U : Word((*found->second)[from + sample], channels[i]);
+      }
+    }
+    send(most);
+  }
+  if (from == 0) return;
+  for (auto* samples : {&vibration_.accel_x_m_per_s2, &vibration_.accel_y_m_per_s2,
+                        &vibration_.accel_z_m_per_s2, &vibration_.accel_motor_z_m_per_s2}) {
+    samples->erase(samples->begin(), samples->begin() + static_cast<std::ptrdiff_t>(from));
+  }
+}
+
+std::string DeviceSide::AddressOf(const std::string& device) const {
+  for (const auto& stream : streams_) {
+    if (stream->device == device) return fmt::format("tcp:127.0.0.1:{}", stream->server->port());
+  }
+  const auto found = modbus_.find(device);
+  if (found == modbus_.end()) return {};
+  return found->second->path().empty() ? fmt::format("tcp:127.0.0.1:{}", found->second->port())
+                                       : fmt::format("rtu:{}:19200:8E1", found->second->path());
+}
+
+}  // namespace strainwave::bench

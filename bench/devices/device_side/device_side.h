@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "analysis/model/plant_model.h"
+#include "bench/configuration/bench_description.h"
+#include "bench/devices/device_side/modbus_device.h"
+#include "bench/devices/device_side/stream_server.h"
+#include "bench/devices/simulated/simulated_bench.h"
+#include "bench/roles/can_bus.h"
+
+namespace strainwave::bench {
+
+/// The buses of the device side, by the name of the device in the bench file; one end each.
+using DeviceSideBuses = std::map<std::string, std::vector<CanBus*>>;
+
+/// The simulated bench as the separate devices that a bench file names: drives on CAN, Modbus servers,
+/// streams of samples, on the addresses that the bench would look for them at. Everything that the simulated
+/// bench gets wrong, they get wrong.
+///
+/// A device of kind modbus has registers `gear_temperature` and `ambient_temperature`, both or one; of a
+/// stream, the channels are those that the bench file takes from it.
+class DeviceSide {
+ public:
+  /// @param buses  an end for each drive of a CAN device, in the order driving, load.
+  /// @throws std::system_error for an address that cannot be had, BenchFileError for files that cannot be
+  /// used,
+  ///   std::invalid_argument for a device that this side cannot be.
+  DeviceSide(const BenchDescription& bench, const analysis::model::PlantModel& model,
+             const DeviceSideBuses& buses);
+  DeviceSide(const DeviceSide&) = delete;
+  DeviceSide& operator=(const DeviceSide&) = delete;
+  ~DeviceSide();
+
+  /// One millisecond, or as much as has passed, of simulated time; sends what came of it.
+  void Step(std::chrono::nanoseconds now);
+  static constexpr std::chrono::milliseconds kStep{1};
+
+  /// A command of a person who tries the bench out. From any thread.
+  /// @return what was done. @throws std::invalid_argument with what was expected.
+  std::string Do(const std::string& command);
+  /// What there is to say, a line each.
+  static const char* Commands();
+
+  /// The address that a device really listens at: differs from the file's where that has port 0.
+  std::string AddressOf(const std::string& device) const;
+
+ private:
+  struct Drive;
+  struct Stream;
+
+  void AddDrive(const BenchDescription& bench, const ServoDescription& servo, ServoDrive& simulated,
+                double reducer_ratio, const DeviceSideBuses& buses);
+  void AddModbus(const DeviceDescription& device);
+  void AddStream(const BenchDescription& bench, const DeviceDescription& device);
+  void FillStream(Stream& stream, const Readings& readings, std::chrono::nanoseconds now);
+  std::string DoDrive(const std::vector<std::string>& words);
+  std::string DoModbus(const std::vector<std::string>& words);
+  std::string DoStream(const std::vector<std::string>& words);
+
+  SimulatedBench bench_;
+  std::chrono::nanoseconds bench_now_{};  // of the simulation, which only steps forward in whole milliseconds
+  std::vector<std::unique_ptr<Drive>> drives_;
+  std::map<std::string, std::unique_ptr<ModbusDevice>> modbus_;
+  std::vector<std::unique_ptr<Stream>> streams_;
+  std::atomic<double> gear_temperature_degC_{};
+  std::atomic<double> ambient_temperature_degC_{};
+  VibrationBlock vibration_;
+  bool vibrates_{};
+  std::mutex mutex_;  // between a step and a command
+};
+
+}  // namespace strainwave::bench
