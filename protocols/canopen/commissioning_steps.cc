@@ -45,6 +45,10 @@ class StepList {
   std::vector<CommissioningStep> steps_;
 };
 
+bool Has(const DriveProfile& profile, OperationMode mode) {
+  return std::find(profile.modes.begin(), profile.modes.end(), mode) != profile.modes.end();
+}
+
 void CheckIdentity(const DriveProfile& profile, StepList& list) {
   constexpr std::uint32_t kServoProfile = 402;
   list.Add(Action::kExpect, Concern::kIdentity, {0x1000, 0}, 4, kServoProfile, 0xFFFF, "device profile");
@@ -85,6 +89,11 @@ void SetLimits(const DriveProfile& profile, StepList& list) {
   const DriveLimits& limits = profile.limits;
   list.Set({0x6085, 0}, 4, AccelerationUnits(units, limits.quick_stop_deceleration_rad_per_s2),
            "quick stop deceleration");
+  if (Has(profile, OperationMode::kProfilePosition)) {
+    // Else a move would be as fast as whoever used the drive before has left it.
+    list.Set({0x6081, 0}, 4, VelocityLimitUnits(units, limits.max_speed_rad_per_s),
+             "speed of a profile move");
+  }
   list.Set({0x6083, 0}, 4, AccelerationUnits(units, limits.acceleration_rad_per_s2), "acceleration");
   list.Set({0x6084, 0}, 4, AccelerationUnits(units, limits.acceleration_rad_per_s2), "deceleration");
   list.Set({0x6065, 0}, 4, PositionWindowCounts(units, limits.following_error_window_rad),
@@ -95,10 +104,9 @@ void SetLimits(const DriveProfile& profile, StepList& list) {
 }
 
 void SetInterpolation(const DriveProfile& profile, StepList& list) {
-  const bool is_cyclic = std::any_of(profile.modes.begin(), profile.modes.end(), [](OperationMode mode) {
-    return mode == OperationMode::kCyclicPosition || mode == OperationMode::kCyclicVelocity ||
-           mode == OperationMode::kCyclicTorque;
-  });
+  const bool is_cyclic = Has(profile, OperationMode::kCyclicPosition) ||
+                         Has(profile, OperationMode::kCyclicVelocity) ||
+                         Has(profile, OperationMode::kCyclicTorque);
   if (!is_cyclic) return;
   // 60C2h: a number of at most 255 and a power of ten, in seconds; milliseconds where they are whole, as not
   // every drive takes other powers.
