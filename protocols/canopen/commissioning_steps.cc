@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocols/canopen/drive_image.h"
+#include "protocols/cia402.h"
 
 namespace strainwave::protocols::canopen {
 namespace {
@@ -184,6 +185,9 @@ std::vector<CommissioningStep> CommissioningSteps(const DriveProfile& profile, s
   const std::vector<PdoSetting> pdos = PdosOf(profile, node_id);
   CheckIdentity(profile, list);
   CheckAbility(profile, list);
+  // A drive that some program has left moving comes to rest before its settings change.
+  list.Add(Action::kWrite, Concern::kSetting, kControlwordObject, 2, kControlwordQuickStop, 0xFFFF,
+           "quick stop");
   SetSupervision(profile, list);
   SetLimits(profile, list);
   SetInterpolation(profile, list);

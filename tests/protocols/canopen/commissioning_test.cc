@@ -59,6 +59,13 @@ TEST(Commissioning, ChecksTheIdentityBeforeAnythingElse) {
   EXPECT_EQ(boot.sent[3], "603#4002650000000000");  // revision 0 takes any
 }
 
+TEST(Commissioning, StopsADriveThatWasLeftMovingBeforeItsSettingsChange) {
+  Boot boot;
+  boot.Run();
+  EXPECT_EQ(boot.drive.written.at(0), kControlwordObject);
+  EXPECT_EQ(boot.drive.objects[kControlwordObject], 0x0002U);
+}
+
 TEST(Commissioning, RefusesAWrongDriveInWordsAndWritesNothingToIt) {
   Boot boot;
   boot.drive.objects[{0x1018, 1}] = 0x9A;
