@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocols/canopen/drive_image.h"
+#include "protocols/cia402.h"
 
 namespace strainwave::protocols::canopen {
 namespace {
@@ -44,6 +45,10 @@ class StepList {
   const DriveProfile& profile_;
   std::vector<CommissioningStep> steps_;
 };
+
+bool Has(const DriveProfile& profile, OperationMode mode) {
+  return std::find(profile.modes.begin(), profile.modes.end(), mode) != profile.modes.end();
+}
 
 void CheckIdentity(const DriveProfile& profile, StepList& list) {
   constexpr std::uint32_t kServoProfile = 402;
@@ -85,6 +90,11 @@ void SetLimits(const DriveProfile& profile, StepList& list) {
   const DriveLimits& limits = profile.limits;
   list.Set({0x6085, 0}, 4, AccelerationUnits(units, limits.quick_stop_deceleration_rad_per_s2),
            "quick stop deceleration");
+  if (Has(profile, OperationMode::kProfilePosition)) {
+    // Else a move would be as fast as whoever used the drive before has left it.
+    list.Set({0x6081, 0}, 4, VelocityLimitUnits(units, limits.max_speed_rad_per_s),
+             "speed of a profile move");
+  }
   list.Set({0x6083, 0}, 4, AccelerationUnits(units, limits.acceleration_rad_per_s2), "acceleration");
   list.Set({0x6084, 0}, 4, AccelerationUnits(units, limits.acceleration_rad_per_s2), "deceleration");
   list.Set({0x6065, 0}, 4, PositionWindowCounts(units, limits.following_error_window_rad),
@@ -95,10 +105,9 @@ void SetLimits(const DriveProfile& profile, StepList& list) {
 }
 
 void SetInterpolation(const DriveProfile& profile, StepList& list) {
-  const bool is_cyclic = std::any_of(profile.modes.begin(), profile.modes.end(), [](OperationMode mode) {
-    return mode == OperationMode::kCyclicPosition || mode == OperationMode::kCyclicVelocity ||
-           mode == OperationMode::kCyclicTorque;
-  });
+  const bool is_cyclic = Has(profile, OperationMode::kCyclicPosition) ||
+                         Has(profile, OperationMode::kCyclicVelocity) ||
+                         Has(profile, OperationMode::kCyclicTorque);
   if (!is_cyclic) return;
   // 60C2h: a number of at most 255 and a power of ten, in seconds; milliseconds where they are whole, as not
   // every drive takes other powers.
@@ -176,6 +185,9 @@ std::vector<CommissioningStep> CommissioningSteps(const DriveProfile& profile, s
   const std::vector<PdoSetting> pdos = PdosOf(profile, node_id);
   CheckIdentity(profile, list);
   CheckAbility(profile, list);
+  // A drive that some program has left moving comes to rest before its settings change.
+  list.Add(Action::kWrite, Concern::kSetting, kControlwordObject, 2, kControlwordQuickStop, 0xFFFF,
+           "quick stop");
   SetSupervision(profile, list);
   SetLimits(profile, list);
   SetInterpolation(profile, list);

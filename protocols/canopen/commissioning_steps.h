@@ -33,9 +33,9 @@ struct CommissioningStep {
   bool operator==(const CommissioningStep&) const = default;
 };
 
-/// The boot of one drive: identity before anything else, what it can do, protective objects and the
-/// profile's own written and read back, PDOs mapped anew and read back, and at last that every supervision
-/// reads as on.
+/// The boot of one drive: identity before anything else, what it can do, a quick stop, protective objects and
+/// the profile's own written and read back, PDOs mapped anew and read back, and at last that every
+/// supervision reads as on.
 /// @throws std::invalid_argument for a PDO that cannot be.
 std::vector<CommissioningStep> CommissioningSteps(const DriveProfile& profile, std::uint8_t node_id);
 

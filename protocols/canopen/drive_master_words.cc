@@ -60,7 +60,7 @@ std::string_view Words(DriveAnswer answer) {
 }
 
 std::string DriveMaster::TroubleWords() const {
-  const std::string words = fmt::format("node {}: {}", node_id_, Words(trouble_));
+  std::string words = fmt::format("node {}: {}", node_id_, Words(trouble_));
   switch (trouble_) {
     case DriveTrouble::kCommissioningFailed:
       return fmt::format("{}: {}", words, commissioning_.FailureWords());

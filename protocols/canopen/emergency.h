@@ -27,7 +27,7 @@ struct Emergency {
 /// Nothing for a frame that is not an emergency message of eight bytes under its predefined identifier.
 std::optional<Emergency> EmergencyOf(const CanFrame& frame) noexcept;
 
-/// An error code in words, of CiA 301 (Table 25) or CiA 402 (IEC 61800-7-201, object 603Fh): its own, else
+/// An error code in words, of CiA 301 (7.2.7.1) or CiA 402 (IEC 61800-7-201, object 603Fh): its own, else
 /// those of its group, else of its class.
 std::string_view ErrorCodeWords(std::uint16_t code) noexcept;
 

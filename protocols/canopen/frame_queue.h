@@ -10,13 +10,13 @@
 namespace strainwave::protocols::canopen {
 
 /// Frames on their way out, first in first out, in memory of its own.
-template <std::size_t kCapacity>
+template <std::size_t Capacity>
 class FrameQueue {
  public:
   /// False when full: the frame is not kept.
   [[nodiscard]] bool Push(const CanFrame& frame) noexcept {
-    if (size_ == kCapacity) return false;
-    frames_[(first_ + size_) % kCapacity] = frame;
+    if (size_ == Capacity) return false;
+    frames_[(first_ + size_) % Capacity] = frame;
     ++size_;
     return true;
   }
@@ -24,7 +24,7 @@ class FrameQueue {
   std::optional<CanFrame> Pop() noexcept {
     if (size_ == 0) return std::nullopt;
     const CanFrame frame = frames_[first_];
-    first_ = (first_ + 1) % kCapacity;
+    first_ = (first_ + 1) % Capacity;
     --size_;
     return frame;
   }
@@ -35,7 +35,7 @@ class FrameQueue {
   std::size_t size() const noexcept { return size_; }
 
  private:
-  std::array<CanFrame, kCapacity> frames_{};
+  std::array<CanFrame, Capacity> frames_{};
   std::size_t first_{};
   std::size_t size_{};
 };

@@ -33,7 +33,7 @@ constexpr PdoEntry EntryOfMappingValue(std::uint32_t value) noexcept {
 /// Bits of all entries; a PDO holds 64.
 unsigned PdoBits(std::span<const PdoEntry> entries) noexcept;
 
-/// Lays the values one after another from bit 0 of byte 0 on, each cut to its bits (CiA 301, 7.2.2.5.1); the
+/// Lays the values one after another from bit 0 of byte 0 on, each cut to its bits (CiA 301, 7.2.2); the
 /// frame is as long as the mapping. Nothing if the counts differ or the mapping is above 64 bits.
 std::optional<CanFrame> PackPdo(std::uint32_t cob_id, std::span<const PdoEntry> entries,
                                 std::span<const std::int64_t> values) noexcept;

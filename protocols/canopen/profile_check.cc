@@ -80,7 +80,7 @@ void CheckSupervision(const DriveProfile& profile, Findings& findings) {
 bool Maps(const std::vector<PdoSetting>& pdos, PdoFlow flow, ObjectAddress address) {
   return std::any_of(pdos.begin(), pdos.end(), [&](const PdoSetting& pdo) {
     return pdo.flow == flow && std::any_of(pdo.entries.begin(), pdo.entries.end(),
-                                                [&](const PdoEntry& e) { return e.address == address; });
+                                           [&](const PdoEntry& e) { return e.address == address; });
   });
 }
 

@@ -251,7 +251,8 @@ void SdoClient::OnDownloadInitiate(const Payload& data, nanoseconds now) noexcep
 void SdoClient::SendDownloadSegment(nanoseconds now) noexcept {
   const std::size_t count = std::min<std::size_t>(7, size_ - offset_);
   is_last_ = offset_ + count == size_;
-  Payload payload{static_cast<std::uint8_t>(toggle_ << 4 | (7 - count) << 1 | (is_last_ ? 1 : 0))};
+  Payload payload{
+      static_cast<std::uint8_t>(unsigned{toggle_} << 4 | (7 - count) << 1 | (is_last_ ? 1U : 0U))};
   std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset_), count, payload.begin() + 1);
   offset_ += count;
   Send(payload, now);

@@ -81,16 +81,20 @@ void SetPoints::Step(OperationMode mode, std::uint16_t statusword, std::chrono::
   }
 }
 
-// Set-point and acknowledge (IEC 61800-7-201, 10.2): the bit rises with a new target, falls once the drive
-// has acknowledged, and may rise again once the drive has taken its acknowledge back.
+// Set-point and acknowledge (IEC 61800-7-201): the bit falls once the drive has acknowledged, and may rise
+// again once it has taken its acknowledge back. It rises one SYNC after the new target went out, as a
+// controlword that acts at once would overtake a target that waits for SYNC, and start a move to the old one.
 void SetPoints::StepProfilePosition(const StatusBits& bits, DriveOutputs& outputs) noexcept {
   switch (hand_shake_) {
     case HandShake::kIdle:
       if (position_counts_ && !bits.set_point_acknowledged) {
         outputs.target_position = *position_counts_;
         position_counts_.reset();
-        hand_shake_ = HandShake::kRaised;
+        hand_shake_ = HandShake::kPlaced;
       }
+      break;
+    case HandShake::kPlaced:
+      hand_shake_ = HandShake::kRaised;
       break;
     case HandShake::kRaised:
       if (bits.set_point_acknowledged) hand_shake_ = HandShake::kLowered;

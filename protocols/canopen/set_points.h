@@ -31,7 +31,7 @@ class SetPoints {
             DriveOutputs& outputs) noexcept;
 
  private:
-  enum class HandShake : std::uint8_t { kIdle, kRaised, kLowered };
+  enum class HandShake : std::uint8_t { kIdle, kPlaced, kRaised, kLowered };
 
   void StepProfilePosition(const StatusBits& bits, DriveOutputs& outputs) noexcept;
   void StepCyclicPosition(double elapsed_s, DriveOutputs& outputs) noexcept;

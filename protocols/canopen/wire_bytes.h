@@ -10,7 +10,7 @@
 
 namespace strainwave::protocols::canopen {
 
-/// A number as CANopen sends it, lowest byte first (CiA 301, 7.1.4.8); of at most eight bytes.
+/// A number as CANopen sends it, lowest byte first (CiA 301, 7.1.4); of at most eight bytes.
 constexpr std::uint64_t FromLittleEndian(std::span<const std::uint8_t> bytes) noexcept {
   std::uint64_t value = 0;
   for (std::size_t i = 0; i < bytes.size() && i < 8; ++i) value |= std::uint64_t{bytes[i]} << (8 * i);

@@ -59,6 +59,13 @@ TEST(Commissioning, ChecksTheIdentityBeforeAnythingElse) {
   EXPECT_EQ(boot.sent[3], "603#4002650000000000");  // revision 0 takes any
 }
 
+TEST(Commissioning, StopsADriveThatWasLeftMovingBeforeItsSettingsChange) {
+  Boot boot;
+  boot.Run();
+  EXPECT_EQ(boot.drive.written.at(0), kControlwordObject);
+  EXPECT_EQ(boot.drive.objects[kControlwordObject], 0x0002U);
+}
+
 TEST(Commissioning, RefusesAWrongDriveInWordsAndWritesNothingToIt) {
   Boot boot;
   boot.drive.objects[{0x1018, 1}] = 0x9A;
@@ -145,7 +152,8 @@ TEST(Commissioning, WritesTheNumbersOfTheProfileInTheDrivesUnits) {
   EXPECT_EQ(read(0x1016, 1), 0x007F0096U);  // node 127, 150 ms
   EXPECT_EQ(read(0x1017, 0), 50U);
   EXPECT_EQ(read(0x6007, 0), 3U);
-  EXPECT_EQ(read(0x607F, 0), 3000U);   // 314.16 rad/s in rpm
+  EXPECT_EQ(read(0x607F, 0), 3000U);  // 314.16 rad/s in rpm
+  EXPECT_EQ(read(0x6081, 0), 3000U);
   EXPECT_EQ(read(0x6072, 0), 2000U);   // twice the rated torque
   EXPECT_EQ(read(0x6085, 0), 47746U);  // 5000 rad/s² in rpm/s
   EXPECT_EQ(read(0x6065, 0), 326U);    // 0.5 rad of 4096 counts a turn

@@ -62,6 +62,7 @@ EdsFile EasyEds() {
   add(0x6077, 0, "Torque actual value", kInteger16, kReadOnly, true);
   add(0x607A, 0, "Target position", kInteger32, kReadWrite, true);
   add(0x607F, 0, "Max profile velocity", kUnsigned32, kReadWrite);
+  add(0x6081, 0, "Profile velocity", kUnsigned32, kReadWrite);
   add(0x6083, 0, "Profile acceleration", kUnsigned32, kReadWrite);
   add(0x6084, 0, "Profile deceleration", kUnsigned32, kReadWrite);
   add(0x6085, 0, "Quick stop deceleration", kUnsigned32, kReadWrite);

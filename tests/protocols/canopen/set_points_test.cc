@@ -80,6 +80,8 @@ TEST(SetPoints, HandsOverAProfilePositionBySetPointAndAcknowledge) {
   bench.master.CommandPosition(500 * kRadPerCount);
   bench.Cycle();
   EXPECT_EQ(bench.drive.target_position, 500);
+  EXPECT_EQ(bench.drive.controlword, 0x002F);  // the target first, as it may wait for SYNC in the drive
+  bench.Cycle();
   EXPECT_EQ(bench.drive.controlword, 0x003F);
   bench.master.CommandPosition(700 * kRadPerCount);  // waits for the drive
   bench.Cycle();
@@ -95,6 +97,7 @@ TEST(SetPoints, HandsOverAProfilePositionBySetPointAndAcknowledge) {
   bench.Cycle();
   bench.Cycle();
   EXPECT_EQ(bench.drive.target_position, 700);
+  bench.Cycle();
   EXPECT_EQ(bench.drive.controlword, 0x003F);
 }
 

@@ -34,6 +34,8 @@ TEST(StopTimeMeasurement, TakesAPassThroughZeroForNoStandstill) {
   EXPECT_EQ(measurement.Poll(100ms), State::kWaiting);
   for (int ms = 110; ms <= 200; ms += 10) measurement.OnSpeed(std::nan(""), ms * 1ms);
   EXPECT_EQ(measurement.Poll(200ms), State::kWaiting);
+  measurement.OnSpeed(0.0, 210ms);  // through zero a second time
+  EXPECT_EQ(measurement.Poll(210ms), State::kWaiting);
 }
 
 TEST(StopTimeMeasurement, SaysThatADriveDidNotStop) {
