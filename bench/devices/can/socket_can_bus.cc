@@ -183,6 +183,7 @@ bool SocketCanBus::Passes(const CanFrame& frame) const noexcept {
 
 void SocketCanBus::Gone() noexcept {
   state_ = CanState::kGone;
+  gone_at_ = Now(CLOCK_MONOTONIC);
   queued_ = in_flight_ = 0;
 }
 
@@ -191,6 +192,7 @@ SocketCanBus::Written SocketCanBus::Write(const CanFrame& frame) noexcept {
   const can_frame raw = ToKernel(frame);
   if (::send(socket_, &raw, sizeof raw, MSG_DONTWAIT) == sizeof raw) {
     ++in_flight_;
+    if (state_ == CanState::kGone) state_ = CanState::kErrorActive;
     return Written::kYes;
   }
   if (errno == ENOBUFS || errno == EAGAIN || errno == EINTR) return Written::kNotNow;
@@ -254,8 +256,9 @@ bool SocketCanBus::ReadOne(ReceivedFrame& received, bool& own) noexcept {
   const ssize_t length = ::recvmsg(socket_, &message, MSG_DONTWAIT);
   if (length < 0 && (errno == ENETDOWN || errno == ENODEV || errno == ENXIO)) Gone();
   if (length != sizeof raw) return false;
-  if (state_ == CanState::kGone) state_ = CanState::kErrorActive;  // set up again
   TakeControl(&message, received);
+  // What had come in before stays to be read; what is younger says that the interface is up again.
+  if (state_ == CanState::kGone && received.time + clock_zero_ > gone_at_) state_ = CanState::kErrorActive;
   received.frame = FromKernel(raw);
   own = (message.msg_flags & MSG_CONFIRM) != 0;
   if (own && in_flight_ > 0) --in_flight_;

@@ -79,6 +79,7 @@ class SocketCanBus final : public CanBus {
   std::size_t queued_{};
   std::size_t in_flight_{};
   CanState state_{CanState::kErrorActive};
+  std::chrono::nanoseconds gone_at_{};  // on CLOCK_MONOTONIC
   std::uint64_t lost_{};
   std::uint32_t kernel_drops_{};
   DeviceClock device_clock_;
