@@ -76,7 +76,6 @@ class Master:
                 part, sent = data[sent : sent + 7], sent + 7
                 last = sent >= len(data)
                 self.send(0x601, bytes([number | (0x80 if last else 0)]) + part.ljust(7, b"\0"))
-                time.sleep(0.0005)
                 if last:
                     break
             answer = self.wait_for(0x581)
