@@ -139,7 +139,8 @@ CanFrame FromKernel(const can_frame& raw) {
 }  // namespace
 
 SocketCanBus::SocketCanBus(const SocketCanSettings& settings)
-    : clock_zero_(settings.clock_zero),
+    : interface_(settings.interface),
+      clock_zero_(settings.clock_zero),
       most_in_flight_(settings.most_in_flight),
       filters_(settings.filters),
       filtered_(!settings.filters.empty()),
@@ -183,8 +184,13 @@ bool SocketCanBus::Passes(const CanFrame& frame) const noexcept {
 
 void SocketCanBus::Gone() noexcept {
   state_ = CanState::kGone;
-  gone_at_ = Now(CLOCK_MONOTONIC);
   queued_ = in_flight_ = 0;
+}
+
+bool SocketCanBus::IsUp() const noexcept {
+  ifreq request{};
+  interface_.copy(request.ifr_name, sizeof request.ifr_name - 1);
+  return ::ioctl(socket_, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
 }
 
 SocketCanBus::Written SocketCanBus::Write(const CanFrame& frame) noexcept {
@@ -257,8 +263,8 @@ bool SocketCanBus::ReadOne(ReceivedFrame& received, bool& own) noexcept {
   if (length < 0 && (errno == ENETDOWN || errno == ENODEV || errno == ENXIO)) Gone();
   if (length != sizeof raw) return false;
   TakeControl(&message, received);
-  // What had come in before stays to be read; what is younger says that the interface is up again.
-  if (state_ == CanState::kGone && received.time + clock_zero_ > gone_at_) state_ = CanState::kErrorActive;
+  // What had come in before stays to be read; it does not say that the interface is up again.
+  if (state_ == CanState::kGone && IsUp()) state_ = CanState::kErrorActive;
   received.frame = FromKernel(raw);
   own = (message.msg_flags & MSG_CONFIRM) != 0;
   if (own && in_flight_ > 0) --in_flight_;

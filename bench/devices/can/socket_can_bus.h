@@ -66,9 +66,11 @@ class SocketCanBus final : public CanBus {
   void TakeControl(const void* message, ReceivedFrame& received) noexcept;
   void TakeError(const protocols::CanFrame& frame) noexcept;
   void Gone() noexcept;
+  bool IsUp() const noexcept;
   bool Passes(const protocols::CanFrame& frame) const noexcept;
   bool SetFilters() noexcept;
 
+  std::string interface_;
   int socket_;
   std::chrono::nanoseconds clock_zero_;
   std::size_t most_in_flight_;
@@ -79,7 +81,6 @@ class SocketCanBus final : public CanBus {
   std::size_t queued_{};
   std::size_t in_flight_{};
   CanState state_{CanState::kErrorActive};
-  std::chrono::nanoseconds gone_at_{};  // on CLOCK_MONOTONIC
   std::uint64_t lost_{};
   std::uint32_t kernel_drops_{};
   DeviceClock device_clock_;
