@@ -25,6 +25,7 @@ PACKAGES=(
   libgtest-dev libbenchmark-dev mosquitto
   gnuplot-nox sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   python3-pymodbus python3-serial-asyncio socat
+  can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
 )
 
 fail() {

@@ -42,6 +42,7 @@ trap 'rm -rf "$control"' EXIT
 echo "$tags" >"$control/written"
 date +%s >"$control/time"
 {
+  echo 'export STRAINWAVE_VM=1'
   declare -px | grep -vE '^declare -[a-z-]*x (OLDPWD|SHLVL|TMPDIR)\b' || true
   printf 'cd %q && exec' "$PWD"
   printf ' %q' "$@"

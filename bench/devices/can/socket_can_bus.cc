@@ -139,7 +139,8 @@ CanFrame FromKernel(const can_frame& raw) {
 }  // namespace
 
 SocketCanBus::SocketCanBus(const SocketCanSettings& settings)
-    : clock_zero_(settings.clock_zero),
+    : interface_(settings.interface),
+      clock_zero_(settings.clock_zero),
       most_in_flight_(settings.most_in_flight),
       filters_(settings.filters),
       filtered_(!settings.filters.empty()),
@@ -186,11 +187,18 @@ void SocketCanBus::Gone() noexcept {
   queued_ = in_flight_ = 0;
 }
 
+bool SocketCanBus::IsUp() const noexcept {
+  ifreq request{};
+  interface_.copy(request.ifr_name, sizeof request.ifr_name - 1);
+  return ::ioctl(socket_, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
+}
+
 SocketCanBus::Written SocketCanBus::Write(const CanFrame& frame) noexcept {
   if (in_flight_ >= most_in_flight_) return Written::kNotNow;
   const can_frame raw = ToKernel(frame);
   if (::send(socket_, &raw, sizeof raw, MSG_DONTWAIT) == sizeof raw) {
     ++in_flight_;
+    if (state_ == CanState::kGone) state_ = CanState::kErrorActive;
     return Written::kYes;
   }
   if (errno == ENOBUFS || errno == EAGAIN || errno == EINTR) return Written::kNotNow;
@@ -254,8 +262,9 @@ bool SocketCanBus::ReadOne(ReceivedFrame& received, bool& own) noexcept {
   const ssize_t length = ::recvmsg(socket_, &message, MSG_DONTWAIT);
   if (length < 0 && (errno == ENETDOWN || errno == ENODEV || errno == ENXIO)) Gone();
   if (length != sizeof raw) return false;
-  if (state_ == CanState::kGone) state_ = CanState::kErrorActive;  // set up again
   TakeControl(&message, received);
+  // What had come in before stays to be read; it does not say that the interface is up again.
+  if (state_ == CanState::kGone && IsUp()) state_ = CanState::kErrorActive;
   received.frame = FromKernel(raw);
   own = (message.msg_flags & MSG_CONFIRM) != 0;
   if (own && in_flight_ > 0) --in_flight_;

@@ -66,9 +66,11 @@ class SocketCanBus final : public CanBus {
   void TakeControl(const void* message, ReceivedFrame& received) noexcept;
   void TakeError(const protocols::CanFrame& frame) noexcept;
   void Gone() noexcept;
+  bool IsUp() const noexcept;
   bool Passes(const protocols::CanFrame& frame) const noexcept;
   bool SetFilters() noexcept;
 
+  std::string interface_;
   int socket_;
   std::chrono::nanoseconds clock_zero_;
   std::size_t most_in_flight_;

@@ -112,8 +112,12 @@ TEST(InProcessCanBus, TakesTheTimeOfTheBits) {
   ReceivedFrame received;
   std::vector<std::chrono::nanoseconds> times;
   for (int i = 1; i <= 50; ++i) {
-    bus.Exchange(milliseconds(1) + i * microseconds(7));
-    while (bus.end(1).Receive(received)) times.push_back(received.time);
+    const auto now = milliseconds(1) + i * microseconds(7);
+    bus.Exchange(now);
+    while (bus.end(1).Receive(received)) {
+      EXPECT_LE(received.time, now) << "heard before it is over";
+      times.push_back(received.time);
+    }
   }
   ASSERT_EQ(times.size(), 2U);
   EXPECT_EQ(times[0], milliseconds(1) + length);

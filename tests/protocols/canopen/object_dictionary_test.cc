@@ -55,6 +55,8 @@ TEST(ObjectDictionary, TakesValuesOfTheRightLengthWithinTheLimits) {
   const auto write = [&](std::uint16_t index, const Bytes& bytes) {
     return objects.Write({index, 0}, bytes);
   };
+  EXPECT_EQ(write(0x2001, {0x64, 0x00}), std::nullopt);
+  EXPECT_EQ(objects.Integer({0x2001, 0}), 100);
   EXPECT_EQ(write(0x2001, {0x9C, 0xFF}), std::nullopt);
   EXPECT_EQ(objects.Integer({0x2001, 0}), -100);
   EXPECT_EQ(write(0x2001, {0x9B, 0xFF}), SdoAbort::kValueTooLow);
