@@ -139,6 +139,30 @@ TEST(GapLedger, TakesRepeatsThatDoNotEndForACounterThatStartedAnew) {
   EXPECT_EQ(passed_on, 102400U - 20480U);
 }
 
+TEST(GapLedger, TakesADeviceThatSendsOneBlockForEverForOneThatStartedAnew) {
+  GapLedger ledger({}, kRate_hz);
+  int resets = 0;
+  for (int i = 0; i < 150; ++i) {
+    SampleBlock same = Counted(0, 512, 64, milliseconds(10 * i));
+    if (const std::optional<Gap> gap = ledger.Admit(same)) resets += gap->is_reset;
+  }
+  // After a second of repeats, 101 blocks of 10 ms.
+  EXPECT_EQ(resets, 1);
+  EXPECT_EQ(ledger.totals().received, 2U * 512);
+}
+
+TEST(GapLedger, BelievesALongLossThatTookItsTime) {
+  GapLedger ledger({}, kRate_hz);
+  SampleBlock first = Counted(0, 512);
+  ledger.Admit(first);
+  SampleBlock after = Counted(512 + 60 * 51200, 512, 64, milliseconds(300));
+  const std::optional<Gap> gap = ledger.Admit(after);
+  ASSERT_TRUE(gap);
+  EXPECT_EQ(gap->lost, 60U * 51200);
+  EXPECT_TRUE(gap->is_exact);
+  EXPECT_FALSE(gap->is_reset);
+}
+
 TEST(GapLedger, TakesAStepThatIsLongerThanTheTimeForAJump) {
   GapLedger ledger({}, kRate_hz);
   SampleBlock first = Counted(0, 512);

@@ -136,7 +136,9 @@ TEST(ReplaySource, GivesARecordWithItsMissingRowsAsAGap) {
   SampleBlock block(2 * 128);
   while (replay.Next(block, kLong) == NextResult::kBlock) {
     ledger.Admit(block);
-    ASSERT_EQ(block.Value(0, 0), static_cast<double>(block.header.first_sample) * 0.5);
+    for (std::uint32_t i = 0; i < block.header.samples; ++i) {
+      ASSERT_EQ(block.Value(i, 0), static_cast<double>(block.header.first_sample + i) * 0.5);
+    }
   }
   EXPECT_EQ(ledger.totals(), (GapTotals{.received = 989, .lost = 11, .gaps = 1}));
 }

@@ -136,6 +136,7 @@ TEST(SensorWatch, RaisesNoFalseAlarmOverLongCleanRecords) {
        slow(0.05, 4)},
       {"thermometer at 10 Hz with noise", 10, {.quantum = 1, .noise = 1}, slow(1, 5)},
       {"filtered amplifier", 10000, {.quantum = 1, .noise = 1.5}, filtered(6)},
+      {"quieter than its data sheet", 5000, {.quantum = 1, .noise = 1.5}, Noisy(0, 0.6, 7)},
       {"nothing known", 1000, {}, [](std::uint64_t, std::size_t) { return 0.0; }},
   };
   for (const Clean& clean : cases) {
@@ -158,7 +159,7 @@ TEST(SensorWatch, LetsASpikeOfTwoSamplesPass) {
   const SourceDescription source = Watched(1000, OfA16BitTransducer());
   SensorWatch watch(source);
   watch.Judge(BlockAt(source, 0, 100, [](std::uint64_t n, std::size_t) {
-    return n == 99 || n == 50 ? 32767 : static_cast<double>(n);
+    return n == 99 || n == 50 || n == 51 ? 32767 : static_cast<double>(n);
   }));
   EXPECT_TRUE(watch.is_good());
   // Two more behind the border of the blocks make three in a row.
