@@ -24,7 +24,7 @@ PACKAGES=(
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev
   libgtest-dev libbenchmark-dev mosquitto
   gnuplot-nox sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
-  python3-pymodbus python3-serial-asyncio socat
+  python3-pymodbus python3-serial-asyncio socat libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev
 )
 
 fail() {

@@ -8,7 +8,7 @@
 #include "bench/devices/hid/hid_channels.h"
 #include "bench/devices/hid/pendant.h"
 #include "bench/devices/hid/sto_contact.h"
-#include "tests/bench/modbus/modbus_helpers.h"
+#include "tests/bench/real_time.h"
 #include "tests/vm/hid_peer.h"
 
 namespace strainwave::bench {
