@@ -26,6 +26,7 @@ PACKAGES=(
   gnuplot-nox sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   python3-pymodbus python3-serial-asyncio socat
   can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
+  python3-pymodbus python3-serial-asyncio socat libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev
 )
 
 fail() {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Two modules of OpenCV and the ONNX messages. The package of OpenCV's CMake files would install all of its modules.
+# Four modules of OpenCV and the ONNX messages. The package of OpenCV's CMake files would install all of its modules.
 find_path(OPENCV_INCLUDE_DIR opencv2/dnn.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core dnn ml)
+foreach(module core dnn imgcodecs ml videoio)
   find_library(OPENCV_${module} opencv_${module} REQUIRED)
   add_library(opencv::${module} INTERFACE IMPORTED)
   target_include_directories(opencv::${module} SYSTEM INTERFACE ${OPENCV_INCLUDE_DIR})
@@ -9,6 +9,8 @@ foreach(module core dnn ml)
 endforeach()
 target_link_libraries(opencv::dnn INTERFACE ${OPENCV_core})
 target_link_libraries(opencv::ml INTERFACE ${OPENCV_core})
+target_link_libraries(opencv::imgcodecs INTERFACE ${OPENCV_core})
+target_link_libraries(opencv::videoio INTERFACE ${OPENCV_core})
 
 find_package(Protobuf REQUIRED)
 find_path(ONNX_INCLUDE_DIR onnx/onnx_pb.h REQUIRED)

@@ -47,7 +47,7 @@ std::vector<ReadRequest> PlanReads(const RegisterMap& map, std::span<const std::
   std::ranges::sort(sorted, {}, [&](std::size_t index) {
     return std::tuple(map.registers[index].table, map.registers[index].address, index);
   });
-  sorted.erase(std::ranges::unique(sorted).begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   // Taking what still fits, from the lowest address on, needs the fewest requests: whatever another plan
   // begins later reaches no further.
   std::vector<ReadRequest> plan;

@@ -61,7 +61,6 @@ void ModbusServoDrive::Disable() noexcept {
   const bool news = mine_.enable;
   mine_.enable = false;
   mine_.set_point = 0.0;
-  mine_.stops += news ? 1 : 0;
   Order(news);
 }
 
@@ -71,7 +70,6 @@ void ModbusServoDrive::QuickStop() noexcept {
   mine_.quick = true;
   mine_.set_point = 0.0;
   mine_.brake_engaged = true;
-  mine_.stops += news ? 1 : 0;
   Order(news);
 }
 
@@ -201,12 +199,6 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
   // Once something went wrong, the brake stays on until somebody enables the drive anew.
   if (command.enables <= void_enables_) command.brake_engaged = true;
   if (command.enable && !enable) command.quick = true;
-  if (command.stops != stops_done_) {
-    const ModbusReply reply = WriteStop(link, command.quick, command.brake_engaged);
-    if (reply.good()) stops_done_ = command.stops;
-    was_enabled_ = false;
-    return reply;
-  }
   if (command.resets != resets_done_) {
     const Values off{{at_.control, profile_.control.off}};
     const Values reset{{at_.control, profile_.control.reset_fault}};

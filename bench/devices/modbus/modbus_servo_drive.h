@@ -20,7 +20,7 @@ struct ModbusServoCommand {
   DriveMode mode{DriveMode::kTorque};
   double set_point{};
   bool brake_engaged{true};
-  std::uint64_t stops{}, enables{}, resets{};  // asked for until now
+  std::uint64_t enables{}, resets{};  // asked for until now
 };
 
 /// A servo drive on Modbus, in speed or torque mode. What is written is the newest command and never a queue:
@@ -89,7 +89,7 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
 
   // Of the client's thread.
   std::uint64_t void_enables_{};  // asked for before something went wrong
-  std::uint64_t stops_done_{}, resets_done_{}, enables_begun_{};
+  std::uint64_t resets_done_{}, enables_begun_{};
   std::chrono::nanoseconds begun_{};  // when the last enabling began
   bool was_enabled_{};
   std::uint16_t count_{};  // last written to the watchdog register

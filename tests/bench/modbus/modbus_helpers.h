@@ -2,39 +2,14 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
 #include <string>
-#include <thread>
 
 #include "bench/devices/modbus/modbus_settings.h"
-#include "bench/roles/bench_clock.h"
 #include "protocols/modbus/register_map.h"
 #include "tests/bench/modbus/peer_process.h"
+#include "tests/bench/real_time.h"
 
 namespace strainwave::bench {
-
-/// The clock of a real bench, since the test began.
-class SteadyBenchClock final : public BenchClock {
- public:
-  std::chrono::nanoseconds Now() const noexcept override { return std::chrono::steady_clock::now() - start_; }
-  void SleepUntil(std::chrono::nanoseconds time) noexcept override {
-    std::this_thread::sleep_until(start_ + time);
-  }
-  std::uint64_t Overruns() const noexcept override { return 0; }
-
- private:
-  std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
-};
-
-/// Waits for an event, and never for a time.
-bool Until(auto&& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 /// A peer of the folder peers/, and the first line that it says: "port N", "line PATH", or why it cannot.
 struct Peer {
