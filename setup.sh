@@ -24,9 +24,9 @@ PACKAGES=(
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev
   libgtest-dev libbenchmark-dev mosquitto
   gnuplot-nox sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
+  libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev
   python3-pymodbus python3-serial-asyncio socat
   can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
-  python3-pymodbus python3-serial-asyncio socat libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev
 )
 
 fail() {

@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign_error.h"
+#include "bench/configuration/read_bench_file.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -54,6 +55,22 @@ std::string Difference(const std::string& before, const std::string& after) {
   return difference;
 }
 
+namespace {
+
+// Of all files that the bench file names, one after the other.
+std::string DeviceFilesSha256(const BenchDescription& bench) {
+  std::string all;
+  const auto add = [&](const std::filesystem::path& file) {
+    if (!file.empty()) all += ReadText(file);
+  };
+  for (const DeviceDescription& device : bench.devices) add(device.file);
+  add(bench.driving_servo.drive.profile);
+  add(bench.load_servo.drive.profile);
+  return Sha256(all);
+}
+
+}  // namespace
+
 Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs) {
   if (std::filesystem::exists(folder.Journal())) {
     Refuse(folder.root, "the folder holds a campaign already", "a new folder, or --resume to go on with it");
@@ -76,6 +93,10 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
     journal.SetProperty("schedule_name", inputs.schedule.name);
     journal.SetProperty("schedule_sha256", Sha256(inputs.schedule_text));
     journal.SetProperty("bench_sha256", Sha256(inputs.bench_text));
+    if (!inputs.bench.devices.empty()) {
+      journal.SetProperty("bench_folder", std::filesystem::absolute(inputs.bench_folder).string());
+      journal.SetProperty("device_files_sha256", DeviceFilesSha256(inputs.bench));
+    }
     journal.SetProperty("started_utc", UtcNow());
     journal.SetProperty("cycles", std::to_string(inputs.schedule.cycles));
     journal.SetProperty("specimen", inputs.schedule.specimen.identity);
@@ -84,6 +105,19 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
   }
   std::filesystem::rename(aside, folder.Journal());
   return Journal::Open(folder.Journal(), Database::Mode::kReadWrite);
+}
+
+BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& journal) {
+  const BenchDescription frozen = ReadFrozenInputs(folder).bench;
+  if (frozen.devices.empty()) return frozen;
+  BenchDescription bench = ParseBenchFile(ReadText(folder.Bench()), folder.Bench().string(),
+                                          journal.Property("bench_folder").value_or(""));
+  if (DeviceFilesSha256(bench) != journal.Property("device_files_sha256")) {
+    Refuse(folder.root, "a file that describes a device has changed since the start",
+           "the profiles and register maps as they were, beside the bench file in " +
+               journal.Property("bench_folder").value_or("its folder"));
+  }
+  return bench;
 }
 
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,

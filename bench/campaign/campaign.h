@@ -20,6 +20,7 @@ struct CampaignInputs {
   std::string plant_text;  // of the plant file that the bench file names; empty without one
   schedules::Schedule schedule;
   BenchDescription bench;
+  std::filesystem::path bench_folder{};  // where files that the bench file names are looked for
 };
 
 /// Reads both files and checks them against each other; without a bench file, the embedded simulated bench.
@@ -34,6 +35,11 @@ schedules::FindingList WarningsOf(const CampaignInputs& inputs);
 /// The inputs frozen in a campaign's folder.
 /// @throws CampaignError when the folder is not a campaign.
 CampaignInputs ReadFrozenInputs(const CampaignFolder& folder);
+
+/// The bench of a campaign that goes on: the frozen one, with the files of its devices where they were at the
+/// start.
+/// @throws CampaignError when one of those has changed since, or is gone.
+BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& journal);
 
 /// Makes the folder with the frozen inputs and an empty journal.
 /// @throws CampaignError when the folder holds a campaign already, or something else.

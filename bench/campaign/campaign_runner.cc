@@ -249,6 +249,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   WriteCheckpoint(at, runner_.last_readings(), blank);
   journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause),
                     outcome.credited_load_s - credited_before_s);
+  NoteWhatHappened(phase.name);
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase.name);
   if (again) {
     Note("warning", phase.name, Code(outcome.reason.cause), Describe(outcome.reason));
@@ -258,6 +259,10 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   Transition(BenchEvent::kPhaseEnded);
   if (!complete) return EndForRequest(outcome);
   return std::nullopt;
+}
+
+void CampaignRunner::NoteWhatHappened(std::string_view phase) {
+  for (const std::string& note : machine_.TakeNotes()) Note("info", phase, "bench", note);
 }
 
 void CampaignRunner::TakeMemory() {
@@ -292,6 +297,7 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   if (!outcome.black_box.empty()) {
     std::filesystem::create_directories(folder_.Faults());
     const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());
+    machine_.TakePicture(std::filesystem::path(file).replace_extension(".jpg"));
     std::vector<NamedRecord> black_box = outcome.black_box;
     StampSensors(black_box, bench_);
     daq::WriteRecordsAtomically(file, black_box);
@@ -318,6 +324,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
 
 CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>& steps) {
   machine_.CycleMeasured(cycle_);
+  machine_.TakePicture(folder_.CycleFile(cycle_).replace_extension(".jpg"));
   const CycleContext context = ContextOf(journal_, schedule_, bench_);
   StoredCycle stored;
   for (int repeat = 0;; ++repeat) {

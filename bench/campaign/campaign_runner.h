@@ -59,6 +59,7 @@ class CampaignRunner {
   MaybeEnd AfterCycle(const std::vector<Result>& results);
   MaybeEnd CheckBetweenPhases();
 
+  void NoteWhatHappened(std::string_view phase);
   void TakeMemory();
   void WriteCheckpoint(Checkpoint checkpoint, const Readings& last, bool blank);
   void Note(std::string_view severity, std::string_view phase, std::string_view code,

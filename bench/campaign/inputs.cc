@@ -33,6 +33,7 @@ CampaignInputs ReadInputs(const std::filesystem::path& schedule,
   if (bench) {
     inputs.bench = ReadBenchFile(*bench);
     inputs.bench_text = ReadText(*bench);
+    inputs.bench_folder = bench->parent_path();
     if (const std::string& named = inputs.bench.simulation.plant_file; !named.empty()) {
       inputs.plant_text = ReadText(bench->parent_path() / named);
       inputs.bench_text = WithPlantFile(inputs.bench_text, named);

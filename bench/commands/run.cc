@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include <fmt/core.h>
 
@@ -74,6 +75,19 @@ bool Ask(const std::string& what) {
   return false;
 }
 
+// What must be done by hand before anything moves. A stop that is asked for meanwhile ends the waiting, and
+// the campaign ends where it stands.
+void WaitForPeople(const BenchMachine& machine) {
+  std::string told;
+  while (g_request == StopRequest::kNone) {
+    const std::string missing = machine.MissingForStart();
+    if (missing.empty()) return;
+    if (missing != told) fmt::print(stderr, "waiting: {}\n", missing);
+    told = missing;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
 // The truth of a sweep is that at its own standstills.
 SimulatedTest TestOf(const schedules::Schedule& schedule, double pace, const std::string& truth) {
   SimulatedTest test{schedule.specimen.ratio, RadFromDeg(1.0), 360, pace, truth};
@@ -135,12 +149,13 @@ int Run(const RunOptions& options) {
       fmt::print(stderr, "{}: all cycles are complete; nothing to resume\n", folder.root.string());
       return PrintCampaign(folder, journal, options.json);
     }
-    inputs.bench = ReadFrozenInputs(folder).bench;
+    inputs.bench = BenchToResume(folder, journal);
   }
   ListenToSignals();
   CampaignEnd end;
   {
     const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth), Ask);
+    WaitForPeople(*machine);
     TerminalProgress progress;
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, g_request, progress);
     const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();

@@ -8,7 +8,7 @@ namespace strainwave::bench {
 
 /// A device, or a bus with several, and where it is found.
 struct DeviceDescription {
-  enum class Kind { kCanopen, kModbus, kStream, kIio, kPendant, kHid, kCamera };
+  enum class Kind { kCanopen, kModbus, kStream, kIio, kPendant, kStoContact, kHid, kCamera };
 
   std::string name;
   Kind kind{};

@@ -37,6 +37,7 @@ bool GivesChannels(Kind kind) {
       return true;
     case Kind::kCanopen:
     case Kind::kPendant:
+    case Kind::kStoContact:
     case Kind::kCamera:
       return false;
   }
@@ -99,6 +100,7 @@ std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std:
                                             {"stream", Kind::kStream},
                                             {"iio", Kind::kIio},
                                             {"pendant", Kind::kPendant},
+                                            {"sto_contact", Kind::kStoContact},
                                             {"hid", Kind::kHid},
                                             {"camera", Kind::kCamera}});
     switch (device.kind) {
@@ -117,6 +119,7 @@ std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std:
         device.address = map.Text("address");
         break;
       case Kind::kPendant:
+      case Kind::kStoContact:
       case Kind::kHid:
         device.file = Below(folder, map.Text("profile"));
         break;

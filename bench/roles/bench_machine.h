@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "bench/controller/phase_program.h"
 
@@ -34,6 +36,15 @@ class BenchMachine {
 
   /// What is wrong with its devices at the moment, in words, a line each; empty where nothing is.
   virtual std::string Troubles() const { return {}; }
+
+  /// What a person must do before anything may move, in words; empty when nothing.
+  virtual std::string MissingForStart() const { return {}; }
+
+  /// What has happened at the bench since the last call and belongs into the journal.
+  virtual std::vector<std::string> TakeNotes() { return {}; }
+
+  /// Asks for a picture of the bench, where it has a camera; never waits for it. What became of it is a note.
+  virtual void TakePicture(const std::filesystem::path&) {}
 
   /// All measurements of a cycle are done; a simulated bench may note the truth it alone knows.
   virtual void CycleMeasured(int) {}

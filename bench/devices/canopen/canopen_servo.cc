@@ -105,7 +105,7 @@ DriveActual CanopenServo::Actual() const noexcept {
 
 void CanopenServo::TakeOrders(nanoseconds now) noexcept {
   const ServoOrders orders = left_.Get();
-  const bool held = held_.load();
+  const bool held = held_.load() != 0;
   const bool silent =
       IsOnTheWayUp(master_.stage()) &&
       now - nanoseconds(heard_ns_.load(std::memory_order_relaxed)) > settings_.longest_silence;

@@ -54,6 +54,8 @@ struct ServoOrders {
 /// reads as power state fault until `ResetFault`, or a new commissioning, is asked for.
 class CanopenServo final : public ServoDrive {
  public:
+  enum class Holder : std::uint8_t { kPendant = 1, kEndOfProgram = 2 };
+
   /// @throws std::invalid_argument as DriveMaster does, or for a profile without a mode for speed, position
   ///   and torque.
   CanopenServo(CanopenServoSettings settings, const BenchClock& clock);
@@ -72,9 +74,16 @@ class CanopenServo final : public ServoDrive {
   // From any thread.
   /// @return what `ServoReport::commissions` shows once it has begun.
   std::uint32_t Commission() noexcept { return commissions_.fetch_add(1) + 1; }
-  /// Stops the drive and keeps it stopped as long as it is held, for whoever else may stop the bench: a
-  /// pendant, a lost sensor. Letting go starts nothing.
-  void Hold(bool held) noexcept { held_.store(held); }
+  /// Stops the drive and keeps it stopped as long as somebody holds it, for whoever else may stop the bench.
+  /// Letting go starts nothing.
+  void Hold(Holder holder, bool held) noexcept {
+    const auto bit = static_cast<std::uint8_t>(holder);
+    if (held) {
+      held_.fetch_or(bit);
+    } else {
+      held_.fetch_and(static_cast<std::uint8_t>(~bit));
+    }
+  }
   ServoReport report() const noexcept { return report_.Get(); }
   const std::string& name() const noexcept { return settings_.name; }
 
@@ -101,7 +110,7 @@ class CanopenServo final : public ServoDrive {
 
   Latest<ServoOrders> left_;
   std::atomic<std::uint32_t> commissions_{};
-  std::atomic<bool> held_{};
+  std::atomic<std::uint8_t> held_{};  // bits of `Holder`
   Latest<DriveActual> actual_;
   Latest<ServoReport> report_;
 

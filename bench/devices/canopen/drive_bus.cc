@@ -49,8 +49,10 @@ nanoseconds HeartbeatPeriod(const std::vector<CanopenServoSettings>& drives) {
 
 }  // namespace
 
-DriveBus::DriveBus(CanBus& bus, const BenchClock& clock, std::vector<CanopenServoSettings> drives)
+DriveBus::DriveBus(CanBus& bus, const BenchClock& clock, std::vector<CanopenServoSettings> drives,
+                   std::function<bool()> held)
     : bus_(bus),
+      held_(std::move(held)),
       sync_period_(Checked(drives).front().profile.timing.sync_period),
       heartbeat_(drives.front().profile.supervision.master_node_id, HeartbeatPeriod(drives)) {
   for (CanopenServoSettings& drive : drives) {
@@ -93,16 +95,24 @@ void DriveBus::SendAll(nanoseconds now) noexcept {
   }
 }
 
+void DriveBus::TakeOrdersOfAll(nanoseconds now) noexcept {
+  const bool held = held_ && held_();
+  for (const auto& servo : servos_) {
+    servo->Hold(CanopenServo::Holder::kPendant, held);
+    servo->TakeOrders(now);
+  }
+}
+
 void DriveBus::TakeOrders(nanoseconds now) noexcept {
   ReceiveAll();
-  for (const auto& servo : servos_) servo->TakeOrders(now);
+  TakeOrdersOfAll(now);
   SendAll(now);
   Publish();
 }
 
 void DriveBus::Cycle(nanoseconds now) noexcept {
   ReceiveAll();
-  for (const auto& servo : servos_) servo->TakeOrders(now);
+  TakeOrdersOfAll(now);
   bool silent = false;
   for (const auto& servo : servos_) {
     silent = silent || servo->master().stage() == protocols::canopen::DriveStage::kSilent;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -31,7 +32,9 @@ class DriveBus {
   /// All drives are served at the SYNC period of the first one's profile, and watch the same master.
   /// @throws std::invalid_argument for no drives, a node number taken twice, profiles that differ in SYNC
   ///   period or in the master's node number, or as CanopenServo does.
-  DriveBus(CanBus& bus, const BenchClock& clock, std::vector<CanopenServoSettings> drives);
+  /// @param held  asked every cycle; true keeps all drives stopped, as a pressed key does. Nothing: never.
+  DriveBus(CanBus& bus, const BenchClock& clock, std::vector<CanopenServoSettings> drives,
+           std::function<bool()> held = {});
 
   /// Takes in what has come, then orders, then sends: SYNC, heartbeat, and what the drives' masters have to
   /// say. Once a SYNC period.
@@ -49,11 +52,13 @@ class DriveBus {
 
  private:
   void ReceiveAll() noexcept;
+  void TakeOrdersOfAll(std::chrono::nanoseconds now) noexcept;
   void SendAll(std::chrono::nanoseconds now) noexcept;
   bool Send(const protocols::CanFrame& frame, std::chrono::nanoseconds now) noexcept;
   void Publish() noexcept;
 
   CanBus& bus_;
+  std::function<bool()> held_;
   std::vector<std::unique_ptr<CanopenServo>> servos_;
   std::chrono::nanoseconds sync_period_{};
   protocols::canopen::SyncProducer sync_;

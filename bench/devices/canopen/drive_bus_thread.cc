@@ -71,7 +71,8 @@ void DriveBusThread::Run() noexcept {
     last = now;
     bus_.Cycle(now);
     if (ending_ && give_up == nanoseconds::max()) {
-      for (std::size_t i = 0; i < bus_.size(); ++i) bus_.servo(i).Hold(true);
+      for (std::size_t i = 0; i < bus_.size(); ++i)
+        bus_.servo(i).Hold(CanopenServo::Holder::kEndOfProgram, true);
       give_up = now + kToRest;
       bus_.TakeOrders(now);
     }

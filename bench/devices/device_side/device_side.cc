@@ -111,6 +111,7 @@ DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::Pla
       case Kind::kCanopen:
       case Kind::kIio:
       case Kind::kPendant:
+      case Kind::kStoContact:
       case Kind::kHid:
       case Kind::kCamera:
         break;

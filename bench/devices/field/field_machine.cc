@@ -13,6 +13,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_drive_profile.h"
+#include "bench/configuration/read_hid_profile.h"
 #include "bench/configuration/read_register_map.h"
 #include "bench/controller/realtime.h"
 #include "bench/devices/can/socket_can_bus.h"
@@ -33,8 +34,15 @@ namespace {
 constexpr std::string_view kInProcess = "in_process";
 constexpr seconds kCommissioning{20};
 constexpr milliseconds kBootUp{50};
-// A channel of a stream that is older is not a value any more.
-constexpr milliseconds kStale{100};
+
+const protocols::HidField& FieldNamed(const HidProfile& profile, std::string_view name) {
+  const auto found = std::ranges::find(profile.channels, name, &protocols::HidField::name);
+  if (found == profile.channels.end()) {
+    throw std::invalid_argument(
+        fmt::format("the profile of {} has no channel {} (must have one)", profile.name, name));
+  }
+  return *found;
+}
 
 }  // namespace
 
@@ -50,6 +58,8 @@ FieldMachine::FieldMachine(const BenchDescription& bench, double ratio, const As
   try {
     OpenBuses();
     StartDeviceSide(ratio);
+    OpenHid();
+    OpenCamera();
     OpenDrives();
     OpenModbus();
     OpenSources();
@@ -71,6 +81,8 @@ FieldMachine::~FieldMachine() {
   sampler_.reset();
   sources_.clear();
   modbus_.clear();
+  hid_.clear();
+  pendant_.reset();
   ending_ = true;
   if (device_side_thread_.joinable()) device_side_thread_.join();
 }
@@ -178,7 +190,9 @@ void FieldMachine::OpenDrives() {
     if (bus.drives.empty()) continue;
     std::vector<std::string> names;
     for (const CanopenServoSettings& drive : bus.drives) names.push_back(drive.name);
-    bus.served = std::make_unique<DriveBus>(*bus.bus, clock_, std::move(bus.drives));
+    bus.served = std::make_unique<DriveBus>(*bus.bus, clock_, std::move(bus.drives), [this] {
+      return pendant_ && pendant_->Actual().state != PendantState::kReleased;
+    });
     bus.thread = std::make_unique<DriveBusThread>(*bus.served, clock_);
     for (std::size_t i = 0; i < names.size(); ++i) {
       (names[i] == "driving servo" ? driving_ : load_) = &bus.served->servo(i);
@@ -208,6 +222,48 @@ void FieldMachine::OpenModbus() {
   }
 }
 
+void FieldMachine::OpenHid() {
+  for (const DeviceDescription& device : bench_.devices) {
+    if (device.kind == Kind::kHid) {
+      OneHid& hid = hid_[device.name];
+      hid.profile = ReadHidProfile(device.file);
+      hid.channels = std::make_unique<HidChannels>(hid.profile, clock_);
+    } else if (device.kind == Kind::kPendant) {
+      const HidProfile profile = ReadHidProfile(device.file);
+      pendant_ = std::make_unique<Pendant>(
+          PendantProfile{profile.device, FieldNamed(profile, "quick_stop"), FieldNamed(profile, "reset"),
+                         FieldNamed(profile, "start"), profile.good_for},
+          clock_);
+    } else if (device.kind == Kind::kStoContact) {
+      const HidProfile profile = ReadHidProfile(device.file);
+      sto_contact_ = std::make_unique<StoContact>(profile.device, FieldNamed(profile, "contact"), clock_);
+    }
+  }
+}
+
+void FieldMachine::OpenCamera() {
+  for (const DeviceDescription& device : bench_.devices) {
+    if (device.kind != Kind::kCamera) continue;
+    CameraSettings settings;
+    // "0" is the first camera of the machine; anything else a file.
+    const bool is_number = device.address.find_first_not_of("0123456789") == std::string::npos;
+    if (is_number) {
+      settings.source = std::stoi(device.address);
+    } else {
+      settings.source = device.address;
+    }
+    camera_ = std::make_unique<Camera>(settings, clock_);
+  }
+}
+
+bool FieldMachine::QuickStopPressed() noexcept {
+  if (!pendant_) return false;
+  const bool pressed = pendant_->Actual().state != PendantState::kReleased;
+  if (pressed && !was_pressed_ && sto_contact_) sto_contact_->Asked(clock_.Now());
+  was_pressed_ = pressed;
+  return pressed;
+}
+
 void FieldMachine::OpenSources() {
   std::uint32_t number = 0;
   for (const DeviceDescription& device : bench_.devices) {
@@ -223,92 +279,6 @@ void FieldMachine::OpenSources() {
   }
 }
 
-std::function<ChannelValue()> FieldMachine::ChannelFrom(const ChannelLink& link) {
-  const double to_si = SiFactor(link.source);
-  if (const auto found = sources_.find(link.device); found != sources_.end()) {
-    const SourceReader* const reader = found->second.get();
-    const auto channel = reader->Find(link.source);
-    if (!channel) {
-      throw std::invalid_argument(
-          fmt::format("line {}: device {} has no channel {} (must be one that it sends)", link.line,
-                      link.device, link.source));
-    }
-    return [this, reader, at = *channel, to_si] {
-      const SourceSnapshot snapshot = reader->Newest();
-      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < kStale;
-      return ChannelValue{snapshot.values[at] * to_si, snapshot.time,
-                          fresh && (snapshot.bad_channels >> at & 1U) == 0};
-    };
-  }
-  const auto found = modbus_.find(link.device);
-  if (found == modbus_.end()) {
-    throw std::invalid_argument(fmt::format(
-        "line {}: device {} has no channels here (must be a stream or on Modbus)", link.line, link.device));
-  }
-  const ModbusClient* const client = found->second.get();
-  const std::string name = link.source.substr(0, link.source.rfind('_'));
-  const auto index = protocols::modbus::Find(client->map(), link.source);
-  const auto bare = index ? index : protocols::modbus::Find(client->map(), name);
-  if (!bare) {
-    throw std::invalid_argument(fmt::format("line {}: device {} has no register {} (must be one of its map)",
-                                            link.line, link.device, link.source));
-  }
-  // The map has made SI of it already.
-  return [client, at = *bare] { return client->Value(at); };
-}
-
-FieldChannels FieldMachine::Channels() {
-  FieldChannels channels;
-  constexpr std::pair<std::string_view, Channel> kSlow[] = {
-      {"input_angle", Channel::kInputAngle},
-      {"output_angle", Channel::kOutputAngle},
-      {"input_speed", Channel::kInputSpeed},
-      {"output_torque", Channel::kOutputTorque},
-      {"motor_torque", Channel::kMotorTorque},
-      {"gear_temperature", Channel::kGearTemperature},
-      {"ambient_temperature", Channel::kAmbientTemperature}};
-  constexpr std::string_view kAccelerometers[] = {"accel_x", "accel_y", "accel_z", "accel_motor_z"};
-  for (const ChannelLink& link : bench_.channels) {
-    const auto* const slow =
-        std::ranges::find_if(kSlow, [&](const auto& known) { return known.first == link.channel; });
-    if (slow != std::end(kSlow)) {
-      channels.channels[static_cast<std::size_t>(slow->second)] = ChannelFrom(link);
-      continue;
-    }
-    const auto* const axis = std::ranges::find(kAccelerometers, link.channel);
-    const auto source = sources_.find(link.device);
-    if (axis == std::end(kAccelerometers) || source == sources_.end()) continue;
-    const auto channel = source->second->Find(link.source);
-    if (!channel || (channels.vibration != nullptr && channels.vibration != source->second.get())) {
-      throw std::invalid_argument(
-          fmt::format("line {}: {} is not a channel of {} (must be, and all accelerometers of one device)",
-                      link.line, link.source, link.device));
-    }
-    channels.vibration = source->second.get();
-    channels.accelerometers[static_cast<std::size_t>(axis - std::begin(kAccelerometers))] = *channel;
-  }
-  const auto from_drive = [this](double DriveActual::*value) {
-    return [this, value] {
-      const DriveActual actual = driving_->Actual();
-      return ChannelValue{actual.*value, actual.time, clock_.Now() - actual.time < kStale};
-    };
-  };
-  auto& speed = channels.channels[static_cast<std::size_t>(Channel::kInputSpeed)];
-  if (!speed) speed = from_drive(&DriveActual::speed_rad_per_s);
-  auto& torque = channels.channels[static_cast<std::size_t>(Channel::kMotorTorque)];
-  if (!torque) torque = from_drive(&DriveActual::torque_Nm);
-  if (channels.vibration != nullptr) {
-    channels.channels[static_cast<std::size_t>(Channel::kVibrationRms)] = [this,
-                                                                           reader = channels.vibration] {
-      const SourceSnapshot snapshot = reader->Newest();
-      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < kStale;
-      return ChannelValue{snapshot.vibration_rms_m_per_s2, snapshot.time,
-                          fresh && snapshot.bad_channels == 0};
-    };
-  }
-  return channels;
-}
-
 void FieldMachine::MountBlank(bool mounted) {
   if (device_side_) {
     device_side_->Do(mounted ? "blank on" : "blank off");
@@ -320,48 +290,6 @@ void FieldMachine::MountBlank(bool mounted) {
   throw CampaignError(
       ExitCode::kInterrupted,
       fmt::format("nobody has confirmed: {} (expected a person at the terminal; go on with --resume)", what));
-}
-
-std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
-  std::vector<DeviceState> states;
-  for (const auto& [name, bus] : buses_) {
-    if (!bus.served) continue;
-    const DriveBusCounts counts = bus.served->counts();
-    states.push_back(
-        {name, fmt::format("{} frames sent, {} received, {} lost", counts.sent, counts.received, counts.lost),
-         counts.lost == 0 && counts.state == CanState::kErrorActive});
-    for (std::size_t i = 0; i < bus.served->size(); ++i) {
-      CanopenServo& servo = bus.served->servo(i);
-      const ServoReport report = servo.report();
-      const std::string words = report.words.data();
-      const bool good = report.stage == protocols::canopen::DriveStage::kDisabled && words.empty();
-      states.push_back({fmt::format("{}, node {}", servo.name(), servo.settings().node_id),
-                        words.empty() ? std::string(Name(report.stage)) : words, good});
-    }
-  }
-  for (const auto& [name, client] : modbus_) {
-    const std::string trouble = client->trouble();
-    states.push_back({name,
-                      trouble.empty() ? (client->connected() ? "connected" : "not yet connected") : trouble,
-                      trouble.empty() && client->connected()});
-  }
-  for (const auto& [name, reader] : sources_) {
-    const std::string trouble = reader->Trouble();
-    const daq::acquisition::GapTotals totals = reader->totals();
-    states.push_back(
-        {name, trouble.empty() ? fmt::format("{} samples, {} lost", totals.received, totals.lost) : trouble,
-         trouble.empty() && totals.received > 0});
-  }
-  return states;
-}
-
-std::string FieldMachine::Troubles() const {
-  std::string all;
-  for (const DeviceState& state : States()) {
-    if (state.good || state.state == Name(protocols::canopen::DriveStage::kStopped)) continue;
-    all += fmt::format("{}{}: {}", all.empty() ? "" : "\n", state.device, state.state);
-  }
-  return all;
 }
 
 }  // namespace strainwave::bench

@@ -9,11 +9,15 @@
 #include <vector>
 
 #include "bench/configuration/bench_description.h"
+#include "bench/devices/camera/camera.h"
 #include "bench/devices/can/in_process_can_bus.h"
 #include "bench/devices/canopen/drive_bus_thread.h"
 #include "bench/devices/device_side/device_side.h"
 #include "bench/devices/field/field_sampler.h"
 #include "bench/devices/field/source_reader.h"
+#include "bench/devices/hid/hid_channels.h"
+#include "bench/devices/hid/pendant.h"
+#include "bench/devices/hid/sto_contact.h"
 #include "bench/devices/modbus/modbus_client.h"
 #include "bench/devices/modbus/modbus_servo_drive.h"
 #include "bench/devices/monotonic_clock.h"
@@ -35,6 +39,9 @@ class FieldMachine final : public BenchMachine {
   BenchDevices Devices() override;
   void MountBlank(bool mounted) override;
   std::string Troubles() const override;
+  std::string MissingForStart() const override;
+  std::vector<std::string> TakeNotes() override;
+  void TakePicture(const std::filesystem::path& file) override;
 
   /// Devices in words, each with its state: what `bench check` prints.
   struct DeviceState {
@@ -61,6 +68,9 @@ class FieldMachine final : public BenchMachine {
   ServoDrive& OpenDrive(const ServoDescription& servo, const std::string& name);
   void OpenSources();
   void OpenModbus();
+  void OpenHid();
+  void OpenCamera();
+  bool QuickStopPressed() noexcept;
   FieldChannels Channels();
   std::function<ChannelValue()> ChannelFrom(const ChannelLink& link);
   const DeviceDescription& Named(const std::string& name) const;
@@ -76,6 +86,15 @@ class FieldMachine final : public BenchMachine {
   std::vector<std::unique_ptr<ModbusServoDrive>> modbus_servos_;
   std::map<std::string, std::unique_ptr<ModbusClient>> modbus_;
   std::map<std::string, std::unique_ptr<SourceReader>> sources_;
+  struct OneHid {
+    HidProfile profile;
+    std::unique_ptr<HidChannels> channels;
+  };
+  std::map<std::string, OneHid> hid_;
+  std::unique_ptr<Pendant> pendant_;
+  std::unique_ptr<StoContact> sto_contact_;
+  std::unique_ptr<Camera> camera_;
+  bool was_pressed_{};  // of the control thread
   std::unique_ptr<FieldSampler> sampler_;
   ServoDrive* driving_{};
   ServoDrive* load_{};

@@ -124,15 +124,27 @@ TEST(DriveBus, HoldsDrivesThatSomebodyElseStopped) {
   InProcessDrives bench;
   bench.Commission();
   bench.BringUp(bench.driving(), DriveMode::kSpeed);
-  bench.driving().Hold(true);
+  bench.driving().Hold(CanopenServo::Holder::kEndOfProgram, true);
   bench.Run(seconds(1));
   EXPECT_EQ(bench.driving().Actual().power, PowerState::kSwitchOnDisabled);
   bench.driving().Enable(DriveMode::kSpeed);
   bench.Run(seconds(1));
   EXPECT_NE(bench.driving().Actual().power, PowerState::kOperationEnabled) << "the key was still pressed";
-  bench.driving().Hold(false);
+  bench.driving().Hold(CanopenServo::Holder::kEndOfProgram, false);
   bench.Run(seconds(1));
   EXPECT_NE(bench.driving().Actual().power, PowerState::kOperationEnabled) << "letting go started the drive";
+}
+
+TEST(DriveBus, LooksAtThePendantItself) {
+  InProcessDrives bench;
+  bench.Commission();
+  bench.BringUp(bench.driving(), DriveMode::kSpeed);
+  bench.key_pressed = true;
+  // The control loop hangs and orders what it ordered before.
+  bench.Run(seconds(1), [&] { bench.driving().CommandSpeed(100.0); });
+  EXPECT_EQ(bench.motors[0].reading.speed_inc_per_s, 0.0);
+  EXPECT_TRUE(bench.motors[0].command.brake_engaged);
+  EXPECT_EQ(bench.driving().report().trouble, DriveTrouble::kQuickStopAsked);
 }
 
 TEST(DriveBus, StopsDrivesWhoseControlLoopIsGone) {

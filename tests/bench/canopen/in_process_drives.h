@@ -77,7 +77,8 @@ class InProcessDrives {
     }
     bus = std::make_unique<DriveBus>(
         buses.end(0), clock,
-        std::vector<CanopenServoSettings>{{"driving servo", profile, 1}, {"load servo", profile, 2}});
+        std::vector<CanopenServoSettings>{{"driving servo", profile, 1}, {"load servo", profile, 2}},
+        [this] { return key_pressed; });
   }
 
   static std::filesystem::path Profiles() {
@@ -130,6 +131,7 @@ class InProcessDrives {
   std::array<std::unique_ptr<protocols::canopen::device::DriveNode>, 2> nodes;
   std::unique_ptr<DriveBus> bus;
   bool bench_alive{true};
+  bool key_pressed{};
   std::vector<protocols::CanFrame> sent_to_drives;  // as the first drive received them
 
  private:

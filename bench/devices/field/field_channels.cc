@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where each channel of a bench of metal comes from.
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bench/devices/field/field_machine.h"
+
+namespace strainwave::bench {
+
+using std::chrono::milliseconds;
+
+namespace {
+
+// A channel of a stream that is older is not a value any more, unless the bench file says otherwise.
+constexpr milliseconds kStale{100};
+
+// Without the unit that it ends in.
+std::string BareName(const std::string& channel) {
+  for (const std::string_view unit : {"_m_per_s2", "_rad_per_s"}) {
+    if (channel.ends_with(unit)) return channel.substr(0, channel.size() - unit.size());
+  }
+  return channel.substr(0, channel.rfind('_'));
+}
+
+}  // namespace
+
+std::function<ChannelValue()> FieldMachine::ChannelFrom(const ChannelLink& link) {
+  const double to_si = SiFactor(link.source);
+  if (const auto found = sources_.find(link.device); found != sources_.end()) {
+    const SourceReader* const reader = found->second.get();
+    const auto channel = reader->Find(link.source);
+    if (!channel) {
+      throw std::invalid_argument(
+          fmt::format("line {}: device {} has no channel {} (must be one that it sends)", link.line,
+                      link.device, link.source));
+    }
+    return [this, reader, at = *channel, to_si] {
+      const SourceSnapshot snapshot = reader->Newest();
+      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < kStale;
+      return ChannelValue{snapshot.values[at] * to_si, snapshot.time,
+                          fresh && (snapshot.bad_channels >> at & 1U) == 0};
+    };
+  }
+  if (const auto hid = hid_.find(link.device); hid != hid_.end()) {
+    const auto& fields = hid->second.profile.channels;
+    const auto field = std::ranges::find(fields, BareName(link.source), &protocols::HidField::name);
+    if (field == fields.end()) {
+      throw std::invalid_argument(
+          fmt::format("line {}: device {} has no channel {} (must be one of its profile)", link.line,
+                      link.device, BareName(link.source)));
+    }
+    const HidChannels* const channels = hid->second.channels.get();
+    return [channels, at = static_cast<std::size_t>(field - fields.begin()), to_si] {
+      ChannelValue value = channels->Value(at);
+      value.value *= to_si;
+      return value;
+    };
+  }
+  const auto found = modbus_.find(link.device);
+  if (found == modbus_.end()) {
+    throw std::invalid_argument(fmt::format(
+        "line {}: device {} has no channels here (must be a stream or on Modbus)", link.line, link.device));
+  }
+  const ModbusClient* const client = found->second.get();
+  const auto index = protocols::modbus::Find(client->map(), link.source);
+  const auto bare = index ? index : protocols::modbus::Find(client->map(), BareName(link.source));
+  if (!bare) {
+    throw std::invalid_argument(fmt::format("line {}: device {} has no register {} (must be one of its map)",
+                                            link.line, link.device, link.source));
+  }
+  // The map has made SI of it already.
+  return [client, at = *bare] { return client->Value(at); };
+}
+
+FieldChannels FieldMachine::Channels() {
+  FieldChannels channels;
+  constexpr std::pair<std::string_view, Channel> kSlow[] = {
+      {"input_angle", Channel::kInputAngle},
+      {"output_angle", Channel::kOutputAngle},
+      {"input_speed", Channel::kInputSpeed},
+      {"output_torque", Channel::kOutputTorque},
+      {"motor_torque", Channel::kMotorTorque},
+      {"gear_temperature", Channel::kGearTemperature},
+      {"ambient_temperature", Channel::kAmbientTemperature}};
+  constexpr std::string_view kAccelerometers[] = {"accel_x", "accel_y", "accel_z", "accel_motor_z"};
+  for (const ChannelLink& link : bench_.channels) {
+    const auto* const slow =
+        std::ranges::find_if(kSlow, [&](const auto& known) { return known.first == link.channel; });
+    if (slow != std::end(kSlow)) {
+      channels.channels[static_cast<std::size_t>(slow->second)] = ChannelFrom(link);
+      continue;
+    }
+    const auto* const axis = std::ranges::find(kAccelerometers, link.channel);
+    const auto source = sources_.find(link.device);
+    if (axis == std::end(kAccelerometers) || source == sources_.end()) continue;
+    const auto channel = source->second->Find(link.source);
+    if (!channel || (channels.vibration != nullptr && channels.vibration != source->second.get())) {
+      throw std::invalid_argument(
+          fmt::format("line {}: {} is not a channel of {} (must be, and all accelerometers of one device)",
+                      link.line, link.source, link.device));
+    }
+    channels.vibration = source->second.get();
+    channels.accelerometers[static_cast<std::size_t>(axis - std::begin(kAccelerometers))] = *channel;
+  }
+  const auto from_drive = [this](double DriveActual::*value) {
+    return [this, value] {
+      const DriveActual actual = driving_->Actual();
+      return ChannelValue{actual.*value, actual.time, clock_.Now() - actual.time < kStale};
+    };
+  };
+  auto& speed = channels.channels[static_cast<std::size_t>(Channel::kInputSpeed)];
+  if (!speed) speed = from_drive(&DriveActual::speed_rad_per_s);
+  auto& torque = channels.channels[static_cast<std::size_t>(Channel::kMotorTorque)];
+  if (!torque) torque = from_drive(&DriveActual::torque_Nm);
+  if (pendant_) channels.quick_stop_pressed = [this] { return QuickStopPressed(); };
+  if (channels.vibration != nullptr) {
+    channels.channels[static_cast<std::size_t>(Channel::kVibrationRms)] = [this,
+                                                                           reader = channels.vibration] {
+      const SourceSnapshot snapshot = reader->Newest();
+      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < kStale;
+      return ChannelValue{snapshot.vibration_rms_m_per_s2, snapshot.time,
+                          fresh && snapshot.bad_channels == 0};
+    };
+  }
+  return channels;
+}
+
+}  // namespace strainwave::bench
