@@ -160,6 +160,8 @@ void DriveMaster::Disable(nanoseconds now) noexcept {
 }
 
 void DriveMaster::QuickStop(nanoseconds now) noexcept {
+  // A measurement of silence is not worth a stop that somebody asks for.
+  if (stage_ == DriveStage::kSilent) Enter(DriveStage::kStopping, now);
   if (stage_ != DriveStage::kOff) Trip(DriveTrouble::kQuickStopAsked, now);
 }
 

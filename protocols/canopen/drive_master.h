@@ -36,7 +36,7 @@ enum class DriveStage : std::uint8_t {
   kStopping,       // quick stop on its way
   kStopped,        // voltage off, brake on; only ResetFault leads on
   kResetting,      // the edge of the fault reset
-  kSilent,         // sends nothing at all, to measure how the drive stops
+  kSilent,         // sends nothing by itself, to measure how the drive stops
 };
 std::string_view Name(DriveStage stage);
 
@@ -106,7 +106,7 @@ class DriveMaster {
   DriveAnswer CommandPosition(double position_rad) noexcept;
   DriveAnswer CommandTorque(double torque_Nm) noexcept;
   DriveAnswer StartHoming() noexcept;
-  /// Sends nothing from now on, whatever happens, until Commission.
+  /// Sends nothing from now on, whatever happens, until QuickStop or Commission.
   void GoSilent() noexcept;
 
   DriveStage stage() const noexcept { return stage_; }

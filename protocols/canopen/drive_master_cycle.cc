@@ -81,6 +81,9 @@ void DriveMaster::SetOutputs(nanoseconds elapsed) noexcept {
 }
 
 void DriveMaster::SetBrakeOutput() noexcept {
+  if (profile_.brake.engaged_feedback.from == BitSource::From::kNowhere) {
+    status_.is_brake_engaged = brake_engaged_;
+  }
   const bool is_high = brake_engaged_ == profile_.brake.engages_when_high;
   const std::uint32_t bits = is_high ? profile_.brake.mask : 0;
   switch (profile_.brake.by) {

@@ -107,8 +107,9 @@ void DriveMaster::UpdateStatus() noexcept {
   status_.mode = OperationModeOf(inputs_.mode_display);
   status_.bits = StatusBitsOf(status_.mode.value_or(OperationMode::kNone), inputs_.statusword);
   status_.error_code = inputs_.error_code;
-  const BitSource& feedback = profile_.brake.engaged_feedback;
-  status_.is_brake_engaged = feedback.from == BitSource::From::kNowhere ? brake_engaged_ : Read(feedback);
+  if (profile_.brake.engaged_feedback.from != BitSource::From::kNowhere) {
+    status_.is_brake_engaged = Read(profile_.brake.engaged_feedback);
+  }
   if (profile_.safe_torque_off.from != BitSource::From::kNowhere) {
     status_.is_torque_safely_off = Read(profile_.safe_torque_off);
   }

@@ -32,8 +32,6 @@ class FrameQueue {
   /// Forgets all of them, so that nothing commanded before a stop goes out after it.
   void Purge() noexcept { size_ = 0; }
 
-  std::size_t size() const noexcept { return size_; }
-
  private:
   std::array<CanFrame, Capacity> frames_{};
   std::size_t first_{};

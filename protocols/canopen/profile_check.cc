@@ -86,6 +86,10 @@ bool Maps(const std::vector<PdoSetting>& pdos, PdoFlow flow, ObjectAddress addre
 
 void CheckPdos(const DriveProfile& profile, Findings& findings) {
   const std::vector<PdoSetting> pdos = PdosOf(profile, 1);
+  constexpr std::size_t kMostPdos = 16;
+  if (pdos.size() > kMostPdos) {
+    findings.push_back(fmt::format("pdos = {} are more than {}", pdos.size(), kMostPdos));
+  }
   std::set<std::uint32_t> cob_ids;
   const auto borne = profile.timing.stale_after_syncs * profile.timing.sync_period;
   for (const PdoSetting& pdo : pdos) {

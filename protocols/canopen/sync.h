@@ -39,9 +39,6 @@ class SyncMeter {
   /// Of the intervals since the last call; of none all zero.
   SyncIntervals Take() noexcept;
 
-  /// Forgets when the last SYNC was: after a pause that is meant.
-  void Restart() noexcept { last_.reset(); }
-
  private:
   std::optional<std::chrono::nanoseconds> last_;
   std::uint64_t count_{};

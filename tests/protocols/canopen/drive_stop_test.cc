@@ -207,12 +207,12 @@ TEST(Brake, IsReleasedByItsBitAndEngagedByEveryStop) {
   EXPECT_EQ(bench.master.SetBrake(false), DriveAnswer::kAccepted);
   bench.Cycle();
   EXPECT_EQ(bench.drive.digital_outputs, 1U);
-  bench.Cycle();
   EXPECT_FALSE(bench.master.status().is_brake_engaged);
   bench.master.Disable(bench.now);
   bench.Deliver();
   EXPECT_EQ(bench.drive.digital_outputs, 1U);  // not touched
   bench.master.QuickStop(bench.now);
+  EXPECT_TRUE(bench.master.status().is_brake_engaged);
   bench.Deliver();
   EXPECT_EQ(bench.drive.digital_outputs, 0U);
 }

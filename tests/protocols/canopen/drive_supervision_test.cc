@@ -255,7 +255,6 @@ TEST(DriveSupervision, SaysNothingMoreAfterGoingSilentWhateverHappens) {
   bench.master.GoSilent();
   bench.Hear("083#3081000000000000");
   bench.Hear("703#7F");
-  bench.master.QuickStop(bench.now);
   bench.drive.power = PowerState::kQuickStopActive;
   for (int i = 0; i < 100; ++i) bench.Cycle();
   EXPECT_EQ(bench.sent, Texts{});
@@ -263,6 +262,18 @@ TEST(DriveSupervision, SaysNothingMoreAfterGoingSilentWhateverHappens) {
   EXPECT_EQ(bench.master.Enable(kProfileVelocity, bench.now), DriveAnswer::kCommissionFirst);
   bench.drive.power = PowerState::kSwitchOnDisabled;
   EXPECT_TRUE(bench.BringUp());
+}
+
+TEST(DriveSupervision, BreaksItsSilenceForAQuickStop) {
+  Moving bench;
+  bench.master.GoSilent();
+  for (int i = 0; i < 5; ++i) bench.Cycle();
+  EXPECT_EQ(bench.sent, Texts{});
+  bench.master.QuickStop(bench.now);
+  bench.Deliver();
+  EXPECT_EQ(bench.SentTo("203"), Texts{"020003"});
+  ASSERT_TRUE(bench.CycleUntil(DriveStage::kStopped));
+  EXPECT_EQ(bench.master.ResetFault(bench.now), DriveAnswer::kCommissionFirst);
 }
 
 TEST(DriveTrouble, HasItsOwnWordsEach) {

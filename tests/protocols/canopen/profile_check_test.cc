@@ -70,6 +70,22 @@ TEST(CheckProfile, FindsPdosThatCannotBe) {
                       "two PDOs share the COB-ID 180h"}));
 }
 
+TEST(CheckProfile, FindsMorePdosThanADriveMayHave) {
+  EXPECT_EQ(CheckWith([](DriveProfile& p) {
+              p.pdos = StandardPdos(p);
+              for (std::uint16_t i = 0; i < 11; ++i) {
+                p.pdos.push_back({PdoFlow::kFromDrive,
+                                  static_cast<std::uint16_t>(10 + i),
+                                  0x490U + i,
+                                  1,
+                                  {},
+                                  {},
+                                  {{kErrorCodeObject, 16}}});
+              }
+            }),
+            (Findings{"pdos = 17 are more than 16"}));
+}
+
 TEST(CheckProfile, FindsAPdoThatMayComeLaterThanIsBorne) {
   EXPECT_EQ(CheckWith([](DriveProfile& p) {
               p.pdos = StandardPdos(p);

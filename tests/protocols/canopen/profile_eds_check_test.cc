@@ -146,10 +146,10 @@ TEST(CheckProfileAgainstEds, FindsValuesOutsideTheLimitsOfTheEds) {
 TEST(CheckProfileAgainstEds, FindsWhatCannotBeMapped) {
   EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
               eds.objects[{0x60FE, 1}].mappable = false;
-              eds.objects[{0x6040, 0}].access = kReadOnly;
+              eds.objects[{0x6060, 0}].access = kReadOnly;
               eds.objects[{0x6064, 0}].type = kInteger16;
             }),
-            (Findings{"6040h:00 Controlword: is mapped to be written, but can only be read",
+            (Findings{"6060h:00 Modes of operation: is mapped to be written, but can only be read",
                       "60FEh:01 Physical outputs: is mapped, but the EDS does not allow it",
                       "6064h:00 Position actual value: 32 bits mapped, 16 in the EDS"}));
 }
