@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
 #include <stdexcept>
 
 #include "tests/protocols/canopen/drive_node_fixture.h"
@@ -225,6 +227,41 @@ TEST_F(DriveNodeTest, SaysNothingAndHearsNothingWhileItIsSilent) {
   node.faults().silent = false;
   EXPECT_EQ(node.node_state(), NodeState::kOperational);
   EXPECT_EQ(Run(10), "701#05") << "what it would have said meanwhile must not come later";
+}
+
+// Frames of any id, length and content, most of them at the services of this node.
+TEST_F(DriveNodeTest, OutlivesWhateverComes) {
+  std::mt19937 random(7);
+  const auto pick = [&](std::uint32_t count) { return static_cast<std::uint32_t>(random() % count); };
+  constexpr std::uint32_t kIds[] = {0x000, 0x080, 0x201, 0x301, 0x401, 0x501, 0x601, 0x601, 0x601, 0x710};
+  Start();
+  int answers = 0;
+  for (int i = 0; i < 300000; ++i) {
+    CanFrame frame;
+    frame.id = pick(20) == 0 ? pick(0x800) : kIds[pick(std::size(kIds))];
+    frame.length = static_cast<std::uint8_t>(pick(4) == 0 ? pick(9) : 8);
+    for (std::size_t j = 0; j < frame.length; ++j) frame.data[j] = static_cast<std::uint8_t>(pick(256));
+    if (frame.id == 0x601 && pick(2) == 0) {  // at an object that there is
+      constexpr std::uint16_t kIndices[] = {0x1003, 0x1014, 0x1016, 0x1017, 0x1400,
+                                            0x1600, 0x1A00, 0x2000, 0x6040, 0x6092};
+      const std::uint16_t index = kIndices[pick(std::size(kIndices))];
+      frame.data[1] = static_cast<std::uint8_t>(index & 0xFF);
+      frame.data[2] = static_cast<std::uint8_t>(index >> 8);
+      frame.data[3] = static_cast<std::uint8_t>(pick(9));
+    }
+    frame.remote = pick(50) == 0;
+    frame.extended = pick(50) == 0;
+    node.OnFrame(frame, now);
+    CanFrame answer;
+    for (int j = 0; j < 200 && node.Next(answer); ++j, ++answers) ASSERT_LE(answer.length, 8);
+    if (pick(3) == 0) Run();
+    ASSERT_TRUE(std::isfinite(motor.command.position_inc) && std::isfinite(motor.command.speed_inc_per_s));
+    if (std::abs(motor.reading.position_inc) > 1e12) motor.reading.position_inc = 0.0;
+  }
+  EXPECT_GT(answers, 10000);
+  Give("000#81 01");
+  EXPECT_EQ(Run(), "701#00");
+  EXPECT_EQ(Give("601#40 18 10 02 00 00 00 00"), "581#43 18 10 02 02 04 00 00");
 }
 
 TEST(DriveNode, NamesTheObjectThatItsFileLacks) {

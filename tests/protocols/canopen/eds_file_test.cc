@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -259,6 +261,34 @@ TEST(ParseEds, TellsOfEverythingAtOnceInTheOrderOfTheFile) {
             "bad.eds:30:10: error: DataType '0' (expected a type of CiA 301 that is used here)\n"
             "bad.eds:31:12: error: AccessType '' (expected ro, wo, rw, rwr, rww or const)\n"
             "bad.eds:32:14: error: DefaultValue '0x00020192' (expected a number from 0 to 255)");
+}
+
+TEST(ParseEds, ReadsOrRefusesWhateverAFileHolds) {
+  std::mt19937 random(3);
+  int refused = 0;
+  for (int i = 0; i < 5000; ++i) {
+    std::string text(kGood);
+    for (int j = 0; j < 3; ++j) {
+      const std::size_t at = random() % text.size();
+      switch (random() % 3) {
+        case 0:
+          text[at] = static_cast<char>(random() % 256);
+          break;
+        case 1:
+          text.erase(at, random() % 40);
+          break;
+        default:
+          text.insert(at, text.substr(random() % text.size(), random() % 40));
+      }
+    }
+    try {
+      ParseEds(text, "bad.eds");
+    } catch (const std::runtime_error& error) {
+      ++refused;
+      ASSERT_TRUE(std::string_view(error.what()).starts_with("bad.eds:")) << error.what();
+    }
+  }
+  EXPECT_GT(refused, 1000);
 }
 
 TEST(EdsNumber, ReadsEachFormOfCia306) {
