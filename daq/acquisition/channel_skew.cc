@@ -15,7 +15,7 @@ namespace strainwave::daq::acquisition {
 namespace {
 
 constexpr int kMostRefinements = 20;
-constexpr double kRefinedTo_samples = 1e-9;
+constexpr double kRefinedToSamples = 1e-9;
 constexpr double kUnknowns = 3;
 constexpr int kSmoothing = 5;  // samples to each side
 constexpr double kLeastEigenvalue = 1e-10;
@@ -63,8 +63,9 @@ std::optional<int> BestLag(std::span<const double> first, std::span<const double
   std::optional<int> best;
   double highest = 0;
   for (int lag = -longest; lag <= longest; ++lag) {
-    const std::span<const double> shifted =
-        second.subspan(static_cast<std::size_t>(longest + lag), kept.size());
+    const int begin_index = longest + lag;
+    const auto begin = static_cast<std::size_t>(begin_index);
+    const std::span<const double> shifted = second.subspan(begin, kept.size());
     const double shifted_mean = Mean(shifted);
     double product = 0, power = 0;
     for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -173,7 +174,7 @@ std::optional<Skew> SkewByCorrelation(std::span<const double> first, std::span<c
     // Further than the neighbours of the best lag it cannot lie.
     delay = std::clamp(delay + refined->delay_change, *lag - 1.0, *lag + 1.0);
     gain = refined->gain;
-    if (std::abs(refined->delay_change) < kRefinedTo_samples || i + 1 == kMostRefinements) {
+    if (std::abs(refined->delay_change) < kRefinedToSamples || i + 1 == kMostRefinements) {
       const double variance = VarianceAbout(first, second, margin, delay, *refined);
       return Skew{delay / rate_hz, std::sqrt(variance / refined->information) / rate_hz};
     }

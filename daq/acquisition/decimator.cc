@@ -13,13 +13,13 @@ namespace strainwave::daq::acquisition {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLeastAttenuation_dB = 21;
-constexpr double kMostAttenuation_dB = 140;
-constexpr double kMargin_dB = 2;  // by which Kaiser's fitted formulas may fall short
+constexpr double kLeastAttenuationDb = 21;
+constexpr double kMostAttenuationDb = 140;
+constexpr double kMarginDb = 2;  // by which Kaiser's fitted formulas may fall short
 
-double KaiserBeta(double attenuation_dB) {
-  if (attenuation_dB > 50) return 0.1102 * (attenuation_dB - 8.7);
-  return 0.5842 * std::pow(attenuation_dB - 21, 0.4) + 0.07886 * (attenuation_dB - 21);
+double KaiserBeta(double attenuation_db) {
+  if (attenuation_db > 50) return 0.1102 * (attenuation_db - 8.7);
+  return 0.5842 * std::pow(attenuation_db - 21, 0.4) + 0.07886 * (attenuation_db - 21);
 }
 
 }  // namespace
@@ -29,17 +29,17 @@ std::vector<double> DecimationTaps(const DecimatorSettings& settings) {
   if (!(settings.pass_band > 0 && settings.pass_band < 1)) {
     throw std::invalid_argument(fmt::format("pass_band = {} is not between 0 and 1", settings.pass_band));
   }
-  if (!(settings.attenuation_dB >= kLeastAttenuation_dB && settings.attenuation_dB <= kMostAttenuation_dB)) {
-    throw std::invalid_argument(fmt::format("attenuation_dB = {} is not between {} and {}",
-                                            settings.attenuation_dB, kLeastAttenuation_dB,
-                                            kMostAttenuation_dB));
+  if (!(settings.attenuation_db >= kLeastAttenuationDb && settings.attenuation_db <= kMostAttenuationDb)) {
+    throw std::invalid_argument(fmt::format("attenuation_db = {} is not between {} and {}",
+                                            settings.attenuation_db, kLeastAttenuationDb,
+                                            kMostAttenuationDb));
   }
   if (settings.factor == 1) return {1.0};
-  const double attenuation_dB = settings.attenuation_dB + kMargin_dB;
+  const double attenuation_db = settings.attenuation_db + kMarginDb;
   const double transition = 2 * kPi * (1 - settings.pass_band) / settings.factor;
-  const double order = (attenuation_dB - 7.95) / (2.285 * transition);
+  const double order = (attenuation_db - 7.95) / (2.285 * transition);
   const auto half = static_cast<std::ptrdiff_t>(std::ceil(order / 2));
-  const double beta = KaiserBeta(attenuation_dB);
+  const double beta = KaiserBeta(attenuation_db);
   std::vector<double> taps;
   double sum = 0;
   for (std::ptrdiff_t k = -half; k <= half; ++k) {

@@ -11,7 +11,7 @@ namespace strainwave::daq::acquisition {
 struct DecimatorSettings {
   unsigned factor{1};         // samples in for one out
   double pass_band{0.8};      // of half the new rate: up to here nothing is touched and nothing folds in
-  double attenuation_dB{80};  // of what would fold into the pass band; the ripple there is as small
+  double attenuation_db{80};  // of what would fold into the pass band; the ripple there is as small
 };
 
 /// Taps of the linear-phase low-pass, an odd number of them with sum one: a Kaiser window by the formulas of

@@ -10,7 +10,7 @@ namespace strainwave::daq::acquisition {
 namespace {
 
 constexpr std::size_t kLeastResults = 3;
-constexpr double kHundredYears_days = 36525;
+constexpr double kHundredYearsInDays = 36525;
 constexpr double kSigmas = 2;
 
 const char* NameOf(CheckKind kind) {
@@ -82,7 +82,7 @@ std::optional<CheckTrend> TrendOf(std::span<const EarlierCheck> checks, const Ch
   const double now = mean + trend.slope_per_day * (checks.back().time_days - mean_time);
   const double limit = limits.expected + std::copysign(limits.allowed, trend.slope_per_day);
   const double days = std::max(0.0, (limit - now) / trend.slope_per_day);
-  if (days <= kHundredYears_days) trend.days_left = days;
+  if (days <= kHundredYearsInDays) trend.days_left = days;
   return trend;
 }
 

@@ -19,18 +19,18 @@ constexpr double kSilentAfter_s = 1.0;
 constexpr double kGoodAfter_s = 1.0;
 constexpr std::uint64_t kInARow = 3;
 constexpr double kLeastTimeStep_s = 1e-3;
-constexpr double kTimeStep_samples = 2;
+constexpr double kTimeStepInSamples = 2;
 // One false alarm in so many chances: a thousand channels at 100 kHz for the life of a bench.
 constexpr double kFalseAlarms = 1e-18;
 constexpr double kFlatSigmas = 9;
 constexpr double kFlattest = 0.3;  // of the noise: margin for a sensor that is quieter today
-constexpr double kLeastNoiseForFlat_quanta = 0.5;
-constexpr double kLeastNoiseForStuck_quanta = 1.0 / 3.0;
+constexpr double kLeastNoiseForFlatInQuanta = 0.5;
+constexpr double kLeastNoiseForStuckInQuanta = 1.0 / 3.0;
 
 // Samples of one value in a row that noise makes too rarely to matter. The worst case is a mean in the middle
 // of a step, where one value comes with the probability erf(quantum / (2 sqrt 2 noise)).
 std::uint64_t StuckAfter(const RawLimits& limits, double rate_hz) {
-  if (!(limits.noise > 0) || limits.noise < kLeastNoiseForStuck_quanta * limits.quantum) return 0;
+  if (!(limits.noise > 0) || limits.noise < kLeastNoiseForStuckInQuanta * limits.quantum) return 0;
   // A float that is not quantised never repeats.
   const double same = std::max(std::erf(limits.quantum / (2 * std::sqrt(2.0) * limits.noise)), 1e-6);
   const double samples =
@@ -41,7 +41,7 @@ std::uint64_t StuckAfter(const RawLimits& limits, double rate_hz) {
 // The window and the deviation below which it is no honest noise, by the chi-square distribution (Wilson and
 // Hilferty's cube).
 void SetFlat(const RawLimits& limits, double rate_hz, WatchAbility& ability) {
-  if (!(limits.noise > 0) || limits.noise < kLeastNoiseForFlat_quanta * limits.quantum) return;
+  if (!(limits.noise > 0) || limits.noise < kLeastNoiseForFlatInQuanta * limits.quantum) return;
   // The fault may begin within a window; the next whole one then ends in time.
   const double samples =
       std::max(std::floor(kFlatWindow_s * rate_hz), std::min(40.0, std::floor(kFoundWithin_s * rate_hz / 2)));
@@ -120,7 +120,7 @@ bool SensorWatch::TimeSteps(const BlockHeader& header, double& step_s) noexcept 
            samples / source_.rate_hz;
   // A rate that is off by 1 in 1000 is not a step.
   const double allowed_s =
-      std::max(kLeastTimeStep_s, kTimeStep_samples / source_.rate_hz) + 1e-3 * samples / source_.rate_hz;
+      std::max(kLeastTimeStep_s, kTimeStepInSamples / source_.rate_hz) + 1e-3 * samples / source_.rate_hz;
   return std::abs(step_s) > allowed_s;
 }
 

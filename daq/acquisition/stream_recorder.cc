@@ -36,7 +36,7 @@ std::uint64_t HighestNumber(const std::filesystem::path& folder, const std::stri
 
 }  // namespace
 
-StreamRecorder::StreamRecorder(RecorderSettings settings, SourceDescription source)
+StreamRecorder::StreamRecorder(const RecorderSettings& settings, SourceDescription source)
     : settings_(Checked(settings)),
       source_(std::move(source)),
       ring_(settings_.ring_blocks, SampleBlock(source_.channels.size() * source_.most_samples_a_block)),

@@ -43,7 +43,7 @@ class StreamRecorder {
  public:
   /// The first file's number follows the highest one of that name in the folder, unfinished files included.
   /// @throws std::invalid_argument for settings that hold nothing; DataFileError.
-  StreamRecorder(RecorderSettings settings, SourceDescription source);
+  StreamRecorder(const RecorderSettings& settings, SourceDescription source);
   StreamRecorder(const StreamRecorder&) = delete;
   StreamRecorder& operator=(const StreamRecorder&) = delete;
   /// Finishes the open file; what goes wrong then is told by `Finish()` alone.

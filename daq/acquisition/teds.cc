@@ -28,8 +28,8 @@ constexpr std::uint64_t kLeastManufacturer = 17;
 constexpr std::uint64_t kMostManufacturer = 16381;
 constexpr std::uint64_t kLetters = 26;
 
-template <std::size_t count>
-bool IsAmong(std::string_view name, const std::string_view (&names)[count]) {
+template <std::size_t Count>
+bool IsAmong(std::string_view name, const std::string_view (&names)[Count]) {
   return std::find(std::begin(names), std::end(names), name) != std::end(names);
 }
 
@@ -40,6 +40,11 @@ std::uint64_t DemandRange(const char* name, std::uint64_t value, std::uint64_t l
 
 // Letters count from 1, as in the five-bit characters of the standard.
 std::uint64_t DemandLetter(std::uint64_t value) { return DemandRange("Version Letter", value, 1, kLetters); }
+
+std::uint64_t LetterNumber(char letter) {
+  const int number = letter - 'A' + 1;
+  return static_cast<std::uint64_t>(number);
+}
 
 double NumberIn(const std::string& name, const std::string& text) {
   const std::optional<double> number = NumberFromText(text);
@@ -82,7 +87,7 @@ std::array<std::uint8_t, kBasicTeds_bytes> BytesOf(const BasicTeds& teds) {
       DemandRange("Manufacturer ID", teds.manufacturer_id, kLeastManufacturer, kMostManufacturer),
       kManufacturerBits);
   put("Model Number", teds.model_number, kModelBits);
-  put("Version Letter", DemandLetter(static_cast<std::uint64_t>(teds.version_letter - 'A' + 1)), kLetterBits);
+  put("Version Letter", DemandLetter(LetterNumber(teds.version_letter)), kLetterBits);
   put("Version Number", teds.version_number, kVersionBits);
   put("Serial Number", teds.serial_number, kSerialBits);
   std::array<std::uint8_t, kBasicTeds_bytes> bytes{};

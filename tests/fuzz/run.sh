@@ -3,7 +3,7 @@
 # usage: tests/fuzz/run.sh NAME [SECONDS]   fuzzes tests/fuzz/fuzz_NAME.cc, 600 s if not told otherwise
 #
 # Builds it with clang's libFuzzer, address and undefined-behaviour sanitizers in build-fuzz/. What it finds new is
-# kept there; a corpus that covers as much with fewer inputs replaces tests/fuzz/corpus/NAME at the end. The sources
+# kept there; a small corpus that reaches the same edges replaces tests/fuzz/corpus/NAME at the end. The sources
 # and pkg-config libraries of a target are in its own lines "// sources:" and "// libraries:".
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -26,5 +26,5 @@ mkdir -p "$build/$name" "$kept"
 "$build/fuzz_$name" -max_total_time="$seconds" -max_len=4096 -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
   -artifact_prefix="$build/$name-" "$build/$name" "$kept"
 mkdir "$build/$name.merged"
-"$build/fuzz_$name" -merge=1 -max_len=4096 "$build/$name.merged" "$kept" "$build/$name"
+"$build/fuzz_$name" -merge=1 -set_cover_merge=1 -use_counters=0 -max_len=4096 "$build/$name.merged" "$kept" "$build/$name"
 rm -rf "${kept:?}" && mv "$build/$name.merged" "$kept"

@@ -21,8 +21,8 @@ constexpr char kTimeStamp[] = "timestamp";
 constexpr std::uint64_t kMostBits = 32;
 constexpr std::chrono::milliseconds kLook{1};  // how often the ring is looked at while it is empty
 
-[[noreturn]] void Throw(int error, std::string what) {
-  throw std::system_error(error, std::generic_category(), std::move(what));
+[[noreturn]] void Throw(int error, const std::string& what) {
+  throw std::system_error(error, std::generic_category(), what);
 }
 
 std::optional<double> NumberFrom(ssize_t (*read)(const iio_channel*, const char*, char*, std::size_t),
@@ -68,8 +68,8 @@ bool IioSource::has_time_stamps() const { return device_ && device_->time_stamp 
 void IioSource::Start() {
   Stop();
   device_ = std::make_unique<Device>();
-  const std::string uri(settings_.uri.c_str());  // of its own: libiio 0.24 cuts the port off in place
-  device_->context.reset(iio_create_context_from_uri(uri.c_str()));
+  std::string uri = settings_.uri;  // of its own: libiio 0.24 cuts the port off in place
+  device_->context.reset(iio_create_context_from_uri(uri.data()));
   if (!device_->context) Throw(errno, fmt::format("no IIO context at '{}'", settings_.uri));
   device_->device = iio_context_find_device(device_->context.get(), settings_.device.c_str());
   if (device_->device == nullptr) {

@@ -52,7 +52,7 @@ void TcpStreamDecoder::Reset() {
 
 std::span<std::byte> TcpStreamDecoder::Room() {
   // Bytes move to the front only when the room behind them gets short.
-  if (buffer_.size() - end_ < buffer_.size() / 4) {
+  if (begin_ > 0 && buffer_.size() - end_ < buffer_.size() / 4) {
     std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
               buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
     end_ -= begin_;

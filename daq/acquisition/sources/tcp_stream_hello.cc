@@ -55,9 +55,9 @@ std::optional<double> LimitIn(const json& object, const char* name) {
 }
 
 const json& ObjectIn(const json& object, const char* name) {
-  static const json kNone = json::object();
+  static const json none = json::object();
   const json* const value = Find(object, name);
-  if (value == nullptr) return kNone;
+  if (value == nullptr) return none;
   if (!value->is_object()) throw std::invalid_argument(fmt::format("{} is not an object", name));
   return *value;
 }
@@ -108,8 +108,9 @@ SourceDescription SourceDescriptionFromJson(std::string_view text) {
     throw std::invalid_argument(
         fmt::format("channels is not a list of 1 to {}", TcpStreamDecoder::kMostChannels));
   }
-  const auto most = static_cast<double>(TcpStreamDecoder::kMostPayload_bytes / 4 / channels->size() - 6);
-  source.most_samples_a_block = static_cast<std::uint32_t>(NumberIn(hello, "most_samples_a_block", 1, most));
+  const std::size_t most = TcpStreamDecoder::kMostPayload_bytes / 4 / channels->size() - 6;
+  source.most_samples_a_block =
+      static_cast<std::uint32_t>(NumberIn(hello, "most_samples_a_block", 1, static_cast<double>(most)));
   std::set<std::string> names;
   for (const json& channel : *channels) {
     source.channels.push_back(ChannelFrom(channel));

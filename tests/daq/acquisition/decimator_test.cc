@@ -56,9 +56,9 @@ double GainAt(double frequency, const DecimatorSettings& settings) {
 
 TEST(Decimator, PassesAndStopsAsStatedInASweepOfSines) {
   for (const unsigned factor : {2U, 3U, 10U, 16U}) {
-    for (const double attenuation_dB : {60.0, 90.0}) {
-      const DecimatorSettings settings{.factor = factor, .pass_band = 0.8, .attenuation_dB = attenuation_dB};
-      const double allowed = std::pow(10, -attenuation_dB / 20);
+    for (const double attenuation_db : {60.0, 90.0}) {
+      const DecimatorSettings settings{.factor = factor, .pass_band = 0.8, .attenuation_db = attenuation_db};
+      const double allowed = std::pow(10, -attenuation_db / 20);
       const double nyquist = 0.5 / factor;
       for (int i = 0; i <= 8; ++i) {  // 2e-7: outputs are floats
         EXPECT_NEAR(GainAt(nyquist * 0.8 * i / 8, settings), 1, allowed + 2e-7) << factor << " pass " << i;
@@ -152,8 +152,8 @@ TEST(Decimator, RefusesWhatNoFilterIs) {
             "factor = 0 is not above zero");
   EXPECT_EQ(MessageOf<std::invalid_argument>([] { DecimationTaps({.factor = 2, .pass_band = 1}); }),
             "pass_band = 1 is not between 0 and 1");
-  EXPECT_EQ(MessageOf<std::invalid_argument>([] { DecimationTaps({.factor = 2, .attenuation_dB = 10}); }),
-            "attenuation_dB = 10 is not between 21 and 140");
+  EXPECT_EQ(MessageOf<std::invalid_argument>([] { DecimationTaps({.factor = 2, .attenuation_db = 10}); }),
+            "attenuation_db = 10 is not between 21 and 140");
 }
 
 }  // namespace
