@@ -120,7 +120,8 @@ std::string WordsOf(const Judge& judge, const ModelFit& fit, std::span<const Fin
 
 Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   Diagnosis diagnosis;
-  diagnosis.weights.assign(study.measured().size(), 1.0);
+  diagnosis.weights.assign(study.Weights().begin(), study.Weights().end());
+  if (diagnosis.weights.empty()) diagnosis.weights.assign(study.measured().size(), 1.0);
   for (int round = 0; round < 2; ++round) {
     const ModelFit fit = study.Fit(options.given_causes, diagnosis.weights, nullptr, FitPurpose::kCompare);
     if (!LeaveOutSpikes(study, fit, diagnosis.weights)) break;

@@ -43,11 +43,10 @@ Eigen::MatrixXd FitCovariance(const Eigen::MatrixXd& sensitivities, std::span<co
   for (std::size_t i = 0; i < measured.size(); ++i) {
     residual[i] -= predicted(static_cast<Index>(i));
     if (weights[i] > 0.0) {
-      square_sum += residual[i] * residual[i];
+      square_sum += weights[i] * residual[i] * residual[i];
       count += 1.0;
-    } else {
-      used.row(static_cast<Index>(i)).setZero();
     }
+    used.row(static_cast<Index>(i)) *= std::sqrt(weights[i]);
   }
   // Columns of one size: parameters in radians and in turns share a matrix.
   Eigen::VectorXd scale(p);

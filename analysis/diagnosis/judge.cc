@@ -29,10 +29,10 @@ constexpr double kLeastBicOfMany = -40.0;
 
 }  // namespace
 
-bool IsBeyondChance(const Comparison& comparison, double corrected_p_value, double error) {
-  return corrected_p_value < error &&
-         comparison.delta_bic >
-             std::clamp(kLeastBicEach * comparison.more_parameters, kLeastBicOfMany, kLeastBic);
+bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double corrected_p_value,
+                    double error) {
+  const double least = std::clamp(kLeastBicEach * comparison.more_parameters, kLeastBicOfMany, kLeastBic);
+  return corrected_p_value < error && comparison.delta_bic > rule.least_bic.value_or(least);
 }
 
 Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOptions&)
@@ -104,7 +104,9 @@ double Judge::HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const 
   const std::vector<double>& before = known->residuals;
   const std::vector<double> after = HeldOutResiduals(study_, weights_, used, richer);
   double gain = 0.0;
-  for (std::size_t i = 0; i < before.size(); ++i) gain += before[i] * before[i] - after[i] * after[i];
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    gain += weights_[i] * (before[i] * before[i] - after[i] * after[i]);
+  }
   double inflation = 1.0;
   if (noise.order > 0) inflation = VarianceInflation(ResidualsOf(study_, richer));
   const double variance = noise.innovation_sd * noise.innovation_sd;

@@ -30,9 +30,11 @@ std::vector<int> LagsBefore(std::span<const double> weights, std::span<const std
 
 }  // namespace
 
-NoiseFit FitNoise(std::span<const double> residual, std::span<const double> weights,
+NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> weights,
                   std::span<const std::size_t> stretches, int largest_order, double scale) {
   NoiseFit fit;
+  std::vector<double> residual(unweighted.begin(), unweighted.end());
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] *= std::sqrt(std::max(0.0, weights[i]));
   const std::vector<int> lags = LagsBefore(weights, stretches, largest_order);
   const double least_variance = 1e-24 * scale * scale;
   double square_sum = 0.0;

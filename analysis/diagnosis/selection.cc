@@ -109,8 +109,8 @@ double ErrorAllowed(const ScoredModel& model, std::size_t given, const DiagnoseO
 }
 
 bool LooksPossible(const Judge& judge, const Candidate& candidate, double error) {
-  const double p = judge.Corrected(candidate.against.p_value, judge.study().causes()[candidate.cause]);
-  return IsBeyondChance(candidate.against, p, error);
+  const CauseRule& rule = judge.study().causes()[candidate.cause];
+  return IsBeyondChance(candidate.against, rule, judge.Corrected(candidate.against.p_value, rule), error);
 }
 
 // Effects none of which shows while the others are still in the residual: slow ones pass together for the
@@ -227,8 +227,9 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
     if (Contains(given, cause) || model.fit.causes.size() < 2) continue;
     ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     const Comparison comparison = judge.Compare(model, without);
-    const double p = judge.Corrected(comparison.p_value, judge.study().causes()[cause]);
-    if (IsBeyondChance(comparison, p, options.family_error)) continue;
+    const CauseRule& rule = judge.study().causes()[cause];
+    const double p = judge.Corrected(comparison.p_value, rule);
+    if (IsBeyondChance(comparison, rule, p, options.family_error)) continue;
     model = std::move(without);
     return true;
   }
@@ -282,7 +283,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const Comparison comparison = judge.Compare(with, without);
   CandidateResult result{
       cause, {comparison.delta_bic, judge.Corrected(comparison.p_value, rule), 0.0}, false, {}};
-  if (!IsBeyondChance(comparison, result.evidence.p_value, error_allowed)) {
+  if (!IsBeyondChance(comparison, rule, result.evidence.p_value, error_allowed)) {
     result.objection = "not beyond chance";
     return result;
   }

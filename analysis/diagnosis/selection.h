@@ -31,7 +31,8 @@ struct Comparison {
 
 /// Whether what the richer model has more is no play of chance: by the p-value, corrected for all that was
 /// looked at, with BIC as a bound.
-bool IsBeyondChance(const Comparison& comparison, double corrected_p_value, double error);
+bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double corrected_p_value,
+                    double error);
 
 /// Fits and compares sets of causes of one study under one set of weights.
 class Judge {

@@ -112,7 +112,7 @@ double KnownBefore(const TermSet& set, const SeparableSolution& solution, std::s
   }
   if (known.empty()) return 0.0;
   const Eigen::Map<const Eigen::VectorXd> weight(weights.data(), static_cast<Eigen::Index>(weights.size()));
-  const double samples = weight.sum();
+  const auto samples = static_cast<double>((weight.array() > 0.0).count());
   const double variance = std::max(solution.weighted_square_sum / std::max(samples, 1.0), 1e-300);
   const Eigen::MatrixXd rows = weight.cwiseSqrt().asDiagonal() * Sensitivities(set, solution);
   const Eigen::MatrixXd by_known = rows(Eigen::all, known);

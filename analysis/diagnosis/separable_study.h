@@ -55,6 +55,7 @@ struct SeparableTerm {
 struct SeparableModel {
   std::vector<double> measured;
   std::vector<std::size_t> stretches{0};
+  std::vector<double> weights;  // as Study::Weights
   std::vector<SeparableTerm> nominal;
   std::vector<SeparableTerm> causes;  // in the order of `rules`
   std::vector<CauseRule> rules;
@@ -85,6 +86,7 @@ class SeparableStudy final : public Study {
   std::string unit() const override { return model_.unit; }
   double unit_per_si() const override { return model_.unit_per_si; }
   double NoiseFloor() const override { return model_.noise_floor; }
+  std::span<const double> Weights() const override { return model_.weights; }
   double FilteredOutVariance() const override { return model_.filtered_out_variance; }
   std::size_t BlockLength() const override { return model_.block_length; }
   int LargestNoiseOrder() const override { return model_.largest_noise_order; }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,6 +51,9 @@ struct CauseRule {
   /// overlap or the likelihood ratio is no χ², as many as make p < 0.05 in one of twenty clean records
   /// (checked on 480 of tests/blind).
   double trials{1.0};
+  /// BIC that it has to bring; by default somewhat less than nothing will do (judge.cc). For a cause whose
+  /// shapes mean nothing where it is not there, so that its likelihood ratio is no χ².
+  std::optional<double> least_bic{};
   /// Stays within a short stretch of the record, so that it is held out in short blocks.
   bool local{};
   /// False for a correction: a shape without a physical cause, which competes with the causes so that none
@@ -126,6 +130,10 @@ class Study {
   /// Standard deviation of the noise without a model, SI: from repeats at equal position where the record has
   /// them, else from what changes fastest. 0 where the record cannot tell.
   virtual double NoiseFloor() const = 0;
+
+  /// Weight of each sample from the start, in (0, 1]: the noise's variance over the variance that is expected
+  /// there, where the study knows of errors that come and go. Empty: all count alike.
+  virtual std::span<const double> Weights() const { return {}; }
 
   /// Variance of the noise, SI², that a low-pass of the study's own took from the response: added again to
   /// all that is reported as RMSE or noise, so that these are the record's.

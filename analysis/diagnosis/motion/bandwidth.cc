@@ -30,32 +30,25 @@ std::size_t RowStride(double sigma_s, double step_s) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(kRowSpacing * sigma_s / step_s));
 }
 
-// What the low-pass lets through that the one half an octave lower does not.
-KernelTaps BandKernel(double sigma_s, double step_s, int derivative) {
-  KernelTaps band = MakeKernel(kHalfOctave * sigma_s, step_s, derivative);
-  const KernelTaps narrow = MakeKernel(sigma_s, step_s, derivative);
-  for (double& tap : band.taps) tap = -tap;
-  for (std::size_t k = 0; k < narrow.taps.size(); ++k)
-    band.taps[band.reach - narrow.reach + k] += narrow.taps[k];
-  return band;
-}
-
 // What half an octave holds of acceleration and torque.
 struct Band {
   double xx{};  // sums over samples as far apart as the band is wide
   double xy{};
   double yy{};
   double count{};
-  double motion_noise{};  // expected of xx and yy
+  std::vector<double> moving;  // all x while the axis moves
+  double motion_noise{};       // expected of xx and yy
   double torque_noise{};
   double spacing_s{};
 };
 
 Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity) {
   Band band;
+  std::vector<double> motion;
+  std::vector<double> speeds;
   for (const EvenStretch& stretch : samples.stretches) {
-    const KernelTaps of_motion = BandKernel(sigma_s, stretch.step_s, by_velocity ? 1 : 2);
-    const KernelTaps of_torque = BandKernel(sigma_s, stretch.step_s, 0);
+    const KernelTaps of_motion = MakeBandKernel(sigma_s, stretch.step_s, by_velocity ? 1 : 2);
+    const KernelTaps of_torque = MakeBandKernel(sigma_s, stretch.step_s, 0);
     const std::size_t reach = std::max(of_motion.reach, of_torque.reach);
     const std::size_t stride = RowStride(sigma_s, stretch.step_s);
     double count = 0.0;
@@ -63,6 +56,8 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
       const double x = of_motion.At(Moved(stretch, by_velocity), i);
       const double y = of_torque.At(stretch.torque, i);
       band.xx += x * x;
+      motion.push_back(x);
+      speeds.push_back((stretch.position[i + 1] - stretch.position[i - 1]) / stretch.step_s);
       band.xy += x * y;
       band.yy += y * y;
       count += 1.0;
@@ -73,7 +68,20 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
     band.count += count;
     band.spacing_s = std::max(band.spacing_s, static_cast<double>(stride) * stretch.step_s);
   }
+  const double moves = kMoving * QuantileOfMagnitude(speeds, 0.95);
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    if (std::abs(speeds[i]) > moves) band.moving.push_back(motion[i]);
+  }
   return band;
+}
+
+// Noise of the path may be wilder than its white part: where time stamps jitter it comes and goes with the
+// speed. The top of the spectrum says how much, by its quantile: short bursts of acceleration, which reach up
+// there, are no noise.
+double Wildness(const Band& top) {
+  if (!(top.motion_noise > 0.0)) return 1.0;
+  const double deviation = UsualSize(top.moving);
+  return std::max(1.0, deviation * deviation * top.count / top.motion_noise);
 }
 
 // Whether motion would be lost with the band. Where the torque has nothing but noise there, correlation says
@@ -149,10 +157,8 @@ struct Choice {
 // The widest smoothing that takes nothing away which shows in the torque, nor much of the acceleration.
 Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narrowest, double widest,
                  bool by_velocity) {
-  // Noise of the path may be wilder than its white part: where time stamps jitter it comes and goes with the
-  // speed. The top of the spectrum says how much.
   const Band top = MeasureBand(samples, narrowest, by_velocity);
-  const double wildness = top.motion_noise > 0.0 ? std::max(1.0, top.xx / top.motion_noise) : 1.0;
+  const double wildness = Wildness(top);
   std::vector<Choice> choices;
   double kept = 0.0;
   double inertia = 0.0;  // by the widest smoothing that sees the motion: noise shrinks it least there

@@ -238,6 +238,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                       {inertia_name, units.inertia(), 0.0, 1.3 * inertia, true}},
        .degrees_of_freedom = 5,
        .trials = 40.0,
+       .least_bic = 0.0,
        .to_settle =
            units.linear
                ? ""

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "analysis/decompositions.h"
+#include "analysis/diagnosis/motion/jolts.h"
 #include "analysis/diagnosis/motion/rows.h"
 #include "analysis/diagnosis/temperature.h"
 
@@ -121,6 +122,23 @@ void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque, double del
   SetDirection(grid, width);
 }
 
+// Rows count by how well their acceleration is known. What is wrong with it around a jolt is no chance: all
+// its rows are wrong together, and are worth no more than one that is.
+std::vector<double> WeightsOf(const MotionGrid& grid, double inertia) {
+  std::vector<double> weights(grid.rows(), 1.0);
+  const double noise = std::max(grid.noise_floor, 1e-300);
+  const auto error = [&](std::size_t row) {
+    return inertia / noise * grid.acceleration_error[grid.point_of_row[row]];
+  };
+  for (std::size_t row = 0; row < weights.size();) {
+    std::size_t next = row + 1;
+    while (next < weights.size() && error(row) != 0.0 && error(next) != 0.0) ++next;
+    const auto together = static_cast<double>(next - row);
+    for (; row < next; ++row) weights[row] = 1.0 / (1.0 + together * error(row) * error(row));
+  }
+  return weights;
+}
+
 // Standard error of the inertia, of the nominal model alone.
 double InertiaError(const MotionGrid& grid) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
@@ -133,16 +151,6 @@ double InertiaError(const MotionGrid& grid) {
 }
 
 }  // namespace
-
-double QuantileOfMagnitude(std::span<const double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::vector<double> magnitudes;
-  for (const double value : values) magnitudes.push_back(std::abs(value));
-  const auto place =
-      magnitudes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(magnitudes.begin(), place, magnitudes.end());
-  return *place;
-}
 
 std::size_t MotionGrid::Reversals() const {
   std::size_t reversals = 0;
@@ -287,6 +295,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
       std::hypot(gain(0) * samples.torque_noise,
                  bandwidth.inertia * (bandwidth.by_velocity ? gain(1) * samples.velocity_noise
                                                             : gain(2) * samples.position_noise));
+  grid.acceleration_error = AddJolts(samples, bandwidth, layouts, grid);
   ChooseMotionRows(samples, layouts, bandwidth.coulomb, expected_delay_s, grid);
   const auto rows = static_cast<Index>(grid.rows());
   if (grid.rows() < kFewestRows) {
@@ -306,6 +315,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   const Eigen::VectorXd torque = grid.ProjectPassed(grid.passed_torque);
   SetDirection(grid, grid.velocity_noise);
   ChooseSignWidth(grid, torque, passage_delay_s);
+  grid.weights = WeightsOf(grid, bandwidth.inertia);
   grid.measured.assign(torque.data(), torque.data() + rows);
   grid.prefit = LeastSquares(grid.nominal, torque);
   grid.inertia_error = InertiaError(grid);

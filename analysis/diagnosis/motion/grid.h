@@ -52,12 +52,14 @@ struct MotionGrid {
   std::vector<double> temperature_degC;  // empty: none; as smooth as temperatures are
   std::vector<double> passed_acceleration;
   std::vector<double> passed_torque;
+  std::vector<double> acceleration_error;  // around jolts (motion/jolts.h): how wrong the acceleration may be
 
   // Rows.
   std::vector<std::size_t> point_of_row;
   std::vector<std::size_t> stretch_of_row;
   std::vector<std::size_t> response_stretches;  // first row of each run without a gap
   std::vector<double> measured;                 // torque, low-passed
+  std::vector<double> weights;                  // less than one where the acceleration is known badly
   Eigen::MatrixXd nominal;        // rows × (acceleration, velocity, direction, one for each record)
   Eigen::MatrixXd nominal_basis;  // orthonormal, of the same space
   Eigen::VectorXd prefit;         // the nominal numbers by least squares
@@ -98,8 +100,5 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
 /// Columns of effects that may be in any record, so that they do not decide on its details: drag, asymmetry,
 /// load, drift, weight.
 Eigen::MatrixXd UsualEffects(const MotionGrid& grid);
-
-/// Value below which `share` of |values| lie.
-double QuantileOfMagnitude(std::span<const double> values, double share);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "analysis/units.h"
 
@@ -59,6 +60,15 @@ KernelTaps MakeKernel(double sigma_s, double step_s, int derivative, double shif
     for (double& tap : kernel.taps) tap -= sum / static_cast<double>(kernel.taps.size());
   }
   return kernel;
+}
+
+KernelTaps MakeBandKernel(double sigma_s, double step_s, int derivative) {
+  KernelTaps band = MakeKernel(std::numbers::sqrt2 * sigma_s, step_s, derivative);
+  const KernelTaps narrow = MakeKernel(sigma_s, step_s, derivative);
+  for (double& tap : band.taps) tap = -tap;
+  for (std::size_t k = 0; k < narrow.taps.size(); ++k)
+    band.taps[band.reach - narrow.reach + k] += narrow.taps[k];
+  return band;
 }
 
 double NoiseGain(const KernelTaps& kernel) {

@@ -104,6 +104,21 @@ double WhiteNoise(std::span<const double> samples) {
   return least;
 }
 
+double QuantileOfMagnitude(std::span<const double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::vector<double> magnitudes;
+  for (const double value : values) magnitudes.push_back(std::abs(value));
+  const auto place =
+      magnitudes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(magnitudes.begin(), place, magnitudes.end());
+  return *place;
+}
+
+double UsualSize(std::span<const double> values) {
+  constexpr double kNormalQuantile = 1.28155;  // four fifths of a standard normal distribution
+  return QuantileOfMagnitude(values, 0.8) / kNormalQuantile;
+}
+
 MotionSamples PrepareMotion(std::span<const MotionData> records) {
   MotionSamples samples;
   samples.records = records.size();

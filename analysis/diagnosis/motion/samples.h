@@ -45,4 +45,14 @@ MotionSamples PrepareMotion(std::span<const MotionData> records);
 /// the eighth, that leaves least, so that no motion counts. 0 for fewer than 16 samples.
 double WhiteNoise(std::span<const double> samples);
 
+/// Value below which `share` of |values| lie.
+double QuantileOfMagnitude(std::span<const double> values, double share);
+
+/// Standard deviation of values that are normal but for up to a tenth of them, by the magnitude that four
+/// fifths stay below: short jolts do not count in it, noise that comes and goes with the speed does.
+double UsualSize(std::span<const double> values);
+
+/// Of the 95 % quantile of the speed, from which on an axis moves.
+inline constexpr double kMoving = 0.1;
+
 }  // namespace strainwave::analysis::diagnosis

@@ -89,6 +89,7 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   SeparableModel model;
   model.measured = grid->measured;
   model.stretches = grid->response_stretches;
+  model.weights = grid->weights;
   model.warnings = samples.warnings;
   model.unit = units.torque();
   model.noise_floor = grid->noise_floor;

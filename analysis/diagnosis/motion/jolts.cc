@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/motion/jolts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kStandsOut = 2.5;  // times the noise of a band, from which on a jolt shows in it
+constexpr double kFast = 0.5;       // of the 95 % quantile of the speed: where noise that goes with it shows
+constexpr double kAround = 2.0;     // σ to either side, over which a band's size at a place is taken
+constexpr double kBeyond = 0.3;     // of the last band: what lies beyond it and folds back into the torque
+// A band over the one half an octave lower, at most: a kink in the acceleration.
+const double kSlowestDecay = 1.0 / std::numbers::sqrt2;
+
+// Half an octave of the acceleration, at the points.
+struct Band {
+  std::vector<double> values;
+  std::vector<double> mean_squares;  // around each
+  std::vector<double> noise;         // standard deviations
+};
+
+// Mean squares over `half` points to either side.
+void AddMeanSquares(std::span<const double> values, std::size_t half, std::vector<double>& means) {
+  std::vector<double> sums(values.size() + 1, 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i) sums[i + 1] = sums[i] + values[i] * values[i];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t from = i > half ? i - half : 0;
+    const std::size_t to = std::min(i + half + 1, values.size());
+    means.push_back((sums[to] - sums[from]) / static_cast<double>(to - from));
+  }
+}
+
+Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                 std::span<const PointLayout> layouts, const MotionGrid& grid, double sigma_s) {
+  Band band;
+  band.values.assign(grid.time_s.size(), 0.0);
+  const double top_speed = QuantileOfMagnitude(grid.velocity, 0.95);
+  std::vector<double> moving;
+  std::vector<double> by_speed;  // where it is fast
+  double white = 0.0;
+  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
+    const MotionGrid::Stretch& stretch = grid.stretches[s];
+    const EvenStretch& raw = samples.stretches[s];
+    const std::vector<double>& moved = bandwidth.by_velocity ? raw.velocity : raw.position;
+    const KernelTaps kernel = MakeBandKernel(sigma_s, raw.step_s, bandwidth.by_velocity ? 1 : 2);
+    const double of_path = bandwidth.by_velocity ? samples.velocity_noise : samples.position_noise;
+    white = std::max(white, NoiseGain(kernel) * of_path);
+    for (std::size_t i = 0; i < stretch.count; ++i) {
+      const std::size_t sample = layouts[s].SampleOf(i);
+      if (sample < kernel.reach || sample + kernel.reach >= moved.size()) continue;
+      const double value = kernel.At(moved, sample);
+      const double speed = std::abs(grid.velocity[stretch.first + i]);
+      band.values[stretch.first + i] = value;
+      if (speed > kMoving * top_speed) moving.push_back(value);
+      if (speed > kFast * top_speed) by_speed.push_back(value / speed);
+    }
+    const auto half = static_cast<std::size_t>(kAround * sigma_s / stretch.step_s);
+    AddMeanSquares({band.values.data() + stretch.first, stretch.count}, half, band.mean_squares);
+  }
+  const double everywhere = std::max(white, UsualSize(moving));
+  const double with_speed = UsualSize(by_speed);
+  for (const double velocity : grid.velocity)
+    band.noise.push_back(std::max(everywhere, with_speed * std::abs(velocity)));
+  return band;
+}
+
+// What the bands have shown of a jolt at a point so far.
+struct Trace {
+  bool shows{true};
+  double size{};   // in the last band
+  double decay{};  // from band to band
+};
+
+}  // namespace
+
+std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                             std::span<const PointLayout> layouts, MotionGrid& grid) {
+  std::vector<Trace> traces(grid.time_s.size());
+  std::vector<double> variances(grid.time_s.size(), 0.0);
+  // From two bands that the smoothing has left, which show how a jolt goes on, to the end of the low-pass.
+  for (double sigma_s = bandwidth.path_sigma_s * std::numbers::sqrt2; sigma_s > 0.99 * bandwidth.sigma_s;
+       sigma_s /= std::numbers::sqrt2) {
+    const bool left = sigma_s > 0.99 * bandwidth.path_sigma_s;
+    const bool last = sigma_s < 1.01 * bandwidth.sigma_s;
+    const Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
+    for (std::size_t i = 0; i < traces.size(); ++i) {
+      Trace& trace = traces[i];
+      if (!trace.shows) continue;
+      const double usual = kStandsOut * band.noise[i];
+      const double share = usual * usual / std::max(band.mean_squares[i], 1e-300);
+      const double size = std::sqrt(band.mean_squares[i]);
+      if (left) {
+        trace.shows = share < 1.0;
+        trace.decay = trace.size > 0.0 ? std::min(size / trace.size, kSlowestDecay) : kSlowestDecay;
+        trace.size = size;
+      } else if (share < 1.0 && std::abs(bandwidth.inertia) * band.noise[i] < grid.noise_floor) {
+        grid.passed_acceleration[i] += (1.0 - share) * band.values[i];
+        variances[i] += std::pow(share * size, 2) + std::pow((1.0 - share) * band.noise[i], 2);
+        trace.size = size;
+      } else {
+        trace.size = share < 1.0 ? size : std::min(trace.decay * trace.size, usual);
+        variances[i] += trace.size * trace.size;
+      }
+      if (last) variances[i] += std::pow(kBeyond * trace.size, 2);
+    }
+  }
+  for (double& variance : variances) variance = std::sqrt(variance);
+  return variances;
+}
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "analysis/diagnosis/motion/grid.h"
+#include "analysis/diagnosis/motion/rows.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// Gives the points' acceleration back what smoothing of the path took from short jolts of it: from a ramp of
+/// a few samples, which is nothing beside the noise of a whole record and all there is while it lasts. Half
+/// an octave at a time from the smoothing up to the low-pass; each as far as it stands above its noise around
+/// a place (positive-part shrinkage; James & Stein, Berkeley Symposium 4 (1961) 361), unless that would be
+/// noise in the torque. Only what shows in the bands that the smoothing left goes on into those above.
+/// @return how wrong the acceleration may still be at each point (standard deviation): by what a jolt has
+/// above
+///   where noise hides it, as it goes on from band to band, and by what folds back from above half the
+///   sampling rate.
+std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                             std::span<const PointLayout> layouts, MotionGrid& grid);
+
+}  // namespace strainwave::analysis::diagnosis

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "analysis/units.h"
+#include "tests/analysis/diagnosed.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kPeriod_s = 2.3;
+constexpr double kInertia_kgm2 = 0.02;
+constexpr double kCoulomb_Nm = 0.05;
+constexpr double kViscous_Nms_per_rad = 0.02;
+
+struct State {
+  double position_rad{}, speed_rad_per_s{}, acceleration_rad_per_s2{};
+};
+
+// To and fro at constant speed. Every 2.3 s the axis changes over to another speed, within one to three times
+// the shortest ramp: its acceleration rises as a parabola, from a kink at either end.
+struct Moves {
+  double shortest_ramp_s{};
+
+  State At(double time_s) const {
+    State state{.position_rad = time_s, .speed_rad_per_s = 1.0};
+    for (int k = 0; k < 20; ++k) {
+      const double change = (k % 2 == 0 ? -2.0 : 2.0) + 0.2 * std::sin(1.7 * k);
+      const double ramp_s = shortest_ramp_s * (1.0 + 2.0 * std::pow(std::fmod(0.37 * k, 1.0), 2));
+      const double since_s = time_s - (kPeriod_s * (k + 1) - ramp_s);
+      if (since_s < 0.0) break;
+      const double u = std::min(since_s / ramp_s, 1.0);
+      state.acceleration_rad_per_s2 += change / ramp_s * 6.0 * u * (1.0 - u);
+      state.speed_rad_per_s += change * u * u * (3.0 - 2.0 * u);
+      state.position_rad += change * (ramp_s * u * u * u * (1.0 - 0.5 * u) + since_s - u * ramp_s);
+    }
+    return state;
+  }
+};
+
+struct Logger {
+  double rate_Hz{};
+  double duration_s{40.0};
+  double noise_Nm{};
+  double late_share{};   // of a step, by which a sample comes late at most
+  double stamp_error{};  // of a step: what the time stamps are wrong by
+};
+
+MotionData Record(unsigned seed, const Moves& moves, const Logger& logger, double weight_Nm = 0.0) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0.0, logger.late_share);
+  MotionData record;
+  const auto count = static_cast<std::size_t>(logger.duration_s * logger.rate_Hz);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double time_s = (static_cast<double>(i) + uniform(random)) / logger.rate_Hz;
+    const State now = moves.At(time_s);
+    record.time_s.push_back(time_s + logger.stamp_error / logger.rate_Hz * normal(random));
+    record.position.push_back(now.position_rad + 2e-8 * normal(random));
+    record.torque.push_back(kInertia_kgm2 * now.acceleration_rad_per_s2 +
+                            kViscous_Nms_per_rad * now.speed_rad_per_s +
+                            kCoulomb_Nm * std::tanh(now.speed_rad_per_s / 0.002) +
+                            weight_Nm * std::cos(now.position_rad) + logger.noise_Nm * normal(random));
+  }
+  return record;
+}
+
+Diagnosed Ask(const MotionData& record) { return DiagnoseRecords(&MakeMotionStudy, {record}); }
+
+// Ramps of four samples and more: what they leave between the samples is nobody's effect.
+TEST(MotionJolts, AreNotTakenForASwingNorForPlay) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    const Diagnosed clean = Ask(Record(seed, {0.07}, {.rate_Hz = 50.0, .noise_Nm = 0.02}));
+    EXPECT_EQ(clean.names(), Names()) << seed;
+    EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
+  }
+}
+
+// Where stamps jitter the path has to be smoothed beyond what the torque follows.
+TEST(MotionJolts, AreNotTakenForThatWhereTimeStampsJitter) {
+  const Logger logger{.rate_Hz = 200.0, .noise_Nm = 0.01, .late_share = 0.3, .stamp_error = 0.002};
+  for (const unsigned seed : {4U, 5U, 6U}) {
+    const Diagnosed clean = Ask(Record(seed, {0.1}, logger));
+    EXPECT_EQ(clean.names(), Names()) << seed;
+    EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
+  }
+}
+
+TEST(MotionJolts, LeaveTheRestOfTheRecordItsPower) {
+  const Diagnosed found = Ask(Record(7, {0.07}, {.rate_Hz = 50.0, .noise_Nm = 0.02}, 0.01));
+  EXPECT_EQ(found.names(), Names{"gravity_load"});
+  const ParameterValue amplitude = found.value("amplitude_Nm");
+  EXPECT_NEAR(amplitude.value, 0.01, 4.0 * amplitude.standard_error);
+}
+
+TEST(MotionJolts, CostTheRowsAroundThemTheirWeight) {
+  const auto study =
+      MakeMotionStudy(std::vector<MotionData>{Record(8, {0.07}, {.rate_Hz = 50.0, .noise_Nm = 0.02})});
+  const std::span<const double> weights = study->Weights();
+  ASSERT_EQ(weights.size(), study->measured().size());
+  const auto& regressors = study->regressors();
+  const auto time = std::ranges::find(regressors, "time", &Regressor::name);
+  ASSERT_NE(time, regressors.end());
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double since_s = std::fmod(time->values[i], kPeriod_s);
+    if (since_s > 0.5 && since_s < 1.8) {
+      EXPECT_EQ(weights[i], 1.0) << time->values[i];
+    }
+    // The shortest ramp, which ends with the first period.
+    if (std::abs(time->values[i] - 2.265) < 0.03) {
+      EXPECT_LT(weights[i], 0.2) << time->values[i];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
