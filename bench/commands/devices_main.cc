@@ -87,9 +87,9 @@ int Run(const std::string& file, double ratio) {
   auto next = pace.Now();
   while (!g_ending) {
     devices.Step(clock.Now());
-    next += DeviceSide::kStep;
+    next += devices.step();
     pace.SleepUntil(next);
-    next = std::max(next, pace.Now() - DeviceSide::kStep);
+    next = std::max(next, pace.Now() - devices.step());
   }
   listener.join();
   return static_cast<int>(ExitCode::kDone);

@@ -28,7 +28,6 @@ using Kind = DeviceDescription::Kind;
 
 namespace {
 
-constexpr double kSlowRate_hz = 1e3;
 // A converter of 24 bits whose range is a quarter wider than the sensor's.
 constexpr double kConverterEnd = 8388607.0;
 constexpr double kReserve = 1.25;
@@ -97,7 +96,8 @@ std::uint32_t Word(double value, const ChannelDescription& channel) {
 
 DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::PlantModel& model,
                        const DeviceSideBuses& buses)
-    : bench_(model, SettingsOf(bench.simulation)) {
+    : step_(static_cast<std::int64_t>(1e9 * bench.fast_control_period_s + 0.5)),
+      bench_(model, SettingsOf(bench.simulation)) {
   AddDrive(bench, bench.driving_servo, bench_.driving_servo(), 1.0, buses);
   AddDrive(bench, bench.load_servo, bench_.load_servo(), bench.load_reducer_ratio, buses);
   for (const DeviceDescription& device : bench.devices) {
@@ -182,7 +182,7 @@ void DeviceSide::AddStream(const BenchDescription& bench, const DeviceDescriptio
   if (channels.empty()) {
     throw std::invalid_argument(fmt::format("device {} has no channels (must have one)", device.name));
   }
-  source.rate_hz = vibration ? bench.vibration_rate_hz : kSlowRate_hz;
+  source.rate_hz = vibration ? bench.vibration_rate_hz : 1.0 / bench.fast_control_period_s;
   source.most_samples_a_block =
       vibration ? static_cast<std::uint32_t>(source.rate_hz / kVibrationBlocksPerSecond) + 1 : 1;
   const TcpAddress at = ParseTcpAddress(device.address);
@@ -201,25 +201,27 @@ void DeviceSide::Step(nanoseconds now) {
   // A hold-up is caught up with, but not one of seconds: the shafts have stood meanwhile.
   constexpr nanoseconds kMostBehind = std::chrono::milliseconds(500);
   bench_now_ = std::max(bench_now_, now - kMostBehind);
-  while (bench_now_ + kStep <= now) {
-    bench_now_ += kStep;
-    bench_.clock().SleepUntil(bench_.clock().Now() + kStep);
+  while (bench_now_ + step_ <= now) {
+    bench_now_ += step_;
+    bench_.clock().SleepUntil(bench_.clock().Now() + step_);
     const Readings readings = bench_.sampler().Read();
     gear_temperature_degC_ = readings.gear_temperature_degC;
     ambient_temperature_degC_ = readings.ambient_temperature_degC;
     if (vibrates_) bench_.sampler().DrainVibration(vibration_);
-    for (const auto& stream : streams_) FillStream(*stream, readings, bench_now_);
+    for (const auto& stream : streams_) FillStream(*stream, readings);
   }
   for (const auto& drive : drives_) drive->on_bus.Cycle(now);
 }
 
-void DeviceSide::FillStream(Stream& stream, const Readings& readings, nanoseconds now) {
+void DeviceSide::FillStream(Stream& stream, const Readings& readings) {
   SampleBlock& block = stream.block;
   const auto& channels = stream.server->description().channels;
   const auto send = [&](std::uint32_t samples) {
     block.header.samples = samples;
     block.header.device_counter = stream.counter;
-    block.header.device_time = now;
+    // By the device's own clock, which its samples are taken on.
+    block.header.device_time =
+        nanoseconds(std::llround(1e9 * static_cast<double>(stream.counter) / block.header.rate_hz));
     stream.server->Push(block);
     stream.counter += samples;
   };

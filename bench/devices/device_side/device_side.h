@@ -41,9 +41,10 @@ class DeviceSide {
   DeviceSide& operator=(const DeviceSide&) = delete;
   ~DeviceSide();
 
-  /// One millisecond, or as much as has passed, of simulated time; sends what came of it.
+  /// As many steps of simulated time as have passed; sends what came of them.
   void Step(std::chrono::nanoseconds now);
-  static constexpr std::chrono::milliseconds kStep{1};
+  /// How often to call it: as often as the bench reads its channels at most.
+  std::chrono::nanoseconds step() const noexcept { return step_; }
 
   /// A command of a person who tries the bench out. From any thread.
   /// @return what was done. @throws std::invalid_argument with what was expected.
@@ -62,13 +63,14 @@ class DeviceSide {
                 double reducer_ratio, const DeviceSideBuses& buses);
   void AddModbus(const DeviceDescription& device);
   void AddStream(const BenchDescription& bench, const DeviceDescription& device);
-  void FillStream(Stream& stream, const Readings& readings, std::chrono::nanoseconds now);
+  void FillStream(Stream& stream, const Readings& readings);
   std::string DoDrive(const std::vector<std::string>& words);
   std::string DoModbus(const std::vector<std::string>& words);
   std::string DoStream(const std::vector<std::string>& words);
 
+  std::chrono::nanoseconds step_;
   SimulatedBench bench_;
-  std::chrono::nanoseconds bench_now_{};  // of the simulation, which only steps forward in whole milliseconds
+  std::chrono::nanoseconds bench_now_{};  // of the simulation, in whole steps
   std::vector<std::unique_ptr<Drive>> drives_;
   std::map<std::string, std::unique_ptr<ModbusDevice>> modbus_;
   std::vector<std::unique_ptr<Stream>> streams_;

@@ -141,9 +141,9 @@ void FieldMachine::RunDeviceSide() {
     for (auto& [name, bus] : buses_) {
       if (bus.in_process) bus.in_process->Exchange(clock_.Now());
     }
-    next += DeviceSide::kStep;
+    next += device_side_->step();
     pace.SleepUntil(next);
-    next = std::max(next, pace.Now() - DeviceSide::kStep);
+    next = std::max(next, pace.Now() - device_side_->step());
   }
 }
 
