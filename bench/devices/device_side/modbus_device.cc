@@ -26,7 +26,8 @@ namespace mb = protocols::modbus;
 using Kind = ModbusDeviceFault::Kind;
 
 constexpr std::size_t kMostClients = 8;
-constexpr std::uint32_t kByte_us = 100'000;  // a client that stops within a request does not keep the others
+constexpr std::uint32_t kByteMicroseconds =
+    100'000;  // a client that stops within a request does not keep the others
 constexpr std::uint8_t kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue = 3, kDeviceFailure = 4,
                        kNoSuchUnit = 11;
 
@@ -111,8 +112,8 @@ void ModbusDevice::Start() {
       ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, context_->pipe) != 0) {
     Fail("Modbus device");
   }
-  modbus_set_byte_timeout(context_->modbus.get(), 0, kByte_us);
-  modbus_set_indication_timeout(context_->modbus.get(), 0, kByte_us);
+  modbus_set_byte_timeout(context_->modbus.get(), 0, kByteMicroseconds);
+  modbus_set_indication_timeout(context_->modbus.get(), 0, kByteMicroseconds);
   thread_ = std::thread([this] { tcp_ ? ServeTcp() : ServeRtu(); });
 }
 
