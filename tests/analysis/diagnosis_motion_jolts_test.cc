@@ -116,5 +116,25 @@ TEST(MotionJolts, CostTheRowsAroundThemTheirWeight) {
   }
 }
 
+// The end of a ramp at speed, where noise of the stamps hides what a kink has above the smoothing.
+TEST(MotionJolts, CostWeightAlsoWhereNoiseHidesThem) {
+  const Logger logger{.rate_Hz = 200.0, .noise_Nm = 0.01, .late_share = 0.3, .stamp_error = 0.002};
+  const auto study = MakeMotionStudy(std::vector<MotionData>{Record(4, {0.1}, logger)});
+  const auto& regressors = study->regressors();
+  const auto time = std::ranges::find(regressors, "time", &Regressor::name);
+  ASSERT_NE(time, regressors.end());
+  int ends = 0;
+  int weighted = 0;
+  for (int k = 1; k <= 17; ++k) {
+    double least = 1.0;
+    for (std::size_t i = 0; i < study->Weights().size(); ++i) {
+      if (std::abs(time->values[i] - kPeriod_s * k) < 0.01) least = std::min(least, study->Weights()[i]);
+    }
+    ++ends;
+    if (least < 0.9) ++weighted;
+  }
+  EXPECT_GE(weighted, ends - 4) << weighted << " of " << ends;
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

@@ -36,16 +36,13 @@ struct Band {
   double xy{};
   double yy{};
   double count{};
-  std::vector<double> moving;  // all x while the axis moves
-  double motion_noise{};       // expected of xx and yy
+  double motion_noise{};  // expected of xx and yy
   double torque_noise{};
   double spacing_s{};
 };
 
 Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity) {
   Band band;
-  std::vector<double> motion;
-  std::vector<double> speeds;
   for (const EvenStretch& stretch : samples.stretches) {
     const KernelTaps of_motion = MakeBandKernel(sigma_s, stretch.step_s, by_velocity ? 1 : 2);
     const KernelTaps of_torque = MakeBandKernel(sigma_s, stretch.step_s, 0);
@@ -56,8 +53,6 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
       const double x = of_motion.At(Moved(stretch, by_velocity), i);
       const double y = of_torque.At(stretch.torque, i);
       band.xx += x * x;
-      motion.push_back(x);
-      speeds.push_back((stretch.position[i + 1] - stretch.position[i - 1]) / stretch.step_s);
       band.xy += x * y;
       band.yy += y * y;
       count += 1.0;
@@ -68,20 +63,7 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
     band.count += count;
     band.spacing_s = std::max(band.spacing_s, static_cast<double>(stride) * stretch.step_s);
   }
-  const double moves = kMoving * QuantileOfMagnitude(speeds, 0.95);
-  for (std::size_t i = 0; i < motion.size(); ++i) {
-    if (std::abs(speeds[i]) > moves) band.moving.push_back(motion[i]);
-  }
   return band;
-}
-
-// Noise of the path may be wilder than its white part: where time stamps jitter it comes and goes with the
-// speed. The top of the spectrum says how much, by its quantile: short bursts of acceleration, which reach up
-// there, are no noise.
-double Wildness(const Band& top) {
-  if (!(top.motion_noise > 0.0)) return 1.0;
-  const double deviation = UsualSize(top.moving);
-  return std::max(1.0, deviation * deviation * top.count / top.motion_noise);
 }
 
 // Whether motion would be lost with the band. Where the torque has nothing but noise there, correlation says
@@ -157,8 +139,10 @@ struct Choice {
 // The widest smoothing that takes nothing away which shows in the torque, nor much of the acceleration.
 Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narrowest, double widest,
                  bool by_velocity) {
+  // Noise of the path may be wilder than its white part: where time stamps jitter it comes and goes with the
+  // speed. The top of the spectrum says how much.
   const Band top = MeasureBand(samples, narrowest, by_velocity);
-  const double wildness = Wildness(top);
+  const double wildness = top.motion_noise > 0.0 ? std::max(1.0, top.xx / top.motion_noise) : 1.0;
   std::vector<Choice> choices;
   double kept = 0.0;
   double inertia = 0.0;  // by the widest smoothing that sees the motion: noise shrinks it least there
