@@ -71,6 +71,7 @@ void CanopenServo::QuickStop() noexcept {
   orders_.has_set_point = false;
   orders_.brake_engaged = true;
   Leave();
+  if (Wake* const wake = wake_.load()) wake->Call();
 }
 
 void CanopenServo::ResetFault() noexcept {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bench/devices/latest.h"
+#include "bench/devices/wake.h"
 #include "bench/roles/bench_clock.h"
 #include "bench/roles/servo_drive.h"
 #include "protocols/canopen/drive_master.h"
@@ -87,6 +88,10 @@ class CanopenServo final : public ServoDrive {
   ServoReport report() const noexcept { return report_.Get(); }
   const std::string& name() const noexcept { return settings_.name; }
 
+  /// Called at every stop, so that the bus thread does not wait for its next cycle; null for nothing.
+  /// Outlives the calls.
+  void CallOnStop(Wake* wake) noexcept { wake_.store(wake); }
+
   // From the bus thread.
   /// Takes the newest orders to the master.
   void TakeOrders(std::chrono::nanoseconds now) noexcept;
@@ -109,6 +114,7 @@ class CanopenServo final : public ServoDrive {
   mutable std::atomic<std::int64_t> heard_ns_{};
 
   Latest<ServoOrders> left_;
+  std::atomic<Wake*> wake_{};
   std::atomic<std::uint32_t> commissions_{};
   std::atomic<std::uint8_t> held_{};  // bits of `Holder`
   Latest<DriveActual> actual_;

@@ -22,7 +22,9 @@ constexpr nanoseconds kToRest{seconds(3)};  // at the end of the program
 }  // namespace
 
 DriveBusThread::DriveBusThread(DriveBus& bus, const BenchClock& clock)
-    : bus_(bus), clock_(clock), thread_([this] { Run(); }) {}
+    : bus_(bus), clock_(clock), thread_([this] { Run(); }) {
+  for (std::size_t i = 0; i < bus_.size(); ++i) bus_.servo(i).CallOnStop(&wake_);
+}
 
 DriveBusThread::~DriveBusThread() { End(); }
 
@@ -31,6 +33,7 @@ void DriveBusThread::End() noexcept {
   ending_ = true;
   wake_.Call();
   thread_.join();
+  for (std::size_t i = 0; i < bus_.size(); ++i) bus_.servo(i).CallOnStop(nullptr);
 }
 
 bool DriveBusThread::AtRest() const noexcept {

@@ -23,9 +23,6 @@ class DriveBusThread {
   DriveBusThread& operator=(const DriveBusThread&) = delete;
   ~DriveBusThread();
 
-  /// Has the orders of all drives looked at now, not at the next SYNC. From any thread.
-  void Call() noexcept { wake_.Call(); }
-
   /// Sets up every drive anew and waits for it.
   /// @return nothing when all are ready; else what went wrong, drive by drive, in words.
   std::string Commission(std::chrono::nanoseconds patience);

@@ -266,6 +266,14 @@ void DeviceSide::FillStream(Stream& stream, const Readings& readings) {
   }
 }
 
+bool DeviceSide::StandsSafe() {
+  const std::lock_guard lock(mutex_);
+  const auto off = [](const DriveActual& drive) {
+    return drive.brake_engaged && drive.power != protocols::PowerState::kOperationEnabled;
+  };
+  return off(bench_.driving_servo().Actual()) && off(bench_.load_servo().Actual());
+}
+
 std::string DeviceSide::AddressOf(const std::string& device) const {
   for (const auto& stream : streams_) {
     if (stream->device == device) return fmt::format("tcp:127.0.0.1:{}", stream->server->port());

@@ -52,6 +52,9 @@ class DeviceSide {
   /// What there is to say, a line each.
   static const char* Commands();
 
+  /// What is true of the shafts, whatever anybody reports: no torque and both brakes on. From any thread.
+  bool StandsSafe();
+
   /// The address that a device really listens at: differs from the file's where that has port 0.
   std::string AddressOf(const std::string& device) const;
 

@@ -10,12 +10,7 @@
 
 namespace strainwave::bench {
 
-using std::chrono::milliseconds;
-
 namespace {
-
-// A channel of a stream that is older is not a value any more, unless the bench file says otherwise.
-constexpr milliseconds kStale{100};
 
 // Without the unit that it ends in.
 std::string BareName(const std::string& channel) {
@@ -39,7 +34,7 @@ std::function<ChannelValue()> FieldMachine::ChannelFrom(const ChannelLink& link)
     }
     return [this, reader, at = *channel, to_si] {
       const SourceSnapshot snapshot = reader->Newest();
-      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < kStale;
+      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < stale_after_;
       return ChannelValue{snapshot.values[at] * to_si, snapshot.time,
                           fresh && (snapshot.bad_channels >> at & 1U) == 0};
     };
@@ -108,7 +103,7 @@ FieldChannels FieldMachine::Channels() {
   const auto from_drive = [this](double DriveActual::*value) {
     return [this, value] {
       const DriveActual actual = driving_->Actual();
-      return ChannelValue{actual.*value, actual.time, clock_.Now() - actual.time < kStale};
+      return ChannelValue{actual.*value, actual.time, clock_.Now() - actual.time < stale_after_};
     };
   };
   auto& speed = channels.channels[static_cast<std::size_t>(Channel::kInputSpeed)];
@@ -120,7 +115,7 @@ FieldChannels FieldMachine::Channels() {
     channels.channels[static_cast<std::size_t>(Channel::kVibrationRms)] = [this,
                                                                            reader = channels.vibration] {
       const SourceSnapshot snapshot = reader->Newest();
-      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < kStale;
+      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < stale_after_;
       return ChannelValue{snapshot.vibration_rms_m_per_s2, snapshot.time,
                           fresh && snapshot.bad_channels == 0};
     };

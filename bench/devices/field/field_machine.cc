@@ -35,6 +35,11 @@ constexpr std::string_view kInProcess = "in_process";
 constexpr seconds kCommissioning{20};
 constexpr milliseconds kBootUp{50};
 
+std::chrono::nanoseconds StaleAfter(const BenchDescription& bench) {
+  const double age_s = bench.stale_after_s > 0.0 ? bench.stale_after_s : 3.0 * bench.control_period_s;
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * age_s));
+}
+
 const protocols::HidField& FieldNamed(const HidProfile& profile, std::string_view name) {
   const auto found = std::ranges::find(profile.channels, name, &protocols::HidField::name);
   if (found == profile.channels.end()) {
@@ -47,7 +52,7 @@ const protocols::HidField& FieldNamed(const HidProfile& profile, std::string_vie
 }  // namespace
 
 FieldMachine::FieldMachine(const BenchDescription& bench, double ratio, const AskOperator& ask)
-    : bench_(bench), ask_(ask) {
+    : bench_(bench), ask_(ask), stale_after_(StaleAfter(bench)) {
   if (bench_.devices.empty()) {
     throw CampaignError(
         ExitCode::kWrongInput,
@@ -55,6 +60,15 @@ FieldMachine::FieldMachine(const BenchDescription& bench, double ratio, const As
                     "each servo, or simulated: true)",
                     bench_.file_name));
   }
+  try {
+    Open(ratio);
+  } catch (...) {
+    Close();
+    throw;
+  }
+}
+
+void FieldMachine::Open(double ratio) {
   try {
     OpenBuses();
     StartDeviceSide(ratio);
@@ -74,7 +88,9 @@ FieldMachine::FieldMachine(const BenchDescription& bench, double ratio, const As
   }
 }
 
-FieldMachine::~FieldMachine() {
+FieldMachine::~FieldMachine() { Close(); }
+
+void FieldMachine::Close() noexcept {
   // The drives come to rest while everything that they need is still there.
   modbus_servos_.clear();
   for (auto& [name, bus] : buses_) bus.thread.reset();

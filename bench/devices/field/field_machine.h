@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <string>
@@ -43,6 +44,9 @@ class FieldMachine final : public BenchMachine {
   std::vector<std::string> TakeNotes() override;
   void TakePicture(const std::filesystem::path& file) override;
 
+  /// The devices that live within the program; null where they are elsewhere. For tests that put faults in.
+  DeviceSide* device_side() noexcept { return device_side_.get(); }
+
   /// Devices in words, each with its state: what `bench check` prints.
   struct DeviceState {
     std::string device;
@@ -61,6 +65,8 @@ class FieldMachine final : public BenchMachine {
     std::unique_ptr<DriveBusThread> thread;
   };
 
+  void Open(double ratio);
+  void Close() noexcept;
   void OpenBuses();
   void StartDeviceSide(double ratio);
   void RunDeviceSide();
@@ -78,6 +84,7 @@ class FieldMachine final : public BenchMachine {
 
   BenchDescription bench_;
   AskOperator ask_;
+  std::chrono::nanoseconds stale_after_;  // an older value of a channel is none
   MonotonicClock clock_;
   std::map<std::string, OneBus> buses_;
   std::unique_ptr<DeviceSide> device_side_;
