@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any report against any field: clang++-14 -fsanitize=fuzzer,address,undefined -std=c++20 -I. THIS
-// protocols/hid_report.cc
+// Any report against any field.
+// sources: protocols/hid_report.cc
+// libraries: fmt
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>

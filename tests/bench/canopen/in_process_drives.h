@@ -85,6 +85,13 @@ class InProcessDrives {
     return std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/devices/profiles";
   }
 
+  static protocols::canopen::EdsFile ReadEds() {
+    std::ifstream file(Profiles() / "strainwave_drive.eds");
+    std::ostringstream text;
+    text << file.rdbuf();
+    return protocols::canopen::ParseEds(text.str(), "strainwave_drive.eds");
+  }
+
   CanopenServo& driving() { return bus->servo(0); }
   CanopenServo& load() { return bus->servo(1); }
 
@@ -135,13 +142,6 @@ class InProcessDrives {
   std::vector<protocols::CanFrame> sent_to_drives;  // as the first drive received them
 
  private:
-  static protocols::canopen::EdsFile ReadEds() {
-    std::ifstream file(Profiles() / "strainwave_drive.eds");
-    std::ostringstream text;
-    text << file.rdbuf();
-    return protocols::canopen::ParseEds(text.str(), "strainwave_drive.eds");
-  }
-
   void Devices() {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       CanBus& end = buses.end(static_cast<int>(i) + 1);
