@@ -7,6 +7,8 @@ namespace strainwave::schedules {
 namespace {
 
 constexpr int kMostSteps = 1'000'000;
+// What the fit of the encoder's error wants of a turn; a blank test with fewer would be lost at its end.
+constexpr int kFewestBlankSteps = 16;
 
 // Defaults that several kinds share.
 constexpr std::string_view kInputAcceleration = "1000 rad/s2";
@@ -95,7 +97,7 @@ BlankTest ReadBlankTest(YamlMap& map) {
   BlankTest test;
   test.peak_torque_Nm = map.Quantity("peak_torque", Dimension::kTorque, Bound::kPositive);
   test.torque_rate_Nm_per_s = map.Quantity("torque_rate", Dimension::kTorqueRate, Bound::kPositive, "3 Nm/s");
-  test.steps = map.Count("steps", 4, kMostSteps, "72");
+  test.steps = map.Count("steps", kFewestBlankSteps, kMostSteps, "72");
   return test;
 }
 

@@ -140,6 +140,13 @@ TEST(ReadSchedule, NamesAnUnknownKind) {
       "measurement_rotation, transmission_error, hysteresis, soak or blank_test)");
 }
 
+TEST(ReadSchedule, WantsABlankTestThatCanBeEvaluated) {
+  EXPECT_EQ(
+      MessageOf(With(GoodSchedule(), "phases:\n",
+                     "preparation:\n  - kind: blank_test\n    peak_torque: 7 Nm\n    steps: 15\nphases:\n")),
+      "small.yaml:27:12: error: steps = 15: out of range (expected a whole number from 16 to 1000000)");
+}
+
 TEST(ReadSchedule, NamesAWrongVersion) {
   EXPECT_EQ(
       MessageOf(With(GoodSchedule(), "schedule: 1", "schedule: 2")),
