@@ -17,7 +17,6 @@ struct DeviceDescription {
   std::string address;
   int unit{};                  // Modbus
   std::filesystem::path file;  // register map or HID profile, from where the program runs
-  std::filesystem::path log;   // of a CAN bus: where every frame goes, as candump has it; empty: nowhere
   int line{};
 };
 

@@ -106,7 +106,6 @@ std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std:
     switch (device.kind) {
       case Kind::kCanopen:
         device.address = map.Text("interface");
-        device.log = Below(folder, map.Text("log", ""));
         break;
       case Kind::kModbus:
         device.address = map.Text("address");

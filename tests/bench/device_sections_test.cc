@@ -32,7 +32,7 @@ output_encoder: {counts_per_rev: 268435456, accuracy: 2.5 arcsec}
 accelerometers:
   - name: accel_x
 devices:
-  - {name: can, kind: canopen, interface: can0, log: frames.log}
+  - {name: can, kind: canopen, interface: can0}
   - {name: load, kind: modbus, address: "tcp:10.0.0.2:502", unit: 3, registers: load.yaml}
   - {name: front, kind: stream, address: "tcp:127.0.0.1:5025"}
   - {name: key, kind: pendant, profile: pendant.yaml}
@@ -60,7 +60,6 @@ TEST(DeviceSections, NameEveryDeviceAndWhereItIs) {
   ASSERT_EQ(bench.devices.size(), 5U);
   EXPECT_EQ(bench.devices[0].kind, DeviceDescription::Kind::kCanopen);
   EXPECT_EQ(bench.devices[0].address, "can0");
-  EXPECT_EQ(bench.devices[0].log, "lab/frames.log");
   EXPECT_EQ(bench.devices[1].kind, DeviceDescription::Kind::kModbus);
   EXPECT_EQ(bench.devices[1].unit, 3);
   EXPECT_EQ(bench.devices[1].file, "lab/load.yaml");

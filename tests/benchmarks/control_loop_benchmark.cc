@@ -115,10 +115,10 @@ int Run(double seconds) {
         const int at = period % kPeriodsBetweenStops;
         load.Actual();
         if (at == 0) {
-          end.stop_sent_ns = 0;
           driving.Enable(DriveMode::kSpeed);
         } else if (at == kPeriodsBetweenStops - 1) {
           // A limit is broken in this period's readings.
+          end.stop_sent_ns = 0;
           driving.QuickStop();
           const nanoseconds give_up = now + milliseconds(100);
           while (end.stop_sent_ns == 0 && clock.Now() < give_up) {
