@@ -22,7 +22,7 @@ PACKAGES=(
   libhdf5-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev
-  libgtest-dev libbenchmark-dev mosquitto
+  libgtest-dev libbenchmark-dev mosquitto openssl
   gnuplot-nox sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev
   python3-pymodbus python3-serial-asyncio socat

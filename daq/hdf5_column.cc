@@ -20,6 +20,13 @@ constexpr hsize_t kMostRowsPerChunk = 65536;
 constexpr std::size_t kMostTroubles = kMostBreaksPerColumn;
 constexpr std::size_t kDirectionWidth = 3;
 
+// The names of `FORMAT.md`; which calibration and of which sensor stand in columns of their own.
+bool IsCalibrationTerm(std::string_view name) {
+  constexpr std::string_view kNames[] = {"sensitivity", "zero", "polynomial", "calibration_date",
+                                         "calibration_due"};
+  return std::ranges::find(kNames, name) != std::end(kNames);
+}
+
 Hdf5Handle CreateDirectionType() {
   Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   Check(H5Tset_size(type.get(), kDirectionWidth));
@@ -190,6 +197,9 @@ void WriteColumn(hid_t group, const Column& column, const std::optional<std::str
   // As text, even where all letters are digits: a serial number is a name.
   write_text("sensor_serial", column.sensor_serial);
   write_text("calibration", column.calibration);
+  for (const auto& [name, text] : column.calibration_terms) {
+    if (IsCalibrationTerm(name)) WriteAttribute(dataset.get(), name.c_str(), text);
+  }
   if (sample_rate_hz) WriteAttribute(dataset.get(), "sample_rate_hz", *sample_rate_hz);
 }
 
@@ -200,6 +210,9 @@ ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType t
   for (const Hdf5Attribute& attribute : ReadAttributes(dataset, left_out)) {
     if (attribute.name == "sensor_serial") result.column.sensor_serial = attribute.text;
     if (attribute.name == "calibration") result.column.calibration = attribute.text;
+    if (IsCalibrationTerm(attribute.name)) {
+      result.column.calibration_terms.emplace_back(attribute.name, attribute.text);
+    }
   }
   const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
   const std::optional<std::size_t> rows = RowsOf(space.get());

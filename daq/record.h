@@ -25,6 +25,9 @@ struct Column {
   Values values;
   std::string sensor_serial;  // empty when the source did not say
   std::string calibration;    // id of the calibration that was applied; empty as above
+  /// That calibration as texts by the names of `FORMAT.md` ("sensitivity", "zero", "polynomial"), so that a
+  /// later one can take its place; empty where the value is as raw as it gets.
+  std::vector<std::pair<std::string, std::string>> calibration_terms{};
 
   std::size_t size() const;
 };

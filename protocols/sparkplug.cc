@@ -114,8 +114,8 @@ std::optional<SparkplugMetric::Value> ValueOf(const Payload::Metric& metric) {
 
 }  // namespace
 
-SparkplugEdgeNode::SparkplugEdgeNode(std::string group, std::string node)
-    : group_(std::move(group)), node_(std::move(node)) {
+SparkplugEdgeNode::SparkplugEdgeNode(std::string group, std::string node, int next_birth)
+    : group_(std::move(group)), node_(std::move(node)), next_birth_(next_birth % kNumbers) {
   RequireTopicName("group", group_);
   RequireTopicName("node", node_);
 }
@@ -179,6 +179,12 @@ std::optional<HostState> ParseHostState(std::string_view bytes) {
     return std::nullopt;
   }
   return HostState{json["online"].get<bool>(), json["timestamp"].get<std::int64_t>()};
+}
+
+std::string EncodeMetrics(const std::vector<SparkplugMetric>& metrics) {
+  Payload payload;
+  for (const SparkplugMetric& metric : metrics) Add(payload, metric);
+  return payload.SerializeAsString();
 }
 
 std::optional<SparkplugPayload> ParseSparkplug(std::string_view bytes) {

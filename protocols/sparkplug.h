@@ -43,8 +43,9 @@ struct MqttMessage {
 /// Source: Eclipse Sparkplug specification 3.0.0, chapters 5.4 (topics), 6.4.5 to 6.4.8 (payloads).
 class SparkplugEdgeNode {
  public:
+  /// @param next_birth  the birth–death number of the first connection, 0 to 255.
   /// @throws std::invalid_argument if a name is empty or holds '/', '+' or '#'.
-  SparkplugEdgeNode(std::string group, std::string node);
+  SparkplugEdgeNode(std::string group, std::string node, int next_birth = 0);
 
   /// Begins a new connection: the will to register with it.
   MqttMessage Death(std::int64_t now_ms);
@@ -56,6 +57,9 @@ class SparkplugEdgeNode {
   /// @throws std::logic_error before `Birth` of this connection; std::invalid_argument for a metric that the
   ///   birth did not name.
   MqttMessage Data(std::int64_t now_ms, const std::vector<SparkplugMetric>& metrics);
+
+  /// The birth–death number of the connection after this one, for whoever keeps it over a restart.
+  int next_birth() const { return next_birth_; }
 
   /// Where commands to this node arrive.
   std::string CommandTopic() const;
@@ -90,6 +94,9 @@ struct SparkplugPayload {
   std::optional<int> sequence;  // a death has none
   std::vector<SparkplugMetric> metrics;
 };
+
+/// Metrics alone as a payload, for whoever keeps them; `ParseSparkplug` reads them back.
+std::string EncodeMetrics(const std::vector<SparkplugMetric>& metrics);
 
 /// Nothing when the bytes are no payload, or a value is not of the type that it says.
 std::optional<SparkplugPayload> ParseSparkplug(std::string_view bytes);

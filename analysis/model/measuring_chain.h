@@ -73,13 +73,18 @@ struct TorqueTransducer {
   double zero_drift_reference_degC{22.0};
   double noise_Nm{0.02};
   double zero_offset_Nm{};  // shown at no torque, at the reference temperature
+  // Ageing since the bench was built; none on a nominal one.
+  double zero_creep_Nm_per_day{};
+  double gain_creep_per_day{};
+  double shunt_Nm{50.0};  // what its shunt resistor adds to the bridge's signal, by the certificate
 };
 
-/// What the transducer shows without noise.
+/// What the transducer shows without noise. A shunt adds to the torque: both pass the same amplifier.
 inline double TransducerReading_Nm(const TorqueTransducer& transducer, double torque_Nm,
-                                   double temperature_degC) noexcept {
+                                   double temperature_degC, double age_days = 0.0) noexcept {
   const double x = torque_Nm / transducer.full_scale_Nm;
-  return torque_Nm * (1.0 + transducer.gain_error) +
+  return torque_Nm * (1.0 + transducer.gain_error + transducer.gain_creep_per_day * age_days) +
+         transducer.zero_creep_Nm_per_day * age_days +
          transducer.nonlinearity * transducer.full_scale_Nm * (x - x * x * x) +
          transducer.zero_drift_Nm_per_K * (temperature_degC - transducer.zero_drift_reference_degC) +
          transducer.zero_offset_Nm;

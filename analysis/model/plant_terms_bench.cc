@@ -97,6 +97,10 @@ void AddMeasuringChain(PlantParameters& p, std::vector<BoundTerm>& terms) {
 
 void AddMeasuringCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
   terms.push_back({"torque_zero_offset", "", {Amount("offset_Nm", "Nm", p.transducer.zero_offset_Nm)}});
+  terms.push_back({"torque_ageing",
+                   "",
+                   {Amount("zero_Nm_per_day", "Nm/d", p.transducer.zero_creep_Nm_per_day),
+                    Amount("gain_per_day", "1/d", p.transducer.gain_creep_per_day)}});
   terms.push_back({"output_thermal_drift",
                    "E10",
                    {Amount("drift_rad_per_K", "rad/K", p.output_drift.drift_rad_per_K),

@@ -179,9 +179,28 @@ STRAINWAVE_INLINE void MultiplyStrip(RowView<const Scalar> a, RowView<const Scal
   }
 }
 
+// One row of b: each value of a is read once, and what counts is how many of these reads are under way.
+template <typename Scalar, int Bytes>
+STRAINWAVE_INLINE void MultiplyOne(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
+                                   Index rows, Index terms, Sum sum) {
+  constexpr Index kHeight = 8;
+  const auto from = [&](Index r) { return RowView<const Scalar>{a.data + r * a.stride, a.stride}; };
+  const auto to = [&](Index r) {
+    return GridView<Scalar>{c.data + r * c.row_stride, c.row_stride, c.column_stride};
+  };
+  Index r = 0;
+  for (; r + kHeight <= rows; r += kHeight)
+    MultiplyBlock<Scalar, Bytes, kHeight, 1>(from(r), b, to(r), terms, sum);
+  for (; r < rows; ++r) MultiplyBlock<Scalar, Bytes, 1, 1>(from(r), b, to(r), terms, sum);
+}
+
 template <typename Scalar, int Bytes>
 STRAINWAVE_INLINE void Multiply(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c,
                                 Index rows, Index columns, Index terms, Sum sum) {
+  if (columns == 1) {
+    MultiplyOne<Scalar, Bytes>(a, b, c, rows, terms, sum);
+    return;
+  }
   constexpr Index kHeight = 3;
   // So many rows of b stay in the second cache while all of a passes.
   constexpr Index kPanel = 48;

@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign_error.h"
+#include "bench/configuration/commissioning_file.h"
 #include "bench/configuration/read_bench_file.h"
 #include "daq/whole_file.h"
 
@@ -82,6 +83,11 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
   std::filesystem::create_directories(folder.Unfinished());
   daq::WriteFileAtomically(folder.Schedule(), inputs.schedule_text);
   daq::WriteFileAtomically(folder.Bench(), inputs.bench_text);
+  // What the drives' times to stop were measured to be, so that --resume has it, too.
+  const auto commissioned = CommissioningFileOf(inputs.bench.file_name);
+  if (std::filesystem::exists(commissioned)) {
+    daq::WriteFileAtomically(CommissioningFileOf(folder.Bench()), ReadText(commissioned));
+  }
   if (!inputs.plant_text.empty()) daq::WriteFileAtomically(folder.root / "plant.yaml", inputs.plant_text);
   // The journal appears last: a folder without it is not a campaign yet, and may be begun again.
   const std::filesystem::path aside = folder.root / "campaign.db.new";

@@ -61,7 +61,7 @@ CampaignRunner::CampaignRunner(const CampaignFolder& folder, const schedules::Sc
       runner_(machine.Devices(), SettingsOf(schedule, bench), request),
       checkpoint_(folder.Checkpoint()),
       quality_(schedule, journal),
-      records_(folder, bench),
+      records_(folder, bench, machine.Calibrations()),
       preparation_s_(PlannedDuration_s(StepsOf(schedule, 0))),
       one_cycle_s_(PlannedDuration_s(StepsOf(schedule, 1))) {}
 
@@ -100,10 +100,12 @@ CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from, do
     resumed_cycle_ = journal_.LastCompleteCycle() + 1;
   }
   clock_base_ = machine_.Devices().clock.Now();
+  machine_.LogBuses(folder_.BusLogs());
   // The bench wakes up faulted. That the command was given is the person's reset and start; on the way the
   // references are checked with torque off.
   Transition(BenchEvent::kReset);
   Transition(BenchEvent::kStart);
+  sources_ = machine_.Sources();
   if (auto end = Reference(expected_offset_rad)) return *end;
   if (!runner_.realtime_trouble().empty()) Note("warning", "", "not_realtime", runner_.realtime_trouble());
   if (resume_from) {
@@ -163,6 +165,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WarmUp(double pause_s) {
 CampaignRunner::MaybeEnd CampaignRunner::RunCycle(int cycle) {
   cycle_ = cycle;
   records_.Begin(cycle);
+  NoteCalibrations();
   const std::vector<CycleStep> steps = StepsOf(schedule_, cycle);
   journal_.BeginCycle(cycle, Time_s());
   for (const CycleStep& step : steps) {
@@ -218,6 +221,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   row.kind = schedules::KindName(phase.parameters);
   row.started_s = Time_s();
   Checkpoint at{.cycle = cycle_, .step = step.index, .repeat = repeat, .credited_load_s = credited_before_s};
+  BeginRecording(step, repeat);
   // Before the journal's row: a phase that is on record has a state to go on from.
   TakeMemory();
   WriteCheckpoint(at, runner_.last_readings(), blank);
@@ -239,10 +243,14 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     progress_.Update({cycle_, schedule_.cycles, phase.name, ShareDone(step, now.share_done)});
   });
   if (blank) machine_.MountBlank(false);
+  JudgeSensorCheck(step, outcome);
+  for (NamedRecord& recording : EndRecording(phase.name)) outcome.records.push_back(std::move(recording));
 
   const bool complete = !outcome.reason;
   again = IsSuspend(outcome.reason.cause);
-  if (complete || step.accumulates) records_.Keep(step, repeat, attempt, std::move(outcome.records));
+  const bool keep = complete || step.accumulates;
+  if (keep) AddSources(outcome.records);
+  if (keep) records_.Keep(step, repeat, attempt, std::move(outcome.records));
   TakeMemory();
   at.credited_load_s = outcome.credited_load_s;
   at.finished = complete;
@@ -289,14 +297,16 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   Transition(BenchEvent::kFault);
   checkpoint_.Sync();
   std::string text = Describe(outcome.reason);
+  if (!outcome.words.empty()) text += ": " + outcome.words;
   if (const std::string troubles = machine_.Troubles(); !troubles.empty()) text += "\n" + troubles;
   Note("alarm", phase, Code(outcome.reason.cause), text);
   for (const StopReason& followed : outcome.followed) {
     Note("info", phase, Code(followed.cause), "followed: " + Describe(followed));
   }
+  const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());
+  std::filesystem::create_directories(folder_.Faults());
+  machine_.KeepBusLogs(std::filesystem::path(file).replace_extension());
   if (!outcome.black_box.empty()) {
-    std::filesystem::create_directories(folder_.Faults());
-    const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());
     machine_.TakePicture(std::filesystem::path(file).replace_extension(".jpg"));
     std::vector<NamedRecord> black_box = outcome.black_box;
     StampSensors(black_box, bench_);
@@ -305,7 +315,7 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   const StopCause cause = outcome.reason.cause;
   const bool device = cause == StopCause::kDriveFault || cause == StopCause::kDriveNotReady ||
                       cause == StopCause::kStaleReadings || cause == StopCause::kImplausibleReading ||
-                      cause == StopCause::kReferenceCheck;
+                      cause == StopCause::kReferenceCheck || cause == StopCause::kSensorCheck;
   return CampaignEnd{CampaignEnd::Kind::kFault, outcome.reason, text, device};
 }
 
@@ -345,11 +355,14 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   for (const std::string& check : stored.failed_checks) {
     Note("warning", "", "failed_check", fmt::format("cycle {}: {}", cycle_, check));
   }
-  daq::WriteRecordsAtomically(folder_.CycleFile(cycle_), records_.all(),
-                              {{"specimen", schedule_.specimen.identity},
-                               {"cycle", std::to_string(cycle_)},
-                               {"bench", bench_.name},
-                               {"schedule_sha256", journal_.Property("schedule_sha256").value_or("")}});
+  // Where nothing is prepared there is nothing to keep.
+  if (!records_.all().empty()) {
+    daq::WriteRecordsAtomically(folder_.CycleFile(cycle_), records_.all(),
+                                {{"specimen", schedule_.specimen.identity},
+                                 {"cycle", std::to_string(cycle_)},
+                                 {"bench", bench_.name},
+                                 {"schedule_sha256", journal_.Property("schedule_sha256").value_or("")}});
+  }
   {
     Transaction transaction(journal_.database());
     journal_.ClearResults(cycle_);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,11 @@ class CampaignRunner {
   MaybeEnd AfterCycle(const std::vector<Result>& results);
   MaybeEnd CheckBetweenPhases();
 
+  void NoteCalibrations();
+  void BeginRecording(const CycleStep& step, int repeat);
+  std::vector<NamedRecord> EndRecording(std::string_view phase);
+  void AddSources(std::vector<NamedRecord>& records);
+  void JudgeSensorCheck(const CycleStep& step, PhaseOutcome& outcome);
   void NoteWhatHappened(std::string_view phase);
   void TakeMemory();
   void WriteCheckpoint(Checkpoint checkpoint, const Readings& last, bool blank);
@@ -82,11 +88,13 @@ class CampaignRunner {
   double time_base_s_{};  // bench time of earlier runs
   std::chrono::nanoseconds clock_base_{};
   CycleRecords records_;
-  double preparation_s_{};  // planned
-  double one_cycle_s_{};    // planned
+  std::vector<SourceTotals> sources_;  // as the last records that were kept have left them
+  double preparation_s_{};             // planned
+  double one_cycle_s_{};               // planned
   int cycle_{};
   int resumed_cycle_{-1};
-  std::vector<std::byte> memory_;  // of a simulated bench, as the next checkpoint will hold it
+  std::set<std::string> noted_channels_;  // whose calibration does not hold
+  std::vector<std::byte> memory_;         // of a simulated bench, as the next checkpoint will hold it
 };
 
 }  // namespace strainwave::bench

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/blank_results.h"
 #include "bench/campaign/quality.h"
 
@@ -21,6 +22,7 @@ int RepeatOf(const std::string& group) {
 StoredCycle AnalyzePreparation(std::span<const NamedRecord> records, const CycleContext& context) {
   StoredCycle stored;
   stored.calibrations = BlankCalibrations(records);
+  stored.results = SensorCheckResults(records);
   // The repeats are measured after the blank, so they are already corrected by what it has shown.
   CycleContext corrected = context;
   Apply(stored.calibrations, corrected.corrections);
@@ -65,9 +67,17 @@ CycleContext ContextOf(const Journal& journal, const schedules::Schedule& schedu
 }
 
 StoredCycle AnalyzeForStore(std::span<const NamedRecord> records, int cycle, const CycleContext& context) {
-  if (cycle == 0) return AnalyzePreparation(records, context);
-  CycleAnalysis analysis = AnalyzeCycle(records, context);
-  return {std::move(analysis.results), {}, {}, std::move(analysis.failed_checks)};
+  StoredCycle stored;
+  if (cycle == 0) {
+    stored = AnalyzePreparation(records, context);
+  } else {
+    CycleAnalysis analysis = AnalyzeCycle(records, context);
+    stored.results = std::move(analysis.results);
+    stored.failed_checks = std::move(analysis.failed_checks);
+  }
+  // Of everything that was measured, also of what was then measured again.
+  for (Result& result : SourceResults(records)) stored.results.push_back(std::move(result));
+  return stored;
 }
 
 }  // namespace strainwave::bench

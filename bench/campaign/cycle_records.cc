@@ -40,7 +40,7 @@ void CycleRecords::Name(const CycleStep& step, int repeat, int attempt,
     // A load run in several pieces keeps them all, side by side.
     if (step.accumulates && attempt > 1) named.group += fmt::format("_{}", attempt);
   }
-  StampSensors(records, bench_);
+  StampSensors(records, bench_, calibrations_);
 }
 
 void CycleRecords::WriteAhead(const CycleStep& step, int repeat, int attempt,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "bench/campaign/cycle_steps.h"
@@ -9,6 +10,7 @@
 #include "bench/campaign/journal.h"
 #include "bench/configuration/bench_description.h"
 #include "bench/controller/phase_program.h"
+#include "bench/roles/channel_calibration.h"
 
 namespace strainwave::bench {
 
@@ -16,8 +18,10 @@ namespace strainwave::bench {
 /// that a kill costs at most the phase that it cut. When the cycle's own file has appeared they are gone.
 class CycleRecords {
  public:
-  CycleRecords(const CampaignFolder& folder, const BenchDescription& bench)
-      : folder_(folder), bench_(bench) {}
+  /// @param calibrations  that the devices themselves say of their channels.
+  CycleRecords(const CampaignFolder& folder, const BenchDescription& bench,
+               std::vector<ChannelCalibration> calibrations)
+      : folder_(folder), bench_(bench), calibrations_(std::move(calibrations)) {}
 
   void Begin(int cycle);
   std::span<const NamedRecord> all() const { return records_; }
@@ -40,6 +44,7 @@ class CycleRecords {
 
   CampaignFolder folder_;
   const BenchDescription& bench_;
+  std::vector<ChannelCalibration> calibrations_;
   int cycle_{};
   std::vector<NamedRecord> records_;
 };

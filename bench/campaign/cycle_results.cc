@@ -8,6 +8,8 @@
 #include <fmt/core.h>
 
 #include "analysis/units.h"
+#include "bench/campaign/acquisition_results.h"
+#include "bench/campaign/check_results.h"
 #include "bench/campaign/rotation_results.h"
 
 namespace strainwave::bench {
@@ -105,6 +107,10 @@ void AddTransmissionError(const daq::Record& record, const CycleContext& context
     results.AddArcmin("e_avg_ccw_arcmin", error.ccw->e_avg_rad, context, AngleKind::kZeroed, flag);
     results.AddArcmin("e_max_ccw_arcmin", error.ccw->e_max_rad, context, AngleKind::kRange, flag);
   }
+  if (const auto skew_us = daq::NumberFromText(record.Metadata("encoder_skew_us").value_or(""))) {
+    const auto se_us = daq::NumberFromText(record.Metadata("encoder_skew_se_us").value_or(""));
+    results.Add("encoder_skew_us", {*skew_us, se_us.value_or(0.0)}, "");
+  }
   if (error.lost_motion_rad)
     results.AddArcmin("lost_motion_arcmin", *error.lost_motion_rad, context, AngleKind::kMean, flag);
 }
@@ -174,7 +180,18 @@ CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleCont
   for (const daq::Record* record : Counting(records, "vibration")) {
     for (Result& result : VibrationResults(*record)) analysis.results.push_back(std::move(result));
   }
+  for (Result& result : SensorCheckResults(records)) analysis.results.push_back(std::move(result));
+  for (Result& result : VibrationStatisticsResults(records)) analysis.results.push_back(std::move(result));
   return analysis;
+}
+
+std::vector<Result> SensorCheckResults(std::span<const NamedRecord> records) {
+  std::vector<Result> results;
+  for (const NamedRecord& named : records) {
+    if (!IsSensorCheck(named.record)) continue;
+    results.push_back(SensorCheckResult(named.record, PlaceOf(named.group).phase));
+  }
+  return results;
 }
 
 std::optional<Result> FindResult(std::span<const Result> results, std::string_view quantity) {

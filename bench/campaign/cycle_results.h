@@ -9,6 +9,7 @@
 #include "bench/campaign/journal.h"
 #include "bench/campaign/record_results.h"
 #include "bench/controller/phase_program.h"
+#include "daq/acquisition/calibration.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
@@ -21,6 +22,8 @@ struct CycleContext {
   /// Declared thermal state of the measurements (BENCH row 41).
   double declared_temperature_degC{};
   double temperature_tolerance_K{};
+  /// Calibrations made after the records were: they are scaled anew before anything is computed.
+  std::vector<daq::acquisition::Calibration> recalibrations;
 };
 
 /// How the flag of a result begins that is sound but was not measured in the declared thermal state.
@@ -42,6 +45,9 @@ struct CycleAnalysis {
 /// two others), efficiency, vibration and temperature: a pure function of its arguments, so that the same
 /// records give the same bits while the campaign runs and ever after.
 CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleContext& context);
+
+/// What the sensor checks among the records have found.
+std::vector<Result> SensorCheckResults(std::span<const NamedRecord> records);
 
 /// The value of one quantity, or nothing.
 std::optional<Result> FindResult(std::span<const Result> results, std::string_view quantity);

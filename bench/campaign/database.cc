@@ -40,6 +40,12 @@ Statement& Statement::Bind(std::string_view value) {
   return *this;
 }
 
+Statement& Statement::BindBlob(std::string_view bytes) {
+  Check(sqlite3_bind_blob(statement_.get(), next_parameter_++, bytes.data(), static_cast<int>(bytes.size()),
+                          SQLITE_TRANSIENT));
+  return *this;
+}
+
 Statement& Statement::BindNull() {
   Check(sqlite3_bind_null(statement_.get(), next_parameter_++));
   return *this;
@@ -65,6 +71,12 @@ double Statement::Real(int column) const { return sqlite3_column_double(statemen
 std::string Statement::Text(int column) const {
   const unsigned char* text = sqlite3_column_text(statement_.get(), column);
   return text == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(text));
+}
+
+std::string Statement::Blob(int column) const {
+  const void* bytes = sqlite3_column_blob(statement_.get(), column);
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  return bytes == nullptr ? std::string() : std::string(static_cast<const char*>(bytes), size);
 }
 
 bool Statement::IsNull(int column) const {

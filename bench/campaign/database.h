@@ -33,6 +33,7 @@ class Statement {
   Statement& Bind(int value) { return Bind(static_cast<std::int64_t>(value)); }
   Statement& Bind(double value);
   Statement& Bind(std::string_view value);
+  Statement& BindBlob(std::string_view bytes);
   Statement& BindNull();
 
   /// True while there is a row to read.
@@ -43,6 +44,7 @@ class Statement {
   std::int64_t Integer(int column) const;
   double Real(int column) const;
   std::string Text(int column) const;
+  std::string Blob(int column) const;
   bool IsNull(int column) const;
 
  private:

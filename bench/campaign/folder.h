@@ -22,7 +22,10 @@ struct CampaignFolder {
   /// Finished phases of the cycle that is under way; gone when its file has appeared.
   std::filesystem::path Unfinished() const { return root / "unfinished"; }
   std::filesystem::path UnfinishedFile(int cycle, int step, int repeat, int attempt) const;
+  /// Raw streams of phases that the schedule keeps them of.
+  std::filesystem::path Streams() const { return root / "streams"; }
   std::filesystem::path Faults() const { return root / "faults"; }
+  std::filesystem::path BusLogs() const { return root / "can"; }
   std::filesystem::path Checkpoint() const { return root / "checkpoint"; }
   std::filesystem::path Pictures() const { return root / "pictures"; }
   std::filesystem::path Lock() const { return root / "lock"; }

@@ -8,6 +8,8 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/blank_results.h"
+#include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
 #include "daq/record_error.h"
@@ -30,6 +32,15 @@ bool SameResults(std::vector<Result> a, std::vector<Result> b) {
   });
 }
 
+// The blank test was measured with the same sensors as all that it corrects.
+CycleContext WithRecalibratedBlank(const CampaignFolder& folder, CycleContext context) {
+  if (context.recalibrations.empty() || !std::filesystem::exists(folder.CycleFile(0))) return context;
+  std::vector<NamedRecord> records = ReadCycleRecords(folder, 0);
+  Recalibrate(records, context.recalibrations);
+  Apply(BlankCalibrations(records), context.corrections);
+  return context;
+}
+
 }  // namespace
 
 std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, int cycle) {
@@ -47,11 +58,13 @@ std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, int cycl
 }
 
 std::vector<RecomputedCycle> RecomputeCampaign(
-    const CampaignFolder& folder, const Journal& journal, const CycleContext& context,
+    const CampaignFolder& folder, const Journal& journal, const CycleContext& stored_context,
     const std::function<void(std::size_t, std::size_t)>& progress) {
+  const CycleContext context = WithRecalibratedBlank(folder, stored_context);
   std::vector<RecomputedCycle> cycles;
   for (const CycleRow& row : journal.Cycles()) {
-    if (row.outcome != "complete") continue;
+    // A campaign that prepares nothing has an empty cycle 0.
+    if (row.outcome != "complete" || journal.Phases(row.cycle).empty()) continue;
     RecomputedCycle cycle{row.cycle, {}, {journal.Results(row.cycle, 0)}, false};
     for (const int repeat : journal.RepeatsOf(row.cycle)) {
       if (repeat > 0) cycle.stored.push_back(journal.Results(row.cycle, repeat));
@@ -71,6 +84,7 @@ std::vector<RecomputedCycle> RecomputeCampaign(
         const std::lock_guard reading(hdf5);
         records = ReadCycleRecords(folder, cycle.cycle);
       }
+      Recalibrate(records, context.recalibrations);
       cycle.again = AnalyzeForStore(records, cycle.cycle, context);
       std::vector<std::vector<Result>> again{cycle.again.results};
       again.insert(again.end(), cycle.again.repeats.begin(), cycle.again.repeats.end());

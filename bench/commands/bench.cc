@@ -9,7 +9,7 @@
 
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
-#include "bench/commands/commands.h"
+#include "bench/commands/bench_commands.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/devices/field/field_machine.h"
 
@@ -33,7 +33,7 @@ int Check(const BenchOptions& options) {
                     "and devices)",
                     options.bench));
   }
-  FieldMachine machine(bench, 80.0, {});
+  FieldMachine machine(bench, 80.0, {}, FieldMachine::Use::kLook);
   std::this_thread::sleep_for(kLook);
   const std::vector<FieldMachine::DeviceState> states = machine.States();
   const Readings readings = machine.Devices().sampler.Read();
@@ -59,6 +59,9 @@ int Check(const BenchOptions& options) {
                                       {"value", values[i].second},
                                       {"good", (readings.bad_channels >> i & 1U) == 0}});
     }
+    for (const BenchMachine::Doubt& doubt : machine.Doubts()) {
+      document["doubts"].push_back({{"refuses", doubt.refuses}, {"words", doubt.words}});
+    }
     fmt::print("{}\n", document.dump(2));
   } else {
     for (const auto& state : states) {
@@ -68,6 +71,8 @@ int Check(const BenchOptions& options) {
       fmt::print("{:<5} {:<28} {:.4f}\n", (readings.bad_channels >> i & 1U) == 0 ? "good" : "BAD",
                  values[i].first, values[i].second);
     }
+    for (const BenchMachine::Doubt& doubt : machine.Doubts())
+      fmt::print("{:<5} {}\n", doubt.refuses ? "BAD" : "note", doubt.words);
     fmt::print("{}\n", good ? "everything answers; nothing was moved"
                             : "not everything is as it should be (see BAD above); nothing was moved");
   }
@@ -77,7 +82,8 @@ int Check(const BenchOptions& options) {
 }  // namespace
 
 void AddBench(CLI::App& app, Action& action) {
-  CLI::App* bench = app.add_subcommand("bench", "Look at the devices of a real bench.");
+  CLI::App* bench =
+      app.add_subcommand("bench", "Look at the devices of a real bench, and turn its shafts by hand.");
   bench->require_subcommand(1);
   auto options = std::make_shared<BenchOptions>();
   CLI::App* check = bench->add_subcommand(
@@ -88,6 +94,8 @@ void AddBench(CLI::App& app, Action& action) {
   check->add_option("BENCH", options->bench, "bench file (YAML)")->required();
   check->add_flag("--json", options->json, "the same as JSON on standard output");
   check->callback([options, &action] { action = [options] { return Check(*options); }; });
+  AddBenchCommission(*bench, action);
+  AddBenchJog(*bench, action);
 }
 
 }  // namespace strainwave::bench

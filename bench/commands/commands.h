@@ -13,6 +13,7 @@ using Action = std::function<int()>;
 /// Each adds its command with options and help to `app`, and sets `action` when it was chosen.
 void AddValidate(CLI::App& app, Action& action);
 void AddRun(CLI::App& app, Action& action);
+void AddDevices(CLI::App& app, Action& action);
 void AddBench(CLI::App& app, Action& action);
 void AddStatus(CLI::App& app, Action& action);
 void AddStop(CLI::App& app, Action& action);

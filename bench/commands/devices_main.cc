@@ -2,12 +2,16 @@
 // strainwave-devices: the simulated bench as separate devices on real buses.
 #include <unistd.h>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <memory>
+#include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -35,8 +39,24 @@ void ListenToSignals() {
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
 
+// In truth, whatever the drives say; the time is the kernel's, as another program may have it.
+std::string StateOf(DeviceSide& devices, const MonotonicClock& clock) {
+  const std::optional<std::chrono::nanoseconds> since = devices.SafeSince();
+  if (!since) return "state: not safe";
+  const auto kernel = std::chrono::duration<double>(*since - clock.FromKernel({}));
+  return fmt::format("state: torque off and brakes on since {:.6f} s of CLOCK_MONOTONIC", kernel.count());
+}
+
+std::string AnswerTo(const std::string& line, DeviceSide& devices, const MonotonicClock& clock) {
+  if (line == "help")
+    return DeviceSide::Commands() +
+           std::string("\nstate                               whether the shafts are safe, and since when");
+  if (line == "state") return StateOf(devices, clock);
+  return devices.Do(line);
+}
+
 // One line of standard input at a time, while the devices go on.
-void Listen(DeviceSide& devices) {
+void Listen(DeviceSide& devices, const MonotonicClock& clock) {
   std::string line;
   while (!g_ending) {
     if (WaitReadable(STDIN_FILENO, nullptr, std::chrono::milliseconds(100)) != Waited::kReadable) continue;
@@ -47,7 +67,7 @@ void Listen(DeviceSide& devices) {
       return;
     }
     try {
-      fmt::print("{}\n", line == "help" ? DeviceSide::Commands() : devices.Do(line));
+      fmt::print("{}\n", AnswerTo(line, devices, clock));
     } catch (const std::exception& error) {
       fmt::print("error: {} ({})\n", line, error.what());
     }
@@ -55,7 +75,7 @@ void Listen(DeviceSide& devices) {
   }
 }
 
-int Run(const std::string& file, double ratio) {
+int Run(const std::string& file, double ratio, double period_ms) {
   const BenchDescription bench = ReadBenchFile(file);
   const MonotonicClock clock;
   std::vector<std::unique_ptr<CanBus>> ends;
@@ -66,7 +86,8 @@ int Run(const std::string& file, double ratio) {
     settings.interface = device.address;
     settings.transmit_frames = 64;
     settings.clock_zero = -clock.FromKernel({});
-    for (int drive = 0; drive < 2; ++drive) {
+    for (const ServoDescription* servo : {&bench.driving_servo, &bench.load_servo}) {
+      settings.filters = FiltersOfNode(servo->drive.node);
       ends.push_back(std::make_unique<SocketCanBus>(settings));
       buses[device.name].push_back(ends.back().get());
     }
@@ -79,18 +100,12 @@ int Run(const std::string& file, double ratio) {
   fmt::print("ready; a line of standard input is a command (help, quit)\n");
   std::fflush(stdout);
   ListenToSignals();
-  std::thread listener([&] { Listen(devices); });
+  std::thread listener([&] { Listen(devices, clock); });
   if (const std::string refused = BecomeRealtime(RealtimeRank::kDeviceSide); !refused.empty()) {
     fmt::print(stderr, "warning: {}\n", refused);
   }
-  MonotonicClock pace;
-  auto next = pace.Now();
-  while (!g_ending) {
-    devices.Step(clock.Now());
-    next += devices.step();
-    pace.SleepUntil(next);
-    next = std::max(next, pace.Now() - devices.step());
-  }
+  const std::chrono::nanoseconds period(static_cast<std::int64_t>(1e6 * period_ms));
+  RunInRealTime(devices, clock, g_ending, {}, period);
   listener.join();
   return static_cast<int>(ExitCode::kDone);
 }
@@ -110,9 +125,14 @@ int main(int argc, char** argv) {
   double ratio = 80.0;
   app.add_option("BENCH", file, "bench file (YAML)")->required();
   app.add_option("--ratio", ratio, "of the gear, input turns for one of the output")->capture_default_str();
+  double period_ms = 0.0;
+  app.add_option("--period", period_ms,
+                 "ms between two looks at the buses; on a slow machine longer than the bench file's "
+                 "fast_control_period, the least")
+      ->check(CLI::Range(0.0, 100.0));
   CLI11_PARSE(app, argc, argv);
   try {
-    return strainwave::bench::Run(file, ratio);
+    return strainwave::bench::Run(file, ratio, period_ms);
   } catch (const strainwave::schedules::FileError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return static_cast<int>(ExitCode::kWrongInput);

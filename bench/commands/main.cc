@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   strainwave::bench::Action action;
   strainwave::bench::AddValidate(app, action);
   strainwave::bench::AddRun(app, action);
+  strainwave::bench::AddDevices(app, action);
   strainwave::bench::AddBench(app, action);
   strainwave::bench::AddStatus(app, action);
   strainwave::bench::AddStop(app, action);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <csignal>
@@ -6,6 +7,7 @@
 #include <optional>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "analysis/units.h"
@@ -16,6 +18,7 @@
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/devices/simulated_vibration_source.h"
+#include "bench/monitor/acquisition_source.h"
 #include "bench/monitor/modbus_server.h"
 #include "bench/monitor/monitor_loop.h"
 #include "bench/monitor/mqtt_publisher.h"
@@ -23,6 +26,7 @@
 #include "bench/monitor/replay_source.h"
 #include "bench/monitor/settings.h"
 #include "bench/monitor/sparkplug_metrics.h"
+#include "bench/monitor/stream_address.h"
 
 namespace strainwave::bench {
 namespace {
@@ -30,12 +34,13 @@ namespace {
 struct MonitorCommand {
   std::string predictor;
   std::string baseline;
+  std::string source;
   std::vector<std::string> replay;
   int rounds{1};
   double every_s{};
   bool simulate{};
   std::string bench;
-  double input_speed_rpm{2400.0};
+  std::optional<double> input_speed_rpm;
   double output_torque_Nm{40.0};
   double duration_s{60.0};
   std::string settings;
@@ -54,14 +59,58 @@ void ListenToSignals() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
+constexpr double kSimulatedSpeed_rpm = 2400.0;
+
+// A device that can never give what the predictor takes is told before anything is published.
+void RequireFit(const AcquisitionSource& source, const FeatureRecipe& recipe) {
+  const SignalSettings wanted = recipe.signals();
+  if (DecimationFactor(source.sample_rate_hz(), wanted) == 0) {
+    throw CampaignError(ExitCode::kWrongInput, fmt::format("{}: error: {}", source.name(),
+                                                           RateFault(source.sample_rate_hz(), wanted).text));
+  }
+  for (const std::string& channel : wanted.channels) {
+    if (std::ranges::find(source.channels(), channel) != source.channels().end()) continue;
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format(
+            "{}: error: there is no channel {} among {} (expected it; `source: channels:` of the settings "
+            "renames others)",
+            source.name(), channel, fmt::join(source.channels(), ", ")));
+  }
+}
+
+std::unique_ptr<VibrationSource> MakeAcquisitionSource(const MonitorCommand& command,
+                                                       const MonitorSettings& settings,
+                                                       const FeatureRecipe& recipe, std::int64_t start_ns) {
+  StreamSettings given = settings.source.value_or(StreamSettings{});
+  if (!command.source.empty()) given.address = ParseStreamAddress(command.source);
+  const double pace = ParsePace(command.pace);
+  AcquisitionStream stream{.ratio = settings.ratio,
+                           .input_speed_rad_per_s = given.input_speed_rad_per_s,
+                           .renamed = given.renamed,
+                           .silent_after = std::chrono::milliseconds(given.silent_after_ms),
+                           .pace = {},
+                           .start_ns = start_ns};
+  if (command.input_speed_rpm) stream.input_speed_rad_per_s = RadPerSFromRpm(*command.input_speed_rpm);
+  if (std::holds_alternative<daq::acquisition::ReplaySettings>(given.address)) stream.pace = pace;
+  auto source = std::make_unique<AcquisitionSource>(MakeSampleSource(std::move(given.address), pace),
+                                                    std::move(stream));
+  RequireFit(*source, recipe);
+  return source;
+}
+
 std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const MonitorSettings& settings,
                                             const ExportedPredictor& predictor) {
   const double pace = ParsePace(command.pace);
   const std::int64_t start_ns = UtcMilliseconds() * 1'000'000;
-  if (command.simulate == !command.replay.empty()) {
+  const auto asked = command.simulate + !command.replay.empty() + !command.source.empty();
+  if (asked > 1 || (asked == 0 && !settings.source)) {
     throw CampaignError(ExitCode::kWrongInput,
-                        "error: there must be one stream (expected --replay with records, or --simulate)");
+                        "error: there must be one stream (expected --source with an address, --replay with "
+                        "records, --simulate, or a section `source` in the settings)");
   }
+  if (!command.source.empty() || asked == 0)
+    return MakeAcquisitionSource(command, settings, predictor.recipe(), start_ns);
   if (!command.simulate) {
     return std::make_unique<ReplaySource>(
         ReplaySettings{.files = RecordFilesOf({command.replay.begin(), command.replay.end()}),
@@ -69,17 +118,19 @@ std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const
                        .every_s = command.every_s,
                        .pace = pace,
                        .ratio = settings.ratio,
-                       .start_ns = start_ns});
+                       .start_ns = start_ns,
+                       .motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe().channels))});
   }
   return std::make_unique<SimulatedVibrationSource>(
       command.bench.empty() ? EmbeddedBench() : ReadBenchFile(command.bench),
-      SimulatedStream{.input_speed_rad_per_s = RadPerSFromRpm(command.input_speed_rpm),
-                      .output_torque_Nm = command.output_torque_Nm,
-                      .ratio = settings.ratio,
-                      .sample_rate_hz = predictor.recipe().sample_rate_hz,
-                      .duration_s = command.duration_s,
-                      .pace = pace,
-                      .start_ns = start_ns});
+      SimulatedStream{
+          .input_speed_rad_per_s = RadPerSFromRpm(command.input_speed_rpm.value_or(kSimulatedSpeed_rpm)),
+          .output_torque_Nm = command.output_torque_Nm,
+          .ratio = settings.ratio,
+          .sample_rate_hz = predictor.recipe().sample_rate_hz,
+          .duration_s = command.duration_s,
+          .pace = pace,
+          .start_ns = start_ns});
 }
 
 nlohmann::ordered_json JsonOf(const MonitorResult& result, const MonitorFrame& frame) {
@@ -154,11 +205,32 @@ void Print(const MonitorResult& result, const MonitorFrame& frame, bool json) {
 
 void Say(const std::string& line) { fmt::print(stderr, "{}\n", line); }
 
-// What was not delivered is told, not kept.
-void FinishMqtt(MqttPublisher& mqtt, double linger_s) {
+void FinishMqtt(MqttPublisher& mqtt, const std::filesystem::path& outbox_file, double linger_s) {
   const std::chrono::duration<double> linger(linger_s);
   const std::size_t left = mqtt.Finish(std::chrono::duration_cast<std::chrono::milliseconds>(linger));
-  if (left > 0) Say(fmt::format("mqtt: error: {} windows were not delivered and are lost", left));
+  if (left == 0) return;
+  Say(outbox_file.empty()
+          ? fmt::format("mqtt: error: {} windows were not delivered and are lost", left)
+          : fmt::format("mqtt: {} windows were not delivered and wait in {} for the next start", left,
+                        outbox_file.string()));
+}
+
+// Windows as in training, unless the settings have others.
+WindowRule RuleFor(const MonitorCommand& command, const MonitorSettings& settings,
+                   const FeatureRecipe& recipe) {
+  WindowRule rule = settings.windows;
+  rule.length = recipe.window;
+  rule.sample_rate_hz = recipe.decimates ? recipe.sample_rate_hz : 0.0;
+  rule.trigger_samples = recipe.least_samples;
+  rule.ratio = settings.ratio;
+  const bool whole_records = rule.by != WindowRule::By::kRevolution && rule.trigger_channel.empty() &&
+                             (rule.by == WindowRule::By::kTrigger || recipe.window == WindowLength{});
+  if (!whole_records || !command.replay.empty()) return rule;
+  // A stream that runs on without a mark: a turn of the simulated bench, and of a device as many samples as
+  // the shortest record of the training had.
+  rule.by = command.simulate ? WindowRule::By::kRevolution : WindowRule::By::kTraining;
+  rule.length = {.samples = recipe.least_samples, .turns = 0};
+  return rule;
 }
 
 int Run(const MonitorCommand& command) {
@@ -166,14 +238,12 @@ int Run(const MonitorCommand& command) {
       command.settings.empty() ? MonitorSettings{} : ReadMonitorSettings(command.settings);
   ExportedPredictor predictor(command.predictor);
   predictor.UseBaseline(command.baseline);
-  WindowJudge judge(predictor, settings.limits);
+  std::unique_ptr<OutboxStore> store;
+  if (settings.mqtt && !settings.mqtt->outbox_file.empty())
+    store = std::make_unique<OutboxStore>(settings.mqtt->outbox_file);
+  WindowJudge judge(predictor, settings.limits, store ? store->last_window() : 0);
   const std::unique_ptr<VibrationSource> source = MakeSource(command, settings, predictor);
-  WindowRule rule = settings.windows;
-  rule.trigger_samples = predictor.recipe().least_samples;
-  rule.ratio = settings.ratio;
-  // The simulated bench runs on without a mark.
-  if (command.simulate && rule.trigger_channel.empty()) rule.by = WindowRule::By::kRevolution;
-  WindowCutter cutter(rule);
+  WindowCutter cutter(RuleFor(command, settings, predictor.recipe()));
   Board board({predictor.outputs(), predictor.coverage(), settings.stale_after_ms, predictor.classes()},
               [&source] { return source->NowNanoseconds() / 1'000'000; });
   Say(fmt::format("self-test of {}: files unchanged, network off its golden vectors by {:.1e}",
@@ -190,16 +260,17 @@ int Run(const MonitorCommand& command) {
     modbus.emplace(*settings.modbus, board);
     Say(fmt::format("modbus: input registers on {} port {}", settings.modbus->address, modbus->port()));
   }
-  if (settings.mqtt) mqtt.emplace(*settings.mqtt, board, Say);
+  if (settings.mqtt) mqtt.emplace(*settings.mqtt, board, Say, std::move(store));
   const auto publish = [&](std::int64_t at_ms) {
     if (mqtt) mqtt->Publish(SparkplugMetrics(board.State(), board.frame(), at_ms));
   };
   RunMonitor(*source, cutter, judge, board,
              {.on_result =
                   [&](const MonitorResult& result) {
-                    Print(result, board.frame(), command.json);
-                    // As it was at its own time: a result that comes late is still a result.
+                    // As it was at its own time: a result that comes late is still a result. First, so that
+                    // whatever was shown is kept.
                     publish(result.end_ms);
+                    Print(result, board.frame(), command.json);
                   },
               .on_stale =
                   [&] {
@@ -207,13 +278,15 @@ int Run(const MonitorCommand& command) {
                     publish(board.NowMilliseconds());
                   }},
              g_stop);
-  if (mqtt) FinishMqtt(*mqtt, command.linger_s);
+  if (mqtt) FinishMqtt(*mqtt, settings.mqtt->outbox_file, command.linger_s);
   const MonitorState state = board.State();
   Say(fmt::format("windows: {} good, {} bad, {} outside the training", state.good_windows, state.bad_windows,
                   state.outside_windows));
   if (g_stop) return static_cast<int>(ExitCode::kInterrupted);
-  // A record that cannot be used is wrong input here as with `predict`.
-  return static_cast<int>(state.bad_windows > 0 ? ExitCode::kWrongInput : ExitCode::kDone);
+  // A record that cannot be used is wrong input here as with `predict`; a device that was away for a while
+  // was told as it happened.
+  const bool of_records = !command.replay.empty();
+  return static_cast<int>(of_records && state.bad_windows > 0 ? ExitCode::kWrongInput : ExitCode::kDone);
 }
 
 }  // namespace
@@ -222,22 +295,23 @@ void AddMonitor(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "monitor",
       "Run an exported predictor on a stream of vibration: windows, values with intervals, alarms; publish "
-      "them "
-      "to MQTT (Sparkplug B), Prometheus and Modbus TCP as the settings file says "
-      "(bench/monitor/monitor.yaml "
-      "has "
-      "every key). Tests the predictor's folder before it starts.\n"
-      "Ctrl-C ends it with a death certificate, exit code 130. What the broker does not take is kept in "
-      "memory, "
-      "at most keep_windows (10000) windows and keep_mebibytes (64) MiB; beyond, the oldest go and are "
-      "counted; "
-      "what is undelivered at the end is lost and told.\n"
-      "Example: strainwave monitor exported --replay campaigns/first --settings bench/monitor/monitor.yaml");
+      "them to MQTT (Sparkplug B), Prometheus and Modbus TCP as the settings file says "
+      "(bench/monitor/monitor.yaml has every key). Tests the predictor's folder before it starts.\n"
+      "Ctrl-C ends it with a death certificate, exit code 130. What the broker does not take is kept, at "
+      "most keep_windows (10000) windows and keep_mebibytes (64) MiB, on disk with outbox_file and in "
+      "memory without; beyond, the oldest go and are counted. Without outbox_file, what is undelivered at "
+      "the end is lost and told.\n"
+      "A device that is lost is tried again for as long as the monitor runs; a window with lost samples, "
+      "and a device that is silent, are published as bad, never as a value.\n"
+      "Example: strainwave monitor exported --replay campaigns/first --settings bench/monitor/monitor.yaml\n"
+      "Example: strainwave monitor exported --source tcp://10.0.0.7:5025 --input-speed 2400");
   auto options = std::make_shared<MonitorCommand>();
   command->add_option("PREDICTOR", options->predictor, "folder that export has written")->required();
   command->add_option(
       "--baseline", options->baseline,
       "what the reducer was like at first, as `baseline` writes it, for a predictor of changes");
+  command->add_option("--source", options->source,
+                      fmt::format("a device that sends samples: {}", kStreamAddresses));
   command->add_option("--replay", options->replay, "records as a stream: CSV, HDF5, campaign folders");
   command->add_option("--rounds", options->rounds, "of a replay: times through all records")
       ->check(CLI::Range(1, 1'000'000))
@@ -247,7 +321,9 @@ void AddMonitor(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_flag("--simulate", options->simulate, "the simulated bench as a stream, turning evenly");
   command->add_option("--bench", options->bench, "of --simulate: bench file; without it, the embedded one");
-  command->add_option("--input-speed", options->input_speed_rpm, "of --simulate: rpm")->capture_default_str();
+  command->add_option(
+      "--input-speed", options->input_speed_rpm,
+      "rpm of the input shaft, of --simulate (2400) or where no channel of --source tells it");
   command->add_option("--output-torque", options->output_torque_Nm, "of --simulate: Nm")
       ->capture_default_str();
   command->add_option("--duration", options->duration_s, "of --simulate: seconds")

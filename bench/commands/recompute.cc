@@ -6,11 +6,13 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/pictures.h"
 #include "bench/campaign/recompute.h"
+#include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/record_report.h"
 #include "bench/commands/results_table.h"
@@ -30,14 +32,31 @@ struct RecomputeOptions {
   std::vector<std::string> paths;
   std::string method{"model"};
   std::string plots;
+  std::string calibrations;
   bool json{};
 };
 
-nlohmann::json RecomputeFolder(const CampaignFolder& folder, const RecomputeOptions& options) {
+// What was computed again, beside the times of the journal.
+std::vector<TimedResults> AgainAndWhen(const Journal& journal, const std::vector<RecomputedCycle>& cycles) {
+  std::vector<TimedResults> timed = TimedResultsOf(journal);
+  std::size_t next = 0;
+  for (const RecomputedCycle& cycle : cycles) {
+    if (cycle.cycle > 0 && next < timed.size()) timed[next++].results = cycle.again.results;
+  }
+  return timed;
+}
+
+struct CampaignReport {
+  nlohmann::json json;
+  std::string checks;
+};
+
+CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOptions& options) {
   const CampaignInputs inputs = ReadFrozenInputs(folder);
   const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
   CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   context.method = kMethods.at(options.method);
+  if (!options.calibrations.empty()) context.recalibrations = ReadCalibrations(options.calibrations);
   TerminalLine line;
   const auto cycles = RecomputeCampaign(folder, journal, context, [&](std::size_t done, std::size_t all) {
     line.Show(fmt::format("{} of {} cycles", done, all));
@@ -52,16 +71,20 @@ nlohmann::json RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
     row["equals_stored"] = cycle.equal;
     rows.push_back(std::move(row));
   }
+  const auto checks = CheckHistories(inputs.schedule, AgainAndWhen(journal, cycles));
   if (!options.plots.empty()) DrawCampaign(folder, journal, options.plots);
-  return {{"kind", "campaign"},
-          {"folder", folder.root.string()},
-          {"method", options.method},
-          {"cycles_recomputed", cycles.size()},
-          {"cycles_equal_to_stored", equal},
-          {"cycles", std::move(rows)}};
+  return {{{"kind", "campaign"},
+           {"folder", folder.root.string()},
+           {"method", options.method},
+           {"cycles_recomputed", cycles.size()},
+           {"cycles_equal_to_stored", equal},
+           {"sensor_checks", CheckJson(checks)},
+           {"cycles", std::move(rows)}},
+          CheckText(checks)};
 }
 
-void PrintCampaignText(const nlohmann::json& report) {
+void PrintCampaignText(const CampaignReport& campaign) {
+  const nlohmann::json& report = campaign.json;
   fmt::print("{}\n{:>6} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11}\n", report["folder"].get<std::string>(),
              "cycle", "e_avg '", "e_max '", "lost '", "K1 Nm/rad", "K2 Nm/rad", "K3 Nm/rad");
   for (const auto& row : report["cycles"]) {
@@ -79,14 +102,16 @@ void PrintCampaignText(const nlohmann::json& report) {
   fmt::print("{} of {} cycles equal what was stored while the campaign ran, bit for bit\n",
              report["cycles_equal_to_stored"].get<std::size_t>(),
              report["cycles_recomputed"].get<std::size_t>());
+  if (!campaign.checks.empty()) fmt::print("sensor checks\n{}", campaign.checks);
 }
 
 int Recompute(const RecomputeOptions& options) {
   nlohmann::json reports = nlohmann::json::array();
   for (const std::string& path : options.paths) {
     if (std::filesystem::is_directory(path)) {
-      reports.push_back(RecomputeFolder({path}, options));
-      if (!options.json) PrintCampaignText(reports.back());
+      CampaignReport campaign = RecomputeFolder({path}, options);
+      if (!options.json) PrintCampaignText(campaign);
+      reports.push_back(std::move(campaign.json));
       continue;
     }
     for (const daq::Record& record : daq::ReadRecords(path)) {
@@ -124,6 +149,8 @@ void AddRecompute(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->check(CLI::IsMember({"model", "loading", "backbone"}));
   command->add_option("--plots", options->plots, "folder for pictures (SVG and PNG)");
+  command->add_option("--calibrations", options->calibrations,
+                      "file of later calibrations (YAML): a campaign's raw values are scaled anew with them");
   command->add_flag("--json", options->json, "JSON on standard output");
   command->callback([options, &action] { action = [options] { return Recompute(*options); }; });
 }

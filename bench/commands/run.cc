@@ -1,24 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
-#include <csignal>
-#include <iostream>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include <fmt/core.h>
 
 #include "analysis/units.h"
+#include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/pace.h"
+#include "bench/commands/person.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
 #include "bench/devices/make_machine.h"
-#include "bench/devices/wake.h"
 
 namespace strainwave::bench {
 namespace {
@@ -31,62 +27,9 @@ struct RunOptions {
   std::string truth;
   bool resume{};
   bool accept_pause{};
+  bool accept_expired{};
   bool json{};
 };
-
-std::atomic<StopRequest> g_request{StopRequest::kNone};
-
-// Four ways to end, by signal, so that a key, another shell and a service manager can all ask. A second
-// Ctrl-C does not abandon the stop that the first one has begun.
-void OnSignal(int signal) {
-  switch (signal) {
-    case SIGINT:
-      g_request = StopRequest::kQuickStop;
-      return;
-    case SIGTERM:
-      g_request = StopRequest::kShutdown;
-      return;
-    case SIGUSR1:
-      g_request = StopRequest::kPause;
-      return;
-    case SIGUSR2:
-      g_request = StopRequest::kFinishCycle;
-      return;
-    default:
-      return;
-  }
-}
-
-void ListenToSignals() {
-  struct sigaction action {};
-  action.sa_handler = OnSignal;
-  sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) sigaction(signal, &action, nullptr);
-}
-
-// A person at the terminal says when it is done. A stop that is asked for meanwhile counts as a no.
-bool Ask(const std::string& what) {
-  fmt::print(stderr, "\n{}, then press Enter\n", what);
-  while (g_request == StopRequest::kNone) {
-    if (WaitReadable(STDIN_FILENO, nullptr, std::chrono::milliseconds(100)) != Waited::kReadable) continue;
-    std::string line;
-    return static_cast<bool>(std::getline(std::cin, line));
-  }
-  return false;
-}
-
-// What must be done by hand before anything moves. A stop that is asked for meanwhile ends the waiting, and
-// the campaign ends where it stands.
-void WaitForPeople(const BenchMachine& machine) {
-  std::string told;
-  while (g_request == StopRequest::kNone) {
-    const std::string missing = machine.MissingForStart();
-    if (missing.empty()) return;
-    if (missing != told) fmt::print(stderr, "waiting: {}\n", missing);
-    told = missing;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-}
 
 // The truth of a sweep is that at its own standstills.
 SimulatedTest TestOf(const schedules::Schedule& schedule, double pace, const std::string& truth) {
@@ -115,6 +58,21 @@ ExitCode CodeOf(const CampaignEnd& end) {
   return ExitCode::kMachineFailed;
 }
 
+// What is not known of the bench is told and noted; what speaks against it must be mended first.
+void CheckDoubts(const BenchMachine& machine, Journal& journal) {
+  std::string refused;
+  for (const BenchMachine::Doubt& doubt : machine.Doubts()) {
+    if (doubt.refuses) {
+      refused += fmt::format("{}error: {}", refused.empty() ? "" : "\n", doubt.words);
+      continue;
+    }
+    fmt::print(stderr, "warning: {}\n", doubt.words);
+    journal.AddEvent(
+        {0.0, UtcNow(), journal.LastCompleteCycle() + 1, "", "warning", "commissioning", doubt.words});
+  }
+  if (!refused.empty()) throw CampaignError(ExitCode::kMachineFailed, refused);
+}
+
 int Run(const RunOptions& options) {
   const double pace = ParsePace(options.pace);
   const CampaignFolder folder{options.out};
@@ -138,6 +96,9 @@ int Run(const RunOptions& options) {
   for (const auto& finding : WarningsOf(inputs).items()) {
     fmt::print(stderr, "{}\n", schedules::FormatFinding(options.schedule, finding));
   }
+  if (!options.accept_expired) {
+    RefuseToStart(CalibrationTroubles(CalibrationsOf(inputs.bench), {}, Today()), inputs.bench);
+  }
   std::filesystem::create_directories(folder.root);
   const CampaignLock lock(folder);
   Journal journal = options.resume ? Journal::Open(folder.Journal(), Database::Mode::kReadWrite)
@@ -155,9 +116,14 @@ int Run(const RunOptions& options) {
   CampaignEnd end;
   {
     const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth), Ask);
+    CheckDoubts(*machine, journal);
+    if (!options.accept_expired) {
+      RefuseToStart(CalibrationTroubles(CalibrationsOf(inputs.bench), machine->Calibrations(), Today()),
+                    inputs.bench);
+    }
     WaitForPeople(*machine);
     TerminalProgress progress;
-    CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, g_request, progress);
+    CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, Requested(), progress);
     const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();
     try {
       end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt,
@@ -198,6 +164,8 @@ void AddRun(CLI::App& app, Action& action) {
   command->add_flag("--resume", options->resume, "go on with the campaign in the folder");
   command->add_flag("--accept-pause", options->accept_pause,
                     "resume even after a pause longer than the schedule allows");
+  command->add_flag("--accept-expired", options->accept_expired,
+                    "run with calibrations that do not hold today; every record says so");
   command->add_option("--pace", options->pace, "of a simulated bench: max, real, or N times real time")
       ->capture_default_str();
   command->add_option("--truth", options->truth,

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <map>
 #include <memory>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/cycle_results.h"
+#include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
@@ -35,6 +38,8 @@ struct Status {
   std::vector<Event> alarms;
   std::vector<Event> events;
   std::vector<Hole> holes;
+  std::vector<CheckHistory> checks;
+  std::map<std::string, SampleCount> samples;  // of the complete cycles, by source
   double longest_pause_s{};
 };
 
@@ -71,6 +76,8 @@ Status StatusOf(const CampaignFolder& folder) {
     if (event.severity == "alarm") status.alarms.push_back(event);
   }
   status.holes = journal.Holes();
+  status.samples = SamplesOf(journal);
+  status.checks = CheckHistories(inputs.schedule, TimedResultsOf(journal));
   return status;
 }
 
@@ -90,6 +97,11 @@ void Print(const Status& status, const CampaignFolder& folder) {
     fmt::print("  {:28} {:12.5g} ± {:.2g}{}\n", result.quantity, result.value, result.standard_error,
                result.flag.empty() ? "" : "  " + result.flag);
   }
+  for (const auto& [source, count] : status.samples) {
+    fmt::print("  samples of {}: {:.0f} received, {:.0f} lost, in all complete cycles\n", source,
+               count.received, count.lost);
+  }
+  if (!status.checks.empty()) fmt::print("sensor checks\n{}", CheckText(status.checks));
   for (const Event& alarm : status.alarms) fmt::print("  ALARM {}: {}\n", alarm.utc, alarm.text);
   fmt::print("  holes        {}; after a pause of up to {} it counts as the same test\n", status.holes.size(),
              DurationText(status.longest_pause_s));
@@ -112,6 +124,10 @@ nlohmann::json Json(const Status& status) {
                      {"end_utc", hole.end_utc},
                      {"cause", hole.cause}});
   }
+  nlohmann::json samples = nlohmann::json::object();
+  for (const auto& [source, count] : status.samples) {
+    samples[source] = {{"received", count.received}, {"lost", count.lost}};
+  }
   return {{"running", status.process > 0},
           {"process", status.process},
           {"cycles_complete", status.complete},
@@ -122,6 +138,8 @@ nlohmann::json Json(const Status& status) {
           {"bench_time_s", status.bench_time_s},
           {"eta_s", status.remaining_s},
           {"last_results", CycleJson(status.complete, status.last_results)},
+          {"samples", std::move(samples)},
+          {"sensor_checks", CheckJson(status.checks)},
           {"alarms", std::move(alarms)},
           {"holes", std::move(holes)},
           {"longest_pause_s", status.longest_pause_s}};

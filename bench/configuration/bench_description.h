@@ -29,6 +29,7 @@ struct TransducerDescription {
   double relative_linearity{};  // of the range
   /// Standard uncertainty of the gain that calibration leaves, relative.
   double relative_gain_uncertainty{};
+  SwitchLink shunt;  // connects the resistor of the shunt check
 };
 
 /// A measuring encoder; `sign` is −1 when it counts against the bench's positive direction.
@@ -76,7 +77,8 @@ struct BenchDescription {
   /// The shortest period that the bench can keep, for a phase that asks to be logged faster than the usual
   /// one.
   double fast_control_period_s{};
-  double stale_after_s{};  // how old readings may become before the bench stops; zero: three control periods
+  double stale_after_s{};      // how old readings may become before the bench stops
+  double longest_stop_s{};     // in which the drives must stand once this program is gone
   double vibration_rate_hz{};  // highest sample rate of the accelerometers
   ServoDescription driving_servo;
   ServoDescription load_servo;

@@ -34,21 +34,30 @@ Abilities AbilitiesOf(const BenchDescription& bench, double ratio) {
 
 class BenchCheck {
  public:
-  BenchCheck(const BenchDescription& bench, double ratio, std::string path, const Comparison& compare)
-      : bench_(bench), can_(AbilitiesOf(bench, std::abs(ratio))), path_(std::move(path)), compare_(compare) {}
+  BenchCheck(const BenchDescription& bench, const schedules::Schedule& schedule, std::string path,
+             const Comparison& compare)
+      : bench_(bench),
+        can_(AbilitiesOf(bench, std::abs(schedule.specimen.ratio))),
+        limits_(schedule.limits),
+        path_(std::move(path)),
+        compare_(compare) {}
 
   void operator()(const schedules::LoadRun& run) const {
     CheckTorque("output_torque", run.output_torque_Nm, true);
     CheckMotion(run.input_speed_rad_per_s, run.input_acceleration_rad_per_s2);
     CheckLogRate(run.log_rate_hz, can_.sample_rate_hz);
+    CheckReserve("output_torque", run.output_torque_Nm, limits_.output_torque_Nm,
+                 {At("torque_rate"), run.torque_rate_Nm_per_s});
+    CheckReserve("input_speed", run.input_speed_rad_per_s, limits_.input_speed_rad_per_s,
+                 {At("input_acceleration"), run.input_acceleration_rad_per_s2});
+    if (run.vibration_statistics_hz > 0.0)
+      CheckVibration("vibration_statistics", run.vibration_statistics_hz);
   }
   void operator()(const schedules::MeasurementRotation& rotation) const {
     CheckTorque("output_torque", rotation.output_torque_Nm, true);
     CheckMotion(rotation.input_speed_rad_per_s, rotation.input_acceleration_rad_per_s2);
     CheckLogRate(rotation.log_rate_hz, can_.fast_sample_rate_hz);
-    const Named rate{At("vibration_rate"), rotation.vibration_rate_hz};
-    compare_.MustNotExceed(rate, "the bench's vibration_rate", {"vibration_rate", bench_.vibration_rate_hz},
-                           bench_.origins, bench_.file_name);
+    CheckVibration("vibration_rate", rotation.vibration_rate_hz);
     if (bench_.accelerometers.empty()) {
       compare_.Error(At("kind"), fmt::format("kind = measurement_rotation needs vibration, but {} has no "
                                              "accelerometers (expected at least one)",
@@ -66,6 +75,18 @@ class BenchCheck {
   void operator()(const schedules::Soak&) const {}
   void operator()(const schedules::BlankTest& test) const {
     CheckTorque("peak_torque", test.peak_torque_Nm, false);
+  }
+  void operator()(const schedules::SensorCheck& check) const {
+    if (check.kind != schedules::SensorCheck::Kind::kShunt) return;
+    compare_.MustNotExceed({At("expected"), std::abs(check.expected_Nm)}, "the torque transducer's range",
+                           {"torque_transducer.range", bench_.transducer.range_Nm}, bench_.origins,
+                           bench_.file_name);
+    if (!bench_.simulated && bench_.transducer.shunt.device.empty()) {
+      compare_.Error(At("kind"),
+                     fmt::format("kind = shunt_check needs a switch for the shunt, but {} has none (expected "
+                                 "torque_transducer.shunt with device and source)",
+                                 bench_.file_name));
+    }
   }
 
  private:
@@ -101,9 +122,27 @@ class BenchCheck {
                            bench_.origins, bench_.file_name);
   }
 
+  void CheckVibration(std::string_view key, double rate_hz) const {
+    compare_.MustNotExceed({At(key), rate_hz}, "the bench's vibration_rate",
+                           {"vibration_rate", bench_.vibration_rate_hz}, bench_.origins, bench_.file_name);
+  }
+
   void CheckLogRate(double rate_hz, double most_hz) const {
     const Named rate{At("log_rate"), rate_hz};
     CheckDerived(rate, most_hz, "{:.4g} Hz at which the bench reads its channels");
+  }
+
+  // What goes on rising by the phase's own ramp is seen before it is beyond the limit.
+  void CheckReserve(std::string_view key, double value, double limit, const Named& rate) const {
+    const double longest_s = (limit - value) / rate.value;
+    const std::string limit_path = fmt::format("limits.{}", key);
+    if (bench_.control_period_s <= longest_s * (1.0 + 1e-9) || value >= limit) return;
+    compare_.Error(
+        At(key), fmt::format("{} = {}, rising by {} = {}, may pass {} = {} between two looks of the bench, a "
+                             "control_period = {} apart (expected at most {:.3g} ms, {})",
+                             key, compare_.Written({At(key), value}), schedules::KeyOf(rate.path),
+                             compare_.Written(rate), limit_path, compare_.Written({limit_path, limit}),
+                             Period(), 1e3 * longest_s, bench_.file_name));
   }
 
   void CheckOnePeriod(std::string_view key, double time_s) const {
@@ -128,6 +167,7 @@ class BenchCheck {
 
   const BenchDescription& bench_;
   Abilities can_;
+  const schedules::Limits& limits_;
   std::string path_;
   const Comparison& compare_;
 };
@@ -143,8 +183,18 @@ schedules::FindingList CheckScheduleAgainstBench(const schedules::Schedule& sche
       {"torque_transducer.range", bench.transducer.range_Nm}, bench.origins, bench.file_name);
   const auto check = [&](const std::vector<schedules::Phase>& phases, std::string_view list) {
     for (std::size_t i = 0; i < phases.size(); ++i) {
-      std::visit(BenchCheck(bench, schedule.specimen.ratio, fmt::format("{}[{}]", list, i), compare),
-                 phases[i].parameters);
+      const std::string path = fmt::format("{}[{}]", list, i);
+      std::visit(BenchCheck(bench, schedule, path, compare), phases[i].parameters);
+      for (const std::string& source : phases[i].recorded_sources) {
+        const DeviceDescription* const device = FindDevice(bench.devices, source);
+        const bool streams = device != nullptr && (device->kind == DeviceDescription::Kind::kStream ||
+                                                   device->kind == DeviceDescription::Kind::kIio);
+        if (streams) continue;
+        compare.Error(path + ".record",
+                      fmt::format("record = {} is no source of samples (expected a device of kind stream or "
+                                  "iio of {})",
+                                  source, bench.file_name));
+      }
     }
   };
   check(schedule.preparation, "preparation");

@@ -8,8 +8,8 @@
 namespace strainwave::bench {
 
 /// Checks a valid schedule against the bench that is to run it: torque within the transducer and the load
-/// servo, speed and acceleration within the drives, log and vibration rates within what is sampled. The
-/// places are the schedule's.
+/// servo, speed and acceleration within the drives, log and vibration rates within what is sampled, limits
+/// that are looked at often enough for the ramps. The places are the schedule's.
 schedules::FindingList CheckScheduleAgainstBench(const schedules::Schedule& schedule,
                                                  const BenchDescription& bench);
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "bench/configuration/device_file.h"
 #include "bench/configuration/read_devices.h"
 #include "schedules/reader/yaml_map.h"
 
@@ -75,6 +76,12 @@ TransducerDescription ReadTransducer(YamlMap map, ReadContext& context) {
   transducer.relative_linearity = map.Quantity("linearity", Dimension::kShare, Bound::kNotNegative, "0.3 %");
   transducer.relative_gain_uncertainty =
       map.Quantity("gain_uncertainty", Dimension::kShare, Bound::kNotNegative, "0.05 %");
+  YamlMap shunt = map.Map("shunt", Presence::kOptional);
+  if (map.has("shunt")) {
+    transducer.shunt.device = shunt.Identifier("device");
+    transducer.shunt.source = shunt.Identifier("source");
+  }
+  shunt.Finish();
   map.Finish();
   return transducer;
 }
@@ -174,7 +181,9 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
   bench.control_period_s = map.Quantity("control_period", Dimension::kTime, Bound::kPositive, "10 ms");
   bench.fast_control_period_s =
       map.Quantity("fast_control_period", Dimension::kTime, Bound::kPositive, "1 ms");
-  bench.stale_after_s = map.OptionalQuantity("stale_after", Dimension::kTime, Bound::kPositive).value_or(0.0);
+  bench.stale_after_s = map.OptionalQuantity("stale_after", Dimension::kTime, Bound::kPositive)
+                            .value_or(3.0 * bench.control_period_s);
+  bench.longest_stop_s = map.Quantity("longest_stop_time", Dimension::kTime, Bound::kPositive, "2 s");
   bench.vibration_rate_hz =
       map.Quantity("vibration_rate", Dimension::kFrequency, Bound::kPositive, "51.2 kHz");
   bench.driving_servo = ReadServo(map.Map("driving_servo", Presence::kRequired), folder);
@@ -211,40 +220,34 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
 }  // namespace
 
 BenchDescription ReadBenchFile(const std::filesystem::path& path) {
-  FindingList findings;
-  const std::optional<std::string> text = schedules::ReadInputFile(path, kBenchFile, findings);
-  if (!text) throw BenchFileError(path.string(), findings);
-  return ParseBenchFile(*text, path.string(), path.parent_path());
+  return ParseBenchFile(TextOfFile<BenchFileError>(path, kBenchFile), path.string(), path.parent_path());
 }
 
 BenchDescription ParseBenchFile(const std::string& text, std::string_view file_name,
                                 const std::filesystem::path& folder) {
-  ReadContext context;
-  const std::optional<YamlNode> root = schedules::ParseYaml(text, kBenchFile, context.findings);
-  if (!root) throw BenchFileError(file_name, context.findings);
-  BenchDescription bench = ReadTop(*root, folder, context);
-  if (context.findings.has_errors()) throw BenchFileError(file_name, context.findings);
-  bench.file_name = file_name;
-  bench.origins = std::move(context.origins);
-  return bench;
+  return ParseFile<BenchFileError>(text, file_name, kBenchFile,
+                                   [&](const YamlNode& root, ReadContext& context) {
+                                     BenchDescription bench = ReadTop(root, folder, context);
+                                     bench.file_name = file_name;
+                                     bench.origins = std::move(context.origins);
+                                     return bench;
+                                   });
 }
 
 std::vector<TermDescription> ReadPlantFile(const std::filesystem::path& path) {
-  ReadContext context;
-  const std::optional<std::string> text = schedules::ReadInputFile(path, kPlantFile, context.findings);
-  if (!text) throw BenchFileError(path.string(), context.findings);
-  const std::optional<YamlNode> root = schedules::ParseYaml(*text, kPlantFile, context.findings);
-  if (!root) throw BenchFileError(path.string(), context.findings);
-  YamlMap map(*root, context);
-  map.Version("plant");
-  // `diagnose` writes there where the terms come from, and may have none to write.
-  const bool diagnosed = map.has("diagnosis");
-  map.Map("diagnosis", Presence::kOptional);
-  std::vector<TermDescription> terms =
-      ReadTerms(map.MapList("terms", diagnosed ? Presence::kOptional : Presence::kRequired), context);
-  map.Finish();
-  if (context.findings.has_errors()) throw BenchFileError(path.string(), context.findings);
-  return terms;
+  const std::string text = TextOfFile<BenchFileError>(path, kPlantFile);
+  return ParseFile<BenchFileError>(
+      text, path.string(), kPlantFile, [](const YamlNode& root, ReadContext& context) {
+        YamlMap map(root, context);
+        map.Version("plant");
+        // `diagnose` writes there where the terms come from, and may have none to write.
+        const bool diagnosed = map.has("diagnosis");
+        map.Map("diagnosis", Presence::kOptional);
+        std::vector<TermDescription> terms =
+            ReadTerms(map.MapList("terms", diagnosed ? Presence::kOptional : Presence::kRequired), context);
+        map.Finish();
+        return terms;
+      });
 }
 
 }  // namespace strainwave::bench

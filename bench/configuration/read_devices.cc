@@ -2,6 +2,8 @@
 #include "bench/configuration/read_devices.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -21,11 +23,6 @@ constexpr int kMostUnits = 247;
 
 std::filesystem::path Below(const std::filesystem::path& folder, const std::string& file) {
   return file.empty() ? std::filesystem::path() : folder / file;
-}
-
-const DeviceDescription* Find(const std::vector<DeviceDescription>& devices, std::string_view name) {
-  const auto found = std::ranges::find(devices, name, &DeviceDescription::name);
-  return found == devices.end() ? nullptr : &*found;
 }
 
 bool GivesChannels(Kind kind) {
@@ -51,6 +48,42 @@ bool IsChannel(const BenchDescription& bench, std::string_view name) {
              bench.accelerometers.end();
 }
 
+// Keys of a serial line say nothing of a TCP port.
+ModbusConnection ReadConnection(YamlMap& map, const std::string& address) {
+  constexpr int kMostRetries = 10;
+  constexpr int kLeastBaud = 300;
+  constexpr int kMostBaud = 4'000'000;
+  constexpr double kLongestAnswer_s = 60.0;
+  ModbusConnection connection;
+  if (const auto time_s =
+          map.OptionalQuantity("answer_time", schedules::Dimension::kTime, schedules::Bound::kPositive)) {
+    if (*time_s < 1e-3 || *time_s > kLongestAnswer_s) {
+      map.AddError("answer_time",
+                   fmt::format("answer_time = {:g} s is not usable (expected 1 ms to 60 s)", *time_s));
+    }
+    connection.answer_time =
+        std::chrono::milliseconds(std::llround(1e3 * std::clamp(*time_s, 1e-3, kLongestAnswer_s)));
+  }
+  if (map.has("retries")) connection.retries = map.Count("retries", 0, kMostRetries);
+  const bool is_line = address.starts_with("rtu:");
+  const auto of_line = [&](const char* key) {
+    if (!map.has(key)) return false;
+    if (!is_line) {
+      (void)map.Text(key);
+      map.AddError(key, fmt::format("{} belongs to a serial line (expected address: \"rtu:PATH\", or no {})",
+                                    key, key));
+    }
+    return is_line;
+  };
+  if (of_line("answers_echo")) connection.answers_echo = map.Flag("answers_echo");
+  if (of_line("baud")) connection.baud = map.Count("baud", kLeastBaud, kMostBaud);
+  if (of_line("parity")) {
+    connection.parity = map.Choice<char>("parity", {{"none", 'N'}, {"even", 'E'}, {"odd", 'O'}});
+  }
+  if (of_line("stop_bits")) connection.stop_bits = map.Count("stop_bits", 1, 2);
+  return connection;
+}
+
 std::string AllChannels(const BenchDescription& bench) {
   std::string all;
   for (const char* name : kNeededChannels) all += fmt::format("{}, ", name);
@@ -74,7 +107,7 @@ void CheckDrive(const BenchDescription& bench, const DriveLink& link, const std:
   const auto error = [&](std::string message) {
     context.findings.AddError(place->second.line, place->second.column, std::move(message));
   };
-  const DeviceDescription* device = Find(bench.devices, link.device);
+  const DeviceDescription* device = FindDevice(bench.devices, link.device);
   if (device == nullptr) {
     error(fmt::format("device = {} is not among the devices (expected the name of one)", link.device));
   } else if (device->kind == Kind::kCanopen) {
@@ -86,7 +119,23 @@ void CheckDrive(const BenchDescription& bench, const DriveLink& link, const std:
   }
 }
 
+void CheckShunt(const BenchDescription& bench, ReadContext& context) {
+  const std::string& name = bench.transducer.shunt.device;
+  const DeviceDescription* const device = FindDevice(bench.devices, name);
+  const auto place = context.origins.find("torque_transducer.shunt.device");
+  if (name.empty() || place == context.origins.end() || place->second.wrong) return;
+  if (device != nullptr && device->kind == Kind::kModbus) return;
+  context.findings.AddError(
+      place->second.line, place->second.column,
+      fmt::format("device = {} switches nothing (expected the name of a device of kind modbus)", name));
+}
+
 }  // namespace
+
+const DeviceDescription* FindDevice(std::span<const DeviceDescription> devices, std::string_view name) {
+  const auto found = std::ranges::find(devices, name, &DeviceDescription::name);
+  return found == devices.end() ? nullptr : &*found;
+}
 
 std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std::filesystem::path& folder,
                                            ReadContext& context) {
@@ -111,9 +160,13 @@ std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std:
         device.address = map.Text("address");
         device.unit = map.Count("unit", 0, kMostUnits, "1");
         device.file = Below(folder, map.Text("registers"));
+        device.connection = ReadConnection(map, device.address);
+        break;
+      case Kind::kIio:
+        device.address = map.Text("address");
+        device.iio_device = map.Text("device");
         break;
       case Kind::kStream:
-      case Kind::kIio:
       case Kind::kCamera:
         device.address = map.Text("address");
         break;
@@ -124,7 +177,7 @@ std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std:
         break;
     }
     map.Finish();
-    if (!map.is_wrong("name") && Find(devices, device.name) != nullptr) {
+    if (!map.is_wrong("name") && FindDevice(devices, device.name) != nullptr) {
       const schedules::Origin& origin = context.origins[map.PathOf("name")];
       context.findings.AddError(
           origin.line, origin.column,
@@ -180,7 +233,7 @@ void CheckDevices(const BenchDescription& bench, int line, ReadContext& context)
       error("channel", fmt::format("channel = {} is not one of the bench's (expected one of {})",
                                    link.channel, AllChannels(bench)));
     }
-    const DeviceDescription* device = Find(bench.devices, link.device);
+    const DeviceDescription* device = FindDevice(bench.devices, link.device);
     if (device == nullptr) {
       error("device",
             fmt::format("device = {} is not among the devices (expected the name of one)", link.device));
@@ -190,6 +243,7 @@ void CheckDevices(const BenchDescription& bench, int line, ReadContext& context)
                         link.device));
     }
   }
+  CheckShunt(bench, context);
   const auto section = context.origins.find("channels");
   const int at = section == context.origins.end() ? line : section->second.line;
   for (const char* needed : kNeededChannels) {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "analysis/units.h"
+#include "bench/configuration/device_file.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -317,20 +318,14 @@ DriveProfile ReadTop(const schedules::YamlNode& root, const std::filesystem::pat
 }  // namespace
 
 DriveProfile ReadDriveProfile(const std::filesystem::path& path) {
-  schedules::FindingList findings;
-  const std::optional<std::string> text = schedules::ReadInputFile(path, kProfileFile, findings);
-  if (!text) throw BenchFileError(path.string(), findings);
-  return ParseDriveProfile(*text, path.string(), path.parent_path());
+  return ParseDriveProfile(TextOfFile<BenchFileError>(path, kProfileFile), path.string(), path.parent_path());
 }
 
 DriveProfile ParseDriveProfile(const std::string& text, std::string_view file_name,
                                const std::filesystem::path& folder) {
-  ReadContext context;
-  const auto root = schedules::ParseYaml(text, kProfileFile, context.findings);
-  if (!root) throw BenchFileError(file_name, context.findings);
-  DriveProfile profile = ReadTop(*root, folder, context);
-  if (context.findings.has_errors()) throw BenchFileError(file_name, context.findings);
-  return profile;
+  return ParseFile<BenchFileError>(
+      text, file_name, kProfileFile,
+      [&](const schedules::YamlNode& root, ReadContext& context) { return ReadTop(root, folder, context); });
 }
 
 DriveProfile AtAxis(DriveProfile profile, double gear_ratio, int sign) {

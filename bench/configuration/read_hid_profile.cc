@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/configuration/device_file.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -109,19 +110,11 @@ HidProfile ReadTop(const YamlNode& root, ReadContext& context) {
 }  // namespace
 
 HidProfile ReadHidProfile(const std::filesystem::path& path) {
-  FindingList findings;
-  const std::optional<std::string> text = schedules::ReadInputFile(path, kKind, findings);
-  if (!text) throw HidProfileError(path.string(), findings);
-  return ParseHidProfile(*text, path.string());
+  return ParseHidProfile(TextOfFile<HidProfileError>(path, kKind), path.string());
 }
 
 HidProfile ParseHidProfile(const std::string& text, std::string_view file_name) {
-  ReadContext context;
-  const std::optional<YamlNode> root = schedules::ParseYaml(text, kKind, context.findings);
-  if (!root) throw HidProfileError(file_name, context.findings);
-  HidProfile profile = ReadTop(*root, context);
-  if (context.findings.has_errors()) throw HidProfileError(file_name, context.findings);
-  return profile;
+  return ParseFile<HidProfileError>(text, file_name, kKind, ReadTop);
 }
 
 }  // namespace strainwave::bench

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/configuration/device_file.h"
 #include "schedules/reader/quantity.h"
 #include "schedules/reader/yaml_map.h"
 
@@ -173,19 +174,11 @@ ModbusProfile ReadTop(const YamlNode& root, ReadContext& context) {
 }  // namespace
 
 ModbusProfile ReadModbusProfile(const std::filesystem::path& path) {
-  FindingList findings;
-  const std::optional<std::string> text = schedules::ReadInputFile(path, kKind, findings);
-  if (!text) throw ModbusProfileError(path.string(), findings);
-  return ParseModbusProfile(*text, path.string());
+  return ParseModbusProfile(TextOfFile<ModbusProfileError>(path, kKind), path.string());
 }
 
 ModbusProfile ParseModbusProfile(const std::string& text, std::string_view file_name) {
-  ReadContext context;
-  const std::optional<YamlNode> root = schedules::ParseYaml(text, kKind, context.findings);
-  if (!root) throw ModbusProfileError(file_name, context.findings);
-  ModbusProfile profile = ReadTop(*root, context);
-  if (context.findings.has_errors()) throw ModbusProfileError(file_name, context.findings);
-  return profile;
+  return ParseFile<ModbusProfileError>(text, file_name, kKind, ReadTop);
 }
 
 }  // namespace strainwave::bench

@@ -42,6 +42,15 @@ void LoadRunProgram::SetUp(const Readings& readings, BenchDevices& devices) {
   devices.load.Enable(DriveMode::kTorque);
 }
 
+void LoadRunProgram::Collect(BenchDevices& devices) {
+  if (!(parameters_.vibration_statistics_hz > 0.0)) return;
+  const bool wanted = under_load_ && !winding_down_;
+  if (wanted && !statistics_.running())
+    statistics_.Start(devices.sampler, parameters_.vibration_statistics_hz);
+  statistics_.Take(devices.sampler);
+  if (!wanted && statistics_.running()) statistics_.Stop(devices.sampler);
+}
+
 StepResult LoadRunProgram::Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
   if (!under_load_) {
     const bool driving_up = BroughtUp(devices.driving);
@@ -130,6 +139,9 @@ std::vector<NamedRecord> LoadRunProgram::RecordsSoFar() const {
   named.record.columns = log_.Columns(single);
   std::vector<NamedRecord> records;
   records.push_back(std::move(named));
+  if (parameters_.vibration_statistics_hz > 0.0) {
+    records.push_back({"vibration_statistics", statistics_.Record(parameters_.vibration_statistics_hz)});
+  }
   return records;
 }
 

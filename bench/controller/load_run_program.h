@@ -6,6 +6,7 @@
 #include "bench/controller/motion.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
+#include "bench/controller/vibration_statistics.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
@@ -19,6 +20,7 @@ class LoadRunProgram final : public PhaseProgram {
 
   void SetUp(const Readings& readings, BenchDevices& devices) override;
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
+  void Collect(BenchDevices& devices) override;
   bool WindDown() noexcept override {
     winding_down_ = true;
     return true;
@@ -61,6 +63,7 @@ class LoadRunProgram final : public PhaseProgram {
   Ramp speed_;
   Ramp torque_;
   Interval interval_;
+  VibrationStatistics statistics_;
   RowLog log_;
 };
 

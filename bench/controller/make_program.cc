@@ -5,6 +5,7 @@
 #include "bench/controller/hysteresis_program.h"
 #include "bench/controller/load_run_program.h"
 #include "bench/controller/rotation_program.h"
+#include "bench/controller/sensor_check_program.h"
 #include "bench/controller/sequence_program.h"
 #include "bench/controller/standstill_programs.h"
 #include "bench/controller/sweep_program.h"
@@ -61,6 +62,9 @@ struct Maker {
   std::unique_ptr<PhaseProgram> operator()(const schedules::BlankTest& phase) const {
     return MakeBlankProgram(phase, specimen, period_s);
   }
+  std::unique_ptr<PhaseProgram> operator()(const schedules::SensorCheck& phase) const {
+    return std::make_unique<SensorCheckProgram>(phase, specimen.ratio, period_s);
+  }
 };
 
 struct EventOf {
@@ -74,6 +78,7 @@ struct EventOf {
   BenchEvent operator()(const schedules::HysteresisTest&) const { return BenchEvent::kBeginHysteresisTest; }
   BenchEvent operator()(const schedules::Soak&) const { return BenchEvent::kBeginSoak; }
   BenchEvent operator()(const schedules::BlankTest&) const { return BenchEvent::kBeginBlankTest; }
+  BenchEvent operator()(const schedules::SensorCheck&) const { return BenchEvent::kBeginSensorCheck; }
 };
 
 }  // namespace

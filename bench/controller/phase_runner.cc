@@ -61,9 +61,7 @@ PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
                          const std::atomic<StopRequest>& request)
     : devices_(devices),
       settings_(settings),
-      interlocks_(settings.limits,
-                  Nanoseconds(settings.stale_after_s > 0.0 ? settings.stale_after_s
-                                                           : 3.0 * settings.control_period_s)),
+      interlocks_(settings.limits, Nanoseconds(settings.stale_after_s)),
       suspend_(settings.suspend),
       request_(request),
       history_(static_cast<std::size_t>(kHistory_s / settings.control_period_s), kHistoryChannels) {
@@ -74,6 +72,7 @@ PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
 void PhaseRunner::MakeSafe() noexcept {
   devices_.driving.QuickStop();
   devices_.load.QuickStop();
+  devices_.sampler.ConnectShunt(false);
 }
 
 InterlockInputs PhaseRunner::Inputs(const PhaseProgram& program) const noexcept {

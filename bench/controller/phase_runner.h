@@ -21,6 +21,7 @@ StopCause CauseOf(StopRequest request);
 /// How a phase ended, and everything that is known of why.
 struct PhaseOutcome {
   StopReason reason;                 // none: the phase is complete
+  std::string words{};               // what the reason alone does not say
   std::vector<StopReason> followed;  // other limits broken within a second after the first
   double credited_load_s{};
   std::vector<NamedRecord> records;
@@ -42,7 +43,7 @@ using HeartbeatFunction = std::function<void(const PhaseSnapshot&, const PhasePr
 
 struct RunnerSettings {
   double control_period_s{0.01};
-  double stale_after_s{};  // how old readings may become; zero: three control periods
+  double stale_after_s{0.03};  // how old readings may become
   schedules::Limits limits;
   schedules::SuspendRule suspend;
   /// The loop runs on a thread of its own, with real-time priority where the machine grants it, so that

@@ -12,6 +12,17 @@
 
 namespace strainwave::bench {
 
+namespace {
+
+// Once for the whole program, and all of it: the way of a stop has not been gone before it is needed, and must
+// not wait for a disk then.
+int KeepMemory() {
+  static const int error = mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
+  return error;
+}
+
+}  // namespace
+
 std::string BecomeRealtime(RealtimeRank rank) {
   sched_param parameters{};
   parameters.sched_priority = static_cast<int>(rank);
@@ -21,11 +32,11 @@ std::string BecomeRealtime(RealtimeRank rank) {
         "/etc/security/limits.conf)",
         std::strerror(error), static_cast<int>(rank));
   }
-  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+  if (const int error = KeepMemory(); error != 0) {
     return fmt::format(
         "its memory may be paged out: {} (expected CAP_IPC_LOCK, or memlock unlimited in "
         "/etc/security/limits.conf)",
-        std::strerror(errno));
+        std::strerror(error));
   }
   return {};
 }

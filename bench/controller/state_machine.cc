@@ -18,6 +18,8 @@ std::optional<BenchState> NextFromReady(BenchEvent event) {
       return BenchState::kBlankTest;
     case BenchEvent::kBeginSoak:
       return BenchState::kSoak;
+    case BenchEvent::kBeginSensorCheck:
+      return BenchState::kSensorCheck;
     case BenchEvent::kBeginStore:
       return BenchState::kStore;
     case BenchEvent::kFinish:
@@ -58,6 +60,7 @@ std::optional<BenchState> Next(BenchState state, BenchEvent event) {
     case BenchState::kHysteresisTest:
     case BenchState::kBlankTest:
     case BenchState::kSoak:
+    case BenchState::kSensorCheck:
       if (event == BenchEvent::kSuspend) return BenchState::kSuspended;
       return When(event == BenchEvent::kPhaseEnded, BenchState::kReady);
     case BenchState::kSuspended:
@@ -83,6 +86,7 @@ bool TorqueAllowed(BenchState state) {
     case BenchState::kReferencing:
     case BenchState::kReady:
     case BenchState::kSoak:
+    case BenchState::kSensorCheck:
     case BenchState::kSuspended:
     case BenchState::kStore:
     case BenchState::kFinished:
@@ -113,6 +117,8 @@ std::string_view Name(BenchState state) {
       return "blank test";
     case BenchState::kSoak:
       return "soak";
+    case BenchState::kSensorCheck:
+      return "sensor check";
     case BenchState::kSuspended:
       return "suspended";
     case BenchState::kStore:

@@ -17,8 +17,9 @@ enum class BenchState {
   kTransmissionErrorSweep,
   kHysteresisTest,  // input brake locked
   kBlankTest,
-  kSoak,       // standstill until a thermal state is reached
-  kSuspended,  // standstill until temperature or sensors have recovered
+  kSoak,         // standstill until a thermal state is reached
+  kSensorCheck,  // standstill: what sensors show where it is known
+  kSuspended,    // standstill until temperature or sensors have recovered
   kStore,
   kFinished,
 };
@@ -33,6 +34,7 @@ enum class BenchEvent {
   kBeginHysteresisTest,
   kBeginBlankTest,
   kBeginSoak,
+  kBeginSensorCheck,
   kPhaseEnded,  // done, paused or stopped on request: the bench stands safe and is not at fault
   kSuspend,
   kResume,

@@ -60,6 +60,8 @@ std::string_view Code(StopCause cause) {
       return "phase_timeout";
     case StopCause::kReferenceCheck:
       return "reference_check";
+    case StopCause::kSensorCheck:
+      return "sensor_check";
     case StopCause::kLogFull:
       return "log_full";
     case StopCause::kTemperatureSuspend:
@@ -108,6 +110,8 @@ std::string Describe(const StopReason& reason) {
       return fmt::format("the phase took {:.0f} s, planned were at most {:.0f} s", value, limit);
     case StopCause::kReferenceCheck:
       return fmt::format("reference check: {:.3f} is outside of ±{:.3f}", value, limit);
+    case StopCause::kSensorCheck:
+      return "a sensor does not show what it should";
     case StopCause::kLogFull:
       return fmt::format("the phase gave more than the {:.0f} rows set aside for it", limit);
     case StopCause::kTemperatureSuspend:

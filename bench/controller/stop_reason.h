@@ -22,6 +22,7 @@ enum class StopCause {
   kDriveNotReady,
   kPhaseTimeout,
   kReferenceCheck,
+  kSensorCheck,
   kLogFull,
   // Suspension: the phase goes on or starts again when the condition has passed.
   kTemperatureSuspend,

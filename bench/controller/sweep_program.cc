@@ -19,7 +19,10 @@ SweepProgram::SweepProgram(const schedules::TransmissionErrorSweep& parameters, 
       direction_(parameters.clockwise ? 1.0 : -1.0),
       second_direction_(parameters.clockwise && parameters.counter_clockwise),
       log_({"time_s", "direction", "input_angle_deg", "output_angle_deg", "torque_Nm", "temperature_degC"},
-           2 * (static_cast<std::size_t>(parameters.steps) + 1)) {}
+           2 * (static_cast<std::size_t>(parameters.steps) + 1)),
+      skew_(ratio) {
+  output_speeds_rad_per_s_.reserve(2 * (static_cast<std::size_t>(parameters.steps) + 1));
+}
 
 double SweepProgram::timeout_s() const {
   const double turn_s =
@@ -70,6 +73,7 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
     case Stage::kApproach:
     case Stage::kMove:
       devices.driving.CommandPosition(move_.PositionAt(in_stage_s));
+      skew_.Add(readings);
       if (in_stage_s < move_.duration_s()) return StepResult::kRunning;
       if (stage_ == Stage::kApproach) {
         MoveTo(StepTarget(0), elapsed_s);
@@ -83,7 +87,8 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
       if (in_stage_s < parameters_.settle_s) return StepResult::kRunning;
       stage_ = Stage::kAverage;
       count_ = 0;
-      input_sum_rad_ = output_sum_rad_ = torque_sum_Nm_ = 0.0;
+      input_sum_rad_ = output_sum_rad_ = torque_sum_Nm_ = speed_sum_rad_per_s_ = 0.0;
+      skew_.EndMove();
       input_start_rad_ = readings.input_angle_rad;
       output_start_rad_ = readings.output_angle_rad;
       stage_start_s_ = elapsed_s;
@@ -93,12 +98,14 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
       input_sum_rad_ += readings.input_angle_rad - input_start_rad_;
       output_sum_rad_ += readings.output_angle_rad - output_start_rad_;
       torque_sum_Nm_ += readings.output_torque_Nm;
+      speed_sum_rad_per_s_ += readings.input_speed_rad_per_s / ratio_;
       if (elapsed_s - stage_start_s_ + 0.5 * period_s_ < parameters_.averaging_s) return StepResult::kRunning;
       if (!log_.Append({elapsed_s, direction_, DegFromRad(input_start_rad_ + input_sum_rad_ / count_),
                         DegFromRad(output_start_rad_ + output_sum_rad_ / count_), torque_sum_Nm_ / count_,
                         readings.gear_temperature_degC})) {
         return StepResult::kLogFull;
       }
+      output_speeds_rad_per_s_.push_back(speed_sum_rad_per_s_ / count_);
       if (step_ == parameters_.steps) {
         if (!second_direction_) return StepResult::kDone;
         second_direction_ = false;
@@ -113,12 +120,28 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
   return StepResult::kRunning;
 }
 
+void SweepProgram::TakeOut(double skew_s, daq::Record& record) const {
+  for (daq::Column& column : record.columns) {
+    if (column.name != "output_angle_deg") continue;
+    auto& angles_deg = std::get<std::vector<double>>(column.values);
+    for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+      angles_deg[i] -= DegFromRad(skew_s * output_speeds_rad_per_s_[i]);
+    }
+  }
+}
+
 std::vector<NamedRecord> SweepProgram::TakeRecords() {
   NamedRecord named{"transmission_error", {}};
   named.record.kind = "transmission_error";
   named.record.SetMetadata("ratio", ratio_);
   named.record.SetMetadata("step_deg", DegFromRad(parameters_.step_rad));
   named.record.columns = log_.Columns();
+  if (const auto skew = skew_.Estimate()) {
+    named.record.SetMetadata("encoder_skew_us", 1e6 * skew->skew_s);
+    named.record.SetMetadata("encoder_skew_se_us", 1e6 * skew->standard_error_s);
+    named.record.SetMetadata("encoder_skew_taken_out", "true");
+    TakeOut(skew->skew_s, named.record);
+  }
   for (daq::Column& column : named.record.columns) {
     if (column.name != "direction") continue;
     std::vector<daq::Direction> directions;

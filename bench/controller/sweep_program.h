@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bench/controller/encoder_skew.h"
 #include "bench/controller/motion.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
@@ -11,7 +12,8 @@ namespace strainwave::bench {
 /// Transmission error at standstill: from the output's reference angle in equal steps through the asked
 /// angle, reading both encoders after each step, clockwise and then counter-clockwise. Before each direction
 /// the output comes from behind, so that the first reading has the same history as the others.
-/// `steps` moves give `steps` + 1 readings.
+/// `steps` moves give `steps` + 1 readings. While it moves, the time between the two encoders is measured
+/// (E20), and taken out of the readings where they were not quite at rest.
 class SweepProgram final : public PhaseProgram {
  public:
   SweepProgram(const schedules::TransmissionErrorSweep& parameters, double ratio, double period_s);
@@ -28,6 +30,7 @@ class SweepProgram final : public PhaseProgram {
 
   void MoveTo(double input_rad, double elapsed_s) noexcept;
   double StepTarget(int step) const noexcept;
+  void TakeOut(double skew_s, daq::Record& record) const;
   void BeginDirection(double direction, double elapsed_s) noexcept;
 
   schedules::TransmissionErrorSweep parameters_;
@@ -46,6 +49,9 @@ class SweepProgram final : public PhaseProgram {
   double input_start_rad_{}, output_start_rad_{};
   double input_sum_rad_{}, output_sum_rad_{}, torque_sum_Nm_{};
   RowLog log_;
+  std::vector<double> output_speeds_rad_per_s_;  // mean while a row was averaged, as many as rows
+  double speed_sum_rad_per_s_{};
+  EncoderSkew skew_;
 };
 
 }  // namespace strainwave::bench

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <mosquitto.h>
 
+#include "bench/campaign/campaign_error.h"
+#include "bench/monitor/mqtt_tls.h"
 #include "bench/monitor/sparkplug_metrics.h"
 
 namespace strainwave::bench {
@@ -39,7 +41,7 @@ class MqttPublisher::Connection {
  public:
   explicit Connection(MqttPublisher& publisher)
       : publisher_(publisher),
-        will_(publisher.node_.Death(publisher.board_.NowMilliseconds())),
+        will_(publisher.Death()),
         client_(
             mosquitto_new((publisher.settings_.group + "-" + publisher.settings_.node).c_str(), true, this),
             mosquitto_destroy) {
@@ -50,6 +52,10 @@ class MqttPublisher::Connection {
     if (!settings.user.empty()) {
       mosquitto_username_pw_set(client, settings.user.c_str(), settings.password.c_str());
     }
+    if (settings.tls.used()) UseTls(client, settings.tls);
+    mosquitto_log_callback_set(client, [](mosquitto*, void* self, int level, const char* line) {
+      if (level == MOSQ_LOG_ERR) static_cast<Connection*>(self)->said_ += std::string(line) + '\n';
+    });
     mosquitto_connect_callback_set(
         client, [](mosquitto*, void* self, int code) { static_cast<Connection*>(self)->OnConnect(code); });
     mosquitto_message_callback_set(client, [](mosquitto*, void* self, const mosquitto_message* message) {
@@ -121,7 +127,7 @@ class MqttPublisher::Connection {
   void LetGo() {
     if (acknowledged_.empty()) return;
     const std::scoped_lock lock(publisher_.mutex_);
-    for (const int ticket : acknowledged_) publisher_.outbox_.Acknowledge(ticket);
+    publisher_.outbox_.Acknowledge(acknowledged_);
     acknowledged_.clear();
     publisher_.ShowLink();
   }
@@ -177,7 +183,10 @@ class MqttPublisher::Connection {
   }
 
   void Check(int code) {
-    if (code != MOSQ_ERR_SUCCESS && code != MOSQ_ERR_CONN_PENDING) Lose(mosquitto_strerror(code));
+    if (code == MOSQ_ERR_SUCCESS || code == MOSQ_ERR_CONN_PENDING) return;
+    // What TLS objects to, and not that the connection is gone then.
+    const bool by_tls = publisher_.settings_.tls.used() && (code == MOSQ_ERR_TLS || !said_.empty());
+    Lose(by_tls ? WhyTlsFailed(client_.get(), publisher_.settings_, said_) : mosquitto_strerror(code));
   }
 
   void Lose(const std::string& cause) {
@@ -197,20 +206,51 @@ class MqttPublisher::Connection {
   std::vector<int> acknowledged_;
   int farewell_{-1};
   bool farewell_done_{};
+  std::string said_;  // by libmosquitto, of its errors
   std::string cause_;
 };
 
-MqttPublisher::MqttPublisher(const MqttSettings& settings, Board& board, Log log)
+MqttPublisher::MqttPublisher(const MqttSettings& settings, Board& board, Log log,
+                             std::unique_ptr<OutboxStore> store)
     : settings_(settings),
       board_(board),
       log_(std::move(log)),
-      node_(settings.group, settings.node),
-      outbox_(settings.keep) {
+      node_(settings.group, settings.node, store ? store->next_birth() : 0),
+      outbox_(settings.keep, std::move(store)) {
+  RequireUsable(settings.tls);
+  RequireSameMetrics();
+  if (outbox_.size() > 0) {
+    log_(fmt::format("mqtt: {} windows of an earlier run wait in {}", outbox_.size(),
+                     settings.outbox_file.string()));
+  }
+  ShowLink();
   thread_ = std::thread([this] { Run(); });
 }
 
 MqttPublisher::~MqttPublisher() {
   if (thread_.joinable()) Finish(milliseconds{0});
+}
+
+// A birth names all metrics that there will be, and what waits is sent after it.
+void MqttPublisher::RequireSameMetrics() const {
+  const auto born = SparkplugMetrics(board_.State(), board_.frame(), board_.NowMilliseconds());
+  for (std::size_t i = 0; const auto* waiting = outbox_.At(i); ++i) {
+    if (!std::ranges::equal(*waiting, born, {}, &protocols::SparkplugMetric::name,
+                            &protocols::SparkplugMetric::name)) {
+      Refuse(
+          settings_.outbox_file,
+          fmt::format("of the {} windows that wait, number {} is another predictor's", outbox_.size(), i + 1),
+          "the predictor whose results they are, or another outbox_file");
+    }
+  }
+}
+
+protocols::MqttMessage MqttPublisher::Death() {
+  protocols::MqttMessage death = node_.Death(board_.NowMilliseconds());
+  const std::scoped_lock lock(mutex_);
+  outbox_.KeepNextBirth(node_.next_birth());
+  ShowLink();
+  return death;
 }
 
 void MqttPublisher::Publish(std::vector<protocols::SparkplugMetric> metrics) {
@@ -241,6 +281,11 @@ bool MqttPublisher::FinishedLocked() const {
 
 void MqttPublisher::ShowLink() {
   board_.Show(LinkState{true, live_, outbox_.size(), outbox_.bytes(), outbox_.dropped()});
+  if (outbox_.trouble() == told_trouble_) return;
+  told_trouble_ = outbox_.trouble();
+  log_(told_trouble_.empty()
+           ? fmt::format("mqtt: {} can be written again", settings_.outbox_file.string())
+           : fmt::format("mqtt: {} (what waits is in memory alone meanwhile)", told_trouble_));
 }
 
 void MqttPublisher::Run() {
@@ -254,7 +299,8 @@ void MqttPublisher::Run() {
     live_ = false;
     ShowLink();
     if (FinishedLocked()) return;
-    if (!std::exchange(told_broken_, true) || was_born) {
+    const bool other_cause = connection.cause() != std::exchange(told_cause_, connection.cause());
+    if (!std::exchange(told_broken_, true) || was_born || other_cause) {
       log_(fmt::format("mqtt: no connection to {} port {}: {}; {} windows wait", settings_.host,
                        settings_.port, connection.cause(), outbox_.size()));
     }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -23,16 +24,19 @@ namespace strainwave::bench {
 ///
 /// Data goes with quality of service 1, where Sparkplug asks for 0: only what a broker acknowledges may be
 /// forgotten. Subscribers see no difference. With a primary host named, nothing is sent before that host says
-/// that it listens.
+/// that it listens. With a store, what waits and the numbers of connections outlive the monitor.
 class MqttPublisher {
  public:
-  using Log = std::function<void(const std::string& line)>;  // called from the thread
+  using Log = std::function<void(const std::string& line)>;  // called from any thread
 
   /// @param board  outlives the publisher; gets the state of the link, gives the values of births.
-  MqttPublisher(const MqttSettings& settings, Board& board, Log log);
+  /// @param store  may be none. @throws CampaignError for certificates that cannot be used, or a store that
+  ///   cannot be read or whose entries are of another predictor.
+  MqttPublisher(const MqttSettings& settings, Board& board, Log log,
+                std::unique_ptr<OutboxStore> store = nullptr);
   MqttPublisher(const MqttPublisher&) = delete;
   MqttPublisher& operator=(const MqttPublisher&) = delete;
-  /// Ends the connection with a death; what still waits is lost.
+  /// Ends the connection with a death; what still waits is lost, unless there is a store.
   ~MqttPublisher();
 
   /// Puts values into the outbox.
@@ -49,12 +53,16 @@ class MqttPublisher {
   bool Finished();
   bool FinishedLocked() const;
   void ShowLink();  // with the mutex held
+  void RequireSameMetrics() const;
+  protocols::MqttMessage Death();
 
   MqttSettings settings_;
   Board& board_;
   Log log_;
   protocols::SparkplugEdgeNode node_;  // of the thread alone
   bool told_broken_{};                 // of the thread alone
+  std::string told_cause_;             // of the thread alone
+  std::string told_trouble_;           // of the store
 
   std::mutex mutex_;
   std::condition_variable wake_;

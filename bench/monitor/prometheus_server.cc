@@ -29,8 +29,8 @@ PrometheusServer::PrometheusServer(const ListenSettings& settings, const Board& 
   server_->http.set_keep_alive_max_count(1);
   server_->http.set_payload_max_length(4096);
   if (settings.port == 0) {
-    port_ = server_->http.bind_to_any_port(settings.address.c_str());
-  } else if (server_->http.bind_to_port(settings.address.c_str(), settings.port)) {
+    port_ = server_->http.bind_to_any_port(settings.address);
+  } else if (server_->http.bind_to_port(settings.address, settings.port)) {
     port_ = settings.port;
   }
   if (port_ <= 0) {

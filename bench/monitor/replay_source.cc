@@ -10,7 +10,6 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/diagnosis/record_data.h"
-#include "bench/prediction/record_features.h"
 #include "daq/record_error.h"
 
 namespace strainwave::bench {
@@ -121,7 +120,7 @@ void ReplaySource::LoadFile(const std::filesystem::path& path) {
   VibrationChunk trouble;
   trouble.origin = path.string();
   try {
-    for (const daq::Record& record : ReadVibrationRecords(path)) AddRecord(record);
+    for (const daq::Record& record : ReadVibrationRecords(path, settings_.motor_torque)) AddRecord(record);
   } catch (const daq::RecordError& error) {
     trouble.trouble = error.what();
   } catch (const CampaignError& error) {

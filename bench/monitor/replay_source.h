@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "bench/prediction/record_features.h"
 #include "bench/roles/vibration_source.h"
 #include "daq/record.h"
 
@@ -21,6 +22,7 @@ struct ReplaySettings {
   double pace{1.0};  // times real time; infinity: as fast as it can
   double ratio{80.0};       // of the gear: turns of the input to one of the output
   std::int64_t start_ns{};  // time of the first sample, since 1970, UTC
+  MotorTorque motor_torque{MotorTorque::kAsRecorded};
 };
 
 /// Records of files as a stream in blocks. Each record is a measurement of its own; what cannot be read is a

@@ -3,11 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "analysis/units.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -36,15 +40,18 @@ std::string OptionalIdentifier(YamlMap& map, std::string_view key) {
 WindowRule ReadWindows(YamlMap map) {
   using By = WindowRule::By;
   WindowRule rule;
-  rule.by = map.Choice<By>("by", {{"trigger", By::kTrigger}, {"revolution", By::kRevolution}}, "trigger");
-  rule.trigger_channel = OptionalIdentifier(map, "trigger_channel");
   const bool by_edge = map.has("trigger_channel");
+  rule.by = map.Choice<By>(
+      "by", {{"training", By::kTraining}, {"trigger", By::kTrigger}, {"revolution", By::kRevolution}},
+      by_edge ? "trigger" : "training");
+  rule.trigger_channel = OptionalIdentifier(map, "trigger_channel");
   rule.trigger_level =
       by_edge ? map.Number("trigger_level", Bound::kAny) : map.Number("trigger_level", Bound::kAny, "0");
   rule.turns = map.Number("turns", Bound::kPositive, "1");
-  if (rule.by == By::kRevolution && map.has("trigger_channel")) {
+  if (rule.by != By::kTrigger && by_edge) {
     map.AddError("trigger_channel",
-                 "trigger_channel has no meaning for windows by revolution (expected 'by: trigger')");
+                 fmt::format("trigger_channel has no meaning for windows by {} (expected 'by: trigger')",
+                             rule.by == By::kRevolution ? "revolution" : "training"));
   }
   map.Finish();
   return rule;
@@ -118,19 +125,107 @@ OutputLimits ReadThresholds(std::vector<YamlMap> maps) {
   return thresholds;
 }
 
-MqttSettings ReadMqtt(YamlMap map) {
+// Beside the settings file, unless it is absolute; empty where the key is left out.
+std::filesystem::path ReadFile(YamlMap& map, std::string_view key, const std::filesystem::path& folder,
+                               Presence presence = Presence::kOptional) {
+  const std::string name = presence == Presence::kOptional ? map.Text(key, "") : map.Text(key);
+  return name.empty() ? std::filesystem::path() : folder / name;
+}
+
+// The same of a file that must be there to be read.
+std::filesystem::path ReadableFile(YamlMap& map, std::string_view key, const std::filesystem::path& folder,
+                                   Presence presence = Presence::kOptional) {
+  std::filesystem::path file = ReadFile(map, key, folder, presence);
+  if (!file.empty() && !std::ifstream(file)) {
+    map.AddError(key, fmt::format("{} = {} cannot be read (expected a file)", key, file.string()));
+  }
+  return file;
+}
+
+std::string PasswordFrom(const std::filesystem::path& file) {
+  std::string line;
+  std::ifstream stream(file);
+  std::getline(stream, line);
+  if (line.ends_with('\r')) line.pop_back();
+  return line;
+}
+
+// From one of three places; a settings file is read by more people than should know a password.
+std::string ReadPassword(YamlMap& map, const std::filesystem::path& folder) {
+  std::string password = map.Text("password", "");
+  const std::filesystem::path file = ReadableFile(map, "password_file", folder);
+  const std::string variable = OptionalIdentifier(map, "password_variable");
+  const auto places = map.has("password") + map.has("password_file") + map.has("password_variable");
+  if (places > 1) {
+    const char* at = map.has("password_variable") ? "password_variable" : "password_file";
+    map.AddError(at, fmt::format("{} names a second place for the password (expected one)", at));
+  }
+  if (!file.empty()) return PasswordFrom(file);
+  if (variable.empty()) return password;
+  const char* value = std::getenv(variable.c_str());
+  if (value == nullptr) {
+    map.AddError("password_variable",
+                 fmt::format("the environment has no variable {} (expected the password in it)", variable));
+    return {};
+  }
+  return value;
+}
+
+TlsSettings ReadTls(YamlMap map, const std::filesystem::path& folder) {
+  TlsSettings tls;
+  tls.ca_file = ReadableFile(map, "ca_file", folder, Presence::kRequired);
+  tls.certificate_file = ReadableFile(map, "certificate_file", folder);
+  tls.key_file = ReadableFile(map, "key_file", folder);
+  if (map.has("certificate_file") != map.has("key_file")) {
+    const char* at = map.has("key_file") ? "key_file" : "certificate_file";
+    map.AddError(at, fmt::format("{} stands alone (expected certificate_file and key_file)", at));
+  }
+  map.Finish();
+  return tls;
+}
+
+MqttSettings ReadMqtt(YamlMap map, const std::filesystem::path& folder) {
   MqttSettings mqtt;
   mqtt.host = map.Text("host", "127.0.0.1");
-  mqtt.port = map.Count("port", 1, 65535, "1883");
+  mqtt.port = map.Count("port", 1, 65535, map.has("tls") ? "8883" : "1883");
   mqtt.group = map.Identifier("group", "strainwave");
   mqtt.node = map.Identifier("node");
   mqtt.primary_host = OptionalIdentifier(map, "primary_host");
   mqtt.user = map.Text("user", "");
-  mqtt.password = map.Text("password", "");
+  mqtt.password = ReadPassword(map, folder);
+  if (map.has("tls")) {
+    mqtt.tls = ReadTls(map.Map("tls", Presence::kRequired), folder);
+  } else {
+    map.Map("tls", Presence::kOptional);
+  }
   mqtt.keep.windows = static_cast<std::size_t>(map.Count("keep_windows", 1, kMostWindows, "10000"));
   mqtt.keep.bytes = static_cast<std::size_t>(map.Count("keep_mebibytes", 1, kMostMebibytes, "64")) << 20;
+  mqtt.outbox_file = ReadFile(map, "outbox_file", folder);
   map.Finish();
   return mqtt;
+}
+
+StreamSettings ReadSource(YamlMap map, const std::filesystem::path& folder) {
+  StreamSettings source;
+  const std::string address = map.Text("address");
+  try {
+    if (!map.is_wrong("address")) source.address = ParseStreamAddress(address);
+  } catch (const std::invalid_argument& error) {
+    map.AddError("address", error.what());
+  }
+  if (auto* replay = std::get_if<daq::acquisition::ReplaySettings>(&source.address))
+    replay->path = folder / replay->path;
+  source.silent_after_ms =
+      Milliseconds(map.Quantity("silent_after", Dimension::kTime, Bound::kPositive, "3 s"));
+  source.input_speed_rad_per_s =
+      map.OptionalQuantity("input_speed", Dimension::kAngularSpeed, Bound::kNotZero);
+  for (YamlMap& channel : map.MapList("channels", Presence::kOptional)) {
+    const std::string from = channel.Text("source");
+    source.renamed.emplace_back(from, channel.Identifier("name"));
+    channel.Finish();
+  }
+  map.Finish();
+  return source;
 }
 
 ListenSettings ReadListen(YamlMap map, std::string_view port) {
@@ -139,7 +234,7 @@ ListenSettings ReadListen(YamlMap map, std::string_view port) {
   return listen;
 }
 
-MonitorSettings ReadTop(const YamlNode& root, ReadContext& context) {
+MonitorSettings ReadTop(const YamlNode& root, const std::filesystem::path& folder, ReadContext& context) {
   YamlMap map(root, context);
   map.Version("monitor");
   MonitorSettings settings;
@@ -148,12 +243,13 @@ MonitorSettings ReadTop(const YamlNode& root, ReadContext& context) {
   settings.stale_after_ms =
       Milliseconds(map.Quantity("stale_after", Dimension::kTime, Bound::kPositive, "5 min"));
   settings.limits = ReadThresholds(map.MapList("thresholds", Presence::kOptional));
-  if (map.has("mqtt")) settings.mqtt = ReadMqtt(map.Map("mqtt", Presence::kRequired));
+  if (map.has("source")) settings.source = ReadSource(map.Map("source", Presence::kRequired), folder);
+  if (map.has("mqtt")) settings.mqtt = ReadMqtt(map.Map("mqtt", Presence::kRequired), folder);
   if (map.has("prometheus")) {
     settings.prometheus = ReadListen(map.Map("prometheus", Presence::kRequired), "9464");
   }
   if (map.has("modbus")) settings.modbus = ReadListen(map.Map("modbus", Presence::kRequired), "1502");
-  for (const char* section : {"mqtt", "prometheus", "modbus"}) {
+  for (const char* section : {"source", "mqtt", "prometheus", "modbus"}) {
     if (!map.has(section)) map.Map(section, Presence::kOptional);
   }
   map.Finish();
@@ -173,7 +269,8 @@ MonitorSettings ParseMonitorSettings(const std::string& text, std::string_view f
   ReadContext context;
   const std::optional<YamlNode> root = schedules::ParseYaml(text, kKind, context.findings);
   if (!root) throw MonitorSettingsError(file_name, context.findings);
-  MonitorSettings settings = ReadTop(*root, context);
+  const std::filesystem::path folder = std::filesystem::path(file_name).parent_path();
+  MonitorSettings settings = ReadTop(*root, folder, context);
   if (context.findings.has_errors()) throw MonitorSettingsError(file_name, context.findings);
   return settings;
 }

@@ -54,7 +54,7 @@ std::vector<SparkplugMetric> SparkplugMetrics(const MonitorState& state, const M
                        .quality = of});
   };
   const auto alarm_text = [](AlarmLevel level) { return std::string(NameOf(level)); };
-  add("Window", state.last ? state.last->number : std::int64_t{0}, of_window);
+  add(std::string(kWindowMetric), state.last ? state.last->number : std::int64_t{0}, of_window);
   add("Quality", QualityText(state, status), true);
   add("Alarm", alarm_text(state.last ? state.last->alarm : AlarmLevel::kOk), of_window, quality);
   add("Outside training", status == ValueStatus::kOutsideTraining, has_values);

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "bench/monitor/monitor_result.h"
 #include "protocols/sparkplug.h"
 
 namespace strainwave::bench {
+
+inline constexpr std::string_view kWindowMetric = "Window";
 
 /// All metrics of a monitor, with the values of its newest result and of its link. Values that are not good
 /// are null and of quality BAD, old ones null and STALE; outside the training they stand there with quality

@@ -38,26 +38,38 @@ std::optional<double> SamplesPerTurn(const std::vector<double>& turns) {
   return static_cast<double>(kParts * part) / std::abs(turned);
 }
 
+// Of a window of turns training takes as many samples as fit whole.
+std::size_t WholeSamples(double samples) {
+  constexpr double kRounding = 1e-6;
+  return static_cast<std::size_t>(samples + kRounding);
+}
+
+void CutTo(std::size_t samples, VibrationWindow& window) {
+  for (auto& channel : window.samples) channel.resize(std::min(channel.size(), samples));
+}
+
 }  // namespace
 
 std::vector<VibrationWindow> WindowCutter::Add(const VibrationChunk& chunk) {
   if (!chunk.trouble.empty()) {
-    CloseWith({SignalFaultKind::kGap, "the stream broke off (expected the whole window)"});
+    BreakOff("the stream broke off");
     told_ = false;
     Tell(chunk, {SignalFaultKind::kUnreadable, chunk.trouble});
     told_ = false;
-    turned_.reset();
     return std::exchange(done_, {});
   }
-  if (open_ && !chunk.begins_measurement && !Continues(chunk)) {
-    CloseWith({SignalFaultKind::kGap,
-               "the stream has a gap, or changes its rate or channels (expected the whole window)"});
-    turned_.reset();
-    above_ = true;
+  if (!chunk.gap.empty()) {
+    BreakOff(chunk.gap);
+  } else if (chunk.begins_measurement) {
+    BeginMeasurement();
+  } else if (open_ && !Continues(chunk)) {
+    BreakOff("the stream has a gap, or changes its rate or channels");
   }
   const auto trigger = std::ranges::find(chunk.channels, rule_.trigger_channel);
   if (rule_.by == WindowRule::By::kRevolution) {
-    AddByTurn(chunk);
+    AddByTurn(chunk, rule_.turns);
+  } else if (rule_.by == WindowRule::By::kTraining) {
+    AddAsTrained(chunk);
   } else if (rule_.trigger_channel.empty()) {
     AddByMark(chunk);
   } else if (trigger != chunk.channels.end()) {
@@ -71,8 +83,9 @@ std::vector<VibrationWindow> WindowCutter::Add(const VibrationChunk& chunk) {
 }
 
 std::vector<VibrationWindow> WindowCutter::Finish() {
-  // By revolution the last turn is never whole; that is no fault.
-  if (rule_.by == WindowRule::By::kRevolution) open_.reset();
+  // A stream without marks never ends at the end of a window; that is no fault.
+  const bool by_training = rule_.by == WindowRule::By::kTraining && rule_.length != WindowLength{};
+  if (rule_.by == WindowRule::By::kRevolution || by_training) open_.reset();
   CloseWith({SignalFaultKind::kGap, "the stream ended (expected the whole window)"});
   return std::exchange(done_, {});
 }
@@ -80,7 +93,66 @@ std::vector<VibrationWindow> WindowCutter::Finish() {
 bool WindowCutter::Continues(const VibrationChunk& chunk) const {
   const double jitter_ns = kMostJitter * 1e9 / open_->sample_rate_hz;
   return chunk.sample_rate_hz == open_->sample_rate_hz && chunk.channels == open_->channels &&
-         std::abs(static_cast<double>(chunk.time_ns - open_->end_ns)) <= jitter_ns;
+         (chunk.is_counted || std::abs(static_cast<double>(chunk.time_ns - open_->end_ns)) <= jitter_ns);
+}
+
+void WindowCutter::BreakOff(const std::string& why) {
+  CloseWith({SignalFaultKind::kGap, why + " (expected the whole window)"});
+  turned_.reset();
+  above_ = true;
+}
+
+// A window never goes on into another measurement. One that a mark began ends there, one that an edge began
+// is broken off; turns and samples that are left over belong to none.
+void WindowCutter::BeginMeasurement() {
+  const bool by_trigger = rule_.by == WindowRule::By::kTrigger;
+  const bool of_training = rule_.by == WindowRule::By::kTraining && rule_.length == WindowLength{};
+  if (by_trigger && !rule_.trigger_channel.empty()) {
+    BreakOff("another measurement began");
+  } else if (!by_trigger && !of_training) {
+    open_.reset();
+    turned_.reset();
+  }
+}
+
+std::size_t WindowCutter::SamplesAt(double rate_hz, std::size_t samples) const {
+  if (rule_.sample_rate_hz == 0.0) return samples;
+  return static_cast<std::size_t>(
+      std::llround(static_cast<double>(samples) * std::max(1.0, std::round(rate_hz / rule_.sample_rate_hz))));
+}
+
+void WindowCutter::AddAsTrained(const VibrationChunk& chunk) {
+  if (rule_.length == WindowLength{}) {
+    AddByMark(chunk);
+    return;
+  }
+  if (rule_.length.turns > 0) {
+    AddByTurn(chunk, rule_.length.turns / std::abs(rule_.ratio));
+  } else {
+    AddBySamples(chunk);
+  }
+  if (!chunk.ends_measurement) return;
+  if (open_ && HoldsItsTurns()) Close();
+  open_.reset();
+}
+
+// A record may end with the last sample of a window, and no further one tells that its turns are over.
+bool WindowCutter::HoldsItsTurns() const {
+  const auto samples_per_turn = SamplesPerTurn(open_turns_);
+  return samples_per_turn && rule_.length.turns > 0 &&
+         open_->samples.front().size() >=
+             WholeSamples(*samples_per_turn / std::abs(rule_.ratio) * rule_.length.turns);
+}
+
+void WindowCutter::AddBySamples(const VibrationChunk& chunk) {
+  const std::size_t whole = SamplesAt(chunk.sample_rate_hz, rule_.length.samples);
+  for (std::size_t i = 0; i < SamplesOf(chunk);) {
+    if (!open_) Open(chunk, i);
+    const std::size_t to = std::min(SamplesOf(chunk), i + whole - open_->samples.front().size());
+    Append(chunk, i, to);
+    if (open_ && open_->samples.front().size() == whole) Close();
+    i = to;
+  }
 }
 
 void WindowCutter::AddByMark(const VibrationChunk& chunk) {
@@ -93,6 +165,7 @@ void WindowCutter::AddByMark(const VibrationChunk& chunk) {
 }
 
 void WindowCutter::AddByEdge(const VibrationChunk& chunk, const std::vector<double>& trigger) {
+  const std::size_t whole = SamplesAt(chunk.sample_rate_hz, rule_.trigger_samples);
   for (std::size_t i = 0; i < trigger.size();) {
     if (!open_) {
       const bool above = trigger[i] >= rule_.trigger_level;
@@ -102,17 +175,18 @@ void WindowCutter::AddByEdge(const VibrationChunk& chunk, const std::vector<doub
       if (!edge) ++i;
       continue;
     }
-    const std::size_t missing = rule_.trigger_samples - open_->samples.front().size();
+    const std::size_t missing = whole - open_->samples.front().size();
     const std::size_t to = std::min(trigger.size(), i + missing);
     Append(chunk, i, to);
     above_ = trigger[to - 1] >= rule_.trigger_level;
-    if (open_ && open_->samples.front().size() >= rule_.trigger_samples) Close();
+    if (open_ && open_->samples.front().size() >= whole) Close();
     i = to;
   }
 }
 
-void WindowCutter::AddByTurn(const VibrationChunk& chunk) {
+void WindowCutter::AddByTurn(const VibrationChunk& chunk, double turns_a_window) {
   if (chunk.output_turns.size() != SamplesOf(chunk)) {
+    BreakOff("the angle of the output shaft is not known any more");
     Tell(chunk,
          {SignalFaultKind::kMissingChannel,
           "the angle of the output shaft is not known (expected a speed of the input and the ratio, or "
@@ -126,16 +200,18 @@ void WindowCutter::AddByTurn(const VibrationChunk& chunk) {
     if (!turned_) window_from_turns_ = turns;
     const bool back =
         turned_ && std::abs(turns - window_from_turns_) < std::abs(*turned_ - window_from_turns_) - kFlicker;
+    // The sample nearest to the end of the turn, on either side, is the next one's first.
+    const double half_step = turned_ ? 0.5 * std::abs(turns - *turned_) : 0.0;
     turned_ = turns;
     if (back) {
       Append(chunk, from, i);
       CloseWith({SignalFaultKind::kGap, "the shaft turned back (expected a turn in one direction)"});
       window_from_turns_ = turns;
       from = i;
-    } else if (std::abs(turns - window_from_turns_) >= rule_.turns) {
+    } else if (std::abs(turns - window_from_turns_) > turns_a_window - half_step) {
       Append(chunk, from, i);
       Close();
-      window_from_turns_ += std::copysign(rule_.turns, turns - window_from_turns_);
+      window_from_turns_ += std::copysign(turns_a_window, turns - window_from_turns_);
       from = i;
     }
     if (!open_) Open(chunk, i);
@@ -175,7 +251,11 @@ void WindowCutter::Append(const VibrationChunk& chunk, std::size_t from, std::si
 void WindowCutter::Close() {
   if (!open_) return;
   if (!open_->fault && open_turns_.size() == open_->samples.front().size()) {
-    if (const auto samples = SamplesPerTurn(open_turns_)) open_->samples_per_turn = *samples / rule_.ratio;
+    if (const auto samples = SamplesPerTurn(open_turns_)) {
+      open_->samples_per_turn = *samples / std::abs(rule_.ratio);
+      if (rule_.by == WindowRule::By::kTraining && rule_.length.turns > 0)
+        CutTo(WholeSamples(*open_->samples_per_turn * rule_.length.turns), *open_);
+    }
   }
   done_.push_back(*std::exchange(open_, std::nullopt));
 }

@@ -25,18 +25,21 @@ struct VibrationWindow {
 };
 
 struct WindowRule {
-  enum class By { kTrigger, kRevolution };
-  By by{By::kTrigger};
-  std::string trigger_channel;         // a rising edge of it begins a window; empty: the source's own marks
-  double trigger_level{};              // of the edge, in the channel's unit
-  std::size_t trigger_samples{};       // of a window after an edge
-  double turns{1.0};                   // of the output shaft, by revolution
-  double ratio{80.0};                  // turns of the input shaft for one of the output's
+  enum class By { kTraining, kTrigger, kRevolution };
+  By by{By::kTraining};
+  WindowLength length{};          // by training: as the recipe has it; a measurement whole if it has none
+  double sample_rate_hz{};        // at which all numbers of samples hold; 0: the stream's own
+  std::string trigger_channel;    // a rising edge of it begins a window; empty: the source's own marks
+  double trigger_level{};         // of the edge, in the channel's unit
+  std::size_t trigger_samples{};  // of a window after an edge, at the least
+  double turns{1.0};              // of the output shaft, by revolution
+  double ratio{80.0};             // turns of the input shaft for one of the output's
   std::size_t most_samples{1u << 22};  // of any window: memory has a bound
 };
 
 /// Cuts a stream into windows. No sample is in two windows; a window that the stream breaks off comes out
-/// with a fault, never shortened in silence.
+/// with a fault, never shortened in silence. By training, the windows of a measurement are those of
+/// `WindowsOf` (signal_settings.h), and what is left at its end belongs to none.
 class WindowCutter {
  public:
   explicit WindowCutter(WindowRule rule) : rule_(std::move(rule)) {}
@@ -49,9 +52,16 @@ class WindowCutter {
 
  private:
   bool Continues(const VibrationChunk& chunk) const;
+  /// So many samples of the rule's rate in a stream that comes at a whole multiple of it.
+  std::size_t SamplesAt(double rate_hz, std::size_t samples) const;
   void AddByMark(const VibrationChunk& chunk);
   void AddByEdge(const VibrationChunk& chunk, const std::vector<double>& trigger);
-  void AddByTurn(const VibrationChunk& chunk);
+  void AddAsTrained(const VibrationChunk& chunk);
+  void AddBySamples(const VibrationChunk& chunk);
+  void AddByTurn(const VibrationChunk& chunk, double turns_a_window);
+  void BeginMeasurement();
+  bool HoldsItsTurns() const;
+  void BreakOff(const std::string& why);
   void Open(const VibrationChunk& chunk, std::size_t at);
   void Append(const VibrationChunk& chunk, std::size_t from, std::size_t to);
   void Close();

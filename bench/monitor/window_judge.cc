@@ -24,8 +24,11 @@ std::vector<MonitoredOutput> OutputsOf(const PredictedOutputs& predicted) {
 
 }  // namespace
 
-WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits)
-    : predictor_(predictor), limits_(predictor.outputs().size()), alarms_(predictor.outputs().size()) {
+WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits, std::int64_t last_number)
+    : predictor_(predictor),
+      limits_(predictor.outputs().size()),
+      alarms_(predictor.outputs().size()),
+      last_number_(last_number) {
   if (predictor.classes() && !limits.empty()) {
     throw std::invalid_argument(fmt::format(
         "a threshold is for '{}' (expected none: the predictor tells classes)", limits.front().first));
@@ -41,7 +44,7 @@ WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limit
 }
 
 MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
-  MonitorResult result{.number = ++windows_,
+  MonitorResult result{.number = ++last_number_,
                        .begin_ms = window.begin_ns / kNanosecondsPerMillisecond,
                        .end_ms = window.end_ns / kNanosecondsPerMillisecond,
                        .origin = window.origin,

@@ -20,9 +20,10 @@ using OutputLimits = std::vector<std::pair<std::string, AlarmLimits>>;
 class WindowJudge {
  public:
   /// @param predictor  outlives the judge.
+  /// @param last_number  of the window before the first one.
   /// @throws std::invalid_argument if a limit is of an output that the predictor does not have, or of a
   /// class.
-  WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits);
+  WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits, std::int64_t last_number = 0);
 
   /// Windows in order of time. Only a window that is good moves an alarm.
   MonitorResult Judge(const VibrationWindow& window);
@@ -31,7 +32,7 @@ class WindowJudge {
   ExportedPredictor& predictor_;
   std::vector<AlarmLimits> limits_;  // of each output
   std::vector<AlarmState> alarms_;
-  std::int64_t windows_{};
+  std::int64_t last_number_;
 };
 
 }  // namespace strainwave::bench

@@ -35,7 +35,9 @@ std::vector<Window> WindowsOf(std::size_t rows, std::optional<double> samples_pe
   }
   const double step =
       length.turns > 0 ? *samples_per_turn * length.turns : static_cast<double>(length.samples);
-  const auto count = static_cast<std::size_t>(step);
+  // A step that is whole but for its rounding counts as whole.
+  constexpr double kRounding = 1e-6;
+  const auto count = static_cast<std::size_t>(step + kRounding);
   std::vector<Window> windows;
   for (std::size_t k = 0;; ++k) {
     const auto begin = static_cast<std::size_t>(std::lround(static_cast<double>(k) * step));
@@ -83,8 +85,8 @@ SignalFault RateFault(double rate_hz, const SignalSettings& settings) {
 }
 
 SignalFault MissingChannel(const std::string& channel, const SignalSettings& settings) {
-  return {SignalFaultKind::kMissingChannel, fmt::format("there is no channel {} (expected {})", channel,
-                                                        fmt::join(settings.channels, ", "))};
+  return {SignalFaultKind::kMissingChannel,
+          fmt::format("there is no channel {} (expected {})", channel, fmt::join(settings.channels, ", "))};
 }
 
 std::optional<SignalFault> SensorFault(const std::string& channel, std::span<const double> signal) {

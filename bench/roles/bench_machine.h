@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "bench/controller/phase_program.h"
+#include "bench/roles/channel_calibration.h"
+#include "bench/roles/sample_sources.h"
 
 namespace strainwave::bench {
 
@@ -34,17 +36,43 @@ class BenchMachine {
   /// The gear is replaced by the rigid blank, or put back. On metal a person does it and confirms.
   virtual void MountBlank(bool mounted) = 0;
 
+  /// What its devices say of the calibration of their channels; one a channel of the bench at most.
+  virtual std::vector<ChannelCalibration> Calibrations() const { return {}; }
+
+  /// Its sources of samples, each since it was connected.
+  virtual std::vector<SourceTotals> Sources() const { return {}; }
+  /// Keeps raw streams from now on. @throws std::invalid_argument for a source that there is not,
+  ///   daq::DataFileError where the files cannot be begun.
+  virtual void StartRecording(const RecordingRequest&) {}
+  /// Ends it; the files are whole when it returns.
+  virtual std::vector<RecordedSource> StopRecording() { return {}; }
+
   /// What is wrong with its devices at the moment, in words, a line each; empty where nothing is.
   virtual std::string Troubles() const { return {}; }
 
   /// What a person must do before anything may move, in words; empty when nothing.
   virtual std::string MissingForStart() const { return {}; }
 
+  /// What speaks against a campaign on this bench, a line each: what `refuses` must be mended first.
+  struct Doubt {
+    bool refuses{};
+    std::string words;
+  };
+  virtual std::vector<Doubt> Doubts() const { return {}; }
+
+  /// Whether a hand is on the bench's own start key, which then lets a drive be turned by hand.
+  virtual bool StartKeyHeld() const { return false; }
+
   /// What has happened at the bench since the last call and belongs into the journal.
   virtual std::vector<std::string> TakeNotes() { return {}; }
 
   /// Asks for a picture of the bench, where it has a camera; never waits for it. What became of it is a note.
   virtual void TakePicture(const std::filesystem::path&) {}
+
+  /// Writes down in `folder` what goes over the bench's buses, from now on; bounded, the oldest goes.
+  virtual void LogBuses(const std::filesystem::path&) {}
+  /// Keeps what was written down around now, under names that begin with `stem`.
+  virtual void KeepBusLogs(const std::filesystem::path&) {}
 
   /// All measurements of a cycle are done; a simulated bench may note the truth it alone knows.
   virtual void CycleMeasured(int) {}

@@ -12,6 +12,8 @@ struct ChannelValue {
   double value{std::numeric_limits<double>::quiet_NaN()};
   std::chrono::nanoseconds time{};
   bool good{};
+  /// When the sample was taken, as near as the device's clock lets it be known; zero: `time` is all there is.
+  std::chrono::nanoseconds sampled{};
 };
 
 }  // namespace strainwave::bench

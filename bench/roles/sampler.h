@@ -13,6 +13,7 @@ namespace strainwave::bench {
 /// encoders: at the motor shaft and at the reducer's output.
 struct Readings {
   std::chrono::nanoseconds time{};
+  std::chrono::nanoseconds angles_time{};  // the older of the two angles
   double input_angle_rad{};
   double output_angle_rad{};
   double input_speed_rad_per_s{};
@@ -63,6 +64,10 @@ class Sampler {
   virtual void StopVibration() = 0;
   /// Appends what came in since the last call. Called between control periods, so it may allocate.
   virtual void DrainVibration(VibrationBlock& block) = 0;
+
+  /// Asks for the shunt resistor of the torque transducer to be connected, or taken off; the reading tells
+  /// when it is. Never waits. Nothing happens on a bench without one.
+  virtual void ConnectShunt(bool) noexcept {}
 };
 
 }  // namespace strainwave::bench

@@ -17,12 +17,13 @@ struct VibrationChunk {
   std::vector<double> output_turns;          // turns of the output shaft at each sample; empty: not known
   bool begins_measurement{};                 // the source's own trigger, at the first sample
   bool ends_measurement{};                   // the same, after the last sample
+  bool is_counted{};                         // a gap is what `gap` says, and never told from the times
+  std::string gap{};                         // what is missing before the first sample; empty: nothing
   std::string origin;                        // where the samples come from, for people
   std::string trouble;                       // "WHAT (what was expected)"
 };
 
-/// Where a monitor's vibration comes from: replayed records, a bench, and in time an IIO device or a TCP
-/// stream.
+/// Where a monitor's vibration comes from: replayed records, a bench, or a device that sends samples.
 class VibrationSource {
  public:
   enum class Got { kChunk, kNothingYet, kEnd };

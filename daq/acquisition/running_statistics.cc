@@ -15,6 +15,21 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
+RunningStatistics::RunningStatistics(const Moments& moments) noexcept
+    : count_(static_cast<std::uint64_t>(moments.count)),
+      mean_(moments.mean),
+      m2_(moments.second * moments.count),
+      m3_(moments.third * moments.count),
+      m4_(moments.fourth * moments.count),
+      least_(moments.least),
+      most_(moments.most) {}
+
+RunningStatistics::Moments RunningStatistics::moments() const noexcept {
+  if (count_ == 0) return {};
+  const auto n = static_cast<double>(count_);
+  return {n, mean_, m2_ / n, m3_ / n, m4_ / n, least_, most_};
+}
+
 void RunningStatistics::Add(double value) noexcept {
   if (!std::isfinite(value)) {
     ++not_finite_;

@@ -13,6 +13,20 @@ namespace strainwave::daq::acquisition {
 /// Pebay, Sandia report SAND2008-6212), and two stretches can be put together.
 class RunningStatistics {
  public:
+  /// All that is known of the values: enough to go on from, in a file or another program.
+  struct Moments {
+    double count{};
+    double mean{};
+    double second{}, third{}, fourth{};  // central moments, divided by the count
+    double least{}, most{};
+  };
+
+  RunningStatistics() = default;
+  /// As if the values of these moments had been added.
+  explicit RunningStatistics(const Moments& moments) noexcept;
+  /// All zero without a value.
+  Moments moments() const noexcept;
+
   /// A value that is not finite is counted and left out.
   void Add(double value) noexcept;
   /// As if all that `other` has seen had been added.

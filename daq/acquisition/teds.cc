@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::string_view kBasicNames[] = {"Manufacturer ID", "Model Number", "Version Letter",
                                             "Version Number", "Serial Number"};
-constexpr std::string_view kTemplateNames[] = {"%Sens@Ref",    "%TF_HP_S",   "%Sign",    "%Direction",
-                                               "%Weight",      "%RefFreq",   "%RefTemp", "%CalDate",
-                                               "%CalInitials", "%CalPeriod", "%MeasID"};
+constexpr std::string_view kTemplateNames[] = {
+    "%Sens@Ref", "%TF_HP_S",  "%Direction", "%Weight",  "%Sign",    "%TF_SP",       "%TF_KPr",    "%TF_KPq",
+    "%TF_SL",    "%TempCoef", "%RefFreq",   "%RefTemp", "%CalDate", "%CalInitials", "%CalPeriod", "%MeasID"};
 
 constexpr unsigned kManufacturerBits = 14;
 constexpr unsigned kModelBits = 15;

@@ -33,8 +33,14 @@ std::array<std::uint8_t, kBasicTeds_bytes> BytesOf(const BasicTeds& teds);
 
 /// Fields that are kept by name with a calibration: the basic ones ("Manufacturer ID", "Model Number",
 /// "Version Letter", "Version Number", "Serial Number"), and of the template for accelerometers and force
-/// transducers (25) and the calibration part "%Sens@Ref", "%TF_HP_S", "%Sign", "%Direction", "%Weight",
-/// "%RefFreq", "%RefTemp", "%CalDate", "%CalInitials", "%CalPeriod", "%MeasID".
+/// transducers (25), in its order, "%Sens@Ref", "%TF_HP_S", "%Direction", "%Weight", "%Sign", the transfer
+/// function "%TF_SP", "%TF_KPr", "%TF_KPq", "%TF_SL" and "%TempCoef", "%RefFreq", "%RefTemp", and the
+/// calibration part "%CalDate", "%CalInitials", "%CalPeriod" (days), "%MeasID".
+///
+/// Held against National Instruments, "IEEE 1451.4 Sensor Templates Overview" (basic part: widths and
+/// ranges), and the fields that the open reader of SDL-MCI/SDLMA-Core takes from template 25. The template of
+/// bridge sensors (33), such as torque transducers, was in no public source at hand: its fields are not known
+/// here.
 bool IsTedsField(std::string_view name);
 
 /// The calibration that a data sheet speaks of: the sensor's number, sensitivity from "%Sens@Ref" times

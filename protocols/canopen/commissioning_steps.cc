@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocols/canopen/drive_image.h"
+#include "protocols/canopen/type_limits.h"
 #include "protocols/cia402.h"
 
 namespace strainwave::protocols::canopen {
@@ -127,7 +128,7 @@ void SetInterpolation(const DriveProfile& profile, StepList& list) {
 
 void SetObjects(const DriveProfile& profile, StepList& list) {
   for (const ProfileObject& object : profile.objects) {
-    const auto bytes = static_cast<unsigned>(ByteCount(object.type));
+    const auto bytes = static_cast<unsigned>(BytesOf(object.type));
     switch (object.action) {
       case ProfileObject::Action::kWrite:
         list.Add(Action::kWrite, Concern::kSetting, object.address, bytes, object.value, AllBits(bytes),

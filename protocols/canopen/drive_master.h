@@ -110,6 +110,8 @@ class DriveMaster {
   void GoSilent() noexcept;
 
   DriveStage stage() const noexcept { return stage_; }
+  /// Set up, every supervision of it read back as on, and nothing has happened since that would undo that.
+  bool is_supervised() const noexcept { return !needs_commissioning_; }
   /// The first trouble since the last reset.
   DriveTrouble trouble() const noexcept { return trouble_; }
   /// The newest one; differs from the first when more went wrong after it.

@@ -60,19 +60,20 @@ std::string_view Words(DriveAnswer answer) {
 }
 
 std::string DriveMaster::TroubleWords() const {
-  std::string words = fmt::format("node {}: {}", node_id_, Words(trouble_));
+  const std::string words = fmt::format("node {}: {}", node_id_, Words(trouble_));
+  // Some details name the node themselves.
+  const auto said = [&](const std::string& detail) { return fmt::format("{}: {}", Words(trouble_), detail); };
   switch (trouble_) {
     case DriveTrouble::kCommissioningFailed:
-      return fmt::format("{}: {}", words, commissioning_.FailureWords());
+      return said(commissioning_.FailureWords());
     case DriveTrouble::kEmergency:
-      return fmt::format("{}: {}", words, trip_.emergency ? Words(*trip_.emergency) : "");
+      return trip_.emergency ? said(Words(*trip_.emergency)) : words;
     case DriveTrouble::kFault:
     case DriveTrouble::kFaultNotReset: {
       if (trip_.error_code != 0) {
         return fmt::format("{}: {:04X}h, {}", words, trip_.error_code, ErrorCodeWords(trip_.error_code));
       }
-      if (trip_.emergency) return fmt::format("{}: {}", words, Words(*trip_.emergency));
-      return words;
+      return trip_.emergency ? said(Words(*trip_.emergency)) : words;
     }
     case DriveTrouble::kNmtStateChanged:
       return trip_.nmt_state ? fmt::format("{} ({})", words, Name(*trip_.nmt_state)) : words;

@@ -66,6 +66,7 @@ void DriveMotion::Begin(const DriveReading& reading) {
   speed_ = actual_speed_;
   torque_ = reading.torque_permille;
   has_next_ = false;
+  cyclic_target_.reset();
   start_bit_ = ControlBit(kStart);
   in_window_s_ = outside_s_ = 0.0;
 }
@@ -161,7 +162,7 @@ DriveCommand DriveMotion::Run(double dt_s, DriveMode mode) {
     case DriveMode::kCyclicPosition:
       return CyclicPosition(dt_s);
     case DriveMode::kCyclicVelocity:
-      return CyclicVelocity();
+      return CyclicVelocity(dt_s);
     case DriveMode::kCyclicTorque:
       return Torque(dt_s, true);
     case DriveMode::kNone:
@@ -239,7 +240,8 @@ DriveCommand DriveMotion::ProfileVelocity(double dt_s) {
 
 DriveCommand DriveMotion::Torque(double dt_s, bool cyclic) {
   const double target = Clamp(Number(objects_.target_torque), Number(objects_.torque_limit));
-  torque_ = cyclic ? target : Towards(torque_, target, Number(objects_.torque_slope) * dt_s);
+  torque_ = cyclic ? Interpolated(torque_, target, dt_s)
+                   : Towards(torque_, target, Number(objects_.torque_slope) * dt_s);
   const bool too_fast = std::abs(actual_speed_) > objects_.speed_limit() && torque_ * actual_speed_ > 0.0;
   if (too_fast) torque_ = 0.0;
   SetStatus(kLimitActive, too_fast);
@@ -271,9 +273,20 @@ DriveCommand DriveMotion::Home() {
   return HoldPosition();
 }
 
+// The set point after another `dt_s` on its way from where it is to the target of a cyclic mode.
+double DriveMotion::Interpolated(double from, double target, double dt_s) {
+  constexpr double kRounding = 1e-6;
+  if (cyclic_target_ != target) to_cyclic_target_s_ = objects_.interpolation_s();
+  cyclic_target_ = target;
+  const bool arrives = dt_s >= to_cyclic_target_s_ * (1.0 - kRounding);
+  const double value = arrives ? target : from + (target - from) * dt_s / to_cyclic_target_s_;
+  to_cyclic_target_s_ = arrives ? 0.0 : to_cyclic_target_s_ - dt_s;
+  return value;
+}
+
 DriveCommand DriveMotion::CyclicPosition(double dt_s) {
-  const double way = Clamp(NearestTo(position_, objects_.target_position.integer()) - position_,
-                           objects_.speed_limit() * dt_s);
+  const double target = NearestTo(position_, objects_.target_position.integer());
+  const double way = Clamp(Interpolated(position_, target, dt_s) - position_, objects_.speed_limit() * dt_s);
   position_ += way;
   speed_ = dt_s > 0.0 ? way / dt_s : 0.0;
   SetStatus(kModeBit, true);
@@ -281,8 +294,8 @@ DriveCommand DriveMotion::CyclicPosition(double dt_s) {
   return HoldPosition();
 }
 
-DriveCommand DriveMotion::CyclicVelocity() {
-  speed_ = Clamp(Number(objects_.target_speed), objects_.speed_limit());
+DriveCommand DriveMotion::CyclicVelocity(double dt_s) {
+  speed_ = Interpolated(speed_, Clamp(Number(objects_.target_speed), objects_.speed_limit()), dt_s);
   SetStatus(kModeBit, true);
   return HoldSpeed();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "protocols/canopen/drive_objects.h"
 #include "protocols/canopen/drive_physics.h"
@@ -14,6 +15,10 @@ namespace strainwave::protocols::canopen::device {
 ///
 /// A stop ramps the speed down and keeps the speed loop; a drive that has no mode with a speed loop ramps its
 /// torque to zero instead. In the torque modes a motor that is faster than 6080h is not driven further.
+///
+/// Between two targets of a cyclic mode the set point goes in a straight line over the interpolation time
+/// 60C2h, so that a master with a long period drives as smoothly as one with a short period, one period
+/// later.
 class DriveMotion {
  public:
   explicit DriveMotion(DriveObjects& objects) : objects_(objects) {}
@@ -43,7 +48,8 @@ class DriveMotion {
   DriveCommand Torque(double dt_s, bool cyclic);
   DriveCommand Home();
   DriveCommand CyclicPosition(double dt_s);
-  DriveCommand CyclicVelocity();
+  DriveCommand CyclicVelocity(double dt_s);
+  double Interpolated(double from, double target, double dt_s);
   DriveCommand HoldPosition() const;
   DriveCommand HoldSpeed() const;
 
@@ -63,6 +69,8 @@ class DriveMotion {
   double speed_{};
   double torque_{};
   double home_{};  // the motor's place that is position zero, in units
+  std::optional<double> cyclic_target_;
+  double to_cyclic_target_s_{};
   DriveMode mode_{DriveMode::kNone};
   bool running_{};
   bool stopping_{};

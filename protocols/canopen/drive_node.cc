@@ -44,6 +44,14 @@ void DriveNode::AddChecks() {
     if ((now & kOff) == 0 && (value & kOff) == 0 && value != now) return SdoAbort::kInvalidValue;
     return std::nullopt;
   });
+  if (objects_.Find({0x1019, 0}) != nullptr) {
+    objects_.CheckWrites({0x1019, 0}, [this](std::int64_t value) -> std::optional<SdoAbort> {
+      if (value == 1) return SdoAbort::kInvalidValue;
+      // CiA 301, 7.5.2.22: not while SYNC is supervised.
+      if (objects_.Integer({0x1006, 0}) != 0) return SdoAbort::kCannotStoreDeviceState;
+      return std::nullopt;
+    });
+  }
   objects_.CheckWrites({0x6060, 0}, [this](std::int64_t value) -> std::optional<SdoAbort> {
     const std::optional<DriveMode> mode = DriveModeOf(value);
     if (!mode || !drive_.Supports(*mode)) return SdoAbort::kInvalidValue;
@@ -112,7 +120,10 @@ void DriveNode::OnFrame(const CanFrame& frame, std::chrono::nanoseconds now) {
 }
 
 void DriveNode::OnSync(const CanFrame& frame) {
-  if (Follow(ErrorCode::kSyncLength, frame.length != 0) || frame.length != 0) return;
+  // A byte with the counter where there is one (1019h). Which number it has concerns only PDOs with a start
+  // value, which this drive has none of.
+  const bool is_wrong = frame.length != (objects_.Integer({0x1019, 0}) != 0 ? 1 : 0);
+  if (Follow(ErrorCode::kSyncLength, is_wrong) || is_wrong) return;
   last_sync_ = now_;
   if (pdos_.OnSync()) OnControlword();
   reading_ = physics_.Read();

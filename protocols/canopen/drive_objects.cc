@@ -2,6 +2,7 @@
 #include "protocols/canopen/drive_objects.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace strainwave::protocols::canopen::device {
 namespace {
@@ -75,6 +76,8 @@ DriveObjects::DriveObjects(ObjectDictionary& objects)
       inputs(objects.At({0x60FD, 0})),
       outputs(objects.At({0x60FE, 1})),
       outputs_mask(objects.At({0x60FE, 2})),
+      interpolation_value(objects.At({0x60C2, 1})),
+      interpolation_exponent(objects.At({0x60C2, 2})),
       target_speed(objects.At({0x60FF, 0})) {}
 
 bool DriveObjects::Supports(DriveMode which) const {
@@ -94,6 +97,11 @@ double DriveObjects::speed_limit() const {
   const double motor =
       static_cast<double>(most_motor_speed_rpm.integer()) / 60.0 * inc_per_motor_turn / inc_per_unit();
   return std::min(motor, static_cast<double>(most_profile_speed.integer()));
+}
+
+double DriveObjects::interpolation_s() const {
+  return static_cast<double>(interpolation_value.integer()) *
+         std::pow(10.0, static_cast<double>(interpolation_exponent.integer()));
 }
 
 }  // namespace strainwave::protocols::canopen::device

@@ -35,6 +35,8 @@ struct DriveObjects {
   double inc_per_unit() const;
   /// The lower of 607Fh and 6080h, in units a second.
   double speed_limit() const;
+  /// 60C2h: how long after a target of a cyclic mode the next one comes.
+  double interpolation_s() const;
 
   Object &abort_option, &error_code, &controlword, &statusword;
   Object &quick_stop_option, &halt_option, &fault_reaction_option;
@@ -47,6 +49,7 @@ struct DriveObjects {
       &acceleration, &deceleration, &quick_stop_deceleration;
   Object &encoder_increments, &encoder_turns, &gear_motor, &gear_shaft, &feed, &feed_turns;
   Object &inputs, &outputs, &outputs_mask;
+  Object &interpolation_value, &interpolation_exponent;
   Object& target_speed;
 };
 

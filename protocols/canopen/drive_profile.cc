@@ -7,37 +7,6 @@
 
 namespace strainwave::protocols::canopen {
 
-std::size_t ByteCount(DataType type) noexcept {
-  switch (type) {
-    case DataType::kBoolean:
-    case DataType::kInteger8:
-    case DataType::kUnsigned8:
-      return 1;
-    case DataType::kInteger16:
-    case DataType::kUnsigned16:
-      return 2;
-    case DataType::kInteger32:
-    case DataType::kUnsigned32:
-    case DataType::kReal32:
-      return 4;
-    case DataType::kReal64:
-    case DataType::kInteger64:
-    case DataType::kUnsigned64:
-      return 8;
-    case DataType::kVisibleString:
-    case DataType::kOctetString:
-    case DataType::kUnicodeString:
-    case DataType::kDomain:
-      return 0;
-  }
-  return 0;
-}
-
-bool IsSignedInteger(DataType type) noexcept {
-  return type == DataType::kInteger8 || type == DataType::kInteger16 || type == DataType::kInteger32 ||
-         type == DataType::kInteger64;
-}
-
 bool IsAbsent(const DriveProfile& profile, std::uint16_t index) noexcept {
   const std::vector<std::uint16_t>& absent = profile.quirks.absent_objects;
   return std::find(absent.begin(), absent.end(), index) != absent.end();

@@ -119,11 +119,6 @@ struct DriveProfile {
   DriveQuirks quirks;
 };
 
-/// The size of a value of this type; 0 where it varies.
-std::size_t ByteCount(DataType type) noexcept;
-
-bool IsSignedInteger(DataType type) noexcept;
-
 bool IsAbsent(const DriveProfile& profile, std::uint16_t index) noexcept;
 
 /// Controlword and mode by event and watched by the drive, set-points with SYNC; statusword by event, so that

@@ -9,6 +9,7 @@
 #include "protocols/canopen/drive_image.h"
 #include "protocols/canopen/drive_profile.h"
 #include "protocols/canopen/sdo_client.h"
+#include "protocols/canopen/type_limits.h"
 
 namespace strainwave::protocols::canopen {
 namespace {
@@ -164,15 +165,15 @@ std::vector<std::string> CheckProfile(const DriveProfile& profile) {
   CheckSupervision(profile, findings);
   CheckPdos(profile, findings);
   for (const ProfileObject& object : profile.objects) {
-    const std::size_t bytes = ByteCount(object.type);
+    const std::size_t bytes = BytesOf(object.type);
     if (bytes == 0 || bytes > 4 || object.type == DataType::kReal32) {
       findings.push_back(
           fmt::format("{}: only integers of at most 32 bits can be written", Words(object.address)));
       continue;
     }
     const unsigned bits = 8U * static_cast<unsigned>(bytes);
-    const std::int64_t low = IsSignedInteger(object.type) ? -(std::int64_t{1} << (bits - 1)) : 0;
-    const std::int64_t high = (std::int64_t{1} << (IsSignedInteger(object.type) ? bits - 1 : bits)) - 1;
+    const std::int64_t low = IsSignedType(object.type) ? -(std::int64_t{1} << (bits - 1)) : 0;
+    const std::int64_t high = (std::int64_t{1} << (IsSignedType(object.type) ? bits - 1 : bits)) - 1;
     if (object.value < low || object.value > high) {
       findings.push_back(
           fmt::format("{}: {} does not fit into {} bits", Words(object.address), object.value, bits));

@@ -6,6 +6,7 @@
 #include "protocols/canopen/commissioning_steps.h"
 #include "protocols/canopen/drive_profile.h"
 #include "protocols/canopen/sdo_client.h"
+#include "protocols/canopen/type_limits.h"
 
 namespace strainwave::protocols::canopen {
 namespace {
@@ -24,9 +25,9 @@ void CheckStep(const CommissioningStep& step, const EdsFile& eds, std::uint8_t n
   }
   const EdsObject& object = found->second;
   const std::string name = Named(step.address, object);
-  if (ByteCount(object.type) != step.bytes) {
+  if (BytesOf(object.type) != step.bytes) {
     findings.push_back(
-        fmt::format("{}: {} bytes in the profile, {} in the EDS", name, step.bytes, ByteCount(object.type)));
+        fmt::format("{}: {} bytes in the profile, {} in the EDS", name, step.bytes, BytesOf(object.type)));
     return;
   }
   if (step.action != CommissioningStep::Action::kWrite) {
@@ -41,7 +42,7 @@ void CheckStep(const CommissioningStep& step, const EdsFile& eds, std::uint8_t n
   const unsigned bits = 8U * step.bytes;
   const bool is_whole = step.mask == (bits >= 32 ? 0xFFFFFFFF : (1U << bits) - 1);
   if (!is_whole) return;  // bits within a number have no limits
-  const std::int64_t value = IsSignedInteger(object.type) ? SignExtended(step.value, bits) : step.value;
+  const std::int64_t value = IsSignedType(object.type) ? SignExtended(step.value, bits) : step.value;
   const std::optional<std::int64_t> low = EdsNumber(object.low_limit, node_id);
   const std::optional<std::int64_t> high = EdsNumber(object.high_limit, node_id);
   if (low && value < *low) {
@@ -63,9 +64,9 @@ void CheckMapped(const PdoSetting& pdo, const EdsFile& eds, Findings& findings) 
     const std::string name = Named(entry.address, object);
     if (!object.mappable)
       findings.push_back(fmt::format("{}: is mapped, but the EDS does not allow it", name));
-    if (8 * ByteCount(object.type) != entry.bits) {
+    if (8 * BytesOf(object.type) != entry.bits) {
       findings.push_back(
-          fmt::format("{}: {} bits mapped, {} in the EDS", name, entry.bits, 8 * ByteCount(object.type)));
+          fmt::format("{}: {} bits mapped, {} in the EDS", name, entry.bits, 8 * BytesOf(object.type)));
     }
     const bool is_to_drive = pdo.flow == PdoFlow::kToDrive;
     if (is_to_drive && (object.access == AccessType::kReadOnly || object.access == AccessType::kConstant)) {

@@ -17,6 +17,7 @@ constexpr std::uint64_t kRotationRow_bytes = 3 * 8 + 4 * 4;  // time, both angle
 constexpr std::uint64_t kTransmissionErrorRow_bytes =
     5 * 8 + 1;                                         // time, both angles, torque, temperature; direction
 constexpr std::uint64_t kHysteresisRow_bytes = 5 * 8;  // time, torque, both angles, temperature
+constexpr std::uint64_t kCheckRow_bytes = 3 * 8;       // time, two channels
 constexpr std::uint64_t kVibrationRow_bytes = 4 * 4;   // three axes on the gear, one on the motor
 
 // How the bench makes the moves that no schedule describes.
@@ -25,6 +26,7 @@ constexpr double kSweepApproach_rad =
     RadFromDeg(5.0);  // of the output, so that every step comes from one side
 constexpr double kBlankLogRate_hz = 50.0;
 constexpr double kBlankStep_s = 0.35;
+constexpr double kCheckSettle_s = 1.0;
 
 std::uint64_t Whole(double value) {
   constexpr double kMost = 1e18;
@@ -100,6 +102,13 @@ class Planner {
     plan_.time.other_s = ramp_s + test.steps * kBlankStep_s;
     AddStream("/ramp", ramp_s * kBlankLogRate_hz, kHysteresisRow_bytes);
     AddStream("/turn", test.steps + 1.0, kTransmissionErrorRow_bytes);
+  }
+
+  void operator()(const SensorCheck& check) const {
+    // A shunt is read without and with it.
+    const double stretches = check.kind == SensorCheck::Kind::kShunt ? 2.0 : 1.0;
+    plan_.time.other_s = stretches * (check.duration_s + kCheckSettle_s);
+    AddStream("", stretches * check.duration_s / assumptions_.control_period_s, kCheckRow_bytes);
   }
 
  private:

@@ -41,6 +41,8 @@ LoadRun ReadLoadRun(YamlMap& map) {
   run.torque_rate_Nm_per_s =
       map.Quantity("torque_rate", Dimension::kTorqueRate, Bound::kPositive, kTorqueRate);
   run.log_rate_hz = ReadLogRate(map, "1 Hz");
+  run.vibration_statistics_hz =
+      map.OptionalQuantity("vibration_statistics", Dimension::kFrequency, Bound::kPositive).value_or(0.0);
   return run;
 }
 
@@ -101,6 +103,26 @@ BlankTest ReadBlankTest(YamlMap& map) {
   return test;
 }
 
+SensorCheck ReadSensorCheck(YamlMap& map, SensorCheck::Kind kind) {
+  const bool torque = kind != SensorCheck::Kind::kReference;
+  const Dimension dimension = torque ? Dimension::kTorque : Dimension::kAngle;
+  SensorCheck check;
+  check.kind = kind;
+  if (kind == SensorCheck::Kind::kShunt) {
+    check.expected_Nm = map.Quantity("expected", Dimension::kTorque, Bound::kNotZero);
+  }
+  check.allowed = map.Quantity("allowed", dimension, Bound::kPositive);
+  check.most_noise = map.Quantity("noise", dimension, Bound::kPositive, torque ? "0.5 Nm" : "1 arcmin");
+  check.duration_s = map.Quantity("duration", Dimension::kTime, Bound::kPositive, "2 s");
+  check.stops = map.Choice<bool>("on_failure", {{"stop", true}, {"mark", false}}, "stop");
+  return check;
+}
+
+template <SensorCheck::Kind kind>
+PhaseParameters ReadCheck(YamlMap& map) {
+  return ReadSensorCheck(map, kind);
+}
+
 PhaseParameters ReadParameters(YamlMap& map) {
   using ReadKind = PhaseParameters (*)(YamlMap&);
   const auto read = map.Choice<ReadKind>(
@@ -110,7 +132,10 @@ PhaseParameters ReadParameters(YamlMap& map) {
        {"transmission_error", [](YamlMap& m) { return PhaseParameters{ReadTransmissionErrorSweep(m)}; }},
        {"hysteresis", [](YamlMap& m) { return PhaseParameters{ReadHysteresisTest(m)}; }},
        {"soak", [](YamlMap& m) { return PhaseParameters{ReadSoak(m)}; }},
-       {"blank_test", [](YamlMap& m) { return PhaseParameters{ReadBlankTest(m)}; }}});
+       {"blank_test", [](YamlMap& m) { return PhaseParameters{ReadBlankTest(m)}; }},
+       {"zero_check", ReadCheck<SensorCheck::Kind::kZero>},
+       {"shunt_check", ReadCheck<SensorCheck::Kind::kShunt>},
+       {"reference_check", ReadCheck<SensorCheck::Kind::kReference>}});
   if (map.is_wrong("kind")) return {};
   return read(map);
 }
@@ -125,6 +150,7 @@ std::vector<Phase> ReadPhases(std::vector<YamlMap> maps) {
     phase.parameters = ReadParameters(map);
     const bool kind_is_known = !map.is_wrong("kind");
     phase.name = map.Identifier("name", kind_is_known ? KindName(phase.parameters) : "unknown");
+    phase.recorded_sources = map.TextList("record");
     // Without a kind there is no telling which other keys belong here.
     map.Finish(kind_is_known ? OtherKeys::kRefused : OtherKeys::kUncertain);
     phases.push_back(std::move(phase));

@@ -11,6 +11,17 @@ struct KindNames {
   std::string operator()(const HysteresisTest&) const { return "hysteresis"; }
   std::string operator()(const Soak&) const { return "soak"; }
   std::string operator()(const BlankTest&) const { return "blank_test"; }
+  std::string operator()(const SensorCheck& check) const {
+    switch (check.kind) {
+      case SensorCheck::Kind::kZero:
+        return "zero_check";
+      case SensorCheck::Kind::kShunt:
+        return "shunt_check";
+      case SensorCheck::Kind::kReference:
+        return "reference_check";
+    }
+    return "?";
+  }
 };
 
 }  // namespace

@@ -52,6 +52,7 @@ struct LoadRun {
   double input_acceleration_rad_per_s2{};
   double torque_rate_Nm_per_s{};
   double log_rate_hz{1.0};
+  double vibration_statistics_hz{};  // sample rate of RMS, peak, crest factor and kurtosis; 0: none
 };
 
 /// Rotation of the output in one direction with raw vibration.
@@ -101,13 +102,30 @@ struct BlankTest {
   int steps{72};  // of the turn
 };
 
-using PhaseParameters =
-    std::variant<LoadRun, MeasurementRotation, TransmissionErrorSweep, HysteresisTest, Soak, BlankTest>;
+/// Reads a sensor at standstill, torque off, where what it should read is known (BENCH row 35).
+struct SensorCheck {
+  enum class Kind {
+    kZero,       // the torque transducer without torque
+    kShunt,      // what a known resistor across its bridge adds to that
+    kReference,  // both encoders against each other, as they stood in the first cycle
+  };
+  Kind kind{};
+  double expected_Nm{};  // of the shunt, by its certificate
+  double allowed{};      // distance from what is expected: Nm; of the encoders rad at the output
+  double most_noise{};   // standard deviation of the readings, same unit
+  double duration_s{};   // of readings
+  bool stops{true};      // beyond the limit: stop; else the result is marked, and the campaign goes on
+};
+
+using PhaseParameters = std::variant<LoadRun, MeasurementRotation, TransmissionErrorSweep, HysteresisTest,
+                                     Soak, BlankTest, SensorCheck>;
 
 struct Phase {
   std::string name;
   PhaseParameters parameters;
   int line{};  // in the schedule file
+  /// Devices of the bench file whose raw samples are kept while the phase runs.
+  std::vector<std::string> recorded_sources{};
 };
 
 /// The text in the file that selects a phase's kind ("load_run", "hysteresis", …).

@@ -148,6 +148,10 @@ class PhaseCheck {
     }
   }
 
+  void operator()(const SensorCheck& check) const {
+    if (check.kind == SensorCheck::Kind::kShunt) CheckTorque("expected", std::abs(check.expected_Nm));
+  }
+
  private:
   std::string At(std::string_view key) const { return fmt::format("{}.{}", path_, key); }
 

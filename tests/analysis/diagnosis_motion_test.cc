@@ -270,6 +270,35 @@ TEST(MotionStudy, LeavesOutSpikesBeforeTheyAreSpread) {
   EXPECT_NEAR(found.diagnosis.nominal_heldout_rmse, kNoise_Nm, 0.03 * kNoise_Nm);
 }
 
+// What the warning says.
+std::size_t LeftOut(const Diagnosed& diagnosed) {
+  for (const std::string& warning : diagnosed.study->warnings()) {
+    if (warning.ends_with("samples of the torque stand off their neighbours and were left out"))
+      return std::stoul(warning);
+  }
+  return 0;
+}
+
+// From sample to sample this torque changes by ten times what the spikes are high.
+TEST(MotionStudy, LeavesOutSpikesOfATorqueThatChangesFasterThanThey) {
+  constexpr double kQuiet_Nm = 0.01;
+  constexpr std::size_t kApart = 37;
+  MotionData record = Record(24, Nothing, {.rate_Hz = 25.0, .duration_s = 80.0, .noise_Nm = kQuiet_Nm});
+  const Diagnosed clean = Ask({record});
+  std::size_t spikes = 0;
+  for (std::size_t i = 20; i + 5 < record.torque.size(); i += kApart) {
+    const auto speed = [&](std::size_t k) { return At(record.time_s[k]).speed_rad_per_s; };
+    if (speed(i - 3) * speed(i + 3) < 0.0) continue;  // nobody knows the friction there
+    record.torque[i] += ++spikes % 2 == 0 ? 0.15 : -0.15;
+  }
+  const Diagnosed found = Ask({record});
+  EXPECT_EQ(found.diagnosis.verdict, Verdict::kNoEffect);
+  // The record without spikes loses a few samples, too.
+  EXPECT_GE(LeftOut(found), spikes);
+  EXPECT_LE(LeftOut(found), spikes + LeftOut(clean));
+  EXPECT_NEAR(found.diagnosis.nominal_heldout_rmse, clean.diagnosis.nominal_heldout_rmse, 0.02 * kQuiet_Nm);
+}
+
 // So quiet a torque shows noise of the acceleration that is a thousandth of the acceleration.
 TEST(MotionStudy, DoesNotTakeTheAccelerationsNoiseForASwing) {
   for (const unsigned seed : {19U, 22U, 23U}) {

@@ -278,7 +278,7 @@ TEST(BrakeYield, GivesWayInFourForms) {
   EXPECT_DOUBLE_EQ(total({0.0, 0.0, 0.0, 0.7}), 0.7);
 }
 
-TEST(TorqueTransducer, ShowsItsZeroOffset) {
+TEST(TransducerCauses, ShowsItsZeroOffset) {
   TorqueTransducer transducer;
   const double without = TransducerReading_Nm(transducer, 12.0, 30.0);
   transducer.zero_offset_Nm = -0.4;
@@ -345,7 +345,7 @@ TEST(VibrationCauses, AddTheirMeanSquaresToTheLevel) {
   EXPECT_NEAR(SquaresAt(causes, speed, 80.0).second, rest, 1e-3 * rest);
 }
 
-TEST(PlantModel, HasNoneOfTheCausesByDefault) {
+TEST(PlantModelCauses, HasNoneOfTheCausesByDefault) {
   const PlantParameters plant = CompilePlantModel(DefaultPlantModel());
   EXPECT_FALSE(plant.deviations.any());
   EXPECT_FALSE(plant.drive_causes.any_torque());
@@ -358,7 +358,7 @@ TEST(PlantModel, HasNoneOfTheCausesByDefault) {
   EXPECT_EQ(FrictionDriftFactor(plant.friction.drift, 60.0, 1e6), 1.0);
 }
 
-TEST(PlantModel, RejectsCausesThatCannotBe) {
+TEST(PlantModelCauses, RejectsCausesThatCannotBe) {
   EXPECT_EQ(MessageOf("gear_backlash", "width_rad", -1e-4),
             "gear_backlash.width_rad = -0.0001 must be zero or above");
   EXPECT_EQ(MessageOf("cubic_hardening", "hardening_Nm_per_rad3", -1.0),

@@ -254,6 +254,20 @@ TEST(CheckScheduleAgainstBench, NamesAnAccelerationBeyondTheDrive) {
             "= 2000 rad/s2 (small-bench.yaml, line 4)");
 }
 
+// From 40 to 60 Nm at 2100 Nm/s it takes 9.52 ms, from 2920 to 3000 rpm at 1000 rad/s² 8.38 ms.
+TEST(CheckScheduleAgainstBench, NamesARampThatPassesALimitBetweenTwoLooks) {
+  EXPECT_EQ(Check("output_torque: 40 Nm", "output_torque: 40 Nm\n    torque_rate: 1900 Nm/s"), "");
+  EXPECT_EQ(Check("output_torque: 40 Nm", "output_torque: 40 Nm\n    torque_rate: 2100 Nm/s"),
+            "small.yaml:27:20: error: output_torque = 40 Nm, rising by torque_rate = 2100 Nm/s, may pass "
+            "limits.output_torque = 60 Nm between two looks of the bench, a control_period = 10 ms apart "
+            "(expected at most 9.52 ms, small-bench.yaml)");
+  EXPECT_EQ(
+      Check("input_speed: 2400 rpm", "input_speed: 2920 rpm\n    input_acceleration: 1000 rad/s2"),
+      "small.yaml:28:18: error: input_speed = 2920 rpm, rising by input_acceleration = 1000 rad/s2, may "
+      "pass limits.input_speed = 3000 rpm between two looks of the bench, a control_period = 10 ms apart "
+      "(expected at most 8.38 ms, small-bench.yaml)");
+}
+
 TEST(CheckScheduleAgainstBench, NamesRatesBeyondWhatIsSampled) {
   EXPECT_EQ(
       Check("input_speed: 2400 rpm", "input_speed: 2400 rpm\n    log_rate: 101 Hz"),

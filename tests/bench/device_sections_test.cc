@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections of a bench file that say which real devices play its parts.
+#include <chrono>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "bench/configuration/commissioning_file.h"
 #include "bench/configuration/read_bench_file.h"
 #include "tests/schedules/schedule_text.h"
 
@@ -119,6 +122,94 @@ TEST(DeviceSections, DoNotStandBesideASimulatedBench) {
   EXPECT_EQ(MessageOf("simulated: false", "simulated: true"),
             "real.yaml:3:12: error: a simulated bench has no devices (expected 'simulated: false', or no "
             "devices)");
+}
+
+constexpr std::string_view kTcp = "address: \"tcp:10.0.0.2:502\", unit: 3";
+
+TEST(DeviceSections, SayHowAModbusDeviceIsToBeTalkedTo) {
+  const BenchDescription usual = ParseBenchFile(RealBench(), "real.yaml", "lab");
+  EXPECT_FALSE(usual.devices[1].connection.answer_time || usual.devices[1].connection.baud);
+  const BenchDescription bench = ParseBenchFile(
+      With(RealBench(), kTcp,
+           "address: \"rtu:/dev/ttyUSB0\", answer_time: 1.5 s, retries: 0, answers_echo: false, baud: 9600, "
+           "parity: none, stop_bits: 2"),
+      "real.yaml", "lab");
+  const ModbusConnection& connection = bench.devices[1].connection;
+  EXPECT_EQ(connection.answer_time, std::chrono::milliseconds(1500));
+  EXPECT_EQ(connection.retries, 0);
+  EXPECT_EQ(connection.answers_echo, false);
+  EXPECT_EQ(connection.baud, 9600);
+  EXPECT_EQ(connection.parity, 'N');
+  EXPECT_EQ(connection.stop_bits, 2);
+}
+
+TEST(DeviceSections, RefuseConnectionsThatCannotBe) {
+  EXPECT_EQ(
+      MessageOf(kTcp, "address: \"tcp:10.0.0.2:502\", baud: 9600"),
+      "real.yaml:21:67: error: baud belongs to a serial line (expected address: \"rtu:PATH\", or no baud)");
+  EXPECT_EQ(MessageOf(kTcp, "address: \"tcp:10.0.0.2:502\", answer_time: 2 min"),
+            "real.yaml:21:74: error: answer_time = 120 s is not usable (expected 1 ms to 60 s)");
+  EXPECT_EQ(MessageOf(kTcp, "address: \"tcp:10.0.0.2:502\", retries: 11"),
+            "real.yaml:21:70: error: retries = 11: out of range (expected a whole number from 0 to 10)");
+  EXPECT_EQ(MessageOf(kTcp, "address: \"rtu:/dev/ttyUSB0\", parity: mark"),
+            "real.yaml:21:69: error: parity = mark: not known (expected none, even or odd)");
+}
+
+MeasuredStop SomeStop() {
+  return {"load_servo", "vendor 00005357h, serial 00000002h", 0.104, 0.131, "2026-03-01T12:00:00Z"};
+}
+
+TEST(CommissioningFile, IsReadAsItWasWritten) {
+  const std::string text = CommissioningText({SomeStop()});
+  const std::vector<MeasuredStop> stops = ParseCommissioningFile(text, "real.commissioned.yaml");
+  ASSERT_EQ(stops.size(), 1U);
+  EXPECT_EQ(stops[0].servo, "load_servo");
+  EXPECT_EQ(stops[0].identity, "vendor 00005357h, serial 00000002h");
+  EXPECT_DOUBLE_EQ(stops[0].left_enabled_s, 0.104);
+  EXPECT_DOUBLE_EQ(stops[0].stood_s, 0.131);
+  EXPECT_EQ(stops[0].measured, "2026-03-01T12:00:00Z");
+  EXPECT_EQ(CommissioningFileOf("lab/real.yaml"), "lab/real.commissioned.yaml");
+  try {
+    ParseCommissioningFile(With(text, "131 ms", "131"), "real.commissioned.yaml");
+    FAIL() << "a time without a unit was taken";
+  } catch (const BenchFileError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("real.commissioned.yaml:4:")) << error.what();
+  }
+}
+
+TEST(CommissioningFile, SpeaksAgainstABenchItWasNotMeasuredOn) {
+  const MeasuredStop stop = SomeStop();
+  EXPECT_EQ(JudgeStopTime("load_servo", &stop, stop.identity, 2.0).words, "");
+  EXPECT_EQ(JudgeStopTime("load_servo", &stop, "", 2.0).words, "") << "a drive that does not tell";
+  const StopTimeFinding never = JudgeStopTime("load_servo", nullptr, stop.identity, 2.0);
+  EXPECT_FALSE(never.refuses);
+  EXPECT_EQ(
+      never.words,
+      "load_servo: how long it takes to stop when this program is gone was never measured (measure it with "
+      "strainwave bench commission)");
+  const StopTimeFinding other = JudgeStopTime("load_servo", &stop, "vendor 00005357h, serial 00000003h", 2.0);
+  EXPECT_TRUE(other.refuses);
+  EXPECT_EQ(
+      other.words,
+      "load_servo: the time to stop was measured on another drive: vendor 00005357h, serial 00000002h (this "
+      "one is vendor 00005357h, serial 00000003h; measure it with strainwave bench commission)");
+  const StopTimeFinding slow = JudgeStopTime("load_servo", &stop, stop.identity, 0.12);
+  EXPECT_TRUE(slow.refuses);
+  EXPECT_EQ(
+      slow.words,
+      "load_servo: it took 131 ms to stop when this program was gone, longer than longest_stop_time, 120 ms "
+      "(check its supervision and its ramps, then measure it with strainwave bench commission)");
+}
+
+TEST(DeviceSections, SwitchTheShuntByAModbusDevice) {
+  const auto with = [](const char* device) {
+    return schedules::With(
+        RealBench(), "torque_transducer: {",
+        std::string("torque_transducer: {shunt: {device: ") + device + ", source: bridge}, ");
+  };
+  const BenchDescription bench = ParseBenchFile(with("load"), "real.yaml", "lab");
+  EXPECT_EQ(bench.transducer.shunt.device, "load");
+  EXPECT_EQ(bench.transducer.shunt.source, "bridge");
 }
 
 }  // namespace

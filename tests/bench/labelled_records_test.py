@@ -120,10 +120,17 @@ class LabelledRecords(unittest.TestCase):
         path = class_record(FOLDER / "streamed.csv", 78, "cracked")
         code, out, error = run("monitor", FOLDER / "exported", "--replay", path, "--pace", "max", "--json")
         self.assertEqual(code, 0, error)
-        told = json.loads(out)
-        self.assertEqual((told["class"], told["status"]), ("cracked", "good"))
-        self.assertNotIn("values", told)
-        self.assertAlmostEqual(sum(told["probabilities"].values()), 1.0, places=5)
+        windows = [json.loads(line) for line in out.splitlines()]
+        for told in windows:
+            self.assertEqual((told["class"], told["status"]), ("cracked", "good"))
+            self.assertNotIn("values", told)
+            self.assertAlmostEqual(sum(told["probabilities"].values()), 1.0, places=5)
+        # The windows are those of the training: as many as `predict` has, and in their mean the same.
+        predicted = json.loads(run("predict", FOLDER / "classifier", path, "--json")[1])
+        self.assertEqual(len(windows), predicted["windows"])
+        for name, probability in predicted["probabilities"].items():
+            mean = sum(told["probabilities"][name] for told in windows) / len(windows)
+            self.assertAlmostEqual(mean, probability, delta=1e-5)
         code, out, _ = run("monitor", FOLDER / "exported", "--replay", path, "--pace", "max")
         self.assertRegex(out, r"  ok  class cracked \([01]\.\d{3}\)\n$")
         limits = FOLDER / "limits.yaml"

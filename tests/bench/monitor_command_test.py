@@ -217,8 +217,8 @@ class Monitor(unittest.TestCase):
 
     def test_wrong_command_lines_and_settings_are_told(self):
         code, _, error = self.run_once(self.exported)
-        self.assertEqual((code, error), (2, "error: there must be one stream (expected --replay with records, or "
-                                            "--simulate)\n"))
+        self.assertEqual((code, error), (2, "error: there must be one stream (expected --source with an address, "
+                                            "--replay with records, --simulate, or a section `source` in the settings)\n"))
         wrong = settings("wrong.yaml", "thresholds:\n  - output: k9\n    warning_above: 1\n")
         code, _, error = self.run_once(self.exported, "--replay", self.record, "--settings", wrong)
         self.assertEqual((code, error), (2, f"error: a threshold is for 'k9' (expected one of the outputs "

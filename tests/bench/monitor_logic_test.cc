@@ -8,7 +8,6 @@
 
 #include "bench/monitor/alarm.h"
 #include "bench/monitor/modbus_registers.h"
-#include "bench/monitor/outbox.h"
 #include "bench/monitor/prometheus_text.h"
 #include "bench/monitor/sparkplug_metrics.h"
 
@@ -82,78 +81,6 @@ TEST(Alarm, AClockThatIsSetBackMakesNoTimePass) {
   state = Next(state, kLimits, 11.0, 100);
   EXPECT_EQ(Next(state, kLimits, 11.0, 1099).level(), AlarmLevel::kOk);
   EXPECT_EQ(Next(state, kLimits, 11.0, 1100).level(), AlarmLevel::kWarning);
-}
-
-std::vector<SparkplugMetric> Entry(std::int64_t number) { return {{.name = "Window", .value = number}}; }
-
-std::int64_t NumberOf(const std::vector<SparkplugMetric>* entry) {
-  return entry == nullptr ? -1 : std::get<std::int64_t>(entry->front().value);
-}
-
-TEST(Outbox, LetsGoOnlyOfWhatWasAcknowledged) {
-  Outbox outbox({});
-  for (const std::int64_t number : {1, 2, 3}) outbox.Push(Entry(number), true);
-  EXPECT_EQ(NumberOf(outbox.Next()), 1);
-  outbox.Sent(100);
-  EXPECT_EQ(NumberOf(outbox.Next()), 2);
-  outbox.Sent(101);
-  outbox.Acknowledge(101);
-  outbox.Acknowledge(999);
-  EXPECT_EQ(outbox.size(), 2U);
-  outbox.ConnectionLost();
-  EXPECT_EQ(NumberOf(outbox.Next()), 1) << "what was under way waits again, in its place";
-  outbox.Acknowledge(100);
-  EXPECT_EQ(outbox.size(), 2U) << "a number of the connection before means nothing";
-}
-
-TEST(Outbox, WhatWaitedForAConnectionIsHistorical) {
-  Outbox outbox({});
-  outbox.Push(Entry(1), true);
-  EXPECT_FALSE(outbox.Next()->front().is_historical);
-  outbox.Sent(7);
-  outbox.ConnectionLost();
-  EXPECT_TRUE(outbox.Next()->front().is_historical);
-  outbox.Sent(8);
-  outbox.Push(Entry(2), false);
-  EXPECT_TRUE(outbox.Next()->front().is_historical);
-}
-
-TEST(Outbox, DropsTheOldestAndCountsThem) {
-  Outbox outbox({.windows = 3, .bytes = 1 << 20});
-  for (std::int64_t number = 1; number <= 5; ++number) outbox.Push(Entry(number), true);
-  EXPECT_EQ(outbox.size(), 3U);
-  EXPECT_EQ(outbox.dropped(), 2U);
-  EXPECT_EQ(NumberOf(outbox.Next()), 3);
-}
-
-TEST(Outbox, HasABoundInBytesThatOneEntryMayExceed) {
-  Outbox one({});
-  one.Push(Entry(1), true);
-  const std::size_t bytes = one.bytes();
-  Outbox outbox({.windows = 100, .bytes = 4 * bytes + bytes / 2});
-  for (std::int64_t number = 1; number <= 9; ++number) outbox.Push(Entry(number), true);
-  EXPECT_EQ(outbox.size(), 4U);
-  EXPECT_EQ(outbox.bytes(), 4 * bytes);
-  outbox.Push({{.name = std::string(100 * bytes, 'x'), .value = 0.0}}, true);
-  EXPECT_EQ(outbox.size(), 0U);
-  EXPECT_EQ(outbox.bytes(), 0U);
-  EXPECT_EQ(outbox.dropped(), 10U);
-}
-
-TEST(Outbox, AnEntryThatWentWhileUnderWayIsLostOnlyIfItDidNotArrive) {
-  for (const bool arrives : {true, false}) {
-    Outbox outbox({.windows = 1, .bytes = 1 << 20});
-    outbox.Push(Entry(1), true);
-    outbox.Next();
-    outbox.Sent(1);
-    outbox.Push(Entry(2), true);
-    EXPECT_EQ(outbox.under_way(), 0U);
-    EXPECT_EQ(outbox.dropped(), 0U);
-    if (arrives) outbox.Acknowledge(1);
-    outbox.ConnectionLost();
-    EXPECT_EQ(outbox.dropped(), arrives ? 0U : 1U);
-    EXPECT_EQ(outbox.size(), 1U);
-  }
 }
 
 const MonitorFrame kFrame{{"k2_Nm_per_rad", "e_max_arcmin"}, 0.9, 60'000, false};

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/monitor/settings.h"
 
+#include <cstdlib>
+#include <fstream>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include "tests/bench/exported_helpers.h"
 
 namespace strainwave::bench {
 namespace {
@@ -36,22 +42,88 @@ TEST(MonitorSettings, PublishNowhereUnlessASectionSaysSo) {
   EXPECT_FALSE(settings.mqtt);
   EXPECT_FALSE(settings.prometheus);
   EXPECT_FALSE(settings.modbus);
-  EXPECT_EQ(settings.windows.by, WindowRule::By::kTrigger);
+  EXPECT_EQ(settings.windows.by, WindowRule::By::kTraining);
+  EXPECT_EQ(ParseMonitorSettings("monitor: 1\nwindows: {trigger_channel: t, trigger_level: 1}\n", "m.yaml")
+                .windows.by,
+            WindowRule::By::kTrigger);
 }
 
 TEST(MonitorSettings, TellAllMistakesWithTheirPlace) {
-  EXPECT_EQ(ErrorsOf("monitor: 1\n"
-                     "stale_after: 5\n"
-                     "windows:\n"
-                     "  by: time\n"
-                     "mqtt:\n"
-                     "  port: 99999\n"
-                     "  nod: b\n"),
-            "m.yaml:2:14: error: stale_after = 5: no unit (expected us, ms, s, min, h or d)\n"
-            "m.yaml:4:7: error: by = time: not known (expected trigger or revolution)\n"
-            "m.yaml:6:9: error: port = 99999: out of range (expected a whole number from 1 to 65535)\n"
-            "m.yaml:7:3: error: unknown key 'nod', did you mean 'node'? (expected host, port, group, node, "
-            "primary_host, user, password, keep_windows, keep_mebibytes)");
+  EXPECT_EQ(
+      ErrorsOf("monitor: 1\n"
+               "stale_after: 5\n"
+               "windows:\n"
+               "  by: time\n"
+               "mqtt:\n"
+               "  port: 99999\n"
+               "  nod: b\n"),
+      "m.yaml:2:14: error: stale_after = 5: no unit (expected us, ms, s, min, h or d)\n"
+      "m.yaml:4:7: error: by = time: not known (expected training, trigger or revolution)\n"
+      "m.yaml:6:9: error: port = 99999: out of range (expected a whole number from 1 to 65535)\n"
+      "m.yaml:7:3: error: unknown key 'nod', did you mean 'node'? (expected host, port, group, node, "
+      "primary_host, user, password, password_file, password_variable, tls, keep_windows, keep_mebibytes, "
+      "outbox_file)");
+}
+
+TEST(MonitorSettings, ADeviceIsAnAddressAndWhatItDoesNotSay) {
+  const MonitorSettings settings = ParseMonitorSettings(
+      "monitor: 1\nsource:\n  address: tcp://[::1]:5025\n  silent_after: 2 s\n  input_speed: 60 rpm\n"
+      "  channels:\n    - {source: accel_x, name: accel_motor_z_m_per_s2}\n",
+      "m.yaml");
+  const auto& tcp = std::get<daq::acquisition::TcpStreamSettings>(settings.source->address);
+  EXPECT_EQ(tcp.host, "::1");
+  EXPECT_EQ(tcp.port, 5025);
+  EXPECT_EQ(settings.source->silent_after_ms, 2000);
+  EXPECT_NEAR(settings.source->input_speed_rad_per_s.value(), 6.283185307, 1e-9);
+  EXPECT_EQ(settings.source->renamed.at(0).first, "accel_x");
+  EXPECT_EQ(settings.source->renamed.at(0).second, "accel_motor_z_m_per_s2");
+  const auto iio = std::get<daq::acquisition::IioSettings>(ParseStreamAddress("iio:ip:10.0.0.7/adxl355"));
+  EXPECT_EQ(iio.uri, "ip:10.0.0.7");
+  EXPECT_EQ(iio.device, "adxl355");
+  EXPECT_EQ(std::get<daq::acquisition::ReplaySettings>(ParseStreamAddress("replay:a/b.h5")).path, "a/b.h5");
+}
+
+TEST(MonitorSettings, AnAddressThatIsNoneIsToldWithItsPlace) {
+  for (const char* address :
+       {"10.0.0.7:5025", "tcp://10.0.0.7", "tcp://host:0", "tcp://:5", "iio:adxl355", "replay:"}) {
+    EXPECT_EQ(ErrorsOf(fmt::format("monitor: 1\nsource:\n  address: '{}'\n", address)),
+              fmt::format("m.yaml:3:12: error: address = {} (expected tcp://HOST:PORT, iio:URI/DEVICE as in "
+                          "iio:ip:10.0.0.7/adxl355, or replay:FILE)",
+                          address));
+  }
+}
+
+TEST(MonitorSettings, APasswordComesFromAFileOrTheEnvironment) {
+  const TestFolder folder;
+  const auto read = [&](const std::string& lines) {
+    std::ofstream(folder.path() / "m.yaml") << "monitor: 1\nmqtt:\n  node: b\n" << lines;
+    return ReadMonitorSettings(folder.path() / "m.yaml").mqtt->password;
+  };
+  std::ofstream(folder.path() / "word") << "open sesame\r\nsecond line\n";
+  EXPECT_EQ(read("  password_file: word\n"), "open sesame");
+  EXPECT_EQ(read("  password: plain\n"), "plain");
+  ::setenv("STRAINWAVE_TEST_PASSWORD", "from outside", 1);
+  EXPECT_EQ(read("  password_variable: STRAINWAVE_TEST_PASSWORD\n"), "from outside");
+  ::unsetenv("STRAINWAVE_TEST_PASSWORD");
+  const std::string mqtt = "monitor: 1\nmqtt:\n  node: b\n";
+  EXPECT_EQ(
+      ErrorsOf(mqtt + "  password_variable: STRAINWAVE_TEST_PASSWORD\n"),
+      "m.yaml:4:22: error: the environment has no variable STRAINWAVE_TEST_PASSWORD (expected the password "
+      "in it)");
+  EXPECT_EQ(ErrorsOf(mqtt + "  password_file: /none/word\n"),
+            "m.yaml:4:18: error: password_file = /none/word cannot be read (expected a file)");
+  EXPECT_EQ(ErrorsOf(mqtt + "  password: a\n  password_file: /dev/null\n"),
+            "m.yaml:5:18: error: password_file names a second place for the password (expected one)");
+}
+
+TEST(MonitorSettings, TlsNeedsAnAuthorityAndBothHalvesOfACertificate) {
+  const std::string mqtt = "monitor: 1\nmqtt:\n  node: b\n  tls:\n";
+  EXPECT_EQ(ErrorsOf(mqtt + "    certificate_file: /dev/null\n"),
+            "m.yaml:4:3: error: missing key 'ca_file' (expected one line of 1 to 200 characters)\n"
+            "m.yaml:5:23: error: certificate_file stands alone (expected certificate_file and key_file)");
+  const MonitorSettings settings = ParseMonitorSettings(mqtt + "    ca_file: /dev/null\n", "m.yaml");
+  EXPECT_EQ(settings.mqtt->port, 8883);
+  EXPECT_EQ(settings.mqtt->tls.ca_file, "/dev/null");
 }
 
 TEST(MonitorSettings, RefuseLimitsThatContradictEachOther) {

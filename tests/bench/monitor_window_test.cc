@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/monitor/window.h"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -38,6 +41,7 @@ void ExpectNumbers(const VibrationWindow& window, int from, int to) {
 
 WindowRule ByEdge(std::size_t samples) {
   WindowRule rule;
+  rule.by = WindowRule::By::kTrigger;
   rule.trigger_channel = "trigger_V";
   rule.trigger_level = 2.5;
   rule.trigger_samples = samples;
@@ -131,6 +135,125 @@ TEST(WindowCutter, CutsATurnAtATimeInEitherDirection) {
     ExpectNumbers(windows[2], 512, 768);
     EXPECT_TRUE(cutter.Finish().empty());
   }
+}
+
+// Of one record, in blocks of some length.
+std::vector<VibrationWindow> CutInBlocks(const WindowRule& rule, int rows, int block,
+                                         std::optional<double> samples_per_turn, double rate_hz = kRate_hz) {
+  WindowCutter cutter(rule);
+  std::vector<VibrationWindow> windows;
+  for (int from = 0; from < rows; from += block) {
+    const int to = std::min(from + block, rows);
+    VibrationChunk chunk = Numbers(from, to);
+    chunk.sample_rate_hz = rate_hz;
+    chunk.time_ns = std::llround(from * 1e9 / rate_hz);
+    chunk.begins_measurement = from == 0;
+    chunk.ends_measurement = to == rows;
+    for (int i = from; samples_per_turn && i < to; ++i)
+      chunk.output_turns.push_back(0.25 + i / (*samples_per_turn * rule.ratio));
+    for (VibrationWindow& window : cutter.Add(chunk)) windows.push_back(std::move(window));
+  }
+  EXPECT_TRUE(cutter.Finish().empty()) << "what is left at the end is no fault";
+  return windows;
+}
+
+TEST(WindowCutter, ByTrainingGivesTheWindowsThatTrainingHad) {
+  WindowRule rule;
+  rule.ratio = 80.0;
+  for (const WindowLength length :
+       {WindowLength{.samples = 0, .turns = 3}, WindowLength{.samples = 70, .turns = 0}}) {
+    rule.length = length;
+    for (const double samples_per_turn : {25.0, 33.4, 41.0 / 3.0}) {
+      for (const int rows : {900, 980, 1000}) {  // the first two end with a window
+        const auto expected = WindowsOf(static_cast<std::size_t>(rows), samples_per_turn, length);
+        for (const int block : {1, 64, rows}) {
+          const auto windows = CutInBlocks(rule, rows, block, samples_per_turn);
+          ASSERT_EQ(windows.size(), expected.size()) << samples_per_turn << " of " << rows;
+          for (std::size_t k = 0; k < windows.size(); ++k) {
+            ASSERT_FALSE(windows[k].fault);
+            EXPECT_EQ(windows[k].samples[0].front(), static_cast<double>(expected[k].begin));
+            EXPECT_EQ(windows[k].samples[0].size(), expected[k].count) << samples_per_turn << " " << k;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(WindowCutter, ByTrainingBeginsAnewWithEachMeasurement) {
+  WindowRule rule;
+  rule.length.samples = 40;
+  WindowCutter cutter(rule);
+  std::vector<double> begins;
+  for (const int from : {0, 100}) {
+    VibrationChunk chunk = Numbers(from, from + 100);
+    chunk.begins_measurement = chunk.ends_measurement = true;
+    for (const VibrationWindow& window : cutter.Add(chunk)) begins.push_back(window.samples[0].front());
+  }
+  EXPECT_EQ(begins, (std::vector<double>{0, 40, 100, 140}));
+}
+
+TEST(WindowCutter, NumbersOfSamplesHoldAtTheRateOfTheTraining) {
+  WindowRule rule;
+  rule.length.samples = 40;
+  rule.sample_rate_hz = kRate_hz;
+  const auto windows = CutInBlocks(rule, 250, 64, std::nullopt, 3 * kRate_hz);
+  ASSERT_EQ(windows.size(), 2U);
+  EXPECT_EQ(windows[1].samples[0].front(), 120.0);
+  EXPECT_EQ(windows[1].samples[0].size(), 120U);
+}
+
+TEST(WindowCutter, OneLostSampleThatIsCountedBreaksTheWindow) {
+  WindowRule rule;
+  rule.length.samples = 40;
+  WindowCutter cutter(rule);
+  VibrationChunk first = Numbers(0, 30);
+  first.is_counted = true;
+  EXPECT_TRUE(cutter.Add(first).empty());
+  VibrationChunk next = Numbers(30, 80);
+  next.is_counted = true;
+  next.gap = "1 samples were lost";
+  const auto windows = cutter.Add(next);
+  ASSERT_EQ(windows.size(), 2U);
+  EXPECT_EQ(windows[0].fault->kind, SignalFaultKind::kGap);
+  EXPECT_EQ(windows[0].fault->text, "1 samples were lost (expected the whole window)");
+  EXPECT_TRUE(windows[0].samples.empty());
+  ExpectNumbers(windows[1], 30, 70);
+  VibrationChunk late = Numbers(80, 110);
+  late.is_counted = true;
+  late.time_ns += 1000 * kSample_ns;
+  const auto whole = cutter.Add(late);
+  ASSERT_EQ(whole.size(), 1U);
+  EXPECT_FALSE(whole[0].fault) << "where samples are counted, times tell nothing of gaps";
+}
+
+TEST(WindowCutter, NoWindowGoesOnIntoAnotherMeasurement) {
+  for (const bool by_edge : {true, false}) {
+    WindowCutter cutter(by_edge ? ByEdge(50) : ByTurns(1.0));
+    std::vector<VibrationWindow> windows;
+    for (const int from : {0, 40, 80}) {
+      VibrationChunk chunk = Numbers(from, from + 40);
+      chunk.begins_measurement = chunk.ends_measurement = true;
+      chunk.samples[1][20] = 5.0;
+      for (int i = 0; i < 40; ++i) chunk.output_turns.push_back(0.02 * (from + i));
+      for (VibrationWindow& window : cutter.Add(chunk)) windows.push_back(std::move(window));
+    }
+    for (const VibrationWindow& window : windows)
+      EXPECT_EQ(window.fault->text, "another measurement began (expected the whole window)");
+    EXPECT_EQ(windows.size(), by_edge ? 2U : 0U);
+  }
+}
+
+TEST(WindowCutter, AnAngleThatIsLostBreaksTheTurn) {
+  WindowCutter cutter(ByTurns(1.0));
+  VibrationChunk chunk = Numbers(0, 40);
+  for (int i = 0; i < 40; ++i) chunk.output_turns.push_back(0.02 * i);
+  EXPECT_TRUE(cutter.Add(chunk).empty());
+  const auto windows = cutter.Add(Numbers(40, 80));
+  ASSERT_EQ(windows.size(), 2U);
+  EXPECT_EQ(windows[0].fault->text,
+            "the angle of the output shaft is not known any more (expected the whole window)");
+  EXPECT_EQ(windows[1].fault->kind, SignalFaultKind::kMissingChannel);
 }
 
 TEST(WindowCutter, AShaftThatTurnsBackMakesNoTurn) {

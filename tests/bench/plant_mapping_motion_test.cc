@@ -254,7 +254,7 @@ TEST(VibrationMapping, TakesRingsMeshAndResonance) {
   EXPECT_EQ(lines.vibration_causes.mode.line_order, 2.0);
 }
 
-TEST(PlantMapping, RejectsWhatItCannotRead) {
+TEST(MappingOfMotion, RejectsWhatItCannotRead) {
   const auto message = [](std::string_view kind, std::vector<NamedCause> causes) -> std::string {
     try {
       PlantTermsOf(kind, {}, causes);

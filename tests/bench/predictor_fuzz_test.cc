@@ -97,7 +97,7 @@ void DamageGraph(onnx::GraphProto& graph, std::mt19937& engine) {
   }
 }
 
-TEST(OnnxNetwork, OutlivesGraphsThatAreOddInTheirShapes) {
+TEST(HostileNetwork, OutlivesGraphsThatAreOddInTheirShapes) {
   onnx::ModelProto whole;
   ASSERT_TRUE(whole.ParseFromString(OnnxBytes(SmallCnn(), {})));
   ASSERT_EQ(RefusalOf(whole.SerializeAsString(), 12, 2), "accepted");
@@ -112,7 +112,7 @@ TEST(OnnxNetwork, OutlivesGraphsThatAreOddInTheirShapes) {
   EXPECT_GT(refused, Rounds() / 4);
 }
 
-TEST(OnnxNetwork, OutlivesFlippedAndMissingBytes) {
+TEST(HostileNetwork, OutlivesFlippedAndMissingBytes) {
   const std::string whole = OnnxBytes(SmallCnn(), {});
   std::mt19937 engine(6);
   for (int round = 0; round < Rounds(); ++round) {
@@ -126,7 +126,7 @@ TEST(OnnxNetwork, OutlivesFlippedAndMissingBytes) {
   }
 }
 
-TEST(OnnxNetwork, SaysWhatIsOddInANode) {
+TEST(HostileNetwork, SaysWhatIsOddInANode) {
   onnx::ModelProto model;
   ASSERT_TRUE(model.ParseFromString(OnnxBytes(SmallCnn(), {})));
   onnx::ModelProto strides = model;

@@ -64,7 +64,7 @@ TEST(SimulatedFriction, DriftsWithTemperatureAsAWhole) {
   EXPECT_NEAR(drifted_Nm, (1.0 - 0.02 * warmer_K) * torque_Nm, 0.003 * torque_Nm);
 }
 
-TEST(SimulatedDrive, FeelsATorqueOfAnyOrder) {
+TEST(SimulatedDriveCauses, FeelsATorqueOfAnyOrder) {
   GearPlant plant = Plant({{"input_periodic_torque", "amplitude_Nm", 0.03},
                            {"input_periodic_torque", "order_per_turn", 13.5},
                            {"input_periodic_torque", "phase_rad", 0.6},
@@ -87,7 +87,7 @@ TEST(SimulatedDrive, FeelsATorqueOfAnyOrder) {
   EXPECT_NEAR(std::arg(weight), -1.0, 0.01);
 }
 
-TEST(SimulatedDrive, IsDisturbedInWindowsOfTheMeasurement) {
+TEST(SimulatedDriveCauses, IsDisturbedInWindowsOfTheMeasurement) {
   for (const double step_s : {0.001, 0.01}) {
     GearPlant plant = Plant({{"external_disturbance", "torque_Nm", 0.25},
                              {"external_disturbance", "start_s", 2.0},
@@ -121,7 +121,7 @@ TEST(SimulatedDrive, IsDisturbedInWindowsOfTheMeasurement) {
   }
 }
 
-TEST(SimulatedDrive, ActsLateByItsDelay) {
+TEST(SimulatedDriveCauses, ActsLateByItsDelay) {
   constexpr double kStep_s = 0.00025;
   const auto speeds = [](double delay_s) {
     GearPlant plant = Plant({{"drive_time_delay", "delay_s", delay_s}});

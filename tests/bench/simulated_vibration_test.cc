@@ -135,7 +135,7 @@ TEST(VibrationSynthesis, LosesWhatNobodyDrainsAndCountsIt) {
   EXPECT_EQ(block.accel_x_m_per_s2.size(), 501u);
 }
 
-TEST(SimulatedBench, RecordsVibrationWhileItTurns) {
+TEST(BenchVibration, RecordsVibrationWhileItTurns) {
   SimulatedBench bench(model::DefaultPlantModel(), {.seed = 4});
   Driver driver(bench, std::chrono::milliseconds(1));
   driver.BringUp(DriveMode::kSpeed);

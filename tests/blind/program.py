@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the program under test as a user would, with its wall time and its peak memory."""
+"""Runs the program under test as a user would, with its wall time, its CPU time and its peak memory."""
 import dataclasses
 import os
 import signal
@@ -14,6 +14,7 @@ class Answer:
     output: str
     errors: str
     wall_s: float
+    cpu_s: float  # what a machine that has other things to do, too, does not make longer
     peak_rss_MB: float
 
 
@@ -37,4 +38,5 @@ def run_program(command, timeout_s):
         for stream in (output, errors):
             stream.seek(0)
             texts.append(stream.read().decode("utf-8", "replace"))
-    return Answer(process.returncode, texts[0], texts[1], wall_s, usage.ru_maxrss / 1024.0)
+    return Answer(process.returncode, texts[0], texts[1], wall_s, usage.ru_utime + usage.ru_stime,
+                  usage.ru_maxrss / 1024.0)

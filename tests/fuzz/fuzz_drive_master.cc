@@ -8,6 +8,7 @@
 // sources: protocols/canopen/heartbeat.cc protocols/canopen/nmt.cc protocols/canopen/pdo.cc
 // sources: protocols/canopen/profile_check.cc protocols/canopen/sdo_abort.cc protocols/canopen/sdo_client.cc
 // sources: protocols/canopen/sdo_client_block.cc protocols/canopen/set_points.cc protocols/canopen/sync.cc
+// sources: protocols/canopen/eds_number.cc protocols/canopen/ini_text.cc protocols/canopen/type_limits.cc
 // sources: protocols/cia402.cc protocols/cia402_modes.cc
 // libraries: fmt
 #include <algorithm>

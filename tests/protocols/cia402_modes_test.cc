@@ -96,7 +96,7 @@ TEST(StatusBitsOf, AndThePowerStateReadDifferentBits) {
   }
 }
 
-TEST(Name, IsDifferentForEachMode) {
+TEST(ModeName, IsDifferentForEachMode) {
   std::set<std::string_view> names;
   for (const OperationMode mode : kAllModes) names.insert(Name(mode));
   EXPECT_EQ(names.size(), std::size(kAllModes));

@@ -140,5 +140,20 @@ TEST(MoveTime, AgreesWithAMoveSteppedInSmallTimes) {
   EXPECT_NEAR(MoveTime_s(0.2, 31.4, 1000.0), stepped_s(0.2, 31.4, 1000.0), kSteps_s);  // never at full speed
 }
 
+TEST(MakePlan, ReadsAShuntWithoutAndWithIt) {
+  Schedule schedule = LoadOnly(2);
+  SensorCheck check;
+  check.duration_s = 2.0;
+  schedule.phases = {{"zero", check, 0}};
+  EXPECT_EQ(MakePlan(schedule, kStart).cycle.other_s, 3.0);  // a second to settle
+  check.kind = SensorCheck::Kind::kShunt;
+  schedule.phases = {{"shunt", check, 0}};
+  const Plan plan = MakePlan(schedule, kStart);
+  EXPECT_EQ(plan.cycle.other_s, 6.0);
+  EXPECT_EQ(plan.wall_s, 12.0);
+  EXPECT_EQ(plan.load_s, 0.0);
+  EXPECT_EQ(plan.measuring_s, 0.0);
+}
+
 }  // namespace
 }  // namespace strainwave::schedules

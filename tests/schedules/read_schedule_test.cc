@@ -76,12 +76,14 @@ TEST(ReadSchedule, SuggestsTheKeyThatWasMeantAndDoesNotCallItMissing) {
   EXPECT_EQ(
       MessageOf(With(GoodSchedule(), "    duration", "    durration")),
       "small.yaml:26:5: error: unknown key 'durration', did you mean 'duration'? (expected kind, duration, "
-      "output_torque, input_speed, turns, input_acceleration, torque_rate, log_rate, name)");
+      "output_torque, input_speed, turns, input_acceleration, torque_rate, log_rate, vibration_statistics, "
+      "name, record)");
   EXPECT_EQ(MessageOf(With(GoodSchedule(), "limits:", "limit:")),
             "small.yaml:17:1: error: unknown key 'limit', did you mean 'limits'? (expected schedule, name, "
             "specimen, limits, suspend, cycles, preparation, phases, stop, measurements, resume)");
-  EXPECT_EQ(MessageOf(With(GoodSchedule(), "kind: hysteresis", "kinds: hysteresis")),
-            "small.yaml:29:5: error: unknown key 'kinds', did you mean 'kind'? (expected kind, name)");
+  EXPECT_EQ(
+      MessageOf(With(GoodSchedule(), "kind: hysteresis", "kinds: hysteresis")),
+      "small.yaml:29:5: error: unknown key 'kinds', did you mean 'kind'? (expected kind, name, record)");
 }
 
 TEST(ReadSchedule, NamesAMissingKey) {
@@ -137,7 +139,8 @@ TEST(ReadSchedule, NamesAnUnknownKind) {
   EXPECT_EQ(
       MessageOf(With(GoodSchedule(), "kind: hysteresis", "kind: histeresis")),
       "small.yaml:29:11: error: kind = histeresis: not known; did you mean 'hysteresis'? (expected load_run, "
-      "measurement_rotation, transmission_error, hysteresis, soak or blank_test)");
+      "measurement_rotation, transmission_error, hysteresis, soak, blank_test, zero_check, shunt_check or "
+      "reference_check)");
 }
 
 TEST(ReadSchedule, WantsABlankTestThatCanBeEvaluated) {
@@ -201,6 +204,57 @@ TEST(ReadSchedule, CarriesTheFindingsBesideTheText) {
     EXPECT_EQ(error.findings()[0].line, 26);
     EXPECT_EQ(error.findings()[0].column, 15);
   }
+}
+
+std::string WithChecks() {
+  return With(GoodSchedule(), "  - kind: load_run\n", R"(  - kind: zero_check
+    allowed: 500 mNm
+    record: [encoders, accelerometers]
+  - kind: shunt_check
+    expected: 50 Nm
+    allowed: 0.3 Nm
+    on_failure: mark
+  - kind: reference_check
+    allowed: 30 arcmin
+    duration: 1 s
+  - kind: load_run
+    vibration_statistics: 12.8 kHz
+)");
+}
+
+TEST(ReadSchedule, ReadsChecksOfSensors) {
+  const Schedule schedule = ParseSchedule(WithChecks(), "small.yaml");
+  const auto& zero = std::get<SensorCheck>(schedule.phases[0].parameters);
+  EXPECT_EQ(schedule.phases[0].name, "zero_check");
+  EXPECT_EQ(schedule.phases[0].recorded_sources, (std::vector<std::string>{"encoders", "accelerometers"}));
+  EXPECT_EQ(zero.kind, SensorCheck::Kind::kZero);
+  EXPECT_EQ(zero.allowed, 0.5);
+  EXPECT_EQ(zero.most_noise, 0.5);
+  EXPECT_EQ(zero.duration_s, 2.0);
+  EXPECT_TRUE(zero.stops);
+  const auto& shunt = std::get<SensorCheck>(schedule.phases[1].parameters);
+  EXPECT_EQ(schedule.phases[1].name, "shunt_check");
+  EXPECT_EQ(shunt.expected_Nm, 50.0);
+  EXPECT_FALSE(shunt.stops);
+  const auto& reference = std::get<SensorCheck>(schedule.phases[2].parameters);
+  EXPECT_EQ(schedule.phases[2].name, "reference_check");
+  EXPECT_NEAR(reference.allowed, 30.0 / 60.0 * kPi / 180.0, kRounding);
+  EXPECT_NEAR(reference.most_noise, kPi / 180.0 / 60.0, kRounding);
+  EXPECT_EQ(std::get<LoadRun>(schedule.phases[3].parameters).vibration_statistics_hz, 12800.0);
+}
+
+TEST(ReadSchedule, RefusesChecksThatCannotBeJudged) {
+  EXPECT_EQ(
+      MessageOf(With(WithChecks(), "    expected: 50 Nm\n", "")),
+      "small.yaml:28:5: error: missing key 'expected' (expected a torque other than zero in Nm, mNm, Ncm "
+      "or kNm)");
+  EXPECT_EQ(MessageOf(With(WithChecks(), "expected: 50 Nm", "expected: 70 Nm")),
+            "small.yaml:29:15: error: expected = 70 Nm is above output_torque = 60 Nm (line 18)");
+  EXPECT_EQ(MessageOf(With(WithChecks(), "allowed: 30 arcmin", "allowed: 0.3 Nm")),
+            "small.yaml:33:14: error: allowed = 0.3 Nm: 'Nm' is not a unit of angle (expected arcsec, "
+            "arcmin, deg, rad, mrad or rev)");
+  EXPECT_EQ(MessageOf(With(WithChecks(), "on_failure: mark", "on_failure: warn")),
+            "small.yaml:31:17: error: on_failure = warn: not known (expected stop or mark)");
 }
 
 }  // namespace

@@ -79,6 +79,9 @@ TEST(ScheduleFiles, TheExampleOfTheReadmeLoadsAndItsDefaultsAreTheReaders) {
   for (const auto& [path, origin] : example.origins) {
     if (!path.starts_with("phases[") && !path.starts_with("preparation[")) continue;
     const auto other = defaults.origins.find(path);
+    // Left out, these are not done at all.
+    const bool has_no_default = path.ends_with(".record") || path.ends_with(".vibration_statistics");
+    if (has_no_default) continue;
     ASSERT_NE(other, defaults.origins.end()) << path;
     EXPECT_EQ(other->second.text, origin.text) << path;
   }

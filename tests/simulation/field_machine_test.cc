@@ -2,16 +2,25 @@
 // A bench of metal, whose metal is the device side within the program: real protocols, real time.
 #include "bench/devices/field/field_machine.h"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/configuration/read_bench_file.h"
+#include "bench/configuration/read_register_map.h"
+#include "bench/devices/device_side/modbus_device.h"
+#include "bench/devices/device_side/modbus_servo_model.h"
+#include "protocols/candump.h"
+#include "tests/daq/acquisition/emulated_iiod.h"
 #include "tests/schedules/schedule_text.h"
 
 namespace strainwave::bench {
@@ -95,10 +104,111 @@ TEST(FieldMachine, RecordsVibrationWithoutALoss) {
   EXPECT_THROW(sampler.StartVibration(5000.0), std::invalid_argument) << "not a whole part of 12.8 kHz";
 }
 
+TEST(FieldMachine, WritesDownWhatGoesOverItsBusAndKeepsItAroundATrip) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / fmt::format("strainwave-bus-log-{}", ::getpid());
+  std::filesystem::create_directories(folder);
+  {
+    FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
+    machine.LogBuses(folder / "can");
+    std::filesystem::path file;
+    Until([&] {
+      for (const auto& entry : std::filesystem::directory_iterator(folder / "can")) file = entry.path();
+      return !file.empty() && std::filesystem::file_size(file) > 20'000;
+    });
+    machine.KeepBusLogs(folder / "trip");
+    for (const std::string& note : machine.TakeNotes()) ADD_FAILURE() << note;
+  }
+  std::ifstream kept(folder / "trip.in_process.log");
+  std::ostringstream text;
+  text << kept.rdbuf();
+  const auto frames = protocols::ParseCandump(text.str(), "trip.in_process.log");
+  const auto count = [&](std::uint32_t id) {
+    return std::ranges::count_if(frames, [&](const auto& logged) { return logged.frame.id == id; });
+  };
+  // SYNC, the master's heartbeat, the controlwords of both drives and what the drives say.
+  for (const std::uint32_t id : {0x080U, 0x77FU, 0x201U, 0x202U, 0x281U, 0x282U, 0x701U, 0x702U}) {
+    EXPECT_GT(count(id), 0) << std::hex << id;
+  }
+  std::filesystem::remove_all(folder);
+}
+
 TEST(FieldMachine, MountsTheBlankOfTheDeviceSideByItself) {
   FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
   machine.MountBlank(true);
   machine.MountBlank(false);
+}
+
+// A servo drive on Modbus TCP.
+struct ServoOnTcp {
+  MonotonicClock clock;
+  ModbusProfile profile =
+      ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
+  ModbusServoModel model{profile.map, *profile.servo};
+  ModbusDevice device{
+      profile.map,
+      1,
+      {[this](std::size_t index) { return model.Read(index, clock.Now()); },
+       [this](std::size_t index, double value) { return model.Write(index, value, clock.Now()); },
+       [this] { model.Hear(clock.Now()); }},
+      ModbusDevice::Tcp{}};
+};
+
+// A bench whose drives are on Modbus, and whose streams cannot be reached: the drives come first.
+class ModbusDrives : public testing::Test {
+ protected:
+  std::string MessageOf(FieldMachine::Use use) {
+    std::string text =
+        schedules::With(BenchText(), "{device: can, node: 1, profile: drive.yaml}", "{device: driving}");
+    text = schedules::With(text, "{device: can, node: 2, profile: drive.yaml}", "{device: load}");
+    const auto device = [](const char* name, const ServoOnTcp& servo) {
+      return fmt::format(
+          "{{name: {}, kind: modbus, address: \"tcp:127.0.0.1:{}\", registers: "
+          "../../../bench/devices/profiles/modbus_servo_drive.yaml}}",
+          name, servo.device.port());
+    };
+    text = schedules::With(text, "{name: can, kind: canopen, interface: in_process}",
+                           device("driving", driving_) + "\n  - " + device("load", load_));
+    try {
+      const FieldMachine machine(ParseBenchFile(text, "real.yaml", Folder()), 80.0, {}, use);
+      return "";
+    } catch (const CampaignError& error) {
+      return error.what();
+    }
+  }
+  static auto Enablings(ServoOnTcp& servo) {
+    return std::ranges::count(servo.model.TakeWritten(), "control 1");
+  }
+
+  ServoOnTcp driving_;
+  ServoOnTcp load_;
+};
+
+TEST_F(ModbusDrives, HaveTheirWatchdogsProvenBeforeAnythingMoves) {
+  const std::string message = MessageOf(FieldMachine::Use::kMove);
+  EXPECT_EQ(message.find("must not be enabled"), std::string::npos) << message;
+  EXPECT_GT(Enablings(driving_), 0) << "at zero torque, with the brake on";
+  EXPECT_GT(Enablings(load_), 0);
+  EXPECT_TRUE(driving_.model.brake_engaged() && load_.model.brake_engaged());
+}
+
+TEST_F(ModbusDrives, AreNotUsedWithoutAWatchdog) {
+  driving_.model.set_watchdog(ModbusServoModel::Watchdog::kAnything);
+  EXPECT_EQ(
+      MessageOf(FieldMachine::Use::kMove),
+      "real.yaml: error: the driving servo must not be enabled: the drive did not stop within 480 ms after "
+      "the "
+      "last write while it was read, but did within 480 ms of complete silence: reading alone keeps its "
+      "watchdog quiet (expected a watchdog that only writing keeps quiet)");
+  EXPECT_TRUE(driving_.model.brake_engaged());
+  EXPECT_NE(driving_.model.power(driving_.clock.Now()), protocols::PowerState::kOperationEnabled);
+}
+
+TEST_F(ModbusDrives, AreNotEnabledByALook) {
+  driving_.model.set_watchdog(ModbusServoModel::Watchdog::kNever);
+  const std::string message = MessageOf(FieldMachine::Use::kLook);
+  EXPECT_EQ(message.find("must not be enabled"), std::string::npos) << message;
+  EXPECT_EQ(Enablings(driving_) + Enablings(load_), 0);
 }
 
 std::string MessageOf(std::string_view from, std::string_view to) {
@@ -118,9 +228,78 @@ TEST(FieldMachine, SaysWhatIsMissing) {
       "real.yaml: error: channel 'torque_lbf' does not end in its unit (must in _deg, _arcmin, _rad, _rpm, "
       "_rad_per_s, _Nm, _degC or _m_per_s2)");
   EXPECT_EQ(MessageOf("source: gear_temperature_degC", "source: oil_temperature_degC"),
-            "real.yaml: error: line 50: device thermometers has no register oil_temperature_degC (must be "
+            "real.yaml: error: line 51: device thermometers has no register oil_temperature_degC (must be "
             "one of its "
             "map)");
+}
+
+TEST(FieldMachine, ConnectsTheShuntOverModbus) {
+  FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
+  Sampler& sampler = machine.Devices().sampler;
+  Until([&] { return sampler.Read().bad_channels == 0; });
+  sampler.ConnectShunt(true);
+  // 50 Nm by its certificate; no torque is on the gear.
+  Until([&] { return sampler.Read().output_torque_Nm > 49.0; });
+  EXPECT_NEAR(sampler.Read().output_torque_Nm, 50.0, 1.0);
+  sampler.ConnectShunt(false);
+  Until([&] { return sampler.Read().output_torque_Nm < 1.0; });
+}
+
+// Two encoders in motion, the second one read 3 ms before the first.
+TEST(FieldSampler, BringsBothAnglesToOneMoment) {
+  const MonotonicClock clock;
+  constexpr double kSpeed_rad_per_s = 104.72;  // 1000 rpm
+  FieldChannels channels;
+  const auto at = [](Channel channel) { return static_cast<std::size_t>(channel); };
+  const auto constant = [&](double value) {
+    return [&clock, value] { return ChannelValue{value, clock.Now(), true}; };
+  };
+  channels.ratio = 80.0;
+  channels.channels[at(Channel::kInputAngle)] = [&] {
+    return ChannelValue{5.0 * kSpeed_rad_per_s, clock.Now(), true, seconds(5)};
+  };
+  channels.channels[at(Channel::kOutputAngle)] = [&] {
+    return ChannelValue{4.997 * kSpeed_rad_per_s / 80.0, clock.Now(), true, milliseconds(4997)};
+  };
+  channels.channels[at(Channel::kInputSpeed)] = constant(kSpeed_rad_per_s);
+  channels.channels[at(Channel::kOutputTorque)] = constant(0.0);
+  channels.channels[at(Channel::kGearTemperature)] = constant(20.0);
+  FieldSampler sampler(channels, clock);
+  const Readings readings = sampler.Read();
+  constexpr double kRounding_rad = 1e-12;
+  EXPECT_NEAR(readings.output_angle_rad, readings.input_angle_rad / 80.0, kRounding_rad);
+}
+
+TEST(FieldMachine, ReadsAccelerometersFromAnIioContext) {
+  const daq::acquisition::EmulatedIiod iiod({"--in-real-time", "--blocks", "100000"});
+  std::string text = BenchText();
+  text =
+      schedules::With(text, R"({name: accelerometers, kind: stream, address: "tcp:127.0.0.1:0"})",
+                      "{name: accelerometers, kind: iio, address: \"" + iiod.uri() + "\", device: adxl355}");
+  text = schedules::With(text, "source: accel_x_m_per_s2", "source: accel_x");
+  text = schedules::With(text, "source: accel_y_m_per_s2", "source: accel_y");
+  for (const char* name : {"accel_z", "accel_motor_z"}) {
+    for (const std::string& line :
+         {std::string("  - {name: ") + name + ",", std::string("  - {channel: ") + name}) {
+      const std::size_t from = text.find(line);
+      text.erase(from, text.find('\n', from) - from + 1);
+    }
+  }
+  FieldMachine machine(ParseBenchFile(text, "iio.yaml", Folder()), 80.0, {});
+  Sampler& sampler = machine.Devices().sampler;
+  Until([&] { return sampler.Read().bad_channels == 0; });
+  VibrationBlock block;
+  sampler.StartVibration(1000.0);
+  Until([&] {
+    sampler.DrainVibration(block);
+    return block.accel_x_m_per_s2.size() >= 500;
+  });
+  EXPECT_EQ(block.lost_samples, 0U);
+  // Sample n of the device is n counts of 0.000038245 m/s²; of the second channel it is -n.
+  for (std::size_t i = 1; i < 500; ++i) {
+    EXPECT_NEAR(block.accel_x_m_per_s2[i] - block.accel_x_m_per_s2[i - 1], 0.000038245, 1e-6);
+    EXPECT_EQ(block.accel_y_m_per_s2[i], -block.accel_x_m_per_s2[i]);
+  }
 }
 
 }  // namespace

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every way out of every phase: torque off, brakes on, within one control period, and nothing commanded
 // after.
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "bench/controller/dead_man.h"
+#include "bench/controller/jog_program.h"
 #include "bench/controller/make_program.h"
 #include "tests/simulation/bench_fixture.h"
 
@@ -200,6 +204,89 @@ TEST(Suspend, GoesOnByItselfWhenTheGearHasCooledDown) {
   EXPECT_TRUE(bench.Safe());
   EXPECT_FALSE(bench.runner.WaitUntilRecovered(NoHeartbeat));
   EXPECT_LT(bench.devices.sampler.Read().gear_temperature_degC, 51.0);
+}
+
+// A hand that is on the key from one time to another, again and again; then it ends.
+class Jog : public testing::TestWithParam<JogDrive> {
+ protected:
+  JogProgram Program(double speed_rad_per_s) {
+    return JogProgram({GetParam(), speed_rad_per_s, 20.0, 0.01}, [this](std::chrono::nanoseconds now) {
+      const bool held = (now > milliseconds(1000) && now < milliseconds(4000)) ||
+                        (now > milliseconds(6000) && now < milliseconds(9000));
+      // The period in which it lets go is the drives' own.
+      if (held != was_held_) {
+        changed_ = now;
+      } else if (!held && now - changed_ > 2 * kControlPeriod) {
+        EXPECT_TRUE(bench_.Safe()) << now.count();
+        EXPECT_EQ(Turning().set_points_after_stop, 0);
+      }
+      was_held_ = held;
+      if (now > milliseconds(2900) && now < milliseconds(2920))
+        held_speed_ = Turning().Actual().speed_rad_per_s;
+      if (now > milliseconds(10'000)) bench_.request = StopRequest::kShutdown;
+      return held;
+    });
+  }
+  SpyDrive& Turning() { return GetParam() == JogDrive::kDriving ? bench_.driving : bench_.load; }
+
+  SpiedBench bench_;
+  bool was_held_{};
+  std::chrono::nanoseconds changed_{};
+  double held_speed_{};
+};
+INSTANTIATE_TEST_SUITE_P(OfEither, Jog, testing::Values(JogDrive::kDriving, JogDrive::kLoad));
+
+TEST_P(Jog, TurnsAsLongAsItIsHeldAndIsSafeOtherwise) {
+  if (GetParam() == JogDrive::kLoad) GTEST_SKIP() << "skipped: the simulated load servo takes torque alone";
+  const double speed = -2.0;
+  JogProgram program = Program(speed);
+  const PhaseOutcome outcome = bench_.runner.Run(program, NoHeartbeat);
+  EXPECT_EQ(outcome.reason.cause, StopCause::kShutdownRequested) << Describe(outcome.reason);
+  EXPECT_TRUE(bench_.Safe());
+  EXPECT_NEAR(held_speed_, speed, 0.2 * std::abs(speed));
+  const Readings readings = bench_.devices.sampler.Read();
+  // Twice three seconds, less the way up.
+  EXPECT_LT(std::abs(readings.input_angle_rad), 6.0 * std::abs(speed));
+  EXPECT_GT(readings.input_angle_rad / speed, 0.5 * 6.0);
+}
+
+TEST_P(Jog, IsSafeWhenADriveIsLostWhileItTurns) {
+  JogProgram program = Program(0.05);
+  const PhaseOutcome outcome = bench_.runner.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) {
+    if (now.readings.time > milliseconds(2500)) bench_.machine.bench().Inject({.load_fault = true});
+  });
+  EXPECT_EQ(outcome.reason.cause, StopCause::kDriveFault);
+  EXPECT_LT(outcome.reason.time, milliseconds(4000));
+  EXPECT_TRUE(bench_.Safe());
+}
+
+TEST(DeadManKey, IsGoodForAWhileAndNoLonger) {
+  DeadMan hand(milliseconds(500));
+  EXPECT_FALSE(hand.IsHeld(milliseconds(0)));
+  hand.Hold(milliseconds(1000));
+  EXPECT_TRUE(hand.IsHeld(milliseconds(1499)));
+  EXPECT_FALSE(hand.IsHeld(milliseconds(1500)));
+  hand.Hold(milliseconds(1500));
+  hand.Release();
+  EXPECT_FALSE(hand.IsHeld(milliseconds(1501)));
+}
+
+TEST(Shunt, IsTakenOffHoweverItsCheckEnds) {
+  SpiedBench bench;
+  schedules::SensorCheck check;
+  check.kind = schedules::SensorCheck::Kind::kShunt;
+  check.expected_Nm = 50.0;
+  check.duration_s = 5.0;
+  const auto program = MakeProgram(check, TestSpecimen(), 0.0, 0.01);
+  double highest_Nm = 0.0;
+  const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram&) {
+    highest_Nm = std::max(highest_Nm, now.readings.output_torque_Nm);
+    if (highest_Nm > 40.0) bench.request = StopRequest::kQuickStop;
+  });
+  EXPECT_EQ(outcome.reason.cause, StopCause::kQuickStopRequested);
+  EXPECT_GT(highest_Nm, 40.0) << "the shunt was on";
+  EXPECT_LT(std::abs(bench.devices.sampler.Read().output_torque_Nm), 1.0);
+  EXPECT_TRUE(bench.Safe());
 }
 
 }  // namespace

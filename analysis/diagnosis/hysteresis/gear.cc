@@ -121,6 +121,15 @@ class Gear {
   double twist_rad() const { return twist_rad_; }
 
  private:
+  // Even steps on one piece of the law ask for the same one again.
+  double EndWeightOf(double decay) {
+    if (decay != decay_) {
+      decay_ = decay;
+      end_weight_ = EndWeight(decay);
+    }
+    return end_weight_;
+  }
+
   // Piece of the spring's law that a twist lies on.
   int PieceOf(double twist_rad) const {
     const Side& side = twist_rad < 0.0 ? negative_ : positive_;
@@ -147,7 +156,7 @@ class Gear {
       carried_Nm += std::clamp(stuck_Nm, -limit_Nm, limit_Nm);
       if (sticks[j]) stiffness += stiffness_[j];
     }
-    const double end_weight = EndWeight(step_s * stiffness / law_.viscous_Nms_per_rad);
+    const double end_weight = EndWeightOf(step_s * stiffness / law_.viscous_Nms_per_rad);
     const double damper = law_.viscous_Nms_per_rad / step_s / end_weight;
     const double carried_over_Nm = (1.0 - end_weight) / end_weight * damper_Nm_;
     const double step_rad = (to_Nm + carried_over_Nm - carried_Nm) / (damper + stiffness);
@@ -173,7 +182,7 @@ class Gear {
     double carried_over_Nm = 0.0;
     if (law_.viscous_Nms_per_rad > 0.0) {
       const double end_weight =
-          EndWeight(step_s * Spring(before_rad).stiffness_Nm_per_rad / law_.viscous_Nms_per_rad);
+          EndWeightOf(step_s * Spring(before_rad).stiffness_Nm_per_rad / law_.viscous_Nms_per_rad);
       damper = law_.viscous_Nms_per_rad / step_s / end_weight;
       carried_over_Nm = (1.0 - end_weight) / end_weight * damper_Nm_;
     }
@@ -228,6 +237,8 @@ class Gear {
   std::array<double, kFrictionElements> anchor_rad_{};
   double twist_rad_{};
   double damper_Nm_{};
+  double decay_{-1.0};
+  double end_weight_{};
 };
 
 }  // namespace

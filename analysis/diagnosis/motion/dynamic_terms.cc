@@ -19,6 +19,8 @@ using Eigen::Index;
 
 // Below that it is a tone in time and not a structure.
 constexpr double kLeastDamping = 0.004;
+// Turns of a contact's swing in a step of the points: a faster one leaves kicks and no course.
+constexpr double kFastestContact = 0.5;
 // Part of a contact's deflection by which the width of a gap is not known.
 constexpr double kContactEdge = 0.1;
 constexpr double kMostShare = 1.5;  // of the inertia, that may swing
@@ -29,6 +31,7 @@ constexpr double kPromising = 8.0;
 constexpr std::size_t kPolished = 6;
 constexpr std::size_t kStarts = 2;
 constexpr double kRagged = 2.0;
+constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
 
 double DurationOf(const MotionGrid& grid) {
   double duration_s = 0.0;
@@ -130,18 +133,25 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                                      "min\n  output_torque: 0 Nm\n  input_speed: 500 rpm\n"});
 }
 
-// What a gap does to the torque, per unit of the load's inertia: the push over the gap less that without one.
+// What a gap does to the torque, per unit of the load's inertia. Where the points are denser than the contact
+// needs them, over several at once.
 void FillLooseLoad(const MotionGrid& grid, const model::LooseLoad::Numbers& numbers,
-                   std::vector<double>& points) {
-  model::LooseLoad::Numbers tight = numbers;
-  tight.gap = 0.0;
+                   std::span<double> points) {
   for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    model::LooseLoad loose_load(numbers, grid.position[stretch.first], grid.velocity[stretch.first]);
-    model::LooseLoad tight_load(tight, grid.position[stretch.first], grid.velocity[stretch.first]);
+    model::LooseLoad load(numbers, grid.position[stretch.first], grid.velocity[stretch.first]);
+    const auto stride =
+        static_cast<std::size_t>(std::max(1.0, kContactStep / (numbers.contact_rad_per_s * stretch.step_s)));
+    const std::size_t last = stretch.first + stretch.count - 1;
     points[stretch.first] = 0.0;
-    for (std::size_t i = stretch.first + 1; i < stretch.first + stretch.count; ++i) {
-      points[i] = loose_load.Follow(grid.position[i], grid.velocity[i], stretch.step_s) -
-                  tight_load.Follow(grid.position[i], grid.velocity[i], stretch.step_s);
+    for (std::size_t before = stretch.first; before < last;) {
+      const std::size_t next = std::min(before + stride, last);
+      const auto steps = static_cast<double>(next - before);
+      const double beyond = load.Follow(grid.position[next], grid.velocity[next], steps * stretch.step_s);
+      const double rise = (beyond - points[before]) / steps;
+      for (std::size_t i = before + 1; i < next; ++i)
+        points[i] = points[before] + rise * static_cast<double>(i - before);
+      points[next] = beyond;
+      before = next;
     }
   }
 }
@@ -155,18 +165,16 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
   // A contact swings faster than the motion, else it is a resonance, and slower than the points tell.
   const double low_Hz = 4.0;
-  const double high_Hz = 0.2 / grid->stretches.front().step_s;
+  const double high_Hz = kFastestContact / grid->stretches.front().step_s;
   if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;
   SeparableTerm term = PointTerm(
       grid, 1, [grid, braking](std::span<const double> shapes, std::size_t, std::span<double> points) {
-        std::vector<double> pushes(points.size());
         FillLooseLoad(*grid,
                       {.gap = std::exp(shapes[0]),
                        .friction = std::abs(shapes[1]) * braking,
                        .contact_rad_per_s = kTwoPi * std::exp(shapes[2]),
                        .contact_damping = shapes[3]},
-                      pushes);
-        std::ranges::copy(pushes, points.begin());
+                      points);
       });
   // Wide steps: each knock comes and goes at once, and a slope over less than that says nothing.
   term.shapes = {{std::log(low), std::log(high), kRagged},
@@ -238,7 +246,6 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                       {inertia_name, units.inertia(), 0.0, 1.3 * inertia, true}},
        .degrees_of_freedom = 5,
        .trials = 40.0,
-       .least_bic = 0.0,
        .to_settle =
            units.linear
                ? ""

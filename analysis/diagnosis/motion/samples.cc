@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "analysis/diagnosis/lone_samples.h"
+#include "analysis/diagnosis/motion/spikes.h"
 #include "analysis/diagnosis/motion/time.h"
 #include "analysis/diagnosis/motion/units.h"
 #include "analysis/noise_level.h"
@@ -79,11 +79,10 @@ void CheckTravel(const MotionData& record, const std::string& name) {
 
 // Before a low-pass spreads them.
 void LeaveOutSpikes(MotionData& record, const std::string& name, std::vector<std::string>& warnings) {
-  const std::vector<std::size_t> spikes = FindLoneSamples(record.torque, QuantisationStep(record.torque));
-  if (spikes.empty()) return;
-  InterpolateOver(record.torque, spikes);
+  const std::size_t spikes = BridgeSpikes(record, QuantisationStep(record.torque));
+  if (spikes == 0) return;
   warnings.push_back(fmt::format("{}{} samples of the {} stand off their neighbours and were left out", name,
-                                 spikes.size(), record.linear ? "force" : "torque"));
+                                 spikes, record.linear ? "force" : "torque"));
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ double StartSearch::Drop(std::span<const double> shapes) {
 }
 
 std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const std::vector<double>& steps) {
-  constexpr double kSettled = 1e-3;  // of the drop, between the best corner and the worst
+  constexpr double kSettled = 5e-3;  // of the drop, between the best corner and the worst
   const std::size_t n = shapes.size();
   struct Corner {
     double drop{};

@@ -138,6 +138,10 @@ CanFrame FromKernel(const can_frame& raw) {
 
 }  // namespace
 
+std::vector<CanFilter> FiltersOfNode(int node) {
+  return {{0x000, 0x7FF}, {0x080, 0x7FF}, {0x700, 0x780}, {static_cast<std::uint32_t>(node), 0x07F}};
+}
+
 SocketCanBus::SocketCanBus(const SocketCanSettings& settings)
     : interface_(settings.interface),
       clock_zero_(settings.clock_zero),
@@ -156,6 +160,12 @@ SocketCanBus::SocketCanBus(const SocketCanSettings& settings)
   }
   filters_.reserve(kMostFilters);
   socket_ = OpenSocket(settings.interface);
+  if (const int bytes = settings.receive_bytes; bytes > 0) {
+    // Refused to ordinary users, who get what they may.
+    if (::setsockopt(socket_, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {
+      (void)::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+    }
+  }
   if (filtered_ && !SetFilters()) {
     const int error = errno;
     ::close(socket_);

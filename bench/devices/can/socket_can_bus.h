@@ -18,6 +18,9 @@ struct CanFilter {
   bool extended{};
 };
 
+/// What concerns a node: NMT, SYNC, everybody's sign of life, and what bears its number (CiA 301, 7.3.3).
+std::vector<CanFilter> FiltersOfNode(int node);
+
 struct SocketCanSettings {
   std::string interface;  // "can0"
   /// What the kernel lets through; empty: all. Ids that are sent pass, too, from their first time on.
@@ -25,6 +28,9 @@ struct SocketCanSettings {
   /// Frames that the kernel holds at most, and the queue in front of it, which alone can be purged.
   std::size_t most_in_flight{6};
   std::size_t transmit_frames{32};
+  /// What the kernel may hold on the way in; 0: as much as it does by itself, some hundred frames. More than
+  /// net.core.rmem_max only for root.
+  int receive_bytes{};
   /// Where `BenchClock` is zero on CLOCK_MONOTONIC.
   std::chrono::nanoseconds clock_zero{};
 };

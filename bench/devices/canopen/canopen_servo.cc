@@ -104,7 +104,7 @@ DriveActual CanopenServo::Actual() const noexcept {
   return actual_.Get();
 }
 
-void CanopenServo::TakeOrders(nanoseconds now) noexcept {
+void CanopenServo::TakeOrders(nanoseconds now, bool may_enable) noexcept {
   const ServoOrders orders = left_.Get();
   const bool held = held_.load() != 0;
   const bool silent =
@@ -118,7 +118,7 @@ void CanopenServo::TakeOrders(nanoseconds now) noexcept {
   was_held_ = held;
   if (const std::uint32_t commissions = commissions_.load(); commissions != commissions_taken_) {
     commissions_taken_ = commissions;
-    is_loop_silent_ = false;
+    is_loop_silent_ = is_refused_ = false;
     (void)master_.Commission(now);
   }
   if (orders.lowerings != taken_.lowerings) {
@@ -129,9 +129,17 @@ void CanopenServo::TakeOrders(nanoseconds now) noexcept {
     is_loop_silent_ = false;
     (void)master_.ResetFault(now);
   }
-  if (orders.raisings != taken_.raisings) raising_ = orders.raise && !silent;
+  if (const std::uint32_t silences = silences_.load(); silences != silences_taken_) {
+    silences_taken_ = silences;
+    raising_ = false;
+    master_.GoSilent();
+  }
+  if (orders.raisings != taken_.raisings) {
+    raising_ = orders.raise && !silent && may_enable;
+    is_refused_ = orders.raise && !may_enable;
+  }
   taken_ = orders;
-  if (held) raising_ = false;
+  if (held || !may_enable) raising_ = false;
   if (raising_) TryToRaise(now);
   (void)master_.SetBrake(orders.brake_engaged || !orders.raise || held);
   if (master_.stage() == DriveStage::kEnabled && orders.raise && orders.has_set_point) Command();
@@ -179,9 +187,20 @@ void CanopenServo::Command() noexcept {
 
 std::string CanopenServo::TroubleWords() const {
   if (is_loop_silent_) return "the control loop gave no sign of life";
-  if (told_first_ == DriveTrouble::kNone) return {};
+  if (is_refused_) {
+    return "not enabled: the supervision of a drive of this bench is off or unknown, so that it would not "
+           "notice that this program is gone";
+  }
+  // A stop that the bench itself asked for is no trouble, neither alone nor behind one.
+  const auto is_trouble = [](DriveTrouble trouble) {
+    return trouble != DriveTrouble::kNone && trouble != DriveTrouble::kQuickStopAsked;
+  };
+  const bool also_last = is_trouble(told_last_) && told_last_ != told_first_;
+  if (!is_trouble(told_first_)) {
+    return also_last ? std::string(protocols::canopen::Words(told_last_)) : std::string();
+  }
   std::string words = master_.TroubleWords();
-  if (told_last_ != told_first_) words += fmt::format("; then {}", protocols::canopen::Words(told_last_));
+  if (also_last) words += fmt::format("; then {}", protocols::canopen::Words(told_last_));
   return words;
 }
 
@@ -199,8 +218,10 @@ void CanopenServo::Publish() noexcept {
   actual.torque_Nm = status.torque_Nm;
   actual.power = in_trouble ? protocols::PowerState::kFault
                             : status.power.value_or(protocols::PowerState::kNotReadyToSwitchOn);
-  // Enabled is for the bench who follows its set-points, not who merely says so.
-  if (actual.power == protocols::PowerState::kOperationEnabled && master_.stage() != DriveStage::kEnabled) {
+  // Enabled is for the bench who follows its set-points, not who merely says so; in a silence nobody follows
+  // any, and what the drive makes of it is what is looked at.
+  if (actual.power == protocols::PowerState::kOperationEnabled && master_.stage() != DriveStage::kEnabled &&
+      master_.stage() != DriveStage::kSilent) {
     actual.power = protocols::PowerState::kSwitchedOn;
   }
   actual.brake_engaged = status.is_brake_engaged;
@@ -214,7 +235,9 @@ void CanopenServo::Publish() noexcept {
   report.steps = static_cast<std::uint32_t>(master_.commissioning().steps().size());
   report.torque_off_known = status.is_torque_safely_off.has_value();
   report.torque_safely_off = status.is_torque_safely_off.value_or(false);
-  if (trouble != told_first_ || master_.last_trouble() != told_last_) {
+  report.supervised = master_.is_supervised();
+  if (trouble != told_first_ || master_.last_trouble() != told_last_ || is_refused_ != told_refused_) {
+    told_refused_ = is_refused_;
     told_first_ = trouble;
     told_last_ = master_.last_trouble();
     const std::string words = TroubleWords();  // takes memory; the stop is out by now

@@ -29,6 +29,7 @@ struct ServoReport {
   std::uint32_t commissions{};  // asked for so far and begun
   std::uint32_t steps_done{};   // of the newest one
   std::uint32_t steps{};
+  bool supervised{};        // it would notice that the master is gone, by what it read back
   bool torque_off_known{};  // `torque_safely_off` says something
   bool torque_safely_off{};
   std::array<char, 240> words{};  // of the trouble, ended by a zero
@@ -85,6 +86,12 @@ class CanopenServo final : public ServoDrive {
       held_.fetch_and(static_cast<std::uint8_t>(~bit));
     }
   }
+  /// Nothing more is sent to any drive of the bus, not even that the master lives, until a stop or a
+  /// commissioning: to measure how the drives stop by themselves.
+  void GoSilent() noexcept {
+    ++silences_;
+    if (Wake* const wake = wake_.load()) wake->Call();
+  }
   ServoReport report() const noexcept { return report_.Get(); }
   const std::string& name() const noexcept { return settings_.name; }
 
@@ -94,7 +101,10 @@ class CanopenServo final : public ServoDrive {
 
   // From the bus thread.
   /// Takes the newest orders to the master.
-  void TakeOrders(std::chrono::nanoseconds now) noexcept;
+  /// @param may_enable  false: the supervision of some drive of the bench is off or unknown (BENCH row 15),
+  /// and
+  ///   this one is not enabled.
+  void TakeOrders(std::chrono::nanoseconds now, bool may_enable = true) noexcept;
   void Publish() noexcept;
   protocols::canopen::DriveMaster& master() noexcept { return master_; }
   const CanopenServoSettings& settings() const noexcept { return settings_; }
@@ -116,6 +126,7 @@ class CanopenServo final : public ServoDrive {
   Latest<ServoOrders> left_;
   std::atomic<Wake*> wake_{};
   std::atomic<std::uint32_t> commissions_{};
+  std::atomic<std::uint32_t> silences_{};
   std::atomic<std::uint8_t> held_{};  // bits of `Holder`
   Latest<DriveActual> actual_;
   Latest<ServoReport> report_;
@@ -125,7 +136,10 @@ class CanopenServo final : public ServoDrive {
   std::array<protocols::OperationMode, 3> modes_{};  // by DriveMode
   ServoOrders taken_;
   std::uint32_t commissions_taken_{};
+  std::uint32_t silences_taken_{};
   bool was_held_{};
+  bool is_refused_{};  // enabling, for another drive's sake
+  bool told_refused_{};
   bool raising_{};
   bool is_loop_silent_{};
   protocols::canopen::DriveTrouble told_first_{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/devices/canopen/drive_bus.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -50,9 +51,10 @@ nanoseconds HeartbeatPeriod(const std::vector<CanopenServoSettings>& drives) {
 }  // namespace
 
 DriveBus::DriveBus(CanBus& bus, const BenchClock& clock, std::vector<CanopenServoSettings> drives,
-                   std::function<bool()> held)
+                   std::function<bool()> held, std::function<bool()> others_supervised)
     : bus_(bus),
       held_(std::move(held)),
+      others_supervised_(std::move(others_supervised)),
       sync_period_(Checked(drives).front().profile.timing.sync_period),
       heartbeat_(drives.front().profile.supervision.master_node_id, HeartbeatPeriod(drives)) {
   for (CanopenServoSettings& drive : drives) {
@@ -97,10 +99,16 @@ void DriveBus::SendAll(nanoseconds now) noexcept {
 
 void DriveBus::TakeOrdersOfAll(nanoseconds now) noexcept {
   const bool held = held_ && held_();
+  bool supervised = !others_supervised_ || others_supervised_();
+  for (const auto& servo : servos_) supervised = supervised && servo->master().is_supervised();
   for (const auto& servo : servos_) {
     servo->Hold(CanopenServo::Holder::kPendant, held);
-    servo->TakeOrders(now);
+    servo->TakeOrders(now, supervised);
   }
+}
+
+bool DriveBus::IsSupervised() const noexcept {
+  return std::ranges::all_of(servos_, [](const auto& servo) { return servo->report().supervised; });
 }
 
 void DriveBus::TakeOrders(nanoseconds now) noexcept {

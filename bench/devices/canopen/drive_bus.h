@@ -33,8 +33,11 @@ class DriveBus {
   /// @throws std::invalid_argument for no drives, a node number taken twice, profiles that differ in SYNC
   ///   period or in the master's node number, or as CanopenServo does.
   /// @param held  asked every cycle; true keeps all drives stopped, as a pressed key does. Nothing: never.
+  /// @param others_supervised  asked every cycle; false keeps every drive from being enabled, as a drive of
+  /// this
+  ///   bus does whose own supervision is off or unknown. Nothing: there are no others.
   DriveBus(CanBus& bus, const BenchClock& clock, std::vector<CanopenServoSettings> drives,
-           std::function<bool()> held = {});
+           std::function<bool()> held = {}, std::function<bool()> others_supervised = {});
 
   /// Takes in what has come, then orders, then sends: SYNC, heartbeat, and what the drives' masters have to
   /// say. Once a SYNC period.
@@ -42,6 +45,9 @@ class DriveBus {
   /// Between two cycles, when somebody has called: a stop goes out at once, without waiting for the next
   /// SYNC.
   void TakeOrders(std::chrono::nanoseconds now) noexcept;
+
+  /// Whether every drive of this bus would notice that the master is gone; from any thread.
+  bool IsSupervised() const noexcept;
 
   std::size_t size() const noexcept { return servos_.size(); }
   CanopenServo& servo(std::size_t number) { return *servos_.at(number); }
@@ -59,6 +65,7 @@ class DriveBus {
 
   CanBus& bus_;
   std::function<bool()> held_;
+  std::function<bool()> others_supervised_;
   std::vector<std::unique_ptr<CanopenServo>> servos_;
   std::chrono::nanoseconds sync_period_{};
   protocols::canopen::SyncProducer sync_;

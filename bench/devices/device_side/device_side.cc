@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "bench/configuration/read_register_map.h"
 #include "bench/devices/device_side/device_side_parts.h"
 #include "bench/devices/device_side/own_drive.h"
+#include "bench/devices/monotonic_clock.h"
 #include "bench/devices/tcp_address.h"
 
 namespace strainwave::bench {
@@ -52,10 +54,14 @@ ChannelDescription Sent(const BenchDescription& bench, const ChannelLink& link) 
     channel.limits.saturation_low = -kConverterEnd - 1.0;
     channel.limits.saturation_high = kConverterEnd;
   };
+  const auto holds_until = [&](const std::string& due) {
+    if (!due.empty()) calibration.due = daq::acquisition::DateFrom(due);
+  };
   const auto encoder = [&](const EncoderDescription& description) {
     channel.unit = "deg";
     channel.sensor_serial = description.serial;
     calibration.id = description.calibration;
+    holds_until(description.calibration_due);
     calibration.sensitivity =
         std::min(static_cast<double>(description.counts_per_rev), kMostCountsPerTurn) / 360.0;
   };
@@ -67,6 +73,7 @@ ChannelDescription Sent(const BenchDescription& bench, const ChannelLink& link) 
     channel.unit = "Nm";
     channel.sensor_serial = bench.transducer.serial;
     calibration.id = bench.transducer.calibration;
+    holds_until(bench.transducer.calibration_due);
     converter(bench.transducer.range_Nm);
   } else {
     const auto found = std::ranges::find(bench.accelerometers, link.channel, &AccelerometerDescription::name);
@@ -79,6 +86,7 @@ ChannelDescription Sent(const BenchDescription& bench, const ChannelLink& link) 
     channel.unit = "m/s^2";
     channel.sensor_serial = found->serial;
     calibration.id = found->calibration;
+    holds_until(found->calibration_due);
     converter(found->range_m_per_s2);
   }
   if (calibration.id.empty()) calibration.id = "none";  // so that the sensitivity is sent
@@ -124,8 +132,8 @@ DeviceSide::~DeviceSide() = default;
 
 void DeviceSide::AddDrive(const BenchDescription& bench, const ServoDescription& servo, ServoDrive& simulated,
                           double reducer_ratio, const DeviceSideBuses& buses) {
-  const auto device = std::ranges::find(bench.devices, servo.drive.device, &DeviceDescription::name);
-  if (device == bench.devices.end() || device->kind != Kind::kCanopen) {
+  const DeviceDescription* const device = FindDevice(bench.devices, servo.drive.device);
+  if (device == nullptr || device->kind != Kind::kCanopen) {
     throw std::invalid_argument(
         fmt::format("device {} drives a servo (must be of kind canopen here)", servo.drive.device));
   }
@@ -135,9 +143,8 @@ void DeviceSide::AddDrive(const BenchDescription& bench, const ServoDescription&
   // The simulated servo speaks of the shaft behind its reducer.
   units.increments_per_turn *= reducer_ratio;
   units.rated_torque_Nm *= reducer_ratio;
-  const auto taken =
-      static_cast<std::size_t>(std::ranges::count_if(drives_, [&](const auto&) { return true; }));
-  drives_.push_back(std::make_unique<Drive>(eds, servo.drive.node, simulated, units, *ends.at(taken)));
+  drives_.push_back(
+      std::make_unique<Drive>(eds, servo.drive.node, simulated, units, *ends.at(drives_.size())));
 }
 
 void DeviceSide::AddModbus(const DeviceDescription& device) {
@@ -145,6 +152,7 @@ void DeviceSide::AddModbus(const DeviceDescription& device) {
   const auto find = [&](const char* name) { return protocols::modbus::Find(profile.map, name); };
   const auto gear = find("gear_temperature");
   const auto ambient = find("ambient_temperature");
+  const auto shunt = find("shunt");
   if (!gear && !ambient) {
     throw std::invalid_argument(
         fmt::format("{} has neither gear_temperature nor ambient_temperature (must have one "
@@ -152,12 +160,16 @@ void DeviceSide::AddModbus(const DeviceDescription& device) {
                     device.file.string()));
   }
   ModbusDevice::Behaviour behaviour;
-  behaviour.read = [this, gear, ambient](std::size_t index) {
+  behaviour.read = [this, gear, ambient, shunt](std::size_t index) {
     if (gear && index == *gear) return gear_temperature_degC_.load();
     if (ambient && index == *ambient) return ambient_temperature_degC_.load();
+    if (shunt && index == *shunt) return shunted_ ? 1.0 : 0.0;
     return 0.0;
   };
-  behaviour.write = [](std::size_t, double) { return true; };
+  behaviour.write = [this, shunt](std::size_t index, double value) {
+    if (shunt && index == *shunt) shunted_ = value > 0.5;
+    return true;
+  };
   if (device.address.starts_with("rtu:")) {
     modbus_[device.name] = std::make_unique<ModbusDevice>(profile.map, device.unit, std::move(behaviour));
     return;
@@ -196,21 +208,41 @@ void DeviceSide::AddStream(const BenchDescription& bench, const DeviceDescriptio
       Stream{device.name, std::move(channels), vibration, std::move(server), std::move(block), 0}));
 }
 
+void RunInRealTime(DeviceSide& devices, const BenchClock& clock, const std::atomic<bool>& ending,
+                   const std::function<void()>& exchange, nanoseconds period) {
+  period = std::max(period, devices.step());
+  MonotonicClock pace;
+  nanoseconds next = pace.Now();
+  while (!ending) {
+    if (exchange) exchange();
+    devices.Step(clock.Now());
+    if (exchange) exchange();
+    next += period;
+    pace.SleepUntil(next);
+    next = std::max(next, pace.Now() - period);
+  }
+}
+
 void DeviceSide::Step(nanoseconds now) {
   const std::lock_guard lock(mutex_);
+  for (const auto& drive : drives_) drive->on_bus.TakeFrames(now);
   // A hold-up is caught up with, but not one of seconds: the shafts have stood meanwhile.
   constexpr nanoseconds kMostBehind = std::chrono::milliseconds(500);
   bench_now_ = std::max(bench_now_, now - kMostBehind);
   while (bench_now_ + step_ <= now) {
     bench_now_ += step_;
+    // The drives' own ramps go with the shafts, step by step.
+    for (const auto& drive : drives_) drive->node.Poll(bench_now_);
+    bench_.sampler().ConnectShunt(shunted_);
     bench_.clock().SleepUntil(bench_.clock().Now() + step_);
     const Readings readings = bench_.sampler().Read();
     gear_temperature_degC_ = readings.gear_temperature_degC;
     ambient_temperature_degC_ = readings.ambient_temperature_degC;
     if (vibrates_) bench_.sampler().DrainVibration(vibration_);
     for (const auto& stream : streams_) FillStream(*stream, readings);
+    safe_since_ = IsSafe() ? safe_since_.value_or(bench_now_) : std::optional<nanoseconds>();
   }
-  for (const auto& drive : drives_) drive->on_bus.Cycle(now);
+  for (const auto& drive : drives_) drive->on_bus.GiveFrames();
 }
 
 void DeviceSide::FillStream(Stream& stream, const Readings& readings) {
@@ -266,8 +298,15 @@ void DeviceSide::FillStream(Stream& stream, const Readings& readings) {
   }
 }
 
-bool DeviceSide::StandsSafe() {
+bool DeviceSide::StandsSafe() { return SafeSince().has_value(); }
+
+std::optional<nanoseconds> DeviceSide::SafeSince() {
   const std::lock_guard lock(mutex_);
+  // A command may have changed it since the last step.
+  return IsSafe() ? safe_since_ : std::nullopt;
+}
+
+bool DeviceSide::IsSafe() {
   const auto off = [](const DriveActual& drive) {
     return drive.brake_engaged && drive.power != protocols::PowerState::kOperationEnabled;
   };

@@ -5,17 +5,20 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/model/plant_model.h"
 #include "bench/configuration/bench_description.h"
+#include "bench/controller/realtime_mutex.h"
 #include "bench/devices/device_side/modbus_device.h"
 #include "bench/devices/device_side/stream_server.h"
 #include "bench/devices/simulated/simulated_bench.h"
+#include "bench/roles/bench_clock.h"
 #include "bench/roles/can_bus.h"
 
 namespace strainwave::bench {
@@ -27,8 +30,9 @@ using DeviceSideBuses = std::map<std::string, std::vector<CanBus*>>;
 /// streams of samples, on the addresses that the bench would look for them at. Everything that the simulated
 /// bench gets wrong, they get wrong.
 ///
-/// A device of kind modbus has registers `gear_temperature` and `ambient_temperature`, both or one; of a
-/// stream, the channels are those that the bench file takes from it.
+/// A device of kind modbus has registers `gear_temperature` and `ambient_temperature`, both or one, and may
+/// switch the transducer's shunt with a register `shunt`; of a stream, the channels are those that the bench
+/// file takes from it.
 class DeviceSide {
  public:
   /// @param buses  an end for each drive of a CAN device, in the order driving, load.
@@ -54,6 +58,8 @@ class DeviceSide {
 
   /// What is true of the shafts, whatever anybody reports: no torque and both brakes on. From any thread.
   bool StandsSafe();
+  /// Since when, on the clock of `Step`; nothing while it is not so. From any thread.
+  std::optional<std::chrono::nanoseconds> SafeSince();
 
   /// The address that a device really listens at: differs from the file's where that has port 0.
   std::string AddressOf(const std::string& device) const;
@@ -67,6 +73,7 @@ class DeviceSide {
   void AddModbus(const DeviceDescription& device);
   void AddStream(const BenchDescription& bench, const DeviceDescription& device);
   void FillStream(Stream& stream, const Readings& readings);
+  bool IsSafe();
   std::string DoDrive(const std::vector<std::string>& words);
   std::string DoModbus(const std::vector<std::string>& words);
   std::string DoStream(const std::vector<std::string>& words);
@@ -79,9 +86,19 @@ class DeviceSide {
   std::vector<std::unique_ptr<Stream>> streams_;
   std::atomic<double> gear_temperature_degC_{};
   std::atomic<double> ambient_temperature_degC_{};
+  std::atomic<bool> shunted_{};
   VibrationBlock vibration_;
   bool vibrates_{};
-  std::mutex mutex_;  // between a step and a command
+  std::optional<std::chrono::nanoseconds> safe_since_;
+  RealtimeMutex mutex_;  // between a step and a command
 };
+
+/// Steps the devices as real time goes on, until `ending`. After a hold-up it goes on from there.
+/// @param exchange  called before and after each time: carries frames, where that is not done elsewhere.
+/// @param period    how often they look at their buses, at least `DeviceSide::step`, which is also the
+///   default. A long one saves a slow machine work: the shafts' steps, no coarser, are made several at a
+///   time.
+void RunInRealTime(DeviceSide& devices, const BenchClock& clock, const std::atomic<bool>& ending,
+                   const std::function<void()>& exchange = {}, std::chrono::nanoseconds period = {});
 
 }  // namespace strainwave::bench

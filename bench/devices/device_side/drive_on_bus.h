@@ -17,14 +17,15 @@ class DriveOnBus {
   /// All frames that came in, one cycle of the drive, and its frames as far as the bus takes them; one that
   /// it does not take goes first the next time.
   void Cycle(std::chrono::nanoseconds now) noexcept;
+  /// Its two ends alone, for who polls the drive in between.
+  void TakeFrames(std::chrono::nanoseconds now) noexcept;
+  void GiveFrames() noexcept;
 
   /// Carried since the start.
   std::uint64_t received() const { return received_; }
   std::uint64_t sent() const { return sent_; }
 
  private:
-  void SendAll() noexcept;
-
   CanBus& bus_;
   protocols::canopen::device::DriveNode& node_;
   protocols::CanFrame waiting_;

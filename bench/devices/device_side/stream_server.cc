@@ -108,19 +108,24 @@ void StreamServer::Run() {
 void StreamServer::Serve(int connection) {
   if (!SendAll(connection, daq::acquisition::EncodeHello(description_))) return;
   std::vector<std::byte> message;
+  std::vector<std::byte> messages;
   auto last = std::chrono::steady_clock::now();
   std::uint64_t next_counter = 0;
   std::chrono::nanoseconds next_time{};
   while (!ending_) {
     wake_.Wait(kLook);
     wake_.Take();
+    // All that waits goes out at once.
+    messages.clear();
     while (SampleBlock* const block = ring_.BeginRead()) {
       daq::acquisition::EncodeBlock(*block, message);
+      messages.insert(messages.end(), message.begin(), message.end());
       next_counter = block->header.device_counter + block->header.samples;
       next_time = block->header.device_time;
       ring_.EndRead();
-      if (silent_) continue;
-      if (!SendAll(connection, message)) return;
+    }
+    if (!messages.empty() && !silent_) {
+      if (!SendAll(connection, messages)) return;
       last = std::chrono::steady_clock::now();
     }
     if (silent_ || std::chrono::steady_clock::now() - last < kKeepAlive) continue;

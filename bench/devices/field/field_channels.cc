@@ -36,7 +36,7 @@ std::function<ChannelValue()> FieldMachine::ChannelFrom(const ChannelLink& link)
       const SourceSnapshot snapshot = reader->Newest();
       const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < stale_after_;
       return ChannelValue{snapshot.values[at] * to_si, snapshot.time,
-                          fresh && (snapshot.bad_channels >> at & 1U) == 0};
+                          fresh && (snapshot.bad_channels >> at & 1U) == 0, snapshot.sampled};
     };
   }
   if (const auto hid = hid_.find(link.device); hid != hid_.end()) {
@@ -110,6 +110,12 @@ FieldChannels FieldMachine::Channels() {
   if (!speed) speed = from_drive(&DriveActual::speed_rad_per_s);
   auto& torque = channels.channels[static_cast<std::size_t>(Channel::kMotorTorque)];
   if (!torque) torque = from_drive(&DriveActual::torque_Nm);
+  channels.ratio = ratio_;
+  if (shunt_) {
+    channels.connect_shunt = [this, client = modbus_.at(bench_.transducer.shunt.device).get()](bool on) {
+      if (shunt_->Set(on)) client->Call();
+    };
+  }
   if (pendant_) channels.quick_stop_pressed = [this] { return QuickStopPressed(); };
   if (channels.vibration != nullptr) {
     channels.channels[static_cast<std::size_t>(Channel::kVibrationRms)] = [this,

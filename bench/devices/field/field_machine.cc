@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,10 +17,7 @@
 #include "bench/configuration/read_drive_profile.h"
 #include "bench/configuration/read_hid_profile.h"
 #include "bench/configuration/read_register_map.h"
-#include "bench/controller/realtime.h"
-#include "bench/devices/can/socket_can_bus.h"
 #include "bench/devices/modbus/modbus_address.h"
-#include "bench/devices/plant_model_of.h"
 #include "bench/devices/tcp_address.h"
 #include "daq/acquisition/sources/iio_source.h"
 #include "daq/acquisition/sources/tcp_stream_source.h"
@@ -31,14 +30,10 @@ using Kind = DeviceDescription::Kind;
 
 namespace {
 
-constexpr std::string_view kInProcess = "in_process";
 constexpr seconds kCommissioning{20};
 constexpr milliseconds kBootUp{50};
-
-std::chrono::nanoseconds StaleAfter(const BenchDescription& bench) {
-  const double age_s = bench.stale_after_s > 0.0 ? bench.stale_after_s : 3.0 * bench.control_period_s;
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * age_s));
-}
+// Few, so that a slow sensor's newest sample is not old by the time that the block is full.
+constexpr std::uint32_t kIioBlock_samples = 32;
 
 const protocols::HidField& FieldNamed(const HidProfile& profile, std::string_view name) {
   const auto found = std::ranges::find(profile.channels, name, &protocols::HidField::name);
@@ -51,8 +46,13 @@ const protocols::HidField& FieldNamed(const HidProfile& profile, std::string_vie
 
 }  // namespace
 
-FieldMachine::FieldMachine(const BenchDescription& bench, double ratio, const AskOperator& ask)
-    : bench_(bench), ask_(ask), stale_after_(StaleAfter(bench)) {
+FieldMachine::FieldMachine(const BenchDescription& bench, double ratio, const AskOperator& ask, Use use)
+    : bench_(bench),
+      ratio_(ratio),
+      ask_(ask),
+      use_(use),
+      stops_(ReadCommissioningFile(CommissioningFileOf(bench.file_name))),
+      stale_after_(static_cast<std::int64_t>(1e9 * bench.stale_after_s)) {
   if (bench_.devices.empty()) {
     throw CampaignError(
         ExitCode::kWrongInput,
@@ -61,23 +61,24 @@ FieldMachine::FieldMachine(const BenchDescription& bench, double ratio, const As
                     bench_.file_name));
   }
   try {
-    Open(ratio);
+    Open();
   } catch (...) {
     Close();
     throw;
   }
 }
 
-void FieldMachine::Open(double ratio) {
+void FieldMachine::Open() {
   try {
+    played_ = std::make_unique<PlayedBench>(bench_, ratio_, clock_);
     OpenBuses();
-    StartDeviceSide(ratio);
     OpenHid();
     OpenCamera();
     OpenDrives();
     OpenModbus();
     OpenSources();
     sampler_ = std::make_unique<FieldSampler>(Channels(), clock_);
+    is_open_ = true;
   } catch (const std::system_error& error) {
     throw CampaignError(ExitCode::kMachineFailed,
                         fmt::format("{}: error: {}", bench_.file_name, error.what()));
@@ -92,127 +93,120 @@ FieldMachine::~FieldMachine() { Close(); }
 
 void FieldMachine::Close() noexcept {
   // The drives come to rest while everything that they need is still there.
-  modbus_servos_.clear();
+  for (const auto& [name, servo] : modbus_servos_) servo->QuickStop();
+  is_open_ = false;
   for (auto& [name, bus] : buses_) bus.thread.reset();
+  modbus_servos_.clear();
+  for (auto& [name, bus] : buses_) bus.log.reset();
   sampler_.reset();
   sources_.clear();
   modbus_.clear();
   hid_.clear();
   pendant_.reset();
-  ending_ = true;
-  if (device_side_thread_.joinable()) device_side_thread_.join();
 }
 
 BenchDevices FieldMachine::Devices() { return {*driving_, *load_, *sampler_, clock_}; }
 
 const DeviceDescription& FieldMachine::Named(const std::string& name) const {
-  const auto found = std::ranges::find(bench_.devices, name, &DeviceDescription::name);
-  if (found == bench_.devices.end()) throw std::invalid_argument(fmt::format("there is no device {}", name));
-  return *found;
-}
-
-std::string FieldMachine::AddressOf(const DeviceDescription& device) const {
-  const std::string played = device_side_ ? device_side_->AddressOf(device.name) : "";
-  return played.empty() ? device.address : played;
+  const DeviceDescription* const device = FindDevice(bench_.devices, name);
+  if (device == nullptr) throw std::invalid_argument(fmt::format("there is no device {}", name));
+  return *device;
 }
 
 void FieldMachine::OpenBuses() {
   for (const DeviceDescription& device : bench_.devices) {
     if (device.kind != Kind::kCanopen) continue;
     OneBus& bus = buses_[device.name];
-    if (device.address == kInProcess) {
-      bus.in_process =
-          std::make_unique<InProcessCanBus>(InProcessCanSettings{.ends = 3, .transmit_frames = 64});
-      bus.bus = &bus.in_process->end(0);
-    } else {
-      SocketCanSettings settings;
-      settings.interface = device.address;
-      settings.clock_zero = -clock_.FromKernel({});
-      bus.own = std::make_unique<SocketCanBus>(settings);
-      bus.bus = bus.own.get();
-    }
+    bus.bus = played_->Bus(device.name);
+    if (bus.bus != nullptr) continue;
+    bus.own = OpenSocketCan(device, 0);
+    bus.bus = bus.own.get();
   }
 }
 
-void FieldMachine::StartDeviceSide(double ratio) {
-  DeviceSideBuses ends;
-  for (auto& [name, bus] : buses_) {
-    if (bus.in_process) ends[name] = {&bus.in_process->end(1), &bus.in_process->end(2)};
+ModbusSettings FieldMachine::ModbusSettingsOf(const DeviceDescription& device) const {
+  ModbusSettings settings;
+  settings.port = ParseModbusAddress(played_->AddressOf(device));
+  settings.unit = device.unit;
+  const ModbusConnection& said = device.connection;
+  settings.answer_time = said.answer_time.value_or(settings.answer_time);
+  settings.retries = said.retries.value_or(settings.retries);
+  if (auto* const line = std::get_if<ModbusSerialLine>(&settings.port)) {
+    line->baud = said.baud.value_or(line->baud);
+    line->parity = said.parity.value_or(line->parity);
+    line->stop_bits = said.stop_bits.value_or(line->stop_bits);
+    line->answers_echo = said.answers_echo.value_or(line->answers_echo);
   }
-  if (ends.empty()) return;
-  device_side_ = std::make_unique<DeviceSide>(bench_, PlantModelOf(bench_, ratio), ends);
-  device_side_thread_ = std::thread([this] { RunDeviceSide(); });
+  return settings;
 }
 
-void FieldMachine::RunDeviceSide() {
-  (void)BecomeRealtime(RealtimeRank::kDeviceSide);
-  MonotonicClock pace;
-  auto next = pace.Now();
-  while (!ending_) {
-    const auto now = clock_.Now();
-    for (auto& [name, bus] : buses_) {
-      if (bus.in_process) bus.in_process->Exchange(now);
-    }
-    device_side_->Step(now);
-    for (auto& [name, bus] : buses_) {
-      if (bus.in_process) bus.in_process->Exchange(clock_.Now());
-    }
-    next += device_side_->step();
-    pace.SleepUntil(next);
-    next = std::max(next, pace.Now() - device_side_->step());
-  }
+// Set points reach a drive with SYNC alone; the loops that ask for them count on one in every period.
+void FieldMachine::CheckPeriod(const CanopenServoSettings& servo) const {
+  const auto sync_s = std::chrono::duration<double>(servo.profile.timing.sync_period).count();
+  if (bench_.control_period_s >= sync_s) return;
+  throw std::invalid_argument(fmt::format(
+      "control_period = {:g} ms is shorter than sync_period = {:g} ms of the {} (must be at least "
+      "as long, as set points reach a drive with SYNC)",
+      1e3 * bench_.control_period_s, 1e3 * sync_s, servo.name));
 }
 
-ServoDrive& FieldMachine::OpenDrive(const ServoDescription& servo, const std::string& name) {
-  const DeviceDescription& device = Named(servo.drive.device);
-  const double reducer = name == "load servo" ? bench_.load_reducer_ratio : 1.0;
-  if (device.kind == Kind::kModbus) {
-    const ModbusProfile profile = ReadModbusProfile(device.file);
-    if (!profile.servo) {
-      throw std::invalid_argument(
-          fmt::format("{} describes no servo drive (must, as the {} is one)", device.file.string(), name));
-    }
-    ModbusSettings settings;
-    settings.port = ParseModbusAddress(AddressOf(device));
-    settings.unit = device.unit;
-    modbus_servos_.push_back(
-        std::make_unique<ModbusServoDrive>(settings, profile.map, *profile.servo, clock_));
-    return *modbus_servos_.back();
+ServoDrive& FieldMachine::OpenModbusServo(const DeviceDescription& device, const std::string& name) {
+  const ModbusProfile profile = ReadModbusProfile(device.file);
+  if (!profile.servo) {
+    throw std::invalid_argument(
+        fmt::format("{} describes no servo drive (must, as the {} is one)", device.file.string(), name));
   }
-  OneBus& bus = buses_.at(device.name);
-  CanopenServoSettings settings;
-  settings.name = name;
-  settings.profile = AtAxis(ReadDriveProfile(servo.drive.profile), reducer, 1);
-  settings.node_id = static_cast<std::uint8_t>(servo.drive.node);
-  bus.drives.push_back(std::move(settings));
-  return *load_;  // known when the bus is served
+  const ModbusSettings settings = ModbusSettingsOf(device);
+  identities_[name] = fmt::format("{} unit {}", device.name, device.unit);
+  if (use_ == Use::kMove) {
+    // While nobody else is connected to the drive.
+    ModbusLink link(settings, nullptr);
+    link.Open();
+    proofs_[name] = ProveWatchdog(link, profile.map, *profile.servo, clock_);
+    if (!proofs_[name].proven) {
+      throw CampaignError(ExitCode::kMachineFailed, fmt::format("{}: error: the {} must not be enabled: {}",
+                                                                bench_.file_name, name, proofs_[name].words));
+    }
+  }
+  auto& servo = modbus_servos_[name];
+  servo = std::make_unique<ModbusServoDrive>(settings, profile.map, *profile.servo, clock_,
+                                             [this] { return IsSupervised(); });
+  return *servo;
 }
 
 void FieldMachine::OpenDrives() {
-  const auto on_can = [&](const ServoDescription& servo) {
-    return Named(servo.drive.device).kind == Kind::kCanopen;
-  };
-  for (const auto& [servo, name, place] : {std::tuple(&bench_.driving_servo, "driving servo", &driving_),
-                                           std::tuple(&bench_.load_servo, "load servo", &load_)}) {
-    const ServoDescription& description = *servo;
-    if (!on_can(description)) {
-      *place = &OpenDrive(description, name);
-    } else {
-      OpenDrive(description, name);
+  const std::tuple<const ServoDescription*, const char*, double, ServoDrive**> servos[] = {
+      {&bench_.driving_servo, "driving servo", 1.0, &driving_},
+      {&bench_.load_servo, "load servo", bench_.load_reducer_ratio, &load_}};
+  for (const auto& [servo, name, reducer, place] : servos) {
+    const DeviceDescription& device = Named(servo->drive.device);
+    if (device.kind == Kind::kModbus) {
+      *place = &OpenModbusServo(device, name);
+      continue;
     }
+    CanopenServoSettings settings;
+    settings.name = name;
+    settings.profile = AtAxis(ReadDriveProfile(servo->drive.profile), reducer, 1);
+    CheckPeriod(settings);
+    settings.node_id = static_cast<std::uint8_t>(servo->drive.node);
+    buses_.at(device.name).drives.push_back(std::move(settings));
   }
-  std::string troubles;
   for (auto& [name, bus] : buses_) {
     if (bus.drives.empty()) continue;
-    std::vector<std::string> names;
-    for (const CanopenServoSettings& drive : bus.drives) names.push_back(drive.name);
-    bus.served = std::make_unique<DriveBus>(*bus.bus, clock_, std::move(bus.drives), [this] {
-      return pendant_ && pendant_->Actual().state != PendantState::kReleased;
-    });
-    bus.thread = std::make_unique<DriveBusThread>(*bus.served, clock_);
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      (names[i] == "driving servo" ? driving_ : load_) = &bus.served->servo(i);
+    IdentifyDrives(bus);
+    bus.served = std::make_unique<DriveBus>(
+        *bus.bus, clock_, std::move(bus.drives), [this] { return PendantHolds(); },
+        [this] { return IsSupervised(); });
+    for (std::size_t i = 0; i < bus.served->size(); ++i) {
+      CanopenServo& servo = bus.served->servo(i);
+      (servo.name() == "driving servo" ? driving_ : load_) = &servo;
     }
+  }
+  // The threads look at all drives: none is added any more.
+  std::string troubles;
+  for (auto& [name, bus] : buses_) {
+    if (!bus.served) continue;
+    bus.thread = std::make_unique<DriveBusThread>(*bus.served, clock_);
     // Drives that have just been switched on say so, and then have lost what was set up before.
     std::this_thread::sleep_for(kBootUp);
     std::string first = bus.thread->Commission(kCommissioning);
@@ -229,12 +223,13 @@ void FieldMachine::OpenModbus() {
   for (const DeviceDescription& device : bench_.devices) {
     const bool has_channels = std::ranges::any_of(
         bench_.channels, [&](const ChannelLink& link) { return link.device == device.name; });
-    if (device.kind != Kind::kModbus || !has_channels) continue;
-    ModbusSettings settings;
-    settings.port = ParseModbusAddress(AddressOf(device));
-    settings.unit = device.unit;
-    modbus_[device.name] =
-        std::make_unique<ModbusClient>(settings, ReadModbusProfile(device.file).map, clock_);
+    const SwitchLink& shunt = bench_.transducer.shunt;
+    const bool switches = shunt.device == device.name;
+    if (device.kind != Kind::kModbus || !(has_channels || switches)) continue;
+    const protocols::modbus::RegisterMap map = ReadModbusProfile(device.file).map;
+    if (switches) shunt_ = std::make_unique<ModbusSwitch>(map, shunt.source);
+    modbus_[device.name] = std::make_unique<ModbusClient>(ModbusSettingsOf(device), map, clock_,
+                                                          switches ? shunt_.get() : nullptr);
   }
 }
 
@@ -272,9 +267,12 @@ void FieldMachine::OpenCamera() {
   }
 }
 
+bool FieldMachine::PendantHolds() const noexcept {
+  return pendant_ && pendant_->Actual().state != PendantState::kReleased;
+}
+
 bool FieldMachine::QuickStopPressed() noexcept {
-  if (!pendant_) return false;
-  const bool pressed = pendant_->Actual().state != PendantState::kReleased;
+  const bool pressed = PendantHolds();
   if (pressed && !was_pressed_ && sto_contact_) sto_contact_->Asked(clock_.Now());
   was_pressed_ = pressed;
   return pressed;
@@ -284,20 +282,28 @@ void FieldMachine::OpenSources() {
   std::uint32_t number = 0;
   for (const DeviceDescription& device : bench_.devices) {
     if (device.kind == Kind::kStream) {
-      const TcpAddress at = ParseTcpAddress(AddressOf(device));
+      const TcpAddress at = ParseTcpAddress(played_->AddressOf(device));
       daq::acquisition::TcpStreamSettings settings;
       settings.host = at.host;
       settings.port = static_cast<std::uint16_t>(at.port);
       settings.source = ++number;
       sources_[device.name] = std::make_unique<SourceReader>(
           std::make_unique<daq::acquisition::TcpStreamSource>(settings), clock_);
+    } else if (device.kind == Kind::kIio) {
+      daq::acquisition::IioSettings settings;
+      settings.uri = device.address;
+      settings.device = device.iio_device;
+      settings.samples_a_block = kIioBlock_samples;
+      settings.source = ++number;
+      sources_[device.name] =
+          std::make_unique<SourceReader>(std::make_unique<daq::acquisition::IioSource>(settings), clock_);
     }
   }
 }
 
 void FieldMachine::MountBlank(bool mounted) {
-  if (device_side_) {
-    device_side_->Do(mounted ? "blank on" : "blank off");
+  if (DeviceSide* const played = device_side()) {
+    played->Do(mounted ? "blank on" : "blank off");
     return;
   }
   const std::string what =

@@ -6,14 +6,15 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "bench/configuration/bench_description.h"
+#include "bench/configuration/commissioning_file.h"
+#include "bench/controller/phase_runner.h"
 #include "bench/devices/camera/camera.h"
-#include "bench/devices/can/in_process_can_bus.h"
+#include "bench/devices/can/candump_log.h"
 #include "bench/devices/canopen/drive_bus_thread.h"
-#include "bench/devices/device_side/device_side.h"
+#include "bench/devices/device_side/played_bench.h"
 #include "bench/devices/field/field_sampler.h"
 #include "bench/devices/field/source_reader.h"
 #include "bench/devices/hid/hid_channels.h"
@@ -21,6 +22,8 @@
 #include "bench/devices/hid/sto_contact.h"
 #include "bench/devices/modbus/modbus_client.h"
 #include "bench/devices/modbus/modbus_servo_drive.h"
+#include "bench/devices/modbus/modbus_switch.h"
+#include "bench/devices/modbus/modbus_watchdog_proof.h"
 #include "bench/devices/monotonic_clock.h"
 #include "bench/roles/ask_operator.h"
 #include "bench/roles/bench_machine.h"
@@ -31,21 +34,41 @@ namespace strainwave::bench {
 /// the device side stands in for the whole bench within this program, on real time and the same protocols.
 class FieldMachine final : public BenchMachine {
  public:
+  enum class Use {
+    kMove,  // the watchdogs of drives on Modbus are proven first: torque comes on at zero, with the brake on
+    kLook,
+  };
+
   /// Connects to every device and sets the drives up; nothing moves.
   /// @param ratio  of the gear, for the device side.
   /// @throws CampaignError with what is missing or refuses, in words.
-  FieldMachine(const BenchDescription& bench, double ratio, const AskOperator& ask);
+  FieldMachine(const BenchDescription& bench, double ratio, const AskOperator& ask, Use use = Use::kMove);
   ~FieldMachine() override;
 
   BenchDevices Devices() override;
   void MountBlank(bool mounted) override;
+  std::vector<ChannelCalibration> Calibrations() const override;
+  std::vector<SourceTotals> Sources() const override;
+  void StartRecording(const RecordingRequest& request) override;
+  std::vector<RecordedSource> StopRecording() override;
   std::string Troubles() const override;
   std::string MissingForStart() const override;
+  bool StartKeyHeld() const override;
+  std::vector<Doubt> Doubts() const override;
   std::vector<std::string> TakeNotes() override;
   void TakePicture(const std::filesystem::path& file) override;
+  void LogBuses(const std::filesystem::path& folder) override;
+  void KeepBusLogs(const std::filesystem::path& stem) override;
 
   /// The devices that live within the program; null where they are elsewhere. For tests that put faults in.
-  DeviceSide* device_side() noexcept { return device_side_.get(); }
+  DeviceSide* device_side() noexcept { return played_ ? played_->devices() : nullptr; }
+
+  /// How long each drive takes to stop when this program is gone: those on CAN by turning the input and
+  /// falling silent, after which they are set up anew; those on Modbus as their watchdogs were proven at the
+  /// start.
+  /// @throws CampaignError with what kept it from being measured.
+  std::vector<MeasuredStop> MeasureStopTime(double input_speed_rad_per_s, const schedules::Limits& limits,
+                                            const std::atomic<StopRequest>& request);
 
   /// Devices in words, each with its state: what `bench check` prints.
   struct DeviceState {
@@ -57,40 +80,52 @@ class FieldMachine final : public BenchMachine {
 
  private:
   struct OneBus {
-    std::unique_ptr<InProcessCanBus> in_process;
-    std::unique_ptr<CanBus> own;
+    std::unique_ptr<CanBus> own;  // null where it is played
     CanBus* bus{};
+    std::unique_ptr<CanBus> listener;  // the log's own; null where it is played
+    std::unique_ptr<CandumpLog> log;
+    std::uint64_t lost_in_log{};  // told so far
     std::vector<CanopenServoSettings> drives;
     std::unique_ptr<DriveBus> served;
     std::unique_ptr<DriveBusThread> thread;
   };
 
-  void Open(double ratio);
+  void Open();
   void Close() noexcept;
   void OpenBuses();
-  void StartDeviceSide(double ratio);
-  void RunDeviceSide();
+  std::unique_ptr<CanBus> OpenSocketCan(const DeviceDescription& device, int receive_bytes) const;
+  void NoteBusLogs(std::vector<std::string>& notes);
   void OpenDrives();
-  ServoDrive& OpenDrive(const ServoDescription& servo, const std::string& name);
+  void CheckPeriod(const CanopenServoSettings& servo) const;
+  void IdentifyDrives(OneBus& bus);
+  bool IsSupervised() const noexcept;
+  const MeasuredStop* StopOf(const std::string& servo) const;
+  ServoDrive& OpenModbusServo(const DeviceDescription& device, const std::string& name);
+  ModbusSettings ModbusSettingsOf(const DeviceDescription& device) const;
   void OpenSources();
   void OpenModbus();
   void OpenHid();
   void OpenCamera();
+  bool PendantHolds() const noexcept;
   bool QuickStopPressed() noexcept;
   FieldChannels Channels();
   std::function<ChannelValue()> ChannelFrom(const ChannelLink& link);
   const DeviceDescription& Named(const std::string& name) const;
-  std::string AddressOf(const DeviceDescription& device) const;
 
   BenchDescription bench_;
+  double ratio_;  // of the gear
   AskOperator ask_;
-  std::chrono::nanoseconds stale_after_;  // an older value of a channel is none
+  Use use_;
+  std::vector<MeasuredStop> stops_;                // as kept beside the bench file
+  std::map<std::string, std::string> identities_;  // of the drives that are there, by servo
+  std::map<std::string, WatchdogProof> proofs_;    // the same
+  std::chrono::nanoseconds stale_after_;           // an older value of a channel is none
   MonotonicClock clock_;
+  std::unique_ptr<PlayedBench> played_;  // before what uses its ends, so that it outlives that
   std::map<std::string, OneBus> buses_;
-  std::unique_ptr<DeviceSide> device_side_;
-  std::atomic<bool> ending_{};
-  std::thread device_side_thread_;
-  std::vector<std::unique_ptr<ModbusServoDrive>> modbus_servos_;
+  std::map<std::string, std::unique_ptr<ModbusServoDrive>> modbus_servos_;  // by what people call them
+  std::atomic<bool> is_open_{};  // all drives are known, and none is gone yet
+  std::unique_ptr<ModbusSwitch> shunt_;
   std::map<std::string, std::unique_ptr<ModbusClient>> modbus_;
   std::map<std::string, std::unique_ptr<SourceReader>> sources_;
   struct OneHid {

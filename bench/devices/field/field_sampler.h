@@ -22,10 +22,14 @@ struct FieldChannels {
   using Read = std::function<ChannelValue()>;
 
   std::array<Read, 8> channels;  // by `Channel`
+  /// Of the gear: two encoders that are not read at one moment are brought to that of the input's with it; 0:
+  /// they are taken as they come.
+  double ratio{};
   /// Accelerometers in the order of VibrationBlock, all of one source; nothing where there is none.
   SourceReader* vibration{};
   std::array<std::optional<std::size_t>, 4> accelerometers;
   std::function<bool()> quick_stop_pressed;  // nothing: the bench has no key
+  std::function<void(bool)> connect_shunt;   // of the torque transducer; nothing: it has none
 };
 
 /// The measuring side of a bench of metal: the newest value of every channel from whichever device has it.
@@ -38,6 +42,9 @@ class FieldSampler final : public Sampler {
   void StartVibration(double sample_rate_hz) override;
   void StopVibration() override;
   void DrainVibration(VibrationBlock& block) override;
+  void ConnectShunt(bool on) noexcept override {
+    if (channels_.connect_shunt) channels_.connect_shunt(on);
+  }
 
  private:
   FieldChannels channels_;

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a bench of metal says of itself.
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "bench/devices/field/field_machine.h"
@@ -21,6 +25,12 @@ std::string FieldMachine::MissingForStart() const {
   return {};
 }
 
+bool FieldMachine::StartKeyHeld() const {
+  if (!pendant_) return false;
+  const PendantActual actual = pendant_->Actual();
+  return actual.state == PendantState::kReleased && actual.keys.start;
+}
+
 std::vector<std::string> FieldMachine::TakeNotes() {
   std::vector<std::string> notes;
   if (sto_contact_) {
@@ -39,7 +49,61 @@ std::vector<std::string> FieldMachine::TakeNotes() {
               : fmt::format("no picture {}: {}", snapshot.file.filename().string(), snapshot.trouble));
     }
   }
+  NoteBusLogs(notes);
   return notes;
+}
+
+std::vector<ChannelCalibration> FieldMachine::Calibrations() const {
+  std::vector<ChannelCalibration> calibrations;
+  for (const ChannelLink& link : bench_.channels) {
+    const auto reader = sources_.find(link.device);
+    const auto channel = reader == sources_.end() ? std::nullopt : reader->second->Find(link.source);
+    if (!channel) continue;
+    const auto& description = reader->second->description().channels[*channel];
+    calibrations.push_back(
+        {link.channel, description.sensor_serial, description.unit, description.calibration});
+  }
+  return calibrations;
+}
+
+std::vector<SourceTotals> FieldMachine::Sources() const {
+  std::vector<SourceTotals> all;
+  for (const auto& [name, reader] : sources_) {
+    all.push_back({name, reader->totals(), reader->clock(), reader->clock_restarts()});
+  }
+  return all;
+}
+
+void FieldMachine::StartRecording(const RecordingRequest& request) {
+  constexpr double kFile_s = 3600.0;
+  constexpr double kFlush_s = 1.0;
+  constexpr double kSlowDisk_s = 4.0;
+  for (const std::string& name : request.sources) {
+    const auto found = sources_.find(name);
+    if (found == sources_.end()) {
+      throw std::invalid_argument(fmt::format("source {} is none of the bench's (must be one)", name));
+    }
+    const auto& source = found->second->description();
+    const auto rows = [&](double time_s) { return static_cast<std::uint64_t>(time_s * source.rate_hz) + 1; };
+    daq::acquisition::RecorderSettings settings;
+    settings.folder = request.folder;
+    settings.name = fmt::format("{}-{}", request.name, name);
+    settings.most_rows_a_file = rows(kFile_s);
+    settings.rows_between_flushes = rows(kFlush_s);
+    settings.ring_blocks = rows(kSlowDisk_s) / source.most_samples_a_block + 16;
+    settings.attributes = request.attributes;
+    found->second->StartRecording(settings);
+  }
+}
+
+std::vector<RecordedSource> FieldMachine::StopRecording() {
+  std::vector<RecordedSource> all;
+  for (const auto& [name, reader] : sources_) {
+    if (auto recorded = reader->StopRecording()) {
+      all.push_back({name, recorded->totals, std::move(recorded->trouble)});
+    }
+  }
+  return all;
 }
 
 void FieldMachine::TakePicture(const std::filesystem::path& file) {
@@ -59,9 +123,25 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
       const ServoReport report = servo.report();
       const std::string words = report.words.data();
       const bool good = report.stage == protocols::canopen::DriveStage::kDisabled && words.empty();
-      states.push_back({fmt::format("{}, node {}", servo.name(), servo.settings().node_id),
-                        words.empty() ? std::string(Name(report.stage)) : words, good});
+      // The words of a trouble name the node.
+      if (words.empty()) {
+        states.push_back({fmt::format("{}, node {}", servo.name(), servo.settings().node_id),
+                          std::string(Name(report.stage)), good});
+      } else {
+        states.push_back({servo.name(), words, good});
+      }
     }
+  }
+  for (const auto& [name, servo] : modbus_servos_) {
+    const std::string trouble = servo->trouble();
+    const bool good = trouble.empty() && servo->is_supervised();
+    states.push_back({name, !trouble.empty() ? trouble : good ? "connected" : "not yet connected", good});
+  }
+  for (const MeasuredStop& stop : stops_) {
+    states.push_back({fmt::format("{}, time to stop", stop.servo),
+                      fmt::format("left enabled after {:.0f} ms, stood after {:.0f} ms, measured {}",
+                                  1e3 * stop.left_enabled_s, 1e3 * stop.stood_s, stop.measured),
+                      true});
   }
   if (pendant_) {
     const std::string missing = MissingForStart();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 
@@ -74,6 +75,7 @@ SourceReader::SourceReader(std::unique_ptr<SampleSource> source, const Monotonic
       description_(Started(*source_)),
       ledger_({.bits = description_.counter_bits}, description_.rate_hz),
       watch_(description_),
+      device_clock_({}),
       window_(static_cast<std::size_t>(std::max(1.0, kVibrationWindow_s * description_.rate_hz))) {
   for (std::size_t i = 0; i < description_.channels.size(); ++i) {
     if (description_.channels[i].unit == "m/s^2") accelerometers_.push_back(i);
@@ -102,37 +104,72 @@ void SourceReader::Run() {
   // Where it is refused, the control loop's own warning says so.
   (void)BecomeRealtime(RealtimeRank::kAcquisition);
   SampleBlock block = RoomFor(description_);
+  std::string said;
   while (!ending_) {
+    std::string trouble;
     try {
       switch (source_->Next(block, kPatience)) {
         case NextResult::kBlock:
+          Record(block);
           Take(block);
-          Say({});
           break;
         case NextResult::kNothingYet:
           watch_.Tick(std::chrono::steady_clock::now().time_since_epoch());
+          trouble = said;
           break;
         case NextResult::kEnded:
-          Say(fmt::format("{} has come to its end", description_.name));
+          trouble = fmt::format("{} has come to its end", description_.name);
           std::this_thread::sleep_for(kPatience);
           break;
         case NextResult::kFailed:
-          Say(fmt::format("{}: {}", description_.name, source_->trouble()));
+          trouble = fmt::format("{}: {}", description_.name, source_->trouble());
           break;
       }
     } catch (const std::exception& error) {
-      Say(fmt::format("{}: {}", description_.name, error.what()));
+      trouble = fmt::format("{}: {}", description_.name, error.what());
       std::this_thread::sleep_for(kPatience);
     }
+    const std::uint32_t bad_before = next_.bad_channels;
     for (std::size_t i = 0; i < description_.channels.size(); ++i) {
       const bool good = watch_.fault(i) == daq::acquisition::SensorFault::kNone;
       const std::uint32_t bit = 1U << i;
       next_.bad_channels =
           good && next_.time.count() != 0 ? next_.bad_channels & ~bit : next_.bad_channels | bit;
     }
+    if (trouble != said || next_.bad_channels != bad_before) Say(trouble);
+    said = std::move(trouble);
     newest_.Set(next_);
-    totals_.Set(ledger_.totals());
+    Publish();
   }
+}
+
+void SourceReader::Publish() noexcept {
+  const auto& estimate = device_clock_.estimate();
+  state_.Set({ledger_.totals(), estimate.value_or(daq::acquisition::ClockEstimate{}), estimate.has_value(),
+              device_clock_.restarts()});
+}
+
+std::optional<daq::acquisition::ClockEstimate> SourceReader::clock() const noexcept {
+  const SourceState state = state_.Get();
+  return state.knows_clock ? std::optional(state.clock) : std::nullopt;
+}
+
+// The block as the device has sent it: what is lost or repeated is for the file to say.
+void SourceReader::Record(const SampleBlock& block) {
+  const std::lock_guard lock(mutex_);
+  if (recorder_) (void)recorder_->Push(block);  // a full ring is counted
+}
+
+// When the last sample of a block was taken. A delivery is late at times, never early: what the clocks say is
+// believed as far as it lies before the arrival, and not a network's whole patience before it.
+nanoseconds SourceReader::FollowClock(const SampleBlock& block) noexcept {
+  constexpr nanoseconds kLongestDelivery = milliseconds(50);
+  const nanoseconds arrival = block.header.arrival;
+  const double since_first_ns = 1e9 * (block.header.samples - 1) / description_.rate_hz;
+  const nanoseconds device = block.header.device_time + nanoseconds(std::llround(since_first_ns));
+  device_clock_.Add(device, arrival);
+  if (!device_clock_.estimate()) return arrival;
+  return std::clamp(device_clock_.estimate()->ToHost(device), arrival - kLongestDelivery, arrival);
 }
 
 void SourceReader::Take(SampleBlock& block) {
@@ -145,6 +182,7 @@ void SourceReader::Take(SampleBlock& block) {
     next_.values[i] = description_.channels[i].calibration.Apply(block.Value(last, i));
   }
   next_.time = clock_.FromKernel(block.header.arrival);
+  next_.sampled = clock_.FromKernel(FollowClock(block));
   Keep(block);
 }
 
@@ -208,6 +246,29 @@ void SourceReader::StartCapture(std::span<const std::size_t> channels, double ra
   capture_ = std::move(capture);
 }
 
+void SourceReader::StartRecording(const daq::acquisition::RecorderSettings& settings) {
+  auto recorder = std::make_unique<daq::acquisition::StreamRecorder>(settings, description_);
+  const std::lock_guard lock(mutex_);
+  recorder_ = std::move(recorder);
+}
+
+std::optional<SourceReader::Recorded> SourceReader::StopRecording() {
+  std::unique_ptr<daq::acquisition::StreamRecorder> recorder;
+  {
+    const std::lock_guard lock(mutex_);
+    recorder = std::move(recorder_);
+  }
+  if (!recorder) return std::nullopt;
+  Recorded recorded;
+  try {
+    recorder->Finish();
+  } catch (const std::exception& error) {
+    recorded.trouble = error.what();
+  }
+  recorded.totals = recorder->totals();
+  return recorded;
+}
+
 void SourceReader::StopCapture() {
   const std::lock_guard lock(mutex_);
   capture_.reset();
@@ -229,9 +290,9 @@ void SourceReader::Drain(std::span<std::vector<float>* const> channels) {
 
 std::uint64_t SourceReader::lost_in_capture() const noexcept { return drained_ ? drained_->lost.load() : 0; }
 
-void SourceReader::Say(std::string trouble) {
+void SourceReader::Say(const std::string& trouble) {
   const std::lock_guard lock(mutex_);
-  trouble_ = std::move(trouble);
+  trouble_ = trouble;
   for (std::size_t i = 0; i < description_.channels.size(); ++i) {
     const std::string reason = watch_.ReasonOf(i);
     if (reason.empty()) continue;

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,13 +14,16 @@
 #include <thread>
 #include <vector>
 
+#include "bench/controller/realtime_mutex.h"
 #include "bench/devices/latest.h"
 #include "bench/devices/monotonic_clock.h"
+#include "daq/acquisition/clock_model.h"
 #include "daq/acquisition/decimator.h"
 #include "daq/acquisition/gap_ledger.h"
 #include "daq/acquisition/sample_source.h"
 #include "daq/acquisition/sensor_watch.h"
 #include "daq/acquisition/spsc_ring.h"
+#include "daq/acquisition/stream_recorder.h"
 
 namespace strainwave::bench {
 
@@ -30,10 +32,20 @@ struct SourceSnapshot {
   static constexpr std::size_t kMostChannels = 32;
 
   std::chrono::nanoseconds time{};  // of arrival, on the bench's clock; zero before the first block
+  /// When it was taken, on the same clock, as far as the device's clock is known; else that of arrival.
+  std::chrono::nanoseconds sampled{};
   std::array<double, kMostChannels> values{};  // calibrated, in the channel's unit
   std::uint32_t bad_channels{~0U};             // bit n: channel n is not to be trusted
   /// Over the last whole tenth of a second, about its mean, of the strongest channel in m/s².
   double vibration_rms_m_per_s2{};
+};
+
+/// What a source has come to since it was connected.
+struct SourceState {
+  daq::acquisition::GapTotals totals;
+  daq::acquisition::ClockEstimate clock;
+  bool knows_clock{};
+  std::uint64_t clock_restarts{};
 };
 
 /// A source of samples on a thread of its own: the newest values for a control loop, all samples for a
@@ -53,7 +65,10 @@ class SourceReader {
 
   // From any thread.
   SourceSnapshot Newest() const noexcept { return newest_.Get(); }
-  daq::acquisition::GapTotals totals() const noexcept { return totals_.Get(); }
+  daq::acquisition::GapTotals totals() const noexcept { return state_.Get().totals; }
+  /// The device's clock against the monotonic one, once it is known, and how often it was set anew.
+  std::optional<daq::acquisition::ClockEstimate> clock() const noexcept;
+  std::uint64_t clock_restarts() const noexcept { return state_.Get().clock_restarts; }
   /// What is wrong at the moment, channel by channel or with the source itself, in words; empty if nothing.
   std::string Trouble() const;
 
@@ -63,6 +78,15 @@ class SourceReader {
   void StopCapture();
   /// Appends what came in since the last call, calibrated, one vector a channel in the order of StartCapture.
   void Drain(std::span<std::vector<float>* const> channels);
+  /// Keeps every block as it comes, from the next one on. @throws as StreamRecorder does.
+  void StartRecording(const daq::acquisition::RecorderSettings& settings);
+  struct Recorded {
+    daq::acquisition::RecorderTotals totals;
+    std::string trouble;  // why writing ended early
+  };
+  /// Ends it and finishes the file; nothing where nothing is recorded.
+  std::optional<Recorded> StopRecording();
+
   /// Samples that are missing in the capture so far.
   std::uint64_t lost_in_capture() const noexcept;
 
@@ -70,10 +94,13 @@ class SourceReader {
   struct Capture;
 
   void Run();
+  void Record(const daq::acquisition::SampleBlock& block);
   void Take(daq::acquisition::SampleBlock& block);
+  std::chrono::nanoseconds FollowClock(const daq::acquisition::SampleBlock& block) noexcept;
+  void Publish() noexcept;
   void MeasureVibration(const daq::acquisition::SampleBlock& block) noexcept;
   void Keep(const daq::acquisition::SampleBlock& block);
-  void Say(std::string trouble);
+  void Say(const std::string& trouble);
 
   std::unique_ptr<daq::acquisition::SampleSource> source_;
   const MonotonicClock& clock_;
@@ -82,6 +109,7 @@ class SourceReader {
   // Of the reader's thread.
   daq::acquisition::GapLedger ledger_;
   daq::acquisition::SensorWatch watch_;
+  daq::acquisition::ClockModel device_clock_;
   SourceSnapshot next_;
   std::vector<std::size_t> accelerometers_;
   std::vector<double> sums_;
@@ -90,8 +118,9 @@ class SourceReader {
   std::size_t window_{};
 
   Latest<SourceSnapshot> newest_;
-  Latest<daq::acquisition::GapTotals> totals_;
-  mutable std::mutex mutex_;  // of the two below; held for moments only
+  Latest<SourceState> state_;
+  mutable RealtimeMutex mutex_;  // of the three below; held for moments only
+  std::unique_ptr<daq::acquisition::StreamRecorder> recorder_;
   std::string trouble_;
   std::shared_ptr<Capture> capture_;  // shared for the moment in which one is exchanged
   std::shared_ptr<Capture> drained_;  // of the capturing thread

@@ -19,11 +19,18 @@ std::variant<ModbusTcpPort, ModbusSerialLine> ParseModbusAddress(std::string_vie
   };
   if (!text.starts_with(kSerial)) {
     if (!text.starts_with("tcp:")) throw refuse();
-    const TcpAddress at = ParseTcpAddress(text);
+    constexpr std::string_view kUrl = "tcp://";
+    const TcpAddress at =
+        ParseTcpAddress(text.starts_with(kUrl) ? fmt::format("tcp:{}", text.substr(kUrl.size())) : text);
     return ModbusTcpPort{at.host, at.port};
   }
   const std::string_view rest = text.substr(kSerial.size());
+  // A path may have colons itself: /dev/serial/by-path/pci-0000:00:14.0-usb-0:2:1.0.
   const std::size_t frame_at = rest.rfind(':');
+  const bool is_path_alone =
+      rest.starts_with('/') && (frame_at == std::string_view::npos || rest.size() - frame_at != 4 ||
+                                rest[frame_at + 1] < '5' || rest[frame_at + 1] > '9');
+  if (is_path_alone) return ModbusSerialLine{.path = std::string(rest)};
   const std::size_t baud_at = frame_at == std::string_view::npos ? frame_at : rest.rfind(':', frame_at - 1);
   if (baud_at == std::string_view::npos || baud_at == 0) throw refuse();
   ModbusSerialLine line;

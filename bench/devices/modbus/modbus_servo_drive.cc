@@ -32,11 +32,12 @@ double Held(const mb::Register& value, double wanted) {
 
 ModbusServoDrive::ModbusServoDrive(ModbusSettings settings, const mb::RegisterMap& map,
                                    const ModbusServoProfile& profile, const BenchClock& clock,
-                                   nanoseconds patience)
+                                   std::function<bool()> others_supervised, nanoseconds patience)
     : map_(map),
       profile_(profile),
       at_(FindServoRegisters(map_, profile_)),
       clock_(clock),
+      others_supervised_(std::move(others_supervised)),
       patience_(patience),
       heard_ns_(clock.Now().count()),
       client_(std::move(settings), map, clock, this) {}
@@ -179,6 +180,7 @@ ModbusReply ModbusServoDrive::Connected(ModbusLink& link, ModbusPoller& poller) 
     return {ModbusReply::Outcome::kWrongAnswer, 0,
             "the watchdog time reads back as another than was written; the drive would not stop by itself"};
   }
+  is_supervised_ = true;
   return {};
 }
 
@@ -218,6 +220,10 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
   // What was read before the drive was last enabled says nothing of what became of that.
   was_enabled_ = enable && power == PowerState::kOperationEnabled && command.enables == enables_begun_ &&
                  client_.Value(at_.status).time > begun_;
+  if (enable && command.enables != enables_begun_ && others_supervised_ && !others_supervised_()) {
+    void_enables_ = command.enables;
+    return WriteStop(link, true, true);
+  }
   if (enable && command.enables != enables_begun_) {
     // From a quick stop the way leads through off, so that a stop never turns into motion by one word.
     const ModbusReply reply = WriteStop(link, false, true);
@@ -229,6 +235,7 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
 }
 
 void ModbusServoDrive::Lost() noexcept {
+  is_supervised_ = false;
   void_enables_ = command_.Get().enables;
   was_enabled_ = false;
 }

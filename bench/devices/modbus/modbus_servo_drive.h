@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "bench/devices/latest.h"
@@ -38,9 +39,13 @@ struct ModbusServoCommand {
 class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
  public:
   /// @param clock  outlives the drive.
+  /// @param others_supervised  asked before it is enabled, from a thread of its own; false refuses it, as
+  /// some
+  ///   drive of the bench would not notice that this program is gone. Nothing: there are no others.
   /// @throws std::invalid_argument for a map or profile that cannot be used.
   ModbusServoDrive(ModbusSettings settings, const protocols::modbus::RegisterMap& map,
                    const ModbusServoProfile& profile, const BenchClock& clock,
+                   std::function<bool()> others_supervised = {},
                    std::chrono::nanoseconds patience = std::chrono::milliseconds(500));
   ~ModbusServoDrive() override = default;
 
@@ -59,6 +64,8 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   /// Why the drive does not do what it should, in words; empty while all is well. Not for the control thread.
   std::string trouble() const { return client_.trouble(); }
   const ModbusCounts& counts() const { return client_.counts(); }
+  /// Connected, and its watchdog time read back as it was written.
+  bool is_supervised() const noexcept { return is_supervised_; }
 
  private:
   using Command = ModbusServoCommand;
@@ -80,7 +87,9 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   const ModbusServoProfile profile_;
   const ModbusServoRegisters at_;
   const BenchClock& clock_;
+  const std::function<bool()> others_supervised_;
   const std::chrono::nanoseconds patience_;
+  std::atomic<bool> is_supervised_{};
 
   // Of the control thread.
   Command mine_;

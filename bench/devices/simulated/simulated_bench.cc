@@ -80,6 +80,10 @@ class SimulatedBench::Implementation final : public Sampler, public BenchClock {
   }
   void StopVibration() override { vibration_.Stop(); }
   void DrainVibration(VibrationBlock& block) override { vibration_.Drain(block); }
+  void ConnectShunt(bool on) noexcept override {
+    if (on != sensors_.shunted()) fresh_ = false;
+    sensors_.ConnectShunt(on);
+  }
 
   // BenchClock
   nanoseconds Now() const noexcept override { return now_; }

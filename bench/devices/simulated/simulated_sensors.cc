@@ -11,6 +11,7 @@ namespace model = analysis::model;
 namespace {
 
 constexpr double kMotorReference_degC = 20.0;
+constexpr double kDay_s = 86400.0;
 
 double Square(double value) noexcept { return value * value; }
 
@@ -58,7 +59,7 @@ void SimulatedSensors::FollowVibration(const GearPlant& plant) noexcept {
 Readings SimulatedSensors::Measure(const GearPlant& plant, std::chrono::nanoseconds time) noexcept {
   const PlantState& state = plant.state();
   Readings readings;
-  readings.time = time;
+  readings.time = readings.angles_time = time;
   readings.input_angle_rad = input_encoder_.Reading(state.input_rad, input_noise_rad_ * noise_());
   const double late_rad = time_skew_s_ * state.output_speed_rad_per_s;
   double beside_rad = output_noise_rad_ * noise_();
@@ -68,7 +69,8 @@ Readings SimulatedSensors::Measure(const GearPlant& plant, std::chrono::nanoseco
   readings.output_angle_rad = output_encoder_.Reading(state.output_rad + late_rad, beside_rad);
   readings.input_speed_rad_per_s = state.input_speed_rad_per_s + slow_noise_.speed_rad_per_s * noise_();
   readings.output_torque_Nm =
-      model::TransducerReading_Nm(transducer_, state.gear_torque_Nm, state.thermal.housing_degC) +
+      model::TransducerReading_Nm(transducer_, state.gear_torque_Nm + (shunted_ ? transducer_.shunt_Nm : 0.0),
+                                  state.thermal.housing_degC, state.time_s / kDay_s) +
       transducer_.noise_Nm * noise_();
   // The drive knows its current, and takes the torque constant for that of a cold motor.
   const double warm = 1.0 + servo_.kt_per_K * (state.thermal.motor_degC - kMotorReference_degC);

@@ -20,6 +20,9 @@ class SimulatedSensors {
 
   /// The vibration level follows wear, load and temperature only as often as this is called.
   void FollowVibration(const GearPlant& plant) noexcept;
+  /// The shunt resistor across the bridge of the torque transducer.
+  void ConnectShunt(bool on) noexcept { shunted_ = on; }
+  bool shunted() const noexcept { return shunted_; }
   void SeedNoise(std::uint64_t key) noexcept { noise_ = NoiseSource(key); }
 
  private:
@@ -36,6 +39,7 @@ class SimulatedSensors {
   analysis::model::OutputDrift drift_;
   analysis::model::CauseSquares defect_square_;  // at the reference speed
   bool has_drift_;
+  bool shunted_{};
   NoiseSource noise_;
   // Mean square of the strongest channel by power of the speed (relative to the reference): 4, 2, 0.
   std::array<double, 3> vibration_square_{};

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "daq/record.h"
 
@@ -49,6 +50,11 @@ std::string UnitOfKind(iio_chan_type kind) {
   }
 }
 
+bool SameChannels(const SourceDescription& a, const SourceDescription& b) {
+  return a.rate_hz == b.rate_hz &&
+         std::ranges::equal(a.channels, b.channels, {}, &ChannelDescription::name, &ChannelDescription::name);
+}
+
 }  // namespace
 
 struct IioSource::Device {
@@ -66,7 +72,16 @@ IioSource::~IioSource() { Stop(); }
 bool IioSource::has_time_stamps() const { return device_ && device_->time_stamp != nullptr; }
 
 void IioSource::Start() {
+  counter_ = 0;
+  last_stamp_ns_ = 0;
+  last_arrival_ = {};
+  came_back_ = false;
+  Open(nullptr);
+}
+
+void IioSource::Open(const SourceDescription* before) {
   Stop();
+  last_attempt_ = std::chrono::steady_clock::now();
   device_ = std::make_unique<Device>();
   std::string uri = settings_.uri;  // of its own: libiio 0.24 cuts the port off in place
   device_->context.reset(iio_create_context_from_uri(uri.data()));
@@ -76,15 +91,17 @@ void IioSource::Start() {
     Throw(ENODEV, fmt::format("the IIO context '{}' has no device '{}'", settings_.uri, settings_.device));
   }
   Describe();
+  if (before != nullptr && !SameChannels(*before, description_)) {
+    Throw(EINVAL, fmt::format("'{}' came back with other channels or another rate", description_.name));
+  }
   device_->buffer.reset(iio_device_create_buffer(device_->device, settings_.samples_a_block, false));
   if (!device_->buffer) Throw(errno, fmt::format("cannot make a buffer on '{}'", description_.name));
   const SampleBlock empty(description_.channels.size() * settings_.samples_a_block);
   ring_ = std::make_unique<SpscRing<SampleBlock>>(settings_.ring_blocks, empty);
   spare_ = std::make_unique<SampleBlock>(empty);
-  counter_ = 0;
-  last_stamp_ns_ = 0;
   ends_.store(false);
   has_failed_.store(false);
+  failure_told_ = false;
   reader_ = std::thread([this] { Refill(); });
 }
 
@@ -206,20 +223,54 @@ void IioSource::Convert(SampleBlock& block) {
       words[std::size_t{i} * block.header.channels + c] = static_cast<std::uint32_t>(bits);
     }
   }
-  if (device_->time_stamp != nullptr && samples > 0) {
+  if (samples == 0) return;
+  if (device_->time_stamp != nullptr) {
     std::int64_t stamp_ns{};
     iio_channel_convert(device_->time_stamp, &stamp_ns, iio_buffer_first(buffer, device_->time_stamp));
     block.header.device_time = std::chrono::nanoseconds(stamp_ns);
-    if (last_stamp_ns_ != 0) {
-      // Of the block before, first sample to first sample.
-      const double went_by = static_cast<double>(stamp_ns - last_stamp_ns_) * 1e-9 * description_.rate_hz;
-      const double lost = std::round(went_by - settings_.samples_a_block);
-      if (lost > 0.5 * settings_.samples_a_block) counter_ += static_cast<std::uint64_t>(lost);
-      block.header.device_counter = counter_;
-    }
-    last_stamp_ns_ = stamp_ns;
   }
+  counter_ += LostBefore(block.header);
+  block.header.device_counter = counter_;
   counter_ += samples;
+  came_back_ = false;
+  last_stamp_ns_ = block.header.device_time.count();
+  last_arrival_ = block.header.arrival;
+}
+
+std::uint64_t IioSource::LostBefore(const BlockHeader& header) const {
+  // First sample to first sample by the stamps, last to last by the arrivals.
+  const auto samples_in = [this](std::chrono::nanoseconds time) {
+    return std::chrono::duration<double>(time).count() * description_.rate_hz;
+  };
+  const double stamped = samples_in(header.device_time - std::chrono::nanoseconds(last_stamp_ns_));
+  if (last_stamp_ns_ != 0 && stamped > 0) {
+    const double lost = std::round(stamped - settings_.samples_a_block);
+    return lost > 0.5 * settings_.samples_a_block ? static_cast<std::uint64_t>(lost) : 0;
+  }
+  if (!came_back_) return 0;
+  // Nobody knows how many they were; that there were some must show.
+  const double waited = std::round(samples_in(header.arrival - last_arrival_) - header.samples);
+  return static_cast<std::uint64_t>(std::max(1.0, waited));
+}
+
+void IioSource::Recover(std::chrono::nanoseconds patience) {
+  const auto due = last_attempt_ + settings_.between_attempts;
+  const auto now = std::chrono::steady_clock::now();
+  if (due > now + patience) {
+    std::this_thread::sleep_for(patience);
+    return;
+  }
+  std::this_thread::sleep_until(due);
+  const SourceDescription before = description_;
+  try {
+    came_back_ = true;  // before the reader starts
+    Open(&before);
+  } catch (const std::system_error& error) {
+    Stop();
+    description_ = before;
+    Fail(error.what());
+    failure_told_ = true;
+  }
 }
 
 NextResult IioSource::Next(SampleBlock& block, std::chrono::nanoseconds patience) {
@@ -230,7 +281,11 @@ NextResult IioSource::Next(SampleBlock& block, std::chrono::nanoseconds patience
       ring_->EndRead();
       return NextResult::kBlock;
     }
-    if (has_failed_.load(std::memory_order_acquire)) return NextResult::kFailed;
+    if (has_failed_.load(std::memory_order_acquire)) {
+      if (!std::exchange(failure_told_, true)) return NextResult::kFailed;
+      Recover(deadline - std::chrono::steady_clock::now());
+      if (has_failed_.load(std::memory_order_acquire)) return NextResult::kNothingYet;
+    }
     if (std::chrono::steady_clock::now() >= deadline) return NextResult::kNothingYet;
     std::this_thread::sleep_for(kLook);
   }

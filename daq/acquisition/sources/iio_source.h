@@ -22,6 +22,7 @@ struct IioSettings {
   std::uint32_t samples_a_block{512};
   std::uint32_t source{};
   std::size_t ring_blocks{64};
+  std::chrono::milliseconds between_attempts{1000};  // to find a lost device again
 };
 
 /// A sensor of the Linux industrial I/O subsystem, on this machine or behind an `iiod`, by libiio: MEMS
@@ -31,6 +32,10 @@ struct IioSettings {
 /// IIO has no sample counter. Where the device has a time-stamp channel, that is scanned too, and the counter
 /// goes on by its steps, so that what the kernel dropped shows as a gap; without one the counter counts what
 /// came, and only what this side drops is known.
+///
+/// A device that is lost is looked for again from within `Next`, which says kFailed once and kNothingYet
+/// until it is back; opening it may take longer than the patience. What was lost meanwhile is a gap: by the
+/// time stamps, or else by the time that went by.
 class IioSource : public SampleSource {
  public:
   explicit IioSource(IioSettings settings);
@@ -49,9 +54,13 @@ class IioSource : public SampleSource {
 
  private:
   struct Device;  // libiio's handles
+  /// @param before  what the device was like when it was lost.
+  void Open(const SourceDescription* before);
+  void Recover(std::chrono::nanoseconds patience);
   void Describe();
   void Refill() noexcept;
   void Convert(SampleBlock& block);
+  std::uint64_t LostBefore(const BlockHeader& header) const;
   void Fail(std::string why);
 
   IioSettings settings_;
@@ -61,6 +70,10 @@ class IioSource : public SampleSource {
   std::unique_ptr<SampleBlock> spare_;  // taken where the ring is full, so that the counter goes on
   std::uint64_t counter_{};             // of the next sample
   std::int64_t last_stamp_ns_{};
+  std::chrono::nanoseconds last_arrival_{};
+  std::chrono::steady_clock::time_point last_attempt_;
+  bool failure_told_{};
+  bool came_back_{};  // and its next block is the first since
   std::atomic<bool> ends_{false};
   std::atomic<bool> has_failed_{false};
   mutable std::mutex trouble_mutex_;

@@ -3,13 +3,22 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <random>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "bench/devices/can/candump_log.h"
 #include "bench/devices/can/wire_bits.h"
+#include "tests/bench/real_time.h"
 
 namespace strainwave::bench {
 namespace {
@@ -233,6 +242,126 @@ TEST(InProcessCanBus, RefusesABusThatIsNone) {
   EXPECT_EQ(MessageOf({.ends = 1}), "ends = 1 (must be at least 2)");
   EXPECT_EQ(MessageOf({.transmit_frames = 0}), "transmit_frames = 0 (must be at least 1)");
   EXPECT_EQ(MessageOf({.receive_frames = 0}), "receive_frames = 0 (must be at least 1)");
+}
+
+// Two who talk, and the log's own end.
+class LoggedBus : public testing::Test {
+ protected:
+  LoggedBus() { std::filesystem::create_directories(folder_); }
+  ~LoggedBus() override { std::filesystem::remove_all(folder_); }
+
+  CandumpLogSettings Settings(std::uint64_t most_file_bytes = 1'000'000) {
+    return {.folder = folder_, .interface = "can7", .most_file_bytes = most_file_bytes, .most_files = 3};
+  }
+  // Frames 0, 1, 2, … by turns from either end.
+  CanFrame Talk(std::uint32_t number) {
+    CanFrame frame{.id = 0x100 + number % 0x400};
+    frame.length = 4;
+    for (std::size_t i = 0; i < 4; ++i) frame.data[i] = static_cast<std::uint8_t>(number >> (8 * i));
+    EXPECT_EQ(bus_.end(static_cast<int>(number % 2)).Send(frame), CanBus::Sent::kQueued);
+    clock_.SleepUntil(clock_.now + milliseconds(1));
+    bus_.Exchange(clock_.now);
+    ReceivedFrame received;
+    while (bus_.end(0).Receive(received) || bus_.end(1).Receive(received)) continue;
+    return frame;
+  }
+  std::vector<std::filesystem::path> Files() const {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) files.push_back(entry.path());
+    std::ranges::sort(files);
+    return files;
+  }
+  static std::vector<protocols::LoggedFrame> Read(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return protocols::ParseCandump(text.str(), path.string());
+  }
+
+  struct OwnClock final : BenchClock {
+    std::chrono::nanoseconds Now() const noexcept override { return now; }
+    void SleepUntil(std::chrono::nanoseconds time) noexcept override { now = time; }
+    std::uint64_t Overruns() const noexcept override { return 0; }
+    std::chrono::nanoseconds now{};
+  };
+
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("strainwave-candump-" + std::to_string(::getpid()));
+  OwnClock clock_;
+  InProcessCanBus bus_{{.ends = 3}};
+};
+
+TEST_F(LoggedBus, IsWrittenDownFrameByFrameAsPythonCanReadsIt) {
+  std::vector<CanFrame> said;
+  {
+    const CandumpLog log(bus_.end(2), clock_, Settings());
+    for (std::uint32_t i = 0; i < 500; ++i) said.push_back(Talk(i));
+    ASSERT_TRUE(Until([&] { return log.frames() == said.size(); }));
+    EXPECT_EQ(log.lost(), 0U);
+    EXPECT_EQ(log.trouble(), "");
+  }
+  ASSERT_EQ(Files().size(), 1U);
+  const auto frames = Read(Files()[0]);
+  ASSERT_EQ(frames.size(), said.size());
+  for (std::size_t i = 0; i < said.size(); ++i) {
+    ASSERT_EQ(frames[i].frame, said[i]);
+    EXPECT_EQ(frames[i].interface, "can7");
+    // A frame a millisecond; on the wire within it.
+    EXPECT_NEAR(static_cast<double>((frames[i].time - frames[0].time).count()),
+                1000.0 * static_cast<double>(i), 200.0);
+  }
+  const std::string command =
+      "/usr/bin/python3 -c \"import can, sys; sys.exit(sum(1 for m in can.CanutilsLogReader(sys.argv[1]) if "
+      "m.channel == 'can7' and len(m.data) == 4) != 500)\" " +
+      Files()[0].string();
+  EXPECT_EQ(std::system(command.c_str()), 0) << "python3-can reads it otherwise";
+}
+
+TEST_F(LoggedBus, TakesNoMoreRoomThanItMayAndKeepsTheNewest) {
+  std::uint32_t last = 0;
+  {
+    const CandumpLog log(bus_.end(2), clock_, Settings(2000));
+    for (; last < 1000; ++last) Talk(last);
+    ASSERT_TRUE(Until([&] { return log.frames() == last; }));
+  }
+  const auto files = Files();
+  ASSERT_EQ(files.size(), 3U);
+  for (const auto& file : files) EXPECT_LT(std::filesystem::file_size(file), 2100U);
+  EXPECT_EQ(Read(files.back()).back().frame.data[0], (last - 1) & 0xFF);
+  // One file goes on where the other ends.
+  EXPECT_EQ((Read(files[1]).back().frame.data[0] + 1) & 0xFF, Read(files[2]).front().frame.data[0]);
+}
+
+TEST_F(LoggedBus, KeepsWhatWasSaidAroundATrip) {
+  std::uint32_t last = 0;
+  const auto stem = folder_ / "000012-345s";
+  std::uint32_t trip = 0;
+  {
+    CandumpLog log(bus_.end(2), clock_, Settings(2000));
+    for (; last < 300; ++last) Talk(last);
+    ASSERT_TRUE(Until([&] { return log.frames() == last; }));
+    trip = last;
+    log.Keep(stem);
+    for (; last < 1000; ++last) Talk(last);
+    ASSERT_TRUE(Until([&] { return log.frames() == last; }));
+  }
+  const auto number = [](const protocols::LoggedFrame& logged) {
+    return logged.frame.data[0] + 256U * logged.frame.data[1];
+  };
+  const auto before = Read(stem.string() + ".can7.before.log");
+  const auto around = Read(stem.string() + ".can7.log");
+  EXPECT_EQ(number(before.back()) + 1, number(around.front()));
+  EXPECT_LT(number(around.front()), trip);
+  EXPECT_GT(number(around.back()), trip) << "what came after the trip is in it, too";
+}
+
+TEST_F(LoggedBus, CountsWhatItMisses) {
+  for (std::uint32_t i = 0; i < 10; ++i) Talk(i);  // before the log begins: nobody's loss
+  const CandumpLog log(bus_.end(2), clock_, Settings());
+  bus_.LoseNext(2, 7);
+  for (std::uint32_t i = 0; i < 50; ++i) Talk(i);
+  EXPECT_TRUE(Until([&] { return log.frames() == 43 && log.lost() == 7; }))
+      << log.frames() << ", " << log.lost();
 }
 
 }  // namespace

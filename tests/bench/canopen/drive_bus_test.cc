@@ -178,6 +178,30 @@ TEST(DriveBus, LeavesDrivesThatStopByThemselvesWhenTheProgramDies) {
   EXPECT_TRUE(bench.motors[0].command.brake_engaged);
 }
 
+// BENCH row 15: not only of the drive itself.
+TEST(DriveBus, EnablesNoDriveWhileTheSupervisionOfAnyIsOffOrUnknown) {
+  InProcessDrives bench;
+  bench.Run(milliseconds(100));
+  bench.driving().Commission();
+  bench.Run(seconds(5));
+  ASSERT_EQ(bench.driving().report().stage, DriveStage::kDisabled);
+  ASSERT_FALSE(bench.bus->IsSupervised());
+  bench.driving().Enable(DriveMode::kSpeed);
+  bench.Run(seconds(1));
+  EXPECT_NE(bench.driving().Actual().power, PowerState::kOperationEnabled);
+  EXPECT_STREQ(
+      bench.driving().report().words.data(),
+      "not enabled: the supervision of a drive of this bench is off or unknown, so that it would not "
+      "notice that this program is gone");
+  bench.load().Commission();
+  bench.Run(seconds(5));
+  EXPECT_TRUE(bench.bus->IsSupervised());
+  EXPECT_NE(bench.driving().Actual().power, PowerState::kOperationEnabled) << "it must be asked for anew";
+  bench.BringUp(bench.driving(), DriveMode::kSpeed);
+  EXPECT_EQ(bench.driving().Actual().power, PowerState::kOperationEnabled);
+  EXPECT_STREQ(bench.driving().report().words.data(), "");
+}
+
 struct Mishap {
   const char* name;
   void (*happen)(InProcessDrives&);

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/devices/listing/find_devices.h"
+#include "bench/devices/modbus/modbus_address.h"
 #include "bench/devices/modbus/modbus_link.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 
@@ -83,6 +85,53 @@ TEST_P(Device, AnswersPymodbus) {
   EXPECT_EQ(values_[1], 55);
   EXPECT_EQ(values_[3], 0);
   EXPECT_EQ(values_[4], 1);
+}
+
+TEST_P(Device, IsFoundAmongUnits) {
+  const std::string address =
+      is_tcp() ? "tcp://127.0.0.1:" + std::to_string(device_->port()) : device_->path();
+  FoundPart part{"modbus", {}, {}};
+  FindOnModbus(settings_, 1, 3, address, part);
+  ASSERT_EQ(part.devices.size(), 1U);
+  EXPECT_EQ(part.devices[0].where, address + ", unit 1");
+  EXPECT_EQ(part.devices[0].what,
+            "answers; refuses holding register 0 (exception 2, illegal data address: the device has no such "
+            "register)");
+  EXPECT_TRUE(part.notes.empty());
+  FoundPart none{"modbus", {}, {}};
+  FindOnModbus(settings_, 2, 3, address, none);
+  EXPECT_TRUE(none.devices.empty());
+  ASSERT_EQ(none.notes.size(), 1U);
+  EXPECT_EQ(
+      none.notes[0],
+      address +
+          ": no unit from 2 to 3 answers within 100 ms (check unit, and on a line baud rate, parity and "
+          "wiring)");
+}
+
+TEST(ModbusAddress, IsTakenAsPeopleWriteIt) {
+  const auto tcp = std::get<ModbusTcpPort>(ParseModbusAddress("tcp://plc.lab:1502"));
+  EXPECT_EQ(tcp.host, "plc.lab");
+  EXPECT_EQ(tcp.port, 1502);
+  const auto plain =
+      std::get<ModbusSerialLine>(ParseModbusAddress("rtu:/dev/serial/by-path/pci-0000:00:14.0-usb-0:2:1.0"));
+  EXPECT_EQ(plain.path, "/dev/serial/by-path/pci-0000:00:14.0-usb-0:2:1.0");
+  EXPECT_EQ(plain.baud, 19'200);
+  EXPECT_EQ(plain.parity, 'E');
+  const auto line = std::get<ModbusSerialLine>(ParseModbusAddress("rtu:/dev/ttyUSB0:9600:8N2"));
+  EXPECT_EQ(line.path, "/dev/ttyUSB0");
+  EXPECT_EQ(line.baud, 9600);
+  EXPECT_EQ(line.stop_bits, 2);
+  for (const char* wrong :
+       {"rtu:/dev/ttyUSB0:fast:8N2", "rtu:/dev/ttyUSB0:9600:7E1", "10.0.0.2:502", "rtu:ttyUSB0"}) {
+    try {
+      ParseModbusAddress(wrong);
+      FAIL() << wrong;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(),
+                std::string("address = ") + wrong + " (expected tcp:HOST:PORT or rtu:PATH:BAUD:8E1)");
+    }
+  }
 }
 
 TEST_P(Device, DoesWrongWhatItIsToldTo) {

@@ -49,8 +49,9 @@ class Servo : public testing::Test {
     return model_.power(clock_.Now()) != PowerState::kOperationEnabled && model_.brake_engaged();
   }
   std::unique_ptr<ModbusServoDrive> Drive(std::chrono::nanoseconds patience = 10s) {
-    auto drive =
-        std::make_unique<ModbusServoDrive>(settings_, profile_.map, *profile_.servo, clock_, patience);
+    auto drive = std::make_unique<ModbusServoDrive>(
+        settings_, profile_.map, *profile_.servo, clock_, [this] { return others_supervised_.load(); },
+        patience);
     EXPECT_TRUE(Until([&] { return drive->Actual().time >= 0s; })) << drive->trouble();
     return drive;
   }
@@ -59,6 +60,7 @@ class Servo : public testing::Test {
   ModbusProfile profile_ =
       ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
   std::atomic<int> heard_{0};
+  std::atomic<bool> others_supervised_{true};
   ModbusServoModel model_{profile_.map, *profile_.servo};
   ModbusDevice device_{
       profile_.map,
@@ -86,6 +88,26 @@ TEST_F(Servo, IsOffAndBrakedUntilItIsEnabled) {
   EXPECT_EQ(std::ranges::count(written, "control 1"), 0);
   EXPECT_EQ(std::ranges::count(written, "brake 1"), 0);
   EXPECT_GT(std::ranges::count(written, "speed_set_point 0"), 0);
+}
+
+// BENCH row 15.
+TEST_F(Servo, IsNotEnabledWhileAnotherDriveWouldNotNoticeThatTheProgramIsGone) {
+  const auto drive = Drive();
+  others_supervised_ = false;
+  model_.TakeWritten();
+  drive->Enable(DriveMode::kSpeed);
+  std::vector<std::string> written;
+  ASSERT_TRUE(UntilCalling(*drive, [&] {
+    for (std::string& line : model_.TakeWritten()) written.push_back(std::move(line));
+    return written.size() > 30;
+  }));
+  EXPECT_EQ(std::ranges::count(written, "control 1"), 0);
+  EXPECT_TRUE(IsSafe());
+  others_supervised_ = true;
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return model_.TakeWritten().size() > 3; }));
+  EXPECT_TRUE(IsSafe()) << "it must be asked for anew";
+  drive->Enable(DriveMode::kSpeed);
+  EXPECT_TRUE(IsEnabled(*drive));
 }
 
 TEST_F(Servo, RunsAtSpeedAndPullsTorque) {

@@ -20,12 +20,13 @@ def free_port():
 class Broker:
     """mosquitto on a port of its own; nothing of it outlives the process."""
 
-    def __init__(self):
+    def __init__(self, more=""):
+        """more: lines of its settings, of the listener first."""
         self.port = free_port()
         self.folder = tempfile.TemporaryDirectory()
         self.settings = pathlib.Path(self.folder.name) / "mosquitto.conf"
-        self.settings.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\npersistence false\n"
-                                 "max_queued_messages 0\n")
+        self.settings.write_text(f"listener {self.port} 127.0.0.1\n{more}\npersistence false\nmax_queued_messages 0\n"
+                                 + ("" if "allow_anonymous" in more else "allow_anonymous true\n"))
         self.process = None
 
     def start(self):

@@ -126,5 +126,15 @@ TEST(Teds, BecomesACalibration) {
             "%Sens@Ref is missing or 0, so that nothing can be scaled");
 }
 
+// As an open reader of such data sheets takes them from a Brüel & Kjær 4507 (SDL-MCI/SDLMA-Core).
+TEST(Teds, KnowsEveryFieldOfTheTemplateForAccelerometers) {
+  for (const char* name :
+       {"%Sens@Ref", "%TF_HP_S", "%Direction", "%Weight", "%Sign", "%TF_SP", "%TF_KPr", "%TF_KPq", "%TF_SL",
+        "%TempCoef", "%RefFreq", "%RefTemp", "%CalDate", "%CalInitials", "%CalPeriod", "%MeasID"}) {
+    EXPECT_TRUE(IsTedsField(name)) << name;
+  }
+  EXPECT_FALSE(IsTedsField("%TF_XX"));
+}
+
 }  // namespace
 }  // namespace strainwave::daq::acquisition

@@ -1,58 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // libiio itself, over its network context, against a device behind an emulated iiod.
-// context.
+
 #include "daq/acquisition/sources/iio_source.h"
 
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cstdio>
 #include <system_error>
 
 #include "daq/acquisition/gap_ledger.h"
+#include "tests/daq/acquisition/emulated_iiod.h"
 #include "tests/daq/scratch_folder.h"
 
 namespace strainwave::daq::acquisition {
 namespace {
 
 constexpr std::chrono::nanoseconds kPatience = std::chrono::seconds(5);
-
-class EmulatedIiod {
- public:
-  explicit EmulatedIiod(const std::vector<std::string>& arguments) {
-    std::array<int, 2> out{};
-    if (::pipe(out.data()) != 0) throw std::runtime_error("no pipe");
-    process_ = ::fork();
-    if (process_ == 0) {
-      ::dup2(out[1], 1);
-      std::vector<char*> words;
-      std::vector<std::string> texts{"/usr/bin/python3",
-                                     STRAINWAVE_SOURCE_DIR "/tests/daq/acquisition/peers/iiod_emulator.py"};
-      texts.insert(texts.end(), arguments.begin(), arguments.end());
-      for (std::string& text : texts) words.push_back(text.data());
-      words.push_back(nullptr);
-      ::execv(words[0], words.data());
-      ::_exit(127);
-    }
-    ::close(out[1]);
-    std::FILE* const file = ::fdopen(out[0], "r");
-    if (std::fscanf(file, "%d", &port_) != 1) throw std::runtime_error("no emulator");
-    std::fclose(file);
-  }
-  EmulatedIiod(const EmulatedIiod&) = delete;
-  EmulatedIiod& operator=(const EmulatedIiod&) = delete;
-  ~EmulatedIiod() {
-    ::kill(process_, SIGKILL);
-    ::waitpid(process_, nullptr, 0);
-  }
-  std::string uri() const { return "ip:127.0.0.1:" + std::to_string(port_); }
-
- private:
-  pid_t process_{};
-  int port_{};
-};
 
 TEST(IioSource, ReadsCountsWithTheDriversScale) {
   const EmulatedIiod device({"--blocks", "20"});
@@ -80,6 +42,34 @@ TEST(IioSource, ReadsCountsWithTheDriversScale) {
   EXPECT_EQ(samples, 1000U);
   EXPECT_EQ(result, NextResult::kFailed);
   EXPECT_EQ(source.trouble(), "iio:" + device.uri() + "/adxl355: No such device");
+}
+
+// The emulated device lives for 20 blocks a connection, and counts from 0 on the next one.
+TEST(IioSource, FindsALostDeviceAgainAndShowsTheGap) {
+  for (const bool stamped : {false, true}) {
+    const EmulatedIiod device(stamped ? std::vector<std::string>{"--stamp"} : std::vector<std::string>{});
+    IioSource source({.uri = device.uri(),
+                      .device = "adxl355",
+                      .samples_a_block = 50,
+                      .between_attempts = std::chrono::milliseconds(1)});
+    source.Start();
+    GapLedger ledger({}, source.description().rate_hz);
+    SampleBlock block(100);
+    for (int connection = 0; connection < 3; ++connection) {
+      for (int i = 0; i < 20; ++i) {
+        NextResult result{};
+        while ((result = source.Next(block, kPatience)) == NextResult::kNothingYet) {
+        }
+        ASSERT_EQ(result, NextResult::kBlock);
+        ledger.Admit(block);
+        ASSERT_EQ(block.Value(0, 0), 50.0 * i);
+        ASSERT_EQ(block.header.lost_before > 0, connection > 0 && i == 0);
+      }
+      ASSERT_EQ(source.Next(block, kPatience), NextResult::kFailed);
+    }
+    EXPECT_EQ(ledger.totals().gaps, 2U);
+    EXPECT_EQ(ledger.totals().received, 3000U);
+  }
 }
 
 TEST(IioSource, TellsWhatTheDeviceDroppedByItsTimeStamps) {

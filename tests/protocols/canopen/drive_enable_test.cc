@@ -69,7 +69,7 @@ TEST(DriveMaster, RefusesEnableWhereCommissioningFailed) {
   EXPECT_FALSE(bench.BringUp());
   EXPECT_EQ(bench.master.Enable(kProfileVelocity, bench.now), DriveAnswer::kCommissionFirst);
   EXPECT_EQ(bench.master.TroubleWords(),
-            "node 3: the drive could not be set up: node 3 must not be enabled, it would not notice that the "
+            "the drive could not be set up: node 3 must not be enabled, it would not notice that the "
             "master is gone: behaviour when communication fails (1029h:01) reads back as off (01h)");
   for (int i = 0; i < 100; ++i) bench.Cycle();
   EXPECT_EQ(bench.SentTo("203"), Texts{});

@@ -162,6 +162,51 @@ TEST_F(DriveMotionTest, FollowsCyclicPositionsAsFastAsItMay) {
   EXPECT_EQ(Bits(), kModeBit | kLimited);
 }
 
+// Targets every 40 ms, as by SYNC: a quarter of the way in each 10 ms, and no step.
+TEST_F(DriveMotionTest, GoesStraightToEachCyclicTargetOverTheInterpolationTime) {
+  Begin(9);
+  Set(0x60C2, 1, 40);
+  SetTurns(0x60FF, 4);
+  Run(10);
+  EXPECT_NEAR(Speed(), 1.0, 1e-9);
+  Run(30);
+  EXPECT_DOUBLE_EQ(Speed(), 4.0);
+  SetTurns(0x60FF, 8);
+  double last = 4.0;
+  for (int i = 0; i < 40; ++i) {
+    Run();
+    EXPECT_NEAR(Speed() - last, 0.1, 1e-9);
+    last = Speed();
+  }
+  Run(20);
+  EXPECT_DOUBLE_EQ(Speed(), 8.0) << "the next target is late: the last one holds";
+  SetTurns(0x60FF, 4);
+  Run(10);
+  SetTurns(0x60FF, 0);  // early: from where it is
+  Run(20);
+  EXPECT_NEAR(Speed(), 3.5, 1e-9);
+  Set(0x6060, 0, 10);
+  Set(0x6071, 0, 80);
+  Run(10);
+  EXPECT_NEAR(motor.command.torque_permille, 20.0, 1e-9);
+  Run(30);
+  EXPECT_DOUBLE_EQ(motor.command.torque_permille, 80.0);
+}
+
+TEST_F(DriveMotionTest, GoesStraightToEachCyclicPosition) {
+  Begin(8);
+  Set(0x60C2, 1, 4);
+  Set(0x60C2, 2, -2);
+  SetTurns(0x607A, 1.0);
+  Run(10);
+  EXPECT_NEAR(Place(), 0.25, 1e-9);
+  EXPECT_NEAR(Speed(), 25.0, 1e-6);
+  Run(30);
+  EXPECT_DOUBLE_EQ(Place(), 1.0);
+  Run();
+  EXPECT_EQ(Speed(), 0.0);
+}
+
 TEST_F(DriveMotionTest, GivesUpWhenTheMotorDoesNotFollow) {
   Begin(8);
   Set(0x6065, 0, 1000);

@@ -155,6 +155,19 @@ TEST_F(DriveNodeTest, SupervisesTheSync) {
   EXPECT_EQ(Give("080#01"), "081#40 82 31 00 00 00 00 00") << "a SYNC with a counter that nobody asked for";
 }
 
+TEST_F(DriveNodeTest, TakesSyncsWithACounterWhereItIsToldTo) {
+  EXPECT_EQ(Set(0x1019, 0, 1), SdoAbort::kInvalidValue);
+  EXPECT_EQ(Set(0x1019, 0, 241), SdoAbort::kValueTooHigh);
+  EXPECT_EQ(Set(0x1019, 0, 240), std::nullopt);
+  EXPECT_EQ(Set(0x1006, 0, 10000), std::nullopt);
+  EXPECT_EQ(Set(0x1019, 0, 0), SdoAbort::kCannotStoreDeviceState) << "while SYNC is supervised";
+  Start();
+  for (const char* sync : {"080#01", "080#02", "080#F0", "080#01"}) {
+    EXPECT_EQ(Give(sync).find("40 82"), std::string::npos) << sync;
+  }
+  EXPECT_EQ(Give("080#"), "081#40 82 11 00 00 00 00 00");
+}
+
 TEST_F(DriveNodeTest, TellsWhatTheMakerTells) {
   BootUp();
   Set(0x1015, 0, 50);  // 5 ms

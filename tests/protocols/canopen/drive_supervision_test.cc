@@ -94,7 +94,7 @@ TEST(DriveSupervision, StopsOnAnEmergencyAndKeepsTheMakersBytes) {
   Moving bench;
   bench.Hear("083#5082110A0B0C0D0E");
   EXPECT_EQ(bench.master.TroubleWords(),
-            "node 3: the drive sent an emergency message: node 3 reports 8250h: PDO not received in time "
+            "the drive sent an emergency message: node 3 reports 8250h: PDO not received in time "
             "(error register 11h, maker's bytes 0A 0B 0C 0D 0E)");
 }
 

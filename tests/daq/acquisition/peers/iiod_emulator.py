@@ -8,6 +8,7 @@ Sample n of channel x is n, of y is -n, both big-endian, 20 of 32 bits, shifted 
 import argparse
 import socketserver
 import struct
+import time
 
 CONTEXT = """<?xml version="1.0" encoding="utf-8"?><!DOCTYPE context [<!ELEMENT context (device | context-attribute)*>\
 <!ELEMENT context-attribute EMPTY><!ELEMENT device (channel | attribute | debug-attribute | buffer-attribute)*>\
@@ -48,6 +49,9 @@ class Client(socketserver.StreamRequestHandler):
             data += struct.pack(">ii", n << 12, -n << 12)
             if options.stamp:
                 data += struct.pack("<q", 5_000_000_000 + n * 1_000_000)
+        if options.in_real_time:
+            self.due = max(self.due, time.monotonic() - 0.1) + (wanted // step) * 1e-3
+            time.sleep(max(0.0, self.due - time.monotonic()))
         self.blocks += 1
         if self.blocks == options.skip_after:
             self.number += options.skip
@@ -60,6 +64,7 @@ class Client(socketserver.StreamRequestHandler):
 
     def handle(self):
         self.number = self.blocks = self.mask = 0
+        self.due = time.monotonic()
         for line in self.rfile:
             words = line.decode().split()
             if not words:
@@ -92,6 +97,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--stamp", action="store_true", help="with a time-stamp channel")
     parser.add_argument("--blocks", type=int, default=20, help="blocks before the device is unplugged")
+    parser.add_argument("--in-real-time", action="store_true", help="1000 samples a second; else as fast as asked")
     parser.add_argument("--skip-after", type=int, default=0)
     parser.add_argument("--skip", type=int, default=0)
     with Server(("127.0.0.1", 0), Client) as server:

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a campaign does about its sensors: calibrations, checks, raw streams, losses.
+#include <algorithm>
+
+#include <fmt/core.h>
+
+#include "bench/campaign/acquisition_results.h"
+#include "bench/campaign/calibrations.h"
+#include "bench/campaign/campaign_runner.h"
+#include "bench/campaign/check_results.h"
+
+namespace strainwave::bench {
+
+// A calibration may run out in a campaign of months, or have been accepted as it is at the start.
+void CampaignRunner::NoteCalibrations() {
+  for (const CalibrationTrouble& trouble :
+       CalibrationTroubles(CalibrationsOf(bench_), machine_.Calibrations(), Today())) {
+    if (!noted_channels_.insert(trouble.channel).second) continue;
+    Note("warning", "", "calibration", trouble.words + ": the data are stamped with it");
+  }
+}
+
+void CampaignRunner::BeginRecording(const CycleStep& step, int repeat) {
+  if (step.phase->recorded_sources.empty()) return;
+  std::filesystem::create_directories(folder_.Streams());
+  const std::string retry = repeat == 0 ? "" : fmt::format("-retry_{}", repeat);
+  machine_.StartRecording({step.phase->recorded_sources,
+                           folder_.Streams(),
+                           fmt::format("{:06d}-{}{}", cycle_, step.phase->name, retry),
+                           {{"specimen", schedule_.specimen.identity},
+                            {"cycle", std::to_string(cycle_)},
+                            {"phase", step.group},
+                            {"bench", bench_.name},
+                            {"started_utc", UtcNow()}}});
+}
+
+std::vector<NamedRecord> CampaignRunner::EndRecording(std::string_view phase) {
+  std::vector<NamedRecord> records;
+  for (const RecordedSource& recorded : machine_.StopRecording()) {
+    if (!recorded.trouble.empty()) {
+      Note("warning", phase, "recording",
+           fmt::format("the stream of {} is not whole: {}", recorded.name, recorded.trouble));
+    }
+    records.push_back(RecordingRecord(recorded));
+  }
+  return records;
+}
+
+// Each phase's records say what was lost since the last ones that were kept, so that their sum over a
+// campaign is all that was lost.
+void CampaignRunner::AddSources(std::vector<NamedRecord>& records) {
+  std::vector<SourceTotals> now = machine_.Sources();
+  for (const SourceTotals& source : now) {
+    const auto before = std::ranges::find(sources_, source.name, &SourceTotals::name);
+    records.push_back(SourceRecord(before == sources_.end() ? SourceTotals{} : *before, source));
+  }
+  sources_ = std::move(now);
+}
+
+// A check that fails and is to stop has not been passed: after what was wrong is mended it is run again.
+void CampaignRunner::JudgeSensorCheck(const CycleStep& step, PhaseOutcome& outcome) {
+  const auto* const check = std::get_if<schedules::SensorCheck>(&step.phase->parameters);
+  if (check == nullptr || outcome.reason) return;
+  daq::Record& record = outcome.records.front().record;
+  if (check->kind == schedules::SensorCheck::Kind::kReference) {
+    const auto earlier = journal_.Series(CheckQuantity(record, step.group));
+    if (!earlier.empty()) SetExpected(record, earlier.front().second);
+  }
+  const std::string failed = SensorCheckResult(record, step.group).flag;
+  if (failed.empty()) return;
+  if (!check->stops) return Note("warning", step.phase->name, "sensor_check", failed);
+  outcome.reason = {StopCause::kSensorCheck, 0.0, 0.0, runner_.last_readings().time};
+  outcome.words = fmt::format("{}; {}", failed, AdviceAfter(record));
+  outcome.black_box = std::move(outcome.records);
+}
+
+}  // namespace strainwave::bench

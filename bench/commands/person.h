@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <string>
+
+#include "bench/controller/phase_runner.h"
+#include "bench/roles/bench_machine.h"
+
+namespace strainwave::bench {
+
+/// What a person has asked for, by a key, from another shell or through a service manager: SIGINT is the
+/// quick stop, SIGTERM the safe shutdown, SIGUSR1 the pause, SIGUSR2 the end of the cycle. None before
+/// `ListenToSignals`.
+std::atomic<StopRequest>& Requested();
+void ListenToSignals();
+
+/// A person at the terminal says when it is done. A stop that is asked for meanwhile counts as a no.
+bool Ask(const std::string& what);
+
+/// Waits for what must be done by hand before anything moves, and says what that is. A stop that is asked for
+/// meanwhile ends the waiting.
+void WaitForPeople(const BenchMachine& machine);
+
+}  // namespace strainwave::bench

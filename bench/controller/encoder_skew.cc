@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/controller/encoder_skew.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace strainwave::bench {
+namespace {
+
+constexpr std::size_t kFewestMoves = 8;
+constexpr double kLeastEigenvalue = 1e-9;
+
+}  // namespace
+
+void EncoderSkew::Add(const Readings& readings) noexcept {
+  const double difference_rad = readings.input_angle_rad / ratio_ - readings.output_angle_rad;
+  if (!begun_) first_rad_ = difference_rad;
+  begun_ = true;
+  const double input_rad = readings.input_angle_rad;
+  const std::array<double, kUnknowns> row{readings.input_speed_rad_per_s / ratio_,
+                                          readings.output_torque_Nm,
+                                          1.0,
+                                          std::cos(input_rad),
+                                          std::sin(input_rad),
+                                          std::cos(2.0 * input_rad),
+                                          std::sin(2.0 * input_rad)};
+  const double value = difference_rad - first_rad_;
+  for (std::size_t i = 0; i < kUnknowns; ++i) {
+    for (std::size_t j = 0; j < kUnknowns; ++j) normal_[kUnknowns * i + j] += row[i] * row[j];
+    right_[i] += row[i] * value;
+  }
+  squares_ += value * value;
+  ++count_;
+}
+
+std::optional<daq::acquisition::Skew> EncoderSkew::Estimate() const {
+  if (moves_ < kFewestMoves || count_ <= 2 * kUnknowns) return std::nullopt;
+  constexpr auto kSize = static_cast<Eigen::Index>(kUnknowns);
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  const Eigen::Map<const Matrix> normal(normal_.data());
+  const Eigen::Map<const Vector> right(right_.data());
+  const Vector scale = normal.diagonal().cwiseSqrt();
+  if (!(scale.minCoeff() > 0.0)) return std::nullopt;
+  const Matrix scaled = scale.cwiseInverse().asDiagonal() * normal * scale.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(scaled);
+  if (!(eigen.eigenvalues()(0) > kLeastEigenvalue)) return std::nullopt;
+  const Matrix inverse = scaled.inverse();
+  const Vector x = (inverse * right.cwiseQuotient(scale)).cwiseQuotient(scale);
+  const double left = std::max(0.0, squares_ - x.dot(right));
+  const auto count = static_cast<double>(count_);
+  const double in_a_move = std::max(1.0, count / static_cast<double>(moves_));
+  const double variance = left / (count - static_cast<double>(kUnknowns)) * in_a_move;
+  return daq::acquisition::Skew{-x(0), std::sqrt(variance * inverse(0, 0)) / scale(0)};
+}
+
+}  // namespace strainwave::bench

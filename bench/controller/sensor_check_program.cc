@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/controller/sensor_check_program.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/units.h"
+
+namespace strainwave::bench {
+namespace {
+
+using Kind = schedules::SensorCheck::Kind;
+
+// The gear unwinds when the brakes have closed; a shunt passes the amplifier's filter.
+constexpr double kSettle_s = 1.0;
+
+double Stretches(const schedules::SensorCheck& check) { return check.kind == Kind::kShunt ? 2.0 : 1.0; }
+
+std::vector<std::string> ColumnsOf(Kind kind) {
+  if (kind == Kind::kReference) return {"time_s", "input_angle_deg", "output_angle_deg"};
+  return {"time_s", "shunt", "torque_Nm"};
+}
+
+}  // namespace
+
+SensorCheckProgram::SensorCheckProgram(const schedules::SensorCheck& parameters, double ratio,
+                                       double period_s)
+    : parameters_(parameters),
+      ratio_(ratio),
+      planned_s_(Stretches(parameters) * (parameters.duration_s + kSettle_s)),
+      log_(ColumnsOf(parameters.kind),
+           static_cast<std::size_t>(Stretches(parameters) * (parameters.duration_s / period_s + 2.0))) {}
+
+void SensorCheckProgram::SetUp(const Readings&, BenchDevices& devices) {
+  devices.driving.Disable();
+  devices.load.Disable();
+}
+
+StepResult SensorCheckProgram::Step(const Readings& readings, double elapsed_s,
+                                    BenchDevices& devices) noexcept {
+  share_done_ = std::min(1.0, elapsed_s / planned_s_);
+  const double in_stretch_s = elapsed_s - stretch_start_s_;
+  if (in_stretch_s < kSettle_s) return StepResult::kRunning;
+  const bool kept = parameters_.kind == Kind::kReference
+                        ? log_.Append({elapsed_s, DegFromRad(readings.input_angle_rad),
+                                       DegFromRad(readings.output_angle_rad)})
+                        : log_.Append({elapsed_s, shunted_ ? 1.0 : 0.0, readings.output_torque_Nm});
+  if (!kept) return StepResult::kLogFull;
+  if (in_stretch_s < kSettle_s + parameters_.duration_s) return StepResult::kRunning;
+  if (parameters_.kind == Kind::kShunt && !shunted_) {
+    devices.sampler.ConnectShunt(true);
+    shunted_ = true;
+    stretch_start_s_ = elapsed_s;
+    return StepResult::kRunning;
+  }
+  return StepResult::kDone;  // on every way out of a phase the runner takes the shunt off
+}
+
+std::vector<NamedRecord> SensorCheckProgram::TakeRecords() {
+  NamedRecord named{"check", {}};
+  named.record.kind = "history";
+  named.record.SetMetadata("check", schedules::KindName(parameters_));
+  const bool angle = parameters_.kind == Kind::kReference;
+  const char* const unit = angle ? "arcmin" : "Nm";
+  const auto set = [&](const char* name, double value) {
+    named.record.SetMetadata(std::string(name) + unit, angle ? ArcminFromRad(value) : value);
+  };
+  if (!angle) set("expected_", parameters_.expected_Nm);
+  set("allowed_", parameters_.allowed);
+  set("most_noise_", parameters_.most_noise);
+  named.record.SetMetadata("ratio", ratio_);
+  named.record.columns = log_.Columns();
+  std::vector<NamedRecord> records;
+  records.push_back(std::move(named));
+  return records;
+}
+
+}  // namespace strainwave::bench

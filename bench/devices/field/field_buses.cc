@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The logs of a bench's CAN buses.
+#include <fmt/format.h>
+
+#include "bench/devices/can/socket_can_bus.h"
+#include "bench/devices/field/field_machine.h"
+
+namespace strainwave::bench {
+
+std::unique_ptr<CanBus> FieldMachine::OpenSocketCan(const DeviceDescription& device,
+                                                    int receive_bytes) const {
+  SocketCanSettings settings;
+  settings.interface = device.address;
+  settings.receive_bytes = receive_bytes;
+  settings.clock_zero = -clock_.FromKernel({});
+  return std::make_unique<SocketCanBus>(settings);
+}
+
+void FieldMachine::LogBuses(const std::filesystem::path& folder) {
+  constexpr int kRoom = 8'000'000;  // bytes in the kernel: some seconds of a full bus
+  for (auto& [name, bus] : buses_) {
+    CanBus* listener = played_->Listener(name);
+    if (listener == nullptr) {
+      bus.listener = OpenSocketCan(Named(name), kRoom);
+      listener = bus.listener.get();
+    }
+    bus.log = std::make_unique<CandumpLog>(
+        *listener, clock_, CandumpLogSettings{.folder = folder, .interface = Named(name).address});
+  }
+}
+
+void FieldMachine::KeepBusLogs(const std::filesystem::path& stem) {
+  for (const auto& [name, bus] : buses_) {
+    if (bus.log) bus.log->Keep(stem);
+  }
+}
+
+void FieldMachine::NoteBusLogs(std::vector<std::string>& notes) {
+  for (auto& [name, bus] : buses_) {
+    if (!bus.log || bus.log->lost() == bus.lost_in_log) continue;
+    const std::string trouble = bus.log->trouble();
+    notes.push_back(fmt::format("{} more frames of {} are not in its log{}{}",
+                                bus.log->lost() - bus.lost_in_log, Named(name).address,
+                                trouble.empty() ? "" : ": ", trouble));
+    bus.lost_in_log = bus.log->lost();
+  }
+}
+
+}  // namespace strainwave::bench

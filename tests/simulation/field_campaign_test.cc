@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// A campaign on a bench of metal whose metal is the device side within the program, in real time: what it
+// keeps of its streams, what they lose, and later calibrations.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "bench/campaign/acquisition_results.h"
+#include "bench/campaign/calibrations.h"
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_runner.h"
+#include "bench/campaign/cycle_context.h"
+#include "bench/campaign/recompute.h"
+#include "bench/devices/field/field_machine.h"
+#include "daq/acquisition/stream_file_reader.h"
+#include "tests/schedules/schedule_text.h"
+#include "tests/simulation/program.h"
+
+namespace strainwave::bench {
+namespace {
+
+std::filesystem::path Folder() {
+  return std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field";
+}
+
+// Waits for what other threads bring about; the test's own time-out ends it where that never comes.
+template <typename Condition>
+void Until(Condition condition) {
+  while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+std::string FieldSchedule() {
+  std::string text = schedules::With(schedules::GoodSchedule(), "cycles: 3", "cycles: 1");
+  text.erase(text.find("phases:"));
+  return text + R"(phases:
+  - kind: zero_check
+    allowed: 2 Nm
+  - kind: shunt_check
+    expected: 50 Nm
+    allowed: 1 Nm
+  - kind: load_run
+    duration: 6 s
+    output_torque: 30 Nm
+    input_speed: 1200 rpm
+    torque_rate: 200 Nm/s
+    log_rate: 10 Hz
+    vibration_statistics: 12.8 kHz
+    record: [encoders, accelerometers]
+  - kind: zero_check
+    name: zero_after
+    allowed: 2 Nm
+measurements:
+  declared_temperature: 25 degC
+  temperature_tolerance: 20 K
+  repeatability_repeats: 0
+)";
+}
+
+// Has the devices lose samples in the middle of the load run.
+class Saboteur final : public ProgressSink {
+ public:
+  explicit Saboteur(DeviceSide& devices) : devices_(devices) {}
+  void Update(const ProgressState& state) override {
+    if (state.phase != "load_run" || ++beats_ != 3) return;
+    devices_.Do("stream encoders drop 7");
+    devices_.Do("stream accelerometers drop 650");
+  }
+  void Message(std::string_view severity, std::string_view text) override {
+    if (severity == "alarm") ADD_FAILURE() << text;
+  }
+  void CycleStored(int, const std::vector<Result>&) override {}
+
+ private:
+  DeviceSide& devices_;
+  int beats_{};
+};
+
+double Dropped(DeviceSide& devices, const std::string& stream) {
+  const std::string told = devices.Do("stream " + stream + " drop 0");
+  return std::stod(told.substr(told.rfind(' ') + 1));
+}
+
+double LostInFiles(const std::filesystem::path& folder, const std::string& source, std::size_t& files) {
+  double lost = 0.0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().filename().string().find(source) == std::string::npos) continue;
+    const daq::acquisition::StreamFileReader file(entry.path());
+    for (const auto& gap : file.gaps()) lost += static_cast<double>(gap.lost);
+    EXPECT_GT(file.rows(), 0U);
+    ++files;
+  }
+  return lost;
+}
+
+/// One campaign over CANopen, Modbus TCP and TCP streams, for all tests that look at what it has left.
+class FieldCampaign : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scratch_ = new ScratchFolder;
+    std::ofstream(*scratch_ / "schedule.yaml") << FieldSchedule();
+    inputs_ = new CampaignInputs(ReadInputs(*scratch_ / "schedule.yaml", Folder() / "bench.yaml"));
+    const CampaignFolder folder{*scratch_ / "campaign"};
+    Journal journal = CreateCampaign(folder, *inputs_);
+    FieldMachine machine(inputs_->bench, 80.0, {});
+    Until([&] { return machine.Devices().sampler.Read().bad_channels == 0; });
+    DeviceSide& devices = *machine.device_side();
+    const double before[] = {Dropped(devices, "encoders"), Dropped(devices, "accelerometers")};
+    Saboteur saboteur(devices);
+    const std::atomic<StopRequest> request{StopRequest::kNone};
+    CampaignRunner runner(folder, inputs_->schedule, inputs_->bench, machine, journal, request, saboteur);
+    end_ = runner.Run(std::nullopt);
+    dropped_[0] = Dropped(devices, "encoders") - before[0];
+    dropped_[1] = Dropped(devices, "accelerometers") - before[1];
+  }
+  static void TearDownTestSuite() {
+    delete inputs_;
+    delete scratch_;
+  }
+
+  static CampaignFolder Campaign() { return {*scratch_ / "campaign"}; }
+  static double Value(const std::string& quantity) {
+    const auto journal = Journal::Open(Campaign().Journal(), Database::Mode::kReadOnly);
+    const auto result = FindResult(journal.Results(1, 0), quantity);
+    EXPECT_TRUE(result.has_value()) << quantity;
+    return result ? result->value : 0.0;
+  }
+
+  static ScratchFolder* scratch_;
+  static CampaignInputs* inputs_;
+  static CampaignEnd end_;
+  static double dropped_[2];
+};
+ScratchFolder* FieldCampaign::scratch_ = nullptr;
+CampaignInputs* FieldCampaign::inputs_ = nullptr;
+CampaignEnd FieldCampaign::end_;
+double FieldCampaign::dropped_[2]{};
+
+TEST_F(FieldCampaign, ReportsExactlyTheLossesThatWereInjected) {
+  ASSERT_EQ(end_.kind, CampaignEnd::Kind::kCompleted) << end_.text;
+  EXPECT_GE(dropped_[0], 7.0);
+  EXPECT_GE(dropped_[1], 650.0);
+  EXPECT_EQ(Value("samples_lost_encoders"), dropped_[0]);
+  EXPECT_EQ(Value("samples_lost_accelerometers"), dropped_[1]);
+  const auto journal = Journal::Open(Campaign().Journal(), Database::Mode::kReadOnly);
+  EXPECT_EQ(SamplesOf(journal).at("accelerometers").lost, dropped_[1]);
+  // The same as marks in the raw streams: nothing was lost but in the load run.
+  std::size_t files = 0;
+  EXPECT_EQ(LostInFiles(Campaign().Streams(), "encoders", files), dropped_[0]);
+  EXPECT_EQ(LostInFiles(Campaign().Streams(), "accelerometers", files), dropped_[1]);
+  EXPECT_EQ(files, 2U);
+  EXPECT_EQ(Value("samples_lost_in_files_accelerometers"), dropped_[1]);
+}
+
+TEST_F(FieldCampaign, ChecksTheTransducerWithItsShunt) {
+  EXPECT_NEAR(Value("zero_check_Nm"), 0.0, 0.5);
+  EXPECT_NEAR(Value("shunt_check_Nm"), 50.0, 0.5);
+}
+
+// The whole load run at 12.8 kHz, none of it in the cycle's file; against the stream that was kept beside it.
+TEST_F(FieldCampaign, HasTheStatisticsOfTheWholeLoadRun) {
+  const double rms = Value("load_run_vibration_rms_accel_x_m_per_s2");
+  const double peak = Value("load_run_vibration_peak_accel_x_m_per_s2");
+  EXPECT_NEAR(Value("load_run_vibration_crest_accel_x"), peak / rms, 1e-9 * peak / rms);
+  EXPECT_GT(Value("load_run_vibration_kurtosis_accel_x"), 1.0);
+  for (const auto& entry : std::filesystem::directory_iterator(Campaign().Streams())) {
+    if (entry.path().filename().string().find("accelerometers") == std::string::npos) continue;
+    const daq::acquisition::StreamFileReader file(entry.path());
+    const std::vector<double> values = file.Values(0);
+    const auto [least, most] = std::ranges::minmax(values);
+    // The file holds the run-up and the run-down, too.
+    EXPECT_LE(peak, most - least);
+    EXPECT_GT(peak, 0.2 * (most - least));
+  }
+}
+
+TEST_F(FieldCampaign, ScalesAnewWithALaterCalibration) {
+  const CampaignFolder folder = Campaign();
+  const auto journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
+  CycleContext context = ContextOf(journal, inputs_->schedule, inputs_->bench);
+  auto cycles = RecomputeCampaign(folder, journal, context, {});
+  EXPECT_TRUE(cycles.back().equal);
+  // 24 bits over a quarter more than 100 Nm, as the device says; 1 % more counts a Nm, and a zero of 6711
+  // counts.
+  constexpr double kCountsPerNm = 8388607.0 / 125.0;
+  std::ofstream(*scratch_ / "later.yaml")
+      << "calibrations: 1\nsensors:\n  - {serial: DEV-TORQUE, calibration: LATER, sensitivity: "
+      << std::to_string(1.01 * kCountsPerNm) << ", zero: 6711}\n";
+  context.recalibrations = ReadCalibrations(*scratch_ / "later.yaml");
+  cycles = RecomputeCampaign(folder, journal, context, {});
+  EXPECT_FALSE(cycles.back().equal);
+  const auto& again = cycles.back().again.results;
+  EXPECT_NEAR(FindResult(again, "zero_check_Nm")->value,
+              (Value("zero_check_Nm") * kCountsPerNm - 6711.0) / (1.01 * kCountsPerNm), 1e-6);
+  EXPECT_NEAR(FindResult(again, "shunt_check_Nm")->value, Value("shunt_check_Nm") / 1.01, 1e-6);
+}
+
+TEST_F(FieldCampaign, StoresTheClocksOfTheSources) {
+  const auto records = ReadCycleRecords(Campaign(), 1);
+  const auto encoders = std::ranges::find(records, "load_run/source_encoders", &NamedRecord::group);
+  ASSERT_NE(encoders, records.end());
+  // The devices live by the clock of this machine.
+  EXPECT_NEAR(encoders->record.Doubles("clock_drift_ppm")[0], 0.0, 5000.0);
+  EXPECT_GT(encoders->record.Doubles("received_samples")[0], 0.0);
+}
+
+}  // namespace
+}  // namespace strainwave::bench

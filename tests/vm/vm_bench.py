@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A bench that lives outside of the program: strainwave-devices, a pendant made of the kernel's uhid, and the person
+who mounts the blank and presses the keys."""
+import os
+import pathlib
+import struct
+import subprocess
+import threading
+import time
+
+VENDOR, PRODUCT = 0x1209, 0x5701  # of bench/devices/profiles/hid_pendant.yaml
+QUICK_STOP, RESET, START = 1, 2, 4
+UHID_CREATE2, UHID_INPUT2 = 11, 12
+# One byte in, of the maker's own page.
+DESCRIPTOR = bytes.fromhex("0600FF 0901 A101 1500 26FF00 7508 9501 0901 8102 C0")
+
+
+class Pendant:
+    """Plugged in as long as it is not closed; says which keys are down when one moves, and four times a second."""
+
+    def __init__(self):
+        self.file = os.open("/dev/uhid", os.O_RDWR | os.O_CLOEXEC)
+        name = b"strainwave pendant".ljust(128, b"\0") + bytes(64) + b"P1".ljust(64, b"\0")
+        os.write(self.file, struct.pack("<I", UHID_CREATE2) + name +
+                 struct.pack("<HHIIII", len(DESCRIPTOR), 3, VENDOR, PRODUCT, 0, 0) + DESCRIPTOR.ljust(4096, b"\0"))
+        self.keys = 0
+        self.lock = threading.Lock()
+        self.ending = threading.Event()
+        self.thread = threading.Thread(target=self._repeat, daemon=True)
+        self.thread.start()
+
+    def _repeat(self):
+        while not self.ending.wait(0.25):
+            with self.lock:
+                self._say()
+
+    def _say(self):
+        if not self.ending.is_set():
+            os.write(self.file, struct.pack("<IHB", UHID_INPUT2, 1, self.keys))
+
+    def press(self, keys):
+        """These keys are down and no others. The time at which that was said, as the kernel's monotonic clock has it."""
+        with self.lock:
+            self.keys = keys
+            said = time.monotonic()
+            self._say()
+        return said
+
+    def release_bench(self):
+        """The two deliberate acts that let the bench go again, each key long enough for a slow machine to see it."""
+        for keys in (0, RESET, 0, START, 0):
+            self.press(keys)
+            time.sleep(0.3)
+
+    def unplug(self):
+        with self.lock:
+            self.ending.set()
+            said = time.monotonic()
+            os.close(self.file)
+        return said
+
+
+class Lines:
+    """What a process says, line by line, each with the time at which it came; kept in a file, too."""
+
+    def __init__(self, stream, log, answer=None):
+        self.stream, self.log, self.answer = stream, log, answer
+        self.said = []
+        self.news = threading.Condition()
+        self.thread = threading.Thread(target=self._read, daemon=True)
+        self.thread.start()
+
+    def _read(self):
+        for line in self.stream:
+            with self.news:
+                self.said.append((time.monotonic(), line.rstrip()))
+                self.news.notify_all()
+            self.log.write(line)
+            self.log.flush()
+            if self.answer:
+                self.answer(line)
+
+    def wait_for(self, words, seconds, after=0):
+        """The first line with these words, from line number `after` on, and when it came; None where it does not."""
+        give_up = time.monotonic() + seconds
+        with self.news:
+            while True:
+                for said in self.said[after:]:
+                    if words in said[1]:
+                        return said
+                if not self.news.wait(give_up - time.monotonic()) and time.monotonic() >= give_up:
+                    return None
+
+
+class Devices:
+    """strainwave-devices, ready."""
+
+    def __init__(self, build, bench, log, period_ms=8):
+        self.process = subprocess.Popen([str(build / "strainwave-devices"), str(bench), "--period", str(period_ms)], stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines = Lines(self.process.stdout, log)
+        if not self.lines.wait_for("ready", 60):
+            raise SystemExit("strainwave-devices did not become ready")
+
+    def do(self, command):
+        """Orders this of the devices and waits until it is done."""
+        before = len(self.lines.said)
+        self.process.stdin.write(command + "\n")
+        self.process.stdin.flush()
+        if not self.lines.wait_for("done", 30, before):
+            raise SystemExit(f"strainwave-devices did not do '{command}'")
+
+    def safe_since(self):
+        """Since when torque is off and both brakes are on, as time.monotonic() has it; None while it is not so."""
+        before = len(self.lines.said)
+        self.process.stdin.write("state\n")
+        self.process.stdin.flush()
+        said = self.lines.wait_for("state: ", 30, before)
+        if said is None:
+            raise SystemExit("strainwave-devices does not say its state")
+        return float(said[1].split("since ")[1].split()[0]) if "since" in said[1] else None
+
+    def wait_until(self, safe, seconds):
+        """Whether the shafts come to be safe, or not safe, within the time."""
+        give_up = time.monotonic() + seconds
+        while time.monotonic() < give_up:
+            if (self.safe_since() is not None) == safe:
+                return True
+            time.sleep(0.5)
+        return False
+
+    def quit(self):
+        self.process.stdin.write("quit\n")
+        self.process.stdin.close()
+        self.process.wait(60)
+
+
+class Campaign:
+    """`strainwave run`, with a person who does what it asks for."""
+
+    def __init__(self, build, schedule, bench, out, devices, pendant, log, resume=False):
+        command = [str(build / "strainwave"), "run", str(schedule), "--bench", str(bench), "--out", str(out)]
+        self.devices, self.pendant = devices, pendant
+        self.process = subprocess.Popen(command + (["--resume"] if resume else []), stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines = Lines(self.process.stdout, log, self._answer)
+
+    def _answer(self, line):
+        if "mount the rigid blank" in line or "put the gear back" in line:
+            self.devices.do("blank on" if "mount" in line else "blank off")
+            self.process.stdin.write("\n")
+            self.process.stdin.flush()
+        elif "press reset" in line:
+            # Not from the thread that listens, and of the pendant that is plugged in by then.
+            threading.Timer(0.3, lambda: self.pendant.release_bench()).start()
+
+    def wait(self, seconds):
+        """Its exit code; None where it is not over by then."""
+        try:
+            code = self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            return None
+        self.lines.thread.join(30)
+        return code
+
+
+def thread_times(process):
+    """CPU seconds of each thread, [(name, seconds)]."""
+    times = []
+    for task in pathlib.Path(f"/proc/{process.pid}/task").iterdir():
+        fields = (task / "stat").read_text().rsplit(")", 1)[1].split()
+        times.append(((task / "comm").read_text().strip() + " " + task.name,
+                      (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")))
+    return sorted(times, key=lambda entry: -entry[1])
