@@ -122,12 +122,11 @@ std::vector<Result> SourceResults(std::span<const NamedRecord> records) {
 }
 
 std::vector<Result> VibrationStatisticsResults(std::span<const NamedRecord> records) {
-  constexpr const char* kChannels[] = {"accel_x", "accel_y", "accel_z", "accel_motor_z"};
   std::map<std::pair<std::string, std::string>, RunningStatistics> merged;
   for (const NamedRecord& named : records) {
     if (named.record.Metadata("statistics") != "vibration") continue;
     const std::string phase = named.group.substr(0, named.group.rfind('/'));
-    for (const char* channel : kChannels) {
+    for (const char* channel : kAccelerometers) {
       merged[{phase, channel}].Merge(StatisticsOf(named.record, channel));
     }
   }
@@ -155,12 +154,13 @@ std::map<std::string, SampleCount> SamplesOf(const Journal& journal) {
   const std::string received = kReceived;
   const std::string lost = kLost;
   for (const CycleRow& row : journal.Cycles()) {
-    for (const Result& result : journal.Results(row.cycle, 0)) {
+    const std::vector<Result> results = journal.Results(row.cycle, 0);
+    for (const Result& result : results) {
       if (result.quantity.starts_with(received)) {
         samples[result.quantity.substr(received.size())].received += result.value;
       }
     }
-    for (const Result& result : journal.Results(row.cycle, 0)) {
+    for (const Result& result : results) {
       if (!result.quantity.starts_with(lost)) continue;
       const auto found = samples.find(result.quantity.substr(lost.size()));
       if (found != samples.end()) found->second.lost += result.value;

@@ -9,12 +9,12 @@
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/bench_commands.h"
+#include "bench/commands/moving_limits.h"
 #include "bench/commands/person.h"
 #include "bench/configuration/commissioning_file.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/devices/field/field_machine.h"
 #include "daq/whole_file.h"
-#include "schedules/reader/quantity.h"
 
 namespace strainwave::bench {
 namespace {
@@ -29,17 +29,9 @@ struct CommissionOptions {
 };
 
 constexpr double kSpeedReserve = 1.5;
-constexpr double kGearTemperatureLimit_degC = 80.0;
 
 schedules::Limits LimitsOf(const CommissionOptions& options, const BenchDescription& bench, double speed) {
-  const double torque_Nm = schedules::ParseQuantity(options.torque, schedules::Dimension::kTorque);
-  if (!(torque_Nm > 0.0 && torque_Nm <= bench.transducer.range_Nm)) {
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        fmt::format("--torque {}: error: not a limit for this bench (expected above 0 and up to {:g} "
-                    "Nm, the range of its torque transducer)",
-                    options.torque, bench.transducer.range_Nm));
-  }
+  const double torque_Nm = TorqueLimit_Nm(options.torque, bench);
   constexpr double kNever = std::numeric_limits<double>::infinity();
   return {torque_Nm, kSpeedReserve * std::abs(speed), kGearTemperatureLimit_degC, kNever, kNever};
 }
@@ -53,7 +45,7 @@ int Commission(const CommissionOptions& options) {
                     "false and devices)",
                     options.bench));
   }
-  const double speed = schedules::ParseQuantity(options.speed, schedules::Dimension::kAngularSpeed);
+  const double speed = OptionQuantity("--speed", options.speed, schedules::Dimension::kAngularSpeed);
   if (speed == 0.0 || std::abs(speed) > bench.driving_servo.peak_speed_rad_per_s) {
     throw CampaignError(
         ExitCode::kWrongInput,
@@ -108,8 +100,7 @@ void AddBenchCommission(CLI::App& bench, Action& action) {
       "commission",
       "Measure how long the drives take to stop when this program is gone: turns the input, falls silent and "
       "watches. Asks before anything moves. The result is kept beside the bench file, shown by bench check, "
-      "and "
-      "looked at when a campaign starts.\n"
+      "and looked at when a campaign starts.\n"
       "Example: strainwave bench commission bench/examples/in_process.yaml");
   auto options = std::make_shared<CommissionOptions>();
   command->add_option("BENCH", options->bench, "bench file (YAML)")->required();

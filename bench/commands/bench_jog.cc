@@ -13,12 +13,12 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/bench_commands.h"
 #include "bench/commands/hand.h"
+#include "bench/commands/moving_limits.h"
 #include "bench/commands/person.h"
 #include "bench/commands/terminal.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/controller/jog_program.h"
 #include "bench/devices/make_machine.h"
-#include "schedules/reader/quantity.h"
 
 namespace strainwave::bench {
 namespace {
@@ -39,18 +39,9 @@ constexpr double kMostShareOfPeakSpeed = 0.05;
 constexpr double kSpeedUp_s = 0.5;                  // from rest
 constexpr double kSpeedReserve = 2.0;               // the limit lies so far above what is asked for,
 constexpr double kLeastSpeedLimit_rad_per_s = 2.0;  // and not below this: slow speeds are read with noise
-constexpr double kGearTemperatureLimit_degC = 80.0;
-
-double Quantity(const char* option, const std::string& text, schedules::Dimension dimension) {
-  try {
-    return schedules::ParseQuantity(text, dimension);
-  } catch (const std::invalid_argument& error) {
-    throw CampaignError(ExitCode::kWrongInput, fmt::format("{} {}: error: {}", option, text, error.what()));
-  }
-}
 
 double SpeedOf(const JogOptions& options, const BenchDescription& bench) {
-  const double speed = Quantity("--speed", options.speed, schedules::Dimension::kAngularSpeed);
+  const double speed = OptionQuantity("--speed", options.speed, schedules::Dimension::kAngularSpeed);
   const bool driving = options.drive == JogDrive::kDriving;
   const double peak = driving ? bench.driving_servo.peak_speed_rad_per_s
                               : bench.load_servo.peak_speed_rad_per_s / bench.load_reducer_ratio;
@@ -62,16 +53,6 @@ double SpeedOf(const JogOptions& options, const BenchDescription& bench) {
           "--speed {}: error: not a speed to jog the {} servo at (expected up to {:.4g} rpm, {:.0f} % of "
           "its peak speed at the axis; negative for the other direction)",
           options.speed, driving ? "driving" : "load", RpmFromRadPerS(most), 100 * kMostShareOfPeakSpeed));
-}
-
-double TorqueLimitOf(const JogOptions& options, const BenchDescription& bench) {
-  const double torque_Nm = Quantity("--torque", options.torque, schedules::Dimension::kTorque);
-  if (torque_Nm > 0.0 && torque_Nm <= bench.transducer.range_Nm) return torque_Nm;
-  throw CampaignError(
-      ExitCode::kWrongInput,
-      fmt::format("--torque {}: error: not a limit for this bench (expected above 0 and up to {:g} "
-                  "Nm, the range of its torque transducer)",
-                  options.torque, bench.transducer.range_Nm));
 }
 
 RunnerSettings SettingsOf(const JogOptions& options, const BenchDescription& bench, double speed_rad_per_s,
@@ -122,7 +103,7 @@ int CodeOf(const StopReason& reason) {
 int Jog(const JogOptions& options) {
   const BenchDescription bench = ReadBenchFile(options.bench);
   const double speed = SpeedOf(options, bench);
-  const double torque_Nm = TorqueLimitOf(options, bench);
+  const double torque_Nm = TorqueLimit_Nm(options.torque, bench);
   ListenToSignals();
   SimulatedTest test;
   test.ratio = options.ratio;
@@ -182,8 +163,7 @@ void AddBenchJog(CLI::App& bench, Action& action) {
   CLI::App* jog = bench.add_subcommand(
       "jog",
       "Turn one drive slowly while a hand holds a key; the other drive lets itself be turned. Let go, torque "
-      "is "
-      "off and the brakes are on; so it is on every way out. Torque and speed are watched.\n"
+      "is off and the brakes are on; so it is on every way out. Torque and speed are watched.\n"
       "Example: strainwave bench jog bench/examples/in_process.yaml --drive driving --speed \"2 rpm\"");
   auto options = std::make_shared<JogOptions>();
   jog->add_option("BENCH", options->bench, "bench file (YAML)")->required();

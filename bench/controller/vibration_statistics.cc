@@ -7,8 +7,6 @@
 namespace strainwave::bench {
 namespace {
 
-constexpr std::array kNames{"accel_x", "accel_y", "accel_z", "accel_motor_z"};
-
 std::array<std::vector<float>*, 4> ChannelsOf(VibrationBlock& block) {
   return {&block.accel_x_m_per_s2, &block.accel_y_m_per_s2, &block.accel_z_m_per_s2,
           &block.accel_motor_z_m_per_s2};
@@ -49,10 +47,10 @@ daq::Record VibrationStatistics::Record(double sample_rate_hz) const {
     record.columns.push_back({name, std::vector<double>{value}, {}, {}});
   };
   add("time_s", 0.0);
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
+  for (std::size_t i = 0; i < kAccelerometers.size(); ++i) {
     const auto moments = channels.of[i].moments();
     if (moments.count == 0.0) continue;
-    const std::string name = kNames[i];
+    const std::string name = kAccelerometers[i];
     add(name + "_count", moments.count);
     add(name + "_mean_m_per_s2", moments.mean);
     add(name + "_second_moment_m2_per_s4", moments.second);

@@ -18,7 +18,9 @@ TcpAddress ParseTcpAddress(std::string_view text) {
   const std::string_view rest = text.substr(kScheme.size());
   const std::size_t colon = rest.rfind(':');
   if (colon == std::string_view::npos || colon == 0) return refuse();
-  TcpAddress address{std::string(rest.substr(0, colon)), 0};
+  std::string_view host = rest.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  TcpAddress address{std::string(host), 0};
   const std::string_view port = rest.substr(colon + 1);
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), address.port);
   if (error != std::errc() || end != port.data() + port.size() || address.port < 0 ||

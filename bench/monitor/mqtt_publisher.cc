@@ -52,7 +52,7 @@ class MqttPublisher::Connection {
     if (!settings.user.empty()) {
       mosquitto_username_pw_set(client, settings.user.c_str(), settings.password.c_str());
     }
-    if (settings.tls.used()) UseTls(client, settings.tls);
+    if (settings.tls.used()) tls_ = std::make_unique<TlsHandshake>(client, settings);
     mosquitto_log_callback_set(client, [](mosquitto*, void* self, int level, const char* line) {
       if (level == MOSQ_LOG_ERR) static_cast<Connection*>(self)->said_ += std::string(line) + '\n';
     });
@@ -185,8 +185,8 @@ class MqttPublisher::Connection {
   void Check(int code) {
     if (code == MOSQ_ERR_SUCCESS || code == MOSQ_ERR_CONN_PENDING) return;
     // What TLS objects to, and not that the connection is gone then.
-    const bool by_tls = publisher_.settings_.tls.used() && (code == MOSQ_ERR_TLS || !said_.empty());
-    Lose(by_tls ? WhyTlsFailed(client_.get(), publisher_.settings_, said_) : mosquitto_strerror(code));
+    const std::string by_tls = tls_ && !accepted_ ? tls_->WhyFailed(said_) : "";
+    Lose(by_tls.empty() ? mosquitto_strerror(code) : by_tls);
   }
 
   void Lose(const std::string& cause) {
@@ -196,6 +196,7 @@ class MqttPublisher::Connection {
 
   MqttPublisher& publisher_;
   protocols::MqttMessage will_;
+  std::unique_ptr<TlsHandshake> tls_;  // null: not encrypted; outlives the client
   std::unique_ptr<mosquitto, void (*)(mosquitto*)> client_;
   bool accepted_{};
   bool born_{};

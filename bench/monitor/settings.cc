@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "analysis/units.h"
+#include "bench/configuration/device_file.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -20,7 +21,6 @@ namespace {
 using schedules::Bound;
 using schedules::Dimension;
 using schedules::FileKind;
-using schedules::FindingList;
 using schedules::Presence;
 using schedules::ReadContext;
 using schedules::YamlMap;
@@ -259,20 +259,14 @@ MonitorSettings ReadTop(const YamlNode& root, const std::filesystem::path& folde
 }  // namespace
 
 MonitorSettings ReadMonitorSettings(const std::filesystem::path& path) {
-  FindingList findings;
-  const std::optional<std::string> text = schedules::ReadInputFile(path, kKind, findings);
-  if (!text) throw MonitorSettingsError(path.string(), findings);
-  return ParseMonitorSettings(*text, path.string());
+  return ParseMonitorSettings(TextOfFile<MonitorSettingsError>(path, kKind), path.string());
 }
 
 MonitorSettings ParseMonitorSettings(const std::string& text, std::string_view file_name) {
-  ReadContext context;
-  const std::optional<YamlNode> root = schedules::ParseYaml(text, kKind, context.findings);
-  if (!root) throw MonitorSettingsError(file_name, context.findings);
   const std::filesystem::path folder = std::filesystem::path(file_name).parent_path();
-  MonitorSettings settings = ReadTop(*root, folder, context);
-  if (context.findings.has_errors()) throw MonitorSettingsError(file_name, context.findings);
-  return settings;
+  return ParseFile<MonitorSettingsError>(
+      text, file_name, kKind,
+      [&](const YamlNode& root, ReadContext& context) { return ReadTop(root, folder, context); });
 }
 
 }  // namespace strainwave::bench

@@ -37,8 +37,6 @@ TcpStreamSettings TcpFrom(std::string_view text, std::string_view rest) {
     RefuseAddress(text);
   }
   if (at.port == 0) RefuseAddress(text);
-  // An address of IPv6 stands in brackets: tcp://[::1]:5025.
-  if (at.host.starts_with('[') && at.host.ends_with(']')) at.host = at.host.substr(1, at.host.size() - 2);
   TcpStreamSettings settings;
   settings.host = at.host;
   settings.port = static_cast<std::uint16_t>(at.port);

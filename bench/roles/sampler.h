@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -39,7 +40,10 @@ enum class Channel : unsigned {
   kVibrationRms,
 };
 
-/// Samples of the four accelerometers since the last call, all of one length.
+/// The accelerometers, in the order of VibrationBlock.
+inline constexpr std::array kAccelerometers{"accel_x", "accel_y", "accel_z", "accel_motor_z"};
+
+/// Samples of the accelerometers since the last call, all of one length.
 struct VibrationBlock {
   std::vector<float> accel_x_m_per_s2;
   std::vector<float> accel_y_m_per_s2;

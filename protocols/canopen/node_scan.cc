@@ -55,14 +55,22 @@ std::string DeviceTypeWords(std::uint32_t device_type) {
   return fmt::format("{} (CiA {})", row == std::end(kProfiles) ? "device" : row->second, profile);
 }
 
-std::string IdentityText(const FoundNode& node) {
+std::vector<std::pair<std::string, std::string>> IdentityNumbers(const FoundNode& node) {
   const std::pair<const char*, const std::optional<std::uint32_t>&> numbers[] = {{"vendor", node.vendor},
                                                                                  {"product", node.product},
                                                                                  {"revision", node.revision},
                                                                                  {"serial", node.serial}};
-  std::string text;
+  std::vector<std::pair<std::string, std::string>> told;
   for (const auto& [name, number] : numbers) {
-    if (number) text += fmt::format("{}{} {:08X}h", text.empty() ? "" : ", ", name, *number);
+    if (number) told.emplace_back(name, fmt::format("{:08X}h", *number));
+  }
+  return told;
+}
+
+std::string IdentityText(const FoundNode& node) {
+  std::string text;
+  for (const auto& [name, number] : IdentityNumbers(node)) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, number);
   }
   return text;
 }

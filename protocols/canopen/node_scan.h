@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocols/can_frame.h"
@@ -24,6 +25,9 @@ struct FoundNode {
 
 /// 1000h in words: "servo drive (CiA 402)".
 std::string DeviceTypeWords(std::uint32_t device_type);
+
+/// What it tells of 1018h, by name: {"vendor", "00005357h"}, …
+std::vector<std::pair<std::string, std::string>> IdentityNumbers(const FoundNode& node);
 
 /// Its identity for comparing and for people: "vendor 00005357h, product 00000402h, revision 00010000h,
 /// serial 00000001h", as far as it tells; empty if nothing.

@@ -17,13 +17,13 @@ import struct
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "peers"))
 import exported_campaign  # noqa: E402
 import mqtt_peer  # noqa: E402
+from waiting import until  # noqa: E402
 
 try:
     import h5py
@@ -39,16 +39,6 @@ if not pathlib.Path("/usr/sbin/mosquitto").exists():
 PROGRAM, EXAMPLE, FOLDER = "", "", pathlib.Path()
 CHANNELS = ["accel_x_m_per_s2", "accel_y_m_per_s2", "accel_z_m_per_s2", "accel_motor_z_m_per_s2"]
 OUTPUTS = ["e_max_arcmin", "e_avg_arcmin", "k1_Nm_per_rad", "k2_Nm_per_rad", "k3_Nm_per_rad"]
-
-
-def until(condition, seconds=20.0):
-    """What the condition gives once it is true; a test waits for an event and never for a time."""
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        if value := condition():
-            return value
-        time.sleep(0.01)
-    raise AssertionError("it did not happen")
 
 
 def settings(name, text):

@@ -120,15 +120,13 @@ TEST(JogCommand, RefusesWhatIsNotSlowOrTooStrongForTheBench) {
   EXPECT_EQ(fast.exit_code, 2);
   EXPECT_EQ(fast.error,
             "--speed 301 rpm: error: not a speed to jog the driving servo at (expected up to 300 rpm, 5 % of "
-            "its peak "
-            "speed at the axis; negative for the other direction)\n");
+            "its peak speed at the axis; negative for the other direction)\n");
   const ProgramResult strong =
       RunProgram({"bench", "jog", kInProcess, "--drive", "load", "--torque", "101 Nm"});
   EXPECT_EQ(strong.exit_code, 2);
   EXPECT_EQ(strong.error,
             "--torque 101 Nm: error: not a limit for this bench (expected above 0 and up to 100 Nm, the "
-            "range of its "
-            "torque transducer)\n");
+            "range of its torque transducer)\n");
 }
 
 TEST(RunCommand, WritesDownWhatGoesOverTheBus) {
@@ -159,6 +157,17 @@ TEST(RunCommand, WritesDownWhatGoesOverTheBus) {
       "sys.exit(not {0x80, 0x201, 0x202} <= ids)\" " +
       log.string();
   EXPECT_EQ(std::system(read.c_str()), 0);
+}
+
+TEST(CommissionCommand, RefusesWhatIsNoQuantityAndWhatTheBenchCannotMeasure) {
+  const ProgramResult fast = RunProgram({"bench", "commission", kInProcess, "--yes", "--speed", "fast"});
+  EXPECT_EQ(fast.exit_code, 2);
+  EXPECT_EQ(fast.error, "--speed fast: error: ");
+  const ProgramResult strong = RunProgram({"bench", "commission", kInProcess, "--yes", "--torque", "101 Nm"});
+  EXPECT_EQ(strong.exit_code, 2);
+  EXPECT_EQ(strong.error,
+            "--torque 101 Nm: error: not a limit for this bench (expected above 0 and up to 100 Nm, the range "
+            "of its torque transducer)\n");
 }
 
 TEST(CommissionCommand, MeasuresKeepsAndShowsTheTimeToStop) {

@@ -63,9 +63,12 @@ class InProcessCanBus::End final : public CanBus {
   void SetBusOff(bool off) noexcept { bus_off_.store(off, std::memory_order_release); }
   void LoseNext(std::uint64_t frames) noexcept { to_lose_ += frames; }
 
+  // What is queued later waits for the next exchange: an end that sends as fast as frames are taken would
+  // otherwise never let one end.
+  void NoteQueued() noexcept { offered_ = transmit_.read_available(); }
   // The frame that this end has on offer; null when none.
   const CanFrame* Offered() noexcept {
-    while (transmit_.read_available() != 0) {
+    while (offered_ != 0) {
       const bool purged = taken_.load(std::memory_order_relaxed) < purged_.load(std::memory_order_acquire);
       if (hears() && !purged) return &transmit_.front();
       Take();
@@ -74,6 +77,7 @@ class InProcessCanBus::End final : public CanBus {
   }
   void Take() noexcept {
     transmit_.pop();
+    --offered_;
     taken_.fetch_add(1, std::memory_order_release);
   }
 
@@ -95,6 +99,7 @@ class InProcessCanBus::End final : public CanBus {
   std::atomic<bool> bus_off_{};
   std::atomic<bool> alone_{};
   std::uint64_t to_lose_{};
+  std::size_t offered_{};  // of the frames queued, those for this exchange
 };
 
 InProcessCanBus::InProcessCanBus(const InProcessCanSettings& settings) : bitrate_(settings.bitrate) {
@@ -133,6 +138,7 @@ InProcessCanBus::End* InProcessCanBus::Winner() noexcept {
 }
 
 void InProcessCanBus::Exchange(std::chrono::nanoseconds now) noexcept {
+  for (const auto& end : ends_) end->NoteQueued();
   for (;;) {
     if (sender_ != nullptr) {
       if (free_at_ > now) break;

@@ -38,8 +38,8 @@ class InProcessCanBus {
   /// From 0. @throws std::out_of_range
   CanBus& end(int number);
 
-  /// Carries what fits on the wire until `now`, which never steps back. A frame that was queued since the
-  /// last call could start then, at the earliest.
+  /// Carries what was queued when it is called and fits on the wire until `now`, which never steps back. A
+  /// frame that was queued since the last call could start then, at the earliest.
   void Exchange(std::chrono::nanoseconds now) noexcept;
 
   /// A controller that gave up: it neither sends nor hears, is told so by an error frame, and what it had

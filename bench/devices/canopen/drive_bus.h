@@ -33,9 +33,8 @@ class DriveBus {
   /// @throws std::invalid_argument for no drives, a node number taken twice, profiles that differ in SYNC
   ///   period or in the master's node number, or as CanopenServo does.
   /// @param held  asked every cycle; true keeps all drives stopped, as a pressed key does. Nothing: never.
-  /// @param others_supervised  asked every cycle; false keeps every drive from being enabled, as a drive of
-  /// this
-  ///   bus does whose own supervision is off or unknown. Nothing: there are no others.
+  /// @param others_supervised  asked every cycle; false keeps every drive from being enabled, as a drive
+  ///   of this bus does whose own supervision is off or unknown. Nothing: there are no others.
   DriveBus(CanBus& bus, const BenchClock& clock, std::vector<CanopenServoSettings> drives,
            std::function<bool()> held = {}, std::function<bool()> others_supervised = {});
 

@@ -80,7 +80,6 @@ FieldChannels FieldMachine::Channels() {
       {"motor_torque", Channel::kMotorTorque},
       {"gear_temperature", Channel::kGearTemperature},
       {"ambient_temperature", Channel::kAmbientTemperature}};
-  constexpr std::string_view kAccelerometers[] = {"accel_x", "accel_y", "accel_z", "accel_motor_z"};
   for (const ChannelLink& link : bench_.channels) {
     const auto* const slow =
         std::ranges::find_if(kSlow, [&](const auto& known) { return known.first == link.channel; });
@@ -90,7 +89,7 @@ FieldChannels FieldMachine::Channels() {
     }
     const auto* const axis = std::ranges::find(kAccelerometers, link.channel);
     const auto source = sources_.find(link.device);
-    if (axis == std::end(kAccelerometers) || source == sources_.end()) continue;
+    if (axis == kAccelerometers.end() || source == sources_.end()) continue;
     const auto channel = source->second->Find(link.source);
     if (!channel || (channels.vibration != nullptr && channels.vibration != source->second.get())) {
       throw std::invalid_argument(
@@ -98,7 +97,7 @@ FieldChannels FieldMachine::Channels() {
                       link.line, link.source, link.device));
     }
     channels.vibration = source->second.get();
-    channels.accelerometers[static_cast<std::size_t>(axis - std::begin(kAccelerometers))] = *channel;
+    channels.accelerometers[static_cast<std::size_t>(axis - kAccelerometers.begin())] = *channel;
   }
   const auto from_drive = [this](double DriveActual::*value) {
     return [this, value] {

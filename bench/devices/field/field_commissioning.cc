@@ -2,6 +2,7 @@
 // Whether the drives would notice that this program is gone, and how long they then take to stop.
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include <fmt/format.h>
 
@@ -22,7 +23,6 @@ constexpr std::pair<const char*, const char*> kServos[] = {{"driving servo", "dr
                                                            {"load servo", "load_servo"}};
 constexpr milliseconds kToBoot{50};
 constexpr milliseconds kToAnswer{300};
-constexpr std::chrono::seconds kCommissioning{20};
 constexpr double kStandstill_rad_per_s = 0.5;  // of a motor whose file does not say
 constexpr double kSpeedUp_s = 1.0;
 
@@ -65,8 +65,14 @@ void FieldMachine::IdentifyDrives(OneBus& bus) {
   }
 }
 
+void FieldMachine::SetOpen(bool open) noexcept {
+  const std::lock_guard lock(open_mutex_);
+  is_open_ = open;
+}
+
 // BENCH row 15.
 bool FieldMachine::IsSupervised() const noexcept {
+  const std::lock_guard lock(open_mutex_);
   return is_open_ &&
          std::ranges::all_of(
              buses_,

@@ -30,7 +30,6 @@ using Kind = DeviceDescription::Kind;
 
 namespace {
 
-constexpr seconds kCommissioning{20};
 constexpr milliseconds kBootUp{50};
 // Few, so that a slow sensor's newest sample is not old by the time that the block is full.
 constexpr std::uint32_t kIioBlock_samples = 32;
@@ -78,7 +77,7 @@ void FieldMachine::Open() {
     OpenModbus();
     OpenSources();
     sampler_ = std::make_unique<FieldSampler>(Channels(), clock_);
-    is_open_ = true;
+    SetOpen(true);
   } catch (const std::system_error& error) {
     throw CampaignError(ExitCode::kMachineFailed,
                         fmt::format("{}: error: {}", bench_.file_name, error.what()));
@@ -94,7 +93,7 @@ FieldMachine::~FieldMachine() { Close(); }
 void FieldMachine::Close() noexcept {
   // The drives come to rest while everything that they need is still there.
   for (const auto& [name, servo] : modbus_servos_) servo->QuickStop();
-  is_open_ = false;
+  SetOpen(false);
   for (auto& [name, bus] : buses_) bus.thread.reset();
   modbus_servos_.clear();
   for (auto& [name, bus] : buses_) bus.log.reset();

@@ -11,6 +11,7 @@
 #include "bench/configuration/bench_description.h"
 #include "bench/configuration/commissioning_file.h"
 #include "bench/controller/phase_runner.h"
+#include "bench/controller/realtime_mutex.h"
 #include "bench/devices/camera/camera.h"
 #include "bench/devices/can/candump_log.h"
 #include "bench/devices/canopen/drive_bus_thread.h"
@@ -90,6 +91,8 @@ class FieldMachine final : public BenchMachine {
     std::unique_ptr<DriveBusThread> thread;
   };
 
+  static constexpr std::chrono::seconds kCommissioning{20};
+
   void Open();
   void Close() noexcept;
   void OpenBuses();
@@ -98,6 +101,7 @@ class FieldMachine final : public BenchMachine {
   void OpenDrives();
   void CheckPeriod(const CanopenServoSettings& servo) const;
   void IdentifyDrives(OneBus& bus);
+  void SetOpen(bool open) noexcept;
   bool IsSupervised() const noexcept;
   const MeasuredStop* StopOf(const std::string& servo) const;
   ServoDrive& OpenModbusServo(const DeviceDescription& device, const std::string& name);
@@ -124,7 +128,9 @@ class FieldMachine final : public BenchMachine {
   std::unique_ptr<PlayedBench> played_;  // before what uses its ends, so that it outlives that
   std::map<std::string, OneBus> buses_;
   std::map<std::string, std::unique_ptr<ModbusServoDrive>> modbus_servos_;  // by what people call them
-  std::atomic<bool> is_open_{};  // all drives are known, and none is gone yet
+  // Drives ask, from threads of their own, whether all others are supervised, while these come and go.
+  mutable RealtimeMutex open_mutex_;
+  bool is_open_{};  // all drives are known, and none is gone yet
   std::unique_ptr<ModbusSwitch> shunt_;
   std::map<std::string, std::unique_ptr<ModbusClient>> modbus_;
   std::map<std::string, std::unique_ptr<SourceReader>> sources_;

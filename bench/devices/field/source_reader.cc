@@ -144,14 +144,7 @@ void SourceReader::Run() {
 }
 
 void SourceReader::Publish() noexcept {
-  const auto& estimate = device_clock_.estimate();
-  state_.Set({ledger_.totals(), estimate.value_or(daq::acquisition::ClockEstimate{}), estimate.has_value(),
-              device_clock_.restarts()});
-}
-
-std::optional<daq::acquisition::ClockEstimate> SourceReader::clock() const noexcept {
-  const SourceState state = state_.Get();
-  return state.knows_clock ? std::optional(state.clock) : std::nullopt;
+  state_.Set({ledger_.totals(), device_clock_.estimate(), device_clock_.restarts()});
 }
 
 // The block as the device has sent it: what is lost or repeated is for the file to say.

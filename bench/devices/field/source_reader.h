@@ -43,8 +43,7 @@ struct SourceSnapshot {
 /// What a source has come to since it was connected.
 struct SourceState {
   daq::acquisition::GapTotals totals;
-  daq::acquisition::ClockEstimate clock;
-  bool knows_clock{};
+  std::optional<daq::acquisition::ClockEstimate> clock;  // nothing: not known yet
   std::uint64_t clock_restarts{};
 };
 
@@ -67,7 +66,7 @@ class SourceReader {
   SourceSnapshot Newest() const noexcept { return newest_.Get(); }
   daq::acquisition::GapTotals totals() const noexcept { return state_.Get().totals; }
   /// The device's clock against the monotonic one, once it is known, and how often it was set anew.
-  std::optional<daq::acquisition::ClockEstimate> clock() const noexcept;
+  std::optional<daq::acquisition::ClockEstimate> clock() const noexcept { return state_.Get().clock; }
   std::uint64_t clock_restarts() const noexcept { return state_.Get().clock_restarts; }
   /// What is wrong at the moment, channel by channel or with the source itself, in words; empty if nothing.
   std::string Trouble() const;

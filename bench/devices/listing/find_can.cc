@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
-#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -35,12 +34,8 @@ FoundDevice Described(const FoundNode& node, const std::string& interface, const
                                 : "node that does not say what it is";
   found.fields.emplace_back("interface", interface);
   found.fields.emplace_back("node", std::int64_t{node.node_id});
-  const std::pair<const char*, const std::optional<std::uint32_t>&> numbers[] = {{"vendor", node.vendor},
-                                                                                 {"product", node.product},
-                                                                                 {"revision", node.revision},
-                                                                                 {"serial", node.serial}};
-  for (const auto& [name, number] : numbers) {
-    if (number) found.fields.emplace_back(name, fmt::format("{:08X}h", *number));
+  for (const auto& [name, number] : protocols::canopen::IdentityNumbers(node)) {
+    found.fields.emplace_back(name, number);
   }
   if (node.nmt_state) found.fields.emplace_back("state", std::string(Name(*node.nmt_state)));
   const auto fits = [&](const auto& entry) {

@@ -48,7 +48,7 @@ void FindOnModbus(ModbusSettings settings, int first, int last, const std::strin
 FoundPart FindHid(const KnownProfiles& known);
 /// IIO contexts of this machine, on USB and on the network.
 FoundPart FindIio();
-/// V4L2 devices that give pictures. @param folder  "/dev", or a test's.
+/// V4L2 devices that give pictures.
 FoundPart FindCameras();
 
 }  // namespace strainwave::bench

@@ -40,8 +40,7 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
  public:
   /// @param clock  outlives the drive.
   /// @param others_supervised  asked before it is enabled, from a thread of its own; false refuses it, as
-  /// some
-  ///   drive of the bench would not notice that this program is gone. Nothing: there are no others.
+  ///   some drive of the bench would not notice that this program is gone. Nothing: there are no others.
   /// @throws std::invalid_argument for a map or profile that cannot be used.
   ModbusServoDrive(ModbusSettings settings, const protocols::modbus::RegisterMap& map,
                    const ModbusServoProfile& profile, const BenchClock& clock,
