@@ -31,6 +31,13 @@ function(strainwave_library name)
   endif()
 endfunction()
 
+# strainwave_compile_quickly(target): for code whose time does not matter, which compiles in much less of it.
+# What g++ 12 says of bounds, of values that are not set and of new and delete is false below -O2.
+function(strainwave_compile_quickly target)
+  target_compile_options(${target} PRIVATE -O1 -Wno-array-bounds -Wno-maybe-uninitialized
+    -Wno-mismatched-new-delete -Wno-stringop-overflow -Wno-stringop-overread)
+endfunction()
+
 # strainwave_tests(program FILES <name> ... LINKS ... [LABEL unit|simulation] [TIMEOUT s]): tests/<folder>/<name>.cc
 # together in one executable, as linking and parsing headers are what takes long; each file is a test of its own.
 function(strainwave_tests program)
@@ -48,10 +55,7 @@ function(strainwave_tests program)
   target_compile_definitions(${program} PRIVATE
     STRAINWAVE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     STRAINWAVE_PROGRAM="${CMAKE_BINARY_DIR}/strainwave")
-  # What is tested is built as it runs; the tests themselves need no more than this, and compile in less time.
-  # What g++ 12 says of bounds, of values that are not set and of new and delete is false below -O2.
-  target_compile_options(${program} PRIVATE -O1 -Wno-array-bounds -Wno-maybe-uninitialized
-    -Wno-mismatched-new-delete -Wno-stringop-overflow -Wno-stringop-overread)
+  strainwave_compile_quickly(${program})  # what is tested is built as it runs
   target_precompile_headers(${program} REUSE_FROM strainwave_test_pch)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sources})
   set(taken)

@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "analysis/diagnosis/diagnose.h"

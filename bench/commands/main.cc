@@ -3,6 +3,7 @@
 #include <exception>
 #include <system_error>
 
+#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign_error.h"

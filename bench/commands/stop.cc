@@ -5,6 +5,7 @@
 #include <string>
 #include <system_error>
 
+#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign_error.h"

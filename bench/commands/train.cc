@@ -3,6 +3,7 @@
 #include <memory>
 #include <mutex>
 
+#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 

@@ -162,7 +162,8 @@ TEST(RunCommand, WritesDownWhatGoesOverTheBus) {
 TEST(CommissionCommand, RefusesWhatIsNoQuantityAndWhatTheBenchCannotMeasure) {
   const ProgramResult fast = RunProgram({"bench", "commission", kInProcess, "--yes", "--speed", "fast"});
   EXPECT_EQ(fast.exit_code, 2);
-  EXPECT_EQ(fast.error, "--speed fast: error: ");
+  EXPECT_EQ(fast.error,
+            "--speed fast: error: not a number with a unit (expected a speed, as in '2400 rpm')\n");
   const ProgramResult strong = RunProgram({"bench", "commission", kInProcess, "--yes", "--torque", "101 Nm"});
   EXPECT_EQ(strong.exit_code, 2);
   EXPECT_EQ(strong.error,
