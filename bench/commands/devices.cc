@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_error.h"

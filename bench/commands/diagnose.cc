@@ -4,8 +4,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/residuals.h"

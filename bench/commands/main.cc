@@ -3,8 +3,8 @@
 #include <exception>
 #include <system_error>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/database.h"

@@ -2,8 +2,8 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include "analysis/units.h"
 #include "bench/campaign/calibrations.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <system_error>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"

@@ -19,8 +19,9 @@ import unittest
 import socket
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tests/bench/peers"), str(ROOT / "daq/acquisition")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tests/bench/peers", "tests/daq/acquisition/peers", "daq/acquisition")]
 import exported_campaign  # noqa: E402
+import iiod_emulator  # noqa: E402
 import mqtt_peer  # noqa: E402
 import reference_sender  # noqa: E402
 import test_certificates  # noqa: E402
@@ -85,6 +86,24 @@ class Device(reference_sender.Stream):
                         pass
 
 
+class Iiod(iiod_emulator.Server):
+    """An iiod whose accelerometer gives the samples of a record, in counts of 2^-20 m/s²."""
+
+    attributes = {"scale": repr(2.0 ** -20), "sampling_frequency": str(RATE_HZ)}
+
+    def __init__(self, samples):
+        super().__init__(("127.0.0.1", 0), iiod_emulator.Client)
+        self.samples = numpy.rint(samples * 2.0 ** 20).astype("<i4")
+        self.options = types.SimpleNamespace(in_real_time=False, skip_after=0, blocks=len(samples))
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+
+    def context(self):
+        return iiod_emulator.describe([name.removesuffix("_m_per_s2") for name in CHANNELS], "le:s32/32&gt;&gt;0", False)
+
+    def sample(self, n):
+        return self.samples[n % len(self.samples)].tobytes()
+
+
 class Links(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -141,6 +160,29 @@ class Links(unittest.TestCase):
         for result in results:
             self.assertEqual(result["values"], self.predicted())
             self.assertEqual(result["origin"], "front end")
+
+    def test_an_iio_device_gives_the_values_of_the_record(self):
+        device = Iiod(self.samples)
+        self.addCleanup(device.server_close)
+        self.addCleanup(device.shutdown)
+        monitor = self.start("--source", f"iio:ip:127.0.0.1:{device.server_address[1]}/adxl355")
+        results = until(lambda: (done := monitor.results()) and len(done) >= 2 and done or monitor.poll() is not None)
+        monitor.send_signal(signal.SIGINT)
+        self.assertEqual(monitor.wait(60), 130, monitor.said())
+        for result in results:
+            self.assertEqual(result["status"], "good")
+            for name, value in result["values"].items():
+                self.assertAlmostEqual(value["value"] / self.predicted()[name]["value"], 1, delta=1e-4)
+
+    def test_a_replayed_file_gives_the_values_of_the_record(self):
+        path = FOLDER / "replayed.csv"
+        with open(path, "w", encoding="ascii") as file:
+            file.write(f"# kind: vibration\n# sample_rate_hz: {RATE_HZ}\n" + ",".join(["time_s", *CHANNELS]) + "\n")
+            for number, row in enumerate(self.samples):
+                file.write(",".join([repr(number / RATE_HZ), *(repr(float(value)) for value in row)]) + "\n")
+        monitor = self.start("--source", f"replay:{path}", "--pace", "max")
+        self.assertEqual(monitor.wait(60), 0, monitor.said())
+        self.assertEqual([result["values"] for result in monitor.results()], [self.predicted()])
 
     def test_a_replayed_campaign_has_the_motor_s_torque(self):
         predictor, exported = FOLDER / "by_torque", FOLDER / "by_torque_exported"

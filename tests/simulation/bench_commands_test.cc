@@ -166,9 +166,10 @@ TEST(CommissionCommand, RefusesWhatIsNoQuantityAndWhatTheBenchCannotMeasure) {
             "--speed fast: error: not a number with a unit (expected a speed, as in '2400 rpm')\n");
   const ProgramResult strong = RunProgram({"bench", "commission", kInProcess, "--yes", "--torque", "101 Nm"});
   EXPECT_EQ(strong.exit_code, 2);
-  EXPECT_EQ(strong.error,
-            "--torque 101 Nm: error: not a limit for this bench (expected above 0 and up to 100 Nm, the range "
-            "of its torque transducer)\n");
+  EXPECT_EQ(
+      strong.error,
+      "--torque 101 Nm: error: not a limit for this bench (expected above 0 and up to 100 Nm, the range "
+      "of its torque transducer)\n");
 }
 
 TEST(CommissionCommand, MeasuresKeepsAndShowsTheTimeToStop) {

@@ -10,7 +10,7 @@ import socketserver
 import struct
 import time
 
-CONTEXT = """<?xml version="1.0" encoding="utf-8"?><!DOCTYPE context [<!ELEMENT context (device | context-attribute)*>\
+HEADER = """<?xml version="1.0" encoding="utf-8"?><!DOCTYPE context [<!ELEMENT context (device | context-attribute)*>\
 <!ELEMENT context-attribute EMPTY><!ELEMENT device (channel | attribute | debug-attribute | buffer-attribute)*>\
 <!ELEMENT channel (scan-element?, attribute*)><!ELEMENT attribute EMPTY><!ELEMENT scan-element EMPTY>\
 <!ELEMENT debug-attribute EMPTY><!ELEMENT buffer-attribute EMPTY>\
@@ -20,16 +20,16 @@ CONTEXT = """<?xml version="1.0" encoding="utf-8"?><!DOCTYPE context [<!ELEMENT 
 <!ATTLIST channel id CDATA #REQUIRED type (input|output) #REQUIRED name CDATA #IMPLIED>\
 <!ATTLIST scan-element index CDATA #REQUIRED format CDATA #REQUIRED scale CDATA #IMPLIED>\
 <!ATTLIST attribute name CDATA #REQUIRED filename CDATA #IMPLIED>\
-<!ATTLIST debug-attribute name CDATA #REQUIRED><!ATTLIST buffer-attribute name CDATA #REQUIRED>]>\
-<context name="local" description="emulated"><device id="iio:device0" name="adxl355">\
-<channel id="accel_x" type="input"><scan-element index="0" format="be:s20/32&gt;&gt;12" scale="0.0000382459"/>\
-<attribute name="scale" filename="in_accel_x_scale"/></channel>\
-<channel id="accel_y" type="input"><scan-element index="1" format="be:s20/32&gt;&gt;12" scale="0.0000382459"/>\
-<attribute name="scale" filename="in_accel_y_scale"/></channel>\
-<channel id="temp" type="input"><attribute name="raw" filename="in_temp_raw"/></channel>{stamp}\
-<attribute name="sampling_frequency"/></device></context>"""
-STAMP = ('<channel id="timestamp" type="input"><scan-element index="2" format="le:s64/64&gt;&gt;0"/></channel>')
-ATTRIBUTES = {"scale": "0.000038245", "sampling_frequency": "1000.000000"}
+<!ATTLIST debug-attribute name CDATA #REQUIRED><!ATTLIST buffer-attribute name CDATA #REQUIRED>]>"""
+STAMP = ('<channel id="timestamp" type="input"><scan-element index="{}" format="le:s64/64&gt;&gt;0"/></channel>')
+
+
+def describe(names, form, stamp, more=""):
+    """The context of one device, adxl355, whose channels have samples of one form."""
+    channels = "".join(f'<channel id="{name}" type="input"><scan-element index="{index}" format="{form}" scale="1"/>'
+                       f'<attribute name="scale" filename="in_{name}_scale"/></channel>' for index, name in enumerate(names))
+    return (HEADER + '<context name="local" description="emulated"><device id="iio:device0" name="adxl355">' + channels + more +
+            (STAMP.format(len(names)) if stamp else "") + '<attribute name="sampling_frequency"/></device></context>')
 
 
 class Client(socketserver.StreamRequestHandler):
@@ -41,16 +41,11 @@ class Client(socketserver.StreamRequestHandler):
 
     def read_buffer(self, wanted):
         options = self.server.options
-        step = 16 if options.stamp else 8
-        data = bytearray()
-        for _ in range(wanted // step):
-            n = self.number
-            self.number += 1
-            data += struct.pack(">ii", n << 12, -n << 12)
-            if options.stamp:
-                data += struct.pack("<q", 5_000_000_000 + n * 1_000_000)
+        count = wanted // len(self.server.sample(0))
+        data = b"".join(self.server.sample(self.number + i) for i in range(count))
+        self.number += count
         if options.in_real_time:
-            self.due = max(self.due, time.monotonic() - 0.1) + (wanted // step) * 1e-3
+            self.due = max(self.due, time.monotonic() - 0.1) + count * 1e-3
             time.sleep(max(0.0, self.due - time.monotonic()))
         self.blocks += 1
         if self.blocks == options.skip_after:
@@ -72,9 +67,9 @@ class Client(socketserver.StreamRequestHandler):
             if words[0] == "VERSION":
                 self.say("0.24.0000000")
             elif words[0] == "PRINT":
-                self.say_data(CONTEXT.replace("{stamp}", STAMP if self.server.options.stamp else ""))
-            elif words[0] == "READ" and words[-1] in ATTRIBUTES:
-                self.say_data(ATTRIBUTES[words[-1]] + "\0")
+                self.say_data(self.server.context())
+            elif words[0] == "READ" and words[-1] in self.server.attributes:
+                self.say_data(self.server.attributes[words[-1]] + "\0")
             elif words[0] == "OPEN":
                 self.mask = int(words[3], 16)
                 self.say(0)
@@ -91,6 +86,15 @@ class Client(socketserver.StreamRequestHandler):
 class Server(socketserver.ThreadingTCPServer):
     daemon_threads = True
     allow_reuse_address = True
+    attributes = {"scale": "0.000038245", "sampling_frequency": "1000.000000"}
+
+    def context(self):
+        temperature = '<channel id="temp" type="input"><attribute name="raw" filename="in_temp_raw"/></channel>'
+        return describe(("accel_x", "accel_y"), "be:s20/32&gt;&gt;12", self.options.stamp, temperature)
+
+    def sample(self, n):
+        stamp = struct.pack("<q", 5_000_000_000 + n * 1_000_000) if self.options.stamp else b""
+        return struct.pack(">ii", n << 12, -n << 12) + stamp
 
 
 def main():
