@@ -208,11 +208,16 @@ void Say(const std::string& line) { fmt::print(stderr, "{}\n", line); }
 
 void FinishMqtt(MqttPublisher& mqtt, const std::filesystem::path& outbox_file, double linger_s) {
   const std::chrono::duration<double> linger(linger_s);
-  const std::size_t left = mqtt.Finish(std::chrono::duration_cast<std::chrono::milliseconds>(linger));
-  if (left == 0) return;
+  const auto [waiting, dropped] = mqtt.Finish(std::chrono::duration_cast<std::chrono::milliseconds>(linger));
+  if (dropped != 0) {
+    Say(fmt::format("mqtt: error: {} windows found no room while they waited for a broker and are lost "
+                    "(keep_windows and keep_mebibytes of the settings give more)",
+                    dropped));
+  }
+  if (waiting == 0) return;
   Say(outbox_file.empty()
-          ? fmt::format("mqtt: error: {} windows were not delivered and are lost", left)
-          : fmt::format("mqtt: {} windows were not delivered and wait in {} for the next start", left,
+          ? fmt::format("mqtt: error: {} windows were not delivered and are lost", waiting)
+          : fmt::format("mqtt: {} windows were not delivered and wait in {} for the next start", waiting,
                         outbox_file.string()));
 }
 

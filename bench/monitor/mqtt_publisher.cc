@@ -217,7 +217,8 @@ MqttPublisher::MqttPublisher(const MqttSettings& settings, Board& board, Log log
       board_(board),
       log_(std::move(log)),
       node_(settings.group, settings.node, store ? store->next_birth() : 0),
-      outbox_(settings.keep, std::move(store)) {
+      outbox_(settings.keep, std::move(store)),
+      dropped_before_(outbox_.dropped()) {
   RequireUsable(settings.tls);
   RequireSameMetrics();
   if (outbox_.size() > 0) {
@@ -260,7 +261,7 @@ void MqttPublisher::Publish(std::vector<protocols::SparkplugMetric> metrics) {
   ShowLink();
 }
 
-std::size_t MqttPublisher::Finish(milliseconds patience) {
+MqttPublisher::NotDelivered MqttPublisher::Finish(milliseconds patience) {
   {
     const std::scoped_lock lock(mutex_);
     stopping_ = true;
@@ -268,7 +269,7 @@ std::size_t MqttPublisher::Finish(milliseconds patience) {
   }
   wake_.notify_all();
   thread_.join();
-  return outbox_.size();
+  return {outbox_.size(), outbox_.dropped() - dropped_before_};
 }
 
 bool MqttPublisher::Finished() {

@@ -42,9 +42,12 @@ class MqttPublisher {
   /// Puts values into the outbox.
   void Publish(std::vector<protocols::SparkplugMetric> metrics);
 
+  struct NotDelivered {
+    std::size_t waiting{};
+    std::uint64_t dropped{};  // since the start, for which there was no room
+  };
   /// Goes on until nothing waits or the time is over, then ends the connection with a death.
-  /// @return the entries that were not delivered.
-  std::size_t Finish(std::chrono::milliseconds patience);
+  NotDelivered Finish(std::chrono::milliseconds patience);
 
  private:
   class Connection;
@@ -67,6 +70,7 @@ class MqttPublisher {
   std::mutex mutex_;
   std::condition_variable wake_;
   Outbox outbox_;
+  std::uint64_t dropped_before_;  // by a monitor before this one
   bool live_{};  // connected and born
   bool stopping_{};
   std::chrono::steady_clock::time_point deadline_{};

@@ -138,7 +138,7 @@ TEST(MonitorThreads, EachReaderSeesOneWindowWhileABrokerHangsAndAllIsKept) {
     }
     plc.join();
     scraper.join();
-    left = mqtt.Finish(std::chrono::milliseconds(0));
+    left = mqtt.Finish(std::chrono::milliseconds(0)).waiting;
   }
   EXPECT_EQ(torn, 0);
   EXPECT_EQ(left, 50U);
