@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/devices/simulated_vibration_source.h"
 
+#include <array>
 #include <cmath>
 
 #include "analysis/units.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriod{10};
 constexpr double kPeriod_s = 0.01;
-constexpr int kPeriodsOfABlock = 10;
+constexpr std::size_t kPeriodsOfABlock = 10;
 constexpr double kAcceleration_rad_per_s2 = 1000.0;
 constexpr double kTorqueRate_Nm_per_s = 200.0;
 constexpr double kSpeedReached = 0.995;
@@ -32,7 +33,7 @@ SimulatedVibrationSource::SimulatedVibrationSource(const BenchDescription& descr
   RunUp();
   devices_.sampler.StartVibration(stream_.sample_rate_hz);
   began_ = devices_.clock.Now();
-  output_turns_ = TurnsOf(devices_.sampler.Read(), stream_.ratio);
+  last_ = devices_.sampler.Read();
 }
 
 SimulatedVibrationSource::~SimulatedVibrationSource() {
@@ -69,10 +70,13 @@ SimulatedVibrationSource::Got SimulatedVibrationSource::Next(std::chrono::millis
                                                              VibrationChunk& chunk) {
   if (static_cast<double>(samples_) / stream_.sample_rate_hz >= stream_.duration_s) return Got::kEnd;
   VibrationBlock block;
-  for (int period = 0; period < kPeriodsOfABlock; ++period) Advance();
+  std::array<Readings, kPeriodsOfABlock + 1> readings{last_};
+  for (std::size_t period = 1; period < readings.size(); ++period) {
+    Advance();
+    readings[period] = devices_.sampler.Read();
+  }
   devices_.sampler.DrainVibration(block);
-  const double from = output_turns_;
-  output_turns_ = TurnsOf(devices_.sampler.Read(), stream_.ratio);
+  last_ = readings.back();
   const auto copied = [](const std::vector<float>& samples) {
     return std::vector<double>(samples.begin(), samples.end());
   };
@@ -80,16 +84,23 @@ SimulatedVibrationSource::Got SimulatedVibrationSource::Next(std::chrono::millis
   chunk = {.time_ns =
                stream_.start_ns + std::llround(static_cast<double>(samples_) * 1e9 / stream_.sample_rate_hz),
            .sample_rate_hz = stream_.sample_rate_hz,
-           .channels = {"accel_x_m_per_s2", "accel_y_m_per_s2", "accel_z_m_per_s2", "accel_motor_z_m_per_s2"},
+           .channels = {"accel_x_m_per_s2", "accel_y_m_per_s2", "accel_z_m_per_s2", "accel_motor_z_m_per_s2",
+                        "motor_torque_Nm"},
            .samples = {copied(block.accel_x_m_per_s2), copied(block.accel_y_m_per_s2),
-                       copied(block.accel_z_m_per_s2), copied(block.accel_motor_z_m_per_s2)},
+                       copied(block.accel_z_m_per_s2), copied(block.accel_motor_z_m_per_s2), {}},
            .output_turns = {},
            .origin = "simulated bench",
            .trouble = {}};
-  // The shaft turns evenly between two readings.
+  // The slow channels go evenly from one reading to the next.
   for (std::size_t i = 0; i < count; ++i) {
-    chunk.output_turns.push_back(from + (output_turns_ - from) * static_cast<double>(i) /
-                                            static_cast<double>(count));
+    const double place = static_cast<double>(i * kPeriodsOfABlock) / static_cast<double>(count);
+    const auto period = static_cast<std::size_t>(place);
+    const Readings& before = readings[period];
+    const Readings& after = readings[period + 1];
+    const double share = place - static_cast<double>(period);
+    chunk.output_turns.push_back(
+        std::lerp(TurnsOf(before, stream_.ratio), TurnsOf(after, stream_.ratio), share));
+    chunk.samples.back().push_back(std::lerp(before.motor_torque_Nm, after.motor_torque_Nm, share));
   }
   samples_ += count;
   return count == 0 ? Got::kNothingYet : Got::kChunk;

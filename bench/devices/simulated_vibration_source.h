@@ -20,7 +20,7 @@ struct SimulatedStream {
   std::int64_t start_ns{};  // time of the beginning, since 1970, UTC
 };
 
-/// The accelerometers of a simulated bench that turns at one speed under one torque, clockwise.
+/// The accelerometers and the motor's torque of a simulated bench that turns at one speed under one torque, clockwise.
 class SimulatedVibrationSource final : public VibrationSource {
  public:
   /// @throws CampaignError for a bench that is not simulated, or drives that do not come up.
@@ -39,7 +39,7 @@ class SimulatedVibrationSource final : public VibrationSource {
   BenchDevices devices_;
   std::chrono::nanoseconds began_{};
   std::uint64_t samples_{};
-  double output_turns_{};  // of the last reading
+  Readings last_;
 };
 
 }  // namespace strainwave::bench

@@ -184,7 +184,7 @@ class Links(unittest.TestCase):
         self.assertEqual(monitor.wait(60), 0, monitor.said())
         self.assertEqual([result["values"] for result in monitor.results()], [self.predicted()])
 
-    def test_a_replayed_campaign_has_the_motor_s_torque(self):
+    def test_records_and_the_simulated_bench_have_the_motor_s_torque(self):
         predictor, exported = FOLDER / "by_torque", FOLDER / "by_torque_exported"
         for command in (["train", self.campaign, "--motor-torque", "--out", predictor, "--epochs", "5"],
                         ["export", predictor, "--out", exported]):
@@ -197,6 +197,10 @@ class Links(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         for name, value in json.loads(done.stdout)["values"].items():
             self.assertAlmostEqual(value["value"] / predicted[name]["value"], 1, delta=1e-5)
+        done = subprocess.run([PROGRAM, "monitor", exported, "--simulate", "--output-torque", "40", "--duration", "5", "--pace",
+                               "max", "--json"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual([result.get("error") for result in map(json.loads, done.stdout.splitlines())], [None, None])
 
     def test_a_window_with_lost_samples_is_not_predicted(self):
         n = self.blocks
