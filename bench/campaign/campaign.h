@@ -49,7 +49,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
 /// order: phases that were running are closed as interrupted with the load they had served, and the time
 /// since is a hole. Doing it twice changes nothing.
 struct ResumePoint {
-  Checkpoint checkpoint;
+  std::optional<Checkpoint> checkpoint;  // nothing: it ended before its first phase
   double pause_s{};  // by the world's clock
 };
 

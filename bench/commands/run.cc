@@ -125,10 +125,9 @@ int Run(const RunOptions& options) {
     WaitForPeople(*machine);
     TerminalProgress progress;
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, Requested(), progress);
-    const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();
     try {
-      end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt,
-                       resume ? resume->pause_s : 0.0);
+      const ResumePoint from = resume.value_or(ResumePoint{});
+      end = runner.Run(from.checkpoint, from.pause_s);
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
     } catch (const std::exception&) {
       // The runner has made the bench safe before the exception left it; what is stored stays whole.

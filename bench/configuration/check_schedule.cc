@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "analysis/units.h"
+#include "bench/configuration/read_drive_profile.h"
 #include "schedules/reader/comparison.h"
 
 namespace strainwave::bench {
@@ -66,6 +68,7 @@ class BenchCheck {
   }
   void operator()(const schedules::TransmissionErrorSweep& sweep) const {
     CheckMotion(sweep.input_speed_rad_per_s, sweep.input_acceleration_rad_per_s2);
+    CheckFollowing(sweep.input_speed_rad_per_s);
     CheckOnePeriod("averaging", sweep.averaging_s);
   }
   void operator()(const schedules::HysteresisTest& test) const {
@@ -122,6 +125,20 @@ class BenchCheck {
                            bench_.origins, bench_.file_name);
   }
 
+  // A drive that is led from position to position lags by the time between two of them and by a SYNC.
+  void CheckFollowing(double speed_rad_per_s) const {
+    if (bench_.driving_servo.drive.profile.empty()) return;
+    const protocols::canopen::DriveProfile profile = ReadDriveProfile(bench_.driving_servo.drive.profile);
+    const double lag_s =
+        bench_.control_period_s + std::chrono::duration<double>(profile.timing.sync_period).count();
+    const double most_rad_per_s = profile.limits.following_error_window_rad / lag_s;
+    CheckDerived(
+        {At("input_speed"), speed_rad_per_s}, most_rad_per_s,
+        fmt::format("{:.4g} rpm at which the driving servo lags by the {:g} deg of its "
+                    "following_error_window within control_period and sync_period",
+                    RpmFromRadPerS(most_rad_per_s), DegFromRad(profile.limits.following_error_window_rad)));
+  }
+
   void CheckVibration(std::string_view key, double rate_hz) const {
     compare_.MustNotExceed({At(key), rate_hz}, "the bench's vibration_rate",
                            {"vibration_rate", bench_.vibration_rate_hz}, bench_.origins, bench_.file_name);
@@ -152,7 +169,7 @@ class BenchCheck {
                                           compare_.Written(time), Period(), bench_.file_name));
   }
 
-  void CheckDerived(const Named& value, double most, const char* what) const {
+  void CheckDerived(const Named& value, double most, const std::string& what) const {
     if (value.value <= most * (1.0 + 1e-9)) return;
     compare_.Error(value.path, fmt::format("{} = {} is above the {} ({})", schedules::KeyOf(value.path),
                                            compare_.Written(value), fmt::format(fmt::runtime(what), most),

@@ -226,6 +226,25 @@ TEST(CheckScheduleAgainstBench, NamesASpeedBeyondTheDrive) {
       "(small-bench.yaml, line 4)");
 }
 
+TEST(CheckScheduleAgainstBench, NamesASpeedAtWhichTheDriveCannotBeLedFromPositionToPosition) {
+  const BenchDescription bench = ReadBenchFile(STRAINWAVE_SOURCE_DIR "/bench/examples/in_process.yaml");
+  const auto check = [&](std::string_view speed) {
+    const std::string text = With(GoodSchedule(), "input_speed: 300 rpm", speed);
+    std::string lines;
+    for (const auto& finding :
+         CheckScheduleAgainstBench(schedules::ParseSchedule(text, "small.yaml"), bench).items()) {
+      lines += FormatFinding("small.yaml", finding);
+    }
+    return lines;
+  };
+  EXPECT_EQ(check("input_speed: 1000 rpm"), "");
+  EXPECT_EQ(
+      check("input_speed: 1100 rpm"),
+      "small.yaml:32:18: error: input_speed = 1100 rpm is above the 1071 rpm at which the driving servo "
+      "lags by the 90 deg of its following_error_window within control_period and sync_period (" +
+          bench.file_name + ")");
+}
+
 TEST(CheckScheduleAgainstBench, NamesATorqueBeyondTheServos) {
   EXPECT_EQ(Check("cycles: 3", "cycles: 3",
                   With(GoodBench(), "load_servo: {peak_torque: 7", "load_servo: {peak_torque: 0.5")),

@@ -74,8 +74,14 @@ TEST_F(CutCampaign, GoesOnFromACheckpointWhosePhaseIsNotOnRecord) {
   Leave({.step = 0, .time_s = 0.5});
   const auto point = Resume();
   ASSERT_TRUE(point.has_value());
-  EXPECT_EQ(point->checkpoint.time_s, 0.5);
-  EXPECT_EQ(point->checkpoint.machine_memory.size(), 5U);
+  EXPECT_EQ(point->checkpoint->time_s, 0.5);
+  EXPECT_EQ(point->checkpoint->machine_memory.size(), 5U);
+}
+
+TEST_F(CutCampaign, BeginsAnewWhereItWasCutBeforeItsFirstPhase) {
+  const auto point = Resume();
+  ASSERT_TRUE(point.has_value());
+  EXPECT_FALSE(point->checkpoint.has_value());
 }
 
 TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {

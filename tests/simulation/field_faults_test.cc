@@ -13,6 +13,7 @@
 #include "bench/controller/make_program.h"
 #include "bench/devices/field/field_machine.h"
 #include "tests/simulation/bench_fixture.h"
+#include "tests/simulation/device_faults.h"
 
 namespace strainwave::bench {
 namespace {
@@ -23,29 +24,6 @@ using std::chrono::seconds;
 
 // The slowest way to notice: a thermometer is believed for 2 s, then borne for 2 s (bad_sensor).
 constexpr seconds kStated{5};
-
-struct Fault {
-  const char* name;
-  const char* command;
-  StopCause cause;
-  const char* words;  // among those that a technician reads
-};
-
-constexpr Fault kFaults[] = {
-    {"heartbeat stops", "drive 1 heartbeat off", StopCause::kDriveFault, "heartbeat is lost"},
-    {"drive falls silent", "drive 2 silent on", StopCause::kDriveFault, "node 2"},
-    {"drive reboots", "drive 1 reboot", StopCause::kDriveFault, "started anew"},
-    {"emergency message", "drive 2 emergency 0x4310", StopCause::kDriveFault, "4310"},
-    {"safe torque off opens", "drive 1 sto on", StopCause::kDriveFault, "node 1"},
-    {"drive's bus-off", "drive 1 bus-off on", StopCause::kDriveFault, "node 1"},
-    {"encoder stream falls silent", "stream encoders silent on", StopCause::kStaleReadings,
-     "no fresh readings"},
-    {"encoder samples are lost", "stream encoders drop 3000", StopCause::kStaleReadings, "no fresh readings"},
-    {"thermometer does not answer", "modbus thermometers silence", StopCause::kSensorSuspend, "temperature"},
-    {"thermometer refuses", "modbus thermometers exception 4", StopCause::kSensorSuspend, "temperature"},
-    {"accelerometers fall silent", "stream accelerometers silent on", StopCause::kSensorSuspend, "vibration"},
-    {"gear gets hot", "gear temperature 90", StopCause::kGearTemperatureLimit, "gear temperature"},
-};
 
 struct PhaseOfTheCycle {
   const char* name;

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bench/controller/stop_reason.h"
+
+namespace strainwave::bench {
+
+/// A fault that the device side is told to have, and what the bench should come to know of it.
+struct Fault {
+  const char* name;
+  const char* command;
+  StopCause cause;
+  const char* words;  // among those that a technician reads
+  const char* mend;   // the command that takes it away again, where the bench waits for that
+};
+
+inline constexpr Fault kFaults[] = {
+    {"heartbeat stops", "drive 1 heartbeat off", StopCause::kDriveFault, "heartbeat is lost", ""},
+    {"drive falls silent", "drive 2 silent on", StopCause::kDriveFault, "node 2", ""},
+    {"drive reboots", "drive 1 reboot", StopCause::kDriveFault, "started anew", ""},
+    {"emergency message", "drive 2 emergency 0x4310", StopCause::kDriveFault, "4310", ""},
+    {"safe torque off opens", "drive 1 sto on", StopCause::kDriveFault, "node 1", ""},
+    {"drive's bus-off", "drive 1 bus-off on", StopCause::kDriveFault, "node 1", ""},
+    {"encoder stream falls silent", "stream encoders silent on", StopCause::kStaleReadings,
+     "no fresh readings", ""},
+    {"encoder samples are lost", "stream encoders drop 3000", StopCause::kStaleReadings, "no fresh readings",
+     ""},
+    {"thermometer does not answer", "modbus thermometers silence", StopCause::kSensorSuspend, "temperature",
+     "modbus thermometers ok"},
+    {"thermometer refuses", "modbus thermometers exception 4", StopCause::kSensorSuspend, "temperature",
+     "modbus thermometers ok"},
+    {"accelerometers fall silent", "stream accelerometers silent on", StopCause::kSensorSuspend, "vibration",
+     "stream accelerometers silent off"},
+    {"gear gets hot", "gear temperature 90", StopCause::kGearTemperatureLimit, "gear temperature", ""},
+};
+
+}  // namespace strainwave::bench

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// A campaign on devices that fail in the middle of a phase, in real time: what it says, and that it comes to
+// its end after the fault, by itself or resumed. Every fault in every phase: STRAINWAVE_FAULT_MATRIX=1 (an
+// hour).
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "bench/campaign/campaign.h"
+#include "bench/campaign/campaign_runner.h"
+#include "bench/devices/field/field_machine.h"
+#include "daq/whole_file.h"
+#include "tests/schedules/schedule_text.h"
+#include "tests/simulation/device_faults.h"
+#include "tests/simulation/program.h"
+
+namespace strainwave::bench {
+namespace {
+
+const std::filesystem::path kSource = STRAINWAVE_SOURCE_DIR;
+constexpr const char* kPhases[] = {"load_run", "measurement_rotation", "transmission_error", "hysteresis"};
+constexpr int kBeat = 3;  // of the progress within the phase: by then every phase moves something
+
+std::string ShortSchedule() {
+  std::string text = daq::ReadWholeFile(kSource / "tests/vm/campaign/short.yaml");
+  text = schedules::With(text, "dwell: 1 min", "dwell: 1 s");
+  text = schedules::With(text, "step: 5 deg\n    steps: 72", "step: 20 deg\n    steps: 18");
+  text = schedules::With(text, "vibration_rate: 25.6 kHz", "vibration_rate: 12.8 kHz");
+  text = schedules::With(text, "input_speed: 1500 rpm", "input_speed: 1000 rpm");
+  text = schedules::With(text, "torque_rate: 8 Nm/s", "torque_rate: 20 Nm/s");
+  return schedules::With(text, "operator_acknowledges: true", "operator_acknowledges: false");
+}
+
+// Has the devices fail once in one phase, and mends them when the campaign waits for that.
+class Saboteur final : public ProgressSink {
+ public:
+  Saboteur(const Fault& fault, std::string_view phase) : fault_(fault), phase_(phase) {}
+  void WorkOn(DeviceSide* devices) { devices_ = devices; }
+
+  void Update(const ProgressState& state) override {
+    if (state.phase != phase_ || ++beats_ != kBeat) return;
+    devices_->Do(fault_.command);
+    did_ = true;
+  }
+  void Message(std::string_view, std::string_view text) override {
+    said_ += std::string(text) + '\n';
+    if (did_ && !mended_ && *fault_.mend != '\0' && text.find(fault_.words) != std::string_view::npos) {
+      devices_->Do(fault_.mend);
+      mended_ = true;
+    }
+  }
+  void CycleStored(int cycle, const std::vector<Result>&) override { stored_ += cycle == 1; }
+
+  bool did() const { return did_; }
+  int stored() const { return stored_; }
+  const std::string& said() const { return said_; }
+
+ private:
+  const Fault& fault_;
+  std::string_view phase_;
+  DeviceSide* devices_{};
+  int beats_{};
+  bool did_{};
+  bool mended_{};
+  int stored_{};
+  std::string said_;
+};
+
+class FieldResume : public testing::Test {
+ protected:
+  FieldResume() { std::ofstream(scratch_ / "schedule.yaml") << ShortSchedule(); }
+
+  CampaignEnd Run(const CampaignFolder& folder, Saboteur& saboteur, bool resumed) {
+    const CampaignInputs inputs =
+        ReadInputs(scratch_ / "schedule.yaml", kSource / "tests/simulation/field/bench.yaml");
+    Journal journal = resumed ? Journal::Open(folder.Journal(), Database::Mode::kReadWrite)
+                              : CreateCampaign(folder, inputs);
+    const ResumePoint from = resumed ? PrepareResume(folder, inputs, journal, false).value() : ResumePoint{};
+    FieldMachine machine(inputs.bench, 80.0, {});
+    while (machine.Devices().sampler.Read().bad_channels != 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    saboteur.WorkOn(machine.device_side());
+    const std::atomic<StopRequest> request{StopRequest::kNone};
+    CampaignRunner runner(folder, inputs.schedule, inputs.bench, machine, journal, request, saboteur);
+    const CampaignEnd end = runner.Run(from.checkpoint, from.pause_s);
+    EXPECT_TRUE(machine.device_side()->StandsSafe());
+    return end;
+  }
+
+  void Check(const Fault& fault, const char* phase) {
+    const std::string where = std::string(fault.name) + " during " + phase;
+    SCOPED_TRACE(where);
+    const CampaignFolder folder{scratch_ / where};
+    Saboteur saboteur(fault, phase);
+    CampaignEnd end = Run(folder, saboteur, false);
+    ASSERT_TRUE(saboteur.did()) << "the phase was over before the fault";
+    const bool waits = *fault.mend != '\0';
+    EXPECT_EQ(end.kind == CampaignEnd::Kind::kCompleted, waits) << end.text << saboteur.said();
+    EXPECT_NE((end.text + saboteur.said()).find(fault.words), std::string::npos)
+        << end.text << saboteur.said();
+    if (!waits) end = Run(folder, saboteur, true);
+    EXPECT_EQ(end.kind, CampaignEnd::Kind::kCompleted) << end.text << saboteur.said();
+    EXPECT_EQ(saboteur.stored(), 1);
+    if (HasFailure()) return;
+    std::cout << "| " << fault.name << " | " << phase << " | "
+              << (waits ? "suspended, went on by itself" : "tripped, resumed to its end") << " |\n";
+  }
+
+  ScratchFolder scratch_;
+};
+
+TEST_F(FieldResume, EndsACampaignAfterAnyFault) {
+  if (std::getenv("STRAINWAVE_FAULT_MATRIX") == nullptr) {
+    Check(kFaults[1], kPhases[1]);
+    return;
+  }
+  for (const char* phase : kPhases) {
+    for (const Fault& fault : kFaults) Check(fault, phase);
+  }
+}
+
+}  // namespace
+}  // namespace strainwave::bench
