@@ -124,10 +124,8 @@ int Run(const RunOptions& options) {
     WaitForPeople(*machine);
     TerminalProgress progress;
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, Requested(), progress);
-    const bool has_memory = resume && !resume->checkpoint.machine_memory.empty();
     try {
-      end = runner.Run(has_memory ? std::optional(resume->checkpoint) : std::nullopt,
-                       resume ? resume->pause_s : 0.0);
+      end = runner.Run(resume ? resume->checkpoint : std::nullopt, resume ? resume->pause_s : 0.0);
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
     } catch (const std::exception&) {
       // The runner has made the bench safe before the exception left it; what is stored stays whole.

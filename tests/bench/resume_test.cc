@@ -74,8 +74,24 @@ TEST_F(CutCampaign, GoesOnFromACheckpointWhosePhaseIsNotOnRecord) {
   Leave({.step = 0, .time_s = 0.5});
   const auto point = Resume();
   ASSERT_TRUE(point.has_value());
-  EXPECT_EQ(point->checkpoint.time_s, 0.5);
-  EXPECT_EQ(point->checkpoint.machine_memory.size(), 5U);
+  ASSERT_TRUE(point->checkpoint.has_value());
+  EXPECT_EQ(point->checkpoint->time_s, 0.5);
+  EXPECT_EQ(point->checkpoint->machine_memory.size(), 5U);
+}
+
+TEST_F(CutCampaign, GoesOnOnABenchOfMetalWhichHasNoMemory) {
+  BeginPhase(0);
+  CheckpointWriter(folder_.Checkpoint()).Write({.step = 0, .time_s = 30.0}, {});
+  const auto point = Resume();
+  ASSERT_TRUE(point.has_value());
+  ASSERT_TRUE(point->checkpoint.has_value());
+  EXPECT_EQ(point->checkpoint->time_s, 30.0);
+}
+
+TEST_F(CutCampaign, BeginsAnewWhereNoPhaseHadBegun) {
+  const auto point = Resume();
+  ASSERT_TRUE(point.has_value());
+  EXPECT_FALSE(point->checkpoint.has_value());
 }
 
 TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
