@@ -26,7 +26,7 @@ def main():
     parser.add_argument("schedule", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path, help="gets campaign/ and what the programs said")
     parser.add_argument("--bench", type=pathlib.Path, default=HERE / "campaign" / "bench.yaml")
-    parser.add_argument("--minutes", type=float, default=40.0, help="then the cycle under way is the last one")
+    parser.add_argument("--minutes", type=float, default=40.0, help="of this machine's time; then the cycle under way is the last one")
     parser.add_argument("--cpu", action="store_true", help="print the CPU time of every thread at the end")
     options = parser.parse_args()
     options.out.mkdir(exist_ok=True)
