@@ -3,8 +3,8 @@
 # Runs a schedule in the virtual machine over vcan, Modbus TCP, TCP streams and a uhid pendant, and on the embedded
 # bench, same specimen; prints the results side by side (compare_campaigns.py).
 # Usage: against_embedded.sh BUILD SCHEDULE FOLDER [MINUTES [OPTION...]]; FOLDER is emptied; after MINUTES (40) of the
-# machine's time the cycle under way is the last one; OPTIONs are compare_campaigns.py's. How far it is: FOLDER/run.txt.
-# Exit code 77 without a virtual machine, 1 where the results do not agree.
+# machine's time the cycle under way is the last one; OPTIONs are compare_campaigns.py's. How far it is: FOLDER/run.txt;
+# a file FOLDER/finish ends it as MINUTES do. Exit code 77 without a virtual machine, 1 where the results do not agree.
 set -euo pipefail
 
 (($# >= 3)) || { sed -n 3,7p "$0" >&2; exit 2; }
