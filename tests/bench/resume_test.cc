@@ -18,11 +18,14 @@ namespace {
 
 class CutCampaign : public testing::Test {
  protected:
-  CutCampaign() { journal_.BeginCycle(0, 0.0); }
+  CutCampaign() {
+    for (const int cycle : {0, 1}) journal_.BeginCycle(cycle, 0.0);
+  }
   ~CutCampaign() override { std::filesystem::remove_all(folder_.root); }
 
-  std::int64_t BeginPhase(int step) {
+  std::int64_t BeginPhase(int step, int cycle = 0) {
     PhaseRow row;
+    row.cycle = cycle;
     row.step = step;
     row.attempt = 1;
     row.name = "lock";
@@ -95,7 +98,8 @@ TEST_F(CutCampaign, BeginsAnewWhereNoPhaseHadBegun) {
 }
 
 TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
-  BeginPhase(0);
+  // Without a preparation the first phase is of cycle 1.
+  BeginPhase(0, 1);
   try {
     Resume();
     FAIL() << "resumed";
