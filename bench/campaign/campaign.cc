@@ -142,7 +142,8 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
   const auto checkpoint = ReadCheckpoint(folder.Checkpoint());
   if (!checkpoint) {
     // Killed before the first phase began: there is nothing to go on from, and nothing to lose.
-    if (journal.Cycles().empty() || journal.Phases(0).empty()) return ResumePoint{};
+    // Its first phase is of the preparation, or of cycle 1 where there is none.
+    if (journal.Phases(0).empty() && journal.Phases(1).empty()) return ResumePoint{};
     Refuse(folder.Checkpoint(), "the checkpoint is missing or damaged",
            "the file that the campaign has written");
   }

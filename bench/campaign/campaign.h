@@ -49,8 +49,8 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
 /// order: phases that were running are closed as interrupted with the load they had served, and the time
 /// since is a hole. Doing it twice changes nothing.
 struct ResumePoint {
-  std::optional<Checkpoint> checkpoint;  // nothing: it ended before its first phase
-  double pause_s{};  // by the world's clock
+  std::optional<Checkpoint> checkpoint;  // none where no phase had begun
+  double pause_s{};                      // by the world's clock
 };
 
 /// @param given  the schedule on the command line; it must be the frozen one.

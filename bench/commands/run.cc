@@ -126,8 +126,7 @@ int Run(const RunOptions& options) {
     TerminalProgress progress;
     CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, Requested(), progress);
     try {
-      const ResumePoint from = resume.value_or(ResumePoint{});
-      end = runner.Run(from.checkpoint, from.pause_s);
+      end = runner.Run(resume ? resume->checkpoint : std::nullopt, resume ? resume->pause_s : 0.0);
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
     } catch (const std::exception&) {
       // The runner has made the bench safe before the exception left it; what is stored stays whole.

@@ -224,8 +224,8 @@ void DriveMotion::SupervisePosition(double dt_s, bool final) {
   if (HeldFor(in_window_s_, dt_s, in_window, objects_.position_time)) SetStatus(kTargetReached, true);
   const bool supervised = objects_.following_window.integer() != kNoWindow;
   const bool outside = supervised && std::abs(error) > Number(objects_.following_window);
-  SetStatus(kFollowingError, outside);
   following_error_ = HeldFor(outside_s_, dt_s, outside, objects_.following_time);
+  SetStatus(kFollowingError, following_error_);
 }
 
 DriveCommand DriveMotion::ProfileVelocity(double dt_s) {

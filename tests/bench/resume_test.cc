@@ -18,11 +18,14 @@ namespace {
 
 class CutCampaign : public testing::Test {
  protected:
-  CutCampaign() { journal_.BeginCycle(0, 0.0); }
+  CutCampaign() {
+    for (const int cycle : {0, 1}) journal_.BeginCycle(cycle, 0.0);
+  }
   ~CutCampaign() override { std::filesystem::remove_all(folder_.root); }
 
-  std::int64_t BeginPhase(int step) {
+  std::int64_t BeginPhase(int step, int cycle = 0) {
     PhaseRow row;
+    row.cycle = cycle;
     row.step = step;
     row.attempt = 1;
     row.name = "lock";
@@ -74,18 +77,29 @@ TEST_F(CutCampaign, GoesOnFromACheckpointWhosePhaseIsNotOnRecord) {
   Leave({.step = 0, .time_s = 0.5});
   const auto point = Resume();
   ASSERT_TRUE(point.has_value());
+  ASSERT_TRUE(point->checkpoint.has_value());
   EXPECT_EQ(point->checkpoint->time_s, 0.5);
   EXPECT_EQ(point->checkpoint->machine_memory.size(), 5U);
 }
 
-TEST_F(CutCampaign, BeginsAnewWhereItWasCutBeforeItsFirstPhase) {
+TEST_F(CutCampaign, GoesOnOnABenchOfMetalWhichHasNoMemory) {
+  BeginPhase(0);
+  CheckpointWriter(folder_.Checkpoint()).Write({.step = 0, .time_s = 30.0}, {});
+  const auto point = Resume();
+  ASSERT_TRUE(point.has_value());
+  ASSERT_TRUE(point->checkpoint.has_value());
+  EXPECT_EQ(point->checkpoint->time_s, 30.0);
+}
+
+TEST_F(CutCampaign, BeginsAnewWhereNoPhaseHadBegun) {
   const auto point = Resume();
   ASSERT_TRUE(point.has_value());
   EXPECT_FALSE(point->checkpoint.has_value());
 }
 
 TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
-  BeginPhase(0);
+  // Without a preparation the first phase is of cycle 1.
+  BeginPhase(0, 1);
   try {
     Resume();
     FAIL() << "resumed";

@@ -171,7 +171,7 @@ std::uint64_t Missing(const NotingBus& from, const NotingBus& to, unsigned node,
 
 void ReportFrames(ThreeEnds& ends) {
   ReceivedFrame rest;
-  for (int node = 0; node < 3; ++node) {
+  for (int node = 2; node >= 0; --node) {
     while (ends.end(node).Receive(rest)) continue;
   }
   for (const unsigned node : {1U, 2U}) {
@@ -215,7 +215,12 @@ int Run(double seconds, nanoseconds period, const std::string& interface) {
   std::thread control([&] { Control(bus, ends.end(0), clock, period, seconds, timing); });
   control.join();
   thread.End();
-  std::this_thread::sleep_for(milliseconds(500));  // the drives read what is still on its way
+  // The drives read what is still on its way; what they go on saying would fill a socket that nobody reads.
+  ReceivedFrame rest;
+  for (int i = 0; i < 500; ++i) {
+    std::this_thread::sleep_for(milliseconds(1));
+    while (ends.end(0).Receive(rest)) continue;
+  }
   over = true;
   devices.join();
   const DriveBusCounts counts = bus.counts();

@@ -172,6 +172,27 @@ TEST(CommissionCommand, RefusesWhatIsNoQuantityAndWhatTheBenchCannotMeasure) {
       "of its torque transducer)\n");
 }
 
+TEST(RunCommand, GoesOnWithALoadRunThatWasStopped) {
+  const ScratchFolder folder;
+  const std::string campaign = (folder / "campaign").string();
+  const std::vector<std::string> first{
+      "run", kSource + "/tests/vm/campaign/pendant.yaml", "--bench", kPatientBench, "--out", campaign};
+  const pid_t process = StartProgram(first, folder);
+  // The test's own time-out ends it where that never comes.
+  while (WholeFile(folder / "stderr").find("load_run") == std::string::npos) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ::kill(process, SIGINT);
+  const ProgramResult stopped = WaitForProgram(process, folder);
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.error;
+  std::vector<std::string> again = first;
+  again.emplace_back("--resume");
+  const ProgramResult resumed = RunProgram(again);
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+  const json status = json::parse(RunProgram({"status", campaign, "--json"}).out);
+  EXPECT_EQ(status["cycles_complete"], 1);
+}
+
 TEST(CommissionCommand, MeasuresKeepsAndShowsTheTimeToStop) {
   const ScratchFolder folder;
   const std::filesystem::path bench = folder / "bench.yaml";

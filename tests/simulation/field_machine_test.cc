@@ -17,8 +17,11 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_register_map.h"
+#include "bench/devices/can/in_process_can_bus.h"
+#include "bench/devices/device_side/device_side.h"
 #include "bench/devices/device_side/modbus_device.h"
 #include "bench/devices/device_side/modbus_servo_model.h"
+#include "bench/devices/plant_model_of.h"
 #include "protocols/candump.h"
 #include "tests/daq/acquisition/emulated_iiod.h"
 #include "tests/schedules/schedule_text.h"
@@ -44,6 +47,13 @@ std::string BenchText() {
 template <typename Condition>
 void Until(Condition condition) {
   while (!condition()) std::this_thread::sleep_for(milliseconds(1));
+}
+
+TEST(DeviceSide, StandsSafeBeforeItsFirstStep) {
+  const BenchDescription bench = ReadBenchFile(Folder() / "bench.yaml");
+  InProcessCanBus bus({.ends = 3});
+  DeviceSide devices(bench, PlantModelOf(bench, 80.0), {{"can", {&bus.end(1), &bus.end(2)}}});
+  EXPECT_EQ(devices.SafeSince(), std::chrono::nanoseconds(0));
 }
 
 TEST(FieldMachine, SetsUpDrivesAndReadsEveryChannel) {

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Runs a schedule in the virtual machine over vcan, Modbus TCP, TCP streams and a uhid pendant, and on the embedded
 # bench, same specimen; prints the results side by side (compare_campaigns.py).
-# Usage: against_embedded.sh BUILD SCHEDULE FOLDER [MINUTES [OPTION...]]; FOLDER is emptied; after MINUTES (40) the
-# cycle under way is the last one; OPTIONs are compare_campaigns.py's. Exit code 77 without a virtual machine, 1 where
-# the results do not agree.
+# Usage: against_embedded.sh BUILD SCHEDULE FOLDER [MINUTES [OPTION...]]; FOLDER is emptied; after MINUTES (40) of the
+# machine's time the cycle under way is the last one; OPTIONs are compare_campaigns.py's. How far it is: FOLDER/run.txt;
+# a file FOLDER/finish ends it as MINUTES do. Exit code 77 without a virtual machine, 1 where the results do not agree.
 set -euo pipefail
 
 (($# >= 3)) || { sed -n 3,7p "$0" >&2; exit 2; }
@@ -17,7 +17,7 @@ mkdir -p "$3"
 folder=$(readlink -f "$3")
 
 code=0
-VM_SECONDS=$(awk "BEGIN {print int(60 * $minutes + 1800)}") "$here/run.sh" --image "$build/vm" --write "$folder" \
+VM_SECONDS=${VM_SECONDS:-86400} "$here/run.sh" --image "$build/vm" --write "$folder" \
   /usr/bin/python3 -B "$here/campaign.py" "$build" "$schedule" "$folder" --minutes "$minutes" || code=$?
 ((code != 77)) || exit 77
 # 130: ended after a cycle, as it was asked to.

@@ -12,7 +12,7 @@ shift $(($# < 2 ? $# : 2))
 carried() { cat /sys/class/net/vcan0/statistics/tx_packets; }
 
 # Ten at a time, and faster than needed, as the gap is kept only roughly on an emulated processor.
-cangen vcan0 -g 1.4 -c 10 -I 555 -L 8 -D r -i &
+cangen vcan0 -g 1 -c 10 -I 555 -L 8 -D r -i &
 trap 'kill $!' EXIT
 for period in "${@:-10}"; do
   before=$(carried)

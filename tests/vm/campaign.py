@@ -5,7 +5,7 @@
 
   tests/vm/run.sh --write D tests/vm/campaign.py build schedules/quick.yaml D --minutes 40
 
-Exit code: that of `strainwave run`.
+D/run.txt says how far it is; with a file D/finish the cycle under way is the last one. Exit code: that of `strainwave run`.
 """
 import argparse
 import pathlib
@@ -26,7 +26,7 @@ def main():
     parser.add_argument("schedule", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path, help="gets campaign/ and what the programs said")
     parser.add_argument("--bench", type=pathlib.Path, default=HERE / "campaign" / "bench.yaml")
-    parser.add_argument("--minutes", type=float, default=40.0, help="then the cycle under way is the last one")
+    parser.add_argument("--minutes", type=float, default=40.0, help="of this machine's time; then the cycle under way is the last one")
     parser.add_argument("--cpu", action="store_true", help="print the CPU time of every thread at the end")
     options = parser.parse_args()
     options.out.mkdir(exist_ok=True)
@@ -38,7 +38,10 @@ def main():
             open(options.out / "run.txt", "w", encoding="utf-8") as said_by_run:
         devices = vm_bench.Devices(options.build, options.bench, said_by_devices)
         campaign = vm_bench.Campaign(options.build, options.schedule, options.bench, here, devices, pendant, said_by_run)
-        code = campaign.wait(60 * options.minutes)
+        finish = vm_bench.time.monotonic() + 60 * options.minutes
+        code = campaign.wait(5)
+        while code is None and vm_bench.time.monotonic() < finish and not (options.out / "finish").exists():
+            code = campaign.wait(5)
         if code is None:
             if options.cpu:
                 for name, process in (("strainwave", campaign.process), ("strainwave-devices", devices.process)):

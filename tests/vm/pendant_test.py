@@ -16,7 +16,7 @@ import vm_bench
 HERE = pathlib.Path(__file__).resolve().parent
 SCHEDULE = HERE / "campaign" / "pendant.yaml"
 BENCH = HERE / "campaign" / "bench.yaml"
-# The machine is emulated and may be held up; one that was not stopped would go on for 20 s.
+# The drives' ramp takes 50 ms; one that was not stopped would go on for 20 s.
 LONGEST_STOP_S = 1.5
 
 

@@ -1,19 +1,20 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Runs a command in a virtual machine with vcan0, vcan1, /dev/uhid and /dev/hidraw*: the host's files, folder and
-# environment, but what is written stays there and is gone afterwards. Takes 2 to 5 s to start; everything is slower
-# than outside, so build outside.
+# environment, but what is written stays there and is gone afterwards. Everything is slower than outside, so build
+# outside. Time there goes by instructions, not by the host's clock: nothing that holds the host up is seen there.
 set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: run.sh [--image FOLDER] [--write FOLDER]... COMMAND [ARGUMENT]...
+usage: run.sh [--image FOLDER] [--write FOLDER]... [--mips N] COMMAND [ARGUMENT]...
 
   --image   where build_image.sh puts its files (build/vm)
   --write   what the command writes below this folder is written on the host
+  --mips    million instructions that a second there has: 1000, 500 (without it), 250 or 125
 
 Output is shown when the command has ended. Exit code: the command's; 77 without a virtual machine, with the reason;
-125 when the machine gives no answer within VM_SECONDS (300).
+125 when the machine gives no answer within VM_SECONDS (300) of the host's time.
 TEXT
 }
 
@@ -21,6 +22,7 @@ here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 image=$here/../../build/vm
 shares=()
 tags=""
+shift_of_mips=1
 while (($# > 0)); do
   case $1 in
     --image) image=$2; shift 2 ;;
@@ -28,6 +30,13 @@ while (($# > 0)); do
       folder=$(readlink -f "$2")
       tags+="w${#shares[@]}:$folder "
       shares+=(-virtfs "local,path=$folder,mount_tag=w${#shares[@]},security_model=none,multidevs=remap")
+      shift 2
+      ;;
+    --mips)
+      case $2 in
+        1000) shift_of_mips=0 ;; 500) shift_of_mips=1 ;; 250) shift_of_mips=2 ;; 125) shift_of_mips=3 ;;
+        *) usage >&2; exit 2 ;;
+      esac
       shift 2
       ;;
     -h | --help) usage; exit 0 ;;
@@ -49,8 +58,10 @@ date +%s >"$control/time"
   echo
 } >"$control/command"
 
-# Emulated also where /dev/kvm can be opened: a machine within a machine may hang on it.
-timeout "${VM_SECONDS:-300}" qemu-system-x86_64 -machine q35 -accel tcg,tb-size=256 -cpu max,la57=off -smp 1 -m 1G \
+# Emulated also where /dev/kvm can be opened: a machine within a machine may hang on it. An instruction takes 2^shift ns;
+# where all there wait, time goes at once to the next moment at which one of them does not.
+timeout "${VM_SECONDS:-300}" qemu-system-x86_64 -machine q35 -accel tcg,tb-size=256 -cpu max,la57=off -smp 1 -m 2G \
+  -icount "shift=$shift_of_mips,sleep=off" \
   -nodefaults -no-user-config -display none -nic none -no-reboot -serial "file:$control/console" \
   -kernel "$image/vmlinuz" -initrd "$image/initramfs" \
   -append "console=ttyS0 quiet panic=-1 mitigations=off audit=0 tsc=reliable" \

@@ -10,6 +10,7 @@ import time
 
 VENDOR, PRODUCT = 0x1209, 0x5701  # of bench/devices/profiles/hid_pendant.yaml
 QUICK_STOP, RESET, START = 1, 2, 4
+STARTED = time.monotonic()
 UHID_CREATE2, UHID_INPUT2 = 11, 12
 # One byte in, of the maker's own page.
 DESCRIPTOR = bytes.fromhex("0600FF 0901 A101 1500 26FF00 7508 9501 0901 8102 C0")
@@ -60,6 +61,19 @@ class Pendant:
         return said
 
 
+def into_memory(*programs):
+    """Reads programs and their libraries. While a machine of counted time waits for the host's disk, its time runs off:
+    nothing that is watched may have to wait for it."""
+    files = set(map(str, programs))
+    for program in programs:
+        for line in subprocess.run(["ldd", program], capture_output=True, text=True, check=True).stdout.splitlines():
+            files.update(word for word in line.split() if word.startswith("/"))
+    for file in files:
+        with open(file, "rb") as content:
+            while content.read(1 << 20):
+                pass
+
+
 class Lines:
     """What a process says, line by line, each with the time at which it came; kept in a file, too."""
 
@@ -75,7 +89,7 @@ class Lines:
             with self.news:
                 self.said.append((time.monotonic(), line.rstrip()))
                 self.news.notify_all()
-            self.log.write(line)
+            self.log.write(f"{time.monotonic() - STARTED:8.2f} s  {line}")
             self.log.flush()
             if self.answer:
                 self.answer(line)
@@ -93,11 +107,13 @@ class Lines:
 
 
 class Devices:
-    """strainwave-devices, ready."""
+    """strainwave-devices, ready; the programs are in memory."""
 
     def __init__(self, build, bench, log, period_ms=8):
-        self.process = subprocess.Popen([str(build / "strainwave-devices"), str(bench), "--period", str(period_ms)], stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        into_memory(build / "strainwave", build / "strainwave-devices")
+        command = [str(build / "strainwave-devices"), str(bench), "--period", str(period_ms)]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                        text=True)
         self.lines = Lines(self.process.stdout, log)
         if not self.lines.wait_for("ready", 60):
             raise SystemExit("strainwave-devices did not become ready")

@@ -126,6 +126,7 @@ DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::Pla
     }
   }
   if (vibrates_) bench_.sampler().StartVibration(bench.vibration_rate_hz);
+  if (IsSafe()) safe_since_ = bench_now_;
 }
 
 DeviceSide::~DeviceSide() = default;

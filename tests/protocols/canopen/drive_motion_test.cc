@@ -213,8 +213,8 @@ TEST_F(DriveMotionTest, GivesUpWhenTheMotorDoesNotFollow) {
   Set(0x6066, 0, 10);
   motor.stuck = true;
   SetTurns(0x607A, 0.02);  // 1310 increments away
-  EXPECT_EQ(Run(9), "181#37 32");
-  EXPECT_EQ(Bits(), kModeBit | kFollowing);
+  EXPECT_EQ(Run(9), "") << "not yet for 10 ms (6066h)";
+  EXPECT_EQ(Bits(), kModeBit);
   EXPECT_EQ(node.power_state(), PowerState::kOperationEnabled);
   EXPECT_EQ(Get(0x60F4), 1310);
   EXPECT_EQ(Run(), "081#11 86 21 00 00 00 00 00\n181#1F 32");
