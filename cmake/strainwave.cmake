@@ -38,10 +38,14 @@ function(strainwave_compile_quickly target)
     -Wno-mismatched-new-delete -Wno-stringop-overflow -Wno-stringop-overread)
 endfunction()
 
-# strainwave_tests(program FILES <name> ... LINKS ... [LABEL unit|simulation] [TIMEOUT s]): tests/<folder>/<name>.cc
-# together in one executable, as linking and parsing headers are what takes long; each file is a test of its own.
+# strainwave_tests(program FILES <name> ... LINKS ... [LABEL unit|simulation] [TIMEOUT s] [SHARDS n]):
+# tests/<folder>/<name>.cc together in one executable, as linking and parsing headers are what takes long; each file is a
+# test of its own. SHARDS: what waits more than it computes runs in n parts at once.
 function(strainwave_tests program)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "FILES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;SHARDS" "FILES;LINKS" ${ARGN})
+  if(ARG_SHARDS)
+    set(shards ${PROJECT_SOURCE_DIR}/tests/simulation/in_shards.sh ${ARG_SHARDS})
+  endif()
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -74,7 +78,7 @@ function(strainwave_tests program)
       message(FATAL_ERROR "${name}.cc has no test")
     endif()
     list(APPEND taken ${suites})
-    add_test(NAME ${name} COMMAND ${program} --gtest_filter=${filter} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    add_test(NAME ${name} COMMAND ${shards} $<TARGET_FILE:${program}> --gtest_filter=${filter} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
   endforeach()
 endfunction()

@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdlib>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
 #include "bench/controller/stop_reason.h"
 
 namespace strainwave::bench {
@@ -33,5 +41,35 @@ inline constexpr Fault kFaults[] = {
      "stream accelerometers silent off"},
     {"gear gets hot", "gear temperature 90", StopCause::kGearTemperatureLimit, "gear temperature", ""},
 };
+
+inline constexpr const char* kPhases[] = {"load_run", "measurement_rotation", "transmission_error", "hysteresis"};
+
+/// A fault in a phase; by its numbers, so that a test has a name.
+struct FaultInPhase {
+  std::size_t fault{};
+  std::size_t phase{};
+};
+
+inline std::string NameOf(const testing::TestParamInfo<FaultInPhase>& info) {
+  std::string name;
+  for (const std::string_view text :
+       {kFaults[info.param.fault].name, "_during_", kPhases[info.param.phase]}) {
+    for (const char letter : text) name += letter == ' ' || letter == '-' ? '_' : letter;
+  }
+  std::erase(name, '\'');
+  return name;
+}
+
+/// Every fault in every phase with STRAINWAVE_FAULT_MATRIX=1; else those that `one_of_few` takes.
+inline std::vector<FaultInPhase> FaultsInPhases(bool (*one_of_few)(FaultInPhase)) {
+  const bool all = std::getenv("STRAINWAVE_FAULT_MATRIX") != nullptr;
+  std::vector<FaultInPhase> pairs;
+  for (std::size_t phase = 0; phase < std::size(kPhases); ++phase) {
+    for (std::size_t fault = 0; fault < std::size(kFaults); ++fault) {
+      if (all || one_of_few({fault, phase})) pairs.push_back({fault, phase});
+    }
+  }
+  return pairs;
+}
 
 }  // namespace strainwave::bench

@@ -3,7 +3,6 @@
 // stated time, and the reason is named. The whole matrix, for the README: STRAINWAVE_FAULT_MATRIX=1.
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
 #include <iostream>
 #include <thread>
 
@@ -25,19 +24,12 @@ using std::chrono::seconds;
 // The slowest way to notice: a thermometer is believed for 2 s, then borne for 2 s (bad_sensor).
 constexpr seconds kStated{5};
 
-struct PhaseOfTheCycle {
-  const char* name;
-  schedules::PhaseParameters parameters;
-};
-
-std::vector<PhaseOfTheCycle> Phases() {
+// In the order of kPhases.
+std::vector<schedules::PhaseParameters> Phases() {
   schedules::MeasurementRotation rotation = TestRotation();
   rotation.turns = 20;  // long enough for a fault to meet it
   rotation.vibration_rate_hz = 12800.0;
-  return {{"load run", TestLoadRun(60.0)},
-          {"measurement rotation", rotation},
-          {"transmission error", TestSweep()},
-          {"hysteresis", TestHysteresis()}};
+  return {TestLoadRun(60.0), rotation, TestSweep(), TestHysteresis()};
 }
 
 struct Observed {
@@ -47,13 +39,13 @@ struct Observed {
   nanoseconds safe_after{};     // in truth
 };
 
-class FieldFaults : public testing::Test {
+class FieldFaults : public testing::TestWithParam<FaultInPhase> {
  protected:
   static BenchDescription Bench() {
     return ReadBenchFile(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field/bench.yaml");
   }
 
-  Observed Meet(const Fault& fault, const PhaseOfTheCycle& phase) {
+  Observed Meet(const Fault& fault, const schedules::PhaseParameters& phase) {
     const BenchDescription bench = Bench();
     FieldMachine machine(bench, 80.0, {});
     RunnerSettings settings = TestSettings();
@@ -62,7 +54,7 @@ class FieldFaults : public testing::Test {
     std::atomic<StopRequest> request{StopRequest::kNone};
     const BenchDevices devices = machine.Devices();
     PhaseRunner runner(devices, settings, request);
-    const auto program = MakeProgram(phase.parameters, TestSpecimen(), 0.0, bench.control_period_s);
+    const auto program = MakeProgram(phase, TestSpecimen(), 0.0, bench.control_period_s);
     std::atomic<std::int64_t> injected_ns{-1};
     std::atomic<std::int64_t> safe_ns{-1};
     std::atomic<bool> over{};
@@ -95,32 +87,26 @@ class FieldFaults : public testing::Test {
     return observed;
   }
 
-  void Check(const Fault& fault, const PhaseOfTheCycle& phase) {
-    const Observed observed = Meet(fault, phase);
-    const std::string where = std::string(fault.name) + " during " + phase.name + ": " + observed.words;
+  void Check(const Fault& fault, std::size_t phase) {
+    const Observed observed = Meet(fault, Phases()[phase]);
+    const std::string where = std::string(fault.name) + " during " + kPhases[phase] + ": " + observed.words;
     EXPECT_EQ(observed.outcome.reason.cause, fault.cause) << where;
     EXPECT_NE(observed.words.find(fault.words), std::string::npos) << where;
     EXPECT_LT(observed.safe_after, kStated) << where;
     const auto ms = [](nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); };
-    std::cout << "| " << fault.name << " | " << phase.name << " | "
+    std::cout << "| " << fault.name << " | " << kPhases[phase] << " | "
               << static_cast<int>(ms(observed.safe_after)) << " ms | "
               << observed.words.substr(0, observed.words.find('\n')) << " |\n";
   }
 };
 
-TEST_F(FieldFaults, OfEveryKindStopALoadRun) {
-  for (const Fault& fault : kFaults) Check(fault, Phases()[0]);
-}
+TEST_P(FieldFaults, EndSafeAndAreNamed) { Check(kFaults[GetParam().fault], GetParam().phase); }
 
-TEST_F(FieldFaults, StopEveryOtherPhase) {
-  const bool all = std::getenv("STRAINWAVE_FAULT_MATRIX") != nullptr;
-  for (std::size_t phase = 1; phase < Phases().size(); ++phase) {
-    for (const Fault& fault : kFaults) {
-      const bool one = &fault == &kFaults[(phase * 5) % std::size(kFaults)];
-      if (all || one) Check(fault, Phases()[phase]);
-    }
-  }
-}
+// All of them in a load run, and one in each other phase.
+INSTANTIATE_TEST_SUITE_P(Matrix, FieldFaults, testing::ValuesIn(FaultsInPhases([](FaultInPhase pair) {
+                           return pair.phase == 0 || pair.fault == (pair.phase * 5) % std::size(kFaults);
+                         })),
+                         NameOf);
 
 }  // namespace
 }  // namespace strainwave::bench
