@@ -116,10 +116,22 @@ void DriveMaster::UpdateStatus() noexcept {
 }
 
 void DriveMaster::OnStatus(nanoseconds now) noexcept {
-  if (!IsExchanging() || stage_ == DriveStage::kStopped) return;
+  if (!IsExchanging()) return;
+  const bool torque_is_safely_off = !status_.is_stale && status_.is_torque_safely_off.value_or(false);
+  if (stage_ == DriveStage::kStopped) {
+    // Of a drive that stopped for it, and said so in its own way, it is the reason. After a stop that was
+    // asked for, it may be open: a person is at the shafts.
+    const bool by_itself = trouble_ != DriveTrouble::kNone && trouble_ != DriveTrouble::kQuickStopAsked;
+    if (torque_is_safely_off && by_itself) last_trouble_ = DriveTrouble::kSafeTorqueOff;
+    return;
+  }
   if (!status_.power) return Trip(DriveTrouble::kStatusUnclear, now);
   const PowerState power = *status_.power;
   const bool is_fault = power == PowerState::kFault || power == PowerState::kFaultReactionActive;
+  // Whoever opens it wants the bench to stand, whether this drive has torque at the moment or not.
+  if (torque_is_safely_off && (stage_ == DriveStage::kDisabled || IsOnTheWayUp())) {
+    return Trip(DriveTrouble::kSafeTorqueOff, now);
+  }
   switch (stage_) {
     case DriveStage::kDisabled:
       if (is_fault) Trip(DriveTrouble::kFault, now);

@@ -92,6 +92,7 @@ std::string DriveMaster::TroubleWords() const {
     case DriveTrouble::kNotOperational:
     case DriveTrouble::kHeartbeatLost:
     case DriveTrouble::kNodeRebooted:
+    case DriveTrouble::kSafeTorqueOff:
     case DriveTrouble::kStatusUnclear:
     case DriveTrouble::kFollowingError:
     case DriveTrouble::kHomingFailed:

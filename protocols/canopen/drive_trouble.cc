@@ -25,6 +25,8 @@ std::string_view Words(DriveTrouble trouble) {
       return "the drive is in fault";
     case DriveTrouble::kFaultNotReset:
       return "the drive stays in fault after a reset: the cause is still there";
+    case DriveTrouble::kSafeTorqueOff:
+      return "safe torque off is open: an emergency stop, a guard, or its wiring";
     case DriveTrouble::kStoppedByDrive:
       return "the drive stopped by itself: safe torque off, limit switch or enable input";
     case DriveTrouble::kStatusUnclear:
@@ -65,6 +67,7 @@ bool NeedsCommissioning(DriveTrouble trouble) {
     case DriveTrouble::kEmergency:
     case DriveTrouble::kFault:
     case DriveTrouble::kFaultNotReset:
+    case DriveTrouble::kSafeTorqueOff:
     case DriveTrouble::kStoppedByDrive:
     case DriveTrouble::kStatusUnclear:
     case DriveTrouble::kModeNotConfirmed:

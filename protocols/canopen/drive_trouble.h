@@ -18,6 +18,7 @@ enum class DriveTrouble : std::uint8_t {
   kEmergency,
   kFault,
   kFaultNotReset,
+  kSafeTorqueOff,
   kStoppedByDrive,
   kStatusUnclear,
   kModeNotConfirmed,
@@ -30,7 +31,7 @@ enum class DriveTrouble : std::uint8_t {
   kPdoMissing,
   kSyncJitter,
 };
-inline constexpr int kDriveTroubles = 21;
+inline constexpr int kDriveTroubles = 22;
 
 std::string_view Words(DriveTrouble trouble);
 

@@ -27,7 +27,7 @@ inline constexpr Fault kFaults[] = {
     {"drive falls silent", "drive 2 silent on", StopCause::kDriveFault, "node 2", ""},
     {"drive reboots", "drive 1 reboot", StopCause::kDriveFault, "started anew", ""},
     {"emergency message", "drive 2 emergency 0x4310", StopCause::kDriveFault, "4310", ""},
-    {"safe torque off opens", "drive 1 sto on", StopCause::kDriveFault, "node 1", ""},
+    {"safe torque off opens", "drive 1 sto on", StopCause::kDriveFault, "safe torque off is open", ""},
     {"drive's bus-off", "drive 1 bus-off on", StopCause::kDriveFault, "node 1", ""},
     {"encoder stream falls silent", "stream encoders silent on", StopCause::kStaleReadings,
      "no fresh readings", ""},
@@ -42,7 +42,8 @@ inline constexpr Fault kFaults[] = {
     {"gear gets hot", "gear temperature 90", StopCause::kGearTemperatureLimit, "gear temperature", ""},
 };
 
-inline constexpr const char* kPhases[] = {"load_run", "measurement_rotation", "transmission_error", "hysteresis"};
+inline constexpr const char* kPhases[] = {"load_run", "measurement_rotation", "transmission_error",
+                                          "hysteresis"};
 
 /// A fault in a phase; by its numbers, so that a test has a name.
 struct FaultInPhase {

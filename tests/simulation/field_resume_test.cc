@@ -28,7 +28,7 @@ std::string ShortSchedule() {
   text = schedules::With(text, "dwell: 1 min", "dwell: 1 s");
   text = schedules::With(text, "step: 5 deg\n    steps: 72", "step: 20 deg\n    steps: 18");
   text = schedules::With(text, "vibration_rate: 25.6 kHz", "vibration_rate: 12.8 kHz");
-  text = schedules::With(text, "input_speed: 1500 rpm", "input_speed: 1000 rpm");
+  text = schedules::With(text, "input_speed: 300 rpm", "input_speed: 1000 rpm");
   text = schedules::With(text, "torque_rate: 8 Nm/s", "torque_rate: 20 Nm/s");
   return schedules::With(text, "operator_acknowledges: true", "operator_acknowledges: false");
 }

@@ -247,22 +247,88 @@ TEST(Brake, MayBeABitOfTheControlwordWithEitherSense) {
   EXPECT_EQ(bench.SentTo("203"), Texts{"000003"});
 }
 
-TEST(Brake, AndSafeTorqueOffAreShownFromTheirBits) {
+TEST(Brake, IsShownFromItsFeedback) {
   DriveProfile profile = EasyProfile();
   profile.brake.engaged_feedback = {BitSource::From::kStatusword, 0x4000, false};
-  profile.safe_torque_off = {BitSource::From::kStatusword, 0x8000, true};
   DriveBench bench(profile);
   ASSERT_TRUE(bench.BringUp());
   EXPECT_FALSE(bench.master.status().is_brake_engaged);
-  EXPECT_EQ(bench.master.status().is_torque_safely_off, true);
-  bench.drive.mode_bits = 0xC200;
+  bench.drive.mode_bits = 0x4200;
   bench.Cycle();
   EXPECT_TRUE(bench.master.status().is_brake_engaged);
+}
+
+// Closed as long as the bit is there.
+DriveBench WithSafeTorqueOff() {
+  DriveProfile profile = EasyProfile();
+  profile.safe_torque_off = {BitSource::From::kStatusword, 0x8000, true};
+  DriveBench bench(profile);
+  bench.drive.mode_bits = 0x8200;
+  return bench;
+}
+
+TEST(SafeTorqueOff, IsShownFromItsBit) {
+  DriveBench bench = WithSafeTorqueOff();
+  ASSERT_TRUE(bench.BringUp());
   EXPECT_EQ(bench.master.status().is_torque_safely_off, false);
+  bench.drive.mode_bits = 0x0200;
+  bench.Cycle();
+  EXPECT_EQ(bench.master.status().is_torque_safely_off, true);
 
   DriveBench plain;
   ASSERT_TRUE(plain.BringUp());
   EXPECT_EQ(plain.master.status().is_torque_safely_off, std::nullopt);
+}
+
+TEST(SafeTorqueOff, IsATroubleWhetherTheDriveIsEnabledOrNot) {
+  for (const bool is_enabled : {false, true}) {
+    DriveBench bench = WithSafeTorqueOff();
+    ASSERT_TRUE(is_enabled ? bench.BringUp(kProfileVelocity) : bench.BringUp());
+    EXPECT_EQ(bench.master.trouble(), DriveTrouble::kNone);
+    bench.drive.mode_bits = 0x0200;
+    bench.Cycle();
+    bench.Cycle();
+    EXPECT_EQ(bench.master.trouble(), DriveTrouble::kSafeTorqueOff) << is_enabled;
+  }
+}
+
+TEST(SafeTorqueOff, IsNamedBehindWhatTheDriveMakesOfIt) {
+  DriveBench bench = WithSafeTorqueOff();
+  ASSERT_TRUE(bench.BringUp(kProfileVelocity));
+  bench.Hear("083#4054010000000000");
+  ASSERT_TRUE(bench.CycleUntil(DriveStage::kStopped));
+  EXPECT_EQ(bench.master.last_trouble(), DriveTrouble::kEmergency);
+  bench.drive.mode_bits = 0x0200;
+  bench.Cycle();
+  bench.Cycle();
+  EXPECT_EQ(bench.master.trouble(), DriveTrouble::kEmergency);
+  EXPECT_EQ(bench.master.last_trouble(), DriveTrouble::kSafeTorqueOff);
+}
+
+TEST(SafeTorqueOff, MayBeOpenAfterAStopThatWasAskedFor) {
+  DriveBench bench = WithSafeTorqueOff();
+  ASSERT_TRUE(bench.BringUp(kProfileVelocity));
+  bench.master.QuickStop(bench.now);
+  ASSERT_TRUE(bench.CycleUntil(DriveStage::kStopped));
+  bench.drive.mode_bits = 0x0200;
+  for (int i = 0; i < 10; ++i) bench.Cycle();
+  EXPECT_EQ(bench.master.last_trouble(), DriveTrouble::kQuickStopAsked);
+}
+
+TEST(SafeTorqueOff, IsResetOnlyOnceItIsClosed) {
+  DriveBench bench = WithSafeTorqueOff();
+  ASSERT_TRUE(bench.BringUp());
+  bench.drive.mode_bits = 0x0200;
+  ASSERT_TRUE(bench.CycleUntil(DriveStage::kStopped));
+  ASSERT_EQ(bench.master.ResetFault(bench.now), DriveAnswer::kAccepted);
+  for (int i = 0; i < 100; ++i) bench.Cycle();
+  EXPECT_EQ(bench.master.stage(), DriveStage::kStopped);
+  EXPECT_EQ(bench.master.trouble(), DriveTrouble::kSafeTorqueOff);
+  bench.drive.mode_bits = 0x8200;
+  bench.Cycle();
+  ASSERT_EQ(bench.master.ResetFault(bench.now), DriveAnswer::kAccepted);
+  EXPECT_TRUE(bench.CycleUntil(DriveStage::kDisabled));
+  EXPECT_EQ(bench.master.trouble(), DriveTrouble::kNone);
 }
 
 }  // namespace
