@@ -23,10 +23,8 @@ std::string WithPlantFile(const std::string& text, const std::string& named) {
   return frozen.replace(value, named.size(), "plant.yaml");
 }
 
-}  // namespace
-
-CampaignInputs ReadInputs(const std::filesystem::path& schedule,
-                          const std::optional<std::filesystem::path>& bench) {
+CampaignInputs ReadBoth(const std::filesystem::path& schedule,
+                        const std::optional<std::filesystem::path>& bench) {
   CampaignInputs inputs;
   inputs.schedule = schedules::ReadSchedule(schedule);
   inputs.schedule_text = ReadText(schedule);
@@ -42,6 +40,14 @@ CampaignInputs ReadInputs(const std::filesystem::path& schedule,
     inputs.bench = EmbeddedBench();
     inputs.bench_text = EmbeddedBenchText();
   }
+  return inputs;
+}
+
+}  // namespace
+
+CampaignInputs ReadInputs(const std::filesystem::path& schedule,
+                          const std::optional<std::filesystem::path>& bench) {
+  CampaignInputs inputs = ReadBoth(schedule, bench);
   const schedules::FindingList findings = CheckScheduleAgainstBench(inputs.schedule, inputs.bench);
   if (findings.has_errors()) throw schedules::ScheduleError(schedule.string(), findings);
   return inputs;
@@ -73,7 +79,8 @@ CampaignInputs ReadFrozenInputs(const CampaignFolder& folder) {
                     "campaign.db)",
                     folder.root.string()));
   }
-  return ReadInputs(folder.Schedule(), folder.Bench());
+  // They were held against each other at the start, with profiles of drives that need not be here.
+  return ReadBoth(folder.Schedule(), folder.Bench());
 }
 
 }  // namespace strainwave::bench

@@ -110,6 +110,13 @@ TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
   }
 }
 
+TEST_F(CutCampaign, HasItsInputsWithoutTheProfilesOfItsDrives) {
+  const CampaignFolder folder{folder_.root / "field"};
+  const std::filesystem::path tests = STRAINWAVE_SOURCE_DIR "/tests/simulation";
+  CreateCampaign(folder, ReadInputs(tests / "small.yaml", tests / "field/bench.yaml"));
+  EXPECT_EQ(ReadFrozenInputs(folder).bench.driving_servo.drive.profile.filename(), "drive.yaml");
+}
+
 // The header of version 1, byte by byte: four integers, two numbers, an integer, a number; then the memory.
 TEST_F(CutCampaign, ReadsTheCheckpointOfAnEarlierVersion) {
   std::vector<std::byte> payload(48 + 3, std::byte{9});
