@@ -67,6 +67,18 @@ TEST(HouseRules, NoLineHasATabOrACarriageReturn) {
   }
 }
 
+TEST(HouseRules, NoMergeIsLeftHalfDone) {
+  const auto marks = [](const std::string& line) {
+    return line.starts_with("<<<<<<< ") || line.starts_with(">>>>>>> ");
+  };
+  for (const std::string& path : ListSources()) {
+    const SourceFile file = ReadSource(path);
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      EXPECT_FALSE(marks(file.lines[i])) << path << ":" << i + 1;
+    }
+  }
+}
+
 TEST(HouseRules, FilesStayShort) {
   for (const SourceFile& file : ReadCode()) {
     EXPECT_LE(file.lines.size(), kMostLines) << file.path << " is to be split";
