@@ -15,7 +15,7 @@ namespace {
 
 // A local cause may cover a few samples: its blocks are this much shorter.
 constexpr std::size_t kShortBlocks = 20;
-// Values that the models kept may take in memory, all together (64 MB), and how many models at most.
+// Values that the fits kept may take in memory, all together (64 MB), and how many there may be.
 constexpr std::size_t kMostKept = std::size_t{1} << 23;
 constexpr std::size_t kMostFits = 256;
 constexpr std::size_t kMostHeldOut = 8;
@@ -52,21 +52,21 @@ Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOpti
 }
 
 ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* start, FitPurpose purpose) const {
-  FitRequest request{{causes.begin(), causes.end()}, {}, {}, purpose};
-  if (start != nullptr && start->usable) {
-    request.start_causes = start->causes;
-    request.start_state = start->state;
-  } else {
-    start = nullptr;
-  }
-  return fits_.Get(request, [&] {
+  const auto make = [&] {
     ScoredModel model{study_.Fit(causes, weights_, start, purpose), {}};
     if (model.fit.usable) {
       model.noise = FitNoise(ResidualsOf(study_, model.fit), weights_, study_.stretches(),
                              study_.LargestNoiseOrder(), scale_);
     }
     return model;
-  });
+  };
+  if (purpose == FitPurpose::kCompare && study_.RemembersSearches()) return make();
+  FitRequest request{{causes.begin(), causes.end()}, {}, {}, purpose};
+  if (start != nullptr && start->usable) {
+    request.start_causes = start->causes;
+    request.start_state = start->state;
+  }
+  return fits_.Get(request, make);
 }
 
 const std::vector<double>& Judge::HeldOut(const ModelFit& fit, bool local) const {

@@ -77,8 +77,8 @@ class Judge {
   Folds folds_;
   Folds short_folds_;
 
-  /// What a fit hangs on beside the weights. Selecting, exchanging and naming of rivals ask for the same one
-  /// several times.
+  /// What a fit hangs on beside the weights. Judging of candidates, of exchanges and of what was chosen in
+  /// the end ask for the same one several times.
   struct FitRequest {
     std::vector<std::size_t> causes;
     std::vector<std::size_t> start_causes;
