@@ -322,9 +322,9 @@ TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverSpikesThereAre) {
   EXPECT_NEAR(samples.noise_floor, kNoise_m_per_s2, kErrorOfScale * kNoise_m_per_s2);
 }
 
-// A strong line that a rising speed spreads over a third of its order.
+// A strong line that a rising speed spreads over more than half of a block of the spectrum.
 TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverLinesTheSpeedSpreads) {
-  const Turning run(2200.0, 1.8, 0.4);
+  const Turning run(3000.0, 1.0, 1.4);
   VibrationData record = Record(run, 32, Silence, {1.0, 1.0});
   Signal& loud = record.channels[0].values;
   loud = loud + Line(run, 2.0, 80.0 * kNoise_m_per_s2);
