@@ -163,10 +163,9 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   std::sort(diagnosis.candidates.begin(), diagnosis.candidates.end(), by_evidence);
 
   const Folds& folds = judge->folds(local);
-  const std::vector<double> before = HeldOutResiduals(study, diagnosis.weights, folds, nominal.fit);
+  const std::vector<double>& before = judge->HeldOut(nominal.fit, local);
   const bool found = !diagnosis.causes.empty() || !diagnosis.corrections.empty();
-  const std::vector<double> after =
-      found ? HeldOutResiduals(study, diagnosis.weights, folds, extended.fit) : before;
+  const std::vector<double>& after = found ? judge->HeldOut(extended.fit, local) : before;
   diagnosis.nominal_heldout_rmse = of_record(HeldOutRmse(before, diagnosis.weights));
   diagnosis.extended_heldout_rmse = of_record(HeldOutRmse(after, diagnosis.weights));
   if (found)

@@ -15,7 +15,10 @@ namespace {
 
 // A local cause may cover a few samples: its blocks are this much shorter.
 constexpr std::size_t kShortBlocks = 20;
-constexpr std::size_t kMostHeldOut = 4;
+// Values that the fits kept may take in memory, all together (64 MB), and how many there may be.
+constexpr std::size_t kMostKept = std::size_t{1} << 23;
+constexpr std::size_t kMostFits = 256;
+constexpr std::size_t kMostHeldOut = 8;
 
 // Of the error allowed, for the causes together; the rest is for descriptions without a cause (weighted
 // Bonferroni; Genovese, Roeder & Wasserman, Biometrika 93 (2006) 509).
@@ -40,19 +43,35 @@ Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOpti
       weights_(std::move(weights)),
       folds_(MakeFolds(study.measured().size(), study.stretches(), study.BlockLength())),
       short_folds_(MakeFolds(study.measured().size(), study.stretches(),
-                             std::max<std::size_t>(2, study.BlockLength() / kShortBlocks))) {
+                             std::max<std::size_t>(2, study.BlockLength() / kShortBlocks))),
+      fits_(std::min(kMostFits, kMostKept / std::max<std::size_t>(1, study.measured().size()))),
+      held_out_(kMostHeldOut) {
   for (const double weight : weights_) samples_ += weight > 0.0 ? 1.0 : 0.0;
   for (const double value : study.measured()) scale_ = std::max(scale_, std::abs(value));
   scale_ = std::max(scale_, 1e-300);
 }
 
 ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* start, FitPurpose purpose) const {
-  ScoredModel model{study_.Fit(causes, weights_, start, purpose), {}};
-  if (model.fit.usable) {
-    model.noise = FitNoise(ResidualsOf(study_, model.fit), weights_, study_.stretches(),
-                           study_.LargestNoiseOrder(), scale_);
+  const auto make = [&] {
+    ScoredModel model{study_.Fit(causes, weights_, start, purpose), {}};
+    if (model.fit.usable) {
+      model.noise = FitNoise(ResidualsOf(study_, model.fit), weights_, study_.stretches(),
+                             study_.LargestNoiseOrder(), scale_);
+    }
+    return model;
+  };
+  if (purpose == FitPurpose::kCompare && study_.RemembersSearches()) return make();
+  FitRequest request{{causes.begin(), causes.end()}, {}, {}, purpose};
+  if (start != nullptr && start->usable) {
+    request.start_causes = start->causes;
+    request.start_state = start->state;
   }
-  return model;
+  return fits_.Get(request, make);
+}
+
+const std::vector<double>& Judge::HeldOut(const ModelFit& fit, bool local) const {
+  return held_out_.Get({fit.causes, fit.state, local},
+                       [&] { return HeldOutResiduals(study_, weights_, folds(local), fit); });
 }
 
 Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) const {
@@ -91,18 +110,8 @@ double Judge::Corrected(double p_value, const CauseRule& rule) const {
 
 double Judge::HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const NoiseFit& noise,
                           bool local) const {
-  const Folds& used = folds(local);
-  // One model is the poorer one of many candidates.
-  auto known = std::ranges::find_if(poorer_, [&](const HeldOut& other) {
-    return other.local == local && other.causes == poorer.causes && other.state == poorer.state;
-  });
-  if (known == poorer_.end()) {
-    if (poorer_.size() == kMostHeldOut) poorer_.pop_front();
-    poorer_.push_back({local, poorer.causes, poorer.state, HeldOutResiduals(study_, weights_, used, poorer)});
-    known = std::prev(poorer_.end());
-  }
-  const std::vector<double>& before = known->residuals;
-  const std::vector<double> after = HeldOutResiduals(study_, weights_, used, richer);
+  const std::vector<double>& before = HeldOut(poorer, local);
+  const std::vector<double>& after = HeldOut(richer, local);
   double gain = 0.0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     gain += weights_[i] * (before[i] * before[i] - after[i] * after[i]);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,6 +11,7 @@
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/heldout.h"
 #include "analysis/diagnosis/noise_likelihood.h"
+#include "analysis/diagnosis/recent.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -62,6 +62,9 @@ class Judge {
 
   const Folds& folds(bool local) const { return local ? short_folds_ : folds_; }
 
+  /// Residuals of samples that the fit has not seen. The reference holds while the next one is asked for.
+  const std::vector<double>& HeldOut(const ModelFit& fit, bool local) const;
+
   /// Why this cause's parameters are not believed; empty if they are. The fit is to be one for reporting.
   /// `away_from_zero`: standard errors that an amount has to be.
   std::string Objection(const ModelFit& fit, std::size_t cause, double away_from_zero = 3.0) const;
@@ -74,14 +77,23 @@ class Judge {
   Folds folds_;
   Folds short_folds_;
 
-  /// Residuals of the last models that were the poorer ones. Not for several threads at once.
-  struct HeldOut {
-    bool local{};
+  /// What a fit hangs on beside the weights. Judging of candidates, of exchanges and of what was chosen in
+  /// the end ask for the same one several times.
+  struct FitRequest {
+    std::vector<std::size_t> causes;
+    std::vector<std::size_t> start_causes;
+    std::vector<double> start_state;
+    FitPurpose purpose{};
+    bool operator==(const FitRequest&) const = default;
+  };
+  struct HeldOutRequest {
     std::vector<std::size_t> causes;
     std::vector<double> state;
-    std::vector<double> residuals;
+    bool local{};
+    bool operator==(const HeldOutRequest&) const = default;
   };
-  mutable std::deque<HeldOut> poorer_;
+  mutable Recent<FitRequest, ScoredModel> fits_;
+  mutable Recent<HeldOutRequest, std::vector<double>> held_out_;
 };
 
 /// The set without one cause, or with one more; ascending.

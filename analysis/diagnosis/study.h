@@ -127,6 +127,10 @@ class Study {
   virtual ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                        const ModelFit* start, FitPurpose purpose) const = 0;
 
+  /// True where the study remembers what it searched for, so that what a fit of causes that `start` lacks
+  /// comes to may hang on what was asked for before it.
+  virtual bool RemembersSearches() const { return false; }
+
   /// Standard deviation of the noise without a model, SI: from repeats at equal position where the record has
   /// them, else from what changes fastest. 0 where the record cannot tell.
   virtual double NoiseFloor() const = 0;

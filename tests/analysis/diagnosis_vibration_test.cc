@@ -322,6 +322,17 @@ TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverSpikesThereAre) {
   EXPECT_NEAR(samples.noise_floor, kNoise_m_per_s2, kErrorOfScale * kNoise_m_per_s2);
 }
 
+// A strong line that a rising speed spreads over more than half of a block of the spectrum.
+TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverLinesTheSpeedSpreads) {
+  const Turning run(3000.0, 1.0, 1.4);
+  VibrationData record = Record(run, 32, Silence, {1.0, 1.0});
+  Signal& loud = record.channels[0].values;
+  loud = loud + Line(run, 2.0, 80.0 * kNoise_m_per_s2);
+  const VibrationSamples samples = PrepareVibration({&record, 1});
+  const auto& channels = samples.runs.front().channels;
+  EXPECT_NEAR(channels[0].scale / channels[1].scale, 1.0, 0.1);
+}
+
 // What a search compares has to be what the whole fit comes to.
 TEST(OneTermSolver, FitsATermAsTheWholeModelDoes) {
   const Effect hidden = [](const Turning& run) { return Line(run, 7.3, 0.2) + Line(run, 11.9, 0.1); };

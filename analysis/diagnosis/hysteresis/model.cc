@@ -127,12 +127,18 @@ Eigen::VectorXd LoopModel::Predict(const Eigen::VectorXd& x, const LoopGrid& gri
   const std::vector<bool> held = Held(x);
   Eigen::VectorXd gear;
   FillTwist(LawOf(x), grid, gear);
+  std::vector<Eigen::VectorXd> added;  // by each effect
   // What goes with the gear's twist, what does not.
   Eigen::VectorXd moving = gear;
-  AddEffects(x, grid, gear, true, moving);
-  Eigen::VectorXd total = moving;
+  Eigen::VectorXd beside = Eigen::VectorXd::Zero(n);
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    Eigen::VectorXd& own = added.emplace_back(Eigen::VectorXd::Zero(n));
+    if (effects_[e]->shapes_gear) continue;
+    effects_[e]->Add(Of(e, x), grid, gear, own);
+    (effects_[e]->follows_gear ? moving : beside) += own;
+  }
+  Eigen::VectorXd total = moving + beside;
   AddOffsets(x, grid, total);
-  AddEffects(x, grid, gear, false, total);
 
   Eigen::VectorXd moved_gear;
   Eigen::VectorXd moved;
@@ -162,8 +168,6 @@ Eigen::VectorXd LoopModel::Predict(const Eigen::VectorXd& x, const LoopGrid& gri
     }
   }
   for (std::size_t e = 0; e < effects_.size(); ++e) {
-    Eigen::VectorXd own = Eigen::VectorXd::Zero(n);
-    if (!effects_[e]->shapes_gear) effects_[e]->Add(Of(e, x), grid, gear, own);
     for (std::size_t j = 0; j < effects_[e]->numbers.size(); ++j) {
       const int k = first_of_effect_[e] + static_cast<int>(j);
       if (held[static_cast<std::size_t>(k)]) continue;
@@ -175,7 +179,7 @@ Eigen::VectorXd LoopModel::Predict(const Eigen::VectorXd& x, const LoopGrid& gri
       there[k] += step_of(k);
       moved.setZero(n);
       effects_[e]->Add(Of(e, there), grid, gear, moved);
-      derivatives.col(k) = (moved - own) / (there[k] - x[k]);
+      derivatives.col(k) = (moved - added[e]) / (there[k] - x[k]);
     }
   }
   return total;

@@ -43,6 +43,7 @@ LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen
     const Eigen::MatrixXd normal = derivatives.transpose() * weighted;
     const Eigen::VectorXd gradient = weighted.transpose() * residual;
     const double before = best.cost;
+    double surprise = before;  // by how much a step's gain is not as foretold
     bool better = false;
     while (!better && damping < kGiveUp) {
       // Numbers without effect, or that would leave their bounds, stay for this step.
@@ -98,13 +99,16 @@ LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen
       const double cost = CostOf(grid, model.Predict(next, grid));
       if (std::isfinite(cost) && cost < best.cost) {
         better = true;
+        const Eigen::VectorXd step = next - best.numbers;
+        surprise = std::abs(before - cost - 2.0 * gradient.dot(step) + step.dot(normal * step));
         best = {std::move(next), cost};
         damping = std::max(0.1 * damping, 1e-9);
       } else {
         damping = std::max(10.0 * damping, 1e-6);
       }
     }
-    if (!better || before - best.cost <= settled * best.cost) break;
+    // A step that brought what it foretold leaves to the next one no more than what it is wrong by.
+    if (!better || std::min(before - best.cost, surprise) <= settled * best.cost) break;
   }
   return best;
 }

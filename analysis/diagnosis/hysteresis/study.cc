@@ -121,16 +121,12 @@ LoopGrid HysteresisStudy::GridOf(const LoopModel& model, std::span<const double>
   return Condense(records_, weights, model.NeedsAllSamples() ? 0 : kComparisonPoints);
 }
 
-// Records whose first samples have no weight. What state their friction starts in is a condition of the
-// record and not of the model: a fit that does not see it keeps what it was given.
+// Records whose first sample has no weight: of those behind it, few if any hang on the state that their
+// friction starts in. It is a condition of the record and not of the model: a fit that does not see it keeps
+// what it was given.
 std::vector<bool> HysteresisStudy::UnseenStarts(std::span<const double> weights) const {
-  constexpr std::size_t kFirstSamples = 8;
   std::vector<bool> unseen;
-  for (const std::size_t first : stretches_) {
-    unseen.push_back(std::all_of(weights.begin() + static_cast<std::ptrdiff_t>(first),
-                                 weights.begin() + static_cast<std::ptrdiff_t>(first + kFirstSamples),
-                                 [](double weight) { return weight == 0.0; }));
-  }
+  for (const std::size_t first : stretches_) unseen.push_back(weights[first] == 0.0);
   return unseen;
 }
 

@@ -215,19 +215,16 @@ TermFit OneTermSolver::Refine(TermFit fit, int rounds) const {
   if (fit.term.shapes.empty()) return fit;
   const bool filter = IsFilter(fit.term);
   const std::vector<VibrationShape> shapes = ShapesOf(samples_, fit.term);
-  std::vector<Products> products;
-  if (!filter) products = ProductsOf(fit.term, true);
+  // Slopes cost a column a shape each: a step that is refused needs none.
   return Descend(
       std::move(fit), rounds,
-      [&](const TermFit& at) { return filter ? StepFilter(at, shapes) : Step(at, products); },
+      [&](const TermFit& at) {
+        return filter ? StepFilter(at, shapes) : Step(at, ProductsOf(at.term, true));
+      },
       [&](const TermFit& at, const SharedStep& step, double damping) {
         VibrationTerm moved = at.term;
         moved.shapes = MovedShapes(moved.shapes, shapes, step, damping);
-        if (filter) return SolveFilter(std::move(moved));
-        std::vector<Products> next = ProductsOf(moved, true);
-        TermFit there = Solve(std::move(moved), next);
-        if (there.square_sum < at.square_sum) products = std::move(next);
-        return there;
+        return Fit(std::move(moved));
       });
 }
 

@@ -43,6 +43,7 @@ class VibrationStudy final : public Study {
   // More memory would be a resonance.
   int LargestNoiseOrder() const override { return 1; }
   bool SpikesAreOutliers() const override { return spikes_are_outliers_; }
+  bool RemembersSearches() const override { return true; }
   const std::vector<std::string>& warnings() const override { return samples_.warnings; }
 
   std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override {
