@@ -12,10 +12,6 @@ namespace {
 
 using Eigen::Index;
 
-// Share of a column's square sum that the samples with weight have to hold to say how large it is: below,
-// what it foretells for the others is their noise, magnified.
-constexpr double kLeastSeen = 0.1;
-
 Index ToIndex(std::size_t n) { return static_cast<Index>(n); }
 
 Eigen::Map<const Eigen::VectorXd> AsVector(std::span<const double> values) {
@@ -98,7 +94,6 @@ std::size_t TermSet::moved_shapes() const {
 SeparableProblem::SeparableProblem(const TermSet& set, std::span<const double> measured,
                                    std::span<const double> weights)
     : set_(set), measured_(AsVector(measured)), roots_(AsVector(weights).cwiseSqrt()) {
-  if (roots_.minCoeff() <= 0.0) unseen_ = (roots_.array() <= 0.0).cast<double>();
   Index fixed = 0;
   for (const SeparableTerm* term : set.terms) {
     (term->shapes.empty() ? fixed : moving_columns_) += ToIndex(term->columns);
@@ -149,15 +144,7 @@ Eigen::MatrixXd SeparableProblem::Moving(const std::vector<std::vector<double>>&
     set_.terms[t]->fill(shapes[t], columns.middleCols(next, count));
     next += count;
   }
-  for (Index j = 0; j < columns.cols(); ++j) {
-    if (!IsSeen(columns.col(j))) columns.col(j).setZero();
-  }
   return columns;
-}
-
-bool SeparableProblem::IsSeen(const Eigen::VectorXd& column) const {
-  if (unseen_.size() == 0) return true;
-  return unseen_.dot(column.cwiseAbs2()) <= (1.0 - kLeastSeen) * column.squaredNorm();
 }
 
 SeparableSolution SeparableProblem::Solve(std::vector<std::vector<double>> shapes) const {

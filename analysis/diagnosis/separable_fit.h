@@ -38,8 +38,7 @@ class SeparableProblem {
   SeparableProblem(const TermSet& set, std::span<const double> measured, std::span<const double> weights);
 
   /// Coefficients at given shapes (one list a term), by the scaled normal equations; a direction that the
-  /// samples do not determine gets nothing, and so does a term with shapes that lies where samples have no
-  /// weight.
+  /// samples do not determine gets nothing.
   SeparableSolution Solve(std::vector<std::vector<double>> shapes) const;
 
   /// Improves the shapes by damped Gauss–Newton steps on what the coefficients leave; never ends worse than
@@ -53,12 +52,10 @@ class SeparableProblem {
   };
   Normal NormalOf(const Eigen::MatrixXd& further, const Eigen::VectorXd& target) const;
   Eigen::MatrixXd Moving(const std::vector<std::vector<double>>& shapes) const;
-  bool IsSeen(const Eigen::VectorXd& column) const;
 
   const TermSet& set_;
   Eigen::VectorXd measured_;
   Eigen::VectorXd roots_;     // of the weights
-  Eigen::VectorXd unseen_;    // one where a sample has no weight; empty where all have
   Eigen::MatrixXd fixed_;     // columns of the terms without shapes
   Eigen::MatrixXd weighted_;  // the same times the roots
   Eigen::MatrixXd gram_;      // of these

@@ -366,21 +366,6 @@ TEST(Diagnose, LeavesOutSamplesThatStandOff) {
   EXPECT_NEAR(diagnosis.nominal_heldout_rmse, 0.1, 0.015);
 }
 
-// Where the bump is there are no samples: its height would be their noise, magnified without bound.
-TEST(SeparableStudy, ForetellsNothingOfWhatNoSampleSays) {
-  const ToyRecord record(400);
-  std::vector<double> measured = WhiteNoise(400, 0.1, 17);
-  std::vector<double> weights(400, 1.0);
-  for (std::size_t i = 170; i < 230; ++i) weights[i] = 0.0;
-  const SeparableStudy study(ToyModel(record, measured));
-  ModelFit whole =
-      study.Fit(std::vector<std::size_t>{1}, std::vector<double>(400, 1.0), nullptr, FitPurpose::kCompare);
-  whole.state.back() = 0.5;  // its centre
-  const ModelFit fit = study.Fit(std::vector<std::size_t>{1}, weights, &whole, FitPurpose::kCompare);
-  ASSERT_TRUE(fit.usable);
-  EXPECT_LT(fit.predicted.cwiseAbs().maxCoeff(), 0.1);
-}
-
 TEST(Diagnose, TakesGivenCausesAsPartOfTheNominalModel) {
   const ToyRecord record(400);
   std::vector<double> measured = WhiteNoise(400, 0.1, 16);
