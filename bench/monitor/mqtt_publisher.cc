@@ -294,17 +294,24 @@ void MqttPublisher::Run() {
   const Library library;
   milliseconds pause = kFirstPause;
   while (!Finished()) {
-    Connection connection(*this);
-    const bool was_born = connection.Serve();
+    bool was_born = false;
+    std::string cause;
+    try {
+      Connection connection(*this);
+      was_born = connection.Serve();
+      cause = connection.cause();
+    } catch (const CampaignError& error) {
+      cause = error.what();  // a certificate that is being exchanged: the next try may find it
+    }
     std::unique_lock lock(mutex_);
     outbox_.ConnectionLost();
     live_ = false;
     ShowLink();
     if (FinishedLocked()) return;
-    const bool other_cause = connection.cause() != std::exchange(told_cause_, connection.cause());
+    const bool other_cause = cause != std::exchange(told_cause_, cause);
     if (!std::exchange(told_broken_, true) || was_born || other_cause) {
       log_(fmt::format("mqtt: no connection to {} port {}: {}; {} windows wait", settings_.host,
-                       settings_.port, connection.cause(), outbox_.size()));
+                       settings_.port, cause, outbox_.size()));
     }
     pause = was_born ? kFirstPause : std::min(2 * pause, kLongestPause);
     wake_.wait_for(lock, pause, [this] { return FinishedLocked(); });

@@ -296,6 +296,20 @@ class Links(unittest.TestCase):
         value = next(payload for kind, payload in messages if kind == "NDATA")["metrics"]["k2_Nm_per_rad/Value"]["value"]
         self.assertEqual(value, self.predicted()["k2_Nm_per_rad"]["value"])
 
+    def test_a_certificate_that_is_gone_for_a_while_ends_nothing(self):
+        files = test_certificates.make(FOLDER / "exchanged_certificates")
+        broker, host, path = self.tls(files)
+        monitor = self.start("--replay", self.record, "--rounds", 1000, "--every", 10, "--pace", 200, "--settings", path)
+        until(lambda: self.data_of(host))
+        (files / "monitor.pem").rename(files / "aside.pem")
+        broker.kill()
+        until(lambda: "monitor.pem: error: cannot be used for TLS" in monitor.said() or monitor.poll() is not None)
+        self.assertIsNone(monitor.poll(), monitor.said())
+        (files / "aside.pem").rename(files / "monitor.pem")
+        births = monitor.said().count("published the birth")
+        broker.start()
+        until(lambda: monitor.said().count("published the birth") > births)
+
     def test_a_certificate_that_is_wrong_is_told_in_words(self):
         files = test_certificates.make(FOLDER / "wrong_certificates")
         signer = rf"signed by {files}/\w+\.pem\)"
