@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include <Eigen/Core>
+
+#include "analysis/networks/vector_functions.h"
 
 namespace strainwave::analysis::networks {
 
@@ -11,7 +11,7 @@ enum class Activation { kLinear, kRelu, kSigmoid, kTanh };
 
 /// z becomes f(z), value by value.
 template <typename Values>
-void Activate(Activation activation, Eigen::DenseBase<Values>& z) {
+void Activate(Activation activation, Eigen::PlainObjectBase<Values>& z) {
   using Scalar = typename Values::Scalar;
   switch (activation) {
     case Activation::kLinear:
@@ -20,10 +20,10 @@ void Activate(Activation activation, Eigen::DenseBase<Values>& z) {
       z.derived() = z.derived().cwiseMax(Scalar(0));
       return;
     case Activation::kSigmoid:
-      z.derived() = (Scalar(1) + (-z.derived().array()).exp()).inverse().matrix();
+      Sigmoid(z.data(), z.size());
       return;
     case Activation::kTanh:
-      z.derived() = z.derived().array().tanh().matrix();
+      Tanh(z.data(), z.size());
       return;
   }
 }
