@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # A small virtual machine's kernel and first file system, for tests that need what the host's kernel has not: CAN and
-# uhid. Debian's stock kernel is fetched once (about 70 MB, no root needed).
+# uhid. Debian's stock kernel is fetched once (about 70 MB, no root needed), and iiod.
 set -euo pipefail
 
 usage() { echo "usage: $0 FOLDER   makes FOLDER/vmlinuz and FOLDER/initramfs, unless they are there (exit 77: cannot)"; }
@@ -11,7 +11,8 @@ skip() {
   exit 77
 }
 
-MODULES=(virtio_pci virtio_mmio 9pnet_virtio 9p overlay can can-raw can-dev vcan sch_netem hid uhid hid-generic)
+MODULES=(virtio_pci virtio_mmio 9pnet_virtio 9p overlay can can-raw can-dev vcan sch_netem hid uhid hid-generic
+  hid-sensor-hub hid-sensor-accel-3d)
 
 (($# == 1)) || { usage >&2; exit 2; }
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
@@ -61,6 +62,9 @@ done | awk '!seen[$0]++' | while read -r path; do
   strip --strip-debug "$root/modules/$name"
   echo "$name" >>"$root/modules/order"
 done
+# A peer for IIO devices. Installed, it would serve the user's own to the network from then on.
+(cd "$work" && apt-get -qq -o APT::Sandbox::User=root download iiod >&2) && dpkg-deb --extract "$work"/iiod_*.deb iiod ||
+  echo "build_image.sh: no iiod: the tests against it will be skipped" >&2
 cp "$work"/kernel/boot/vmlinuz-* vmlinuz
 (cd "$root" && find . -print0 | cpio --null --create --format=newc --quiet) >"$work/modules.cpio"
 mv "$work/modules.cpio" modules.cpio

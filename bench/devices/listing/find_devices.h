@@ -46,7 +46,7 @@ std::string MissingCan();
 void FindOnModbus(ModbusSettings settings, int first, int last, const std::string& address, FoundPart& part);
 
 FoundPart FindHid(const KnownProfiles& known);
-/// IIO contexts of this machine, on USB and on the network.
+/// IIO devices of this machine, on USB and on the network.
 FoundPart FindIio();
 /// V4L2 devices that give pictures.
 FoundPart FindCameras();

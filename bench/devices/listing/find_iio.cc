@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include "bench/devices/listing/find_devices.h"
-#include "daq/acquisition/sources/iio_contexts.h"
+#include "daq/acquisition/sources/iio_devices.h"
 
 namespace strainwave::bench {
 
 FoundPart FindIio() {
   FoundPart part{"iio", {}, {}};
-  for (const auto& context : daq::acquisition::FindIioContexts(part.notes)) {
-    part.devices.push_back({context.uri, context.description, {{"uri", context.uri}}, {}});
+  for (const auto& device : daq::acquisition::FindIioDevices(part.notes)) {
+    part.devices.push_back({fmt::format("{}/{}", device.uri, device.device),
+                            fmt::format("{}", fmt::join(device.channels, ", ")),
+                            {{"uri", device.uri}, {"device", device.device}},
+                            {}});
   }
   if (part.devices.empty() && part.notes.empty()) {
     part.notes.emplace_back(

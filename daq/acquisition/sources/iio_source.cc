@@ -50,6 +50,13 @@ std::string UnitOfKind(iio_chan_type kind) {
   }
 }
 
+// Of the device, or else of one of its channels.
+std::optional<double> RateHz(const iio_device* device, const iio_channel* channel) {
+  double rate_hz{};
+  if (iio_device_attr_read_double(device, "sampling_frequency", &rate_hz) >= 0) return rate_hz;
+  return NumberFrom(iio_channel_attr_read, channel, "sampling_frequency");
+}
+
 bool SameChannels(const SourceDescription& a, const SourceDescription& b) {
   return a.rate_hz == b.rate_hz &&
          std::ranges::equal(a.channels, b.channels, {}, &ChannelDescription::name, &ChannelDescription::name);
@@ -146,13 +153,12 @@ void IioSource::Describe() {
     Throw(ENODEV, fmt::format("'{}' has no channel '{}' to scan", description_.name, missing.front()));
   if (description_.channels.empty())
     Throw(ENODEV, fmt::format("'{}' has no channel to scan", description_.name));
-  double rate_hz{};
-  if (iio_device_attr_read_double(device_->device, "sampling_frequency", &rate_hz) < 0) {
-    rate_hz = NumberFrom(iio_channel_attr_read, device_->channels.front(), "sampling_frequency").value_or(0);
-  }
-  if (!(rate_hz > 0))
+  description_.rate_hz = RateHz(device_->device, device_->channels.front()).value_or(0);
+  if (!(description_.rate_hz > 0))
     Throw(EINVAL, fmt::format("'{}' does not say its sampling_frequency", description_.name));
-  description_.rate_hz = rate_hz;
+  // The kernel's own choice is the date, and a date that is set would look like lost samples. A kernel that
+  // has no choice, or that does not let us choose, keeps its own.
+  iio_device_attr_write(device_->device, "current_timestamp_clock", "monotonic");
 }
 
 void IioSource::Stop() noexcept {
@@ -179,9 +185,11 @@ void IioSource::Refill() noexcept {
     const ssize_t bytes = iio_buffer_refill(device_->buffer.get());
     if (ends_.load()) return;
     if (bytes < 0) {
-      if (bytes == -ETIMEDOUT || bytes == -EAGAIN) continue;  // a slow sensor
+      // A slow sensor; or one that is unplugged, which a buffer of the kernel does not tell.
+      const bool waits = bytes == -ETIMEDOUT || bytes == -EAGAIN;
+      if (waits && RateHz(device_->device, device_->channels.front())) continue;
       Fail(fmt::format("{}: {}", description_.name,
-                       std::generic_category().message(static_cast<int>(-bytes))));
+                       std::generic_category().message(waits ? ENODEV : static_cast<int>(-bytes))));
       return;
     }
     SampleBlock* const slot = ring_->BeginWrite();

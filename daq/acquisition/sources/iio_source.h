@@ -31,7 +31,8 @@ struct IioSettings {
 ///
 /// IIO has no sample counter. Where the device has a time-stamp channel, that is scanned too, and the counter
 /// goes on by its steps, so that what the kernel dropped shows as a gap; without one the counter counts what
-/// came, and only what this side drops is known.
+/// came, and only what this side drops is known. Stamps are taken from the monotonic clock where the kernel
+/// lets us choose (`current_timestamp_clock`); else a date that is set shows as a gap, too.
 ///
 /// A device that is lost is looked for again from within `Next`, which says kFailed once and kNothingYet
 /// until it is back; opening it may take longer than the patience. What was lost meanwhile is a gap: by the

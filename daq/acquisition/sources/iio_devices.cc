@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daq/acquisition/sources/iio_devices.h"
+
+#include <cerrno>
+#include <memory>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <iio.h>
+
+namespace strainwave::daq::acquisition {
+namespace {
+
+constexpr std::string_view kTimeStamp = "timestamp";
+
+void AddDevices(std::string uri, std::vector<IioDeviceInfo>& found, std::vector<std::string>& troubles) {
+  std::string cut = uri;  // libiio 0.24 cuts the port off in place
+  const std::unique_ptr<iio_context, decltype(&iio_context_destroy)> context(
+      iio_create_context_from_uri(cut.data()), iio_context_destroy);
+  if (!context) {
+    troubles.push_back(
+        fmt::format("the IIO context '{}' cannot be opened: {}", uri, std::system_category().message(errno)));
+    return;
+  }
+  for (unsigned d = 0; d < iio_context_get_devices_count(context.get()); ++d) {
+    const iio_device* const device = iio_context_get_device(context.get(), d);
+    const char* const name = iio_device_get_name(device);
+    IioDeviceInfo info{uri, name != nullptr ? name : iio_device_get_id(device), {}};
+    for (unsigned c = 0; c < iio_device_get_channels_count(device); ++c) {
+      const iio_channel* const channel = iio_device_get_channel(device, c);
+      const char* const id = iio_channel_get_id(channel);
+      if (iio_channel_is_scan_element(channel) && !iio_channel_is_output(channel) && id != kTimeStamp)
+        info.channels.emplace_back(id);
+    }
+    if (!info.channels.empty()) found.push_back(std::move(info));
+  }
+}
+
+}  // namespace
+
+std::vector<IioDeviceInfo> FindIioDevices(std::vector<std::string>& troubles) {
+  std::vector<IioDeviceInfo> found;
+  constexpr std::pair<const char*, const char*> kWays[] = {
+      {"local", "this machine"}, {"usb", "USB"}, {"ip", "the network"}};
+  // One after the other: where one way is not to be had, libiio gives up the others, too.
+  for (const auto& [backend, words] : kWays) {
+    const std::unique_ptr<iio_scan_context, decltype(&iio_scan_context_destroy)> scan(
+        iio_create_scan_context(backend, 0), iio_scan_context_destroy);
+    iio_context_info** list = nullptr;
+    const ssize_t count = scan ? iio_scan_context_get_info_list(scan.get(), &list) : -errno;
+    if (count < 0) {
+      const auto error = static_cast<int>(-count);
+      // Without sensors there is no such folder in /sys; that is nobody's trouble.
+      if (error != ENOENT) {
+        troubles.push_back(fmt::format("IIO devices on {} cannot be looked for: {}", words,
+                                       std::system_category().message(error)));
+      }
+      continue;
+    }
+    for (ssize_t i = 0; i < count; ++i) AddDevices(iio_context_info_get_uri(list[i]), found, troubles);
+    iio_context_info_list_free(list);
+  }
+  return found;
+}
+
+}  // namespace strainwave::daq::acquisition
