@@ -28,9 +28,8 @@ class Latest {
     std::memcpy(words.data(), &value, sizeof(Value));
     // Whoever sees a word of this value must see that the slot was taken.
     taken_.store(next, std::memory_order_relaxed);
-    std::atomic_thread_fence(std::memory_order_release);
     Slot& slot = slots_[next % kSlots];
-    for (std::size_t i = 0; i < kWords; ++i) slot[i].store(words[i], std::memory_order_relaxed);
+    for (std::size_t i = 0; i < kWords; ++i) slot[i].store(words[i], std::memory_order_release);
     newest_.store(next, std::memory_order_release);
   }
 
@@ -39,8 +38,7 @@ class Latest {
       const std::uint64_t number = newest_.load(std::memory_order_acquire);
       const Slot& slot = slots_[number % kSlots];
       Words words;
-      for (std::size_t i = 0; i < kWords; ++i) words[i] = slot[i].load(std::memory_order_relaxed);
-      std::atomic_thread_fence(std::memory_order_acquire);
+      for (std::size_t i = 0; i < kWords; ++i) words[i] = slot[i].load(std::memory_order_acquire);
       if (taken_.load(std::memory_order_relaxed) - number >= kSlots) continue;
       Value value;
       std::memcpy(static_cast<void*>(&value), words.data(), sizeof(Value));

@@ -181,11 +181,19 @@ std::string GainText(const DiagnosisReport& report) {
 }
 
 std::string RemainsText(const DiagnosisReport& report) {
+  constexpr double kWhite = 0.01, kMuch = 0.05;
   const diagnosis::Leftover& leftover = report.result.leftover;
-  return Section(
-      "remains",
-      fmt::format("{:.1f} % of the variance of that error; {}", 100.0 * leftover.share_of_residual_variance,
-                  leftover.signature.empty() ? "nothing in it stands out" : leftover.signature));
+  std::string what = leftover.signature;
+  if (what.empty()) {
+    what = "nothing in it stands out";
+    if (leftover.ljung_box_p < kWhite && leftover.share_of_residual_variance > kMuch) {
+      what +=
+          " but that neighbouring samples are alike: noise that is not white does that, and is more than it "
+          "looks from one sample to the next";
+    }
+  }
+  return Section("remains", fmt::format("{:.1f} % of the variance of that error; {}",
+                                        100.0 * leftover.share_of_residual_variance, what));
 }
 
 std::string QuantitiesText(const DiagnosisReport& report) {

@@ -141,6 +141,8 @@ TEST(MotionStudy, NamesATorqueThatActsLate) {
   const Diagnosed found = Ask({Record(6, Nothing, {.late_s = 0.0015})});
   EXPECT_EQ(found.names(), Names{"time_delay"});
   ExpectNear(found.value("delay_s"), 0.0015, 0.1);
+  // Noise stands in the measured torque and in what is left alike.
+  EXPECT_EQ(Ask({Record(24, Nothing, {.late_s = 0.03, .noise_Nm = 0.8})}).diagnosis.leftover.signature, "");
 }
 
 TEST(MotionStudy, NamesFrictionThatFallsAsTheAxisWarms) {

@@ -46,8 +46,11 @@ void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableMo
   model.regressors.push_back({.name = "acceleration",
                               .title = units.linear ? "acceleration / m/s²" : "acceleration / rad/s²",
                               .values = at_rows(grid.passed_acceleration)});
-  model.regressors.push_back(
-      {.name = "torque", .title = units.linear ? "force / N" : "torque / Nm", .values = model.measured});
+  // As the nominal model has it: the measured one holds the same noise as what is left, and would explain it.
+  const Eigen::VectorXd torque = grid.nominal * grid.prefit;
+  model.regressors.push_back({.name = "torque",
+                              .title = units.linear ? "force / N" : "torque / Nm",
+                              .values = std::vector<double>(torque.begin(), torque.end())});
   model.regressors.push_back({.name = "time", .title = "time / s", .values = at_rows(grid.time_s)});
   model.regressors.push_back({.name = "direction", .title = "direction", .values = at_rows(grid.direction)});
   if (!grid.temperature_degC.empty()) {
