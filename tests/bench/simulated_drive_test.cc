@@ -13,13 +13,13 @@ void Steps(SimulatedDrive& drive, int count) {
 }
 
 TEST(SimulatedDrive, StartsDisabledWithItsBrakeOn) {
-  const SimulatedDrive drive(false);
+  const SimulatedDrive drive(true);
   EXPECT_EQ(drive.Actual().power, PowerState::kSwitchOnDisabled);
   EXPECT_TRUE(drive.Actual().brake_engaged);
 }
 
 TEST(SimulatedDrive, WalksToOperationEnabledOneTransitionAStep) {
-  SimulatedDrive drive(false);
+  SimulatedDrive drive(true);
   drive.Enable(DriveMode::kSpeed);
   EXPECT_EQ(drive.Actual().power, PowerState::kSwitchOnDisabled);
   Steps(drive, 1);
@@ -31,7 +31,7 @@ TEST(SimulatedDrive, WalksToOperationEnabledOneTransitionAStep) {
 }
 
 TEST(SimulatedDrive, IgnoresSetPointsUntilEnabledAndOfOtherModes) {
-  SimulatedDrive drive(false);
+  SimulatedDrive drive(true);
   drive.Enable(DriveMode::kSpeed);
   drive.CommandSpeed(50.0);
   Steps(drive, 3);
@@ -43,7 +43,7 @@ TEST(SimulatedDrive, IgnoresSetPointsUntilEnabledAndOfOtherModes) {
 }
 
 TEST(SimulatedDrive, StartsAPositionWhereTheShaftIs) {
-  SimulatedDrive drive(false);
+  SimulatedDrive drive(true);
   drive.Report(std::chrono::nanoseconds{}, 12.5, 0.0, 0.0);
   drive.Enable(DriveMode::kPosition);
   Steps(drive, 3);
@@ -51,7 +51,7 @@ TEST(SimulatedDrive, StartsAPositionWhereTheShaftIs) {
 }
 
 TEST(SimulatedDrive, TakesTorqueOffAndPutsTheBrakeOnAtOnceInAQuickStop) {
-  SimulatedDrive drive(false);
+  SimulatedDrive drive(true);
   drive.Enable(DriveMode::kSpeed);
   Steps(drive, 3);
   drive.SetBrake(false);
@@ -65,7 +65,7 @@ TEST(SimulatedDrive, TakesTorqueOffAndPutsTheBrakeOnAtOnceInAQuickStop) {
 }
 
 TEST(SimulatedDrive, LeavesTheBrakeAloneWhenDisabled) {
-  SimulatedDrive drive(false);
+  SimulatedDrive drive(true);
   drive.Enable(DriveMode::kSpeed);
   Steps(drive, 3);
   drive.SetBrake(false);
@@ -75,7 +75,7 @@ TEST(SimulatedDrive, LeavesTheBrakeAloneWhenDisabled) {
 }
 
 TEST(SimulatedDrive, StaysInFaultUntilItIsReset) {
-  SimulatedDrive drive(false);
+  SimulatedDrive drive(true);
   drive.Enable(DriveMode::kSpeed);
   Steps(drive, 3);
   drive.Fault();
@@ -90,9 +90,9 @@ TEST(SimulatedDrive, StaysInFaultUntilItIsReset) {
   EXPECT_EQ(drive.Actual().power, PowerState::kSwitchOnDisabled);  // a reset starts nothing
 }
 
-TEST(SimulatedDrive, KeepsATorqueDriveOutOfOtherModes) {
-  SimulatedDrive drive(true);
-  drive.Enable(DriveMode::kSpeed);
+TEST(SimulatedDrive, KeepsADriveWithoutPositionModeOutOfIt) {
+  SimulatedDrive drive(false);
+  drive.Enable(DriveMode::kPosition);
   Steps(drive, 5);
   EXPECT_FALSE(drive.enabled());
   drive.Enable(DriveMode::kTorque);

@@ -106,6 +106,16 @@ TEST(JogCommand, TurnsTheShaftWhileItIsHeldAndEndsSafeWithTheInput) {
   EXPECT_NE(result.out.find("torque is off, the brakes are on"), std::string::npos) << result.out;
 }
 
+TEST(JogCommand, TurnsTheLoadWhichTurnsTheGearFromBehind) {
+  Handled jogging("bench jog " + kPatientBench + " --drive load --speed '-1 rpm' --torque '30 Nm'");
+  jogging.WaitUntil("is held");
+  jogging.HoldUntil([&] { return Turned_deg(jogging.said()) < -3.0; });
+  const ProgramResult result = jogging.End();
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_LT(Turned_deg(result.out), -3.0) << result.out << result.error;
+  EXPECT_NE(result.out.find("torque is off, the brakes are on"), std::string::npos) << result.out;
+}
+
 TEST(JogCommand, TurnsNothingThatIsNotHeld) {
   Handled jogging("bench jog " + kPatientBench + " --drive load --speed '-0.2 rpm'");
   jogging.WaitUntil("deg turned");

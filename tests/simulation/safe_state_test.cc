@@ -237,17 +237,19 @@ class Jog : public testing::TestWithParam<JogDrive> {
 INSTANTIATE_TEST_SUITE_P(OfEither, Jog, testing::Values(JogDrive::kDriving, JogDrive::kLoad));
 
 TEST_P(Jog, TurnsAsLongAsItIsHeldAndIsSafeOtherwise) {
-  if (GetParam() == JogDrive::kLoad) GTEST_SKIP() << "skipped: the simulated load servo takes torque alone";
-  const double speed = -2.0;
+  const bool driving = GetParam() == JogDrive::kDriving;
+  const double speed = driving ? -2.0 : -0.1;
   JogProgram program = Program(speed);
   const PhaseOutcome outcome = bench_.runner.Run(program, NoHeartbeat);
   EXPECT_EQ(outcome.reason.cause, StopCause::kShutdownRequested) << Describe(outcome.reason);
   EXPECT_TRUE(bench_.Safe());
-  EXPECT_NEAR(held_speed_, speed, 0.2 * std::abs(speed));
+  // At one moment; cogging and friction of the input, times the ratio, shake the load servo's speed more.
+  EXPECT_NEAR(held_speed_, speed, (driving ? 0.2 : 0.4) * std::abs(speed));
   const Readings readings = bench_.devices.sampler.Read();
-  // Twice three seconds, less the way up.
-  EXPECT_LT(std::abs(readings.input_angle_rad), 6.0 * std::abs(speed));
-  EXPECT_GT(readings.input_angle_rad / speed, 0.5 * 6.0);
+  const double turned_rad = driving ? readings.input_angle_rad : readings.output_angle_rad;
+  // Twice three seconds, less the way up: what the load servo turns has to be torn loose through the gear.
+  EXPECT_LT(turned_rad / speed, driving ? 6.0 : 6.5);
+  EXPECT_GT(turned_rad / speed, 0.5 * 6.0);
 }
 
 TEST_P(Jog, IsSafeWhenADriveIsLostWhileItTurns) {

@@ -164,8 +164,10 @@ void GearPlant::StepBrakes(const PlantCommands& commands, double step_s) noexcep
 
 template <bool kExtended>
 void GearPlant::StepPieces(const PlantCommands& commands, double step_s) noexcept {
-  const bool held = state_.input_brake_closed || commands.input == PlantCommands::Input::kSpeed ||
-                    commands.input == PlantCommands::Input::kPosition;
+  // Nothing to follow but torques: the speeds that come of them take short steps.
+  const bool held = !commands.load_speed_rad_per_s &&
+                    (state_.input_brake_closed || commands.input == PlantCommands::Input::kSpeed ||
+                     commands.input == PlantCommands::Input::kPosition);
   if (dynamics_possible() && (step_s <= kLongestDynamicStep_s || !held)) {
     StepDynamic<kExtended>(commands, step_s);
   } else {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "analysis/model/plant_parameters.h"
 #include "bench/devices/simulated/delay_line.h"
 #include "bench/devices/simulated/plant_state.h"
@@ -14,7 +16,8 @@ struct PlantCommands {
   double input_set_point{};  // Nm, rad/s or rad, by `input`
   bool input_brake{true};
   bool load_enabled{};
-  double load_torque_Nm{};  // at the output
+  double load_torque_Nm{};                     // at the output
+  std::optional<double> load_speed_rad_per_s;  // of the output; the load servo then finds the torque itself
   bool load_brake{true};
 };
 
@@ -95,6 +98,7 @@ class GearPlant {
   double ReachableSpeed(double wanted_rad_per_s, double step_s) const noexcept;
   double ApproachSpeed(double remaining_rad, double wanted_rad_per_s) const noexcept;
   double ServoTorque(const PlantCommands& commands, double step_s) noexcept;
+  double AskedOfLoad(const PlantCommands& commands, double step_s) noexcept;
   // What a nominal gear does not have (gear_plant_causes.cc). Steps come in two: the extended one looks which
   // of these effects are on, the other knows that none is.
   analysis::model::TwistSolution Balance(const analysis::model::TwistCurve& curve, double scale,
@@ -135,6 +139,7 @@ class GearPlant {
   double measurement_start_s_{};
   Seating seating_;
   double electrical_sine_{};
+  double load_integral_Nm_{};  // of the load servo's speed loop; gone with its power
   StepFactors quasi_static_;
   StepFactors substep_;
   PlantState state_;

@@ -130,8 +130,8 @@ class SimulatedBench::Implementation final : public Sampler, public BenchClock {
   GearPlant plant_;
   SimulatedSensors sensors_;
   VibrationSynthesis vibration_;
-  SimulatedDrive driving_{false};
-  SimulatedDrive load_{true};
+  SimulatedDrive driving_{true};
+  SimulatedDrive load_{false};
   nanoseconds now_{};
   std::uint64_t overruns_{};
   std::uint64_t phase_key_{};
@@ -159,7 +159,11 @@ PlantCommands SimulatedBench::Implementation::Commands() const noexcept {
   }
   commands.input_brake = driving_.brake_engaged();
   commands.load_enabled = load_.enabled();
-  commands.load_torque_Nm = load_.set_point();
+  if (load_.enabled() && load_.mode() == DriveMode::kSpeed) {
+    commands.load_speed_rad_per_s = load_.set_point();
+  } else {
+    commands.load_torque_Nm = load_.set_point();
+  }
   commands.load_brake = load_.brake_engaged();
   return commands;
 }

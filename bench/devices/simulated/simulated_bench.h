@@ -69,7 +69,7 @@ class SimulatedBench {
   ~SimulatedBench();
 
   ServoDrive& driving_servo();
-  /// Torque mode only, in Nm at the output of its reducer; speed and position are those of the output.
+  /// Torque and speed at the output of its reducer, where its position is told, too; it has no position mode.
   ServoDrive& load_servo();
   Sampler& sampler();
   BenchClock& clock();

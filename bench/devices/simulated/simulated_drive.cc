@@ -46,7 +46,7 @@ void SimulatedDrive::Enable(DriveMode mode) noexcept {
   if (actual_.power == PowerState::kFault || actual_.power == PowerState::kFaultReactionActive) return;
   mode_ = mode;
   set_point_ = mode == DriveMode::kPosition ? actual_.position_rad : 0.0;
-  towards_enabled_ = !(torque_only_ && mode != DriveMode::kTorque);
+  towards_enabled_ = has_position_mode_ || mode != DriveMode::kPosition;
   if (!towards_enabled_ && enabled()) Disable();
   moving_ = true;
 }

@@ -11,9 +11,10 @@ namespace strainwave::bench {
 /// of the bench, and keeps mode, set point and brake for the plant to look at.
 class SimulatedDrive final : public ServoDrive {
  public:
-  /// @param torque_only  a drive that is parametrised for torque mode only, as the load servo is: asked for
-  ///   another mode, it stays below operation enabled.
-  explicit SimulatedDrive(bool torque_only) : torque_only_(torque_only) {}
+  /// @param has_position_mode  without it, as the load servo is: asked for a position, it stays below
+  /// operation
+  ///   enabled.
+  explicit SimulatedDrive(bool has_position_mode) : has_position_mode_(has_position_mode) {}
 
   void Enable(DriveMode mode) noexcept override;
   void Disable() noexcept override;
@@ -48,7 +49,7 @@ class SimulatedDrive final : public ServoDrive {
   void Send(std::uint16_t controlword) noexcept;
   void Set(DriveMode mode, double value) noexcept;
 
-  bool torque_only_;
+  bool has_position_mode_;
   bool moving_{};  // a transition is due
   bool towards_enabled_{};
   DriveMode mode_{DriveMode::kTorque};
