@@ -39,6 +39,7 @@ constexpr milliseconds kHoldsFor{700};
 constexpr double kMostShareOfPeakSpeed = 0.05;
 constexpr double kSpeedUp_s = 0.5;                  // from rest
 constexpr double kSpeedReserve = 2.0;               // the limit lies so far above what is asked for,
+constexpr double kSpeedReserveFromBehind = 4.0;     // (a gear that is turned by its output breaks loose)
 constexpr double kLeastSpeedLimit_rad_per_s = 2.0;  // and not below this: slow speeds are read with noise
 
 double SpeedOf(const JogOptions& options, const BenchDescription& bench) {
@@ -58,19 +59,20 @@ double SpeedOf(const JogOptions& options, const BenchDescription& bench) {
 
 RunnerSettings SettingsOf(const JogOptions& options, const BenchDescription& bench, double speed_rad_per_s,
                           double torque_Nm) {
-  const double input_rad_per_s =
-      std::abs(speed_rad_per_s) * (options.drive == JogDrive::kLoad ? std::abs(options.ratio) : 1.0);
+  const bool from_behind = options.drive == JogDrive::kLoad;
+  const double most_input_rad_per_s =
+      std::abs(speed_rad_per_s) *
+      (from_behind ? kSpeedReserveFromBehind * std::abs(options.ratio) : kSpeedReserve);
   constexpr double kNever = std::numeric_limits<double>::infinity();
   RunnerSettings settings;
   settings.control_period_s = bench.control_period_s;
   settings.stale_after_s = bench.stale_after_s;
   settings.own_thread = !bench.simulated;
-  settings.limits = {
-      .output_torque_Nm = torque_Nm,
-      .input_speed_rad_per_s = std::max(kSpeedReserve * input_rad_per_s, kLeastSpeedLimit_rad_per_s),
-      .gear_temperature_degC = kGearTemperatureLimit_degC,
-      .vibration_rms_m_per_s2 = kNever,
-      .twist_rad = kNever};
+  settings.limits = {.output_torque_Nm = torque_Nm,
+                     .input_speed_rad_per_s = std::max(most_input_rad_per_s, kLeastSpeedLimit_rad_per_s),
+                     .gear_temperature_degC = kGearTemperatureLimit_degC,
+                     .vibration_rms_m_per_s2 = kNever,
+                     .twist_rad = kNever};
   // A person is there; nothing suspends and goes on by itself.
   settings.suspend = {kNever, kNever, 0.0, kNever, 0.0};
   return settings;
