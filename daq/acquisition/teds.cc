@@ -16,8 +16,13 @@ namespace {
 constexpr std::string_view kBasicNames[] = {"Manufacturer ID", "Model Number", "Version Letter",
                                             "Version Number", "Serial Number"};
 constexpr std::string_view kTemplateNames[] = {
-    "%Sens@Ref", "%TF_HP_S",  "%Direction", "%Weight",  "%Sign",    "%TF_SP",       "%TF_KPr",    "%TF_KPq",
-    "%TF_SL",    "%TempCoef", "%RefFreq",   "%RefTemp", "%CalDate", "%CalInitials", "%CalPeriod", "%MeasID"};
+    "%Sens@Ref",    "%TF_HP_S",     "%Direction",     "%Weight",        "%Sign",
+    "%TF_SP",       "%TF_KPr",      "%TF_KPq",        "%TF_SL",         "%TempCoef",
+    "%RefFreq",     "%RefTemp",     "%CalDate",       "%CalInitials",   "%CalPeriod",
+    "%MeasID",      "%ElecSigType", "%PhysMeasType",  "%MapMeth",       "%BridgeType",
+    "%SensorImped", "%RespTime",    "%ExciteAmplNom", "%ExciteAmplMin", "%ExciteAmplMax"};
+constexpr std::string_view kLineNames[] = {"%MinPhysVal", "%MaxPhysVal", "%MinElecVal", "%MaxElecVal"};
+constexpr double kLongestPeriod_days = 4095.0;  // 12 bits
 
 constexpr unsigned kManufacturerBits = 14;
 constexpr unsigned kModelBits = 15;
@@ -52,10 +57,40 @@ double NumberIn(const std::string& name, const std::string& text) {
   throw std::invalid_argument(fmt::format("{} = '{}' is not a finite number", name, text));
 }
 
+// As many days as the field holds.
+double PeriodIn(const std::string& name, const std::string& text) {
+  const double days = NumberIn(name, text);
+  if (days >= 0 && days <= kLongestPeriod_days) return days;
+  throw std::invalid_argument(
+      fmt::format("{} = {} is not between 0 and {} days", name, text, kLongestPeriod_days));
+}
+
+// Two points of a bridge's line, as far as they are told.
+struct Line {
+  std::optional<double> end[std::size(kLineNames)];
+
+  bool IsBegun() const {
+    return std::any_of(std::begin(end), std::end(end), [](const auto& value) { return value.has_value(); });
+  }
+  // What there is of a scale: raw per unit, and raw where there is nothing to measure.
+  void Scale(double raw_per_ratio, Calibration& calibration) const {
+    for (std::size_t i = 0; i < std::size(kLineNames); ++i) {
+      if (!end[i]) throw std::invalid_argument(fmt::format("{} of a bridge is missing", kLineNames[i]));
+    }
+    const double slope = (*end[3] - *end[2]) / (*end[1] - *end[0]);
+    if (!std::isfinite(slope) || slope == 0) {
+      throw std::invalid_argument(
+          fmt::format("a bridge from {} at {} to {} at {} is no line", *end[2], *end[0], *end[3], *end[1]));
+    }
+    calibration.sensitivity = slope * raw_per_ratio;
+    calibration.zero = (*end[2] - slope * *end[0]) * raw_per_ratio;
+  }
+};
+
 }  // namespace
 
 bool IsTedsField(std::string_view name) {
-  return IsAmong(name, kBasicNames) || IsAmong(name, kTemplateNames);
+  return IsAmong(name, kBasicNames) || IsAmong(name, kTemplateNames) || IsAmong(name, kLineNames);
 }
 
 BasicTeds BasicTedsFrom(std::span<const std::uint8_t, kBasicTeds_bytes> bytes) {
@@ -99,24 +134,38 @@ Calibration CalibrationFromTeds(const BasicTeds& basic, const Attributes& fields
   Calibration calibration;
   calibration.sensor_serial = std::to_string(basic.serial_number);
   std::optional<double> volts_per_unit;
+  Line line;
   double sign = 1;
   std::optional<double> period_days;
   for (const auto& [name, text] : fields) {
-    if (!IsAmong(name, kTemplateNames)) {
+    const auto* const end = std::find(std::begin(kLineNames), std::end(kLineNames), name);
+    if (end != std::end(kLineNames)) {
+      line.end[end - std::begin(kLineNames)] = NumberIn(name, text);
+    } else if (!IsAmong(name, kTemplateNames)) {
       throw std::invalid_argument(fmt::format("'{}' is not a field of a sensor's data sheet", name));
     }
     if (name == "%Sens@Ref") volts_per_unit = NumberIn(name, text);
-    if (name == "%CalPeriod") period_days = NumberIn(name, text);
+    if (name == "%CalPeriod") period_days = PeriodIn(name, text);
     if (name == "%CalDate") calibration.date = DateFrom(text);
+    if (name == "%MapMeth" && text != "0") {
+      throw std::invalid_argument(fmt::format("%MapMeth = '{}' is not the linear one, 0", text));
+    }
     if (name == "%Sign" && text != "+" && text != "-") {
       throw std::invalid_argument(fmt::format("%Sign = '{}' is neither + nor -", text));
     }
     if (name == "%Sign" && text == "-") sign = -1;
   }
-  if (!volts_per_unit || *volts_per_unit == 0 || raw_per_volt == 0) {
+  if (volts_per_unit && *volts_per_unit != 0 && raw_per_volt != 0) {
+    calibration.sensitivity = sign * *volts_per_unit * raw_per_volt;
+  } else if (line.IsBegun() && raw_per_volt != 0) {
+    line.Scale(raw_per_volt, calibration);
+  } else {
     throw std::invalid_argument("%Sens@Ref is missing or 0, so that nothing can be scaled");
   }
-  calibration.sensitivity = sign * *volts_per_unit * raw_per_volt;
+  if (!std::isnormal(calibration.sensitivity) || !std::isfinite(calibration.zero)) {
+    throw std::invalid_argument(
+        fmt::format("a sensitivity of {} raw per unit is none", calibration.sensitivity));
+  }
   if (calibration.date && period_days) {
     calibration.due = std::chrono::year_month_day(std::chrono::sys_days(*calibration.date) +
                                                   std::chrono::days(std::lround(*period_days)));

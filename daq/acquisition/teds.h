@@ -32,21 +32,28 @@ BasicTeds BasicTedsFrom(std::span<const std::uint8_t, kBasicTeds_bytes> bytes);
 std::array<std::uint8_t, kBasicTeds_bytes> BytesOf(const BasicTeds& teds);
 
 /// Fields that are kept by name with a calibration: the basic ones ("Manufacturer ID", "Model Number",
-/// "Version Letter", "Version Number", "Serial Number"), and of the template for accelerometers and force
+/// "Version Letter", "Version Number", "Serial Number"); of the template for accelerometers and force
 /// transducers (25), in its order, "%Sens@Ref", "%TF_HP_S", "%Direction", "%Weight", "%Sign", the transfer
-/// function "%TF_SP", "%TF_KPr", "%TF_KPq", "%TF_SL" and "%TempCoef", "%RefFreq", "%RefTemp", and the
-/// calibration part "%CalDate", "%CalInitials", "%CalPeriod" (days), "%MeasID".
+/// function "%TF_SP", "%TF_KPr", "%TF_KPq", "%TF_SL" and "%TempCoef", "%RefFreq", "%RefTemp"; of the template
+/// for bridges (33), as torque transducers are, "%ElecSigType", "%PhysMeasType", "%MinPhysVal",
+/// "%MaxPhysVal",
+/// "%MinElecVal", "%MaxElecVal", "%MapMeth", "%BridgeType", "%SensorImped", "%RespTime", "%ExciteAmplNom",
+/// "%ExciteAmplMin", "%ExciteAmplMax"; and of both the calibration part "%CalDate", "%CalInitials",
+/// "%CalPeriod" (days), "%MeasID".
 ///
 /// Held against National Instruments, "IEEE 1451.4 Sensor Templates Overview" (basic part: widths and
-/// ranges), and the fields that the open reader of SDL-MCI/SDLMA-Core takes from template 25. The template of
-/// bridge sensors (33), such as torque transducers, was in no public source at hand: its fields are not known
-/// here.
+/// ranges), the fields that the open reader of SDL-MCI/SDLMA-Core takes from template 25, and those that the
+/// drivers of ADLINK (UD-DASK), Dewetron (TRION) and Data Translation (DtOl) name of bridges.
 bool IsTedsField(std::string_view name);
 
-/// The calibration that a data sheet speaks of: the sensor's number, sensitivity from "%Sens@Ref" times
-/// "%Sign" (volts per m/s^2 or N) times `raw_per_volt` of the converter, date, and due date "%CalPeriod" days
-/// later.
-/// @throws std::invalid_argument for a field with an unknown name, a number that is none, or no "%Sens@Ref".
+/// The calibration that a data sheet speaks of: the sensor's number, date, and due date "%CalPeriod" days
+/// later. The sensitivity is "%Sens@Ref" times "%Sign" (volts per m/s^2 or N); of a bridge the line from
+/// "%MinElecVal" at "%MinPhysVal" to "%MaxElecVal" at "%MaxPhysVal" (V/V, in the sensor's unit), zero
+/// included.
+/// @param raw_per_volt  of the converter; of a bridge raw per V/V.
+/// @throws std::invalid_argument for a field with an unknown name, a number that is none, a "%MapMeth" that
+/// is
+///   not linear ("0"), or where there is neither "%Sens@Ref" nor such a line.
 Calibration CalibrationFromTeds(const BasicTeds& basic, const Attributes& fields, double raw_per_volt);
 
 }  // namespace strainwave::daq::acquisition

@@ -124,6 +124,38 @@ TEST(Teds, BecomesACalibration) {
               CalibrationFromTeds({}, {{"%CalPeriod", "1"}}, 1);
             }),
             "%Sens@Ref is missing or 0, so that nothing can be scaled");
+  EXPECT_EQ(MessageOf<std::invalid_argument>([] {
+              CalibrationFromTeds({}, {{"%Sens@Ref", "1e306"}}, 1e4);
+            }),
+            "a sensitivity of inf raw per unit is none");
+}
+
+// A torque transducer: -2 to 2 mV/V for -100 to 100 Nm, bridge out of balance by 0.01 mV/V.
+TEST(Teds, OfABridgeBecomesACalibration) {
+  Attributes fields{{"%MinPhysVal", "-100"},    {"%MaxPhysVal", "100"},  {"%MinElecVal", "-0.00199"},
+                    {"%MaxElecVal", "0.00201"}, {"%MapMeth", "0"},       {"%BridgeType", "2"},
+                    {"%SensorImped", "350"},    {"%ExciteAmplNom", "5"}, {"%CalDate", "2026-03-01"},
+                    {"%CalPeriod", "730"}};
+  constexpr double kCountsPerRatio = 1e9;
+  const Calibration calibration = CalibrationFromTeds({43, 7115, 'C', 12, 1234567}, fields, kCountsPerRatio);
+  constexpr double kRounding_Nm = 1e-9;
+  EXPECT_NEAR(calibration.Apply(1e4), 0.0, kRounding_Nm);
+  EXPECT_NEAR(calibration.Apply(2.01e6), 100.0, kRounding_Nm);
+  EXPECT_NEAR(calibration.Apply(-0.99e6), -50.0, kRounding_Nm);
+  EXPECT_EQ(calibration.due, DateFrom("2028-02-29"));
+  EXPECT_EQ(CalibrationFrom(AttributesOf(calibration)), calibration);
+  const auto message = [&](std::size_t field, const char* text) {
+    Attributes wrong = fields;
+    wrong[field].second = text;
+    return MessageOf<std::invalid_argument>([&] { CalibrationFromTeds({}, wrong, 1); });
+  };
+  EXPECT_EQ(message(1, "-100"), "a bridge from -0.00199 at -100 to 0.00201 at -100 is no line");
+  EXPECT_EQ(message(3, "much"), "%MaxElecVal = 'much' is not a finite number");
+  EXPECT_EQ(message(4, "1"), "%MapMeth = '1' is not the linear one, 0");
+  EXPECT_EQ(message(9, "1e300"), "%CalPeriod = 1e300 is not between 0 and 4095 days");
+  fields.erase(fields.begin());
+  EXPECT_EQ(MessageOf<std::invalid_argument>([&] { CalibrationFromTeds({}, fields, 1); }),
+            "%MinPhysVal of a bridge is missing");
 }
 
 // As an open reader of such data sheets takes them from a Brüel & Kjær 4507 (SDL-MCI/SDLMA-Core).
