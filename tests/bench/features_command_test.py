@@ -13,11 +13,11 @@ import sys
 import tempfile
 import unittest
 
-try:
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "peers"))
+import needed  # noqa: E402
+
+with needed.peers():
     import numpy
-except ImportError:
-    print("skipped, because /usr/bin/python3 has no numpy")
-    sys.exit(77)
 try:
     import pywt
 except ImportError:

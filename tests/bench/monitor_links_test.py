@@ -17,19 +17,14 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "peers"))
 import exported_campaign  # noqa: E402
 import mqtt_peer  # noqa: E402
+import needed  # noqa: E402
 import test_certificates  # noqa: E402
 from waiting import until  # noqa: E402
 
-try:
+with needed.peers("/usr/sbin/mosquitto"):
     import h5py
     import numpy
     from stream_devices import BLOCK, CHANNELS, RATE_HZ, Device, Iiod
-except ImportError as missing:
-    print(f"skipped, because /usr/bin/python3 has no {missing.name}")
-    sys.exit(77)
-if not pathlib.Path("/usr/sbin/mosquitto").exists():
-    print("skipped, because there is no /usr/sbin/mosquitto")
-    sys.exit(77)
 
 PROGRAM, FOLDER = "", pathlib.Path()
 

@@ -26,11 +26,10 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bench" / "peers"))
 import exported_campaign  # noqa: E402
-import mqtt_peer  # noqa: E402
+import needed  # noqa: E402
 
-if not pathlib.Path("/usr/sbin/mosquitto").exists():
-    print("skipped, because there is no /usr/sbin/mosquitto")
-    sys.exit(77)
+with needed.peers("/usr/sbin/mosquitto"):
+    import mqtt_peer
 
 
 class Ledger:
