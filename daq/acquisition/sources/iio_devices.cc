@@ -53,10 +53,14 @@ std::vector<IioDeviceInfo> FindIioDevices(std::vector<std::string>& troubles) {
     if (count < 0) {
       const auto error = static_cast<int>(-count);
       // Without sensors there is no such folder in /sys; that is nobody's trouble.
-      if (error != ENOENT) {
-        troubles.push_back(fmt::format("IIO devices on {} cannot be looked for: {}", words,
-                                       std::system_category().message(error)));
-      }
+      if (error == ENOENT) continue;
+      // On the network it is a number of avahi's, which is another thing to the system.
+      troubles.push_back(
+          std::string_view(backend) == "ip"
+              ? "IIO devices on the network cannot be looked for: avahi does not answer (try: "
+                "systemctl start avahi-daemon; of a device with an address: iio_info -u ip:ADDRESS)"
+              : fmt::format("IIO devices on {} cannot be looked for: {}", words,
+                            std::system_category().message(error)));
       continue;
     }
     for (ssize_t i = 0; i < count; ++i) AddDevices(iio_context_info_get_uri(list[i]), found, troubles);
