@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -34,11 +36,28 @@ Abilities AbilitiesOf(const BenchDescription& bench, double ratio) {
           1.0 / bench.control_period_s, 1.0 / bench.fast_control_period_s};
 }
 
+double Seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+// The driving servo's profile, read once, and only where a phase asks for it; null where there is none.
+class DriveOnDemand {
+ public:
+  explicit DriveOnDemand(const BenchDescription& bench) : file_(bench.driving_servo.drive.profile) {}
+  const protocols::canopen::DriveProfile* Get() {
+    if (!profile_ && !file_.empty()) profile_ = ReadDriveProfile(file_);
+    return profile_ ? &*profile_ : nullptr;
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::optional<protocols::canopen::DriveProfile> profile_;
+};
+
 class BenchCheck {
  public:
-  BenchCheck(const BenchDescription& bench, const schedules::Schedule& schedule, std::string path,
-             const Comparison& compare)
+  BenchCheck(const BenchDescription& bench, DriveOnDemand& drive, const schedules::Schedule& schedule,
+             std::string path, const Comparison& compare)
       : bench_(bench),
+        drive_(drive),
         can_(AbilitiesOf(bench, std::abs(schedule.specimen.ratio))),
         limits_(schedule.limits),
         path_(std::move(path)),
@@ -125,18 +144,19 @@ class BenchCheck {
                            bench_.origins, bench_.file_name);
   }
 
-  // A drive that is led from position to position lags by the time between two of them and by a SYNC.
+  // A drive that is led from position to position lags by the time between two of them, by a SYNC, and by
+  // what its own position loop needs.
   void CheckFollowing(double speed_rad_per_s) const {
-    if (bench_.driving_servo.drive.profile.empty()) return;
-    const protocols::canopen::DriveProfile profile = ReadDriveProfile(bench_.driving_servo.drive.profile);
-    const double lag_s =
-        bench_.control_period_s + std::chrono::duration<double>(profile.timing.sync_period).count();
-    const double most_rad_per_s = profile.limits.following_error_window_rad / lag_s;
+    const protocols::canopen::DriveProfile* const drive = drive_.Get();
+    if (drive == nullptr) return;
+    const double lag_s = bench_.control_period_s + Seconds(drive->timing.sync_period) +
+                         Seconds(drive->timing.position_loop_lag);
+    const double most_rad_per_s = drive->limits.following_error_window_rad / lag_s;
     CheckDerived(
         {At("input_speed"), speed_rad_per_s}, most_rad_per_s,
         fmt::format("{:.4g} rpm at which the driving servo lags by the {:g} deg of its "
-                    "following_error_window within control_period and sync_period",
-                    RpmFromRadPerS(most_rad_per_s), DegFromRad(profile.limits.following_error_window_rad)));
+                    "following_error_window within control_period, sync_period and position_loop_lag",
+                    RpmFromRadPerS(most_rad_per_s), DegFromRad(drive->limits.following_error_window_rad)));
   }
 
   void CheckVibration(std::string_view key, double rate_hz) const {
@@ -183,6 +203,7 @@ class BenchCheck {
   }
 
   const BenchDescription& bench_;
+  DriveOnDemand& drive_;
   Abilities can_;
   const schedules::Limits& limits_;
   std::string path_;
@@ -198,10 +219,11 @@ schedules::FindingList CheckScheduleAgainstBench(const schedules::Schedule& sche
   compare.MustNotExceed(
       {"limits.output_torque", schedule.limits.output_torque_Nm}, "the torque transducer's range",
       {"torque_transducer.range", bench.transducer.range_Nm}, bench.origins, bench.file_name);
+  DriveOnDemand drive(bench);
   const auto check = [&](const std::vector<schedules::Phase>& phases, std::string_view list) {
     for (std::size_t i = 0; i < phases.size(); ++i) {
       const std::string path = fmt::format("{}[{}]", list, i);
-      std::visit(BenchCheck(bench, schedule, path, compare), phases[i].parameters);
+      std::visit(BenchCheck(bench, drive, schedule, path, compare), phases[i].parameters);
       for (const std::string& source : phases[i].recorded_sources) {
         const DeviceDescription* const device = FindDevice(bench.devices, source);
         const bool streams = device != nullptr && (device->kind == DeviceDescription::Kind::kStream ||

@@ -229,6 +229,9 @@ void ReadOptionCodes(YamlMap map, protocols::canopen::OptionCodes& codes) {
 void ReadTiming(YamlMap map, protocols::canopen::DriveTiming& timing) {
   timing.sync_period = Time(map, "sync_period", timing.sync_period);
   timing.most_sync_deviation = Time(map, "most_sync_deviation", timing.most_sync_deviation);
+  const double lag_s =
+      map.OptionalQuantity("position_loop_lag", Dimension::kTime, Bound::kPositive).value_or(0.0);
+  timing.position_loop_lag = std::chrono::nanoseconds(static_cast<std::int64_t>(lag_s * 1e9 + 0.5));
   timing.stale_after_syncs = static_cast<unsigned>(map.Integer("stale_after_syncs", 1, 1000, "5"));
   timing.sdo_timeout = Time(map, "sdo_timeout", timing.sdo_timeout);
   timing.start_timeout = Time(map, "start_timeout", timing.start_timeout);

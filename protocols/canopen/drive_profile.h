@@ -85,6 +85,8 @@ struct ProfileObject {
 struct DriveTiming {
   std::chrono::nanoseconds sync_period{std::chrono::milliseconds(4)};
   std::chrono::nanoseconds most_sync_deviation{std::chrono::milliseconds(4)};
+  /// Behind steadily moving set points, besides the time until it gets them; zero with feed-forward.
+  std::chrono::nanoseconds position_loop_lag{};
   unsigned stale_after_syncs{5};  // a TPDO older than this is stale
   std::chrono::nanoseconds sdo_timeout{std::chrono::milliseconds(500)};
   std::chrono::nanoseconds start_timeout{std::chrono::seconds(1)};         // NMT start to PDOs

@@ -237,11 +237,13 @@ TEST(CheckScheduleAgainstBench, NamesASpeedAtWhichTheDriveCannotBeLedFromPositio
     }
     return lines;
   };
-  EXPECT_EQ(check("input_speed: 1000 rpm"), "");
+  EXPECT_EQ(check("input_speed: 1400 rpm"), "");
+  // 270 deg in 10 ms, 4 ms and 17 ms.
   EXPECT_EQ(
-      check("input_speed: 1100 rpm"),
-      "small.yaml:32:18: error: input_speed = 1100 rpm is above the 1071 rpm at which the driving servo "
-      "lags by the 90 deg of its following_error_window within control_period and sync_period (" +
+      check("input_speed: 1500 rpm"),
+      "small.yaml:32:18: error: input_speed = 1500 rpm is above the 1452 rpm at which the driving servo "
+      "lags by the 270 deg of its following_error_window within control_period, sync_period and "
+      "position_loop_lag (" +
           bench.file_name + ")");
 }
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -25,6 +26,8 @@
 #include "protocols/candump.h"
 #include "tests/daq/acquisition/emulated_iiod.h"
 #include "tests/schedules/schedule_text.h"
+#include "tests/simulation/bench_fixture.h"
+#include "tests/simulation/program.h"
 
 namespace strainwave::bench {
 namespace {
@@ -278,6 +281,47 @@ TEST(FieldSampler, BringsBothAnglesToOneMoment) {
   const Readings readings = sampler.Read();
   constexpr double kRounding_rad = 1e-12;
   EXPECT_NEAR(readings.output_angle_rad, readings.input_angle_rad / 80.0, kRounding_rad);
+}
+
+// The encoders of the device side are read 1 ms apart, which is 4.5 arcmin at 1000 rpm; its drives have the
+// window and the patience for following errors of the profile that comes with the program.
+TEST(FieldMachine, MeasuresTheSkewOfItsEncodersInASweepAt1000Rpm) {
+  const ScratchFolder folder;
+  std::ifstream file(Folder() / "drive.yaml");
+  std::ostringstream profile;
+  profile << file.rdbuf();
+  const std::string root = STRAINWAVE_SOURCE_DIR;
+  std::string text = schedules::With(profile.str(), "../../../", root + "/");
+  text = schedules::With(text, "following_error_window: 720 deg", "following_error_window: 270 deg");
+  text = schedules::With(text, "following_error_time: 1 s", "following_error_time: 50 ms");
+  std::ofstream(folder / "drive.yaml") << text;
+  std::string bench = BenchText();
+  for (int i = 0; i < 2; ++i) {
+    bench = schedules::With(bench, "profile: drive.yaml", "profile: " + (folder / "drive.yaml").string());
+  }
+  bench = schedules::With(bench, "  seed: 1", "  seed: 1\n  time_skew: 1 ms");
+  FieldMachine machine(ParseBenchFile(bench, "skewed.yaml", Folder()), 80.0, {});
+  BenchDevices devices = machine.Devices();
+  Until([&] { return devices.sampler.Read().bad_channels == 0; });
+
+  schedules::TransmissionErrorSweep sweep = TestSweep();
+  sweep.step_rad = RadFromDeg(10.0);
+  sweep.steps = 12;
+  sweep.input_speed_rad_per_s = RadPerSFromRpm(1000.0);
+  RunnerSettings settings = TestSettings();
+  settings.own_thread = true;
+  settings.stale_after_s = 1.0;
+  std::atomic<StopRequest> request{StopRequest::kNone};
+  PhaseRunner runner(devices, settings, request);
+  const auto program = MakeProgram(sweep, TestSpecimen(), 0.0, settings.control_period_s);
+  const PhaseOutcome outcome = runner.Run(*program, NoHeartbeat);
+  ASSERT_EQ(outcome.reason.cause, StopCause::kNone) << Describe(outcome.reason) << machine.Troubles();
+  const daq::Record record = outcome.records.at(0).record;
+  const double skew_us = daq::NumberFromText(record.Metadata("encoder_skew_us").value()).value();
+  const double error_us = daq::NumberFromText(record.Metadata("encoder_skew_se_us").value()).value();
+  EXPECT_NEAR(skew_us, 1000.0, 5.0 * error_us);
+  EXPECT_LT(error_us, 10.0);
+  EXPECT_EQ(record.Metadata("encoder_skew_taken_out"), "true");
 }
 
 TEST(FieldMachine, ReadsAccelerometersFromAnIioContext) {
