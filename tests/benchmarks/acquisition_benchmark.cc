@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // 16 channels at 51.2 kHz, float32, to HDF5 through the recorder: first in real time, then as fast as it
-// goes. usage: acquisition_benchmark FOLDER SECONDS [SECONDS_AT_FULL_SPEED]
+// goes, then so many times as fast as real time, for as long: what it holds of that, it loses nothing of.
+// usage: acquisition_benchmark FOLDER SECONDS [SECONDS_AT_FULL_SPEED [TIMES_REAL_TIME...]]
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -41,21 +42,20 @@ double PeakMemory_MB() {
   return static_cast<double>(usage.ru_maxrss) * 1024 / kMega;
 }
 
-SourceDescription Source() {
+SourceDescription Source(double rate_hz) {
   SourceDescription source{
-      .name = "benchmark", .type = SampleType::kFloat32, .rate_hz = kRate_hz, .most_samples_a_block = kBlock};
+      .name = "benchmark", .type = SampleType::kFloat32, .rate_hz = rate_hz, .most_samples_a_block = kBlock};
   for (std::size_t i = 0; i < kChannels; ++i) {
     source.channels.push_back({.name = fmt::format("accel_{}_m_per_s2", i), .unit = "m/s^2"});
   }
   return source;
 }
 
-SampleBlock NoisyBlock() {
+SampleBlock NoisyBlock(double rate_hz) {
   std::mt19937 random(1);
   std::normal_distribution<float> noise;
   SampleBlock block(kChannels * kBlock);
-  block.header = {
-      .channels = kChannels, .samples = kBlock, .type = SampleType::kFloat32, .rate_hz = kRate_hz};
+  block.header = {.channels = kChannels, .samples = kBlock, .type = SampleType::kFloat32, .rate_hz = rate_hz};
   for (std::uint32_t& word : block.words()) word = std::bit_cast<std::uint32_t>(noise(random));
   return block;
 }
@@ -71,20 +71,24 @@ RecorderSettings Settings(const std::filesystem::path& folder, const char* name)
 void Stamp(SampleBlock& block, std::uint64_t number) {
   block.header.device_counter = number;
   block.header.device_time =
-      std::chrono::nanoseconds(std::llround(static_cast<double>(number) * 1e9 / kRate_hz));
+      std::chrono::nanoseconds(std::llround(static_cast<double>(number) * 1e9 / block.header.rate_hz));
   block.header.arrival = Clock::now().time_since_epoch();
 }
 
-void RunInRealTime(const std::filesystem::path& folder, double seconds) {
-  StreamRecorder recorder(Settings(folder, "paced"), Source());
-  SampleBlock block = NoisyBlock();
-  const auto blocks = static_cast<std::uint64_t>(seconds * kRate_hz / kBlock);
+// Blocks come in so many times as fast as they would from 16 channels at 51.2 kHz.
+void RunPaced(const std::filesystem::path& folder, double seconds, double times) {
+  StreamRecorder recorder(Settings(folder, fmt::format("paced_{:g}", times).c_str()),
+                          Source(times * kRate_hz));
+  SampleBlock block = NoisyBlock(times * kRate_hz);
+  const auto blocks = static_cast<std::uint64_t>(times * seconds * kRate_hz / kBlock);
+  const std::chrono::duration<double> between(kBlock / kRate_hz / times);
   const double cpu_before = CpuTime_s();
   const Clock::time_point begin = Clock::now();
   double early_memory_MB = 0;
   double latest_s = 0;
   for (std::uint64_t i = 0; i < blocks; ++i) {
-    const auto due = begin + std::chrono::nanoseconds((i + 1) * kBlock * 1'000'000'000 / kSecond);
+    const auto due =
+        begin + std::chrono::duration_cast<Clock::duration>(static_cast<double>(i + 1) * between);
     std::this_thread::sleep_until(due);
     latest_s = std::max(latest_s, std::chrono::duration<double>(Clock::now() - due).count());
     Stamp(block, i * kBlock);
@@ -96,8 +100,9 @@ void RunInRealTime(const std::filesystem::path& folder, double seconds) {
   recorder.Finish();
   const RecorderTotals totals = recorder.totals();
   fmt::print(
-      "real time, {} s: samples received {} lost {} (a channel), blocks waiting at most {}, files {}\n",
-      seconds, totals.samples.received, totals.samples.lost, totals.peak_waiting, totals.files);
+      "{} times real time, {} s: samples received {} lost {} (a channel), blocks waiting at most {}, files "
+      "{}\n",
+      times, seconds, totals.samples.received, totals.samples.lost, totals.peak_waiting, totals.files);
   fmt::print(
       "  CPU {:.2f} % of one core; peak memory {:.1f} MB after a quarter, {:.1f} MB at the end; "
       "pacing late by at most {:.1f} ms\n",
@@ -105,8 +110,8 @@ void RunInRealTime(const std::filesystem::path& folder, double seconds) {
 }
 
 void RunAtFullSpeed(const std::filesystem::path& folder, double seconds) {
-  StreamRecorder recorder(Settings(folder, "full"), Source());
-  SampleBlock block = NoisyBlock();
+  StreamRecorder recorder(Settings(folder, "full"), Source(kRate_hz));
+  SampleBlock block = NoisyBlock(kRate_hz);
   const double cpu_before = CpuTime_s();
   const Clock::time_point begin = Clock::now();
   std::uint64_t number = 0;
@@ -129,11 +134,14 @@ void RunAtFullSpeed(const std::filesystem::path& folder, double seconds) {
 
 int Main(int count, char** arguments) {
   if (count < 3) {
-    fmt::print(stderr, "usage: acquisition_benchmark FOLDER SECONDS [SECONDS_AT_FULL_SPEED]\n");
+    fmt::print(stderr,
+               "usage: acquisition_benchmark FOLDER SECONDS [SECONDS_AT_FULL_SPEED [TIMES_REAL_TIME...]]\n");
     return 2;
   }
-  RunInRealTime(arguments[1], std::atof(arguments[2]));
-  if (count > 3) RunAtFullSpeed(arguments[1], std::atof(arguments[3]));
+  const std::filesystem::path folder = arguments[1];
+  RunPaced(folder, std::atof(arguments[2]), 1.0);
+  if (count > 3) RunAtFullSpeed(folder, std::atof(arguments[3]));
+  for (int i = 4; i < count; ++i) RunPaced(folder, std::atof(arguments[3]), std::atof(arguments[i]));
   return 0;
 }
 

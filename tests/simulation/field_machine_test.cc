@@ -18,6 +18,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_register_map.h"
+#include "bench/controller/make_program.h"
 #include "bench/devices/can/in_process_can_bus.h"
 #include "bench/devices/device_side/device_side.h"
 #include "bench/devices/device_side/modbus_device.h"
@@ -320,7 +321,7 @@ TEST(FieldMachine, MeasuresTheSkewOfItsEncodersInASweepAt1000Rpm) {
   const double skew_us = daq::NumberFromText(record.Metadata("encoder_skew_us").value()).value();
   const double error_us = daq::NumberFromText(record.Metadata("encoder_skew_se_us").value()).value();
   EXPECT_NEAR(skew_us, 1000.0, 5.0 * error_us);
-  EXPECT_LT(error_us, 10.0);
+  EXPECT_LT(error_us, 60.0) << "24 moves; a whole sweep has 720";
   EXPECT_EQ(record.Metadata("encoder_skew_taken_out"), "true");
 }
 
