@@ -59,6 +59,25 @@ measurements:
 )";
 }
 
+// The bench with a camera that sees numbered pictures, all of one grey.
+CampaignInputs InputsIn(const ScratchFolder& scratch) {
+  std::ofstream(scratch / "schedule.yaml") << FieldSchedule();
+  for (int i = 0; i < 3; ++i) {
+    std::ofstream(scratch / ("frame_" + std::to_string(i) + ".ppm"))
+        << "P6 64 48 255\n"
+        << std::string(std::size_t{3} * 64 * 48, 'g');
+  }
+  CampaignInputs inputs = ReadInputs(scratch / "schedule.yaml", Folder() / "bench.yaml");
+  DeviceDescription camera;
+  camera.name = "camera";
+  camera.kind = DeviceDescription::Kind::kCamera;
+  camera.address = (scratch / "frame_%d.ppm").string();
+  inputs.bench.devices.push_back(camera);
+  return inputs;
+}
+
+bool IsJpeg(const std::filesystem::path& file) { return WholeFile(file).starts_with("\xFF\xD8"); }
+
 // Has the devices lose samples in the middle of the load run.
 class Saboteur final : public ProgressSink {
  public:
@@ -100,8 +119,7 @@ class FieldCampaign : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     scratch_ = new ScratchFolder;
-    std::ofstream(*scratch_ / "schedule.yaml") << FieldSchedule();
-    inputs_ = new CampaignInputs(ReadInputs(*scratch_ / "schedule.yaml", Folder() / "bench.yaml"));
+    inputs_ = new CampaignInputs(InputsIn(*scratch_));
     const CampaignFolder folder{*scratch_ / "campaign"};
     Journal journal = CreateCampaign(folder, *inputs_);
     FieldMachine machine(inputs_->bench, 80.0, {});
@@ -152,6 +170,47 @@ TEST_F(FieldCampaign, ReportsExactlyTheLossesThatWereInjected) {
   EXPECT_EQ(LostInFiles(Campaign().Streams(), "accelerometers", files), dropped_[1]);
   EXPECT_EQ(files, 2U);
   EXPECT_EQ(Value("samples_lost_in_files_accelerometers"), dropped_[1]);
+}
+
+TEST_F(FieldCampaign, HasAPictureOfItsCycle) {
+  EXPECT_TRUE(IsJpeg(Campaign().CycleFile(1).replace_extension(".jpg")));
+}
+
+// Has the driving servo start anew in the load run.
+class Reboot final : public ProgressSink {
+ public:
+  explicit Reboot(DeviceSide& devices) : devices_(devices) {}
+  void Update(const ProgressState& state) override {
+    if (state.phase == "load_run" && ++beats_ == 2) devices_.Do("drive 1 reboot");
+  }
+  void Message(std::string_view, std::string_view) override {}
+  void CycleStored(int, const std::vector<Result>&) override {}
+
+ private:
+  DeviceSide& devices_;
+  int beats_{};
+};
+
+TEST(FieldCampaignThatTrips, HasAPictureBesideItsBlackBox) {
+  const ScratchFolder scratch;
+  const CampaignInputs inputs = InputsIn(scratch);
+  const CampaignFolder folder{scratch / "campaign"};
+  {
+    Journal journal = CreateCampaign(folder, inputs);
+    FieldMachine machine(inputs.bench, 80.0, {});
+    Until([&] { return machine.Devices().sampler.Read().bad_channels == 0; });
+    Reboot reboot(*machine.device_side());
+    const std::atomic<StopRequest> request{StopRequest::kNone};
+    CampaignRunner runner(folder, inputs.schedule, inputs.bench, machine, journal, request, reboot);
+    EXPECT_EQ(runner.Run(std::nullopt).kind, CampaignEnd::Kind::kFault);
+  }
+  int black_boxes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.Faults())) {
+    if (entry.path().extension() != ".h5") continue;
+    ++black_boxes;
+    EXPECT_TRUE(IsJpeg(std::filesystem::path(entry.path()).replace_extension(".jpg")));
+  }
+  EXPECT_EQ(black_boxes, 1);
 }
 
 TEST_F(FieldCampaign, ChecksTheTransducerWithItsShunt) {
