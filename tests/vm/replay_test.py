@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """What was said on the bus at the start is said again, by canplayer, while the shafts turn: commands to the nodes, SDO,
-controlwords and boot-ups of another time. The bench stops safe and says why; on a quiet bus the campaign goes on, and at
-the end all load was served.
+controlwords and boot-ups of another time. The bench stops safe and says why; on a quiet bus the campaign goes on, the time
+of day is set forward and back meanwhile, and at the end all load was served.
 
   tests/vm/run.sh tests/vm/replay_test.py build
 """
@@ -52,9 +52,13 @@ def main():
     check(0 < served < 20, f"{served:.1f} s of load are on record")
 
     campaign = run(True)
+    check(devices.wait_until(safe=False, seconds=120), "resumed on a quiet bus: the shafts turn")
+    for hours in (3, -5):
+        vm_bench.time.clock_settime(vm_bench.time.CLOCK_REALTIME, vm_bench.time.time() + 3600 * hours)
+        vm_bench.time.sleep(2)
     code = campaign.wait(120)
-    check(code == 0, f"resumed on a quiet bus: the campaign comes to its end ({code})")
-    check(abs(load_served(folder) - 20) < 0.1, "all load was served")
+    check(code == 0, f"the time of day jumped by 3 and by -5 hours: the campaign comes to its end ({code})")
+    check(abs(load_served(folder) - 20) < 0.1, f"{load_served(folder):.2f} s of load of 20 were served in all")
     check(devices.safe_since() is not None, "and the bench is safe")
     devices.quit()
 
