@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -46,7 +47,7 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   const std::size_t size = std::bit_ceil(kPadding * places);
   const double angle_step = run_.angle_rad.back() / static_cast<double>(places);
   std::vector<Complex> turns(run_.size());
-  for (std::size_t i = 0; i < run_.size(); ++i) turns[i] = std::polar(1.0, -centre * run_.angle_rad[i]);
+  for (std::size_t i = 0; i < run_.size(); ++i) turns[i] = Direction(-centre / kTwoPi * run_.angle_rad[i]);
 
   MatchedOrders matched;
   matched.step = kTwoPi / (static_cast<double>(size) * angle_step);
@@ -71,10 +72,13 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
     }
     transform_.fwd(spectrum_, values_);
     std::vector<Complex> lines(matched.power.size());
+    // Phases from the middle of the record, so that they change slowly with the order.
+    const double turn = 0.5 * matched.step * run_.angle_rad.back();
+    const Complex further = std::polar(1.0, turn);
+    Complex back = std::polar(1.0, -turn * static_cast<double>(below));
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      // Phases from the middle of the record, so that they change slowly with the order.
-      const double off = matched.step * (static_cast<double>(k) - static_cast<double>(below));
-      lines[k] = spectrum_[(size + k - below) % size] * std::polar(1.0, 0.5 * off * run_.angle_rad.back());
+      lines[k] = Product(spectrum_[(size + k - below) % size], back);
+      back = Product(back, further);
     }
     const double loudness = Loudness(lines, matched);
     const double louder = std::sqrt(loudness);
@@ -124,9 +128,9 @@ void RingMatcher::Filter(const VibrationStretch& channel, Complex step, const st
   Complex common{};
   for (std::size_t i = run_.size(); i-- > 0;) {
     const std::size_t place = channel.first + i;
-    common =
-        common * step + (remainder_.solver().weights()[place] > 0.0 ? remainder_.residual()[place] : 0.0);
-    filtered_[i] = std::conj(common) * turns[i];
+    common = Product(common, step) +
+             (remainder_.solver().weights()[place] > 0.0 ? remainder_.residual()[place] : 0.0);
+    filtered_[i] = Product(std::conj(common), turns[i]);
   }
 }
 

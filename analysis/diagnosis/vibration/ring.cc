@@ -102,7 +102,7 @@ Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
     gain_square += gain * gain;
     for (std::size_t i = n; i-- > 0;) {
       const std::size_t place = run.channels[c].first + i;
-      common = common * step + (weights[place] > 0.0 ? residual[place] : 0.0);
+      common = Product(common, step) + (weights[place] > 0.0 ? residual[place] : 0.0);
       matched[i] += gains.empty() ? common.imag() * common.imag() : gain * common.imag();
     }
   }
@@ -116,9 +116,6 @@ Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
   return {sample, height * *best, height};
 }
 
-namespace {
-
-// Direction after so many turns, to some thousandths of a radian: good enough to search.
 Complex Direction(double turns) {
   constexpr std::size_t kDirections = 2048;
   static const std::vector<Complex> table = [] {
@@ -130,6 +127,8 @@ Complex Direction(double turns) {
   const double share = turns - std::floor(turns);
   return table[static_cast<std::size_t>(share * kDirections) % kDirections];
 }
+
+namespace {
 
 // Power of what noise leaves in the sum over a train's impulses, beside that of as many which do not ring
 // into one another, each turned by where it stands on `side` turns of the angle.
@@ -183,20 +182,17 @@ TrainMatch MatchTrain(const VibrationRun& run, const RingTrain& train, double si
   std::vector<Complex> plain(bins * channels);
   std::vector<Complex> upper(sideband > 0.0 ? bins * channels : 0);
   std::vector<Complex> lower(upper.size());
-  const auto product = [](Complex a, Complex b) {  // the operator looks for infinities
-    return Complex(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
-  };
   for (std::size_t c = 0; c < channels; ++c) {
     Complex common{};
     for (std::size_t i = n; i-- > 0;) {
       const std::size_t at = run.channels[c].first + i;
-      common = product(common, step) + (weights[at] > 0.0 ? residual[at] : 0.0);
-      const Complex value = product(common, places[i].turn);
+      common = Product(common, step) + (weights[at] > 0.0 ? residual[at] : 0.0);
+      const Complex value = Product(common, places[i].turn);
       const std::size_t bin = c * bins + places[i].bin;
       plain[bin] += value;
       if (!(sideband > 0.0)) continue;
-      upper[bin] += product(value, places[i].slow);
-      lower[bin] += product(value, std::conj(places[i].slow));
+      upper[bin] += Product(value, places[i].slow);
+      lower[bin] += Product(value, std::conj(places[i].slow));
     }
   }
   // Samples that one impulse has in a bin, and the noise of a sum over the impulses.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <complex>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -9,6 +10,14 @@
 #include "analysis/diagnosis/vibration/samples.h"
 
 namespace strainwave::analysis::diagnosis {
+
+/// Direction after so many turns, to some thousandths of a radian: good enough to search.
+std::complex<double> Direction(double turns);
+
+/// Product of finite numbers: the operator looks for infinities.
+inline std::complex<double> Product(std::complex<double> a, std::complex<double> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
 
 /// A change of the impulses with the input angle: 1 + cosine · cos(order θ) + sine · sin(order θ).
 struct RingModulation {
