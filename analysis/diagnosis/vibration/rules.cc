@@ -75,7 +75,7 @@ void AddBearing(Table& table) {
                       table.amplitude},
        .degrees_of_freedom = 5,
        // Orders, at each some tens of resonances that may ring, with each change of the impulses.
-       .trials = 160.0 * table.cells,
+       .trials = 320.0 * table.cells,
        .to_settle = "# the motor alone, uncoupled: a defect that is still heard is in the motor's bearings\n"
                     "- {kind: measurement_rotation, turns: 1, direction: cw, output_torque: 40 Nm, "
                     "input_speed: 1500 rpm, vibration_rate: 25.6 kHz}\n"});
