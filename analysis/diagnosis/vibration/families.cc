@@ -2,6 +2,7 @@
 #include "analysis/diagnosis/vibration/families.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numeric>
@@ -25,6 +26,8 @@ constexpr double kLeastOfSet = 4.0;  // −ln p of known lines together
 constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
 constexpr double kRingReach = 2.0;         // half-widths of a resonance in which harmonics are heard
+constexpr double kSharpest = 0.004;        // orders are never known better, whatever the lines say
+constexpr double kClearer = 12.0;          // of ln p, that lines have to be
 constexpr int kPulseHarmonic = 2;          // from which on a record has to tell pulses from whole orders
 
 VibrationTerm LinesTerm(const VibrationRemainder& remainder, std::size_t index) {
@@ -179,14 +182,17 @@ bool ScaleIsOpen(const VibrationRemainder& remainder, double order) {
   return kRange * remainder.samples().order_uncertainty * order > 0.25 * remainder.over_turns().cell();
 }
 
-// Not the orders that other things have: multiples of the half turn, as looseness and misalignment make them,
-// and those of a crack. So many harmonics say it sharper than the order itself.
+// Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
+// one of a crack's. The nearest of each.
+std::array<double, 2> OtherOrders(double order, double crack_order) {
+  return {0.5 * std::round(2.0 * order), crack_order * std::round(order / crack_order)};
+}
+
+// Not another's order. So many harmonics say it sharper than the order itself.
 bool IsBearingOrder(double order, double cell, double crack_order, double harmonics) {
-  const double sharpness = std::max(0.004, 0.6 * cell / harmonics);
-  const double doubled = 2.0 * order;
-  const double cracks = order / crack_order;
-  return std::abs(doubled - std::round(doubled)) > 2.0 * sharpness &&
-         std::abs(cracks - std::round(cracks)) * crack_order > sharpness;
+  const double sharpness = std::max(kSharpest, 0.6 * cell / harmonics);
+  return std::ranges::none_of(OtherOrders(order, crack_order),
+                              [&](double other) { return std::abs(order - other) < sharpness; });
 }
 
 TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
@@ -208,6 +214,26 @@ double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& ter
   const auto is_first = [](const LinePlace& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
   const double from = std::ranges::any_of(term.lines, is_first) ? 0.0 : lowest.harmonic;
   return std::max(1.0, highest.harmonic - from);
+}
+
+// Whether the lines beside a train's strongest one stand so clearly at distances of its order, and not at
+// those of another order next to it, that a part of a resolution cell tells them.
+bool StandsClearOfOthers(const VibrationRemainder& remainder, const VibrationTerm& ring, double crack_order) {
+  const VibrationSpectrum& spectrum = remainder.over_turns();
+  const double order = ring.shapes[0];
+  const double strongest = order * StrongestHarmonic(remainder, order);
+  const int beside = static_cast<int>(std::ceil(0.5 * HarmonicsOf(remainder, ring)));
+  const auto power = [&](double apart) {
+    double sum = 0.0;
+    for (int j = 1; j <= beside; ++j) {
+      sum += spectrum.At(std::max(0.0, strongest - j * apart)) + spectrum.At(strongest + j * apart);
+    }
+    return sum;
+  };
+  const double of_scale = kRange * remainder.samples().order_uncertainty * order;
+  return std::ranges::all_of(OtherOrders(order, crack_order), [&](double other) {
+    return std::abs(order - other) > std::max(kSharpest, of_scale) && power(order) > power(other) + kClearer;
+  });
 }
 
 // Smooth pulses at a known order: where they stand is read off the lines at its harmonics. Their width is one
@@ -312,7 +338,8 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
     return order > lowest && order < highest && allowed(order);
   });
   const auto is_bearing = [&](const VibrationTerm& term) {
-    return IsBearingOrder(term.shapes[0], cell, crack, HarmonicsOf(remainder, term));
+    return IsBearingOrder(term.shapes[0], cell, crack, HarmonicsOf(remainder, term)) ||
+           (term.form == VibrationForm::kRing && StandsClearOfOthers(remainder, term, crack));
   };
   if (best && !is_bearing(best->term)) best.reset();
   std::vector<double> bases;

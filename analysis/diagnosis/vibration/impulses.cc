@@ -90,11 +90,16 @@ Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
   return best;
 }
 
+// Of the noise that a train has to stand out of.
+double VarianceAbout(const VibrationRemainder& remainder, const TermFit& ring) {
+  return ring.variance() * remainder.LoudnessAt(ring.term.shapes[1]);
+}
+
 // −ln p of what a train explains, by its numbers. BIC charges all of them by the length of the record, and
 // would rather have a train without its change, or another one, than what is least likely to be chance.
 double UnlikelinessOf(const VibrationRemainder& remainder, const TermFit& fit) {
   const VibrationSolution& base = remainder.base();
-  const double explained = (base.square_sum - fit.square_sum) / fit.variance();
+  const double explained = (base.square_sum - fit.square_sum) / VarianceAbout(remainder, fit);
   return ExcessOf(0.5 * explained, 0.5 * (fit.free_parameters - base.free_parameters));
 }
 
@@ -135,32 +140,26 @@ TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Lo
 // @param part  of what it has to explain beyond the line that counts yet
 bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, double part) {
   const VibrationTerm& ring = solution.term;
-  const VibrationSpectrum& spectrum = remainder.over_turns();
-  double strongest = 0.0;
-  double order = ring.shapes[0];
-  for (int k = 1; k * ring.shapes[0] < spectrum.highest(); ++k) {
-    if (spectrum.At(k * ring.shapes[0]) <= strongest) continue;
-    strongest = spectrum.At(k * ring.shapes[0]);
-    order = k * ring.shapes[0];
-  }
   VibrationTerm line;
   line.cause = ring.cause;
   line.form = VibrationForm::kLines;
   line.heard = ring.heard;
   line.lines = {{1.0, 0.0}};
-  line.shapes = {order};
+  line.shapes = {ring.shapes[0] * StrongestHarmonic(remainder, ring.shapes[0])};
   const TermFit alone = remainder.With(std::move(line), 3);
-  const double by_line = (remainder.base().square_sum - alone.square_sum) / solution.variance();
-  const double beyond = (alone.square_sum - solution.square_sum) / solution.variance();
+  const double variance = VarianceAbout(remainder, solution);
+  const double by_line = (remainder.base().square_sum - alone.square_sum) / variance;
+  const double beyond = (alone.square_sum - solution.square_sum) / variance;
   return beyond < part * (kBeyondLine + kBeyondLineShare * by_line);
 }
 
-// Refines a first look, a period of the ring to both sides; without its modulation, or with each.
+// Refines a first look, half a period of the ring and a whole one to both sides; without its modulation, or
+// with each.
 void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
              Best& best) {
   Best own = remainder.Refine(std::move(look), 12);
   const std::size_t first_phase = 3 + 2 * own->term.lines.size();
-  for (const double periods : {-1.0, 1.0}) {
+  for (const double periods : {-1.0, -0.5, 0.5, 1.0}) {
     VibrationTerm moved = own->term;
     for (std::size_t r = first_phase; r < moved.shapes.size(); ++r) {
       moved.shapes[r] += periods * moved.shapes[0] * TurnHz(remainder) / moved.shapes[1];
@@ -187,6 +186,15 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
 }
 
 }  // namespace
+
+int StrongestHarmonic(const VibrationRemainder& remainder, double order) {
+  const VibrationSpectrum& spectrum = remainder.over_turns();
+  int strongest = 1;
+  for (int k = 2; k * order < spectrum.highest(); ++k) {
+    if (spectrum.At(k * order) > spectrum.At(strongest * order)) strongest = k;
+  }
+  return strongest;
+}
 
 Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
                     const std::vector<TrainStart>& starts, const std::vector<double>& modulations,

@@ -10,6 +10,9 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// The harmonic of an order that is the loudest line.
+int StrongestHarmonic(const VibrationRemainder& remainder, double order);
+
 /// The best train of ringing impulses that one of the starts leads to, plain or with one of the modulations
 /// (orders of the input angle). Nothing where a single line explains most of it.
 std::optional<TermFit> SearchImpulses(const VibrationRemainder& remainder, std::size_t index,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/vibration/bursts.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/resonances.h"
@@ -58,6 +59,17 @@ const VibrationSpectrum& VibrationRemainder::over_turns() const {
 const VibrationSpectrum& VibrationRemainder::over_seconds() const {
   if (!seconds_) seconds_.emplace(samples_, residual_, solver_.weights(), SpectrumAxis::kSeconds);
   return *seconds_;
+}
+
+double VibrationRemainder::LoudnessAt(double frequency_Hz) const {
+  if (!memory_) {
+    const double rms = std::sqrt(base_.variance());
+    const NoiseFit noise = FitNoise(residual_, solver_.weights(), samples_.stretches, 1, rms);
+    memory_ = noise.order > 0 ? noise.coefficients.front() : 0.0;
+  }
+  const double memory = *memory_;
+  const double turned = std::cos(kTwoPi * frequency_Hz * samples_.runs.front().period_s);
+  return (1.0 - memory * memory) / (1.0 + memory * memory - 2.0 * memory * turned);
 }
 
 const OneTermSolver& VibrationRemainder::one_term() const {

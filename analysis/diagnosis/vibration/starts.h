@@ -50,6 +50,10 @@ class VibrationRemainder {
   const VibrationSpectrum& over_turns() const;
   const VibrationSpectrum& over_seconds() const;
 
+  /// Noise about a frequency beside white noise of the same variance, as the judge takes it: white, or with a
+  /// memory of one sample.
+  double LoudnessAt(double frequency_Hz) const;
+
   /// One more term, refined; channels that do not hear it are left out.
   TermFit With(VibrationTerm term, int rounds) const;
 
@@ -68,6 +72,7 @@ class VibrationRemainder {
   mutable std::optional<OneTermSolver> one_term_;
   mutable std::optional<VibrationSpectrum> turns_;
   mutable std::optional<VibrationSpectrum> seconds_;
+  mutable std::optional<double> memory_;  // correlation of neighbours in the noise
 };
 
 /// The best form of a cause beside a model; nothing where it has no support of its own (a bearing that would
