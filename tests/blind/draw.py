@@ -171,8 +171,8 @@ def _truth(attempt, seed, number, situation):
     return truth
 
 
-def draw_case(seed, number, request=Request()):
-    """The same (seed, number, request) gives the same bytes, whatever else is drawn."""
+def draw_attempt(seed, number, request=Request()):
+    """(the attempt that came about, its situation, how many had not)"""
     first = numpy.random.default_rng([seed, number])
     situation, kind = _situation(first, request), _kind(first, request)
     order = _causes(first, request, kind)
@@ -182,9 +182,15 @@ def draw_case(seed, number, request=Request()):
         causes = _picked(order, situation, retry)
         attempt = Attempt(numpy.random.default_rng([seed, number, 1 + retry]), kind, situation, causes, wanted_sigma)
         if attempt.possible:
-            metadata, columns = attempt.experiment.record(attempt.measured(), attempt.keep, attempt.rng, attempt.quantum)
-            truth = _truth(attempt, seed, number, situation)
-            truth["retries"] = retry
-            truth["wanted_sigma"] = attempt.wanted_sigma
-            return Case(metadata, columns, truth)
+            return attempt, situation, retry
     raise NotDrawn("seed %d case %d: no record shows %s (%s) at a plausible size" % (seed, number, causes, kind))
+
+
+def draw_case(seed, number, request=Request()):
+    """The same (seed, number, request) gives the same bytes, whatever else is drawn."""
+    attempt, situation, retry = draw_attempt(seed, number, request)
+    metadata, columns = attempt.experiment.record(attempt.measured(), attempt.keep, attempt.rng, attempt.quantum)
+    truth = _truth(attempt, seed, number, situation)
+    truth["retries"] = retry
+    truth["wanted_sigma"] = attempt.wanted_sigma
+    return Case(metadata, columns, truth)

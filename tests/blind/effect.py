@@ -18,6 +18,10 @@ class Effect:
     signature: typing.Optional[dict] = None  # only effects outside the list: how a good program would point at them
     tolerance: float = 0.005  # of the size that is asked for
     least_scale: float = 0.0  # below it the effect is not physically plausible either
+    # What the best analyst can do with it, for attainable.py alone.
+    ln_places: float = 0.0  # independent places (orders, times, resonances) of which it may have any
+    foretold: typing.Optional[typing.Callable] = None  # act() without what is chance, where not all of it can be foretold
+    swing: typing.Optional[tuple] = None  # (Hz, damping ratio) of what noise drives: its spectrum is all that is known
 
 
 def recursion(push, keep):

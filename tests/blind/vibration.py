@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Vibration records: accelerometers on a reducer at nearly constant or slowly changing input speed."""
+import dataclasses
 import math
 
 import numpy
@@ -122,12 +123,13 @@ class Vibration:
         return out
 
     def _onsets(self, order, rng, slip):
-        """Times at which the input has turned by another 1/order of a turn, and the angle there."""
+        """Times at which the input has turned by another 1/order of a turn, the angle there, and the times without slip."""
         first, last = self.angle_rad[0], self.angle_rad[-1]
         count = int((last - first) / (2.0 * math.pi) * order)
-        steps = numpy.arange(count) + rng.random() + slip * rng.standard_normal(count)
-        angle = first + steps * 2.0 * math.pi / order
-        return numpy.interp(angle, self.angle_rad, self.time_s), angle
+        even = numpy.arange(count) + rng.random()
+        angles = [first + steps * 2.0 * math.pi / order for steps in (even + slip * rng.standard_normal(count), even)]
+        onset_s, even_onset_s = (numpy.interp(angle, self.angle_rad, self.time_s) for angle in angles)
+        return onset_s, angles[0], even_onset_s
 
     def make_effect(self, name, rng):
         level = lambda scale: {}
@@ -167,11 +169,18 @@ class Vibration:
         balls, ratio = int(rng.integers(19, 26)), rng.uniform(0.07, 0.13)
         ring = rng.choice([-1.0, 1.0])  # outer, inner
         order = 0.5 * balls * (1.0 + ring * ratio)
-        onset_s, angle = self._onsets(order, rng, 0.003)
+        onset_s, angle, even_onset_s = self._onsets(order, rng, 0.003)
         heights = 1.0 + rng.uniform(0.3, 0.8) * numpy.cos(2.0 * angle + rng.uniform(-math.pi, math.pi))
         natural_hz = self.rate_hz * rng.uniform(0.12, 0.32)
-        rings = self._ringing(onset_s, heights, natural_hz, rng.uniform(0.015, 0.05))
-        return self._shaped("bearing_defect", self.gains[:, numpy.newaxis] * rings, lambda scale: {"order": (order, "1/rev")})
+        damping_ratio = rng.uniform(0.015, 0.05)
+        rings, even = (self._ringing(onsets_s, heights, natural_hz, damping_ratio) for onsets_s in (onset_s, even_onset_s))
+        effect = self._shaped("bearing_defect", self.gains[:, numpy.newaxis] * rings, lambda scale: {"order": (order, "1/rev")})
+        # Orders as sharp as the ringing harmonics say, resonances a width apart, where in its period the ring begins, and
+        # even impulses or a change once or twice a turn with its phase.
+        turns = self.mean_rpm / 60.0 * self.time_s[-1]
+        harmonic = natural_hz / (self.mean_rpm / 60.0 * order)
+        return dataclasses.replace(effect, foretold=lambda scale: scale * self.gains[:, numpy.newaxis] * even,
+                                   ln_places=math.log(18.0 * turns * harmonic * 45.0 * 2.0 * 6.0))
 
     def _resonance(self, rng):
         span_s = self.time_s[-1]
@@ -182,7 +191,8 @@ class Vibration:
             orders = min(abs(natural_hz - order * self.mean_rpm / 60.0) for order in (1.0, 2.0))
             if min(mains, orders) > 4.0 * damping_ratio * natural_hz / 2.0 and damping_ratio < 0.05:
                 break
-        if rng.random() < 0.5:  # a few knocks from outside
+        knocks = rng.random() < 0.5
+        if knocks:  # a few from outside
             onset_s = numpy.sort(rng.uniform(0.02, 0.85, int(rng.integers(1, 5)))) * span_s
             heights = rng.choice([-1.0, 1.0], len(onset_s)) * rng.uniform(0.5, 1.0, len(onset_s))
         else:  # the load's unrest keeps it swinging
@@ -190,8 +200,13 @@ class Vibration:
             onset_s = onset_s[onset_s >= 0.0]
             heights = rng.standard_normal(len(onset_s)) * math.sqrt(damping_ratio * natural_hz * 32.0 / self.rate_hz)
         ring = self._ringing(onset_s, heights, natural_hz, damping_ratio)
-        return self._shaped("torsional_resonance", self.gains[:, numpy.newaxis] * ring,
-                            lambda scale: {"frequency": (natural_hz, "Hz"), "damping": (damping_ratio, "")})
+        effect = self._shaped("torsional_resonance", self.gains[:, numpy.newaxis] * ring,
+                              lambda scale: {"frequency": (natural_hz, "Hz"), "damping": (damping_ratio, "")})
+        # Resonances a width apart with three dampings; each knock in any half period.
+        ln_places = math.log(650.0)
+        if knocks:
+            ln_places += len(onset_s) * math.log(2.0 * natural_hz * span_s) - math.lgamma(len(onset_s) + 1.0)
+        return dataclasses.replace(effect, ln_places=ln_places, swing=None if knocks else (natural_hz, damping_ratio))
 
     def make_outside(self, rng):
         turn_hz = self.mean_rpm / 60.0
