@@ -9,83 +9,11 @@
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/units.h"
-#include "tests/analysis/diagnosed.h"
 #include "tests/analysis/message_of.h"
+#include "tests/analysis/vibration_record.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-constexpr double kRate_Hz = 5120.0;
-constexpr double kNoise_m_per_s2 = 0.1;
-
-// Times, angles and speeds of the input shaft; the speed rises by `rise` of its mean from end to end.
-struct Turning {
-  std::vector<double> time_s;
-  std::vector<double> angle_rad;
-  std::vector<double> speed_rad_per_s;
-
-  Turning(double speed_rpm, double duration_s, double rise) {
-    const double mean = RadPerSFromRpm(speed_rpm);
-    const auto count = static_cast<std::size_t>(duration_s * kRate_Hz);
-    for (std::size_t i = 0; i < count; ++i) {
-      const double time = static_cast<double>(i) / kRate_Hz;
-      time_s.push_back(time);
-      speed_rad_per_s.push_back(mean * (1.0 + rise * (time / duration_s - 0.5)));
-      angle_rad.push_back(mean * time * (1.0 + 0.5 * rise * (time / duration_s - 1.0)));
-    }
-  }
-  double turns() const { return angle_rad.back() / kTwoPi; }
-};
-
-using Signal = std::vector<double>;
-using Effect = std::function<Signal(const Turning&)>;
-
-Signal Silence(const Turning& run) { return Signal(run.time_s.size(), 0.0); }
-
-Signal Line(const Turning& run, double order, double amplitude) {
-  Signal signal;
-  for (const double angle : run.angle_rad) signal.push_back(amplitude * std::cos(order * angle + 0.7));
-  return signal;
-}
-
-// A sine that dies away, from a time between two samples on.
-void AddRing(const Turning& run, double start_s, double height, double frequency_Hz, double damping,
-             Signal& signal) {
-  for (std::size_t i = 0; i < signal.size(); ++i) {
-    const double since = kTwoPi * frequency_Hz * (run.time_s[i] - start_s);
-    if (since >= 0.0 && damping * since < 9.0)
-      signal[i] += height * std::exp(-damping * since) * std::sin(since);
-  }
-}
-
-Signal operator+(Signal a, const Signal& b) {
-  std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());
-  return a;
-}
-
-// A channel with the shaft's two lines, the effect in it times a gain, and noise.
-VibrationData Record(const Turning& run, unsigned seed, const Effect& effect,
-                     const std::vector<double>& gains = {1.0}) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, kNoise_m_per_s2);
-  VibrationData record;
-  record.time_s = run.time_s;
-  const auto [slowest, fastest] = std::ranges::minmax(run.speed_rad_per_s);
-  record.input_speed_rad_per_s = run.speed_rad_per_s;
-  if (fastest - slowest < 1e-9) record.input_speed_rad_per_s.resize(1);
-  const Signal hidden = effect(run);
-  constexpr const char* kNames[] = {"accel_x_m_per_s2", "accel_y_m_per_s2"};
-  for (std::size_t c = 0; c < gains.size(); ++c) {
-    VibrationChannel channel{kNames[c], Line(run, 1.0, 0.2) + Line(run, 2.0, 0.3)};
-    for (std::size_t i = 0; i < hidden.size(); ++i) channel.values[i] += gains[c] * hidden[i] + noise(random);
-    record.channels.push_back(std::move(channel));
-  }
-  return record;
-}
-
-Diagnosed Ask(const std::vector<VibrationData>& records) {
-  return DiagnoseRecords(&MakeVibrationStudy, records);
-}
 
 TEST(VibrationStudy, FindsNothingInCleanNoise) {
   for (const unsigned seed : {1U, 2U, 3U}) {
@@ -103,115 +31,6 @@ TEST(VibrationStudy, NamesAGearMeshWithSidebands) {
   EXPECT_EQ(answer.names(), Names{"gear_mesh"});
   EXPECT_NEAR(answer.value("mesh_order").value, 162.0, 1e-6);
   EXPECT_NEAR(answer.value("amplitude_m_per_s2").value, 0.05, 0.007);
-}
-
-// Outer race of 21 balls, d/D = 0.1: 9.45 an input turn, twice modulated a turn by the ellipse.
-Effect Bearing(double height, double order = 9.45) {
-  return [=](const Turning& run) {
-    Signal signal = Silence(run);
-    std::size_t i = 0;
-    for (int blow = -5; i + 1 < run.angle_rad.size(); ++blow) {
-      const double angle = (blow - 0.4) * kTwoPi / order;
-      while (i + 1 < run.angle_rad.size() && run.angle_rad[i + 1] < angle) ++i;
-      if (i + 1 == run.angle_rad.size()) break;
-      const double share = (angle - run.angle_rad[i]) / (run.angle_rad[i + 1] - run.angle_rad[i]);
-      const double zones = 1.0 + 0.6 * std::cos(2.0 * angle + 0.3);
-      AddRing(run, (static_cast<double>(i) + share) / kRate_Hz, height * zones, 1230.0, 0.03, signal);
-    }
-    return signal;
-  };
-}
-
-TEST(VibrationStudy, NamesABearingByItsOrderWhileTheSpeedChanges) {
-  const Diagnosed answer = Ask({Record(Turning(1500.0, 1.2, 0.2), 5, Bearing(0.15), {1.0, -0.6})});
-  EXPECT_EQ(answer.names(), Names{"bearing_defect"});
-  const ParameterValue order = answer.value("defect_order");
-  EXPECT_NEAR(order.value, 9.45, 4.0 * order.standard_error);
-  EXPECT_LT(order.standard_error, 0.002);
-  EXPECT_NEAR(answer.value("ring_Hz").value, 1230.0, 15.0);
-  EXPECT_NEAR(answer.value("ring_decay_ratio").value, 0.03, 0.012);
-}
-
-// Each harmonic is lost in the noise: only their sum with phases and sidebands shows them.
-TEST(VibrationStudy, NamesWeakBearings) {
-  for (const unsigned seed : {31U, 32U, 33U}) {
-    const Diagnosed answer = Ask({Record(Turning(900.0, 1.2, 0.0), seed, Bearing(0.036))});
-    EXPECT_EQ(answer.names(), Names{"bearing_defect"}) << seed;
-    if (answer.names() == Names{"bearing_defect"}) {
-      EXPECT_NEAR(answer.value("defect_order").value, 9.45, 0.01) << seed;
-    }
-  }
-}
-
-// The resonance lies at a harmonic or next to it, so that most is in one line: the change of the impulses,
-// two numbers more, is what says that it is no line alone.
-TEST(VibrationStudy, NamesWeakBearingsByTheChangeOfTheirImpulses) {
-  const struct {
-    double speed_rpm;
-    double height;
-    unsigned seed;
-  } records[] = {{1540.0, 0.025, 45}, {1561.9, 0.046, 42}, {1580.0, 0.025, 43}};
-  for (const auto& [speed_rpm, height, seed] : records) {
-    const Diagnosed answer = Ask({Record(Turning(speed_rpm, 1.2, 0.0), seed, Bearing(height))});
-    EXPECT_EQ(answer.names(), Names{"bearing_defect"}) << seed;
-  }
-}
-
-// Noise that remembers the sample before.
-Signal ColouredNoise(const Turning& run, unsigned seed, double deviation, double memory) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, deviation * std::sqrt(1.0 - memory * memory));
-  Signal signal;
-  double before = 0.0;
-  for (std::size_t i = 0; i < run.time_s.size(); ++i)
-    signal.push_back(before = memory * before + noise(random));
-  return signal;
-}
-
-// Twenty-seven turns tell 9.01 from 9 where the harmonics are clear; what they blur is a part of a cell.
-TEST(VibrationStudy, NamesABearingNextToAWholeOrder) {
-  const Diagnosed answer = Ask({Record(Turning(1368.0, 1.2, 0.0), 51, Bearing(0.15, 9.01))});
-  EXPECT_EQ(answer.names(), Names{"bearing_defect"});
-  EXPECT_NEAR(answer.value("defect_order").value, 9.01, 0.002);
-}
-
-// Half a period of the ring to either side the impulses explain nearly as much with a ring that is too long.
-TEST(VibrationStudy, KnowsHowABearingRings) {
-  for (const double speed_rpm : {1300.0, 1420.0, 1480.0, 1540.0, 1600.0}) {
-    const Diagnosed answer = Ask({Record(Turning(speed_rpm, 0.5, 0.0), 52, Bearing(0.3), {1.0, 0.7})});
-    EXPECT_EQ(answer.names(), Names{"bearing_defect"}) << speed_rpm;
-    const ParameterValue decay = answer.value("ring_decay_ratio");
-    EXPECT_NEAR(decay.value, 0.03, 4.0 * decay.standard_error) << speed_rpm;
-  }
-}
-
-// Most of the noise is far below the ring; beside what is about it the weaker harmonics are clear.
-TEST(VibrationStudy, NamesABearingAboveTheNoise) {
-  for (const unsigned seed : {61U, 63U, 64U}) {
-    const Effect defect = [=](const Turning& run) {
-      return Bearing(0.1)(run) + ColouredNoise(run, seed + 10, 0.5, 0.8);
-    };
-    EXPECT_EQ(Ask({Record(Turning(1540.0, 1.2, 0.0), seed, defect)}).names(), Names{"bearing_defect"})
-        << seed;
-  }
-}
-
-// A healthy motor: lines at whole orders, one of the current's that is none, with the shaft's sidebands about
-// it. Four turns do not tell how far apart these are from the harmonics of an order near four, and together
-// they beat like knocks.
-TEST(VibrationStudy, TakesSidebandsOfTheShaftForNoDefect) {
-  unsigned seed = 30;
-  for (const double centre : {58.46, 73.46, 76.46, 78.3}) {
-    ++seed;
-    const Effect healthy = [=](const Turning& run) {
-      return Line(run, 3.0, 0.2) + Line(run, 36.0, 0.3) + Line(run, centre, 0.6) +
-             Line(run, centre - 4.01, 0.4) + Line(run, centre + 4.0, 0.3) +
-             ColouredNoise(run, seed, 0.1, 0.7);
-    };
-    const Diagnosed answer = Ask({Record(Turning(1796.0, 0.14, 0.0), seed, healthy, {1.0, 0.4})});
-    EXPECT_EQ(answer.names(), Names()) << centre;
-    EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure) << centre;
-  }
 }
 
 TEST(VibrationStudy, NamesAnImbalanceThatGrowsWithTheSquareOfTheSpeed) {
@@ -299,15 +118,6 @@ TEST(VibrationStudy, CallsALineOfNoCauseUnnamed) {
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
   ASSERT_EQ(answer.diagnosis.corrections.size(), 1U);
   EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.front().value, 7.3, 0.01);
-}
-
-TEST(VibrationStudy, JoinsRecordsThatDoNotShowABearingAlone) {
-  const std::vector<VibrationData> records{Record(Turning(1500.0, 1.0, 0.0), 11, Bearing(0.03)),
-                                           Record(Turning(1500.0, 1.0, 0.0), 12, Bearing(0.03))};
-  EXPECT_EQ(Ask({records[0]}).names(), Names());
-  const Diagnosed joint = Ask(records);
-  EXPECT_EQ(joint.names(), Names{"bearing_defect"});
-  EXPECT_NEAR(joint.value("defect_order").value, 9.45, 0.01);
 }
 
 TEST(VibrationStudy, TakesTheSpeedFromTheShaftsLinesWhereTheRecordDoesNotSayIt) {

@@ -2,12 +2,12 @@
 #include "analysis/diagnosis/vibration/families.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <numeric>
 #include <utility>
 
+#include "analysis/diagnosis/vibration/bearing_orders.h"
 #include "analysis/diagnosis/vibration/combs.h"
 #include "analysis/diagnosis/vibration/impulses.h"
 #include "analysis/diagnosis/vibration/pulses.h"
@@ -19,15 +19,11 @@ namespace {
 
 using Best = std::optional<TermFit>;
 
-constexpr double kRange = 3.0;  // standard errors of the angle's scale that a known order may be off by
 constexpr int kMostLineHarmonics = 12;
 constexpr std::size_t kMostLines = 10;
 constexpr double kLeastOfSet = 4.0;  // −ln p of known lines together
 constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
-constexpr double kRingReach = 2.0;         // half-widths of a resonance in which harmonics are heard
-constexpr double kSharpest = 0.004;        // orders are never known better, whatever the lines say
-constexpr double kClearer = 12.0;          // of ln p, that lines have to be
 constexpr int kPulseHarmonic = 2;          // from which on a record has to tell pulses from whole orders
 
 VibrationTerm LinesTerm(const VibrationRemainder& remainder, std::size_t index) {
@@ -115,7 +111,7 @@ Best FitPayingLines(const VibrationRemainder& remainder, VibrationTerm term, std
 
 // Scale of known orders that agrees best with the spectrum, where the shaft's own lines leave it open.
 double BestScale(const VibrationRemainder& remainder, const std::vector<double>& orders) {
-  const double range = kRange * remainder.samples().order_uncertainty;
+  const double range = kScaleRange * remainder.samples().order_uncertainty;
   const double highest = *std::max_element(orders.begin(), orders.end());
   const double step = 0.25 * remainder.over_turns().cell() / highest;
   double best = 1.0;
@@ -179,61 +175,12 @@ std::vector<double> LikeliestSet(const VibrationRemainder& remainder, const std:
 }
 
 bool ScaleIsOpen(const VibrationRemainder& remainder, double order) {
-  return kRange * remainder.samples().order_uncertainty * order > 0.25 * remainder.over_turns().cell();
-}
-
-// Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
-// one of a crack's. The nearest of each.
-std::array<double, 2> OtherOrders(double order, double crack_order) {
-  return {0.5 * std::round(2.0 * order), crack_order * std::round(order / crack_order)};
-}
-
-// Not another's order. So many harmonics say it sharper than the order itself.
-bool IsBearingOrder(double order, double cell, double crack_order, double harmonics) {
-  const double sharpness = std::max(kSharpest, 0.6 * cell / harmonics);
-  return std::ranges::none_of(OtherOrders(order, crack_order),
-                              [&](double other) { return std::abs(order - other) < sharpness; });
+  return kScaleRange * remainder.samples().order_uncertainty * order > 0.25 * remainder.over_turns().cell();
 }
 
 TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
   const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
   return {comb.order, comb.centre * comb.order * turn_Hz, comb.excess, 0.0, 1.0};
-}
-
-// How many harmonics of its order the lines of a term span: so much sharper than a single line they say how
-// far apart they are. Where they stand says nothing: sidebands of whole orders stand anywhere.
-double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& term) {
-  if (term.form == VibrationForm::kRing) {
-    const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
-    const double centre = term.shapes[1] / (term.shapes[0] * turn_Hz);
-    const double reach = kRingReach * term.shapes[2] * centre;
-    return std::max(1.0, centre + reach - std::max(0.0, centre - reach));
-  }
-  const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LinePlace::harmonic);
-  // The order itself counts from zero.
-  const auto is_first = [](const LinePlace& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
-  const double from = std::ranges::any_of(term.lines, is_first) ? 0.0 : lowest.harmonic;
-  return std::max(1.0, highest.harmonic - from);
-}
-
-// Whether the lines beside a train's strongest one stand so clearly at distances of its order, and not at
-// those of another order next to it, that a part of a resolution cell tells them.
-bool StandsClearOfOthers(const VibrationRemainder& remainder, const VibrationTerm& ring, double crack_order) {
-  const VibrationSpectrum& spectrum = remainder.over_turns();
-  const double order = ring.shapes[0];
-  const double strongest = order * StrongestHarmonic(remainder, order);
-  const int beside = static_cast<int>(std::ceil(0.5 * HarmonicsOf(remainder, ring)));
-  const auto power = [&](double apart) {
-    double sum = 0.0;
-    for (int j = 1; j <= beside; ++j) {
-      sum += spectrum.At(std::max(0.0, strongest - j * apart)) + spectrum.At(strongest + j * apart);
-    }
-    return sum;
-  };
-  const double of_scale = kRange * remainder.samples().order_uncertainty * order;
-  return std::ranges::all_of(OtherOrders(order, crack_order), [&](double other) {
-    return std::abs(order - other) > std::max(kSharpest, of_scale) && power(order) > power(other) + kClearer;
-  });
 }
 
 // Smooth pulses at a known order: where they stand is read off the lines at its harmonics. Their width is one
@@ -337,11 +284,7 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   Best best = SearchImpulses(remainder, index, starts, {1.0, 2.0}, [&](double order) {
     return order > lowest && order < highest && allowed(order);
   });
-  const auto is_bearing = [&](const VibrationTerm& term) {
-    return IsBearingOrder(term.shapes[0], cell, crack, HarmonicsOf(remainder, term)) ||
-           (term.form == VibrationForm::kRing && StandsClearOfOthers(remainder, term, crack));
-  };
-  if (best && !is_bearing(best->term)) best.reset();
+  if (best && !IsBearing(remainder, best->term)) best.reset();
   std::vector<double> bases;
   for (std::size_t c = 0; c < std::min<std::size_t>(3, combs.size()); ++c) bases.push_back(combs[c].order);
   // A few low harmonics need no search of their own: the strongest lines say where they may be.
@@ -372,7 +315,8 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
     std::vector<double> gains = LineGains(*lines);
     std::sort(gains.begin(), gains.end());
     const double beside = std::accumulate(gains.begin(), gains.end() - 1, 0.0);
-    if (family && beside > kBesideStrongest && is_bearing(lines->term)) Keep(std::move(*lines), best);
+    if (family && beside > kBesideStrongest && IsBearing(remainder, lines->term))
+      Keep(std::move(*lines), best);
   }
   return best;
 }
@@ -406,7 +350,7 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
     }
   }
   Best best = FitPayingLines(remainder, std::move(term), std::move(places), 1);
-  const double range = kRange * samples.order_uncertainty * order + 0.5 * spectrum.cell() / 100.0;
+  const double range = kScaleRange * samples.order_uncertainty * order + 0.5 * spectrum.cell() / 100.0;
   std::vector<TrainStart> starts;
   for (const double sideband : {0.0, output}) {
     const Comb comb = Refined(spectrum, CombNear(spectrum, order, range, sideband));

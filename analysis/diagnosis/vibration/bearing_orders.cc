@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/bearing_orders.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "analysis/diagnosis/vibration/impulses.h"
+#include "analysis/model/vibration_orders.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kRingReach = 2.0;   // half-widths of a resonance in which harmonics are heard
+constexpr double kSharpest = 0.004;  // orders are never known better, whatever the lines say
+constexpr double kClearer = 12.0;    // of ln p, that lines have to be
+
+// Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
+// one of a crack's. The nearest of each.
+std::array<double, 2> OtherOrders(double order, double crack_order) {
+  return {0.5 * std::round(2.0 * order), crack_order * std::round(order / crack_order)};
+}
+
+// How many harmonics of its order the lines of a term span: so much sharper than a single line they say how
+// far apart they are. Where they stand says nothing: sidebands of whole orders stand anywhere.
+double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& term) {
+  if (term.form == VibrationForm::kRing) {
+    const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+    const double centre = term.shapes[1] / (term.shapes[0] * turn_Hz);
+    const double reach = kRingReach * term.shapes[2] * centre;
+    return std::max(1.0, centre + reach - std::max(0.0, centre - reach));
+  }
+  const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LinePlace::harmonic);
+  // The order itself counts from zero.
+  const auto is_first = [](const LinePlace& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
+  const double from = std::ranges::any_of(term.lines, is_first) ? 0.0 : lowest.harmonic;
+  return std::max(1.0, highest.harmonic - from);
+}
+
+// Whether the lines beside a train's strongest one stand so clearly at distances of its order, and not at
+// those of another order next to it, that a part of a resolution cell tells them.
+bool StandsClearOfOthers(const VibrationRemainder& remainder, const VibrationTerm& ring, double crack_order) {
+  const VibrationSpectrum& spectrum = remainder.over_turns();
+  const double order = ring.shapes[0];
+  const double strongest = order * StrongestHarmonic(remainder, order);
+  const int beside = static_cast<int>(std::ceil(0.5 * HarmonicsOf(remainder, ring)));
+  const auto power = [&](double apart) {
+    double sum = 0.0;
+    for (int j = 1; j <= beside; ++j) {
+      sum += spectrum.At(std::max(0.0, strongest - j * apart)) + spectrum.At(strongest + j * apart);
+    }
+    return sum;
+  };
+  const double of_scale = kScaleRange * remainder.samples().order_uncertainty * order;
+  return std::ranges::all_of(OtherOrders(order, crack_order), [&](double other) {
+    return std::abs(order - other) > std::max(kSharpest, of_scale) && power(order) > power(other) + kClearer;
+  });
+}
+
+}  // namespace
+
+bool IsBearingOrder(double order, double cell, double crack_order, double harmonics) {
+  const double sharpness = std::max(kSharpest, 0.6 * cell / harmonics);
+  return std::ranges::none_of(OtherOrders(order, crack_order),
+                              [&](double other) { return std::abs(order - other) < sharpness; });
+}
+
+bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term) {
+  const double crack = model::CrackOrder(remainder.samples().ratio);
+  const double cell = remainder.over_turns().cell();
+  return IsBearingOrder(term.shapes[0], cell, crack, HarmonicsOf(remainder, term)) ||
+         (term.form == VibrationForm::kRing && StandsClearOfOthers(remainder, term, crack));
+}
+
+}  // namespace strainwave::analysis::diagnosis
