@@ -159,13 +159,15 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
              Best& best) {
   Best own = remainder.Refine(std::move(look), 12);
   const std::size_t first_phase = 3 + 2 * own->term.lines.size();
+  Best beside;
   for (const double periods : {-1.0, -0.5, 0.5, 1.0}) {
     VibrationTerm moved = own->term;
     for (std::size_t r = first_phase; r < moved.shapes.size(); ++r) {
       moved.shapes[r] += periods * moved.shapes[0] * TurnHz(remainder) / moved.shapes[1];
     }
-    Keep(remainder.With(std::move(moved), 6), own);
+    Keep(remainder.With(std::move(moved), 2), beside);
   }
+  Keep(remainder.Refine(std::move(*beside), 4), own);
   VibrationTerm simple = own->term;
   KeepUnlikelier(remainder, std::move(*own), best);
   if (!simple.lines.empty()) {
