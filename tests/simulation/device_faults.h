@@ -46,6 +46,8 @@ inline constexpr Fault kFaults[] = {
     {"statusword of no state", "drive 2 statusword 0x4440", StopCause::kDriveFault, "node 2", ""},
     {"accelerometers fall silent", "stream accelerometers silent on", StopCause::kSensorSuspend, "vibration",
      "stream accelerometers silent off"},
+    {"late answers of the thermometer", "modbus thermometers delay 1500", StopCause::kSensorSuspend,
+     "temperature", "modbus thermometers ok"},
     {"gear gets hot", "gear temperature 90", StopCause::kGearTemperatureLimit, "gear temperature", ""},
 };
 
