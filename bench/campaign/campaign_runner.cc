@@ -126,6 +126,7 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
   if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
   if (outcome.reason) return EndForFault(outcome, "referencing");
+  encoder_offset_rad_ = EncoderOffset_rad(runner_.last_readings());
   Transition(BenchEvent::kReferenced);
   return std::nullopt;
 }
@@ -257,7 +258,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   WriteCheckpoint(at, runner_.last_readings(), blank);
   journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause),
                     outcome.credited_load_s - credited_before_s);
-  NoteWhatHappened(phase.name);
+  for (const std::string& note : machine_.TakeNotes()) Note("info", phase.name, "bench", note);
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase.name);
   if (again) {
     Note("warning", phase.name, Code(outcome.reason.cause), Describe(outcome.reason));
@@ -269,10 +270,6 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   return std::nullopt;
 }
 
-void CampaignRunner::NoteWhatHappened(std::string_view phase) {
-  for (const std::string& note : machine_.TakeNotes()) Note("info", phase, "bench", note);
-}
-
 void CampaignRunner::TakeMemory() {
   const auto memory = machine_.Memory();
   memory_.assign(memory.begin(), memory.end());
@@ -281,8 +278,9 @@ void CampaignRunner::TakeMemory() {
 void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, const Readings& last, bool blank) {
   checkpoint.time_s = Time_s();
   checkpoint.utc_ms = UtcMilliseconds();
-  checkpoint.encoder_offset_rad =
-      blank ? kUnknown : last.input_angle_rad / schedule_.specimen.ratio - last.output_angle_rad;
+  // Between phases alone: in one, an encoder may be stuck already and not yet be known for it.
+  if (blank || checkpoint.finished) encoder_offset_rad_ = blank ? kUnknown : EncoderOffset_rad(last);
+  checkpoint.encoder_offset_rad = encoder_offset_rad_;
   checkpoint_.Write(checkpoint, memory_);
 }
 

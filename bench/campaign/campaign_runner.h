@@ -65,9 +65,11 @@ class CampaignRunner {
   std::vector<NamedRecord> EndRecording(std::string_view phase);
   void AddSources(std::vector<NamedRecord>& records);
   void JudgeSensorCheck(const CycleStep& step, PhaseOutcome& outcome);
-  void NoteWhatHappened(std::string_view phase);
   void TakeMemory();
   void WriteCheckpoint(Checkpoint checkpoint, const Readings& last, bool blank);
+  double EncoderOffset_rad(const Readings& readings) const {
+    return readings.input_angle_rad / schedule_.specimen.ratio - readings.output_angle_rad;
+  }
   void Note(std::string_view severity, std::string_view phase, std::string_view code,
             const std::string& text);
   double Time_s() const;
@@ -85,7 +87,8 @@ class CampaignRunner {
   CheckpointWriter checkpoint_;
   QualityControl quality_;
   BenchState state_{BenchState::kFaulted};
-  double time_base_s_{};  // bench time of earlier runs
+  double encoder_offset_rad_{};  // of the shafts against each other, at the last end of a phase
+  double time_base_s_{};         // bench time of earlier runs
   std::chrono::nanoseconds clock_base_{};
   CycleRecords records_;
   std::vector<SourceTotals> sources_;  // as the last records that were kept have left them

@@ -48,6 +48,8 @@ inline constexpr Fault kFaults[] = {
      "stream accelerometers silent off"},
     {"late answers of the thermometer", "modbus thermometers delay 1500", StopCause::kSensorSuspend,
      "temperature", "modbus thermometers ok"},
+    {"torque transducer is stuck", "sensor freeze 3", StopCause::kImplausibleReading, "output torque", ""},
+    {"output encoder is stuck", "sensor freeze 1", StopCause::kImplausibleReading, "output angle", ""},
     {"gear gets hot", "gear temperature 90", StopCause::kGearTemperatureLimit, "gear temperature", ""},
 };
 

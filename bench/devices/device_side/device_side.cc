@@ -44,11 +44,14 @@ SimulatedBenchSettings SettingsOf(const SimulationDescription& simulation) {
   return settings;
 }
 
-// How a channel of the bench is sent: counts, and what makes degrees, Nm or m/s² of them.
-ChannelDescription Sent(const BenchDescription& bench, const ChannelLink& link) {
+// How a channel of the bench is sent: counts, what makes degrees, Nm or m/s² of them, and how much noise it
+// has by its data sheet, without which nobody can tell a quiet sensor from one that is stuck.
+ChannelDescription Sent(const BenchDescription& bench, const analysis::model::PlantParameters& plant,
+                        const ChannelLink& link) {
   ChannelDescription channel;
   channel.name = link.source;
   auto& calibration = channel.calibration;
+  double noise = 0.0;
   const auto converter = [&](double range) {
     calibration.sensitivity = kConverterEnd / (kReserve * range);
     channel.limits.saturation_low = -kConverterEnd - 1.0;
@@ -57,24 +60,26 @@ ChannelDescription Sent(const BenchDescription& bench, const ChannelLink& link) 
   const auto holds_until = [&](const std::string& due) {
     if (!due.empty()) calibration.due = daq::acquisition::DateFrom(due);
   };
-  const auto encoder = [&](const EncoderDescription& description) {
+  const auto encoder = [&](const EncoderDescription& description, const analysis::model::Encoder& simulated) {
     channel.unit = "deg";
     channel.sensor_serial = description.serial;
     calibration.id = description.calibration;
     holds_until(description.calibration_due);
     calibration.sensitivity =
         std::min(static_cast<double>(description.counts_per_rev), kMostCountsPerTurn) / 360.0;
+    noise = DegFromRad(simulated.noise_rad);
   };
   if (link.channel == "input_angle") {
-    encoder(bench.input_encoder);
+    encoder(bench.input_encoder, plant.input_encoder);
   } else if (link.channel == "output_angle") {
-    encoder(bench.output_encoder);
+    encoder(bench.output_encoder, plant.output_encoder);
   } else if (link.channel == "output_torque") {
     channel.unit = "Nm";
     channel.sensor_serial = bench.transducer.serial;
     calibration.id = bench.transducer.calibration;
     holds_until(bench.transducer.calibration_due);
     converter(bench.transducer.range_Nm);
+    noise = plant.transducer.noise_Nm;
   } else {
     const auto found = std::ranges::find(bench.accelerometers, link.channel, &AccelerometerDescription::name);
     if (found == bench.accelerometers.end()) {
@@ -88,7 +93,9 @@ ChannelDescription Sent(const BenchDescription& bench, const ChannelLink& link) 
     calibration.id = found->calibration;
     holds_until(found->calibration_due);
     converter(found->range_m_per_s2);
+    noise = plant.vibration.sensor_noise_m_per_s2;
   }
+  channel.limits.noise = noise * calibration.sensitivity;
   if (calibration.id.empty()) calibration.id = "none";  // so that the sensitivity is sent
   return channel;
 }
@@ -108,13 +115,14 @@ DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::Pla
       bench_(model, SettingsOf(bench.simulation)) {
   AddDrive(bench, bench.driving_servo, bench_.driving_servo(), 1.0, buses);
   AddDrive(bench, bench.load_servo, bench_.load_servo(), bench.load_reducer_ratio, buses);
+  const analysis::model::PlantParameters plant = CompilePlantModel(model);
   for (const DeviceDescription& device : bench.devices) {
     switch (device.kind) {
       case Kind::kModbus:
         AddModbus(device);
         break;
       case Kind::kStream:
-        AddStream(bench, device);
+        AddStream(bench, plant, device);
         break;
       case Kind::kCanopen:
       case Kind::kIio:
@@ -180,7 +188,8 @@ void DeviceSide::AddModbus(const DeviceDescription& device) {
                                                         ModbusDevice::Tcp{at.host, at.port});
 }
 
-void DeviceSide::AddStream(const BenchDescription& bench, const DeviceDescription& device) {
+void DeviceSide::AddStream(const BenchDescription& bench, const analysis::model::PlantParameters& plant,
+                           const DeviceDescription& device) {
   SourceDescription source;
   source.name = device.name;
   source.type = SampleType::kInt32;
@@ -188,7 +197,7 @@ void DeviceSide::AddStream(const BenchDescription& bench, const DeviceDescriptio
   bool vibration = false;
   for (const ChannelLink& link : bench.channels) {
     if (link.device != device.name) continue;
-    source.channels.push_back(Sent(bench, link));
+    source.channels.push_back(Sent(bench, plant, link));
     vibration = vibration || source.channels.back().unit == "m/s^2";
     channels.push_back(link.channel);
   }

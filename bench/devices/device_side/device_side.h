@@ -71,7 +71,8 @@ class DeviceSide {
   void AddDrive(const BenchDescription& bench, const ServoDescription& servo, ServoDrive& simulated,
                 double reducer_ratio, const DeviceSideBuses& buses);
   void AddModbus(const DeviceDescription& device);
-  void AddStream(const BenchDescription& bench, const DeviceDescription& device);
+  void AddStream(const BenchDescription& bench, const analysis::model::PlantParameters& plant,
+                 const DeviceDescription& device);
   void FillStream(Stream& stream, const Readings& readings);
   bool IsSafe();
   std::string DoDrive(const std::vector<std::string>& words);
