@@ -12,7 +12,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import vm_bench
-from pendant_test import BENCH, check
+from vm_bench import BENCH, check
 
 
 def main():

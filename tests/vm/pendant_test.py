@@ -6,29 +6,15 @@ safe in truth, the campaign ends with 130 and goes on when a person resumes it; 
   tests/vm/run.sh tests/vm/pendant_test.py build
 """
 import pathlib
-import sqlite3
 import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import vm_bench
+from vm_bench import BENCH, SCHEDULE, check, load_served
 
-HERE = pathlib.Path(__file__).resolve().parent
-SCHEDULE = HERE / "campaign" / "pendant.yaml"
-BENCH = HERE / "campaign" / "bench.yaml"
 # The drives' ramp takes 50 ms; one that was not stopped would go on for 20 s.
 LONGEST_STOP_S = 1.5
-
-
-def check(holds, what):
-    print(("ok: " if holds else "FAILED: ") + what, flush=True)
-    if not holds:
-        raise SystemExit(1)
-
-
-def load_served(folder):
-    journal = sqlite3.connect(f"file:{folder / 'campaign.db'}?mode=ro", uri=True)
-    return journal.execute("SELECT SUM(credited_load_s) FROM phases").fetchone()[0]
 
 
 def stop(what, act, campaign, devices, folder):

@@ -13,7 +13,7 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import vm_bench
-from pendant_test import BENCH, SCHEDULE, check, load_served
+from vm_bench import BENCH, SCHEDULE, check, load_served
 
 # As pendant_test has it, from the first frame of the other time on.
 LONGEST_STOP_S = 1.5

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fcntl.h>
-#include <linux/uhid.h>
 #include <poll.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <thread>
+
+#include "tests/vm/uhid_device.h"
 
 namespace strainwave::daq::acquisition {
 
@@ -22,28 +20,17 @@ namespace strainwave::daq::acquisition {
 class SensorPeer {
  public:
   explicit SensorPeer(std::chrono::milliseconds interval)
-      : interval_(interval), file_(::open("/dev/uhid", O_RDWR | O_CLOEXEC)) {
-    uhid_event event{};
-    event.type = UHID_CREATE2;
-    std::strncpy(reinterpret_cast<char*>(event.u.create2.name), "strainwave sensor",
-                 sizeof(event.u.create2.name) - 1);
-    std::ranges::copy(kDescriptor, event.u.create2.rd_data);
-    event.u.create2.rd_size = sizeof(kDescriptor);
-    event.u.create2.bus = 3;  // USB
-    event.u.create2.vendor = 0x1209;
-    event.u.create2.product = 0x5702;
-    made_ = file_ >= 0 && ::write(file_, &event, sizeof(event)) == sizeof(event);
-    thread_ = std::thread([this] { Serve(); });
-  }
+      : interval_(interval),
+        device_("strainwave sensor", 0x1209, 0x5702, "", kDescriptor),
+        thread_([this] { Serve(); }) {}
   SensorPeer(const SensorPeer&) = delete;
   SensorPeer& operator=(const SensorPeer&) = delete;
   ~SensorPeer() {
     ends_ = true;
     thread_.join();
-    ::close(file_);
   }
 
-  bool made() const { return made_; }
+  bool made() const { return device_.made(); }
   /// While it is mute its reports are lost, and counted as if they had gone out.
   void Mute(bool mute) { mute_ = mute; }
   std::int32_t sent() const { return sent_; }
@@ -82,9 +69,10 @@ class SensorPeer {
         continue;
       }
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(next - now);
-      pollfd waited{file_, POLLIN, 0};
+      pollfd waited{device_.file(), POLLIN, 0};
       uhid_event event{};
-      if (::poll(&waited, 1, static_cast<int>(left.count())) > 0 && ::read(file_, &event, sizeof(event)) > 0)
+      if (::poll(&waited, 1, static_cast<int>(left.count())) > 0 &&
+          ::read(device_.file(), &event, sizeof(event)) > 0)
         Answer(event);
     }
   }
@@ -92,13 +80,10 @@ class SensorPeer {
   void Send() {
     const std::int32_t k = ++sent_;
     if (mute_) return;
-    uhid_event event{};
-    event.type = UHID_INPUT2;
     const std::array<std::int32_t, 3> counts{k, -k, 1000};
-    event.u.input2.size = 1 + sizeof(counts);
-    event.u.input2.data[0] = kReport;
-    std::memcpy(event.u.input2.data + 1, counts.data(), sizeof(counts));
-    Write(event);
+    std::array<std::uint8_t, 1 + sizeof(counts)> report{kReport};
+    std::memcpy(report.data() + 1, counts.data(), sizeof(counts));
+    if (!device_.SendReport(report)) ends_ = true;
   }
 
   void Answer(const uhid_event& asked) {
@@ -117,20 +102,15 @@ class SensorPeer {
     } else {
       return;
     }
-    Write(event);
-  }
-
-  void Write(const uhid_event& event) {
-    if (::write(file_, &event, sizeof(event)) != sizeof(event)) ends_ = true;
+    if (!device_.Write(event)) ends_ = true;
   }
 
   std::chrono::milliseconds interval_;
-  int file_;
-  bool made_{};
   std::atomic<std::int32_t> sent_{};
   std::atomic<bool> mute_{false};
   std::atomic<bool> ends_{false};
-  std::thread thread_;
+  UhidDevice device_;
+  std::thread thread_;  // the last: it uses the others
 };
 
 }  // namespace strainwave::daq::acquisition

@@ -3,17 +3,32 @@
 who mounts the blank and presses the keys."""
 import os
 import pathlib
+import sqlite3
 import struct
 import subprocess
 import threading
 import time
 
+HERE = pathlib.Path(__file__).resolve().parent
+BENCH = HERE / "campaign" / "bench.yaml"
+SCHEDULE = HERE / "campaign" / "pendant.yaml"  # one load run of 20 s
 VENDOR, PRODUCT = 0x1209, 0x5701  # of bench/devices/profiles/hid_pendant.yaml
 QUICK_STOP, RESET, START = 1, 2, 4
 STARTED = time.monotonic()
 UHID_CREATE2, UHID_INPUT2 = 11, 12
 # One byte in, of the maker's own page.
 DESCRIPTOR = bytes.fromhex("0600FF 0901 A101 1500 26FF00 7508 9501 0901 8102 C0")
+
+
+def check(holds, what):
+    print(("ok: " if holds else "FAILED: ") + what, flush=True)
+    if not holds:
+        raise SystemExit(1)
+
+
+def load_served(folder):
+    journal = sqlite3.connect(f"file:{folder / 'campaign.db'}?mode=ro", uri=True)
+    return journal.execute("SELECT SUM(credited_load_s) FROM phases").fetchone()[0]
 
 
 class Pendant:

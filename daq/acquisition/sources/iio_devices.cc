@@ -8,17 +8,15 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <iio.h>
+
+#include "daq/acquisition/sources/iio_handles.h"
 
 namespace strainwave::daq::acquisition {
 namespace {
 
-constexpr std::string_view kTimeStamp = "timestamp";
-
-void AddDevices(std::string uri, std::vector<IioDeviceInfo>& found, std::vector<std::string>& troubles) {
-  std::string cut = uri;  // libiio 0.24 cuts the port off in place
-  const std::unique_ptr<iio_context, decltype(&iio_context_destroy)> context(
-      iio_create_context_from_uri(cut.data()), iio_context_destroy);
+void AddDevices(const std::string& uri, std::vector<IioDeviceInfo>& found,
+                std::vector<std::string>& troubles) {
+  const IioContext context = OpenIioContext(uri);
   if (!context) {
     troubles.push_back(
         fmt::format("the IIO context '{}' cannot be opened: {}", uri, std::system_category().message(errno)));
@@ -30,9 +28,8 @@ void AddDevices(std::string uri, std::vector<IioDeviceInfo>& found, std::vector<
     IioDeviceInfo info{uri, name != nullptr ? name : iio_device_get_id(device), {}};
     for (unsigned c = 0; c < iio_device_get_channels_count(device); ++c) {
       const iio_channel* const channel = iio_device_get_channel(device, c);
-      const char* const id = iio_channel_get_id(channel);
-      if (iio_channel_is_scan_element(channel) && !iio_channel_is_output(channel) && id != kTimeStamp)
-        info.channels.emplace_back(id);
+      if (IsScanned(channel) && !IsIioTimeStamp(channel))
+        info.channels.emplace_back(iio_channel_get_id(channel));
     }
     if (!info.channels.empty()) found.push_back(std::move(info));
   }

@@ -13,12 +13,12 @@
 #include <system_error>
 #include <utility>
 
+#include "daq/acquisition/sources/iio_handles.h"
 #include "daq/record.h"
 
 namespace strainwave::daq::acquisition {
 namespace {
 
-constexpr char kTimeStamp[] = "timestamp";
 constexpr std::uint64_t kMostBits = 32;
 constexpr std::chrono::milliseconds kLook{1};  // how often the ring is looked at while it is empty
 
@@ -65,7 +65,7 @@ bool SameChannels(const SourceDescription& a, const SourceDescription& b) {
 }  // namespace
 
 struct IioSource::Device {
-  std::unique_ptr<iio_context, decltype(&iio_context_destroy)> context{nullptr, iio_context_destroy};
+  IioContext context{nullptr, iio_context_destroy};
   iio_device* device{};
   std::vector<iio_channel*> channels;
   iio_channel* time_stamp{};
@@ -90,8 +90,7 @@ void IioSource::Open(const SourceDescription* before) {
   Stop();
   last_attempt_ = std::chrono::steady_clock::now();
   device_ = std::make_unique<Device>();
-  std::string uri = settings_.uri;  // of its own: libiio 0.24 cuts the port off in place
-  device_->context.reset(iio_create_context_from_uri(uri.data()));
+  device_->context = OpenIioContext(settings_.uri);
   if (!device_->context) Throw(errno, fmt::format("no IIO context at '{}'", settings_.uri));
   device_->device = iio_context_find_device(device_->context.get(), settings_.device.c_str());
   if (device_->device == nullptr) {
@@ -121,9 +120,9 @@ void IioSource::Describe() {
   for (unsigned i = 0; i < iio_device_get_channels_count(device_->device); ++i) {
     iio_channel* const channel = iio_device_get_channel(device_->device, i);
     iio_channel_disable(channel);
-    if (iio_channel_is_output(channel) || !iio_channel_is_scan_element(channel)) continue;
+    if (!IsScanned(channel)) continue;
     const std::string id = iio_channel_get_id(channel);
-    if (id == kTimeStamp) {
+    if (IsIioTimeStamp(channel)) {
       device_->time_stamp = channel;
       iio_channel_enable(channel);
       continue;
