@@ -64,12 +64,11 @@ std::string TitleLabel(const std::string& title, double height_px) {
 std::string Legend(const std::vector<LegendEntry>& entries, const PanelEdges& panel, double height_px,
                    double gap_px) {
   constexpr double kWidth_px = 1200.0;
-  constexpr double kLeft_px = 105.0;
   constexpr double kRight_px = 1170.0;
   constexpr double kCharacter_px = 8.0;  // about, of the font that is used
   constexpr double kSpace_px = 40.0;
   std::string commands;
-  double x_px = kLeft_px;
+  double x_px = kPanelLeft * kWidth_px + 3.0;
   int tag = 900;
   for (const LegendEntry& entry : entries) {
     const auto room = static_cast<std::size_t>(std::max(0.0, (kRight_px - x_px) / kCharacter_px - 2.0));

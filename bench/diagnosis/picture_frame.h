@@ -15,6 +15,10 @@ namespace strainwave::bench {
 
 inline constexpr std::size_t kMostDrawn = 4000;
 
+/// Left edge of the panels, a share of the picture's width: room for the axis' name beside ticks like
+/// -0.0003.
+inline constexpr double kPanelLeft = 0.105;
+
 /// True where something was added to the nominal model.
 bool IsExtended(const DiagnosisReport& report);
 

@@ -127,8 +127,9 @@ std::string ResponsePanel(const DiagnosisReport& report, const Abscissa& absciss
 
 std::string FrameCommands(double height_px, const std::string& title) {
   return CommonStyle() + TitleLabel(title, height_px) +
-         "set multiplot\nset lmargin at screen 0.085\nset rmargin at screen 0.975\nunset key\n"
-         "set xzeroaxis linetype 1 linewidth 0.8 linecolor rgb '#AAAAAA'\n";
+         fmt::format("set multiplot\nset lmargin at screen {}\n", kPanelLeft) +
+         "set rmargin at screen 0.975\nunset key\nset xzeroaxis linetype 1 linewidth 0.8 linecolor rgb "
+         "'#AAAAAA'\n";
 }
 
 std::string MissLabel(const diagnosis::Study& study) {

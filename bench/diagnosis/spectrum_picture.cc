@@ -240,9 +240,9 @@ void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::
   std::string script = DataBlock("spectrum", {orders, shown(before), shown(after)}) + CommonStyle();
   script += TitleLabel("spectrum of what the simulation misses", kHeight);
   script += fmt::format(
-      "set lmargin at screen 0.085\nset rmargin at screen {}\nset tmargin at screen {:.5f}\nset bmargin at "
+      "set lmargin at screen {}\nset rmargin at screen {}\nset tmargin at screen {:.5f}\nset bmargin at "
       "screen {:.5f}\n",
-      named.empty() ? 0.975 : 0.62, 1.0 - 118.0 / kHeight, 75.0 / kHeight);
+      kPanelLeft, named.empty() ? 0.975 : 0.62, 1.0 - 118.0 / kHeight, 75.0 / kHeight);
   script += fmt::format("set xrange [0:{:.6g}]\nset yrange [0:{:.6g}]\nset xlabel {}\nset ylabel {}\n",
                         axis.highest(), top, Quoted(axis.title),
                         Quoted(fmt::format("amplitude ({})", report.input.study->unit())));
