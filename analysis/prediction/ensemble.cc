@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/prediction/ridge.h"
 #include "analysis/prediction/splits.h"
 
 namespace strainwave::analysis::prediction {
@@ -17,8 +18,18 @@ namespace {
 using Columns = networks::Samples<float>;
 
 Columns ColumnsOf(const Samples& samples, const std::vector<Eigen::Index>& rows, const Ensemble& ensemble) {
-  return {.inputs = ensemble.input.Apply(samples.features(rows, Eigen::all)).transpose().cast<float>(),
-          .targets = ensemble.output.Apply(samples.targets(rows, Eigen::all)).transpose().cast<float>()};
+  const Eigen::MatrixXd inputs = ensemble.input.Apply(samples.features(rows, Eigen::all));
+  Eigen::MatrixXd targets = samples.targets(rows, Eigen::all);
+  if (ensemble.line.size() > 0) targets -= inputs * ensemble.line;
+  return {.inputs = inputs.transpose().cast<float>(),
+          .targets = ensemble.output.Apply(targets).transpose().cast<float>()};
+}
+
+// The line's slopes; its level goes into the offset of the outputs.
+void AddLine(const Samples& samples, Ensemble& ensemble) {
+  const Eigen::MatrixXd inputs = ensemble.input.Apply(samples.features);
+  ensemble.line = FitRidge(inputs, samples.targets, samples.specimen).slope;
+  ensemble.output = Standardizing(samples.targets - inputs * ensemble.line);
 }
 
 Scaler OutputScaler(const Eigen::MatrixXd& targets, networks::Loss loss) {
@@ -54,6 +65,8 @@ Split RowsFor(const Samples& samples, double validation_share) {
 
 Ensemble::Prediction Ensemble::Predict(const Eigen::MatrixXd& features) const {
   const networks::Matrix<double> scaled = input.Apply(features).transpose();
+  Eigen::MatrixXd along_line = Eigen::MatrixXd::Zero(features.rows(), network.output_size());
+  if (line.size() > 0) along_line = scaled.transpose() * line;
   const auto count = static_cast<double>(members.size());
   Prediction prediction{Eigen::MatrixXd::Zero(features.rows(), network.output_size()),
                         Eigen::MatrixXd::Zero(features.rows(), network.output_size())};
@@ -61,7 +74,7 @@ Ensemble::Prediction Ensemble::Predict(const Eigen::MatrixXd& features) const {
   std::vector<Eigen::MatrixXd> each;
   for (const networks::Vector<double>& parameters : members) {
     const Eigen::MatrixXd raw = networks::Forward<double>(network, parameters, scaled, pass).transpose();
-    each.push_back(softmax ? Softmax(raw) : output.Undo(raw));
+    each.push_back(softmax ? Softmax(raw) : Eigen::MatrixXd(along_line + output.Undo(raw)));
     prediction.mean += each.back() / count;
   }
   if (members.size() > 1) {
@@ -91,6 +104,7 @@ Ensemble TrainEnsemble(const Samples& samples, const EnsembleSettings& settings,
                     samples.features.cols(), samples.targets.cols()));
   }
   const Split rows = RowsFor(samples, settings.validation_share);
+  if (settings.beside_line) AddLine(Rows(samples, rows.train), ensemble);
   const Columns training = ColumnsOf(samples, rows.train, ensemble);
   const Columns validation = ColumnsOf(samples, rows.test, ensemble);
   ensemble.members.resize(static_cast<std::size_t>(settings.members));

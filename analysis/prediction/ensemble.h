@@ -21,6 +21,7 @@ struct EnsembleSettings {
   networks::TrainingOptions training;
   int members{1};                // networks that differ in their seed alone
   double validation_share{0.0};  // of the records, in blocks of time, apart for early stopping; 0: none
+  bool beside_line{false};       // a ridge first: the networks learn what it leaves
   networks::ParallelFor parallel{networks::InTurn};  // over the members
 };
 
@@ -34,6 +35,7 @@ class TrainingEnded : public std::runtime_error {
 struct Ensemble {
   Scaler input;
   Scaler output;
+  Eigen::MatrixXd line{};  // inputs × outputs, of scaled inputs, in the outputs' units; empty: there is none
   networks::Network network;
   std::vector<networks::Vector<double>> members;
   bool softmax{};  // outputs are probabilities of classes: exp z over the sum of all exp z
@@ -52,7 +54,8 @@ using TrainingProgress = std::function<bool(int member, int epoch, double loss)>
 
 /// Trains an ensemble. Inputs are scaled to mean 0 and deviation 1; outputs are divided by their mean
 /// magnitude under the percentage loss, which keeps it a percentage, left alone under the cross-entropy,
-/// whose networks end in a softmax, and standardised under any other. The numbers are float while training.
+/// whose networks end in a softmax, and standardised under any other. Beside a line, what it leaves is
+/// standardised: a network ends where its training did, a line goes on. The numbers are float while training.
 /// @throws std::invalid_argument if the design does not fit the samples or a setting is out of range;
 ///   std::domain_error if a loss ceases to be finite; TrainingEnded when `progress` ended it.
 Ensemble TrainEnsemble(const Samples& samples, const EnsembleSettings& settings,

@@ -102,9 +102,10 @@ std::string CardText(const Predictor& predictor, const Json& card) {
         fmt::format("| {} | {} | {} |\n", campaign.at("folder").get<std::string>(),
                     campaign.at("specimen").get<std::string>(), campaign.at("records").get<std::size_t>());
   }
-  text += fmt::format("\nSHA-256 of features and targets: `{}`. Design `{}`{}, {} networks.\n",
+  text += fmt::format("\nSHA-256 of features and targets: `{}`. Design `{}`{}, {} networks{}.\n",
                       training.at("data_sha256").get<std::string>(), training.at("design").get<std::string>(),
-                      SearchText(training), predictor.fitted.ensemble.members.size());
+                      SearchText(training), predictor.fitted.ensemble.members.size(),
+                      predictor.fitted.ensemble.line.size() > 0 ? " beside a line (ridge)" : "");
   if (predictor.recipe.baseline_records > 0) {
     text += fmt::format(
         "\n## Baseline\n\nIt tells changes: the means over a reducer's first {} records are taken off the "

@@ -199,6 +199,20 @@ void WriteMean(Graph& graph, const std::vector<std::string>& members, const char
   graph.Node("Mul", {sum, "share_of_member"}, name);
 }
 
+// What the outputs of the networks are told from: the line where there is one, else a constant.
+void WriteLevel(Graph& graph, const prediction::Ensemble& ensemble) {
+  const std::int64_t outputs = ensemble.network.output_size();
+  if (ensemble.line.size() == 0) {
+    graph.Floats("level", {1, outputs}, ValuesOf(ensemble.output.offset));
+    return;
+  }
+  graph.Floats("line_offset", {outputs}, ValuesOf(ensemble.output.offset));
+  // Column-major: one row of its transpose after another.
+  graph.Floats("line_slope", {outputs, ensemble.line.rows()},
+               {ensemble.line.data(), static_cast<std::size_t>(ensemble.line.size())});
+  SetInteger(graph.Node("Gemm", {"scaled", "line_slope", "line_offset"}, "level"), "transB", 1);
+}
+
 // The width of the interval, from how far the members are apart.
 void WriteInterval(Graph& graph, const prediction::FittedPredictor& fitted,
                    const std::vector<std::string>& members) {
@@ -281,11 +295,11 @@ std::string OnnxBytes(const prediction::FittedPredictor& fitted, const OnnxMetad
   graph.Floats("input_offset", {1, inputs}, ValuesOf(ensemble.input.offset));
   graph.Floats("input_scale", {1, inputs}, ValuesOf(ensemble.input.scale));
   if (!ensemble.softmax) {
-    graph.Floats("output_offset", {1, outputs}, ValuesOf(ensemble.output.offset));
     graph.Floats("output_scale", {1, outputs}, ValuesOf(ensemble.output.scale));
   }
   graph.Node("Sub", {"features", "input_offset"}, "centred");
   graph.Node("Div", {"centred", "input_scale"}, "scaled");
+  if (!ensemble.softmax) WriteLevel(graph, ensemble);
 
   std::vector<std::string> members;
   for (std::size_t k = 0; k < ensemble.members.size(); ++k) {
@@ -296,8 +310,8 @@ std::string OnnxBytes(const prediction::FittedPredictor& fitted, const OnnxMetad
       SetInteger(graph.Node("Softmax", {writer.at()}, members.back()), "axis", 1);
       continue;
     }
-    graph.Node("Mul", {writer.at(), "output_scale"}, members.back() + "_shifted");
-    graph.Node("Add", {members.back() + "_shifted", "output_offset"}, members.back());
+    graph.Node("Mul", {writer.at(), "output_scale"}, members.back() + "_above_level");
+    graph.Node("Add", {members.back() + "_above_level", "level"}, members.back());
   }
   WriteMean(graph, members, ensemble.softmax ? "probability" : "prediction");
   if (!ensemble.softmax) WriteInterval(graph, fitted, members);

@@ -49,7 +49,7 @@ daq::ArraysFile NumbersOf(const prediction::FittedPredictor& fitted) {
   for (std::size_t k = 0; k < ensemble.members.size(); ++k) {
     members.row(static_cast<Eigen::Index>(k)) = ensemble.members[k].transpose();
   }
-  return {
+  daq::ArraysFile numbers{
       .attributes = {},
       .arrays = {RowOf("input_offset", ensemble.input.offset), RowOf("input_scale", ensemble.input.scale),
                  RowOf("output_offset", ensemble.output.offset), RowOf("output_scale", ensemble.output.scale),
@@ -57,6 +57,8 @@ daq::ArraysFile NumbersOf(const prediction::FittedPredictor& fitted) {
                  RowOf("interval_factor", fitted.band.factor), RowOf("novelty_mean", fitted.novelty.mean),
                  MatrixOf("novelty_whitening", fitted.novelty.whitening), RowOf("least", fitted.least),
                  RowOf("greatest", fitted.greatest)}};
+  if (ensemble.line.size() > 0) numbers.arrays.push_back(MatrixOf("line", ensemble.line));
+  return numbers;
 }
 
 // Takes arrays of a file by name and shape.
@@ -114,6 +116,8 @@ prediction::FittedPredictor FittedFrom(const Json& json, const Numbers& numbers,
   Eigen::RowVectorXd input_scale = numbers.Row("input_scale", inputs);
   Eigen::RowVectorXd output_offset = numbers.Row("output_offset", outputs);
   Eigen::RowVectorXd output_scale = numbers.Row("output_scale", outputs);
+  Eigen::MatrixXd line;
+  if (json.value("beside_line", false)) line = numbers.Matrix("line", inputs, outputs);
   Eigen::RowVectorXd residual = numbers.Row("residual", outputs);
   Eigen::RowVectorXd factor = numbers.Row("interval_factor", outputs);
   Eigen::RowVectorXd novelty_mean = numbers.Row("novelty_mean", inputs);
@@ -127,6 +131,7 @@ prediction::FittedPredictor FittedFrom(const Json& json, const Numbers& numbers,
   prediction::FittedPredictor fitted{
       .ensemble = {.input = {std::move(input_offset), std::move(input_scale)},
                    .output = {std::move(output_offset), std::move(output_scale)},
+                   .line = std::move(line),
                    .network = std::move(network),
                    .members = {},
                    .softmax = softmax},
@@ -154,6 +159,7 @@ void WritePredictor(const std::filesystem::path& folder, const Predictor& predic
       {"outputs", predictor.outputs},
       {"network", JsonOf(fitted.ensemble.network.design())},
       {"members", fitted.ensemble.members.size()},
+      {"beside_line", fitted.ensemble.line.size() > 0},
       {"interval", {{"coverage", fitted.band.coverage}, {"guaranteed", fitted.band.guaranteed}}},
       {"novelty_limit", fitted.novelty.limit},
       {"numbers", {{"file", kNumbers}, {"sha256", Sha256(daq::ReadWholeFile(folder / kNumbers))}}},

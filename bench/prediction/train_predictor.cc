@@ -35,6 +35,7 @@ prediction::EnsembleSettings SettingsOf(const TrainingJob& job, const prediction
     settings.training.early_stopping = networks::EarlyStopping{.patience = 40};
     settings.validation_share = 0.15;
     settings.members = 5;
+    settings.beside_line = !samples.classes;
   } else {
     try {
       settings.design = networks::DesignOf(job.design, inputs, outputs);

@@ -52,6 +52,36 @@ TEST(CompareFolds, JudgesEveryRecordByWhatHadNotSeenItsFold) {
   EXPECT_NEAR(MapeOf(contestants, "mean"), sum_percent / 60.0, 1e-9);
 }
 
+// A worn reducer is more worn than any that taught the network.
+TEST(TrainEnsemble, GoesOnAlongItsLineWhereTheTrainingEnded) {
+  const Samples samples = OfAFeature();
+  EnsembleSettings settings{
+      .design = {{1, 1}, {networks::Dense{8, networks::Activation::kTanh}, networks::Dense{1}}},
+      .training = {.loss = networks::Loss::kMse, .epochs = 200, .seed = 3},
+      .members = 2,
+      .validation_share = 0.2};
+  const Eigen::MatrixXd beyond = Eigen::MatrixXd::Constant(1, 1, 180.0);  // of 0 to 59
+  const auto error = [&] {
+    return std::abs(TrainEnsemble(samples, settings).Predict(beyond).mean(0, 0) - 820.0);
+  };
+  EXPECT_GT(error(), 50.0);
+  settings.beside_line = true;
+  EXPECT_LT(error(), 1.0);
+}
+
+// What the line leaves is the networks'.
+TEST(TrainEnsemble, BesideALineStillLearnsACurve) {
+  Samples samples = OfAFeature();
+  samples.targets = 1000.0 - samples.features.array() + 30.0 * (samples.features.array() / 15.0).sin();
+  const EnsembleSettings settings{
+      .design = {{1, 1}, {networks::Dense{32, networks::Activation::kTanh}, networks::Dense{1}}},
+      .training = {.loss = networks::Loss::kMse, .epochs = 3000, .seed = 3},
+      .beside_line = true};
+  const Eigen::MatrixXd off =
+      samples.targets - TrainEnsemble(samples, settings).Predict(samples.features).mean;
+  EXPECT_LT(off.cwiseAbs().maxCoeff(), 3.0) << "of 30 that no line explains";
+}
+
 // Changes since a baseline are judged as the values that they lead to.
 TEST(Judge, AddsChangesToWhatTheyAreChangesFrom) {
   Samples samples = OfAFeature();

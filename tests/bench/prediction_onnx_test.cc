@@ -20,12 +20,12 @@ namespace {
 namespace networks = analysis::networks;
 namespace prediction = analysis::prediction;
 
-prediction::FittedPredictor Dense(int members) {
+prediction::FittedPredictor Dense(int members, bool beside_line = false) {
   return RandomPredictor(
       {{1, 12},
        {networks::Dense{9, networks::Activation::kSigmoid}, networks::Dense{7, networks::Activation::kTanh},
         networks::Dense{5, networks::Activation::kRelu}, networks::Dense{3, networks::Activation::kLinear}}},
-      members);
+      members, Head::kValues, beside_line);
 }
 
 prediction::FittedPredictor Classifier() {
@@ -57,6 +57,7 @@ void ExpectAgreement(const prediction::FittedPredictor& fitted) {
 
 TEST(OnnxBytes, OpenCvAgreesWithADenseEnsemble) { ExpectAgreement(Dense(3)); }
 TEST(OnnxBytes, OpenCvAgreesWithASingleNetwork) { ExpectAgreement(Dense(1)); }
+TEST(OnnxBytes, OpenCvAgreesWithNetworksBesideALine) { ExpectAgreement(Dense(3, true)); }
 TEST(OnnxBytes, OpenCvAgreesWithTheConvolutionsOfThePaper) { ExpectAgreement(Cnn()); }
 
 TEST(OnnxBytes, OpenCvAgreesWithTheProbabilitiesOfAClassifier) {
@@ -79,7 +80,7 @@ TEST(OnnxBytes, PassTheirOwnersChecker) {
   }
   const auto file =
       std::filesystem::temp_directory_path() / ("strainwave_" + std::to_string(::getpid()) + ".onnx");
-  for (const auto& fitted : {Dense(2), Cnn()}) {
+  for (const auto& fitted : {Dense(2), Dense(2, true), Cnn()}) {
     std::ofstream(file, std::ios::binary) << OnnxBytes(fitted, {{"output_0", "k2_Nm_per_rad"}});
     const std::string command =
         "/usr/bin/python3 -c \"import onnx; m = onnx.load('" + file.string() +

@@ -188,6 +188,16 @@ class PredictorFolder : public testing::Test {
   fs::path folder_;
 };
 
+TEST_F(PredictorFolder, KeepsTheLineBesideTheNetworks) {
+  Predictor predictor = ReadPredictor(folder_);
+  predictor.fitted =
+      RandomPredictor({{1, 2}, {networks::Dense{3}, networks::Dense{2}}}, 2, Head::kValues, true);
+  predictor.outputs = {"k1_Nm_per_rad", "k2_Nm_per_rad"};
+  WritePredictor(folder_, predictor);
+  const Eigen::MatrixXd features = Eigen::MatrixXd::Constant(1, 2, 1.5);
+  EXPECT_EQ(ReadPredictor(folder_).fitted.Predict(features).value, predictor.fitted.Predict(features).value);
+}
+
 TEST_F(PredictorFolder, OutlivesADamagedDescription) {
   ASSERT_EQ(Refusal(), "accepted");
   const std::string whole = Read(folder_ / "predictor.json");

@@ -16,7 +16,8 @@ enum class Head { kValues, kClasses };
 
 // A predictor of random numbers: nothing in it agrees by chance.
 inline analysis::prediction::FittedPredictor RandomPredictor(const analysis::networks::Design& design,
-                                                             int members, Head head = Head::kValues) {
+                                                             int members, Head head = Head::kValues,
+                                                             bool beside_line = false) {
   namespace networks = analysis::networks;
   std::mt19937 engine(7);
   networks::Network network(design);
@@ -40,6 +41,7 @@ inline analysis::prediction::FittedPredictor RandomPredictor(const analysis::net
         networks::InitialParameters<double>(network, static_cast<std::uint64_t>(k)));
     fitted.ensemble.members.back() += 0.1 * Normal(network.parameter_count(), 1, engine);
   }
+  if (beside_line) fitted.ensemble.line = Normal(inputs, outputs, engine);
   return fitted;
 }
 
