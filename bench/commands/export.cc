@@ -24,11 +24,11 @@ int Run(const ExportCommand& command) {
       "{}: network, {} kB, opset {}; input features 1 × {}, outputs {} 1 × {}, distance\n"
       "{}: how a record becomes features, and the intervals\n"
       "{}: model card (and .json)\n"
-      "read back by OpenCV dnn: agrees to {:.1e} of each output's spread\n",
+      "read back by OpenCV dnn: agrees to {:.1e} of each output, {:.1e} of its error\n",
       (summary.folder / "model.onnx").string(), summary.onnx_bytes / 1000, kOnnxOpset, summary.inputs,
       summary.classes ? "probability" : "prediction and half_width", summary.outputs,
       (summary.folder / "recipe.json").string(), (summary.folder / "model_card.md").string(),
-      summary.worst_disagreement);
+      summary.disagreement_of_value, summary.disagreement_of_residual);
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -126,6 +126,7 @@ ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem:
           predictor.recipe.inputs.size(),
           predictor.outputs.size(),
           predictor.classes(),
+          worst.over_value,
           worst.over_residual};
 }
 

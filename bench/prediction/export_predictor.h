@@ -15,7 +15,9 @@ struct ExportSummary {
   std::size_t inputs{};
   std::size_t outputs{};
   bool classes{};
-  double worst_disagreement{};  // of OpenCV with the trained networks, over each output's residual
+  // Of OpenCV with the trained networks, at most: a share of each output, and of its error.
+  double disagreement_of_value{};
+  double disagreement_of_residual{};
 };
 
 /// Writes `model.onnx`, `recipe.json` (how a record becomes its features, with the SHA-256 of the model),
