@@ -47,8 +47,8 @@ namespace {
 
 // Each sample waits for the one before: columns side by side fill the waiting.
 template <int kWidth>
-void FilterColumns(const InnovationFilter& filter, std::span<const char> breaks,
-                   std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns, Eigen::Index first) {
+void ForetellColumns(const InnovationFilter& filter, std::span<const char> breaks,
+                     std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns, Eigen::Index first) {
   using Row = Eigen::Array<double, kWidth, 1>;
   const Row zero = Row::Zero();
   Row y1 = zero, y2 = zero, e1 = zero, e2 = zero;
@@ -63,19 +63,19 @@ void FilterColumns(const InnovationFilter& filter, std::span<const char> breaks,
     y1 = y;
     e2 = e1;
     e1 = y - expected;
-    for (int c = 0; c < kWidth; ++c) columns(i, first + c) = e1(c);
+    for (int c = 0; c < kWidth; ++c) columns(i, first + c) = expected(c);
   }
 }
 
 }  // namespace
 
-void ApplyFilter(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
-                 Eigen::Ref<Eigen::MatrixXd> columns) {
+void Foretell(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
+              Eigen::Ref<Eigen::MatrixXd> columns) {
   Eigen::Index first = 0;
   for (; first + 4 <= columns.cols(); first += 4) {
-    FilterColumns<4>(filter, breaks, missing, columns, first);
+    ForetellColumns<4>(filter, breaks, missing, columns, first);
   }
-  for (; first < columns.cols(); ++first) FilterColumns<1>(filter, breaks, missing, columns, first);
+  for (; first < columns.cols(); ++first) ForetellColumns<1>(filter, breaks, missing, columns, first);
 }
 
 }  // namespace strainwave::analysis::diagnosis

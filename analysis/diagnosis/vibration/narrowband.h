@@ -25,9 +25,9 @@ struct InnovationFilter {
 };
 InnovationFilter FilterOf(const Narrowband& narrowband, double period_s);
 
-/// Filters each column in place. Filtering begins anew where `breaks` says so; at a sample that is missing
-/// the prediction stands in and the innovation is zero.
-void ApplyFilter(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
-                 Eigen::Ref<Eigen::MatrixXd> columns);
+/// Replaces each sample of each column by what the samples before it foretell. Begins anew where `breaks`
+/// says so; for a sample that is missing what was foretold stands in.
+void Foretell(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
+              Eigen::Ref<Eigen::MatrixXd> columns);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -44,7 +44,6 @@ double TermFit::bic() const {
 OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSolver& solver,
                              const VibrationSolution& base)
     : samples_(samples), solver_(solver), base_(base) {
-  const bool filtered = std::ranges::any_of(base.terms, IsFilter);
   std::size_t c = 0;
   for (std::size_t r = 0; r < samples.runs.size(); ++r) {
     const std::size_t first_of_run = groups_.size();
@@ -52,7 +51,7 @@ OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSol
       const auto n = static_cast<Index>(samples.runs[r].size());
       const VectorXd root =
           Eigen::Map<const VectorXd>(solver.weights().data() + channel.first, n).cwiseSqrt();
-      std::size_t place = filtered ? groups_.size() : first_of_run;
+      std::size_t place = first_of_run;
       // A term that some channels do not hear leaves them other columns.
       const auto same = [&](const Group& group) {
         return group.root_weights == root &&
@@ -75,7 +74,6 @@ OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSol
 }
 
 MatrixXd OneTermSolver::Weighted(const Group& group, MatrixXd columns) const {
-  solver_.Filter(base_, group.channels.front(), columns);
   if (group.weighted) columns.array().colwise() *= group.root_weights.array();
   return columns;
 }
@@ -160,48 +158,37 @@ SharedStep OneTermSolver::Step(const TermFit& fit, const std::vector<Products>& 
   return step;
 }
 
-VectorXd OneTermSolver::Innovations(const VibrationTerm& term, std::size_t group, std::size_t column) const {
-  const std::size_t channel = groups_[group].channels[column];
-  VibrationSolution alone;
-  alone.terms = {term};
-  MatrixXd left = base_.channels[channel].fit.residual;
-  solver_.Filter(alone, channel, left);
-  return groups_[group].root_weights.cwiseProduct(left);
+VectorXd OneTermSolver::Innovations(const VibrationTerm& term) const {
+  VectorXd left = solver_.Residual(base_);
+  solver_.TakeOffForetold({&term, 1}, left);
+  return Eigen::Map<const VectorXd>(solver_.weights().data(), left.size()).cwiseSqrt().cwiseProduct(left);
 }
 
 TermFit OneTermSolver::SolveFilter(VibrationTerm term) const {
   TermFit fit;
   fit.channels.resize(samples_.channels());
   fit.weight_sum = base_.weight_sum;
-  fit.free_parameters = base_.free_parameters + 2;
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    for (std::size_t k = 0; k < groups_[g].channels.size(); ++k) {
-      fit.square_sum += Innovations(term, g, k).squaredNorm();
-      fit.free_parameters += term.heard[groups_[g].channels[k]] != 0 ? 1 : 0;
-    }
-  }
+  fit.square_sum = Innovations(term).squaredNorm();
+  fit.free_parameters =
+      base_.free_parameters + 2 +
+      static_cast<int>(std::ranges::count_if(term.heard, [](char heard) { return heard != 0; }));
   fit.term = std::move(term);
   return fit;
 }
 
 SharedStep OneTermSolver::StepFilter(const TermFit& fit, const std::vector<VibrationShape>& shapes) const {
-  SharedStep step(static_cast<Index>(shapes.size()));
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const Group& group = groups_[g];
-    for (std::size_t k = 0; k < group.channels.size(); ++k) {
-      if (fit.term.heard[group.channels[k]] == 0) continue;
-      const VectorXd here = Innovations(fit.term, g, k);
-      MatrixXd slopes = MatrixXd::Zero(here.size(), static_cast<Index>(shapes.size()));
-      for (const std::size_t s : {std::size_t{0}, std::size_t{1}, 2 + group.channels[k]}) {
-        VibrationTerm moved = fit.term;
-        const double by = kSlopeStep * shapes[s].step;
-        moved.shapes[s] += by;
-        slopes.col(static_cast<Index>(s)) = (here - Innovations(moved, g, k)) / by;
-      }
-      step.normal.noalias() += slopes.transpose() * slopes;
-      step.gradient.noalias() += slopes.transpose() * here;
-    }
+  const VectorXd here = Innovations(fit.term);
+  MatrixXd slopes = MatrixXd::Zero(here.size(), static_cast<Index>(shapes.size()));
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    if (s >= 2 && fit.term.heard[s - 2] == 0) continue;
+    VibrationTerm moved = fit.term;
+    const double by = kSlopeStep * shapes[s].step;
+    moved.shapes[s] += by;
+    slopes.col(static_cast<Index>(s)) = (here - Innovations(moved)) / by;
   }
+  SharedStep step(slopes.cols());
+  step.normal.noalias() = slopes.transpose() * slopes;
+  step.gradient.noalias() = slopes.transpose() * here;
   return step;
 }
 

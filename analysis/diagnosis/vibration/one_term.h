@@ -75,7 +75,7 @@ class OneTermSolver {
   /// The same for a term that is a filter, not columns.
   TermFit SolveFilter(VibrationTerm term) const;
   SharedStep StepFilter(const TermFit& fit, const std::vector<VibrationShape>& shapes) const;
-  Eigen::VectorXd Innovations(const VibrationTerm& term, std::size_t group, std::size_t column) const;
+  Eigen::VectorXd Innovations(const VibrationTerm& term) const;
 
   const VibrationSamples& samples_;
   const VibrationSolver& solver_;

@@ -85,12 +85,12 @@ ParameterValue NarrowAmplitude(const VibrationSamples& samples, const VibrationS
                       0.0};
   for (std::size_t c = 0; c < narrow.heard.size(); ++c) {
     if (narrow.heard[c] == 0) continue;
-    const double amplitude =
-        std::sqrt(2.0 * std::exp(narrow.shapes[2 + c])) * samples.noise_floor / ChannelAt(samples, c).scale;
+    const double unit = std::sqrt(2.0) * samples.noise_floor / ChannelAt(samples, c).scale;
+    const double amplitude = unit * std::abs(narrow.shapes[2 + c]);
     if (amplitude <= best.value) continue;
     best.value = amplitude;
     const Index place = first_shape + 2 + static_cast<Index>(c);
-    if (shapes.size() > 0) best.standard_error = 0.5 * amplitude * StandardErrorOf(shapes(place, place));
+    if (shapes.size() > 0) best.standard_error = unit * StandardErrorOf(shapes(place, place));
   }
   return best;
 }
@@ -308,7 +308,7 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
         if (term.heard[c] == 0) continue;
         const VibrationStretch& place = ChannelAt(samples, c);
         values.push_back({"deviation_" + place.name, UnitOfChannel(place.name),
-                          std::exp(0.5 * term.shapes[2 + c]) * samples.noise_floor / place.scale, 0.0});
+                          term.shapes[2 + c] * samples.noise_floor / place.scale, 0.0});
       }
       return values;
     case VibrationForm::kKicks:

@@ -153,7 +153,8 @@ VectorXd PredictTerm(const VibrationSamples& samples, VibrationCause cause, cons
       auto own = predicted.segment(static_cast<Index>(channel.first), static_cast<Index>(run.size()));
       if (term.form == VibrationForm::kNarrowband) {
         const double deviation = Find(parameters, "deviation_" + channel.name).value_or(0.0);
-        if (deviation > 0.0) own += DrawNarrowband(run, term.shapes[0], term.shapes[1], deviation);
+        // One unrest drives all channels: those with the other sign move against the rest.
+        if (deviation != 0.0) own += DrawNarrowband(run, term.shapes[0], term.shapes[1], deviation);
         continue;
       }
       for (Index k = 0; k < columns.cols(); ++k) {

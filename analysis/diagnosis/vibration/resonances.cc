@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/diagnosis/vibration/bands.h"
 #include "analysis/diagnosis/vibration/bursts.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/ring.h"
@@ -17,9 +18,6 @@ namespace {
 
 using Best = std::optional<TermFit>;
 
-// A tone that holds this share of a band's power is what the band is.
-constexpr double kToneShare = 0.5;
-constexpr double kLeastExcess = 11.0;
 constexpr double kBandReach = 12.0;  // half-widths of a band in which its lines are
 constexpr std::size_t kMostLinesOfBand = 3;
 constexpr double kAsGood = 10.0;     // of BIC
@@ -28,71 +26,14 @@ constexpr double kLeastFurtherKick = 22.0;
 constexpr std::size_t kMostKicks = 10;
 constexpr std::size_t kMostFirstKicks = 5;
 
-// A band of a spectrum that is louder than its surroundings.
-struct NoiseBand {
-  double excess{};  // −ln p of one look
-  double centre_Hz{};
-  double width_Hz{};
-  double power{};  // above the background, in cells
-};
-
-// The loudest bands, strongest first, none wider than 0.7 of its frequency, none within another, none whose
-// power is mostly that of one tone.
-std::vector<NoiseBand> FindBands(const VibrationSpectrum& spectrum, double lowest_Hz, double highest_Hz,
-                                 std::size_t count) {
-  const double cell = spectrum.cell();
-  const auto channels = static_cast<double>(spectrum.channels());
-  const auto from = static_cast<std::size_t>(std::ceil(lowest_Hz / cell));
-  const auto to = static_cast<std::size_t>(std::min(highest_Hz, spectrum.highest()) / cell);
-  std::vector<double> power;
-  std::vector<double> sums{0.0};
-  for (std::size_t k = from; k < to; ++k) {
-    power.push_back(spectrum.At(static_cast<double>(k) * cell));
-    sums.push_back(sums.back() + power.back());
-  }
-  std::vector<NoiseBand> bands;
-  for (std::size_t length = 6; length < power.size(); length += std::max<std::size_t>(1, length / 3)) {
-    for (std::size_t i = 0; i + length <= power.size(); i += std::max<std::size_t>(1, length / 8)) {
-      const double centre = (static_cast<double>(from + i) + 0.5 * static_cast<double>(length)) * cell;
-      const double width = static_cast<double>(length) * cell;
-      // Lightly damped is what is meant: a hump as wide as its frequency is the colour of the noise.
-      if (width > 0.7 * centre) continue;
-      const double sum = sums[i + length] - sums[i];
-      const double above = sum - channels * static_cast<double>(length);
-      if (above < 3.0 * std::sqrt(channels * static_cast<double>(length))) continue;
-      const double loudest = *std::max_element(power.begin() + static_cast<std::ptrdiff_t>(i),
-                                               power.begin() + static_cast<std::ptrdiff_t>(i + length));
-      if (loudest - channels > kToneShare * above) continue;
-      const double excess = ExcessOf(sum, channels * static_cast<double>(length));
-      if (excess > kLeastExcess) bands.push_back({excess, centre, width, above});
-    }
-  }
-  std::sort(bands.begin(), bands.end(),
-            [](const NoiseBand& a, const NoiseBand& b) { return a.excess > b.excess; });
-  std::vector<NoiseBand> chosen;
-  for (const NoiseBand& band : bands) {
-    if (chosen.size() == count) break;
-    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const NoiseBand& other) {
-      return std::abs(other.centre_Hz - band.centre_Hz) < 0.5 * (other.width_Hz + band.width_Hz);
-    });
-    if (!near) chosen.push_back(band);
-  }
-  return chosen;
-}
-
 VibrationTerm NarrowTerm(const VibrationRemainder& remainder, std::size_t index, const NoiseBand& band,
                          double damping) {
-  const VibrationSamples& samples = remainder.samples();
-  const auto channels = static_cast<double>(samples.channels());
   VibrationTerm term;
   term.cause = index;
   term.form = VibrationForm::kNarrowband;
-  term.heard.assign(samples.channels(), 1);
+  term.heard.assign(remainder.samples().channels(), 1);
   term.shapes = {band.centre_Hz, damping};
-  // Twice the power per cell and channel, over all samples of the channel.
-  const double samples_each = static_cast<double>(samples.measured.size()) / channels;
-  const double ratio = 2.0 * band.power / channels / samples_each;
-  term.shapes.insert(term.shapes.end(), samples.channels(), std::log(std::max(ratio, 1e-6)));
+  term.shapes.insert(term.shapes.end(), band.sizes.begin(), band.sizes.end());
   return term;
 }
 
@@ -267,7 +208,7 @@ Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, dou
                      double highest_Hz, bool by_shaft) {
   Best best;
   std::vector<double> frequencies_Hz;
-  for (const NoiseBand& band : FindBands(remainder.over_seconds(), lowest_Hz, highest_Hz, 2)) {
+  for (const NoiseBand& band : FindBands(remainder, lowest_Hz, highest_Hz, 2)) {
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
     TermFit solution = remainder.With(NarrowTerm(remainder, index, band, damping), 12);

@@ -49,9 +49,7 @@ bool SameColumns(const VibrationTerm& a, const VibrationTerm& b) {
          std::equal(a.lines.begin(), a.lines.end(), b.lines.begin(), b.lines.end(), same_line);
 }
 
-Narrowband NarrowbandOf(const VibrationTerm& term, std::size_t channel) {
-  return {term.shapes[0], term.shapes[1], term.shapes[2 + channel]};
-}
+bool IsNarrowband(const VibrationTerm& term) { return term.form == VibrationForm::kNarrowband; }
 
 }  // namespace
 
@@ -92,15 +90,36 @@ VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<cons
   }
 }
 
-void VibrationSolver::Filter(const VibrationSolution& solution, std::size_t channel,
-                             Eigen::Ref<MatrixXd> columns) const {
-  const VibrationRun& run = samples_.runs[places_[channel].run];
-  const std::size_t first = places_[channel].channel->first;
-  for (const VibrationTerm& term : solution.terms) {
-    if (term.form != VibrationForm::kNarrowband || term.heard[channel] == 0) continue;
-    ApplyFilter(FilterOf(NarrowbandOf(term, channel), run.period_s),
-                std::span(breaks_).subspan(first, run.size()), std::span(missing_).subspan(first, run.size()),
-                columns);
+void VibrationSolver::TakeOffForetold(std::span<const VibrationTerm> terms, Eigen::Ref<MatrixXd> left) const {
+  for (const VibrationTerm& term : terms) {
+    if (!IsNarrowband(term)) continue;
+    std::size_t first_channel = 0;
+    for (const VibrationRun& run : samples_.runs) {
+      const auto n = static_cast<Index>(run.size());
+      const auto of_channel = [&](std::size_t c) {
+        return left.middleRows(static_cast<Index>(run.channels[c].first), n);
+      };
+      std::vector<double> gains;
+      for (std::size_t c = 0; c < run.channels.size(); ++c) {
+        gains.push_back(term.heard[first_channel + c] != 0 ? term.shapes[2 + first_channel + c] : 0.0);
+      }
+      first_channel += run.channels.size();
+      const double size = Eigen::Map<const VectorXd>(gains.data(), static_cast<Index>(gains.size())).norm();
+      if (!(size > 0.0)) continue;
+      MatrixXd together = MatrixXd::Zero(n, left.cols());
+      std::vector<char> missing(run.size(), 0);
+      for (std::size_t c = 0; c < gains.size(); ++c) {
+        if (gains[c] == 0.0) continue;
+        together += gains[c] / size * of_channel(c);
+        const auto own = missing_.begin() + static_cast<std::ptrdiff_t>(run.channels[c].first);
+        std::transform(missing.begin(), missing.end(), own, missing.begin(), std::bit_or<>());
+      }
+      Foretell(FilterOf({term.shapes[0], term.shapes[1], 2.0 * std::log(size)}, run.period_s),
+               std::span(breaks_).subspan(run.channels.front().first, run.size()), missing, together);
+      for (std::size_t c = 0; c < gains.size(); ++c) {
+        if (gains[c] != 0.0) of_channel(c) -= gains[c] / size * together;
+      }
+    }
   }
 }
 
@@ -111,7 +130,6 @@ MatrixXd VibrationSolver::Assemble(const VibrationSolution& solution, std::size_
   for (std::size_t t = 0; t < solution.terms.size(); ++t) {
     if (solution.terms[t].heard[channel] != 0) width += solution.columns[place.run][t]->cols();
   }
-  // The response is the last column, so that it is filtered with the rest.
   MatrixXd all(static_cast<Index>(run.size()), width + 1);
   all.leftCols(run.nominal.cols()) = run.nominal;
   Index column = run.nominal.cols();
@@ -123,7 +141,6 @@ MatrixXd VibrationSolver::Assemble(const VibrationSolution& solution, std::size_
   }
   all.col(width) = Eigen::Map<const VectorXd>(samples_.measured.data() + place.channel->first,
                                               static_cast<Index>(run.size()));
-  Filter(solution, channel, all);
   return all;
 }
 
@@ -144,7 +161,7 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
   }
   solution.weight_sum = std::accumulate(weights_.begin(), weights_.end(), 0.0);
   for (const VibrationTerm& term : solution.terms) {
-    const bool narrow = term.form == VibrationForm::kNarrowband;
+    const bool narrow = IsNarrowband(term);
     solution.free_parameters += narrow ? 2 : static_cast<int>(term.shapes.size());
     if (narrow)
       solution.free_parameters += static_cast<int>(
@@ -167,6 +184,18 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
     solution.free_parameters += static_cast<int>(width);
     solution.channels.push_back(std::move(channel));
   }
+  if (std::ranges::none_of(solution.terms, IsNarrowband)) return solution;
+  VectorXd left = Residual(solution);
+  TakeOffForetold(solution.terms, left);
+  solution.square_sum = 0.0;
+  for (std::size_t c = 0; c < places_.size(); ++c) {
+    ChannelFit& fit = solution.channels[c].fit;
+    const auto first = static_cast<Index>(places_[c].channel->first);
+    fit.residual = left.segment(first, fit.residual.size());
+    fit.square_sum = Eigen::Map<const VectorXd>(weights_.data() + first, fit.residual.size())
+                         .dot(fit.residual.cwiseAbs2());
+    solution.square_sum += fit.square_sum;
+  }
   return solution;
 }
 
@@ -180,49 +209,54 @@ VectorXd VibrationSolver::Residual(const VibrationSolution& solution) const {
 }
 
 MatrixXd VibrationSolver::Derivatives(
-    const VibrationSolution& solution, std::size_t channel, std::size_t from,
-    const std::vector<VibrationShape>& shapes,
+    const VibrationSolution& solution, std::size_t channel, std::size_t from, std::size_t shapes,
     const std::vector<std::vector<std::shared_ptr<const MatrixXd>>>& moved) const {
   const Place& place = places_[channel];
-  const VibrationRun& run = samples_.runs[place.run];
-  const auto n = static_cast<Index>(run.size());
   const VibrationSolution::Channel& fitted = solution.channels[channel];
-  MatrixXd derivatives = MatrixXd::Zero(n, static_cast<Index>(shapes.size()));
-  VectorXd unexplained;
+  MatrixXd derivatives =
+      MatrixXd::Zero(static_cast<Index>(samples_.runs[place.run].size()), static_cast<Index>(shapes));
   std::size_t s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
     const VibrationTerm& term = solution.terms[t];
     for (std::size_t k = 0; k < term.shapes.size(); ++k, ++s) {
-      const auto column = static_cast<Index>(s);
-      if (term.heard[channel] == 0) continue;
-      if (term.form != VibrationForm::kNarrowband) {
-        const MatrixXd& slope = *moved[place.run][s];
-        derivatives.col(column) = slope * fitted.fit.coefficients.segment(fitted.first[t], slope.cols());
-        Filter(solution, channel, derivatives.col(column));
-        continue;
-      }
-      if (k >= 2 && k - 2 != channel) continue;
-      if (unexplained.size() == 0) {
-        // What the filters are applied to: the response less the model.
-        unexplained = Eigen::Map<const VectorXd>(samples_.measured.data() + place.channel->first, n) -
-                      run.nominal * fitted.fit.coefficients.head(run.nominal.cols());
-        for (std::size_t other = 0; other < solution.terms.size(); ++other) {
-          if (fitted.first[other] < 0) continue;
-          const MatrixXd& own = *solution.columns[place.run][other];
-          unexplained -= own * fitted.fit.coefficients.segment(fitted.first[other], own.cols());
-        }
-      }
-      MatrixXd ends[2] = {unexplained, unexplained};
-      for (int end = 0; end < 2; ++end) {
-        VibrationSolution shifted;
-        shifted.terms = solution.terms;
-        shifted.terms[t].shapes[k] += (end == 0 ? -0.1 : 0.1) * shapes[s].step;
-        Filter(shifted, channel, ends[end]);
-      }
-      derivatives.col(column) = -(ends[1] - ends[0]) / (0.2 * shapes[s].step);
+      if (term.heard[channel] == 0 || IsNarrowband(term)) continue;
+      const MatrixXd& slope = *moved[place.run][s];
+      derivatives.col(static_cast<Index>(s)) =
+          slope * fitted.fit.coefficients.segment(fitted.first[t], slope.cols());
     }
   }
   return derivatives;
+}
+
+SharedStep VibrationSolver::StepOfForetold(const VibrationSolution& solution, std::size_t from,
+                                           const std::vector<VibrationShape>& shapes,
+                                           MatrixXd derivatives) const {
+  TakeOffForetold(solution.terms, derivatives);
+  VectorXd unexplained(derivatives.rows());  // what the terms foretell from
+  for (std::size_t c = 0; c < places_.size(); ++c) {
+    const MatrixXd all = Assemble(solution, c);
+    unexplained.segment(static_cast<Index>(places_[c].channel->first), all.rows()) =
+        all.rightCols(1) - all.leftCols(all.cols() - 1) * solution.channels[c].fit.coefficients;
+  }
+  const VectorXd left = Residual(solution);
+  std::size_t s = 0;
+  for (std::size_t t = from; t < solution.terms.size(); ++t) {
+    for (std::size_t k = 0; k < solution.terms[t].shapes.size(); ++k, ++s) {
+      if (!IsNarrowband(solution.terms[t])) continue;
+      std::vector<VibrationTerm> moved = solution.terms;
+      const double by = 0.1 * shapes[s].step;
+      moved[t].shapes[k] += by;
+      VectorXd there = unexplained;
+      TakeOffForetold(moved, there);
+      derivatives.col(static_cast<Index>(s)) = (left - there) / by;
+    }
+  }
+  const Eigen::Map<const VectorXd> weights(weights_.data(), derivatives.rows());
+  const MatrixXd weighted = weights.asDiagonal() * derivatives;
+  SharedStep step(derivatives.cols());
+  step.normal.noalias() = weighted.transpose() * derivatives;
+  step.gradient.noalias() = weighted.transpose() * left;
+  return step;
 }
 
 SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
@@ -235,19 +269,27 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
       const VibrationTerm& term = solution.terms[t];
       for (std::size_t k = 0; k < term.shapes.size(); ++k, ++s) {
         moved[r].push_back(nullptr);
-        if (term.form == VibrationForm::kNarrowband) continue;
+        if (IsNarrowband(term)) continue;
         moved[r].back() = std::make_shared<const MatrixXd>(
             FillSlope(samples_, r, term, *solution.columns[r][t], k, 0.1 * shapes[s].step));
       }
     }
   }
+  const bool foretells = std::ranges::any_of(solution.terms, IsNarrowband);
+  MatrixXd across;  // derivatives with what the coefficients make of them
+  if (foretells) across.resize(static_cast<Index>(weights_.size()), static_cast<Index>(shapes.size()));
   SharedStep step(static_cast<Index>(shapes.size()));
   for (std::size_t c = 0; c < places_.size(); ++c) {
     const MatrixXd all = Assemble(solution, c);
-    solution.channels[c].follows_shapes = step.Add(
-        all.leftCols(all.cols() - 1), Derivatives(solution, c, from, shapes, moved), solution.channels[c].fit,
-        Eigen::Map<const VectorXd>(weights_.data() + places_[c].channel->first, all.rows()));
+    const MatrixXd derivatives = Derivatives(solution, c, from, shapes.size(), moved);
+    const auto first = static_cast<Index>(places_[c].channel->first);
+    MatrixXd& follows = solution.channels[c].follows_shapes;
+    follows = step.Add(all.leftCols(all.cols() - 1), derivatives, solution.channels[c].fit,
+                       Eigen::Map<const VectorXd>(weights_.data() + first, all.rows()));
+    if (foretells)
+      across.middleRows(first, all.rows()) = derivatives + all.leftCols(all.cols() - 1) * follows;
   }
+  if (foretells) return StepOfForetold(solution, from, shapes, std::move(across));
   return step;
 }
 

@@ -55,8 +55,9 @@ Fit Descend(Fit fit, int rounds, StepAt step_at, Moved moved) {
   return fit;
 }
 
-/// Fits terms to the samples by least squares under weights; with narrow-band terms, least squares of the
-/// innovations.
+/// Fits terms to the samples by least squares under weights. What narrow-band terms foretell is taken off
+/// what that leaves: a line's coefficients are the same in noise of any smooth spectrum, and other terms lie
+/// beside the band.
 class VibrationSolver {
  public:
   VibrationSolver(const VibrationSamples& samples, std::span<const double> weights);
@@ -73,12 +74,13 @@ class VibrationSolver {
   /// What the model does not explain (innovations, where there are narrow-band terms), all samples.
   Eigen::VectorXd Residual(const VibrationSolution& solution) const;
 
-  /// Columns of one channel, filtered; the last one is the response.
+  /// Columns of one channel; the last one is the response.
   Eigen::MatrixXd Assemble(const VibrationSolution& solution, std::size_t channel) const;
 
-  /// Filters columns by the narrow-band terms that the channel hears.
-  void Filter(const VibrationSolution& solution, std::size_t channel,
-              Eigen::Ref<Eigen::MatrixXd> columns) const;
+  /// Takes off what the narrow-band terms foretell. A mode moves all channels of a record in one proportion:
+  /// what they show of it together foretells each.
+  /// @param left  all samples, in any number of columns
+  void TakeOffForetold(std::span<const VibrationTerm> terms, Eigen::Ref<Eigen::MatrixXd> left) const;
 
   std::span<const double> weights() const { return weights_; }
 
@@ -88,9 +90,10 @@ class VibrationSolver {
     const VibrationStretch* channel;
   };
   Eigen::MatrixXd Derivatives(
-      const VibrationSolution& solution, std::size_t channel, std::size_t from,
-      const std::vector<VibrationShape>& shapes,
+      const VibrationSolution& solution, std::size_t channel, std::size_t from, std::size_t shapes,
       const std::vector<std::vector<std::shared_ptr<const Eigen::MatrixXd>>>& moved) const;
+  SharedStep StepOfForetold(const VibrationSolution& solution, std::size_t from,
+                            const std::vector<VibrationShape>& shapes, Eigen::MatrixXd derivatives) const;
   SharedStep Step(VibrationSolution& solution, std::size_t from,
                   const std::vector<VibrationShape>& shapes) const;
 

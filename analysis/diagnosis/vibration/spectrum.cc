@@ -139,11 +139,14 @@ VibrationSpectrum::VibrationSpectrum(const VibrationSamples& samples, std::span<
       std::vector<double> power(size / 2);
       for (std::size_t j = 0; j < power.size(); ++j) power[j] = std::norm(spectrum[j]);
       const std::vector<double> background = BackgroundOf(power, kPadding);
+      std::vector<std::complex<float>> amplitudes(power.size());
       own.power.resize(power.size(), 0.0F);
       own.step = 1.0 / (static_cast<double>(size) * step / (turns ? kTwoPi : 1.0));
       for (std::size_t j = 0; j < power.size(); ++j) {
         own.power[j] += static_cast<float>(power[j] / background[j]);
+        amplitudes[j] = std::complex<float>(spectrum[j] / std::sqrt(background[j]));
       }
+      own.of_channel.push_back(std::move(amplitudes));
       ++channels_;
     }
     highest_ = std::min(highest_, own.step * static_cast<double>(own.power.size() - 1));
@@ -161,6 +164,16 @@ double VibrationSpectrum::At(double order) const noexcept {
     if (place < run.power.size()) sum += static_cast<double>(run.power[place]);
   }
   return sum;
+}
+
+void VibrationSpectrum::AmplitudesAt(std::size_t run, double order,
+                                     std::span<std::complex<float>> amplitudes) const noexcept {
+  const Run& own = runs_[run];
+  const auto place = static_cast<std::size_t>(std::max(0.0, order) / own.step + 0.5);
+  for (std::size_t c = 0; c < amplitudes.size(); ++c) {
+    const bool known = c < own.of_channel.size() && place < own.power.size();
+    amplitudes[c] = known ? own.of_channel[c][place] : std::complex<float>();
+  }
 }
 
 std::vector<SpectrumPeak> FindPeaks(const VibrationSpectrum& spectrum, double lowest, double highest,

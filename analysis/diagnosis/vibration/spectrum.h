@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -25,6 +26,8 @@ class VibrationSpectrum {
   /// Sum over channels at an order; 0 beyond half the sampling rate.
   double At(double order) const noexcept;
   std::size_t channels() const noexcept { return channels_; }
+  /// Amplitudes of the channels of one run at an order, with At()'s sum of squares.
+  void AmplitudesAt(std::size_t run, double order, std::span<std::complex<float>> amplitudes) const noexcept;
   double highest() const noexcept { return highest_; }
   /// Width of a resolution cell: one over the length of the longest record.
   double cell() const noexcept { return cell_; }
@@ -35,6 +38,7 @@ class VibrationSpectrum {
   struct Run {
     double step{};
     std::vector<float> power;
+    std::vector<std::vector<std::complex<float>>> of_channel;
   };
   std::vector<Run> runs_;
   std::size_t channels_{};

@@ -121,7 +121,11 @@ std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const Vibr
       shapes.push_back(
           {0.8 * term.shapes[0], std::min(top_Hz, 1.25 * term.shapes[0]), 0.003 * term.shapes[0]});
       shapes.push_back({5e-4, 0.5, 0.05 * term.shapes[1]});
-      for (std::size_t s = 2; s < term.shapes.size(); ++s) shapes.push_back({-30.0, 15.0, 0.05});
+      for (std::size_t s = 2; s < term.shapes.size(); ++s) {
+        const auto sizes = Eigen::Map<const Eigen::VectorXd>(term.shapes.data() + 2,
+                                                             static_cast<Index>(term.shapes.size() - 2));
+        shapes.push_back({-1e3, 1e3, 0.025 * std::max(1e-3, sizes.norm())});
+      }
       break;
     case VibrationForm::kKicks:
       shapes.push_back(

@@ -19,7 +19,7 @@ enum class VibrationForm {
   kPulses,  // smooth pulses at even angles; shapes: width or none, two a modulation, place a run
   kGrowth,  // 1 per turn, growing with the square of the speed; no shapes
   kDriven,  // lines of the shaft across a resonance; shapes: Hz, damping
-  kNarrowband,  // a resonance driven by noise, no columns; shapes: Hz, damping, ln of noise ratio a channel
+  kNarrowband,  // a resonance driven by noise, no columns; shapes: Hz, damping, size a channel in noise
   kKicks,       // a resonance that rings after knocks; shapes: Hz, damping, s; then s, height
   kBurst,       // a tone for a short while; shapes: Hz, centre s, width s
   kLevels,      // slow change of the mean: powers of time 1 to 3; no shapes

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/starts.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A band of the spectrum over time that is louder than its surroundings, the channels in step or against
+/// each other.
+struct NoiseBand {
+  double excess{};  // −ln p of one look
+  double centre_Hz{};
+  double width_Hz{};
+  std::vector<double>
+      sizes;  // a channel of all runs: deviation of what moves it in that of its noise, signed
+};
+
+/// The loudest bands, strongest first, none wider than 0.7 of its frequency, none within another, none whose
+/// power is mostly that of one tone. A mode moves all channels of a record in one proportion, so what they
+/// hold along the best one is what counts: noise has no such direction.
+std::vector<NoiseBand> FindBands(const VibrationRemainder& remainder, double lowest_Hz, double highest_Hz,
+                                 std::size_t count);
+
+}  // namespace strainwave::analysis::diagnosis
