@@ -20,7 +20,7 @@ using Best = std::optional<TermFit>;
 
 constexpr double kBandReach = 12.0;  // half-widths of a band in which its lines are
 constexpr std::size_t kMostLinesOfBand = 3;
-constexpr double kAsGood = 10.0;     // of BIC
+constexpr double kAsGood = 5.0;      // of ln p
 constexpr double kLeastKick = 32.0;  // drop of the sum of squares, in variances of the noise
 constexpr double kLeastFurtherKick = 22.0;
 constexpr std::size_t kMostKicks = 10;
@@ -60,12 +60,24 @@ bool AreOfShaft(const VibrationTerm& lines, double cell) {
   });
 }
 
+// −ln p of what a term explains, by its numbers, less what a choice of places costs. BIC charges each
+// channel's share of a band by the length of all, and would rather have a chance line in one channel.
+double UnlikelinessOf(const VibrationRemainder& remainder, double square_sum, double numbers,
+                      double log_places) {
+  const VibrationSolution& base = remainder.base();
+  return ExcessOf(0.5 * (base.square_sum - square_sum) / base.variance(), 0.5 * numbers) - log_places;
+}
+
+double NumbersOf(const VibrationRemainder& remainder, const TermFit& fit) {
+  return static_cast<double>(fit.free_parameters - remainder.base().free_parameters);
+}
+
 // Lines of the shaft or of the current that stand together look like a band that noise drives, or beat like
 // knocks; and a line alone is a knock that does not die away. They are lines where so few of them explain as
 // much.
-bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
+bool AreLines(const VibrationRemainder& remainder, const TermFit& band, SpectrumAxis axis) {
   const VibrationSamples& samples = remainder.samples();
-  const bool over_turns = samples.angle_known();
+  const bool over_turns = axis == SpectrumAxis::kTurns;
   const VibrationSpectrum& spectrum = over_turns ? remainder.over_turns() : remainder.over_seconds();
   const double turn_Hz = over_turns ? samples.runs.front().mean_speed_rad_per_s / kTwoPi : 1.0;
   const double centre = band.term.shapes[0] / turn_Hz;
@@ -79,13 +91,32 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
     if (lines.shapes.empty()) lines.shapes = {peak.order};
     lines.lines.push_back({1.0, peak.order - lines.shapes[0]});
     const TermFit fit = remainder.With(lines, 3);
+    const std::size_t count = lines.lines.size();
+    // A hum moves all channels in step, as a mode does: one phase, and what the others take from noise.
+    const double in_step = count > 1 ? 0.0 : std::max(0.0, 0.5 * (NumbersOf(remainder, fit) - 3.0));
+    const double square_sum = fit.square_sum + in_step * fit.variance();
     // Where the others stand was chosen, too.
-    const double places = static_cast<double>(lines.lines.size() - 1) * std::log(fit.weight_sum);
+    const auto others = static_cast<double>(count - 1);
+    double ahead{};
+    if (band.term.form == VibrationForm::kNarrowband) {
+      const double log_places = others * std::log(2.0 * reach / spectrum.cell());
+      ahead = UnlikelinessOf(remainder, square_sum, NumbersOf(remainder, fit) - in_step, log_places) -
+              UnlikelinessOf(remainder, band.square_sum, NumbersOf(remainder, band), 0.0);
+    } else {
+      const double saved = in_step * (std::log(fit.weight_sum) - 1.0);
+      ahead = 0.5 * (band.bic() - (fit.bic() - saved + others * std::log(fit.weight_sum)));
+    }
     // One line is the simpler thing; several are where the shaft makes them, or have to be the better one.
-    const bool simpler = lines.lines.size() == 1 || (over_turns && AreOfShaft(lines, spectrum.cell()));
-    if (fit.bic() + places < band.bic() + (simpler ? kAsGood : 0.0)) return true;
+    const bool simpler = count == 1 || (over_turns && AreOfShaft(lines, spectrum.cell()));
+    if (ahead > (simpler ? -kAsGood : 0.0)) return true;
   }
   return false;
+}
+
+// Over the angle the shaft's stand, over time those of the current, which a speed that wanders smears.
+bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
+  return (remainder.samples().angle_known() && AreLines(remainder, band, SpectrumAxis::kTurns)) ||
+         AreLines(remainder, band, SpectrumAxis::kSeconds);
 }
 
 std::size_t KicksOf(const TermFit& solution) { return (solution.term.shapes.size() - 1) / 2; }
