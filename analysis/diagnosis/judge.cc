@@ -32,9 +32,15 @@ constexpr double kLeastBicOfMany = -40.0;
 
 }  // namespace
 
+double BicOfRepeats(const Comparison& comparison, const CauseRule& rule) {
+  return kLeastBicEach *
+         std::clamp<double>(comparison.more_parameters - rule.degrees_of_freedom, 0.0, rule.repeated);
+}
+
 bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double corrected_p_value,
                     double error) {
-  const double least = std::clamp(kLeastBicEach * comparison.more_parameters, kLeastBicOfMany, kLeastBic);
+  const double by_number = std::clamp(kLeastBicEach * comparison.more_parameters, kLeastBicOfMany, kLeastBic);
+  const double least = std::min(by_number, kLeastBic + BicOfRepeats(comparison, rule));
   return corrected_p_value < error && comparison.delta_bic > rule.least_bic.value_or(least);
 }
 

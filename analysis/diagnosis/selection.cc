@@ -326,7 +326,9 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
       if (chosen == nullptr && !full && LooksPossible(judge, candidate, error)) {
         result = JudgeCause(judge, candidate.model, model, candidate.cause, error);
         const bool beside = model.fit.causes.size() > given.size();
-        if (result.passed && ((beside && candidate.against.delta_bic < kLeastBicBeside) ||
+        const double least_bic =
+            kLeastBicBeside + BicOfRepeats(candidate.against, judge.study().causes()[candidate.cause]);
+        if (result.passed && ((beside && candidate.against.delta_bic < least_bic) ||
                               candidate.against.likelihood_ratio < least_share * explained)) {
           result.passed = false;
           result.objection =

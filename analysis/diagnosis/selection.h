@@ -34,6 +34,10 @@ struct Comparison {
 bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double corrected_p_value,
                     double error);
 
+/// BIC that a cause may bring less, since what it says of further channels is charged as if nobody could
+/// expect it; never above 0.
+double BicOfRepeats(const Comparison& comparison, const CauseRule& rule);
+
 /// Fits and compares sets of causes of one study under one set of weights.
 class Judge {
  public:

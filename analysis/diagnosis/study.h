@@ -44,6 +44,10 @@ struct CauseRule {
   std::string effect{};  // row of the effects catalogue, "E4"; or empty
   std::vector<ParameterRule> parameters{};
   int degrees_of_freedom{1};  // parameters that it adds
+  /// How many parameters, beyond `degrees_of_freedom`, may say in further channels what one channel says
+  /// already. A size is much better foretold by the others than BIC has it, which takes it for anything
+  /// (judge.cc).
+  int repeated{};
   /// How many of these are places that the search looked for (an order, a window's two ends): they are
   /// charged by the places there are, not by the samples.
   int places{};

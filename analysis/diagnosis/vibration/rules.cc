@@ -28,6 +28,7 @@ struct Table {
   VibrationRules& rules;
   ParameterRule amplitude;
   double cells;  // resolution cells of a spectrum
+  int further;   // channels beside one
 
   void Add(VibrationCause kind, CauseRule rule) {
     rules.kinds.push_back(kind);
@@ -46,7 +47,8 @@ void AddGearMesh(Table& table) {
       .where = Where::kUnit,
       .effect = "E2",
       .parameters = {table.amplitude},
-      .degrees_of_freedom = 2};
+      .degrees_of_freedom = 2,
+      .repeated = 4 * table.further};  // both lines
   // A few lines that may or may not be there, and the scale of the angle where the shaft's lines leave it
   // open.
   rule.trials = 4.0 + 12.0 * samples.order_uncertainty * order * samples.shortest_turns();
@@ -74,6 +76,7 @@ void AddBearing(Table& table) {
        .parameters = {{"defect_order", "1/turn", kLowestBearingOrder, kHighestBearingOrder, false},
                       table.amplitude},
        .degrees_of_freedom = 5,
+       .repeated = table.further,
        // Orders, at each some tens of resonances that may ring, with each change of the impulses.
        .trials = 320.0 * table.cells,
        .to_settle = "# the motor alone, uncoupled: a defect that is still heard is in the motor's bearings\n"
@@ -120,6 +123,7 @@ void AddResonances(Table& table) {
              .effect = "E15",
              .parameters = parameters,
              .degrees_of_freedom = 3,
+             .repeated = table.further,
              .trials = std::max(50.0, 1.5 * share * table.cells),
              .local = true,  // a knock rings for a small part of a turn
              .to_settle = kOtherSpeed});
@@ -208,7 +212,8 @@ VibrationRules RulesFor(VibrationSamples& samples) {
   Table table{samples,
               rules,
               {AmplitudeName(samples), unit, 0.0, kLargest, true},
-              2.0 * longest * samples.highest_Hz()};
+              2.0 * longest * samples.highest_Hz(),
+              static_cast<int>(samples.channels()) - 1};
   if (samples.angle_known()) {
     AddGearMesh(table);
     AddBearing(table);
