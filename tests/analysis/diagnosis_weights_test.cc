@@ -112,6 +112,18 @@ TEST(Weights, CountInWhatIsHeldOut) {
   EXPECT_NEAR(judge.HeldOutGain(richer.fit, poorer.fit, richer.noise, false), expected, 1e-6 * expected);
 }
 
+// Two lines of a mesh in each of four channels, clearly beyond chance.
+TEST(IsBeyondChance, LetsFurtherChannelsRepeatWhatOneSays) {
+  CauseRule rule{.degrees_of_freedom = 2};
+  const Comparison comparison{
+      .likelihood_ratio = 119.0, .delta_bic = -57.0, .p_value = 1e-17, .more_parameters = 16.0};
+  EXPECT_FALSE(IsBeyondChance(comparison, rule, 1e-15, 0.01));
+  rule.repeated = 12;
+  EXPECT_DOUBLE_EQ(BicOfRepeats(comparison, rule), -60.0);
+  EXPECT_TRUE(IsBeyondChance(comparison, rule, 1e-15, 0.01));
+  EXPECT_FALSE(IsBeyondChance(comparison, rule, 0.02, 0.01));
+}
+
 TEST(IsBeyondChance, AsksForTheEvidenceThatTheRuleAsksFor) {
   const Comparison weak{.likelihood_ratio = 30.0, .delta_bic = -6.0, .more_parameters = 5.0};
   EXPECT_TRUE(IsBeyondChance(weak, {.name = "ring"}, 0.001, 0.004));

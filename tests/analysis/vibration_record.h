@@ -73,7 +73,8 @@ inline VibrationData Record(const Turning& run, unsigned seed, const Effect& eff
   record.input_speed_rad_per_s = run.speed_rad_per_s;
   if (fastest - slowest < 1e-9) record.input_speed_rad_per_s.resize(1);
   const Signal hidden = effect(run);
-  constexpr const char* kNames[] = {"accel_x_m_per_s2", "accel_y_m_per_s2"};
+  constexpr const char* kNames[] = {"accel_x_m_per_s2", "accel_y_m_per_s2", "accel_z_m_per_s2",
+                                    "accel_motor_z_m_per_s2"};
   for (std::size_t c = 0; c < gains.size(); ++c) {
     VibrationChannel channel{kNames[c], Line(run, 1.0, 0.2) + Line(run, 2.0, 0.3)};
     for (std::size_t i = 0; i < hidden.size(); ++i) channel.values[i] += gains[c] * hidden[i] + noise(random);

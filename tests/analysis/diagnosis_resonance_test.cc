@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/bands.h"
+#include "analysis/diagnosis/vibration/samples.h"
+#include "analysis/diagnosis/vibration/solver.h"
+#include "analysis/units.h"
+#include "tests/analysis/vibration_record.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kFrequency_Hz = 200.0;
+constexpr double kDamping = 0.012;
+
+// A resonance that noise keeps swinging.
+Effect Swing(double deviation_m_per_s2) {
+  return [=](const Turning& run) {
+    const double angle = kTwoPi * kFrequency_Hz / kRate_Hz;
+    const double radius = std::exp(-kDamping * angle);
+    std::mt19937 random(77);
+    std::normal_distribution<double> unrest;
+    Signal signal;
+    double before = 0.0;
+    double before_that = 0.0;
+    double square = 0.0;
+    for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+      const double now =
+          2.0 * radius * std::cos(angle) * before - radius * radius * before_that + unrest(random);
+      before_that = std::exchange(before, now);
+      square += now * now;
+      signal.push_back(now);
+    }
+    const double scale = deviation_m_per_s2 / std::sqrt(square / static_cast<double>(signal.size()));
+    for (double& value : signal) value *= scale;
+    return signal;
+  };
+}
+
+// Each of the four channels alone shows next to nothing of it.
+TEST(VibrationResonance, NamesAResonanceThatTheChannelsShowTogether) {
+  const Effect swing = Swing(0.06 * kNoise_m_per_s2);
+  const Turning run(1500.0, 2.0, 0.0);
+  EXPECT_EQ(Ask({Record(run, 31, swing)}).names(), Names());
+  const Diagnosed answer = Ask({Record(run, 31, swing, {1.0, 0.9, -1.0, 1.0})});
+  EXPECT_EQ(answer.names(), Names{"torsional_resonance"});
+  EXPECT_NEAR(answer.value("frequency_Hz").value, kFrequency_Hz, 3.0);
+}
+
+TEST(FindBands, SaysHowTheChannelsMove) {
+  const VibrationData record =
+      Record(Turning(1500.0, 2.0, 0.0), 32, Swing(0.4 * kNoise_m_per_s2), {1.0, -0.5});
+  const VibrationSamples samples = PrepareVibration({&record, 1});
+  const std::vector<double> weights(samples.measured.size(), 1.0);
+  const VibrationSolver solver(samples, weights);
+  const VibrationSolution base = solver.Solve({});
+  const std::vector<NoiseBand> bands = FindBands(VibrationRemainder(samples, solver, base), 3.0, 2000.0, 2);
+  ASSERT_FALSE(bands.empty());
+  EXPECT_NEAR(bands[0].centre_Hz, kFrequency_Hz, 5.0);
+  ASSERT_EQ(bands[0].sizes.size(), 2U);
+  // The band holds the greater part of the power.
+  EXPECT_GT(std::abs(bands[0].sizes[0]), std::sqrt(0.5) * 0.4);
+  EXPECT_LT(std::abs(bands[0].sizes[0]), 0.45);
+  EXPECT_NEAR(bands[0].sizes[1] / bands[0].sizes[0], -0.5, 0.1);
+}
+
+// One knock of a resonance that hardly dies away would need fewer numbers than a line with a phase a channel.
+TEST(VibrationResonance, CallsAHumThatMovesAllChannelsInStepUnnamed) {
+  const Effect hum = [](const Turning& run) {
+    Signal signal;
+    for (const double time : run.time_s) signal.push_back(0.02 * std::sin(kTwoPi * 60.0 * time + 0.3));
+    return signal;
+  };
+  for (const unsigned seed : {33U, 34U}) {
+    const Diagnosed answer = Ask({Record(Turning(1490.0, 1.34, 0.0), seed, hum, {0.85, 0.98, 0.78, 1.0})});
+    EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure) << seed;
+    EXPECT_EQ(answer.names(), Names()) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
