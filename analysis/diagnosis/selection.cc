@@ -10,11 +10,10 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kAsGood = 6.0;          // of BIC: odds of 20 to 1
-constexpr double kClearlyBetter = 2.0;   // for an exchange of one cause for another
-constexpr double kLeastBicBeside = 0.0;  // of what comes on top of something found
-constexpr double kPairAhead = 8.0;       // of two causes, to take the place of one
-constexpr double kErrorBeside = 0.3;     // of the error allowed, for what comes on top of something found
+constexpr double kAsGood = 6.0;         // of BIC: odds of 20 to 1
+constexpr double kClearlyBetter = 2.0;  // for an exchange of one cause for another
+constexpr double kPairAhead = 8.0;      // of two causes, to take the place of one
+constexpr double kErrorBeside = 0.3;    // of the error allowed, for what comes on top of something found
 // Standard errors: a rival need not be proven, only not be excluded.
 constexpr double kRivalAwayFromZero = 2.0;
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
@@ -317,19 +316,18 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     const double least_share = lacks ? kLeastShareBesideUnnamed : kLeastShare;
     const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
     for (const Candidate& candidate : candidates) {
+      const CauseRule& rule = judge.study().causes()[candidate.cause];
       CandidateResult result{
           candidate.cause,
-          {candidate.against.delta_bic,
-           judge.Corrected(candidate.against.p_value, judge.study().causes()[candidate.cause]), 0.0},
+          {candidate.against.delta_bic, judge.Corrected(candidate.against.p_value, rule), 0.0},
           false,
           "not beyond chance"};
       if (chosen == nullptr && !full && LooksPossible(judge, candidate, error)) {
         result = JudgeCause(judge, candidate.model, model, candidate.cause, error);
         const bool beside = model.fit.causes.size() > given.size();
-        const double least_bic =
-            kLeastBicBeside + BicOfRepeats(candidate.against, judge.study().causes()[candidate.cause]);
-        if (result.passed && ((beside && candidate.against.delta_bic < least_bic) ||
-                              candidate.against.likelihood_ratio < least_share * explained)) {
+        if (result.passed &&
+            ((beside && candidate.against.delta_bic < BicOfRepeats(candidate.against, rule)) ||
+             candidate.against.likelihood_ratio < least_share * explained)) {
           result.passed = false;
           result.objection =
               "too small beside what was found already to be told from a misfit of its formula";
