@@ -286,7 +286,11 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
     result.objection = "not beyond chance";
     return result;
   }
-  result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, rule.local);
+  // What both have in common as well: in a long block a local effect lies whole, and neither model could
+  // foretell it there.
+  const bool local = std::ranges::any_of(
+      with.fit.causes, [&](std::size_t other) { return judge.study().causes()[other].local; });
+  result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, local);
   const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kReport);
   result.objection = judge.Objection(reported.fit, cause);
   if (result.objection.empty() && !(result.evidence.heldout_gain > 0.0)) {
