@@ -29,11 +29,15 @@ double EndWeight(double decay) {
   return 0.5 + decay / 12.0 * (1.0 - square / 60.0 * (1.0 - square / 42.0 * (1.0 - square / 40.0)));
 }
 
-// The spring of one side with its knees as twists: dead zone, K1, K2, K3.
+// The spring of one side in its pieces, dead zone, K1, K2 and K3: where each begins, and its slope.
 struct Side {
-  std::array<double, 3> knee_rad;
-  std::array<double, 3> knee_Nm;
+  std::array<double, 4> start_rad;
+  std::array<double, 4> start_Nm;
   std::array<double, 4> slope;
+
+  double Torque_Nm(std::size_t piece, double size_rad) const {
+    return start_Nm[piece] + slope[piece] * (size_rad - start_rad[piece]);
+  }
 };
 
 Side MakeSide(const GearLaw& law, double sign) {
@@ -44,14 +48,14 @@ Side MakeSide(const GearLaw& law, double sign) {
                 spring.k3_Nm_per_rad * scale};
   if (law.backlash_beside_friction && law.backlash.width_rad > 0.0) {
     const double edge_Nm = law.backlash.torque_Nm;
-    side.knee_Nm[0] = edge_Nm;
-    side.knee_rad[0] = edge_Nm / side.slope[1] + model::BacklashTwist_rad(law.backlash, edge_Nm);
-    side.slope[0] = edge_Nm / side.knee_rad[0];
+    side.start_Nm[1] = edge_Nm;
+    side.start_rad[1] = edge_Nm / side.slope[1] + model::BacklashTwist_rad(law.backlash, edge_Nm);
+    side.slope[0] = edge_Nm / side.start_rad[1];
   }
-  side.knee_Nm[1] = spring.t1_Nm;
-  side.knee_rad[1] = side.knee_rad[0] + (spring.t1_Nm - side.knee_Nm[0]) / side.slope[1];
-  side.knee_Nm[2] = spring.t2_Nm;
-  side.knee_rad[2] = side.knee_rad[1] + (spring.t2_Nm - spring.t1_Nm) / side.slope[2];
+  side.start_Nm[2] = spring.t1_Nm;
+  side.start_rad[2] = side.start_rad[1] + (spring.t1_Nm - side.start_Nm[1]) / side.slope[1];
+  side.start_Nm[3] = spring.t2_Nm;
+  side.start_rad[3] = side.start_rad[2] + (spring.t2_Nm - spring.t1_Nm) / side.slope[2];
   return side;
 }
 
@@ -68,21 +72,10 @@ class Gear {
     const bool turned = twist_rad < 0.0;
     const Side& side = turned ? negative_ : positive_;
     const double size = std::abs(twist_rad);
-    double torque;
-    double slope;
-    if (size <= side.knee_rad[0]) {
-      slope = side.slope[0];
-      torque = slope * size;
-    } else if (size <= side.knee_rad[1]) {
-      slope = side.slope[1];
-      torque = side.knee_Nm[0] + slope * (size - side.knee_rad[0]);
-    } else if (size <= side.knee_rad[2]) {
-      slope = side.slope[2];
-      torque = side.knee_Nm[1] + slope * (size - side.knee_rad[1]);
-    } else {
-      slope = side.slope[3];
-      torque = side.knee_Nm[2] + slope * (size - side.knee_rad[2]);
-    }
+    std::size_t piece = 0;
+    while (piece < 3 && size > side.start_rad[piece + 1]) ++piece;
+    double torque = side.Torque_Nm(piece, size);
+    double slope = side.slope[piece];
     if (law_.hardening_Nm_per_rad3 != 0.0) {
       torque += model::CubicTorque_Nm(law_.hardening_Nm_per_rad3, size);
       slope += model::CubicStiffness_Nm_per_rad(law_.hardening_Nm_per_rad3, size);
@@ -93,7 +86,8 @@ class Gear {
   // Goes from one torque to another in a straight line.
   void GoTo(double from_Nm, double to_Nm, double step_s) {
     const bool damped = law_.viscous_Nms_per_rad > 0.0;
-    if (damped && law_.hardening_Nm_per_rad3 == 0.0 && TakeStraight(from_Nm, to_Nm, step_s)) return;
+    if (damped ? GoStraightDamped(from_Nm, to_Nm, step_s) : GoStraight(from_Nm, to_Nm)) return;
+    LeaveStraight();
     // A gap counts as the steps that it lasts.
     const double steps = std::clamp(step_s / mean_step_s_, 1.0, kMostStepsOfGap);
     const int parts = damped ? static_cast<int>(kPartsOfStep * steps) : 1;
@@ -116,6 +110,7 @@ class Gear {
       anchor_rad_[j] = twist_rad_ - share[j] * law_.friction[j].yield_rad;
     }
     damper_Nm_ = 0.0;
+    straight_.direction = 0.0;
   }
 
   double twist_rad() const { return twist_rad_; }
@@ -130,47 +125,86 @@ class Gear {
     return end_weight_;
   }
 
-  // Piece of the spring's law that a twist lies on.
-  int PieceOf(double twist_rad) const {
-    const Side& side = twist_rad < 0.0 ? negative_ : positive_;
-    const double size = std::abs(twist_rad);
-    int piece = 0;
-    while (piece < 3 && size > side.knee_rad[static_cast<std::size_t>(piece)]) ++piece;
-    return twist_rad < 0.0 ? -1 - piece : piece;
+  // A way in one direction without a kink: no knee of the spring, and no element that begins to slip. Most
+  // steps stay on one, and cost then no look at the elements. A cubic term comes on top of it.
+  struct Straight {
+    double direction{};  // 0: none
+    double from_rad{};
+    double from_Nm{};  // spring and elements there
+    double stiffness_Nm_per_rad{};
+    double end_rad{};
+
+    double Torque_Nm(double twist_rad) const {
+      return from_Nm + stiffness_Nm_per_rad * (twist_rad - from_rad);
+    }
+    bool Holds(double twist_rad) const { return twist_rad * direction <= end_rad * direction; }
+  };
+
+  // Sets out in a direction, if not on the way in it already.
+  void Head(double direction) {
+    if (straight_.direction == direction) return;
+    LeaveStraight();
+    const double sign = twist_rad_ * direction < 0.0 ? -direction : direction;
+    const bool outward = sign == direction;
+    const Side& side = sign > 0.0 ? positive_ : negative_;
+    const double size = std::abs(twist_rad_);
+    std::size_t piece = 0;
+    while (piece < 3 && (outward ? size >= side.start_rad[piece + 1] : size > side.start_rad[piece + 1]))
+      ++piece;
+    double way_rad = size - side.start_rad[piece];
+    if (outward)
+      way_rad = piece < 3 ? side.start_rad[piece + 1] - size : std::numeric_limits<double>::infinity();
+    straight_ = {direction, twist_rad_, sign * side.Torque_Nm(piece, size), side.slope[piece], 0.0};
+    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
+      const model::ElastoPlasticElement& element = law_.friction[j];
+      straight_.from_Nm += model::ElementTorque(element, twist_rad_, anchor_rad_[j]);
+      const double before_slip_rad = element.yield_rad - direction * (twist_rad_ - anchor_rad_[j]);
+      if (before_slip_rad < 1e-9 * element.yield_rad) continue;
+      straight_.stiffness_Nm_per_rad += stiffness_[j];
+      way_rad = std::min(way_rad, before_slip_rad);
+    }
+    straight_.end_rad = twist_rad_ + direction * way_rad;
   }
 
-  // Goes to a torque in one step if no kink lies on the way: spring, stuck elements and damper are straight
-  // then. False, and nothing done, where one does.
-  bool TakeStraight(double from_Nm, double to_Nm, double step_s) {
-    if (!(step_s > 0.0)) return false;
-    const double before_rad = twist_rad_;
-    const double way = damper_Nm_ + to_Nm - from_Nm;
-    const Tangent spring = Spring(before_rad);
-    double carried_Nm = spring.torque_Nm;
-    double stiffness = spring.stiffness_Nm_per_rad;
-    std::array<bool, kFrictionElements> sticks{};
-    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
-      const double stuck_Nm = (before_rad - anchor_rad_[j]) * stiffness_[j];
-      const double limit_Nm = law_.friction[j].limit_Nm;
-      sticks[j] = std::abs(stuck_Nm) < limit_Nm * (1.0 - 1e-9) || stuck_Nm * way < 0.0;
-      carried_Nm += std::clamp(stuck_Nm, -limit_Nm, limit_Nm);
-      if (sticks[j]) stiffness += stiffness_[j];
+  // Drags along the elements that slipped on the way.
+  void LeaveStraight() {
+    if (straight_.direction == 0.0) return;
+    straight_.direction = 0.0;
+    for (std::size_t j = 0; j < law_.friction_elements; ++j)
+      anchor_rad_[j] = model::MovedAnchor(law_.friction[j], twist_rad_, anchor_rad_[j]);
+  }
+
+  // Goes to a torque without a damper. False, and nothing done, where a kink lies on the way.
+  bool GoStraight(double from_Nm, double to_Nm) {
+    if (to_Nm == from_Nm) return true;
+    Head(to_Nm > from_Nm ? 1.0 : -1.0);
+    const double hardening = law_.hardening_Nm_per_rad3;
+    double twist_rad = straight_.from_rad + (to_Nm - straight_.from_Nm) / straight_.stiffness_Nm_per_rad;
+    if (hardening != 0.0) {
+      twist_rad = Solve(twist_rad_, [&](double twist) {
+        return Tangent{straight_.Torque_Nm(twist) + model::CubicTorque_Nm(hardening, twist) - to_Nm,
+                       straight_.stiffness_Nm_per_rad + model::CubicStiffness_Nm_per_rad(hardening, twist)};
+      });
     }
+    if (!straight_.Holds(twist_rad)) return false;
+    twist_rad_ = twist_rad;
+    return true;
+  }
+
+  // Goes to a torque with a damper and without a cubic term: in one step, the same way.
+  bool GoStraightDamped(double from_Nm, double to_Nm, double step_s) {
+    const double way = damper_Nm_ + to_Nm - from_Nm;
+    if (law_.hardening_Nm_per_rad3 != 0.0 || !(step_s > 0.0) || way == 0.0) return false;
+    Head(way > 0.0 ? 1.0 : -1.0);
+    const double stiffness = straight_.stiffness_Nm_per_rad;
     const double end_weight = EndWeightOf(step_s * stiffness / law_.viscous_Nms_per_rad);
     const double damper = law_.viscous_Nms_per_rad / step_s / end_weight;
     const double carried_over_Nm = (1.0 - end_weight) / end_weight * damper_Nm_;
-    const double step_rad = (to_Nm + carried_over_Nm - carried_Nm) / (damper + stiffness);
-    const double twist_rad = before_rad + step_rad;
-    if (step_rad * way < 0.0 || PieceOf(twist_rad) != PieceOf(before_rad)) return false;
-    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
-      const double stuck_Nm = (twist_rad - anchor_rad_[j]) * stiffness_[j];
-      if (sticks[j] && std::abs(stuck_Nm) > law_.friction[j].limit_Nm) return false;
-    }
-    twist_rad_ = twist_rad;
+    const double step_rad =
+        (to_Nm + carried_over_Nm - straight_.Torque_Nm(twist_rad_)) / (damper + stiffness);
+    if (step_rad * way < 0.0 || !straight_.Holds(twist_rad_ + step_rad)) return false;
+    twist_rad_ += step_rad;
     damper_Nm_ = damper * step_rad - carried_over_Nm;
-    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
-      anchor_rad_[j] = model::MovedAnchor(law_.friction[j], twist_rad_, anchor_rad_[j]);
-    }
     return true;
   }
 
@@ -237,6 +271,7 @@ class Gear {
   std::array<double, kFrictionElements> anchor_rad_{};
   double twist_rad_{};
   double damper_Nm_{};
+  Straight straight_;
   double decay_{-1.0};
   double end_weight_{};
 };
