@@ -12,7 +12,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-inline constexpr std::size_t kFrictionElements = 7;
+inline constexpr std::size_t kFrictionElements = 13;
 
 /// The gear under torque, input locked:
 ///
