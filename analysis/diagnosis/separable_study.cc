@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "analysis/decompositions.h"
 #include "analysis/diagnosis/fit_covariance.h"
+#include "analysis/diagnosis/known_before.h"
 #include "analysis/diagnosis/separable_fit.h"
 #include "analysis/units.h"
 
@@ -95,10 +95,9 @@ std::optional<SeparableSolution> SearchShapes(const SeparableModel& model, const
   return best;
 }
 
-// How many of the shapes with a known range need not be charged for. Each would be by ln samples; what it is
-// charged instead is ln |1 + R I R / 2π|, where I is the information on them beside everything else and R
-// holds their ranges: nothing where the record says nothing of them.
-double KnownBefore(const TermSet& set, const SeparableSolution& solution, std::span<const double> weights) {
+// How many of the shapes with a known range need not be charged for.
+double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
+                       std::span<const double> weights) {
   std::vector<Eigen::Index> known;
   std::vector<Eigen::Index> others;
   std::vector<double> ranges;
@@ -113,25 +112,9 @@ double KnownBefore(const TermSet& set, const SeparableSolution& solution, std::s
   if (known.empty()) return 0.0;
   const Eigen::Map<const Eigen::VectorXd> weight(weights.data(), static_cast<Eigen::Index>(weights.size()));
   const auto samples = static_cast<double>((weight.array() > 0.0).count());
-  const double variance = std::max(solution.weighted_square_sum / std::max(samples, 1.0), 1e-300);
   const Eigen::MatrixXd rows = weight.cwiseSqrt().asDiagonal() * Sensitivities(set, solution);
-  const Eigen::MatrixXd by_known = rows(Eigen::all, known);
-  Eigen::MatrixXd by_others = rows(Eigen::all, others);
-  for (Eigen::Index j = 0; j < by_others.cols(); ++j) {
-    const double norm = by_others.col(j).norm();
-    if (norm > 0.0) by_others.col(j) /= norm;
-  }
-  const Eigen::MatrixXd common = by_others.transpose() * by_known;
-  const Eigen::MatrixXd gram = by_others.transpose() * by_others;
-  const Eigen::MatrixXd information =
-      (by_known.transpose() * by_known - common.transpose() * ShortestLeastSquares(gram, common)) / variance;
-  const Eigen::Map<const Eigen::VectorXd> range(ranges.data(), static_cast<Eigen::Index>(ranges.size()));
-  const Eigen::MatrixXd excluded = range.asDiagonal() * information * range.asDiagonal() / kTwoPi;
-  double free = 0.0;
-  for (const double value : SymmetricEigenvalues(excluded)) {
-    free += 1.0 - std::min(1.0, std::log1p(std::max(value, 0.0)) / std::log(std::max(samples, 3.0)));
-  }
-  return free;
+  return KnownBefore(rows(Eigen::all, known), rows(Eigen::all, others), ranges,
+                     solution.weighted_square_sum / std::max(samples, 1.0), samples);
 }
 
 // Numbers of the fit as people read them, term after term.
@@ -234,7 +217,7 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   fit.predicted = solution.predicted;
   fit.state = NumbersOf(solution);
   fit.free_parameters = static_cast<int>(sorted_set.coefficients() + sorted_set.moved_shapes());
-  fit.known_before = KnownBefore(sorted_set, solution, weights);
+  fit.known_before = UnchargedShapes(sorted_set, solution, weights);
   fit.usable = solution.predicted.allFinite();
   const auto numbers = static_cast<Eigen::Index>(fit.state.size());
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(numbers, numbers);

@@ -45,18 +45,24 @@ std::vector<double> Settled(const CleanSignal& torque, double t3_Nm, double nois
                                BranchesOf(torque.values, t3_Nm, noise_Nm));
 }
 
-// The torque that drives the model.
-std::vector<double> DrivingTorque(const HysteresisData& record, double compliance_rad_per_Nm) {
-  std::vector<double> torque_Nm = record.torque_Nm;
-  const double noise_Nm = SampleNoise(torque_Nm);
-  InterpolateOver(torque_Nm, LoneSpikes(record.time_s, torque_Nm, noise_Nm));
-  const double followed = FollowedShare(torque_Nm, record.output_angle_rad, compliance_rad_per_Nm);
+// The torque that drives the model, and what was taken off for noise.
+struct DrivingTorque {
+  std::vector<double> torque_Nm;
+  std::vector<double> noise_Nm;
+};
+
+DrivingTorque DrivingTorqueOf(const HysteresisData& record, double compliance_rad_per_Nm) {
+  DrivingTorque driving{record.torque_Nm, {}};
+  const double noise_Nm = SampleNoise(driving.torque_Nm);
+  InterpolateOver(driving.torque_Nm, LoneSpikes(record.time_s, driving.torque_Nm, noise_Nm));
+  const double followed = FollowedShare(driving.torque_Nm, record.output_angle_rad, compliance_rad_per_Nm);
   const std::vector<double> clean_Nm =
-      Settled(WithoutNoise(record.time_s, torque_Nm, noise_Nm), record.t3_Nm, noise_Nm);
-  for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
-    torque_Nm[i] = clean_Nm[i] + followed * (torque_Nm[i] - clean_Nm[i]);
+      Settled(WithoutNoise(record.time_s, driving.torque_Nm, noise_Nm), record.t3_Nm, noise_Nm);
+  for (std::size_t i = 0; i < clean_Nm.size(); ++i) {
+    driving.noise_Nm.push_back((1.0 - followed) * (driving.torque_Nm[i] - clean_Nm[i]));
+    driving.torque_Nm[i] -= driving.noise_Nm[i];
   }
-  return torque_Nm;
+  return driving;
 }
 
 void AppendRate(std::span<const double> time_s, std::span<const double> torque_Nm,
@@ -133,7 +139,8 @@ double NoiseFloorOf(const LoopRecords& prepared) {
     std::vector<double> angle(grid.twist_rad.begin() + static_cast<std::ptrdiff_t>(first),
                               grid.twist_rad.begin() + static_cast<std::ptrdiff_t>(first + count));
     for (std::size_t i = 0; i < count; ++i) {
-      angle[i] -= prepared.compliance_rad_per_Nm() * grid.torque_Nm[first + i];
+      angle[i] -= prepared.compliance_rad_per_Nm() *
+                  (grid.torque_Nm[first + i] + prepared.torque_noise_Nm[first + i]);
     }
     const double noise = LastingNoise(angle);
     square_sum += noise * noise * static_cast<double>(count);
@@ -209,25 +216,23 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
           "the angle falls with the torque: the sign of one of them is swapped; torque is taken "
           "with the other sign");
     }
-    const std::vector<double> torque_Nm = DrivingTorque(turned, range_rad / (*high_Nm - *low_Nm));
+    const auto [torque_Nm, noise_Nm] = DrivingTorqueOf(turned, range_rad / (*high_Nm - *low_Nm));
     AppendBranches(torque_Nm, record.t3_Nm, prepared);
     AppendTurns(turned.time_s, torque_Nm, SampleNoise(turned.torque_Nm), grid);
     AppendRate(turned.time_s, torque_Nm, prepared.torque_rate_Nm_per_s);
     grid.starts.push_back(grid.size());
     const double centre_rad = 0.5 * (*low + *high);
-    const double place_noise_rad = SampleNoise(record.output_angle_rad);
-    prepared.place_noise_rad = std::max(prepared.place_noise_rad, place_noise_rad);
-    const std::vector<double> place_rad =
-        WithoutNoise(turned.time_s, record.output_angle_rad, place_noise_rad).values;
+    prepared.place_noise_rad = std::max(prepared.place_noise_rad, SampleNoise(record.output_angle_rad));
     prepared.centre_rad.push_back(centre_rad);
     for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
       grid.time_s.push_back(turned.time_s[i] - turned.time_s[0]);
       grid.torque_Nm.push_back(torque_Nm[i]);
       grid.twist_rad.push_back(record.output_angle_rad[i] - centre_rad);
-      grid.place_rad.push_back(place_rad[i] - centre_rad);
+      grid.place_rad.push_back(grid.twist_rad.back());
       grid.weight.push_back(1.0);
       prepared.measured_rad.push_back(record.output_angle_rad[i]);
       prepared.measured_torque_Nm.push_back(turned.torque_Nm[i]);
+      prepared.torque_noise_Nm.push_back(noise_Nm[i]);
     }
     prepared.duration_s = std::max(prepared.duration_s, grid.time_s.back());
     prepared.step_s = std::max(prepared.step_s, MedianStep(turned.time_s));

@@ -16,7 +16,7 @@ struct LoopGrid {
   std::vector<double> time_s;     // each record from its own start
   std::vector<double> torque_Nm;  // what drives the model
   std::vector<double> twist_rad;  // measured, each record about its own centre
-  std::vector<double> place_rad;  // the twist without its noise: where on its way the output was
+  std::vector<double> place_rad;  // where on its way the output was; of PrepareLoopRecords with its noise
   std::vector<double> weight;
   std::vector<double> temperature_K;  // from the mean of all; empty where no record has it or it stands still
   std::vector<double> direction;      // +1 on rising branches of the torque, −1 on falling
@@ -34,6 +34,7 @@ struct LoopGrid {
 struct LoopRecords {
   std::vector<double> measured_rad;  // as the records have it
   std::vector<double> measured_torque_Nm;
+  std::vector<double> torque_noise_Nm;  // taken off the torque that drives the model
   std::vector<double> torque_rate_Nm_per_s;
   LoopGrid samples;
   std::vector<double> centre_rad;     // of each record: the angle that its twist counts from

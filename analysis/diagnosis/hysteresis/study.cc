@@ -11,6 +11,7 @@
 #include "analysis/diagnosis/hysteresis/checks.h"
 #include "analysis/diagnosis/hysteresis/model.h"
 #include "analysis/diagnosis/hysteresis/search.h"
+#include "analysis/diagnosis/known_before.h"
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/records.h"
 #include "analysis/torsional_stiffness.h"
@@ -38,6 +39,34 @@ std::string OfRecord(const std::string& name, std::size_t record) {
   return record == 0 ? name : fmt::format("{}_{}", name, record + 1);
 }
 
+// How many of the causes' shapes (a level, a time constant, a state at the start) need not be charged for:
+// what bounds a fit is what is known of them before. Amounts are charged, and the places of corrections.
+double UnchargedShapes(const LoopModel& model, const LoopSolution& solution, const LoopGrid& grid) {
+  const std::vector<bool> held = model.Held(solution.numbers);
+  std::vector<Index> known;
+  std::vector<Index> others;
+  std::vector<double> ranges;
+  Index next = model.nominal_size();
+  for (Index k = 0; k < next; ++k) others.push_back(k);
+  for (const LoopEffect* effect : model.effects()) {
+    for (const FitNumber& number : effect->numbers) {
+      const Index k = next++;
+      if (held[static_cast<std::size_t>(k)]) continue;
+      const bool is_known = effect->rule.named && !number.amount;
+      (is_known ? known : others).push_back(k);
+      if (is_known) ranges.push_back(number.high - number.low);
+    }
+  }
+  if (known.empty()) return 0.0;
+  Eigen::MatrixXd rows;
+  model.Predict(solution.numbers, grid, rows);
+  const Eigen::Map<const Eigen::VectorXd> weight(grid.weight.data(), rows.rows());
+  rows = weight.cwiseSqrt().asDiagonal() * rows;
+  const auto points = static_cast<double>((weight.array() > 0.0).count());
+  return KnownBefore(rows(Eigen::all, known), rows(Eigen::all, others), ranges,
+                     solution.cost / std::max(points, 1.0), weight.sum());
+}
+
 // Hysteresis of one or several records: twist as the response to the measured torque.
 class HysteresisStudy final : public Study {
  public:
@@ -48,6 +77,7 @@ class HysteresisStudy final : public Study {
     for (const auto& effect : effects_) rules_.push_back(effect->rule);
     stretches_.assign(records_.samples.starts.begin(), records_.samples.starts.end() - 1);
     nominal_start_ = FindNominal(records_);
+    TakeFromNominal();
     warnings_ = records_.warnings;
     const GearLaw law = LoopModel(records_, {}).LawOf(nominal_start_);
     const double k[] = {law.spring.k1_Nm_per_rad, law.spring.k2_Nm_per_rad, law.spring.k3_Nm_per_rad};
@@ -87,6 +117,7 @@ class HysteresisStudy final : public Study {
                            const LoopGrid& all, const Eigen::MatrixXd& covariance,
                            std::vector<ParameterValue>& described) const;
   Eigen::VectorXd AboutZero(Eigen::VectorXd about_centres) const;
+  void TakeFromNominal();
   void AppendRegressors();
 
   LoopRecords records_;
@@ -96,7 +127,34 @@ class HysteresisStudy final : public Study {
   std::vector<Regressor> regressors_;
   std::vector<std::string> warnings_;
   Eigen::VectorXd nominal_start_;
+  Eigen::VectorXd noise_response_rad_;  // what the torque's noise would have turned the gear by
 };
+
+// What the nominal model says of the record itself: where the output was on its way, without the angle's own
+// noise, which a line over the measured angle follows where the noise has a memory; and the response to the
+// noise that was taken off the torque. What smoothing leaves of that noise is slow, and too small to be seen
+// in the memory of what is left, but all slow effects are judged beside it. With the straight response to the
+// rest of it the noise is white again.
+void HysteresisStudy::TakeFromNominal() {
+  LoopGrid& samples = records_.samples;
+  const LoopModel nominal(records_, {});
+  const Eigen::VectorXd place = nominal.Predict(nominal_start_, samples);
+  samples.place_rad.assign(place.begin(), place.end());
+  Eigen::VectorXd gear;
+  FillTwist(nominal.LawOf(nominal_start_), samples, gear);
+  noise_response_rad_.resize(gear.size());
+  const double usual = records_.compliance_rad_per_Nm();
+  double compliance_rad_per_Nm = usual;
+  for (Index i = 0; i < gear.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (i > 0 && samples.torque_Nm[k] != samples.torque_Nm[k - 1] && std::isnan(samples.turn_Nm[k])) {
+      const double slope = (gear(i) - gear(i - 1)) / (samples.torque_Nm[k] - samples.torque_Nm[k - 1]);
+      compliance_rad_per_Nm = std::clamp(slope, 0.0, 3.0 * usual);
+    }
+    noise_response_rad_(i) = compliance_rad_per_Nm * records_.torque_noise_Nm[k];
+    samples.twist_rad[k] -= noise_response_rad_(i);
+  }
+}
 
 void HysteresisStudy::AppendRegressors() {
   const LoopGrid& samples = records_.samples;
@@ -194,6 +252,7 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
       WidenByAlternatives(model, e, solution.numbers, all, covariance, fit.cause_parameters.back());
   }
   fit.free_parameters = model.FreeParameters(solution.numbers);
+  fit.known_before = UnchargedShapes(model, solution, reports ? all : GridOf(model, weights));
   fit.state.assign(solution.numbers.data(), solution.numbers.data() + solution.numbers.size());
   fit.usable = fit.predicted.allFinite();
   return fit;
@@ -296,7 +355,7 @@ Eigen::VectorXd HysteresisStudy::AboutZero(Eigen::VectorXd about_centres) const 
     about_centres.segment(static_cast<Index>(starts[r]), static_cast<Index>(starts[r + 1] - starts[r]))
         .array() += records_.centre_rad[r];
   }
-  return about_centres;
+  return about_centres + noise_response_rad_;
 }
 
 std::vector<UserQuantity> HysteresisStudy::Quantities(const Eigen::VectorXd& predicted) const {
