@@ -100,8 +100,10 @@ std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, doubl
       const Spell spell = SlowSpell(grid, stretch, i, grid.velocity_noise + blurred);
       told = spell.end;
       const double middle = 0.5 * (spell.begin + spell.end);
-      const double uncertain_s =
-          std::max(0.5 * (spell.end - spell.begin) * stretch.step_s, kBlurredReversal * grid.path_sigma_s);
+      // Between which samples a resampled torque jumped is known, not where.
+      const double uncertain_s = std::hypot(
+          grid.reversal_error_s,
+          std::max(0.5 * (spell.end - spell.begin) * stretch.step_s, kBlurredReversal * grid.path_sigma_s));
       const auto reach =
           envelope.size() + static_cast<std::size_t>((uncertain_s + expected_delay_s) / stretch.step_s) + 1;
       const auto centre = static_cast<std::size_t>(middle);
