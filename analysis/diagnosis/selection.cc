@@ -177,7 +177,8 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
     if (Contains(given, cause)) continue;
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
-    const double own = ScoreOf(judge, model, without, cause);
+    double own = ScoreOf(judge, model, without, cause);
+    if (!rules[cause].named) own -= LeadAsked(own);  // as for one cause in a correction's place
     std::vector<Candidate> parts = FitCandidates(judge, without, [&](std::size_t part) {
       return !rules[part].named || IsFarBehind(far_behind, cause, part);
     });

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/heldout.h"
+#include "analysis/diagnosis/known_before.h"
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/selection.h"
@@ -249,6 +251,24 @@ TEST(Diagnose, FindsTwoEffectsAndWhatTheyBringOnUnseenData) {
   EXPECT_GT(diagnosis.gain.high, diagnosis.gain.reduction);
 }
 
+// The bump lies whole in one of the blocks that others are held out in, whose fit knows nothing of its
+// height.
+TEST(Diagnose, FindsWhatLiesBesideABumpThatABlockHoldsWhole) {
+  const ToyRecord record(400);
+  std::vector<double> measured = WhiteNoise(400, 0.1, 11);
+  for (std::size_t i = 0; i < 400; ++i) {
+    const double away = (record.x[i] - 0.6875) / 0.02;
+    measured[i] += 0.06 * record.square[i] + 0.4 * std::exp(-0.5 * away * away);
+  }
+  SeparableModel model = ToyModel(record, measured);
+  model.block_length = 50;
+  const SeparableStudy study(std::move(model));
+  const Diagnosis diagnosis = Diagnose(study);
+  ASSERT_EQ(diagnosis.causes.size(), 2u);
+  EXPECT_EQ(study.causes()[diagnosis.causes[0].index].name, "bump");
+  EXPECT_EQ(study.causes()[diagnosis.causes[1].index].name, "square");
+}
+
 TEST(Diagnose, NamesTheRivalWhereTwoCausesFitEquallyWell) {
   const ToyRecord record(400);
   std::vector<double> measured = WhiteNoise(400, 0.1, 12);
@@ -308,6 +328,50 @@ TEST(Diagnose, PutsAPairInThePlaceOfTheCauseThatMimicsIt) {
   }
   EXPECT_GE(pairs, 8);
   EXPECT_GE(rivals, 3);
+}
+
+// A description that follows two causes together does so as one number less; they have names.
+TEST(Diagnose, PutsAPairInThePlaceOfADescription) {
+  constexpr std::size_t kSamples = 400;
+  const ToyRecord record(kSamples);
+  std::vector<double> left(kSamples), right(kSamples), both(kSamples);
+  std::vector<double> measured = WhiteNoise(kSamples, 0.1, 32);
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    left[i] = std::cos(kTwoPi * 7.0 * record.x[i]);
+    right[i] = std::cos(kTwoPi * 11.0 * record.x[i]);
+    both[i] = left[i] + right[i];
+    measured[i] += 0.08 * both[i];
+  }
+  SeparableModel model = ToyModel(record, measured);
+  for (const auto& [name, column, named] :
+       {std::tuple{"left", left, true}, {"right", right, true}, {"curve", both, false}}) {
+    const std::string size = std::string(name) + "_size";
+    model.causes.push_back(Column(column, size));
+    model.rules.push_back({.name = name, .parameters = {{size, "1", -10.0, 10.0, true}}, .named = named});
+  }
+  const SeparableStudy study(std::move(model));
+  const Diagnosis diagnosis = Diagnose(study);
+  EXPECT_EQ(diagnosis.corrections.size(), 0u);
+  ASSERT_EQ(diagnosis.causes.size(), 2u);
+  EXPECT_EQ(study.causes()[diagnosis.causes[0].index].name.size() +
+                study.causes()[diagnosis.causes[1].index].name.size(),
+            std::string("leftright").size());
+}
+
+// One number that the samples tell to a hundredth of its range, one of which they tell nothing, and one that
+// goes with the others and is known no better for that.
+TEST(KnownBefore, ChargesANumberByHowMuchOfItsRangeTheRecordExcludes) {
+  constexpr double kSamples = 400.0;
+  const std::vector<double> ranges{10.0};
+  const Eigen::MatrixXd told = Eigen::MatrixXd::Constant(400, 1, 1.0);
+  const Eigen::MatrixXd none(400, 0);
+  // Standard error 2 / √400: ln √(1 + 10² / 0.1² / 2π) twice, of ln 400.
+  const double charge = std::log1p(1e4 / kTwoPi) / std::log(kSamples);
+  EXPECT_NEAR(KnownBefore(told, none, ranges, 4.0, kSamples), std::max(0.0, 1.0 - charge), 1e-9);
+  EXPECT_NEAR(KnownBefore(0.1 * told, none, ranges, 4.0, kSamples),
+              1.0 - std::log1p(1e2 / kTwoPi) / std::log(kSamples), 1e-9);
+  EXPECT_NEAR(KnownBefore(0.0 * told, none, ranges, 4.0, kSamples), 1.0, 1e-9);
+  EXPECT_NEAR(KnownBefore(told, 3.0 * told, ranges, 4.0, kSamples), 1.0, 1e-6);
 }
 
 TEST(StandardErrorOver, HoldsWhatModelsThatCannotBeToldBelieve) {
