@@ -35,9 +35,11 @@ class DistributedFriction final : public LoopEffect {
             "tooth pairs that slide one after the other; couplings that creep in their hubs look the same",
         .where = Where::kUnit,
         .effect = "E6",
-        .parameters = {{"second_friction_torque_Nm", "Nm", 0.0, most_Nm, true},
+        // Torques and yield twists may stand for each other, so that none of them is known where their curve
+        // is: it is for the likelihood to say whether there is one.
+        .parameters = {{"second_friction_torque_Nm", "Nm", 0.0, most_Nm, false},
                        {"second_yield_twist_arcmin", "arcmin", 0.0, 0.59 * range_arcmin, false},
-                       {"spread_friction_torque_Nm", "Nm", 0.0, most_Nm, true}},
+                       {"spread_friction_torque_Nm", "Nm", 0.0, most_Nm, false}},
         .degrees_of_freedom = 2 + static_cast<int>(records_),
         .trials = 4.0,
         .to_settle = TwoAngles(records)};
