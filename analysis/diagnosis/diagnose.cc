@@ -74,7 +74,8 @@ std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const Di
     std::vector<Found> all = JudgeAll(judge, model, options);
     const auto is_unproven = [&](const Found& found) {
       const bool may_go = all.size() > 1 || !judge.study().causes()[found.cause].named;
-      return may_go && !found.judged.passed && found.without.fit.usable;
+      return may_go && !found.judged.passed && found.without.fit.usable &&
+             IsWithinRanges(judge, options.given_causes, found.without.fit);
     };
     Found* weakest = nullptr;
     for (Found& found : all) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <utility>
@@ -53,16 +54,15 @@ bool Contains(std::span<const std::size_t> causes, std::size_t cause) {
   return std::find(causes.begin(), causes.end(), cause) != causes.end();
 }
 
-// The strongest first; a cause stands before a correction that does not lead it by enough.
+// The strongest first; causes stand before a correction that does not lead them by enough, so that the next
+// one has its turn where the first does not pass.
 void Rank(const Study& study, std::vector<Candidate>& candidates) {
-  std::sort(candidates.begin(), candidates.end(),
-            [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
-  const auto named = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
-    return study.causes()[candidate.cause].named;
-  });
-  if (named == candidates.begin() || named == candidates.end()) return;
-  const double lead = LeadAsked(candidates.front().against.likelihood_ratio);
-  if (candidates.front().score < named->score + lead) std::rotate(candidates.begin(), named, named + 1);
+  double most = 0.0;
+  for (const Candidate& candidate : candidates) most = std::max(most, candidate.against.likelihood_ratio);
+  const auto rank = [&](const Candidate& candidate) {
+    return candidate.score - (study.causes()[candidate.cause].named ? 0.0 : LeadAsked(most));
+  };
+  std::ranges::stable_sort(candidates, std::greater<>(), rank);
 }
 
 // Likelihood ratio as if the noise were white: what an effect leaves of another passes for its memory.
@@ -230,6 +230,7 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
     const CauseRule& rule = judge.study().causes()[cause];
     const double p = judge.Corrected(comparison.p_value, rule);
     if (IsBeyondChance(comparison, rule, p, options.family_error)) continue;
+    if (!IsWithinRanges(judge, given, without.fit)) continue;
     model = std::move(without);
     return true;
   }
@@ -275,6 +276,12 @@ std::vector<std::size_t> With(std::span<const std::size_t> causes, std::size_t c
   std::vector<std::size_t> more(causes.begin(), causes.end());
   more.insert(std::upper_bound(more.begin(), more.end(), cause), cause);
   return more;
+}
+
+bool IsWithinRanges(const Judge& judge, std::span<const std::size_t> given, const ModelFit& fit) {
+  return std::ranges::all_of(fit.causes, [&](std::size_t cause) {
+    return Contains(given, cause) || judge.Objection(fit, cause, 0.0).empty();
+  });
 }
 
 CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const ScoredModel& without,
