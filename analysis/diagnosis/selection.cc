@@ -57,10 +57,11 @@ bool Contains(std::span<const std::size_t> causes, std::size_t cause) {
 // The strongest first; causes stand before a correction that does not lead them by enough, so that the next
 // one has its turn where the first does not pass.
 void Rank(const Study& study, std::vector<Candidate>& candidates) {
-  double most = 0.0;
-  for (const Candidate& candidate : candidates) most = std::max(most, candidate.against.likelihood_ratio);
+  if (candidates.empty()) return;
+  const auto best = std::ranges::max_element(candidates, {}, &Candidate::score);
+  const double lead = LeadAsked(best->against.likelihood_ratio);
   const auto rank = [&](const Candidate& candidate) {
-    return candidate.score - (study.causes()[candidate.cause].named ? 0.0 : LeadAsked(most));
+    return candidate.score - (study.causes()[candidate.cause].named ? 0.0 : lead);
   };
   std::ranges::stable_sort(candidates, std::greater<>(), rank);
 }

@@ -54,7 +54,7 @@ class BacklashEffect final : public LoopEffect {
                        {"dead_zone_torque_Nm", "Nm", 0.0, 1.001 * most_Nm, false},
                        {"beside_friction", "1", 0.0, 1.0, false}},
         .degrees_of_freedom = 2,
-        .trials = 1.0,
+        .trials = 4.0,
         .to_settle = TwoAngles(records)};
     numbers = {{0.0, 1.0, 0.0, true, false},
                {0.0, 0.8 * range_arcmin, 1e-5 * range_arcmin, false, true},
