@@ -12,7 +12,7 @@ namespace strainwave::analysis::diagnosis {
 /// Laplace; Kass & Raftery, JASA 90 (1995) 773).
 ///
 /// @param by_known   derivatives of the prediction by these numbers, times the root of each sample's weight
-/// @param by_others  the same by all other numbers of the fit
+/// @param by_others  the same by all other numbers of the fit, one at least
 /// @param ranges     one a known number, in its unit
 /// @param variance   of the weighted residual
 /// @param samples    with weight

@@ -364,7 +364,7 @@ TEST(KnownBefore, ChargesANumberByHowMuchOfItsRangeTheRecordExcludes) {
   constexpr double kSamples = 400.0;
   const std::vector<double> ranges{10.0};
   const Eigen::MatrixXd told = Eigen::MatrixXd::Constant(400, 1, 1.0);
-  const Eigen::MatrixXd none(400, 0);
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(400, 1);
   // Standard error 2 / √400: ln √(1 + 10² / 0.1² / 2π) twice, of ln 400.
   const double charge = std::log1p(1e4 / kTwoPi) / std::log(kSamples);
   EXPECT_NEAR(KnownBefore(told, none, ranges, 4.0, kSamples), std::max(0.0, 1.0 - charge), 1e-9);

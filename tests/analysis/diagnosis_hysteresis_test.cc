@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/diagnosis/hysteresis/gear.h"
 #include "analysis/diagnosis/hysteresis/noise_reversals.h"
 #include "analysis/diagnosis/hysteresis/signal.h"
 #include "analysis/units.h"
@@ -102,6 +103,96 @@ TEST(LoneSpikes, TakesNoGapForASpike) {
   EXPECT_TRUE(LoneSpikes(time_s, torque_Nm, 0.01).empty());
   torque_Nm[20] += 1.0;
   EXPECT_EQ(LoneSpikes(time_s, torque_Nm, 0.01), std::vector<std::size_t>{20});
+}
+
+// The noise of a torque on a soft gear, most of which was smoothed away: over fifty samples its mean varies
+// as that of white noise does.
+TEST(HysteresisStudy, LeavesTheTorquesNoiseWhite) {
+  const Diagnosed clean =
+      Ask({.k1_Nm_per_rad = 6.7e3, .k2_Nm_per_rad = 1.1e4, .k3_Nm_per_rad = 1.35e4},
+          {.torque_noise_Nm = 0.02, .angle_noise_rad = RadFromArcmin(0.003)}, 8, Loops(34.0, 0.0));
+  EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect);
+  constexpr std::size_t kTogether = 50;
+  double square_sum = 0.0;
+  double square_sum_of_means = 0.0;
+  double means = 0.0;
+  const std::span<const double> measured = clean.study->measured();
+  for (std::size_t first = 0; first + kTogether <= measured.size(); first += kTogether) {
+    double sum = 0.0;
+    for (std::size_t i = first; i < first + kTogether; ++i) {
+      const double left = measured[i] - clean.diagnosis.nominal.predicted(static_cast<Eigen::Index>(i));
+      square_sum += left * left;
+      sum += left;
+    }
+    square_sum_of_means += sum * sum;
+    ++means;
+  }
+  // Three standard deviations of a variance of 80 means.
+  EXPECT_NEAR(square_sum_of_means / square_sum, 1.0, 3.0 * std::sqrt(2.0 / means));
+}
+
+// Noise with a memory moves the measured angle, and a line over that angle moves with it.
+TEST(HysteresisStudy, FindsNoLineOverTheAngleInNoiseWithAMemory) {
+  const std::vector<PathLeg> path{{34.0, 1.0}, {-34.0, 1.0}, {0.0, 1.0}};
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    const Diagnosed clean = Ask(
+        {.k1_Nm_per_rad = 2.4e4,
+         .k2_Nm_per_rad = 3.6e4,
+         .k3_Nm_per_rad = 4.2e4,
+         .friction_Nm = {0.5},
+         .yield_rad = {1.1e-4}},
+        {.torque_noise_Nm = 0.0, .angle_noise_rad = RadFromArcmin(0.03), .autoregression = 0.7}, seed, path);
+    EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
+  }
+}
+
+// With as many points on the way as it takes for no step to hold more than one kink, and with few.
+TEST(FillTwist, DoesNotHangOnHowFineTheWayIs) {
+  GearLaw law{};
+  law.spring = {
+      .k1_Nm_per_rad = 1.5e4, .k2_Nm_per_rad = 2.4e4, .k3_Nm_per_rad = 3e4, .t1_Nm = 7.0, .t2_Nm = 25.0};
+  law.friction_elements = 3;
+  law.friction[0] = {1.2, 1e-4};
+  law.friction[1] = {0.4, 4e-5};
+  law.friction[2] = {0.3, 9e-4};
+  law.start_share = {{0.5, -1.0, 0.0}};
+  law.asymmetry_share = 0.1;
+  law.backlash = {2e-5, 0.4};
+  law.backlash_beside_friction = true;
+  const auto path = [](int parts) {
+    LoopGrid grid;
+    double from_Nm = 0.0;
+    for (const double to_Nm : {30.0, 28.0, 31.0, -33.0, -33.0, 2.0, -1.5, 34.0, 0.0}) {
+      for (int part = 1; part <= parts; ++part) {
+        grid.time_s.push_back(static_cast<double>(grid.time_s.size()) / parts);
+        grid.torque_Nm.push_back(from_Nm + (to_Nm - from_Nm) * part / parts);
+      }
+      from_Nm = to_Nm;
+    }
+    grid.turn_Nm.assign(grid.time_s.size(), std::nan(""));
+    grid.turn_share.assign(grid.time_s.size(), 0.0);
+    grid.starts = {0, grid.time_s.size()};
+    return grid;
+  };
+  for (const double hardening : {0.0, 3e8}) {
+    law.hardening_Nm_per_rad3 = hardening;
+    constexpr int kParts = 400;
+    LoopGrid coarse = path(1);
+    LoopGrid fine = path(kParts);
+    // Both start at the same torque.
+    for (LoopGrid* grid : {&coarse, &fine}) {
+      grid->time_s.insert(grid->time_s.begin(), -1.0);
+      grid->torque_Nm.insert(grid->torque_Nm.begin(), 0.0);
+      grid->turn_Nm.insert(grid->turn_Nm.begin(), std::nan(""));
+      grid->turn_share.insert(grid->turn_share.begin(), 0.0);
+      ++grid->starts.back();
+    }
+    Eigen::VectorXd few;
+    Eigen::VectorXd many;
+    FillTwist(law, coarse, few);
+    FillTwist(law, fine, many);
+    for (Eigen::Index i = 0; i < few.size(); ++i) EXPECT_NEAR(many(i * kParts), few(i), 1e-13) << i;
+  }
 }
 
 TEST(HysteresisStudy, FindsNothingInACleanLoopAndFitsItsNumbers) {
@@ -221,7 +312,8 @@ TEST(HysteresisStudy, LeavesAShiftThatLastsAWhileWithoutAName) {
 TEST(HysteresisStudy, JoinsLoopsThatDoNotShowAnOffsetAlone) {
   const GeneratedSensors sensors{.torque_offset_Nm = 0.065, .angle_noise_rad = RadFromArcmin(0.05)};
   std::vector<HysteresisData> loops;
-  for (std::uint32_t seed : {21U, 22U, 23U}) loops.push_back(GenerateLoop({}, sensors, Loops(), 1500, seed));
+  for (std::uint32_t seed = 21; seed < 27; ++seed)
+    loops.push_back(GenerateLoop({}, sensors, Loops(), 1500, seed));
   EXPECT_EQ(DiagnoseRecords(&MakeHysteresisStudy, std::vector<HysteresisData>{loops[0]}).names(), Names());
   EXPECT_EQ(DiagnoseRecords(&MakeHysteresisStudy, loops).names(), Names{"torque_zero_offset"});
 }
