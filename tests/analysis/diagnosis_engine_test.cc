@@ -251,24 +251,6 @@ TEST(Diagnose, FindsTwoEffectsAndWhatTheyBringOnUnseenData) {
   EXPECT_GT(diagnosis.gain.high, diagnosis.gain.reduction);
 }
 
-// The bump lies whole in one of the blocks that others are held out in, whose fit knows nothing of its
-// height.
-TEST(Diagnose, FindsWhatLiesBesideABumpThatABlockHoldsWhole) {
-  const ToyRecord record(400);
-  std::vector<double> measured = WhiteNoise(400, 0.1, 11);
-  for (std::size_t i = 0; i < 400; ++i) {
-    const double away = (record.x[i] - 0.6875) / 0.02;
-    measured[i] += 0.06 * record.square[i] + 0.4 * std::exp(-0.5 * away * away);
-  }
-  SeparableModel model = ToyModel(record, measured);
-  model.block_length = 50;
-  const SeparableStudy study(std::move(model));
-  const Diagnosis diagnosis = Diagnose(study);
-  ASSERT_EQ(diagnosis.causes.size(), 2u);
-  EXPECT_EQ(study.causes()[diagnosis.causes[0].index].name, "bump");
-  EXPECT_EQ(study.causes()[diagnosis.causes[1].index].name, "square");
-}
-
 TEST(Diagnose, NamesTheRivalWhereTwoCausesFitEquallyWell) {
   const ToyRecord record(400);
   std::vector<double> measured = WhiteNoise(400, 0.1, 12);
