@@ -30,7 +30,9 @@ constexpr std::chrono::seconds kKeepInterval{10};
 
 RunnerSettings SettingsOf(const schedules::Schedule& schedule, const BenchDescription& bench) {
   // A simulated bench on its own clock; a real one keeps its period whatever the disk does.
-  return {bench.control_period_s, bench.stale_after_s, schedule.limits, schedule.suspend, !bench.simulated};
+  return {bench.control_period_s, bench.stale_after_s,
+          schedule.limits,        schedule.suspend,
+          !bench.simulated,       kTwoPi / static_cast<double>(bench.input_encoder.counts_per_rev)};
 }
 
 // The same for the same phase of the same cycle, however often it is run.
@@ -313,7 +315,8 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   const StopCause cause = outcome.reason.cause;
   const bool device = cause == StopCause::kDriveFault || cause == StopCause::kDriveNotReady ||
                       cause == StopCause::kStaleReadings || cause == StopCause::kImplausibleReading ||
-                      cause == StopCause::kReferenceCheck || cause == StopCause::kSensorCheck;
+                      cause == StopCause::kInputAngleApart || cause == StopCause::kReferenceCheck ||
+                      cause == StopCause::kSensorCheck;
   return CampaignEnd{CampaignEnd::Kind::kFault, outcome.reason, text, device};
 }
 

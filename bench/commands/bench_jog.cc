@@ -68,6 +68,7 @@ RunnerSettings SettingsOf(const JogOptions& options, const BenchDescription& ben
   settings.control_period_s = bench.control_period_s;
   settings.stale_after_s = bench.stale_after_s;
   settings.own_thread = !bench.simulated;
+  settings.input_encoder_step_rad = kTwoPi / static_cast<double>(bench.input_encoder.counts_per_rev);
   settings.limits = {.output_torque_Nm = torque_Nm,
                      .input_speed_rad_per_s = std::max(most_input_rad_per_s, kLeastSpeedLimit_rad_per_s),
                      .gear_temperature_degC = kGearTemperatureLimit_degC,
@@ -99,7 +100,8 @@ int CodeOf(const StopReason& reason) {
   if (IsRequest(reason.cause)) return static_cast<int>(ExitCode::kInterrupted);
   const bool device = reason.cause == StopCause::kDriveFault || reason.cause == StopCause::kDriveNotReady ||
                       reason.cause == StopCause::kStaleReadings ||
-                      reason.cause == StopCause::kImplausibleReading;
+                      reason.cause == StopCause::kImplausibleReading ||
+                      reason.cause == StopCause::kInputAngleApart;
   return static_cast<int>(device ? ExitCode::kMachineFailed : ExitCode::kEndedBadly);
 }
 

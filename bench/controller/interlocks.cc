@@ -14,6 +14,8 @@ constexpr std::array kTable{
     InterlockRow{"vibration RMS", "limits.vibration_rms", "torque off, brakes on"},
     InterlockRow{"twist, input locked", "limits.twist", "torque off, brakes on"},
     InterlockRow{"age of the readings", "stale_after, else three control periods", "torque off, brakes on"},
+    InterlockRow{"input angle against the driving servo", "1 deg, two steps, and the delay between them",
+                 "torque off, brakes on"},
     InterlockRow{"drive fault", "power state fault", "torque off, brakes on"},
     InterlockRow{"quick-stop key", "pressed, or its pendant gone", "torque off, brakes on"},
     InterlockRow{"gear temperature", "suspend.trip_temperature", "suspend, resume by itself"},

@@ -63,6 +63,7 @@ PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
       settings_(settings),
       interlocks_(settings.limits, Nanoseconds(settings.stale_after_s)),
       suspend_(settings.suspend),
+      shaft_(settings.input_encoder_step_rad),
       request_(request),
       history_(static_cast<std::size_t>(kHistory_s / settings.control_period_s), kHistoryChannels) {
   // Power-up: nothing may turn before a person has started the bench (BENCH row 12).
@@ -108,7 +109,9 @@ void PhaseRunner::Remember(const Readings& readings) noexcept {
 StopReason PhaseRunner::OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept {
   readings_ = devices_.sampler.Read();
   Remember(readings_);
-  if (const StopReason broken = interlocks_.Check(readings_, Inputs(program))) return broken;
+  const InterlockInputs inputs = Inputs(program);
+  if (const StopReason broken = interlocks_.Check(readings_, inputs)) return broken;
+  if (const StopReason apart = shaft_.Check(readings_, inputs.driving)) return apart;
   if (request_.load(std::memory_order_relaxed) == StopRequest::kQuickStop ||
       abandoned_.load(std::memory_order_relaxed)) {
     return {StopCause::kQuickStopRequested, 0.0, 0.0, readings_.time};
@@ -178,6 +181,7 @@ StopReason PhaseRunner::Loop(PhaseProgram& program, const Beat& beat) {
   nanoseconds next = start;
   nanoseconds next_beat = start + Nanoseconds(kHeartbeat_s);
   readings_ = devices_.sampler.Read();
+  shaft_.Restart();
   bool set_up = false;
   StopReason winding_down;
   double waiting_for_drives_s = 0.0;

@@ -8,6 +8,7 @@
 
 #include "bench/controller/interlocks.h"
 #include "bench/controller/phase_program.h"
+#include "bench/controller/shaft_watch.h"
 #include "daq/history_ring.h"
 
 namespace strainwave::bench {
@@ -50,6 +51,7 @@ struct RunnerSettings {
   /// neither a disk nor a terminal holds it up; heartbeats come on the caller's. A simulated bench, whose
   /// clock waits for everybody, needs none, and gives the same bits every time without.
   bool own_thread{};
+  double input_encoder_step_rad{};
 };
 
 /// Runs phases on the bench: keeps the period, watches every limit and every request, steps the program, and
@@ -90,6 +92,7 @@ class PhaseRunner {
   RunnerSettings settings_;
   Interlocks interlocks_;
   SuspendMonitor suspend_;
+  ShaftWatch shaft_;
   const std::atomic<StopRequest>& request_;
   daq::HistoryRing history_;
   Readings readings_;

@@ -52,6 +52,8 @@ std::string_view Code(StopCause cause) {
       return "stale_readings";
     case StopCause::kImplausibleReading:
       return "implausible_reading";
+    case StopCause::kInputAngleApart:
+      return "input_angle_apart";
     case StopCause::kDriveFault:
       return "drive_fault";
     case StopCause::kDriveNotReady:
@@ -102,6 +104,11 @@ std::string Describe(const StopReason& reason) {
       return fmt::format("no fresh readings for {:.0f} ms (at most {:.0f} ms)", value * 1e3, limit * 1e3);
     case StopCause::kImplausibleReading:
       return fmt::format("the {} gives no plausible value", NameOf(value));
+    case StopCause::kInputAngleApart:
+      return fmt::format(
+          "the input angle went {:.1f} deg apart from the driving servo's own position (at most {:.1f} deg): "
+          "an encoder that stands still, or slips on its shaft",
+          DegFromRad(value), DegFromRad(limit));
     case StopCause::kDriveFault:
       return value < 0.5 ? "the driving servo reports a fault" : "the load servo reports a fault";
     case StopCause::kDriveNotReady:

@@ -18,6 +18,7 @@ enum class StopCause {
   kTwistLimit,
   kStaleReadings,
   kImplausibleReading,
+  kInputAngleApart,
   kDriveFault,
   kDriveNotReady,
   kPhaseTimeout,

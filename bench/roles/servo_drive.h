@@ -14,6 +14,7 @@ enum class DriveMode { kSpeed, kPosition, kTorque };
 struct DriveActual {
   std::chrono::nanoseconds time{};
   double position_rad{};
+  bool tells_position{true};  // else it is zero, and means nothing
   double speed_rad_per_s{};
   double torque_Nm{};
   protocols::PowerState power{protocols::PowerState::kSwitchOnDisabled};

@@ -183,7 +183,8 @@ void ReportFrames(ThreeEnds& ends) {
       answers += drive.sent_by_id[pdo - 0x80U + node];
     }
     fmt::print(
-        "drive {}: SYNC sent {}, PDOs to it {}, from it {}; on the way to it {} lost, from it {} lost\n",
+        "drive {}: SYNC sent {}, PDOs to it {}, from it {}; on the way to it {} lost or purged by a stop, "
+        "from it {} lost\n",
         node, ends.end(0).sent_by_id[0x80], set_points, answers, Missing(ends.end(0), drive, node, true),
         Missing(drive, ends.end(0), node, false));
   }

@@ -95,6 +95,25 @@ INSTANTIATE_TEST_SUITE_P(OfEveryPhase, SafeState,
                                   Ways()[std::get<1>(instance.param)].name;
                          });
 
+TEST(SafeStateOnAStuckInputEncoder, IsReachedInEveryPhaseThatTurnsTheInput) {
+  for (const PhaseCase& phase : PhaseCases()) {
+    SpiedBench bench;
+    const auto program = MakeProgram(phase.parameters, TestSpecimen(), 0.0, 0.01);
+    std::chrono::nanoseconds stuck_since{};
+    const PhaseOutcome outcome = bench.runner.Run(*program, [&](const PhaseSnapshot&, const PhaseProgram&) {
+      if (stuck_since.count() != 0) return;
+      stuck_since = bench.devices.clock.Now();
+      bench.machine.bench().Inject({.frozen_channels = 1u << static_cast<unsigned>(Channel::kInputAngle)});
+    });
+    EXPECT_TRUE(bench.Safe()) << phase.name;
+    const bool turns = phase.name != "Hysteresis";
+    EXPECT_EQ(outcome.reason.cause, turns ? StopCause::kInputAngleApart : StopCause::kNone) << phase.name;
+    if (turns) {
+      EXPECT_LT(outcome.reason.time - stuck_since, std::chrono::seconds(1)) << phase.name;
+    }
+  }
+}
+
 TEST(SafeStateOnException, IsReachedBeforeTheExceptionLeaves) {
   SpiedBench bench;
   const auto program = MakeProgram(TestLoadRun(60.0), TestSpecimen(), 0.0, 0.01);

@@ -123,6 +123,7 @@ DriveActual ModbusServoDrive::Actual() const noexcept {
   actual.time = whole ? std::min({status.time, speed.time, torque.time}) : kLongAgo;
   actual.speed_rad_per_s = speed.value;
   actual.torque_Nm = torque.value;
+  actual.tells_position = at_.actual_position && client_.Value(*at_.actual_position).good;
   if (at_.actual_position) actual.position_rad = client_.Value(*at_.actual_position).value;
   actual.power = power.value_or(PowerState::kNotReadyToSwitchOn);
   actual.brake_engaged = brake.good && brake.value == profile_.brake_engaged;
