@@ -50,6 +50,13 @@ inline constexpr Fault kFaults[] = {
      "temperature", "modbus thermometers ok"},
     {"torque transducer is stuck", "sensor freeze 3", StopCause::kImplausibleReading, "output torque", ""},
     {"output encoder is stuck", "sensor freeze 1", StopCause::kImplausibleReading, "output angle", ""},
+    {"input encoder is stuck", "sensor freeze 0", StopCause::kInputAngleApart, "input angle", ""},
+    {"torque transducer drifts", "sensor drift 3 20", StopCause::kOutputTorqueLimit, "output torque", ""},
+    {"accelerometers are dead", "sensor dead 7", StopCause::kSensorSuspend, "vibration", "sensor dead off"},
+    {"accelerometers are stuck", "sensor freeze 7", StopCause::kSensorSuspend, "vibration",
+     "sensor freeze off"},
+    {"thermometer drifts", "modbus thermometers drift 0 20", StopCause::kTemperatureSuspend, "temperature",
+     "modbus thermometers drift 0 0"},
     {"gear gets hot", "gear temperature 90", StopCause::kGearTemperatureLimit, "gear temperature", ""},
 };
 

@@ -30,6 +30,8 @@ std::string ShortSchedule() {
   text = schedules::With(text, "vibration_rate: 25.6 kHz", "vibration_rate: 12.8 kHz");
   text = schedules::With(text, "input_speed: 300 rpm", "input_speed: 1000 rpm");
   text = schedules::With(text, "torque_rate: 8 Nm/s", "torque_rate: 20 Nm/s");
+  // From one angle to the next the input turns.
+  text = schedules::With(text, "lock_angles: [0 deg]", "lock_angles: [0 deg, 10 deg]");
   return schedules::With(text, "operator_acknowledges: true", "operator_acknowledges: false");
 }
 

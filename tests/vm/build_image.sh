@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# A small virtual machine's kernel and first file system, for tests that need what the host's kernel has not: CAN and
-# uhid. Debian's stock kernel is fetched once (about 70 MB, no root needed), and iiod.
+# A small virtual machine's kernel and first file system, for tests that need what the host's kernel has not: CAN,
+# uhid, and a camera. Debian's stock kernel is fetched once (about 70 MB, no root needed), and iiod.
 set -euo pipefail
 
 usage() { echo "usage: $0 FOLDER   makes FOLDER/vmlinuz and FOLDER/initramfs, unless they are there (exit 77: cannot)"; }
@@ -12,7 +12,7 @@ skip() {
 }
 
 MODULES=(virtio_pci virtio_mmio 9pnet_virtio 9p overlay can can-raw can-dev vcan sch_netem hid uhid hid-generic
-  hid-sensor-hub hid-sensor-accel-3d)
+  hid-sensor-hub hid-sensor-accel-3d vivid)
 
 (($# == 1)) || { usage >&2; exit 2; }
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")

@@ -54,7 +54,9 @@ modbus NAME delay MILLISECONDS
 modbus NAME drift REGISTER PER_SECOND
 stream NAME drop SAMPLES            lost on the way, as the counter shows
 stream NAME silent on|off
-sensor freeze|dead CHANNEL|off      input_angle 0, output_angle 1, input_speed 2, output_torque 3, motor_torque 4,
+sensor freeze|dead CHANNEL|off      repeats its last value; a dead converter stands at its end
+sensor drift CHANNEL PER_SECOND     in rad, rad/s, Nm or K
+                                    input_angle 0, output_angle 1, input_speed 2, output_torque 3, motor_torque 4,
                                     gear_temperature 5, ambient_temperature 6, vibration 7
 gear temperature DEGREES            is set to this once
 blank on|off                        the rigid blank in the gear's place)";
@@ -74,21 +76,26 @@ std::string DeviceSide::Do(const std::string& command) {
     return "done";
   }
   if (first == "gear" && WordIn(words, 1, "temperature") == "temperature") {
-    bench_.Inject(
-        {.gear_temperature_degC = static_cast<double>(NumberIn(words, 2, "a temperature in degC"))});
+    Injection heated = injected_;
+    heated.gear_temperature_degC = static_cast<double>(NumberIn(words, 2, "a temperature in degC"));
+    bench_.Inject(heated);
     return "done";
   }
   if (first == "sensor") {
-    const std::string& how = WordIn(words, 1, "freeze or dead");
+    const std::string& how = WordIn(words, 1, "freeze, dead or drift");
     const bool off = WordIn(words, 2, "a channel or off") == "off";
     const unsigned bits = off ? 0U : 1U << NumberIn(words, 2, "a channel from 0 to 7 or off");
     if (how == "freeze") {
-      bench_.Inject({.frozen_channels = bits});
+      injected_ = {.frozen_channels = bits};
     } else if (how == "dead") {
-      bench_.Inject({.dead_channels = bits});
+      injected_ = {.dead_channels = bits};
+    } else if (how == "drift") {
+      injected_ = {.drifting_channels = bits,
+                   .drift_per_s = off ? 0.0 : std::stod(WordIn(words, 3, "an amount a second"))};
     } else {
-      throw std::invalid_argument("expected freeze or dead");
+      throw std::invalid_argument("expected freeze, dead or drift");
     }
+    bench_.Inject(injected_);
     return "done";
   }
   throw std::invalid_argument("expected drive, modbus, stream, sensor, gear or blank");

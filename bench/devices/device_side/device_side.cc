@@ -267,14 +267,21 @@ void DeviceSide::FillStream(Stream& stream, const Readings& readings) {
     stream.server->Push(block);
     stream.counter += samples;
   };
+  // An input with nothing on it runs to an end of its converter; an encoder has none.
+  constexpr double kAtItsEnd = std::numeric_limits<double>::infinity();
+  const auto is_in = [](unsigned set, Channel channel) {
+    return (set >> static_cast<unsigned>(channel) & 1U) != 0;
+  };
+  const auto dead = [&](Channel channel) { return is_in(injected_.dead_channels, channel); };
   if (!stream.is_vibration) {
     block.header.samples = 1;
     const std::span<std::uint32_t> words = block.words();
     for (std::size_t i = 0; i < channels.size(); ++i) {
       const std::string& name = stream.channels[i];
-      const double value = name == "input_angle"    ? DegFromRad(readings.input_angle_rad)
-                           : name == "output_angle" ? DegFromRad(readings.output_angle_rad)
-                                                    : readings.output_torque_Nm;
+      const double value = name == "input_angle"          ? DegFromRad(readings.input_angle_rad)
+                           : name == "output_angle"       ? DegFromRad(readings.output_angle_rad)
+                           : dead(Channel::kOutputTorque) ? kAtItsEnd
+                                                          : readings.output_torque_Nm;
       words[i] = Word(value, channels[i]);
     }
     return send(1);
@@ -294,9 +301,16 @@ void DeviceSide::FillStream(Stream& stream, const Readings& readings) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
       const auto* const found =
           std::ranges::find_if(all, [&](const auto& named) { return stream.channels[i] == named.first; });
+      const std::uint32_t last = words[(most - 1) * channels.size() + i];  // of the block before
       for (std::uint32_t sample = 0; sample < most; ++sample) {
-        words[sample * channels.size() + i] =
-            found == std::end(all) ? 0U : Word((*found->second)[from + sample], channels[i]);
+        std::uint32_t& word = words[sample * channels.size() + i];
+        if (is_in(injected_.frozen_channels, Channel::kVibrationRms)) {
+          word = last;
+        } else if (dead(Channel::kVibrationRms)) {
+          word = Word(kAtItsEnd, channels[i]);
+        } else {
+          word = found == std::end(all) ? 0U : Word((*found->second)[from + sample], channels[i]);
+        }
       }
     }
     send(most);

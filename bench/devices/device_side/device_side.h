@@ -88,6 +88,7 @@ class DeviceSide {
   std::atomic<double> gear_temperature_degC_{};
   std::atomic<double> ambient_temperature_degC_{};
   std::atomic<bool> shunted_{};
+  Injection injected_;  // into the sensors; what the simulation does not carry out, the streams do
   VibrationBlock vibration_;
   bool vibrates_{};
   std::optional<std::chrono::nanoseconds> safe_since_;

@@ -111,6 +111,7 @@ class SimulatedBench::Implementation final : public Sampler, public BenchClock {
   }
   void Inject(const Injection& injection) {
     injection_ = injection;
+    injected_at_ = now_;
     if (injection.driving_fault) driving_.Fault();
     if (injection.load_fault) load_.Fault();
     if (injection.gear_temperature_degC) plant_.SetGearTemperature(*injection.gear_temperature_degC);
@@ -136,6 +137,7 @@ class SimulatedBench::Implementation final : public Sampler, public BenchClock {
   std::uint64_t overruns_{};
   std::uint64_t phase_key_{};
   Injection injection_;
+  std::chrono::nanoseconds injected_at_{};
   Readings last_;
   bool fresh_{};  // `last_` is of this moment
   std::optional<std::chrono::steady_clock::time_point> wall_start_;
@@ -215,13 +217,16 @@ Readings SimulatedBench::Implementation::Read() noexcept {
   if (fresh_ || injection_.sampler_silent) return last_;
   Readings readings = sensors_.Measure(plant_, now_);
   const unsigned held = injection_.frozen_channels | injection_.dead_channels;
-  if (held != 0) {
+  const unsigned drifting = injection_.drifting_channels;
+  if ((held | drifting) != 0) {
+    const double drift = injection_.drift_per_s * 1e-9 * static_cast<double>((now_ - injected_at_).count());
     const std::array<double Readings::*, 8> channels{
         &Readings::input_angle_rad,          &Readings::output_angle_rad,
         &Readings::input_speed_rad_per_s,    &Readings::output_torque_Nm,
         &Readings::motor_torque_Nm,          &Readings::gear_temperature_degC,
         &Readings::ambient_temperature_degC, &Readings::vibration_rms_m_per_s2};
     for (std::size_t channel = 0; channel < channels.size(); ++channel) {
+      if ((drifting >> channel & 1u) != 0) readings.*channels[channel] += drift;
       if ((held >> channel & 1u) != 0) readings.*channels[channel] = last_.*channels[channel];
     }
   }

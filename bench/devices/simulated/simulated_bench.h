@@ -32,9 +32,11 @@ static_assert(std::is_trivially_copyable_v<BenchMemory>);
 
 /// Faults put in by a test. Channels are bits as in `Readings::bad_channels`.
 struct Injection {
-  unsigned frozen_channels{};  // repeat their last value and look good
-  unsigned dead_channels{};    // repeat their last value and are reported bad
-  bool sampler_silent{};       // readings no longer come in at all, time stamp included
+  unsigned frozen_channels{};    // repeat their last value and look good
+  unsigned dead_channels{};      // repeat their last value and are reported bad
+  unsigned drifting_channels{};  // go off by so much a second from the injection on, and look good
+  double drift_per_s{};          // SI unit of the channel
+  bool sampler_silent{};         // readings no longer come in at all, time stamp included
   bool driving_fault{};
   bool load_fault{};
   std::optional<double> gear_temperature_degC{};  // set once, at the injection
