@@ -3,8 +3,8 @@
 # usage: tests/fuzz/run.sh NAME [SECONDS]   fuzzes tests/fuzz/fuzz_NAME.cc, 600 s if not told otherwise
 #
 # Builds it with clang's libFuzzer, address and undefined-behaviour sanitizers in build-fuzz/. What it finds new is
-# kept there; a small corpus that reaches the same edges replaces tests/fuzz/corpus/NAME at the end. The sources
-# and pkg-config libraries of a target are in its own lines "// sources:" and "// libraries:".
+# kept there; a small corpus that reaches the same edges replaces tests/fuzz/corpus/NAME at the end. The sources,
+# pkg-config libraries and further flags of a target are in its own lines "// sources:", "// libraries:", "// flags:".
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -19,7 +19,7 @@ clang=$(command -v clang++-14) || { echo "run.sh: error: clang++-14 is missing (
 words_of() { sed -n "s|^// $1:||p" "$target" | paste -sd ' '; }
 read -ra sources <<<"$(words_of sources)"
 read -ra libraries <<<"$(words_of libraries)"
-read -ra flags <<<"$(pkg-config --cflags --libs "${libraries[@]}")"
+read -ra flags <<<"$(pkg-config --cflags --libs "${libraries[@]}") $(words_of flags)"
 mkdir -p "$build/$name" "$kept"
 "$clang" -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined \
   -isystem /usr/include/hdf5/serial -I. "$target" "${sources[@]}" "${flags[@]}" -o "$build/fuzz_$name"

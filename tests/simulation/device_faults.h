@@ -51,7 +51,7 @@ inline constexpr Fault kFaults[] = {
     {"torque transducer is stuck", "sensor freeze 3", StopCause::kImplausibleReading, "output torque", ""},
     {"output encoder is stuck", "sensor freeze 1", StopCause::kImplausibleReading, "output angle", ""},
     {"input encoder is stuck", "sensor freeze 0", StopCause::kInputAngleApart, "input angle", ""},
-    {"torque transducer drifts", "sensor drift 3 20", StopCause::kOutputTorqueLimit, "output torque", ""},
+    {"torque transducer drifts", "sensor drift 3 40", StopCause::kOutputTorqueLimit, "output torque", ""},
     {"accelerometers are dead", "sensor dead 7", StopCause::kSensorSuspend, "vibration", "sensor dead off"},
     {"accelerometers are stuck", "sensor freeze 7", StopCause::kSensorSuspend, "vibration",
      "sensor freeze off"},
