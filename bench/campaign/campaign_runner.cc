@@ -29,7 +29,6 @@ constexpr double kEncoderOffsetTolerance_rad = RadFromDeg(0.5);
 constexpr std::chrono::seconds kKeepInterval{10};
 
 RunnerSettings SettingsOf(const schedules::Schedule& schedule, const BenchDescription& bench) {
-  // A simulated bench on its own clock; a real one keeps its period whatever the disk does.
   return {bench.control_period_s, bench.stale_after_s,
           schedule.limits,        schedule.suspend,
           !bench.simulated,       kTwoPi / static_cast<double>(bench.input_encoder.counts_per_rev)};
