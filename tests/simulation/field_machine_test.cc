@@ -74,8 +74,9 @@ TEST(FieldMachine, SetsUpDrivesAndReadsEveryChannel) {
   EXPECT_TRUE(machine.device_side()->StandsSafe());
 }
 
-TEST(FieldMachine, TurnsTheShaftAndSeesItTurn) {
-  FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
+// The driving servo turns; both encoders follow.
+void ExpectToSeeTheShaftTurn(const BenchDescription& bench) {
+  FieldMachine machine(bench, 80.0, {});
   BenchDevices devices = machine.Devices();
   Until([&] { return devices.sampler.Read().bad_channels == 0; });
   const double from_rad = devices.sampler.Read().input_angle_rad;
@@ -96,6 +97,16 @@ TEST(FieldMachine, TurnsTheShaftAndSeesItTurn) {
   devices.driving.QuickStop();
   devices.load.QuickStop();
   Until([&] { return machine.device_side()->StandsSafe(); });
+}
+
+TEST(FieldMachine, TurnsTheShaftAndSeesItTurn) {
+  ExpectToSeeTheShaftTurn(ReadBenchFile(Folder() / "bench.yaml"));
+}
+
+TEST(FieldMachine, TurnsEncodersThatCountAgainstTheShaft) {
+  BenchDescription bench = ReadBenchFile(Folder() / "bench.yaml");
+  bench.input_encoder.sign = bench.output_encoder.sign = -1;
+  ExpectToSeeTheShaftTurn(bench);
 }
 
 TEST(FieldMachine, RecordsVibrationWithoutALoss) {

@@ -112,7 +112,9 @@ std::uint32_t Word(double value, const ChannelDescription& channel) {
 DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::PlantModel& model,
                        const DeviceSideBuses& buses)
     : step_(static_cast<std::int64_t>(1e9 * bench.fast_control_period_s + 0.5)),
-      bench_(model, SettingsOf(bench.simulation)) {
+      bench_(model, SettingsOf(bench.simulation)),
+      input_counts_(bench.input_encoder.sign),
+      output_counts_(bench.output_encoder.sign) {
   AddDrive(bench, bench.driving_servo, bench_.driving_servo(), 1.0, buses);
   AddDrive(bench, bench.load_servo, bench_.load_servo(), bench.load_reducer_ratio, buses);
   const analysis::model::PlantParameters plant = CompilePlantModel(model);
@@ -278,8 +280,8 @@ void DeviceSide::FillStream(Stream& stream, const Readings& readings) {
     const std::span<std::uint32_t> words = block.words();
     for (std::size_t i = 0; i < channels.size(); ++i) {
       const std::string& name = stream.channels[i];
-      const double value = name == "input_angle"          ? DegFromRad(readings.input_angle_rad)
-                           : name == "output_angle"       ? DegFromRad(readings.output_angle_rad)
+      const double value = name == "input_angle"    ? input_counts_ * DegFromRad(readings.input_angle_rad)
+                           : name == "output_angle" ? output_counts_ * DegFromRad(readings.output_angle_rad)
                            : dead(Channel::kOutputTorque) ? kAtItsEnd
                                                           : readings.output_torque_Nm;
       words[i] = Word(value, channels[i]);

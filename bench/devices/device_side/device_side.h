@@ -85,6 +85,8 @@ class DeviceSide {
   std::vector<std::unique_ptr<Drive>> drives_;
   std::map<std::string, std::unique_ptr<ModbusDevice>> modbus_;
   std::vector<std::unique_ptr<Stream>> streams_;
+  int input_counts_;  // +1, or -1 where the encoder counts against the shaft
+  int output_counts_;
   std::atomic<double> gear_temperature_degC_{};
   std::atomic<double> ambient_temperature_degC_{};
   std::atomic<bool> shunted_{};

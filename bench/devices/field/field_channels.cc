@@ -99,6 +99,17 @@ FieldChannels FieldMachine::Channels() {
     channels.vibration = source->second.get();
     channels.accelerometers[static_cast<std::size_t>(axis - kAccelerometers.begin())] = *channel;
   }
+  const auto turn = [&channels](Channel channel, int sign) {
+    auto& read = channels.channels[static_cast<std::size_t>(channel)];
+    if (sign > 0 || !read) return;
+    read = [as_counted = std::move(read)] {
+      ChannelValue value = as_counted();
+      value.value = -value.value;
+      return value;
+    };
+  };
+  turn(Channel::kInputAngle, bench_.input_encoder.sign);
+  turn(Channel::kOutputAngle, bench_.output_encoder.sign);
   const auto from_drive = [this](double DriveActual::*value) {
     return [this, value] {
       const DriveActual actual = driving_->Actual();
