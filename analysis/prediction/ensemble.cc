@@ -20,16 +20,21 @@ using Columns = networks::Samples<float>;
 Columns ColumnsOf(const Samples& samples, const std::vector<Eigen::Index>& rows, const Ensemble& ensemble) {
   const Eigen::MatrixXd inputs = ensemble.input.Apply(samples.features(rows, Eigen::all));
   Eigen::MatrixXd targets = samples.targets(rows, Eigen::all);
-  if (ensemble.line.size() > 0) targets -= inputs * ensemble.line;
+  if (!ensemble.line.empty()) targets -= ensemble.line.Along(inputs);
   return {.inputs = inputs.transpose().cast<float>(),
           .targets = ensemble.output.Apply(targets).transpose().cast<float>()};
 }
 
-// The line's slopes; its level goes into the offset of the outputs.
+constexpr double kReach = 0.25;  // of a line beyond what it was trained on, a share of that range
+
 void AddLine(const Samples& samples, Ensemble& ensemble) {
   const Eigen::MatrixXd inputs = ensemble.input.Apply(samples.features);
-  ensemble.line = FitRidge(inputs, samples.targets, samples.specimen).slope;
-  ensemble.output = Standardizing(samples.targets - inputs * ensemble.line);
+  const Eigen::RowVectorXd least = inputs.colwise().minCoeff();
+  const Eigen::RowVectorXd greatest = inputs.colwise().maxCoeff();
+  ensemble.line = {.slope = FitRidge(inputs, samples.targets, samples.specimen).slope,
+                   .lowest = least - kReach * (greatest - least),
+                   .highest = greatest + kReach * (greatest - least)};
+  ensemble.output = Standardizing(samples.targets - inputs * ensemble.line.slope);
 }
 
 Scaler OutputScaler(const Eigen::MatrixXd& targets, networks::Loss loss) {
@@ -63,10 +68,16 @@ Split RowsFor(const Samples& samples, double validation_share) {
 
 }  // namespace
 
+Eigen::MatrixXd Line::Along(const Eigen::MatrixXd& scaled) const {
+  const Eigen::Index n = scaled.rows();
+  return scaled.cwiseMax(lowest.replicate(n, 1)).cwiseMin(highest.replicate(n, 1)) * slope;
+}
+
 Ensemble::Prediction Ensemble::Predict(const Eigen::MatrixXd& features) const {
   const networks::Matrix<double> scaled = input.Apply(features).transpose();
-  Eigen::MatrixXd along_line = Eigen::MatrixXd::Zero(features.rows(), network.output_size());
-  if (line.size() > 0) along_line = scaled.transpose() * line;
+  const Eigen::MatrixXd along_line = line.empty()
+                                         ? Eigen::MatrixXd::Zero(features.rows(), network.output_size())
+                                         : line.Along(scaled.transpose());
   const auto count = static_cast<double>(members.size());
   Prediction prediction{Eigen::MatrixXd::Zero(features.rows(), network.output_size()),
                         Eigen::MatrixXd::Zero(features.rows(), network.output_size())};

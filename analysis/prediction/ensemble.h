@@ -31,11 +31,23 @@ class TrainingEnded : public std::runtime_error {
   TrainingEnded() : std::runtime_error("the training was ended before all networks were trained") {}
 };
 
+/// What networks are trained beside: a line goes on where they end. Where an input leaves the range of the
+/// training by a quarter of it, the line stands still: what noise throws far out says no more than that.
+struct Line {
+  Eigen::MatrixXd slope;  // inputs × outputs, of scaled inputs, in the outputs' units; empty: there is none
+  Eigen::RowVectorXd lowest;  // of each scaled input
+  Eigen::RowVectorXd highest;
+
+  bool empty() const noexcept { return slope.size() == 0; }
+  /// @param scaled  n × inputs.  @return n × outputs, without a level.
+  Eigen::MatrixXd Along(const Eigen::MatrixXd& scaled) const;
+};
+
 /// Networks of one design that were trained alike, with the scalers around them.
 struct Ensemble {
   Scaler input;
   Scaler output;
-  Eigen::MatrixXd line{};  // inputs × outputs, of scaled inputs, in the outputs' units; empty: there is none
+  Line line{};  // its level is in the output's offset
   networks::Network network;
   std::vector<networks::Vector<double>> members;
   bool softmax{};  // outputs are probabilities of classes: exp z over the sum of all exp z

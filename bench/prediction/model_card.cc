@@ -105,7 +105,7 @@ std::string CardText(const Predictor& predictor, const Json& card) {
   text += fmt::format("\nSHA-256 of features and targets: `{}`. Design `{}`{}, {} networks{}.\n",
                       training.at("data_sha256").get<std::string>(), training.at("design").get<std::string>(),
                       SearchText(training), predictor.fitted.ensemble.members.size(),
-                      predictor.fitted.ensemble.line.size() > 0 ? " beside a line (ridge)" : "");
+                      predictor.fitted.ensemble.line.empty() ? "" : " beside a line (ridge)");
   if (predictor.recipe.baseline_records > 0) {
     text += fmt::format(
         "\n## Baseline\n\nIt tells changes: the means over a reducer's first {} records are taken off the "

@@ -202,15 +202,24 @@ void WriteMean(Graph& graph, const std::vector<std::string>& members, const char
 // What the outputs of the networks are told from: the line where there is one, else a constant.
 void WriteLevel(Graph& graph, const prediction::Ensemble& ensemble) {
   const std::int64_t outputs = ensemble.network.output_size();
-  if (ensemble.line.size() == 0) {
+  if (ensemble.line.empty()) {
     graph.Floats("level", {1, outputs}, ValuesOf(ensemble.output.offset));
     return;
   }
+  const std::int64_t inputs = ensemble.network.input_size();
+  const Eigen::MatrixXd& slope = ensemble.line.slope;  // column-major: one row of its transpose after another
+  graph.Floats("line_lowest", {1, inputs}, ValuesOf(ensemble.line.lowest));
+  graph.Floats("line_highest", {1, inputs}, ValuesOf(ensemble.line.highest));
+  graph.Floats("line_slope", {outputs, inputs}, {slope.data(), static_cast<std::size_t>(slope.size())});
   graph.Floats("line_offset", {outputs}, ValuesOf(ensemble.output.offset));
-  // Column-major: one row of its transpose after another.
-  graph.Floats("line_slope", {outputs, ensemble.line.rows()},
-               {ensemble.line.data(), static_cast<std::size_t>(ensemble.line.size())});
-  SetInteger(graph.Node("Gemm", {"scaled", "line_slope", "line_offset"}, "level"), "transB", 1);
+  // Held within two limits by what lies above each: Clip has one pair of limits for all inputs.
+  graph.Node("Sub", {"scaled", "line_lowest"}, "line_from_lowest");
+  graph.Node("Relu", {"line_from_lowest"}, "line_above_lowest");
+  graph.Node("Sub", {"scaled", "line_highest"}, "line_from_highest");
+  graph.Node("Relu", {"line_from_highest"}, "line_above_highest");
+  graph.Node("Sub", {"line_above_lowest", "line_above_highest"}, "line_between");
+  graph.Node("Add", {"line_between", "line_lowest"}, "line_held");
+  SetInteger(graph.Node("Gemm", {"line_held", "line_slope", "line_offset"}, "level"), "transB", 1);
 }
 
 // The width of the interval, from how far the members are apart.

@@ -57,7 +57,11 @@ daq::ArraysFile NumbersOf(const prediction::FittedPredictor& fitted) {
                  RowOf("interval_factor", fitted.band.factor), RowOf("novelty_mean", fitted.novelty.mean),
                  MatrixOf("novelty_whitening", fitted.novelty.whitening), RowOf("least", fitted.least),
                  RowOf("greatest", fitted.greatest)}};
-  if (ensemble.line.size() > 0) numbers.arrays.push_back(MatrixOf("line", ensemble.line));
+  if (!ensemble.line.empty()) {
+    numbers.arrays.push_back(MatrixOf("line_slope", ensemble.line.slope));
+    numbers.arrays.push_back(RowOf("line_lowest", ensemble.line.lowest));
+    numbers.arrays.push_back(RowOf("line_highest", ensemble.line.highest));
+  }
   return numbers;
 }
 
@@ -116,8 +120,12 @@ prediction::FittedPredictor FittedFrom(const Json& json, const Numbers& numbers,
   Eigen::RowVectorXd input_scale = numbers.Row("input_scale", inputs);
   Eigen::RowVectorXd output_offset = numbers.Row("output_offset", outputs);
   Eigen::RowVectorXd output_scale = numbers.Row("output_scale", outputs);
-  Eigen::MatrixXd line;
-  if (json.value("beside_line", false)) line = numbers.Matrix("line", inputs, outputs);
+  prediction::Line line;
+  if (json.value("beside_line", false)) {
+    line.slope = numbers.Matrix("line_slope", inputs, outputs);
+    line.lowest = numbers.Row("line_lowest", inputs);
+    line.highest = numbers.Row("line_highest", inputs);
+  }
   Eigen::RowVectorXd residual = numbers.Row("residual", outputs);
   Eigen::RowVectorXd factor = numbers.Row("interval_factor", outputs);
   Eigen::RowVectorXd novelty_mean = numbers.Row("novelty_mean", inputs);
@@ -159,7 +167,7 @@ void WritePredictor(const std::filesystem::path& folder, const Predictor& predic
       {"outputs", predictor.outputs},
       {"network", JsonOf(fitted.ensemble.network.design())},
       {"members", fitted.ensemble.members.size()},
-      {"beside_line", fitted.ensemble.line.size() > 0},
+      {"beside_line", !fitted.ensemble.line.empty()},
       {"interval", {{"coverage", fitted.band.coverage}, {"guaranteed", fitted.band.guaranteed}}},
       {"novelty_limit", fitted.novelty.limit},
       {"numbers", {{"file", kNumbers}, {"sha256", Sha256(daq::ReadWholeFile(folder / kNumbers))}}},

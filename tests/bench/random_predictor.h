@@ -41,7 +41,11 @@ inline analysis::prediction::FittedPredictor RandomPredictor(const analysis::net
         networks::InitialParameters<double>(network, static_cast<std::uint64_t>(k)));
     fitted.ensemble.members.back() += 0.1 * Normal(network.parameter_count(), 1, engine);
   }
-  if (beside_line) fitted.ensemble.line = Normal(inputs, outputs, engine);
+  if (beside_line) {
+    // Limits that some inputs are beyond.
+    const Eigen::RowVectorXd middle = Normal(1, inputs, engine);
+    fitted.ensemble.line = {Normal(inputs, outputs, engine), middle.array() - 0.7, middle.array() + 0.7};
+  }
   return fitted;
 }
 
