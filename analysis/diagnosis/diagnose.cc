@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "analysis/diagnosis/cause_sets.h"
 #include "analysis/diagnosis/heldout.h"
 #include "analysis/diagnosis/lone_samples.h"
 #include "analysis/diagnosis/residual_tests.h"

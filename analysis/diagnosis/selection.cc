@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "analysis/diagnosis/cause_sets.h"
+
 namespace strainwave::analysis::diagnosis {
 namespace {
 
@@ -49,10 +51,6 @@ double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& w
 
 // By how much a correction has to be ahead of a cause to take its place.
 double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
-
-bool Contains(std::span<const std::size_t> causes, std::size_t cause) {
-  return std::find(causes.begin(), causes.end(), cause) != causes.end();
-}
 
 // The strongest first; causes stand before a correction that does not lead them by enough, so that the next
 // one has its turn where the first does not pass.
@@ -178,8 +176,7 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
     if (Contains(given, cause)) continue;
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
-    double own = ScoreOf(judge, model, without, cause);
-    if (!rules[cause].named) own -= LeadAsked(own);  // as for one cause in a correction's place
+    const double own = ScoreOf(judge, model, without, cause);
     std::vector<Candidate> parts = FitCandidates(judge, without, [&](std::size_t part) {
       return !rules[part].named || IsFarBehind(far_behind, cause, part);
     });
@@ -265,19 +262,6 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarB
 }
 
 }  // namespace
-
-std::vector<std::size_t> Without(std::span<const std::size_t> causes, std::size_t cause) {
-  std::vector<std::size_t> rest;
-  std::copy_if(causes.begin(), causes.end(), std::back_inserter(rest),
-               [&](std::size_t other) { return other != cause; });
-  return rest;
-}
-
-std::vector<std::size_t> With(std::span<const std::size_t> causes, std::size_t cause) {
-  std::vector<std::size_t> more(causes.begin(), causes.end());
-  more.insert(std::upper_bound(more.begin(), more.end(), cause), cause);
-  return more;
-}
 
 bool IsWithinRanges(const Judge& judge, std::span<const std::size_t> given, const ModelFit& fit) {
   return std::ranges::all_of(fit.causes, [&](std::size_t cause) {

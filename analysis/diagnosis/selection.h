@@ -100,10 +100,6 @@ class Judge {
   mutable Recent<HeldOutRequest, std::vector<double>> held_out_;
 };
 
-/// The set without one cause, or with one more; ascending.
-std::vector<std::size_t> Without(std::span<const std::size_t> causes, std::size_t cause);
-std::vector<std::size_t> With(std::span<const std::size_t> causes, std::size_t cause);
-
 /// Two causes that do as well together as one cause of a model ("brake_slip + thermal_drift"), by its index.
 using PairRivals = std::map<std::size_t, std::vector<std::string>>;
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <tuple>
 
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/fit_covariance.h"
@@ -310,34 +309,6 @@ TEST(Diagnose, PutsAPairInThePlaceOfTheCauseThatMimicsIt) {
   }
   EXPECT_GE(pairs, 8);
   EXPECT_GE(rivals, 3);
-}
-
-// A description that follows two causes together does so as one number less; they have names.
-TEST(Diagnose, PutsAPairInThePlaceOfADescription) {
-  constexpr std::size_t kSamples = 400;
-  const ToyRecord record(kSamples);
-  std::vector<double> left(kSamples), right(kSamples), both(kSamples);
-  std::vector<double> measured = WhiteNoise(kSamples, 0.1, 32);
-  for (std::size_t i = 0; i < kSamples; ++i) {
-    left[i] = std::cos(kTwoPi * 7.0 * record.x[i]);
-    right[i] = std::cos(kTwoPi * 11.0 * record.x[i]);
-    both[i] = left[i] + right[i];
-    measured[i] += 0.08 * both[i];
-  }
-  SeparableModel model = ToyModel(record, measured);
-  for (const auto& [name, column, named] :
-       {std::tuple{"left", left, true}, {"right", right, true}, {"curve", both, false}}) {
-    const std::string size = std::string(name) + "_size";
-    model.causes.push_back(Column(column, size));
-    model.rules.push_back({.name = name, .parameters = {{size, "1", -10.0, 10.0, true}}, .named = named});
-  }
-  const SeparableStudy study(std::move(model));
-  const Diagnosis diagnosis = Diagnose(study);
-  EXPECT_EQ(diagnosis.corrections.size(), 0u);
-  ASSERT_EQ(diagnosis.causes.size(), 2u);
-  EXPECT_EQ(study.causes()[diagnosis.causes[0].index].name.size() +
-                study.causes()[diagnosis.causes[1].index].name.size(),
-            std::string("leftright").size());
 }
 
 // One number that the samples tell to a hundredth of its range, one of which they tell nothing, and one that

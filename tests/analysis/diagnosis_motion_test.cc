@@ -281,14 +281,6 @@ std::size_t LeftOut(const Diagnosed& diagnosed) {
   return 0;
 }
 
-// Stamps that jitter say when each sample was, and not when between two of them friction turned over.
-TEST(MotionStudy, TakesNoReversalInJitterForFrictionOfLowSpeed) {
-  for (const unsigned seed : {31U, 32U, 33U, 34U}) {
-    const Diagnosed clean = Ask({Record(seed, Nothing, {.rate_Hz = 100.0, .jitter = 0.3, .noise_Nm = 0.02})});
-    EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
-  }
-}
-
 // From sample to sample this torque changes by ten times what the spikes are high.
 TEST(MotionStudy, LeavesOutSpikesOfATorqueThatChangesFasterThanThey) {
   constexpr double kQuiet_Nm = 0.01;

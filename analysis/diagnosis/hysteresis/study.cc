@@ -11,7 +11,8 @@
 #include "analysis/diagnosis/hysteresis/checks.h"
 #include "analysis/diagnosis/hysteresis/model.h"
 #include "analysis/diagnosis/hysteresis/search.h"
-#include "analysis/diagnosis/known_before.h"
+#include "analysis/diagnosis/hysteresis/torque_noise.h"
+#include "analysis/diagnosis/hysteresis/uncharged_shapes.h"
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/records.h"
 #include "analysis/torsional_stiffness.h"
@@ -37,34 +38,6 @@ std::vector<ParameterValue> DescribeEffect(const LoopModel& model, std::size_t e
 
 std::string OfRecord(const std::string& name, std::size_t record) {
   return record == 0 ? name : fmt::format("{}_{}", name, record + 1);
-}
-
-// How many of the causes' shapes (a level, a time constant, a state at the start) need not be charged for:
-// what bounds a fit is what is known of them before. Amounts are charged, and the places of corrections.
-double UnchargedShapes(const LoopModel& model, const LoopSolution& solution, const LoopGrid& grid) {
-  const std::vector<bool> held = model.Held(solution.numbers);
-  std::vector<Index> known;
-  std::vector<Index> others;
-  std::vector<double> ranges;
-  Index next = model.nominal_size();
-  for (Index k = 0; k < next; ++k) others.push_back(k);
-  for (const LoopEffect* effect : model.effects()) {
-    for (const FitNumber& number : effect->numbers) {
-      const Index k = next++;
-      if (held[static_cast<std::size_t>(k)]) continue;
-      const bool is_known = effect->rule.named && !number.amount;
-      (is_known ? known : others).push_back(k);
-      if (is_known) ranges.push_back(number.high - number.low);
-    }
-  }
-  if (known.empty()) return 0.0;
-  Eigen::MatrixXd rows;
-  model.Predict(solution.numbers, grid, rows);
-  const Eigen::Map<const Eigen::VectorXd> weight(grid.weight.data(), rows.rows());
-  rows = weight.cwiseSqrt().asDiagonal() * rows;
-  const auto points = static_cast<double>((weight.array() > 0.0).count());
-  return KnownBefore(rows(Eigen::all, known), rows(Eigen::all, others), ranges,
-                     solution.cost / std::max(points, 1.0), weight.sum());
 }
 
 // Hysteresis of one or several records: twist as the response to the measured torque.
@@ -131,10 +104,7 @@ class HysteresisStudy final : public Study {
 };
 
 // What the nominal model says of the record itself: where the output was on its way, without the angle's own
-// noise, which a line over the measured angle follows where the noise has a memory; and the response to the
-// noise that was taken off the torque. What smoothing leaves of that noise is slow, and too small to be seen
-// in the memory of what is left, but all slow effects are judged beside it. With the straight response to the
-// rest of it the noise is white again.
+// noise, which a line over the measured angle follows where the noise has a memory; and the torque's noise.
 void HysteresisStudy::TakeFromNominal() {
   LoopGrid& samples = records_.samples;
   const LoopModel nominal(records_, {});
@@ -142,18 +112,9 @@ void HysteresisStudy::TakeFromNominal() {
   samples.place_rad.assign(place.begin(), place.end());
   Eigen::VectorXd gear;
   FillTwist(nominal.LawOf(nominal_start_), samples, gear);
-  noise_response_rad_.resize(gear.size());
-  const double usual = records_.compliance_rad_per_Nm();
-  double compliance_rad_per_Nm = usual;
-  for (Index i = 0; i < gear.size(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (i > 0 && samples.torque_Nm[k] != samples.torque_Nm[k - 1] && std::isnan(samples.turn_Nm[k])) {
-      const double slope = (gear(i) - gear(i - 1)) / (samples.torque_Nm[k] - samples.torque_Nm[k - 1]);
-      compliance_rad_per_Nm = std::clamp(slope, 0.0, 3.0 * usual);
-    }
-    noise_response_rad_(i) = compliance_rad_per_Nm * records_.torque_noise_Nm[k];
-    samples.twist_rad[k] -= noise_response_rad_(i);
-  }
+  noise_response_rad_ = ResponseToTorqueNoise(records_, gear);
+  for (Index i = 0; i < gear.size(); ++i)
+    samples.twist_rad[static_cast<std::size_t>(i)] -= noise_response_rad_(i);
 }
 
 void HysteresisStudy::AppendRegressors() {
