@@ -11,6 +11,7 @@
 
 #include "analysis/units.h"
 #include "bench/campaign/cycle_context.h"
+#include "bench/campaign/runner_settings.h"
 #include "bench/campaign/sensor_stamps.h"
 #include "bench/controller/make_program.h"
 #include "bench/controller/standstill_programs.h"
@@ -29,9 +30,10 @@ constexpr double kEncoderOffsetTolerance_rad = RadFromDeg(0.5);
 constexpr std::chrono::seconds kKeepInterval{10};
 
 RunnerSettings SettingsOf(const schedules::Schedule& schedule, const BenchDescription& bench) {
-  return {bench.control_period_s, bench.stale_after_s,
-          schedule.limits,        schedule.suspend,
-          !bench.simulated,       kTwoPi / static_cast<double>(bench.input_encoder.counts_per_rev)};
+  RunnerSettings settings = RunnerSettingsOf(bench);
+  settings.limits = schedule.limits;
+  settings.suspend = schedule.suspend;
+  return settings;
 }
 
 // The same for the same phase of the same cycle, however often it is run.
@@ -311,12 +313,7 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
     StampSensors(black_box, bench_);
     daq::WriteRecordsAtomically(file, black_box);
   }
-  const StopCause cause = outcome.reason.cause;
-  const bool device = cause == StopCause::kDriveFault || cause == StopCause::kDriveNotReady ||
-                      cause == StopCause::kStaleReadings || cause == StopCause::kImplausibleReading ||
-                      cause == StopCause::kInputAngleApart || cause == StopCause::kReferenceCheck ||
-                      cause == StopCause::kSensorCheck;
-  return CampaignEnd{CampaignEnd::Kind::kFault, outcome.reason, text, device};
+  return CampaignEnd{CampaignEnd::Kind::kFault, outcome.reason, text, IsOfADevice(outcome.reason.cause)};
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {

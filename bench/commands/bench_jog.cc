@@ -12,6 +12,7 @@
 
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
+#include "bench/campaign/runner_settings.h"
 #include "bench/commands/bench_commands.h"
 #include "bench/commands/hand.h"
 #include "bench/commands/moving_limits.h"
@@ -64,11 +65,7 @@ RunnerSettings SettingsOf(const JogOptions& options, const BenchDescription& ben
       std::abs(speed_rad_per_s) *
       (from_behind ? kSpeedReserveFromBehind * std::abs(options.ratio) : kSpeedReserve);
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  RunnerSettings settings;
-  settings.control_period_s = bench.control_period_s;
-  settings.stale_after_s = bench.stale_after_s;
-  settings.own_thread = !bench.simulated;
-  settings.input_encoder_step_rad = kTwoPi / static_cast<double>(bench.input_encoder.counts_per_rev);
+  RunnerSettings settings = RunnerSettingsOf(bench);
   settings.limits = {.output_torque_Nm = torque_Nm,
                      .input_speed_rad_per_s = std::max(most_input_rad_per_s, kLeastSpeedLimit_rad_per_s),
                      .gear_temperature_degC = kGearTemperatureLimit_degC,
@@ -98,11 +95,7 @@ bool WaitUntilSafe(const BenchDevices& devices) {
 int CodeOf(const StopReason& reason) {
   if (reason.cause == StopCause::kShutdownRequested) return static_cast<int>(ExitCode::kDone);
   if (IsRequest(reason.cause)) return static_cast<int>(ExitCode::kInterrupted);
-  const bool device = reason.cause == StopCause::kDriveFault || reason.cause == StopCause::kDriveNotReady ||
-                      reason.cause == StopCause::kStaleReadings ||
-                      reason.cause == StopCause::kImplausibleReading ||
-                      reason.cause == StopCause::kInputAngleApart;
-  return static_cast<int>(device ? ExitCode::kMachineFailed : ExitCode::kEndedBadly);
+  return static_cast<int>(IsOfADevice(reason.cause) ? ExitCode::kMachineFailed : ExitCode::kEndedBadly);
 }
 
 int Jog(const JogOptions& options) {

@@ -146,6 +146,13 @@ bool IsRequest(StopCause cause) {
          cause == StopCause::kQuickStopKey || cause == StopCause::kShutdownRequested;
 }
 
+bool IsOfADevice(StopCause cause) {
+  return cause == StopCause::kDriveFault || cause == StopCause::kDriveNotReady ||
+         cause == StopCause::kStaleReadings || cause == StopCause::kImplausibleReading ||
+         cause == StopCause::kInputAngleApart || cause == StopCause::kReferenceCheck ||
+         cause == StopCause::kSensorCheck;
+}
+
 bool IsFault(StopCause cause) { return cause != StopCause::kNone && !IsSuspend(cause) && !IsRequest(cause); }
 
 }  // namespace strainwave::bench

@@ -53,5 +53,7 @@ std::string Describe(const StopReason& reason);
 bool IsFault(StopCause cause);
 bool IsSuspend(StopCause cause);
 bool IsRequest(StopCause cause);
+/// A fault of a drive or a sensor, not of what it drives or measures.
+bool IsOfADevice(StopCause cause);
 
 }  // namespace strainwave::bench
