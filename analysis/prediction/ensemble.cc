@@ -74,10 +74,8 @@ Eigen::MatrixXd Line::Along(const Eigen::MatrixXd& scaled) const {
 }
 
 Ensemble::Prediction Ensemble::Predict(const Eigen::MatrixXd& features) const {
-  const networks::Matrix<double> scaled = input.Apply(features).transpose();
-  const Eigen::MatrixXd along_line = line.empty()
-                                         ? Eigen::MatrixXd::Zero(features.rows(), network.output_size())
-                                         : line.Along(scaled.transpose());
+  const Eigen::MatrixXd inputs = input.Apply(features);
+  const networks::Matrix<double> scaled = inputs.transpose();
   const auto count = static_cast<double>(members.size());
   Prediction prediction{Eigen::MatrixXd::Zero(features.rows(), network.output_size()),
                         Eigen::MatrixXd::Zero(features.rows(), network.output_size())};
@@ -85,7 +83,7 @@ Ensemble::Prediction Ensemble::Predict(const Eigen::MatrixXd& features) const {
   std::vector<Eigen::MatrixXd> each;
   for (const networks::Vector<double>& parameters : members) {
     const Eigen::MatrixXd raw = networks::Forward<double>(network, parameters, scaled, pass).transpose();
-    each.push_back(softmax ? Softmax(raw) : Eigen::MatrixXd(along_line + output.Undo(raw)));
+    each.push_back(softmax ? Softmax(raw) : output.Undo(raw));
     prediction.mean += each.back() / count;
   }
   if (members.size() > 1) {
@@ -94,6 +92,7 @@ Ensemble::Prediction Ensemble::Predict(const Eigen::MatrixXd& features) const {
     }
     prediction.spread = prediction.spread.cwiseSqrt();
   }
+  if (!line.empty()) prediction.mean += line.Along(inputs);
   return prediction;
 }
 

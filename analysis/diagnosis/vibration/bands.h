@@ -14,8 +14,8 @@ struct NoiseBand {
   double excess{};  // −ln p of one look
   double centre_Hz{};
   double width_Hz{};
-  std::vector<double>
-      sizes;  // a channel of all runs: deviation of what moves it in that of its noise, signed
+  /// A channel of all runs: deviation of what moves it in that of its noise, signed.
+  std::vector<double> sizes;
 };
 
 /// The loudest bands, strongest first, none wider than 0.7 of its frequency, none within another, none whose
