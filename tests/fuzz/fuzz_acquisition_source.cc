@@ -22,7 +22,6 @@ using std::chrono::nanoseconds;
 
 constexpr std::uint32_t kMostSamples = 16;
 constexpr std::size_t kWindow = 24;
-constexpr std::uint64_t kLongestRepeat = 1100;
 
 class AnyDevice final : public SampleSource {
  public:
@@ -57,11 +56,12 @@ class AnyDevice final : public SampleSource {
   }
 
  private:
-  // A short step back is what samples that come again look like, and is taken for them.
+  // To where it has not been near: a place shortly before the furthest is what samples that come again look
+  // like, and is taken for them.
   void CountAnew() {
-    const std::uint64_t before = counter_;
-    counter_ = std::uint64_t{Byte()} << (Byte() % 56U);
-    if (counter_ != before && before - counter_ > kLongestRepeat) era_ += 1U << 24U;
+    const std::uint64_t place = Byte() % 2 == 0 ? ++highest_ : --lowest_;
+    counter_ = place << 32U | Byte();
+    era_ += 1U << 24U;
   }
   std::uint8_t Byte() {
     if (data_.empty()) return 0;
@@ -73,6 +73,8 @@ class AnyDevice final : public SampleSource {
   std::span<const std::uint8_t> data_;
   SourceDescription description_;
   std::uint64_t counter_{};
+  std::uint64_t highest_{1U << 20U};  // of the places it went to
+  std::uint64_t lowest_{highest_};
   std::uint32_t era_{};  // tells samples apart that the counter does not
   nanoseconds arrival_{std::chrono::hours(1)};
 };
