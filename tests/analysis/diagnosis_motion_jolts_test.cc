@@ -89,6 +89,21 @@ TEST(MotionJolts, AreNotTakenForThatWhereTimeStampsJitter) {
   }
 }
 
+// Where the path's noise is no longer small beside what is left of the motion, it passes for acceleration
+// that the torque does not follow.
+TEST(MotionJolts, DoNotLetNoiseOfThePathThroughAtAHighRate) {
+  const auto logger = [](double noise_Nm) {
+    return Logger{.rate_Hz = 1000.0,
+                  .duration_s = 20.0,
+                  .noise_Nm = noise_Nm,
+                  .late_share = 0.35,
+                  .stamp_error = 0.002};
+  };
+  EXPECT_EQ(Ask(Record(5, {0.1}, logger(0.003))).names(), Names());
+  EXPECT_EQ(Ask(Record(5, {0.1}, logger(0.01))).names(), Names());
+  EXPECT_EQ(Ask(Record(5, {0.03}, logger(0.03))).names(), Names());
+}
+
 TEST(MotionJolts, LeaveTheRestOfTheRecordItsPower) {
   const Diagnosed found = Ask(Record(7, {0.07}, {.rate_Hz = 50.0, .noise_Nm = 0.02}, 0.01));
   EXPECT_EQ(found.names(), Names{"gravity_load"});

@@ -18,7 +18,8 @@ constexpr double kCorrelated = 4.5;     // standard errors of a correlation coef
 constexpr double kFewestInBand = 30.0;  // samples
 constexpr double kMostlyNoise = 0.3;    // share of the acceleration that the torque shows
 constexpr double kImmaterial = 2.0;     // of −2 log-likelihood, over the whole record
-constexpr double kClear = 4.0;          // times the noise expected
+constexpr double kClear = 4.0;          // times the torque's noise
+constexpr double kClearPath = 10.0;     // times the path's noise, which would pass for motion of no torque
 constexpr double kSeesMotion = 0.3;     // of the acceleration's variance, enough to know the inertia by
 const double kHalfOctave = std::sqrt(2.0);
 
@@ -66,12 +67,13 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
   return band;
 }
 
-// Whether motion would be lost with the band. Where the torque has nothing but noise there, correlation says
-// it, however wild the noise of the path; where friction and the rest fill the band, the path has to say it.
+// Whether motion would be lost with the band. The path has to stand clear of its noise there; where the
+// torque has nothing but noise, correlation has to say as well that it follows.
 bool HoldsMotion(const Band& band, double inertia, double noise_per_s, double wildness) {
   if (band.count < kFewestInBand) return true;
   if (inertia * inertia * band.xx * band.spacing_s < kImmaterial * noise_per_s) return false;
-  if (band.yy > kClear * band.torque_noise) return band.xx > kClear * wildness * band.motion_noise;
+  if (band.xx < kClearPath * wildness * band.motion_noise) return false;
+  if (band.yy > kClear * band.torque_noise) return true;
   const bool correlated = band.xy * band.xy * band.count > kCorrelated * kCorrelated * band.xx * band.yy;
   return correlated && std::abs(band.xy) > kMostlyNoise * std::abs(inertia) * band.xx;
 }
