@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/cause_sets.h"
 #include "analysis/diagnosis/heldout.h"
 #include "analysis/diagnosis/lone_samples.h"
+#include "analysis/diagnosis/refinement.h"
 #include "analysis/diagnosis/residual_tests.h"
 #include "analysis/diagnosis/residuals.h"
 #include "analysis/diagnosis/selection.h"

@@ -9,21 +9,17 @@
 #include <utility>
 
 #include "analysis/diagnosis/cause_sets.h"
+#include "analysis/diagnosis/refinement.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kAsGood = 6.0;         // of BIC: odds of 20 to 1
-constexpr double kClearlyBetter = 2.0;  // for an exchange of one cause for another
-constexpr double kPairAhead = 8.0;      // of two causes, to take the place of one
-constexpr double kErrorBeside = 0.3;    // of the error allowed, for what comes on top of something found
+constexpr double kAsGood = 6.0;        // of BIC: odds of 20 to 1
+constexpr double kPairAhead = 8.0;     // of two causes, to take the place of one
+constexpr double kErrorBeside = 0.15;  // of the error allowed, for what comes on top of something found
 // Standard errors: a rival need not be proven, only not be excluded.
 constexpr double kRivalAwayFromZero = 2.0;
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
-// A shape without a cause has to explain this much more than the best cause to take its place: our formulae
-// are not nature's, and a free curve always follows the last few percent better.
-constexpr double kCorrectionLead = 10.0;
-constexpr double kCorrectionShare = 0.15;
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
 constexpr double kLeastShare = 0.004;
 constexpr double kLeastShareBesideUnnamed = 0.01;  // where the model is known to lack something
@@ -38,19 +34,6 @@ struct Candidate {
   Comparison against;
   double score{};  // BIC less what the places searched cost
 };
-
-bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other) {
-  const auto found = far_behind.find(cause);
-  return found != far_behind.end() && found->second.contains(other);
-}
-
-// Of a model with this cause, ahead of the one without.
-double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause) {
-  return judge.Score(judge.Compare(with, without), judge.study().causes()[cause]);
-}
-
-// By how much a correction has to be ahead of a cause to take its place.
-double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
 
 // The strongest first; causes stand before a correction that does not lead them by enough, so that the next
 // one has its turn where the first does not pass.
@@ -218,56 +201,7 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
   return best;
 }
 
-// Drops what the rest of the model does not need any more.
-bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
-                  ScoredModel& model) {
-  for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
-    if (Contains(given, cause) || model.fit.causes.size() < 2) continue;
-    ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
-    const Comparison comparison = judge.Compare(model, without);
-    const CauseRule& rule = judge.study().causes()[cause];
-    const double p = judge.Corrected(comparison.p_value, rule);
-    if (IsBeyondChance(comparison, rule, p, options.family_error)) continue;
-    if (!IsWithinRanges(judge, given, without.fit)) continue;
-    model = std::move(without);
-    return true;
-  }
-  return false;
-}
-
-// Exchanges a cause for one that does better in its place.
-bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarBehindOf& far_behind,
-              ScoredModel& model, double explained) {
-  const auto& rules = judge.study().causes();
-  for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
-    if (Contains(given, cause)) continue;
-    const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
-    if (!without.fit.usable) continue;
-    const double own = ScoreOf(judge, model, without, cause);
-    for (std::size_t other = 0; other < rules.size(); ++other) {
-      if (Contains(model.fit.causes, other) || IsFarBehind(far_behind, cause, other)) continue;
-      ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
-      if (!exchanged.fit.usable) continue;
-      double lead = ScoreOf(judge, exchanged, without, other) - own;
-      if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained);
-      if (!rules[cause].named && rules[other].named) lead += LeadAsked(own);
-      if (lead < kClearlyBetter) continue;
-      exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
-      if (!judge.Objection(exchanged.fit, other).empty()) continue;
-      model = std::move(exchanged);
-      return true;
-    }
-  }
-  return false;
-}
-
 }  // namespace
-
-bool IsWithinRanges(const Judge& judge, std::span<const std::size_t> given, const ModelFit& fit) {
-  return std::ranges::all_of(fit.causes, [&](std::size_t cause) {
-    return Contains(given, cause) || judge.Objection(fit, cause, 0.0).empty();
-  });
-}
 
 CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const ScoredModel& without,
                            std::size_t cause, double error_allowed) {
@@ -339,6 +273,10 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
       options.progress(
           chosen == nullptr ? "no further effect" : "found " + judge.study().causes()[chosen->cause].name,
           static_cast<double>(seen.size()) / static_cast<double>(options.max_effects + 1));
+    }
+    if (chosen != nullptr && FindDeeper(judge, chosen->model, selection.model)) {
+      seen.erase(selection.model.fit.causes);
+      continue;
     }
     double brought = 0.0;
     if (chosen != nullptr) {

@@ -116,10 +116,6 @@ struct Selection {
 };
 Selection Select(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options);
 
-/// False where a cause's parameter is outside of its range: what would do then in the place of a cause that
-/// the fit lacks is no explanation, and does not make that one needless.
-bool IsWithinRanges(const Judge& judge, std::span<const std::size_t> given, const ModelFit& fit);
-
 /// Evidence of one cause of a model against the model without it.
 CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const ScoredModel& without,
                            std::size_t cause, double error_allowed);

@@ -103,16 +103,47 @@ void MapBrakeSlip(const NamedCause& cause, const MappingContext& context, PlantT
   }
 }
 
-void MapCreep(const NamedCause& cause, Parameters nominal, const MappingContext& context, PlantTerms& plant) {
-  const double constant_s = Require(cause, "time_constant_s");
-  // The plant's creep goes with torque. Where it was found to be a share of the gear's twist, it is taken
-  // over the mean stiffness up to T₂.
+// Over all of the twist up to T₂.
+double MeanStiffness_Nm_per_rad(Parameters nominal, const MappingContext& context) {
   const model::TorsionSpring own;
   const model::TorsionSpring spring{Find(nominal, "k1_Nm_per_rad").value_or(own.k1_Nm_per_rad),
                                     Find(nominal, "k2_Nm_per_rad").value_or(own.k2_Nm_per_rad),
                                     Find(nominal, "k3_Nm_per_rad").value_or(own.k3_Nm_per_rad), context.t1_Nm,
                                     context.t2_Nm};
-  const double stiffness = context.t2_Nm / model::SpringTwist(spring, context.t2_Nm);
+  return context.t2_Nm / model::SpringTwist(spring, context.t2_Nm);
+}
+
+// The plant's gear is stiffer one way in all of its segments or in none.
+void MapAsymmetry(const NamedCause& cause, PlantTerms& plant) {
+  if (const auto share = Find(cause.parameters, "asymmetry_share")) {
+    plant.Set("asymmetric_stiffness", {{"asymmetry_share", *share}});
+  } else {
+    SayUnknown(cause, plant);
+  }
+}
+
+// The plant has a damper beside the spring. A lag of the twist is that of one over the mean stiffness;
+// friction that rises with the rate holds back as much as one does at the usual rate.
+void MapRateDependence(const NamedCause& cause, Parameters nominal, const MappingContext& context,
+                       PlantTerms& plant) {
+  const double stiffness = MeanStiffness_Nm_per_rad(nominal, context);
+  double viscous = 0.0;
+  if (const auto lag = Find(cause.parameters, "lag_rad_s_per_Nm")) {
+    viscous = *lag * stiffness * stiffness;
+  } else if (const auto rise = Find(cause.parameters, "friction_rise_share")) {
+    const double held_back_Nm = *rise * std::log(2.0) * Find(nominal, "friction_torque_Nm").value_or(0.0);
+    viscous = held_back_Nm * stiffness / Require(cause, "usual_rate_Nm_per_s");
+  } else {
+    viscous = Require(cause, "viscous_Nms_per_rad");
+  }
+  plant.Set("rate_dependence", {{"viscous_Nms_per_rad", viscous}});
+}
+
+void MapCreep(const NamedCause& cause, Parameters nominal, const MappingContext& context, PlantTerms& plant) {
+  const double constant_s = Require(cause, "time_constant_s");
+  // The plant's creep goes with torque; where it was found to be a share of the gear's twist, that is changed
+  // over.
+  const double stiffness = MeanStiffness_Nm_per_rad(nominal, context);
   const auto share_of = [&](const char* of_twist, const char* of_torque) -> std::optional<double> {
     if (const auto share = Find(cause.parameters, of_twist)) return share;
     if (const auto torque = Find(cause.parameters, of_torque)) return RadFromArcmin(*torque) * stiffness;
@@ -216,7 +247,7 @@ void MapHysteresis(Parameters nominal, std::span<const NamedCause> causes, const
         plant.Set("gear_backlash", {{"beside_friction", *beside}});
       }
     } else if (cause.name == "asymmetric_stiffness") {
-      plant.Set("asymmetric_stiffness", {{"asymmetry_share", Require(cause, "asymmetry_share")}});
+      MapAsymmetry(cause, plant);
     } else if (cause.name == "cubic_hardening") {
       plant.Set("cubic_hardening", {{"hardening_Nm_per_rad3", Require(cause, "hardening_Nm_per_rad3")}});
     } else if (cause.name == "creep") {
@@ -230,7 +261,7 @@ void MapHysteresis(Parameters nominal, std::span<const NamedCause> causes, const
     } else if (cause.name == "distributed_friction") {
       MapFurtherFriction(cause, plant);
     } else if (cause.name == "rate_dependence") {
-      plant.Set("rate_dependence", {{"viscous_Nms_per_rad", Require(cause, "viscous_Nms_per_rad")}});
+      MapRateDependence(cause, nominal, context, plant);
     } else {
       SayUnknown(cause, plant);
     }

@@ -156,7 +156,7 @@ TEST(FillTwist, DoesNotHangOnHowFineTheWayIs) {
   law.friction[1] = {0.4, 4e-5};
   law.friction[2] = {0.3, 9e-4};
   law.start_share = {{0.5, -1.0, 0.0}};
-  law.asymmetry_share = 0.1;
+  law.asymmetry_share = {0.1, -0.05, 0.2};
   law.backlash = {2e-5, 0.4};
   law.backlash_beside_friction = true;
   const auto path = [](int parts) {
@@ -283,6 +283,52 @@ TEST(HysteresisStudy, NamesALoopThatWidensWithTheRate) {
   const Diagnosed found = Ask({.damper_Nms_per_rad = 2500.0}, {}, 6, path);
   EXPECT_EQ(found.names(), Names{"rate_dependence"});
   ExpectNear(found.value("viscous_Nms_per_rad"), 2500.0, 0.1);
+}
+
+// Friction that goes with the logarithm of the rate, which a torque held still takes back.
+TEST(HysteresisStudy, NamesFrictionThatRisesWithTheRate) {
+  std::vector<PathLeg> path;
+  for (const double rate : {2.0, 8.0, 1.0, 16.0}) {
+    path.push_back({34.0, rate, 0.5});
+    path.push_back({-34.0, rate, 0.5});
+    path.push_back({0.0, rate, 0.5});
+  }
+  const Diagnosed found = Ask({.rise_with_rate = 0.1}, {}, 6, path);
+  EXPECT_EQ(found.names(), Names{"rate_dependence"});
+  EXPECT_GT(found.value("friction_rise_share").value, 0.0);
+}
+
+// The angle a fixed time behind the torque's rate, at every torque by as much.
+TEST(HysteresisStudy, NamesATwistThatLagsBehindTheRate) {
+  const std::vector<PathLeg> path{{34.0, 1.0}, {-34.0, 1.0}, {0.0, 1.0},
+                                  {34.0, 8.0}, {-34.0, 8.0}, {0.0, 8.0}};
+  GeneratedSensors sensors;
+  double before_s = 0.0;
+  double before_Nm = 0.0;
+  double rate_Nm_per_s = 0.0;
+  sensors.unlisted_rad = [&](double time_s, double torque_Nm, double, bool) {
+    if (time_s > before_s) rate_Nm_per_s = (torque_Nm - before_Nm) / (time_s - before_s);
+    before_s = time_s;
+    before_Nm = torque_Nm;
+    return -RadFromArcmin(0.003) * rate_Nm_per_s;
+  };
+  sensors.torque_noise_Nm = 0.0;
+  const Diagnosed found = Ask({}, sensors, 7, path);
+  EXPECT_EQ(found.names(), Names{"rate_dependence"});
+  ExpectNear(found.value("lag_rad_s_per_Nm"), RadFromArcmin(0.003), 0.1);
+}
+
+TEST(HysteresisStudy, NamesASlipThatComesAtOnceAndStays) {
+  const Diagnosed found = Ask({.slip_from_Nm = 26.3, .slip_at_once_rad = RadFromArcmin(0.15)}, {}, 8);
+  EXPECT_EQ(found.names(), Names{"brake_slip"});
+  ExpectNear(found.value("slip_arcmin"), 0.15, 0.1);
+  ExpectNear(found.value("slip_torque_Nm"), 26.3, 0.1);
+}
+
+TEST(HysteresisStudy, NamesAFirstSegmentThatIsStifferOneWay) {
+  const Diagnosed found = Ask({.k1_stiffer_share = 0.05}, {}, 9);
+  EXPECT_EQ(found.names(), Names{"asymmetric_stiffness"});
+  ExpectNear(found.value("k1_asymmetry_share"), 0.05, 0.1);
 }
 
 TEST(HysteresisStudy, CallsAShapeOfNoCauseUnnamed) {

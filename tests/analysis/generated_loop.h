@@ -26,6 +26,8 @@ struct GeneratedGear {
   double dead_zone_rad{};          // in the spring, beside the friction
   double outside_dead_zone_rad{};  // in series with both
   double stiffer_share{};          // (K+ − K−) / (K+ + K−)
+  double k1_stiffer_share{};       // of the first segment alone
+  double rise_with_rate{};         // of the friction's limits: × (1 + rise · ln(1 + |Ṫ| / 1 Nm/s))
   double hardening_Nm_per_rad3{};
   double damper_Nms_per_rad{};
   double creep_share_per_decade{};  // three Kelvin-Voigt elements, one a decade, from `creep_s` on
@@ -35,6 +37,7 @@ struct GeneratedGear {
   double slip_from_Nm{1e9};
   double slip_rad_per_Nms{};  // speed by the excess over `slip_from_Nm`
   double slip_rad_per_s{};    // one speed beyond it
+  double slip_at_once_rad{};  // once, the first time that it is passed
 };
 
 struct GeneratedSensors {
@@ -63,6 +66,14 @@ class SteppedGear {
   void Step(double torque_Nm, double step_s) {
     double change_Nm = torque_Nm - torque_Nm_;
     torque_Nm_ = torque_Nm;
+    limit_scale_ = 1.0 + gear_.rise_with_rate * std::log1p(std::abs(change_Nm) / step_s);
+    // What an element can no longer carry the others take over.
+    for (std::size_t j = 0; j < element_Nm_.size(); ++j) {
+      const double limit_Nm = limit_scale_ * gear_.friction_Nm[j];
+      const double carried_Nm = std::clamp(element_Nm_[j], -limit_Nm, limit_Nm);
+      change_Nm += element_Nm_[j] - carried_Nm;
+      element_Nm_[j] = carried_Nm;
+    }
     if (gear_.damper_Nms_per_rad > 0.0) {
       constexpr int kParts = 16;
       for (int part = 0; part < kParts; ++part) {
@@ -85,7 +96,7 @@ class SteppedGear {
       while (change_Nm > 0.0) {
         double stiffness = SpringSlope(twist_rad_);
         for (std::size_t j = 0; j < element_Nm_.size(); ++j) {
-          if (way * element_Nm_[j] < gear_.friction_Nm[j])
+          if (way * element_Nm_[j] < limit_scale_ * gear_.friction_Nm[j])
             stiffness += gear_.friction_Nm[j] / gear_.yield_rad[j];
         }
         const double part_rad = std::min(change_Nm / stiffness, kMost_rad);
@@ -103,6 +114,8 @@ class SteppedGear {
     if (beyond_Nm > 0.0) {
       slip_rad_ +=
           std::copysign(step_s, torque_Nm) * (gear_.slip_rad_per_s + gear_.slip_rad_per_Nms * beyond_Nm);
+      if (!slipped_) slip_rad_ += std::copysign(gear_.slip_at_once_rad, torque_Nm);
+      slipped_ = true;
     }
   }
 
@@ -118,8 +131,9 @@ class SteppedGear {
   void Twist(double change_rad) {
     twist_rad_ += change_rad;
     for (std::size_t j = 0; j < element_Nm_.size(); ++j) {
+      const double limit_Nm = limit_scale_ * gear_.friction_Nm[j];
       element_Nm_[j] = std::clamp(element_Nm_[j] + change_rad * gear_.friction_Nm[j] / gear_.yield_rad[j],
-                                  -gear_.friction_Nm[j], gear_.friction_Nm[j]);
+                                  -limit_Nm, limit_Nm);
     }
   }
 
@@ -131,10 +145,13 @@ class SteppedGear {
     const double in_zone = 0.5 * gear_.dead_zone_rad;
     const double size = std::abs(twist_rad) - in_zone;
     const double scale = Scale(twist_rad);
-    const double knee1 = gear_.t1_Nm / (gear_.k1_Nm_per_rad * scale);
+    const double first_Nm_per_rad =
+        gear_.k1_Nm_per_rad * scale *
+        (twist_rad > 0.0 ? 1.0 + gear_.k1_stiffer_share : 1.0 - gear_.k1_stiffer_share);
+    const double knee1 = gear_.t1_Nm / first_Nm_per_rad;
     const double knee2 = knee1 + (gear_.t2_Nm - gear_.t1_Nm) / (gear_.k2_Nm_per_rad * scale);
     double slope = size < 0.0     ? 0.01 * gear_.k1_Nm_per_rad
-                   : size < knee1 ? gear_.k1_Nm_per_rad * scale
+                   : size < knee1 ? first_Nm_per_rad
                    : size < knee2 ? gear_.k2_Nm_per_rad * scale
                                   : gear_.k3_Nm_per_rad * scale;
     return slope + 3.0 * gear_.hardening_Nm_per_rad3 * twist_rad * twist_rad;
@@ -149,6 +166,8 @@ class SteppedGear {
 
   GeneratedGear gear_;
   double torque_Nm_{};
+  double limit_scale_{1.0};
+  bool slipped_{};
   double twist_rad_{};
   double spring_Nm_{};
   double spring_at_rad_{};

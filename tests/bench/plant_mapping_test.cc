@@ -233,6 +233,30 @@ TEST(PlantMapping, GivesALoopItsFurtherFriction) {
             500.0);
 }
 
+// A lag over the mean stiffness, and friction's rise at the usual rate, as the damper that holds back as
+// much.
+TEST(PlantMapping, TakesWhatTheRateDoesForADamper) {
+  const auto viscous = [](const NamedCause& cause) {
+    return LoopPlant({cause}).law().deviations.viscous_Nms_per_rad;
+  };
+  const double stiffness = 25.0 / model::SpringTwist({1.1e4, 1.6e4, 2.0e4, 7.0, 25.0}, 25.0);
+  EXPECT_NEAR(viscous(Cause("rate_dependence", {{"lag_rad_s_per_Nm", 1e-6}})), 1e-6 * stiffness * stiffness,
+              1e-9 * stiffness);
+  const double usual =
+      viscous(Cause("rate_dependence", {{"friction_rise_share", 0.2}, {"usual_rate_Nm_per_s", 1.5}}));
+  EXPECT_GT(usual, 0.0);
+  const double faster =
+      viscous(Cause("rate_dependence", {{"friction_rise_share", 0.2}, {"usual_rate_Nm_per_s", 3.0}}));
+  EXPECT_NEAR(faster, 0.5 * usual, 1e-9 * usual);
+}
+
+TEST(PlantMapping, SaysThatTheBenchIsStifferOneWayInAllSegmentsOnly) {
+  const PlantMapping mapping = PlantTermsOf(
+      "hysteresis", {}, std::vector{Cause("asymmetric_stiffness", {{"k1_asymmetry_share", 0.1}})}, {});
+  ASSERT_EQ(mapping.not_run.size(), 1U);
+  EXPECT_EQ(mapping.not_run[0], "asymmetric_stiffness: the simulated bench has no term for it");
+}
+
 TEST(PlantMapping, CreepsAsTheModelDoes) {
   // Of the twist that 20 Nm make: by share · log₁₀(1 + t/t₀), or exponentially.
   const double wind_up_rad = 20.0 * model::SpringTwist({1.1e4, 1.6e4, 2.0e4, 7.0, 25.0}, 25.0) / 25.0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "analysis/diagnosis/hysteresis/formed_effect.h"
@@ -10,6 +11,8 @@
 
 namespace strainwave::analysis::diagnosis {
 namespace {
+
+constexpr double kJumpSpread = 0.01;  // of the level
 
 // The ways in which a brake lets the input move, as the record's torque (beyond what it holds) drives it.
 enum SlipForm { kOneSpeed, kSpeedOfExcess, kEachTime, kOnlyFurther, kOneJump };
@@ -82,6 +85,10 @@ class BrakeSlip final : public FormedEffect {
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {
     std::vector<ParameterValue> described = FormedEffect::Describe(v, covariance);
+    // Under torque of the sign that slips more.
+    const double larger = 1.0 + std::abs(v[3]);
+    described.front().value *= larger;
+    described.front().standard_error *= larger;
     described.push_back({"slip_balance", "1", v[3], v[4] < 0.5 ? 0.0 : ErrorsOf(covariance)[3]});
     return described;
   }
@@ -90,12 +97,17 @@ class BrakeSlip final : public FormedEffect {
     std::vector<double> v = FormedEffect::Restore(parameters);
     const double* balance = FindParameter(parameters, "slip_balance");
     v.push_back(balance == nullptr ? 0.0 : *balance);
+    v[1] /= 1.0 + std::abs(v[3]);
     v.push_back(0.0);
     return v;
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+  std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
     std::vector<std::vector<double>> starts;
+    for (const double side : {1.0, -1.0}) {
+      for (const double level_Nm : LevelsOfJump_Nm(remainder, side))
+        starts.push_back({kOneJump, 0.0, std::log(level_Nm), side, 0.0});
+    }
     for (int form = 0; form < static_cast<int>(forms_.size()); ++form) {
       for (const double share : {0.4, 0.6, 0.75, 0.87, 0.95}) {
         for (const double balance : {0.0, 1.0, -1.0}) {
@@ -121,6 +133,65 @@ class BrakeSlip final : public FormedEffect {
     double negative_Nm{};
   };
 
+  // Torques at which a jump, once one is reached for the first time under torque of this sign, takes most off
+  // the residual: off all of it, and off the points next to it, where a model without the jump has not bent
+  // to follow it. A fit does not find it from afar: beside the level nothing says which way to go.
+  std::vector<double> LevelsOfJump_Nm(const LoopRemainder& remainder, double side) const {
+    struct JumpAt {
+      double gain{};
+      double level_Nm{};
+    };
+    JumpAt far;
+    std::vector<JumpAt> near;
+    const LoopGrid& grid = remainder.grid;
+    for (std::size_t r = 0; r < grid.records(); ++r) {
+      const std::size_t first = grid.starts[r];
+      const std::size_t end = grid.starts[r + 1];
+      // Weights and weighted residuals up to each point.
+      std::vector<double> weight{0.0};
+      std::vector<double> sum{0.0};
+      for (std::size_t i = first; i < end; ++i) {
+        weight.push_back(weight.back() + grid.weight[i]);
+        sum.push_back(sum.back() + grid.weight[i] * remainder.residual_rad[i]);
+      }
+      // Of a step before point i, between points a and b.
+      const auto gain_of = [&](std::size_t a, std::size_t i, std::size_t b) {
+        const double before = weight[i] - weight[a];
+        const double after = weight[b] - weight[i];
+        if (!(before > 0.0) || !(after > 0.0)) return 0.0;
+        const double step = (sum[b] - sum[i]) / after - (sum[i] - sum[a]) / before;
+        return step * step * before * after / (before + after);
+      };
+      const std::size_t count = end - first;
+      const std::size_t reach = std::max<std::size_t>(5, count / 100);
+      double furthest_Nm = 0.0;
+      for (std::size_t i = 0; i < count; ++i) {
+        const double torque_Nm = side * grid.torque_Nm[first + i];
+        if (!(torque_Nm > furthest_Nm)) continue;
+        const double level_Nm = std::max(furthest_Nm, torque_Nm / (1.0 + 0.5 * kJumpSpread));
+        furthest_Nm = torque_Nm;
+        if (level_Nm < 0.3 * peak_Nm_ || level_Nm > 0.998 * peak_Nm_) continue;
+        const double of_all = gain_of(0, i, count);
+        const double of_next = gain_of(i - std::min(i, reach), i, std::min(i + reach, count));
+        if (of_all > far.gain) far = {of_all, level_Nm};
+        near.push_back({of_next, level_Nm});
+      }
+    }
+    constexpr std::size_t kMostNear = 4;
+    constexpr double kApart = 0.02;  // of the level: neighbours show the same step
+    std::vector<double> levels_Nm;
+    if (far.gain > 0.0) levels_Nm.push_back(far.level_Nm);
+    std::ranges::stable_sort(near, std::greater<>(), &JumpAt::gain);
+    for (const JumpAt& step : near) {
+      if (levels_Nm.size() > kMostNear) break;
+      if (std::ranges::all_of(levels_Nm, [&](double level_Nm) {
+            return std::abs(level_Nm - step.level_Nm) > kApart * level_Nm;
+          }))
+        levels_Nm.push_back(step.level_Nm);
+    }
+    return levels_Nm;
+  }
+
   static double Step(SlipForm form, double from_Nm, double to_Nm, double holding_Nm, double step_s,
                      Furthest& furthest) {
     const model::BeyondHolding beyond = model::StepBeyond(from_Nm, to_Nm, holding_Nm, step_s);
@@ -140,8 +211,8 @@ class BrakeSlip final : public FormedEffect {
       case kOnlyFurther:
         return sign * (furthest_Nm - before_Nm);
       case kOneJump: {
-        // Spread over a hundredth of the level, so that the fit can move it.
-        const double spread_Nm = 0.01 * holding_Nm;
+        // Spread over a share of the level, so that the fit can move it.
+        const double spread_Nm = kJumpSpread * holding_Nm;
         return sign * (std::min(furthest_Nm / spread_Nm, 1.0) - std::min(before_Nm / spread_Nm, 1.0));
       }
     }

@@ -71,8 +71,9 @@ using LoopEffects = std::vector<std::unique_ptr<LoopEffect>>;
 /// Appends the causes that change how the gear twists: backlash, asymmetric stiffness, cubic hardening,
 /// torque zero offset, distributed friction, rate dependence.
 void AppendGearEffects(const LoopRecords& records, LoopEffects& effects);
-/// Appends the distributed friction alone.
+/// Appends one of these alone.
 void AppendDistributedFriction(const LoopRecords& records, LoopEffects& effects);
+void AppendRateDependence(const LoopRecords& records, LoopEffects& effects);
 /// Appends the causes that add to the angle: creep, brake slip, thermal drift.
 void AppendAddedEffects(const LoopRecords& records, LoopEffects& effects);
 /// Appends shapes without a physical cause: smooth functions of the torque, lines over output angle and time,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "analysis/model/asymmetric_stiffness.h"
 #include "analysis/model/cubic_hardening.h"
@@ -14,6 +15,7 @@ namespace {
 // Of a step between points where a damper works, so that corners and kinks fall between parts.
 constexpr int kPartsOfStep = 4;
 constexpr double kMostStepsOfGap = 200.0;
+constexpr double kSameRate = 1e-3;  // of the usual one: rounding of torques and times
 
 struct Tangent {
   double torque_Nm;
@@ -42,10 +44,12 @@ struct Side {
 
 Side MakeSide(const GearLaw& law, double sign) {
   const model::TorsionSpring& spring = law.spring;
-  const double scale = model::StiffnessOnSide(law.asymmetry_share, sign);
+  const auto on_side = [&](double stiffness_Nm_per_rad, std::size_t segment) {
+    return stiffness_Nm_per_rad * model::StiffnessOnSide(law.asymmetry_share[segment], sign);
+  };
   Side side{};
-  side.slope = {spring.k1_Nm_per_rad * scale, spring.k1_Nm_per_rad * scale, spring.k2_Nm_per_rad * scale,
-                spring.k3_Nm_per_rad * scale};
+  side.slope = {on_side(spring.k1_Nm_per_rad, 0), on_side(spring.k1_Nm_per_rad, 0),
+                on_side(spring.k2_Nm_per_rad, 1), on_side(spring.k3_Nm_per_rad, 2)};
   if (law.backlash_beside_friction && law.backlash.width_rad > 0.0) {
     const double edge_Nm = law.backlash.torque_Nm;
     side.start_Nm[1] = edge_Nm;
@@ -63,7 +67,11 @@ Side MakeSide(const GearLaw& law, double sign) {
 class Gear {
  public:
   Gear(const GearLaw& law, double mean_step_s)
-      : law_(law), mean_step_s_(mean_step_s), positive_(MakeSide(law, 1.0)), negative_(MakeSide(law, -1.0)) {
+      : law_(law),
+        mean_step_s_(mean_step_s),
+        positive_(MakeSide(law, 1.0)),
+        negative_(MakeSide(law, -1.0)),
+        friction_(law.friction) {
     for (std::size_t j = 0; j < law.friction_elements; ++j)
       stiffness_[j] = law.friction[j].stiffness_Nm_per_rad();
   }
@@ -86,6 +94,7 @@ class Gear {
   // Goes from one torque to another in a straight line.
   void GoTo(double from_Nm, double to_Nm, double step_s) {
     const bool damped = law_.viscous_Nms_per_rad > 0.0;
+    if (!std::exchange(balanced_, true)) return TakeTo(to_Nm, step_s);
     if (damped ? GoStraightDamped(from_Nm, to_Nm, step_s) : GoStraight(from_Nm, to_Nm)) return;
     LeaveStraight();
     // A gap counts as the steps that it lasts.
@@ -98,22 +107,40 @@ class Gear {
 
   // At a torque with the elements in given states.
   void StartAt(double torque_Nm, const std::array<double, kFrictionElements>& share) {
+    friction_ = law_.friction;
+    rate_Nm_per_s_ = 0.0;
+    balanced_ = true;
     double carried_Nm = 0.0;
-    for (std::size_t j = 0; j < law_.friction_elements; ++j)
-      carried_Nm += share[j] * law_.friction[j].limit_Nm;
+    for (std::size_t j = 0; j < law_.friction_elements; ++j) carried_Nm += share[j] * friction_[j].limit_Nm;
     twist_rad_ = Solve(0.0, [&](double twist) {
       Tangent at = Spring(twist);
       at.torque_Nm += carried_Nm - torque_Nm;
       return at;
     });
     for (std::size_t j = 0; j < law_.friction_elements; ++j) {
-      anchor_rad_[j] = twist_rad_ - share[j] * law_.friction[j].yield_rad;
+      anchor_rad_[j] = twist_rad_ - share[j] * friction_[j].yield_rad;
     }
     damper_Nm_ = 0.0;
     straight_.direction = 0.0;
   }
 
   double twist_rad() const { return twist_rad_; }
+
+  // The torque is to change at this rate from here on: friction that rises with it yields further out.
+  void SetRate(double rate_Nm_per_s) {
+    if (law_.friction_rise_share == 0.0 ||
+        std::abs(rate_Nm_per_s - rate_Nm_per_s_) <= kSameRate * law_.usual_rate_Nm_per_s)
+      return;
+    rate_Nm_per_s_ = rate_Nm_per_s;
+    LeaveStraight();
+    const double scale =
+        1.0 + law_.friction_rise_share * std::log1p(std::abs(rate_Nm_per_s) / law_.usual_rate_Nm_per_s);
+    for (std::size_t j = 0; j < law_.friction_elements; ++j) {
+      friction_[j] = {scale * law_.friction[j].limit_Nm, scale * law_.friction[j].yield_rad};
+      anchor_rad_[j] = model::MovedAnchor(friction_[j], twist_rad_, anchor_rad_[j]);
+    }
+    balanced_ = false;
+  }
 
  private:
   // Even steps on one piece of the law ask for the same one again.
@@ -156,7 +183,7 @@ class Gear {
       way_rad = piece < 3 ? side.start_rad[piece + 1] - size : std::numeric_limits<double>::infinity();
     straight_ = {direction, twist_rad_, sign * side.Torque_Nm(piece, size), side.slope[piece], 0.0};
     for (std::size_t j = 0; j < law_.friction_elements; ++j) {
-      const model::ElastoPlasticElement& element = law_.friction[j];
+      const model::ElastoPlasticElement& element = friction_[j];
       straight_.from_Nm += model::ElementTorque(element, twist_rad_, anchor_rad_[j]);
       const double before_slip_rad = element.yield_rad - direction * (twist_rad_ - anchor_rad_[j]);
       if (before_slip_rad < 1e-9 * element.yield_rad) continue;
@@ -171,7 +198,7 @@ class Gear {
     if (straight_.direction == 0.0) return;
     straight_.direction = 0.0;
     for (std::size_t j = 0; j < law_.friction_elements; ++j)
-      anchor_rad_[j] = model::MovedAnchor(law_.friction[j], twist_rad_, anchor_rad_[j]);
+      anchor_rad_[j] = model::MovedAnchor(friction_[j], twist_rad_, anchor_rad_[j]);
   }
 
   // Goes to a torque without a damper. False, and nothing done, where a kink lies on the way.
@@ -226,7 +253,7 @@ class Gear {
       at.stiffness_Nm_per_rad += damper;
       for (std::size_t j = 0; j < law_.friction_elements; ++j) {
         const double stuck_Nm = (twist - anchor_rad_[j]) * stiffness_[j];
-        const double limit_Nm = law_.friction[j].limit_Nm;
+        const double limit_Nm = friction_[j].limit_Nm;
         if (std::abs(stuck_Nm) < limit_Nm) {
           at.torque_Nm += stuck_Nm;
           at.stiffness_Nm_per_rad += stiffness_[j];
@@ -238,7 +265,7 @@ class Gear {
     });
     damper_Nm_ = damper * (twist_rad_ - before_rad) - carried_over_Nm;
     for (std::size_t j = 0; j < law_.friction_elements; ++j) {
-      anchor_rad_[j] = model::MovedAnchor(law_.friction[j], twist_rad_, anchor_rad_[j]);
+      anchor_rad_[j] = model::MovedAnchor(friction_[j], twist_rad_, anchor_rad_[j]);
     }
   }
 
@@ -267,6 +294,9 @@ class Gear {
   double mean_step_s_;
   Side positive_;
   Side negative_;
+  std::array<model::ElastoPlasticElement, kFrictionElements> friction_;  // as they are at the torque's rate
+  double rate_Nm_per_s_{};
+  bool balanced_{true};  // the twist is that of the torque
   std::array<double, kFrictionElements> stiffness_{};
   std::array<double, kFrictionElements> anchor_rad_{};
   double twist_rad_{};
@@ -288,11 +318,14 @@ void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_
   for (std::size_t r = 0; r < grid.records(); ++r) {
     for (std::size_t i = grid.starts[r]; i < grid.starts[r + 1]; ++i) {
       const double torque_Nm = grid.torque_Nm[i] - law.torque_offset_Nm;
+      double rate_Nm_per_s = 0.0;
       if (i == grid.starts[r]) {
         gear.StartAt(torque_Nm, law.start_share[r]);
       } else {
         const double before_Nm = grid.torque_Nm[i - 1] - law.torque_offset_Nm;
         const double step_s = grid.time_s[i] - grid.time_s[i - 1];
+        if (step_s > 0.0) rate_Nm_per_s = (torque_Nm - before_Nm) / step_s;
+        gear.SetRate(rate_Nm_per_s);
         if (std::isnan(grid.turn_Nm[i])) {
           gear.GoTo(before_Nm, torque_Nm, step_s);
         } else {
@@ -301,7 +334,7 @@ void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_
           gear.GoTo(turn_Nm, torque_Nm, (1.0 - grid.turn_share[i]) * step_s);
         }
       }
-      double twist = gear.twist_rad();
+      double twist = gear.twist_rad() - law.lag_rad_s_per_Nm * rate_Nm_per_s;
       if (outside) twist += model::BacklashTwist_rad(law.backlash, torque_Nm);
       twist_rad(static_cast<Eigen::Index>(i)) = twist;
     }

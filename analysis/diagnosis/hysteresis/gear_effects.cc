@@ -4,37 +4,12 @@
 #include <utility>
 
 #include "analysis/diagnosis/hysteresis/effects.h"
+#include "analysis/diagnosis/hysteresis/law_number.h"
 #include "analysis/diagnosis/hysteresis/phases.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-// An effect of one number that goes straight into the law.
-class OneNumber final : public LoopEffect {
- public:
-  OneNumber(CauseRule the_rule, FitNumber number, double GearLaw::*member) : member_(member) {
-    rule = std::move(the_rule);
-    number.amount = true;
-    numbers = {number};
-    shapes_gear = true;
-  }
-
-  void ShapeGear(std::span<const double> v, GearLaw& law) const override { law.*member_ = v[0]; }
-  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override { return {{0.0}}; }
-  std::vector<ParameterValue> Describe(std::span<const double> v,
-                                       const Eigen::MatrixXd& covariance) const override {
-    const std::vector<double> se = ErrorsOf(covariance);
-    const ParameterRule& p = rule.parameters[0];
-    return {{p.name, p.unit, v[0], se[0]}};
-  }
-  std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
-    return {RequireParameter(rule, parameters, rule.parameters[0].name)};
-  }
-
- private:
-  double GearLaw::*member_;
-};
 
 // Numbers: 0 outside of the friction, 1 beside it; width in arcmin; ln of the torque at the zone's ends.
 class BacklashEffect final : public LoopEffect {
@@ -103,11 +78,17 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
           "flexspline that was overloaded one way; a mount that bends one way looks the same",
       .where = Where::kUnit,
       .effect = "E5",
-      .parameters = {{"asymmetry_share", "1", -0.5, 0.5, true}},
       .degrees_of_freedom = 1,
+      .trials = 3.0,
       .to_settle = TwoAngles(records)};
-  effects.push_back(std::make_unique<OneNumber>(std::move(asymmetry), FitNumber{-0.6, 0.6, 1e-6, false, true},
-                                                &GearLaw::asymmetry_share));
+  const LawForm of_all{"asymmetry_share", "1", -0.5, 0.5,
+                       [](double share, GearLaw& law) { law.asymmetry_share.fill(share); }};
+  const LawForm of_first{"k1_asymmetry_share", "1", -0.5, 0.5,
+                         [](double share, GearLaw& law) { law.asymmetry_share[0] = share; }};
+  const LawForm of_last{"k3_asymmetry_share", "1", -0.5, 0.5,
+                        [](double share, GearLaw& law) { law.asymmetry_share[2] = share; }};
+  effects.push_back(
+      std::make_unique<LawNumber>(std::move(asymmetry), std::vector{of_all, of_first, of_last}));
 
   const double hardest = 0.8 * peak_Nm / (half_range_rad * half_range_rad * half_range_rad);
   CauseRule hardening{
@@ -117,13 +98,12 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
           "the flexspline winds up",
       .where = Where::kUnit,
       .effect = "E5",
-      .parameters = {{"hardening_Nm_per_rad3", "Nm/rad3", 0.0, hardest, true}},
       .degrees_of_freedom = 1,
       .to_settle = fmt::format("# further out, where the gear allows it\n{}",
                                PhaseText(records, {.name = "further", .peak_share = 1.4}))};
-  effects.push_back(std::make_unique<OneNumber>(std::move(hardening),
-                                                FitNumber{0.0, 2.0 * hardest, 1e-6 * hardest, false, true},
-                                                &GearLaw::hardening_Nm_per_rad3));
+  const LawForm cubic{"hardening_Nm_per_rad3", "Nm/rad3", 0.0, hardest,
+                      [](double amount, GearLaw& law) { law.hardening_Nm_per_rad3 = amount; }};
+  effects.push_back(std::make_unique<LawNumber>(std::move(hardening), std::vector{cubic}));
 
   const double most_offset_Nm = 0.3 * records.t3_Nm;
   CauseRule offset{
@@ -133,38 +113,16 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
           "output (zero it unloaded, with couplings loose)",
       .where = Where::kBench,
       .effect = "",
-      .parameters = {{"offset_Nm", "Nm", -most_offset_Nm, most_offset_Nm, true}},
       .degrees_of_freedom = 1,
       .to_settle = fmt::format("# with the torque signal zeroed on the unloaded output\n{}",
                                PhaseText(records, {.name = "zeroed"}))};
-  effects.push_back(std::make_unique<OneNumber>(
-      std::move(offset),
-      FitNumber{-1.2 * most_offset_Nm, 1.2 * most_offset_Nm, 1e-6 * records.t1_Nm, false, true},
-      &GearLaw::torque_offset_Nm));
+  const LawForm shifted{"offset_Nm", "Nm", -most_offset_Nm, most_offset_Nm,
+                        [](double offset_Nm, GearLaw& law) { law.torque_offset_Nm = offset_Nm; }};
+  effects.push_back(std::make_unique<LawNumber>(std::move(offset), std::vector{shifted}));
 
   AppendDistributedFriction(records, effects);
 
-  // As much damping as takes all the torque at the mean rate of the twist.
-  const double rate_rad_per_s = 2.0 * records.twist_range_rad *
-                                static_cast<double>(records.branches.size() - 1) / 2.0 /
-                                static_cast<double>(records.samples.records()) / records.duration_s;
-  const double most_viscous = 0.5 * peak_Nm / rate_rad_per_s;
-  CauseRule rate{
-      .name = "rate_dependence",
-      .sentence =
-          "the loop widens with the torque rate, as with viscous friction: stiff grease or cold; an "
-          "angle that is sampled later than the torque looks the same",
-      .where = Where::kUnit,
-      .effect = "E22",
-      .parameters = {{"viscous_Nms_per_rad", "Nm s/rad", 0.0, most_viscous, true}},
-      .degrees_of_freedom = 1,
-      .to_settle = fmt::format(
-          "# the same loop slowly and fast: what is the rate's doing grows ten times\n{}{}",
-          PhaseText(records, {.name = "slow", .torque_rate_Nm_per_s = 0.5, .hold_s = 30.0, .loops = 2}),
-          PhaseText(records, {.name = "fast", .torque_rate_Nm_per_s = 5.0, .hold_s = 30.0, .loops = 2}))};
-  effects.push_back(std::make_unique<OneNumber>(
-      std::move(rate), FitNumber{0.0, 2.0 * most_viscous, 1e-6 * most_viscous, false, true},
-      &GearLaw::viscous_Nms_per_rad));
+  AppendRateDependence(records, effects);
 }
 
 }  // namespace strainwave::analysis::diagnosis

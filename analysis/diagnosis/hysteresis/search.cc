@@ -116,12 +116,18 @@ double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSol
 void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std::size_t effect,
              const LoopGrid& grid, LoopSolution& best) {
   const bool has_forms = model.effects()[effect]->numbers.front().held;
+  constexpr double kTheSame = 1e-9;  // of the gain: forms that differ in what this record does not have
   std::vector<double> forms;
+  std::vector<double> gains;
   int fits = 0;
   for (const RankedStart& start : ranked) {
     const double form = model.Of(effect, start.numbers)[0];
-    if (has_forms && std::find(forms.begin(), forms.end(), form) != forms.end()) continue;
-    forms.push_back(form);
+    if (has_forms) {
+      if (std::ranges::find(forms, form) != forms.end()) continue;
+      forms.push_back(form);
+      if (!gains.empty() && gains.back() - start.gain <= kTheSame * gains.back()) continue;
+      gains.push_back(start.gain);
+    }
     LoopSolution solution = SolveLoop(model, grid, start.numbers, kMostIterations);
     if (!std::isfinite(best.cost) ||
         PenalisedCost(model, grid, solution) < PenalisedCost(model, grid, best)) {
@@ -170,9 +176,24 @@ std::vector<Eigen::VectorXd> ProposedStarts(const LoopRecords& records, std::siz
   return starts;
 }
 
+// A servo rounds its corners off, and a simulation knows no torque between its samples: turns between them
+// stay only where the angle says that the gear went there.
+// @returns the nominal numbers with the turns as they are kept.
+Eigen::VectorXd SettleTurns(LoopRecords& records, const LoopModel& model, const Eigen::VectorXd& x) {
+  LoopGrid& samples = records.samples;
+  if (std::ranges::all_of(samples.turn_Nm, [](double turn_Nm) { return std::isnan(turn_Nm); })) return x;
+  LoopGrid at_samples = samples;
+  std::ranges::fill(at_samples.turn_Nm, std::numeric_limits<double>::quiet_NaN());
+  const LoopSolution between = SolveLoop(model, samples, x, kMostIterations);
+  const LoopSolution there = SolveLoop(model, at_samples, x, kMostIterations);
+  if (!(there.cost < between.cost)) return between.numbers;
+  samples = std::move(at_samples);
+  return there.numbers;
+}
+
 }  // namespace
 
-Eigen::VectorXd FindNominal(const LoopRecords& records) {
+Eigen::VectorXd FindNominal(LoopRecords& records) {
   const LoopModel model(records, {});
   const LoopGrid grid = Condense(records, records.samples.weight, kSearchPoints);
   std::vector<Eigen::VectorXd> starts;
@@ -198,7 +219,7 @@ Eigen::VectorXd FindNominal(const LoopRecords& records) {
     LoopSolution solution = SolveLoop(model, grid, start, kMostIterations);
     if (solution.cost < best.cost) best = std::move(solution);
   }
-  return best.numbers;
+  return SettleTurns(records, model, best.numbers);
 }
 
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,

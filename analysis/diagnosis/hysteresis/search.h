@@ -9,8 +9,9 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// Numbers of the nominal model fitted to the records from starts that need no fit of the caller's.
-Eigen::VectorXd FindNominal(const LoopRecords& records);
+/// Numbers of the nominal model fitted to the records from starts that need no fit of the caller's. Turns of
+/// the torque between samples are taken off the records where the angle does not show them.
+Eigen::VectorXd FindNominal(LoopRecords& records);
 
 /// Fits a model to a grid where all but one effect have their numbers already, fitted without that one: the
 /// effect's forms and shapes are ranked by what they would take off the residual beside all other numbers

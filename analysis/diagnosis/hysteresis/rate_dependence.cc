@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "analysis/diagnosis/hysteresis/effects.h"
+#include "analysis/diagnosis/hysteresis/law_number.h"
+#include "analysis/diagnosis/hysteresis/phases.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// Half of the median of what the torque moves at, so that rates of the record lie where ln(1 + rate / usual)
+// is curved.
+double UsualRate_Nm_per_s(const LoopRecords& records) {
+  std::vector<double> rates;
+  for (const double rate : records.torque_rate_Nm_per_s) {
+    if (rate != 0.0) rates.push_back(std::abs(rate));
+  }
+  if (rates.empty()) return 1.0;
+  const auto middle = rates.begin() + static_cast<std::ptrdiff_t>(rates.size() / 2);
+  std::nth_element(rates.begin(), middle, rates.end());
+  return 0.5 * *middle;
+}
+
+// As a law of the friction it goes with a rate that the record has, which has to be told beside its number.
+class RateDependence final : public LawNumber {
+ public:
+  RateDependence(CauseRule the_rule, std::vector<LawForm> forms, double usual_rate_Nm_per_s)
+      : LawNumber(std::move(the_rule), std::move(forms)), usual_rate_Nm_per_s_(usual_rate_Nm_per_s) {}
+
+  std::vector<ParameterValue> Describe(std::span<const double> v,
+                                       const Eigen::MatrixXd& covariance) const override {
+    std::vector<ParameterValue> described = LawNumber::Describe(v, covariance);
+    if (FindParameter(described, "friction_rise_share") != nullptr)
+      described.push_back({"usual_rate_Nm_per_s", "Nm/s", usual_rate_Nm_per_s_, 0.0});
+    return described;
+  }
+  std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
+    std::vector<double> v = LawNumber::Restore(parameters);
+    const double* usual = FindParameter(parameters, "usual_rate_Nm_per_s");
+    // Of another record: between the two rates the logarithm is nearly a straight line.
+    if (usual != nullptr) v.back() *= std::log1p(1.0) / std::log1p(*usual / usual_rate_Nm_per_s_);
+    return v;
+  }
+
+ private:
+  double usual_rate_Nm_per_s_;
+};
+
+}  // namespace
+
+void AppendRateDependence(const LoopRecords& records, LoopEffects& effects) {
+  const double rate_Nm_per_s = UsualRate_Nm_per_s(records);
+  const double most_lag_rad_s_per_Nm = 0.5 * records.twist_range_rad / (2.0 * rate_Nm_per_s);
+  // As much damping as takes all the torque at the mean rate of the twist.
+  const double twist_rad_per_s = 2.0 * records.twist_range_rad *
+                                 static_cast<double>(records.branches.size() - 1) / 2.0 /
+                                 static_cast<double>(records.samples.records()) / records.duration_s;
+  const double most_viscous = 0.5 * records.peak_torque_Nm / twist_rad_per_s;
+  CauseRule rule{
+      .name = "rate_dependence",
+      .sentence =
+          "the loop widens with the torque rate, as with viscous friction: stiff grease or cold; an "
+          "angle that is sampled later than the torque looks the same",
+      .where = Where::kUnit,
+      .effect = "E22",
+      .degrees_of_freedom = 1,
+      .trials = 3.0,
+      .to_settle = fmt::format(
+          "# the same loop slowly and fast: what is the rate's doing grows ten times\n{}{}",
+          PhaseText(records, {.name = "slow", .torque_rate_Nm_per_s = 0.5, .hold_s = 30.0, .loops = 2}),
+          PhaseText(records, {.name = "fast", .torque_rate_Nm_per_s = 5.0, .hold_s = 30.0, .loops = 2}))};
+  std::vector<LawForm> forms{
+      {"viscous_Nms_per_rad", "Nm s/rad", 0.0, most_viscous,
+       [](double viscous, GearLaw& law) { law.viscous_Nms_per_rad = viscous; }},
+      {"lag_rad_s_per_Nm", "rad s/Nm", 0.0, most_lag_rad_s_per_Nm,
+       [](double lag, GearLaw& law) { law.lag_rad_s_per_Nm = lag; }},
+      {"friction_rise_share", "1", 0.0, 3.0, [rate_Nm_per_s](double share, GearLaw& law) {
+         law.friction_rise_share = share;
+         law.usual_rate_Nm_per_s = rate_Nm_per_s;
+       }}};
+  effects.push_back(std::make_unique<RateDependence>(std::move(rule), std::move(forms), rate_Nm_per_s));
+}
+
+}  // namespace strainwave::analysis::diagnosis

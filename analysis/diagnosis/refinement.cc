@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/refinement.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "analysis/diagnosis/cause_sets.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// A shape without a cause has to explain this much more than the best cause to take its place: our formulae
+// are not nature's, and a free curve always follows the last few percent better.
+constexpr double kCorrectionLead = 10.0;
+constexpr double kCorrectionShare = 0.15;
+
+}  // namespace
+
+bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other) {
+  const auto found = far_behind.find(cause);
+  return found != far_behind.end() && found->second.contains(other);
+}
+
+double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause) {
+  return judge.Score(judge.Compare(with, without), judge.study().causes()[cause]);
+}
+
+double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
+
+bool FindDeeper(const Judge& judge, const ScoredModel& with_more, ScoredModel& model) {
+  ScoredModel deeper = judge.Fit(model.fit.causes, &with_more.fit);
+  if (!deeper.fit.usable || !(LikelihoodRatio(deeper.noise, model.noise) > kClearlyBetter)) return false;
+  model = std::move(deeper);
+  return true;
+}
+
+bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
+                  ScoredModel& model) {
+  for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
+    if (Contains(given, cause) || model.fit.causes.size() < 2) continue;
+    ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
+    const Comparison comparison = judge.Compare(model, without);
+    const CauseRule& rule = judge.study().causes()[cause];
+    const double p = judge.Corrected(comparison.p_value, rule);
+    if (IsBeyondChance(comparison, rule, p, options.family_error)) continue;
+    if (!IsWithinRanges(judge, given, without.fit)) continue;
+    model = std::move(without);
+    return true;
+  }
+  return false;
+}
+
+bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarBehindOf& far_behind,
+              ScoredModel& model, double explained) {
+  const auto& rules = judge.study().causes();
+  for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
+    if (Contains(given, cause)) continue;
+    const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
+    if (!without.fit.usable) continue;
+    const double own = ScoreOf(judge, model, without, cause);
+    for (std::size_t other = 0; other < rules.size(); ++other) {
+      if (Contains(model.fit.causes, other) || IsFarBehind(far_behind, cause, other)) continue;
+      ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
+      if (!exchanged.fit.usable) continue;
+      double lead = ScoreOf(judge, exchanged, without, other) - own;
+      if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained);
+      if (!rules[cause].named && rules[other].named) lead += LeadAsked(own);
+      if (lead < kClearlyBetter) continue;
+      exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
+      if (!judge.Objection(exchanged.fit, other).empty()) continue;
+      model = std::move(exchanged);
+      return true;
+    }
+  }
+  return false;
+}
+
+bool IsWithinRanges(const Judge& judge, std::span<const std::size_t> given, const ModelFit& fit) {
+  return std::ranges::all_of(fit.causes, [&](std::size_t cause) {
+    return Contains(given, cause) || judge.Objection(fit, cause, 0.0).empty();
+  });
+}
+
+}  // namespace strainwave::analysis::diagnosis

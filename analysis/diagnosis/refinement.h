@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "analysis/diagnosis/selection.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// BIC by which one model is clearly better than another with as many causes.
+inline constexpr double kClearlyBetter = 2.0;
+
+/// Whether a cause came nowhere near another one when that was chosen.
+bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other);
+
+/// Of a model with this cause, ahead of the one without: BIC less what the places searched cost.
+double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause);
+
+/// By how much a description has to be ahead of a cause to take its place, where so much is explained.
+double LeadAsked(double explained);
+
+/// False where a cause's parameter is outside of its range: what would do then in the place of a cause that
+/// the fit lacks is no explanation, and does not make that one needless.
+bool IsWithinRanges(const Judge& judge, std::span<const std::size_t> given, const ModelFit& fit);
+
+/// Fits the model anew from where a further cause had led it; true, and `model` is that, if it is a deeper
+/// valley: what it brings is then no merit of the cause.
+bool FindDeeper(const Judge& judge, const ScoredModel& with_more, ScoredModel& model);
+
+/// Drops one cause that the rest of the model does not need any more; false where there is none.
+bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
+                  ScoredModel& model);
+
+/// Exchanges one cause for one that does better in its place; false where there is none.
+bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarBehindOf& far_behind,
+              ScoredModel& model, double explained);
+
+}  // namespace strainwave::analysis::diagnosis
