@@ -109,6 +109,28 @@ TEST(FieldMachine, TurnsEncodersThatCountAgainstTheShaft) {
   ExpectToSeeTheShaftTurn(bench);
 }
 
+// Encoders count over at 32 bits: that of the input, with 20 bits a turn, 2048 turns from its zero either way.
+TEST(FieldMachine, CountsOnWhereAnEncoderGoesOver) {
+  FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
+  Sampler& sampler = machine.Devices().sampler;
+  Until([&] { return sampler.Read().bad_channels == 0; });
+  const Readings from = sampler.Read();
+  constexpr double kFarEnough_rad = 1.5 * 2048.0 * kTwoPi;
+  for (const char* const drift : {"sensor drift 0 50000", "sensor drift 0 -50000"}) {
+    machine.device_side()->Do(drift);
+    const double direction = std::string(drift).find('-') == std::string::npos ? 1.0 : -1.0;
+    const auto end = from.angles_time + seconds(20);  // of samples; the drift alone needs less than one
+    Readings readings;
+    Until([&] {
+      readings = sampler.Read();
+      const double way_rad = direction * (readings.input_angle_rad - from.input_angle_rad);
+      return way_rad > kFarEnough_rad || readings.angles_time > end;
+    });
+    EXPECT_GT(direction * (readings.input_angle_rad - from.input_angle_rad), kFarEnough_rad) << drift;
+    EXPECT_NEAR(readings.output_angle_rad, from.output_angle_rad, 1e-3) << drift;
+  }
+}
+
 TEST(FieldMachine, RecordsVibrationWithoutALoss) {
   FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
   Sampler& sampler = machine.Devices().sampler;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -33,7 +34,7 @@ namespace {
 // A converter of 24 bits whose range is a quarter wider than the sensor's.
 constexpr double kConverterEnd = 8388607.0;
 constexpr double kReserve = 1.25;
-// Counts of a turn as a stream sends them: 32 bits then hold 128 turns either way.
+// Counts of a turn as a stream sends them: 32 bits then go over after 128 turns either way.
 constexpr double kMostCountsPerTurn = 16777216.0;
 constexpr std::uint32_t kVibrationBlocksPerSecond = 200;
 
@@ -100,11 +101,13 @@ ChannelDescription Sent(const BenchDescription& bench, const analysis::model::Pl
   return channel;
 }
 
+// A converter stands at its ends; an encoder has none, and goes over at 32 bits.
 std::uint32_t Word(double value, const ChannelDescription& channel) {
   const double counts = std::round(value * channel.calibration.sensitivity);
-  const double low = channel.limits.saturation_low.value_or(std::numeric_limits<std::int32_t>::min());
-  const double high = channel.limits.saturation_high.value_or(std::numeric_limits<std::int32_t>::max());
-  return std::bit_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(counts, low, high)));
+  const std::optional<double>& low = channel.limits.saturation_low;
+  const std::optional<double>& high = channel.limits.saturation_high;
+  return static_cast<std::uint32_t>(
+      static_cast<std::int64_t>(low && high ? std::clamp(counts, *low, *high) : counts));
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ using daq::acquisition::SampleBlock;
 using daq::acquisition::SampleSource;
 using daq::acquisition::SourceDescription;
 using daq::acquisition::SpscRing;
+using daq::acquisition::TurnCounter;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
@@ -42,6 +43,13 @@ SourceDescription Started(SampleSource& source) {
 
 SampleBlock RoomFor(const SourceDescription& description) {
   return SampleBlock(description.channels.size() * description.most_samples_a_block);
+}
+
+// An angle in whole counts, which has no ends.
+bool GoesOver(const SourceDescription& source, const ChannelDescription& channel) {
+  return source.type == daq::acquisition::SampleType::kInt32 &&
+         (channel.unit == "deg" || channel.unit == "rad") && !channel.limits.saturation_low &&
+         !channel.limits.saturation_high;
 }
 
 }  // namespace
@@ -78,7 +86,9 @@ SourceReader::SourceReader(std::unique_ptr<SampleSource> source, const Monotonic
       device_clock_({}),
       window_(static_cast<std::size_t>(std::max(1.0, kVibrationWindow_s * description_.rate_hz))) {
   for (std::size_t i = 0; i < description_.channels.size(); ++i) {
-    if (description_.channels[i].unit == "m/s^2") accelerometers_.push_back(i);
+    const ChannelDescription& channel = description_.channels[i];
+    if (channel.unit == "m/s^2") accelerometers_.push_back(i);
+    turns_.push_back(GoesOver(description_, channel) ? std::optional(TurnCounter()) : std::nullopt);
   }
   next_.bad_channels = description_.channels.size() == SourceSnapshot::kMostChannels
                            ? ~0U
@@ -172,7 +182,9 @@ void SourceReader::Take(SampleBlock& block) {
   MeasureVibration(block);
   const std::size_t last = block.header.samples - 1;
   for (std::size_t i = 0; i < description_.channels.size(); ++i) {
-    next_.values[i] = description_.channels[i].calibration.Apply(block.Value(last, i));
+    double raw = block.Value(last, i);
+    if (turns_[i]) raw = static_cast<double>(turns_[i]->Follow(static_cast<std::int32_t>(raw)));
+    next_.values[i] = description_.channels[i].calibration.Apply(raw);
   }
   next_.time = clock_.FromKernel(block.header.arrival);
   next_.sampled = clock_.FromKernel(FollowClock(block));

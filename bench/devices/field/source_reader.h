@@ -24,6 +24,7 @@
 #include "daq/acquisition/sensor_watch.h"
 #include "daq/acquisition/spsc_ring.h"
 #include "daq/acquisition/stream_recorder.h"
+#include "daq/acquisition/turn_counter.h"
 
 namespace strainwave::bench {
 
@@ -110,6 +111,7 @@ class SourceReader {
   daq::acquisition::SensorWatch watch_;
   daq::acquisition::ClockModel device_clock_;
   SourceSnapshot next_;
+  std::vector<std::optional<daq::acquisition::TurnCounter>> turns_;  // of the channels that go over
   std::vector<std::size_t> accelerometers_;
   std::vector<double> sums_;
   std::vector<double> squares_;
