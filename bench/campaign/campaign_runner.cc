@@ -214,8 +214,9 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
                                                     double credited_before_s, bool& again) {
   const schedules::Phase& phase = *step.phase;
   const bool blank = std::holds_alternative<schedules::BlankTest>(phase.parameters);
-  const auto program =
-      MakeProgram(phase.parameters, schedule_.specimen, credited_before_s, bench_.control_period_s);
+  const bool sweep = std::holds_alternative<schedules::TransmissionErrorSweep>(phase.parameters);
+  const auto program = MakeProgram(phase.parameters, schedule_.specimen, credited_before_s,
+                                   sweep ? SweepPeriod_s(bench_) : bench_.control_period_s);
   PhaseRow row;
   row.cycle = cycle_;
   row.step = step.index;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -96,5 +97,14 @@ struct BenchDescription {
   std::string file_name;  // as given to the reader
   schedules::Origins origins;
 };
+
+/// Time between the readings of a transmission-error sweep: on metal short enough to follow the output as it
+/// swings on the gear's spring, for the time between the encoders to be told (EncoderSkew). A simulated bench
+/// that is asked less often than each 2 ms does not swing.
+inline double SweepPeriod_s(const BenchDescription& bench) {
+  constexpr double kFollowsSwing_s = 4e-3;
+  if (bench.simulated) return bench.control_period_s;
+  return std::min(bench.control_period_s, std::max(bench.fast_control_period_s, kFollowsSwing_s));
+}
 
 }  // namespace strainwave::bench

@@ -14,18 +14,43 @@ constexpr double kLeastEigenvalue = 1e-9;
 
 }  // namespace
 
+void EncoderSkew::BeginMove(double direction) noexcept {
+  direction_ = direction;
+  in_move_ = 0;
+  ++moves_;
+}
+
 void EncoderSkew::Add(const Readings& readings) noexcept {
-  const double difference_rad = readings.input_angle_rad / ratio_ - readings.output_angle_rad;
+  if (in_move_ > 0 && readings.angles_time <= last_[1].angles_time) return;  // nothing new came in
+  if (in_move_ >= 2) Take(last_[0], last_[1], readings);
+  last_ = {last_[1], readings};
+  ++in_move_;
+}
+
+void EncoderSkew::Take(const Readings& before, const Readings& at, const Readings& after) noexcept {
+  const double difference_rad = at.input_angle_rad / ratio_ - at.output_angle_rad;
   if (!begun_) first_rad_ = difference_rad;
   begun_ = true;
-  const double input_rad = readings.input_angle_rad;
-  const std::array<double, kUnknowns> row{readings.input_speed_rad_per_s / ratio_,
-                                          readings.output_torque_Nm,
+  using Seconds = std::chrono::duration<double>;
+  const double to_s = Seconds(at.angles_time - before.angles_time).count();
+  const double from_s = Seconds(after.angles_time - at.angles_time).count();
+  const double speed_to = (at.output_angle_rad - before.output_angle_rad) / to_s;
+  const double speed_from = (after.output_angle_rad - at.output_angle_rad) / from_s;
+  const double input_rad = at.input_angle_rad;
+  const double output_rad = at.output_angle_rad;
+  const std::array<double, kUnknowns> row{(speed_to * to_s + speed_from * from_s) / (to_s + from_s),
+                                          (speed_from - speed_to) / (0.5 * (to_s + from_s)),
+                                          at.output_torque_Nm,
+                                          direction_,
                                           1.0,
                                           std::cos(input_rad),
                                           std::sin(input_rad),
                                           std::cos(2.0 * input_rad),
-                                          std::sin(2.0 * input_rad)};
+                                          std::sin(2.0 * input_rad),
+                                          std::cos(output_rad),
+                                          std::sin(output_rad),
+                                          std::cos(2.0 * output_rad),
+                                          std::sin(2.0 * output_rad)};
   const double value = difference_rad - first_rad_;
   for (std::size_t i = 0; i < kUnknowns; ++i) {
     for (std::size_t j = 0; j < kUnknowns; ++j) normal_[kUnknowns * i + j] += row[i] * row[j];

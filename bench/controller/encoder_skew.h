@@ -12,26 +12,37 @@ namespace strainwave::bench {
 
 /// Time between the two encoders, from readings in motion (E20): with the output read later by s,
 ///
-///   input / ratio − output = −s ω + c T + Σ harmonics of the wave generator (1, 2) + constant,
+///   input / ratio − output = −s ω + l a + c T + h d + Σ harmonics of input and output (1, 2) + constant,
 ///
-/// ω the output's speed, T the torque at the output, whose twist goes by direction as the skew does and would
-/// be taken for it. Moves of either direction and of several angles of the wave generator tell them apart.
+/// T the torque at the output, whose twist goes by direction as the skew does and would be taken for it; d
+/// the direction, by which the gear's lost motion goes whether it moves or stands; ω and a the output's own
+/// speed and acceleration from its angles before and after. The input's speed would not do: the output swings
+/// on the gear's spring, in short moves by 2 % of the speed, and a drive tells its speed milliseconds late.
+/// Moves of either direction and to several angles, each with the standstill after it,
+/// tell them apart. Readings have to be closer together than a tenth of a move and than half a period of the
+/// swing (some 50 Hz), so that differences are speeds.
 class EncoderSkew {
  public:
   explicit EncoderSkew(double ratio) : ratio_(ratio) {}
 
-  /// A reading while the shafts move. Takes no memory.
+  /// @param direction  1 or -1. What the fit misses of the readings within a move is alike, so that each move
+  ///   counts as one reading.
+  void BeginMove(double direction) noexcept;
+  /// The next reading of the move and of the standstill after it. Takes no memory.
   void Add(const Readings& readings) noexcept;
-  /// A move has ended: what the fit misses of the readings within one is alike, so that each counts as one.
-  void EndMove() noexcept { ++moves_; }
 
   /// Above zero: the output encoder is read later. Nothing where too little moved to tell.
   std::optional<daq::acquisition::Skew> Estimate() const;
 
  private:
-  static constexpr std::size_t kUnknowns = 7;
+  static constexpr std::size_t kUnknowns = 13;
+
+  void Take(const Readings& before, const Readings& at, const Readings& after) noexcept;
 
   double ratio_;
+  double direction_{1.0};
+  std::array<Readings, 2> last_{};  // the newest last
+  int in_move_{};
   bool begun_{};
   double first_rad_{};  // of the difference, taken off so that no digits are lost
   std::size_t count_{};

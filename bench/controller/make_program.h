@@ -11,7 +11,7 @@ namespace strainwave::bench {
 
 /// The program that runs a phase of a schedule.
 /// @param credited_load_s  load time that earlier attempts have served (load runs only).
-/// @param period_s         the bench's control period.
+/// @param period_s         in which it is stepped: the bench's control period, or less for a sweep.
 std::unique_ptr<PhaseProgram> MakeProgram(const schedules::PhaseParameters& phase,
                                           const schedules::Specimen& specimen, double credited_load_s,
                                           double period_s);

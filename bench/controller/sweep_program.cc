@@ -50,6 +50,7 @@ double SweepProgram::StepTarget(int step) const noexcept {
 void SweepProgram::MoveTo(double input_rad, double elapsed_s) noexcept {
   move_ = PointToPoint(target_rad_, input_rad, parameters_.input_speed_rad_per_s,
                        parameters_.input_acceleration_rad_per_s2);
+  skew_.BeginMove(std::copysign(1.0, (input_rad - target_rad_) / ratio_));
   target_rad_ = input_rad;
   stage_start_s_ = elapsed_s;
 }
@@ -84,11 +85,11 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
       }
       return StepResult::kRunning;
     case Stage::kSettle:
+      skew_.Add(readings);
       if (in_stage_s < parameters_.settle_s) return StepResult::kRunning;
       stage_ = Stage::kAverage;
       count_ = 0;
       input_sum_rad_ = output_sum_rad_ = torque_sum_Nm_ = speed_sum_rad_per_s_ = 0.0;
-      skew_.EndMove();
       input_start_rad_ = readings.input_angle_rad;
       output_start_rad_ = readings.output_angle_rad;
       stage_start_s_ = elapsed_s;

@@ -21,6 +21,7 @@ class SweepProgram final : public PhaseProgram {
   void SetUp(const Readings& readings, BenchDevices& devices) override;
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
   bool ready() const noexcept override { return stage_ != Stage::kBringUp; }
+  double control_period_s() const override { return period_s_; }
   double timeout_s() const override;
   double share_done() const noexcept override;
   std::vector<NamedRecord> TakeRecords() override;

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/controller/encoder_skew.h"
-
 namespace strainwave::bench {
 namespace {
 
@@ -67,48 +65,6 @@ TEST(ApproachSpeed, CanAlwaysStillBeBraked) {
     EXPECT_LE(std::abs(speed), 100.0);
     EXPECT_GT(speed * remaining, 0.0);
   }
-}
-
-// Steps of 80 degrees forth and back, as a sweep makes them; the twist goes with the torque, which goes with
-// the direction, as a skew does.
-TEST(EncoderSkew, IsToldFromTheTwistThatGoesWithTheDirection) {
-  constexpr double kSkew_s = 1e-3;
-  constexpr double kStiffness_Nm_per_rad = 15000.0;
-  constexpr double kStep_rad = 80.0 * 3.14159265358979 / 180.0;
-  EncoderSkew skew(80.0);
-  double input_rad = 0.0;
-  for (const double direction : {1.0, -1.0}) {
-    for (int step = 0; step < 90; ++step) {
-      const double from_rad = input_rad;
-      for (int i = 1; i <= 20; ++i) {
-        const double t = i / 20.0;
-        Readings readings;
-        readings.input_angle_rad = from_rad + direction * kStep_rad * t * t * (3.0 - 2.0 * t);
-        readings.input_speed_rad_per_s = direction * kStep_rad * 6.0 * t * (1.0 - t) / 0.2;
-        readings.output_torque_Nm = direction * (1.0 + 0.2 * std::cos(0.37 * step + i));
-        const double kinematic_rad = 1.5e-4 * std::sin(2.0 * readings.input_angle_rad + 0.7);
-        readings.output_angle_rad = readings.input_angle_rad / 80.0 - kinematic_rad -
-                                    readings.output_torque_Nm / kStiffness_Nm_per_rad + 0.3 +
-                                    kSkew_s * readings.input_speed_rad_per_s / 80.0;
-        skew.Add(readings);
-        input_rad = readings.input_angle_rad;
-      }
-      skew.EndMove();
-    }
-  }
-  const auto estimate = skew.Estimate();
-  ASSERT_TRUE(estimate.has_value());
-  EXPECT_NEAR(estimate->skew_s, kSkew_s, 1e-9);
-  EXPECT_LT(estimate->standard_error_s, 1e-8);
-}
-
-TEST(EncoderSkew, SaysNothingOfShaftsThatStand) {
-  EncoderSkew skew(80.0);
-  for (int i = 0; i < 100; ++i) {
-    skew.Add({});
-    skew.EndMove();
-  }
-  EXPECT_FALSE(skew.Estimate().has_value());
 }
 
 }  // namespace

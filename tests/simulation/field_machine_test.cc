@@ -109,7 +109,8 @@ TEST(FieldMachine, TurnsEncodersThatCountAgainstTheShaft) {
   ExpectToSeeTheShaftTurn(bench);
 }
 
-// Encoders count over at 32 bits: that of the input, with 20 bits a turn, 2048 turns from its zero either way.
+// Encoders count over at 32 bits: that of the input, with 20 bits a turn, 2048 turns from its zero either
+// way.
 TEST(FieldMachine, CountsOnWhereAnEncoderGoesOver) {
   FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
   Sampler& sampler = machine.Devices().sampler;
@@ -334,7 +335,8 @@ TEST(FieldMachine, MeasuresTheSkewOfItsEncodersInASweepAt1000Rpm) {
     bench = schedules::With(bench, "profile: drive.yaml", "profile: " + (folder / "drive.yaml").string());
   }
   bench = schedules::With(bench, "  seed: 1", "  seed: 1\n  time_skew: 1 ms");
-  FieldMachine machine(ParseBenchFile(bench, "skewed.yaml", Folder()), 80.0, {});
+  const BenchDescription description = ParseBenchFile(bench, "skewed.yaml", Folder());
+  FieldMachine machine(description, 80.0, {});
   BenchDevices devices = machine.Devices();
   Until([&] { return devices.sampler.Read().bad_channels == 0; });
 
@@ -347,14 +349,14 @@ TEST(FieldMachine, MeasuresTheSkewOfItsEncodersInASweepAt1000Rpm) {
   settings.stale_after_s = 1.0;
   std::atomic<StopRequest> request{StopRequest::kNone};
   PhaseRunner runner(devices, settings, request);
-  const auto program = MakeProgram(sweep, TestSpecimen(), 0.0, settings.control_period_s);
+  const auto program = MakeProgram(sweep, TestSpecimen(), 0.0, SweepPeriod_s(description));
   const PhaseOutcome outcome = runner.Run(*program, NoHeartbeat);
   ASSERT_EQ(outcome.reason.cause, StopCause::kNone) << Describe(outcome.reason) << machine.Troubles();
   const daq::Record record = outcome.records.at(0).record;
   const double skew_us = daq::NumberFromText(record.Metadata("encoder_skew_us").value()).value();
   const double error_us = daq::NumberFromText(record.Metadata("encoder_skew_se_us").value()).value();
   EXPECT_NEAR(skew_us, 1000.0, 5.0 * error_us);
-  EXPECT_LT(error_us, 60.0) << "24 moves; a whole sweep has 720";
+  EXPECT_LT(error_us, 20.0) << "24 moves; a whole sweep has 720";
   EXPECT_EQ(record.Metadata("encoder_skew_taken_out"), "true");
 }
 

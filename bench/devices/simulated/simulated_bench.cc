@@ -43,8 +43,8 @@ void Check(const SimulatedBenchSettings& settings) {
   std::ostringstream text;
   if (!(settings.pace > 0.0)) {
     text << "pace = " << settings.pace << " must be above zero";
-  } else if (!(std::isfinite(settings.time_skew_s) && settings.time_skew_s >= 0.0)) {
-    text << "time_skew_s = " << settings.time_skew_s << " must be finite and not negative";
+  } else if (!std::isfinite(settings.time_skew_s)) {
+    text << "time_skew_s = " << settings.time_skew_s << " must be finite";
   } else if (settings.ambient_degC && !std::isfinite(*settings.ambient_degC)) {
     text << "ambient_degC = " << *settings.ambient_degC << " must be finite";
   } else {

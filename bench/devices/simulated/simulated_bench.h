@@ -17,8 +17,9 @@
 namespace strainwave::bench {
 
 struct SimulatedBenchSettings {
-  std::uint64_t seed{1};      // decides the specimen, its mounting, and all noise
-  double time_skew_s{10e-6};  // output encoder sampled this much after the input encoder (E20)
+  std::uint64_t seed{1};  // decides the specimen, its mounting, and all noise
+  double time_skew_s{
+      10e-6};  // output encoder sampled this much after the input encoder, below zero: before (E20)
   /// Times real time; infinity: as fast as it can.
   double pace{std::numeric_limits<double>::infinity()};
   std::optional<double> ambient_degC{};  // mean of the room, and of everything at the start; else the model's
@@ -64,7 +65,7 @@ struct BenchTruth {
 class SimulatedBench {
  public:
   /// @throws std::invalid_argument for a model that does not compile (CompilePlantModel), a pace that is not
-  ///   above zero, or a negative or non-finite skew.
+  ///   above zero, or a skew that is not finite.
   SimulatedBench(const analysis::model::PlantModel& model, const SimulatedBenchSettings& settings);
   SimulatedBench(const SimulatedBench&) = delete;
   SimulatedBench& operator=(const SimulatedBench&) = delete;
