@@ -57,6 +57,7 @@ void EncoderSkew::Take(const Readings& before, const Readings& at, const Reading
     right_[i] += row[i] * value;
   }
   squares_ += value * value;
+  speeds_rad_per_s_ += std::abs(row[0]);
   ++count_;
 }
 
@@ -76,7 +77,9 @@ std::optional<daq::acquisition::Skew> EncoderSkew::Estimate() const {
   const Vector x = (inverse * right.cwiseQuotient(scale)).cwiseQuotient(scale);
   const double left = std::max(0.0, squares_ - x.dot(right));
   const auto count = static_cast<double>(count_);
-  const double in_a_move = std::max(1.0, count / static_cast<double>(moves_));
+  // As many readings as carry the estimate: those at rest do not.
+  const double moving = speeds_rad_per_s_ * speeds_rad_per_s_ / normal_[0];
+  const double in_a_move = std::max(1.0, moving / static_cast<double>(moves_));
   const double variance = left / (count - static_cast<double>(kUnknowns)) * in_a_move;
   return daq::acquisition::Skew{-x(0), std::sqrt(variance * inverse(0, 0)) / scale(0)};
 }

@@ -50,6 +50,7 @@ class EncoderSkew {
   std::array<double, kUnknowns * kUnknowns> normal_{};
   std::array<double, kUnknowns> right_{};
   double squares_{};
+  double speeds_rad_per_s_{};
 };
 
 }  // namespace strainwave::bench
