@@ -92,16 +92,16 @@ TEST(MotionJolts, AreNotTakenForThatWhereTimeStampsJitter) {
 // Where the path's noise is no longer small beside what is left of the motion, it passes for acceleration
 // that the torque does not follow.
 TEST(MotionJolts, DoNotLetNoiseOfThePathThroughAtAHighRate) {
-  const auto logger = [](double noise_Nm) {
-    return Logger{.rate_Hz = 1000.0,
+  const auto logger = [](double rate_Hz, double noise_Nm) {
+    return Logger{.rate_Hz = rate_Hz,
                   .duration_s = 20.0,
                   .noise_Nm = noise_Nm,
                   .late_share = 0.35,
                   .stamp_error = 0.002};
   };
-  EXPECT_EQ(Ask(Record(5, {0.1}, logger(0.003))).names(), Names());
-  EXPECT_EQ(Ask(Record(5, {0.1}, logger(0.01))).names(), Names());
-  EXPECT_EQ(Ask(Record(5, {0.03}, logger(0.03))).names(), Names());
+  EXPECT_EQ(Ask(Record(5, {0.1}, logger(1000.0, 0.01))).names(), Names());
+  EXPECT_EQ(Ask(Record(5, {0.03}, logger(1000.0, 0.03))).names(), Names());
+  EXPECT_EQ(Ask(Record(4, {0.03}, logger(2000.0, 0.03))).names(), Names());
 }
 
 TEST(MotionJolts, LeaveTheRestOfTheRecordItsPower) {

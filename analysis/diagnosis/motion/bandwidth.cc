@@ -18,8 +18,7 @@ constexpr double kCorrelated = 4.5;     // standard errors of a correlation coef
 constexpr double kFewestInBand = 30.0;  // samples
 constexpr double kMostlyNoise = 0.3;    // share of the acceleration that the torque shows
 constexpr double kImmaterial = 2.0;     // of −2 log-likelihood, over the whole record
-constexpr double kClear = 4.0;          // times the torque's noise
-constexpr double kClearPath = 10.0;     // times the path's noise, which would pass for motion of no torque
+constexpr double kClear = 4.0;          // times the noise expected
 constexpr double kSeesMotion = 0.3;     // of the acceleration's variance, enough to know the inertia by
 const double kHalfOctave = std::sqrt(2.0);
 
@@ -72,7 +71,7 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
 bool HoldsMotion(const Band& band, double inertia, double noise_per_s, double wildness) {
   if (band.count < kFewestInBand) return true;
   if (inertia * inertia * band.xx * band.spacing_s < kImmaterial * noise_per_s) return false;
-  if (band.xx < kClearPath * wildness * band.motion_noise) return false;
+  if (band.xx < kClear * wildness * band.motion_noise) return false;
   if (band.yy > kClear * band.torque_noise) return true;
   const bool correlated = band.xy * band.xy * band.count > kCorrelated * kCorrelated * band.xx * band.yy;
   return correlated && std::abs(band.xy) > kMostlyNoise * std::abs(inertia) * band.xx;
