@@ -296,8 +296,14 @@ bool IsKnownColumn(std::string_view kind, std::string_view column) {
 
 bool TakesFurtherChannels(std::string_view kind) { return kind == "vibration"; }
 
+bool IsShaftAngle(std::string_view column) {
+  constexpr std::string_view kAngles[] = {"input_angle_deg", "input_angle_rad", "output_angle_deg",
+                                          "output_angle_rad"};
+  return std::ranges::find(kAngles, column) != std::end(kAngles);
+}
+
 bool IsReadAsDoubles(std::string_view kind, std::string_view column) {
-  return column == "time_s" || (kind != "vibration" && IsKnownColumn(kind, column));
+  return column == "time_s" || IsShaftAngle(column) || (kind != "vibration" && IsKnownColumn(kind, column));
 }
 
 bool IsLinearAxis(const Record& record) {

@@ -49,6 +49,10 @@ bool IsKnownColumn(std::string_view kind, std::string_view column);
 /// True when a further column of numbers is a channel with rules of its own (vibration).
 bool TakesFurtherChannels(std::string_view kind);
 
+/// True for the columns that say where the input or the output shaft stands: beside accelerations they are no
+/// channel.
+bool IsShaftAngle(std::string_view column);
+
 /// True when analysis reads the column as doubles; others keep the number type of their file.
 bool IsReadAsDoubles(std::string_view kind, std::string_view column);
 

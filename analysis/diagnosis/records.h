@@ -55,7 +55,11 @@ struct VibrationData {
   std::vector<VibrationChannel> channels;
   std::vector<double> time_s;  // always there: made from the rate where the record has only that
   std::vector<double> input_speed_rad_per_s;  // one a sample, or one value for the whole record, or empty
+  std::vector<double> input_angle_rad;  // one a sample, or empty; counts for more than the speed; may start
+                                        // anew each turn
   double ratio{80.0};
+
+  bool KnowsSpeedOfSamples() const { return !input_angle_rad.empty() || input_speed_rad_per_s.size() > 1; }
 };
 
 /// Results of a campaign, one row a cycle; NaN where a cycle has no value.

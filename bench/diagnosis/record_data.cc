@@ -86,6 +86,12 @@ std::vector<double> InputSpeedsOf_rad_per_s(const Record& record) {
   return speed_rpm ? std::vector{RadPerSFromRpm(*speed_rpm)} : std::vector<double>{};
 }
 
+std::vector<double> InputAnglesOf_rad(const Record& record) {
+  if (record.FindColumn("input_angle_rad") != nullptr) return record.CopyAsDoubles("input_angle_rad");
+  if (record.FindColumn("input_angle_deg") != nullptr) return AngleColumn(record, "input_angle_deg");
+  return {};
+}
+
 std::vector<std::string> VibrationChannelsOf(const Record& record) {
   constexpr std::string_view kNoChannels[] = {"time_s", "temperature_degC", "input_speed_rpm",
                                               "input_speed_rad_per_s"};
@@ -95,7 +101,8 @@ std::vector<std::string> VibrationChannelsOf(const Record& record) {
   std::vector<std::string> names;
   for (const daq::Column& column : record.columns) {
     const bool holds_numbers = !std::holds_alternative<std::vector<daq::Direction>>(column.values);
-    if (holds_numbers && std::ranges::find(kNoChannels, column.name) == std::end(kNoChannels) &&
+    if (holds_numbers && !daq::IsShaftAngle(column.name) &&
+        std::ranges::find(kNoChannels, column.name) == std::end(kNoChannels) &&
         std::ranges::find(kLabels, column.name) == std::end(kLabels)) {
       names.push_back(column.name);
     }
@@ -110,6 +117,7 @@ analysis::diagnosis::VibrationData VibrationDataOf(const Record& record) {
   }
   data.time_s = VibrationTime(record);
   data.input_speed_rad_per_s = InputSpeedsOf_rad_per_s(record);
+  data.input_angle_rad = InputAnglesOf_rad(record);
   data.ratio = daq::MetadataNumber(record, "ratio").value_or(data.ratio);
   return data;
 }

@@ -24,11 +24,30 @@ constexpr double kLeastNoise = 0.3;  // of the resonance's peak: bins that tell 
 
 }  // namespace
 
-RingMatcher::RingMatcher(const VibrationRemainder& remainder)
-    : remainder_(remainder), run_(remainder.samples().runs.front()), filtered_(run_.size()) {
-  const auto [slowest, fastest] = std::ranges::minmax(run_.speed_rad_per_s);
-  slowest_ = std::max(slowest, 1e-9);
-  fastest_ = std::max(fastest, 1e-9);
+RingMatcher::RingMatcher(const VibrationRemainder& remainder, const SpeedBand& band)
+    : remainder_(remainder), run_(remainder.samples().runs.front()), band_(band), filtered_(run_.size()) {
+  const std::size_t speeds = run_.speed_spread < 0.01 ? 1 : kSpeeds;
+  double turned = 0.0;
+  for (std::size_t i = 1; i < run_.size() && speeds_rad_per_s_.size() < speeds; ++i) {
+    if (!band_.Holds(run_.speed_rad_per_s[i])) continue;
+    turned += (run_.angle_rad[i] - run_.angle_rad[i - 1]) / kTwoPi;
+    const auto next = [&] {
+      return band_.turns * (static_cast<double>(speeds_rad_per_s_.size()) + 0.5) /
+             static_cast<double>(speeds);
+    };
+    while (speeds_rad_per_s_.size() < speeds && turned >= next())
+      speeds_rad_per_s_.push_back(run_.speed_rad_per_s[i]);
+  }
+}
+
+OrderRange RingMatcher::Range(const VibrationRun& run, const SpeedBand& band, double ring_Hz, double reach,
+                              double widest) {
+  const double natural = kTwoPi * ring_Hz;
+  const double to_next = 0.55 * widest * run.mean_speed_rad_per_s;
+  const double edge = std::max(kEdge * kDamping * natural, to_next);
+  const double first = std::max(0.5, (natural - edge) / band.fastest_rad_per_s - reach);
+  const double highest = kPi / run.period_s / band.slowest_rad_per_s;
+  return {first, std::max(first + 1.0, std::min(highest, (natural + edge) / band.slowest_rad_per_s + reach))};
 }
 
 MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
@@ -36,18 +55,16 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   const Complex step =
       std::exp(Complex(-kDamping * natural, natural * std::sqrt(1.0 - kDamping * kDamping)) * run_.period_s);
   const double half_width = kDamping * natural;
-  const double to_next = 0.55 * widest * run_.mean_speed_rad_per_s;
-  const double edge = std::max(kEdge * half_width, to_next);
-  const double first = std::max(0.5, (natural - edge) / fastest_ - reach);
-  const double highest = kPi / run_.period_s / slowest_;
-  const double last = std::max(first + 1.0, std::min(highest, (natural + edge) / slowest_ + reach));
+  const auto [first, last] = Range(run_, band_, ring_Hz, reach, widest);
   const double centre = 0.5 * (first + last);
   // What is matched to a narrow ring changes slowly beside it: a few samples a bandwidth are enough.
   const auto places = static_cast<std::size_t>(1.3 * (last - first) * run_.turns) + 8;
   const std::size_t size = std::bit_ceil(kPadding * places);
   const double angle_step = run_.angle_rad.back() / static_cast<double>(places);
   std::vector<Complex> turns(run_.size());
-  for (std::size_t i = 0; i < run_.size(); ++i) turns[i] = Direction(-centre / kTwoPi * run_.angle_rad[i]);
+  for (std::size_t i = 0; i < run_.size(); ++i) {
+    if (band_.Holds(run_.speed_rad_per_s[i])) turns[i] = Direction(-centre / kTwoPi * run_.angle_rad[i]);
+  }
 
   MatchedOrders matched;
   matched.step = kTwoPi / (static_cast<double>(size) * angle_step);
@@ -57,7 +74,7 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   matched.first = centre - matched.step * static_cast<double>(below);
   matched.power.resize(below + above + 1, 0.0F);
   const double scale =
-      angle_step * std::sqrt((1.0 - std::norm(step)) / (remainder_.base().variance() * run_.turns)) / kTwoPi;
+      angle_step * std::sqrt((1.0 - std::norm(step)) / (remainder_.base().variance() * band_.turns)) / kTwoPi;
   Foretell(natural, half_width, matched);
   for (const VibrationStretch& channel : run_.channels) {
     Filter(channel, step, turns);
@@ -93,18 +110,14 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
 }
 
 void RingMatcher::Foretell(double natural, double half_width, MatchedOrders& matched) const {
-  const std::size_t speeds = run_.speed_spread < 0.01 ? 1 : kSpeeds;
   matched.noise.assign(matched.power.size(), 0.0F);
   constexpr std::size_t kEvery = 8;  // bins; the noise is smooth
-  for (std::size_t s = 0; s < speeds; ++s) {
-    const double angle = run_.angle_rad.back() * (static_cast<double>(s) + 0.5) / static_cast<double>(speeds);
-    const auto at = std::ranges::lower_bound(run_.angle_rad, angle) - run_.angle_rad.begin();
-    const double speed = std::max(run_.speed_rad_per_s[static_cast<std::size_t>(at)], 1e-9);
+  const auto speeds = static_cast<double>(speeds_rad_per_s_.size());
+  for (const double speed : speeds_rad_per_s_) {
     for (std::size_t k = 0; k < matched.noise.size(); k += kEvery) {
       const double order = matched.first + matched.step * static_cast<double>(k);
       const double off = (order * speed - natural) / half_width;
-      matched.noise[k] +=
-          static_cast<float>(speed / (kPi * half_width * (1.0 + off * off)) / static_cast<double>(speeds));
+      matched.noise[k] += static_cast<float>(speed / (kPi * half_width * (1.0 + off * off)) / speeds);
     }
   }
   for (std::size_t k = 0; k < matched.noise.size(); ++k)

@@ -6,6 +6,7 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
+#include "analysis/diagnosis/vibration/speed_band.h"
 #include "analysis/diagnosis/vibration/starts.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -30,13 +31,23 @@ struct MatchedOrders {
   }
 };
 
-/// Matches what a model leaves to rings of one damping.
+/// Orders, from … to.
+struct OrderRange {
+  double first{};
+  double last{};
+};
+
+/// Matches what a model leaves to rings of one damping, at the speeds of a band.
 class RingMatcher {
  public:
-  explicit RingMatcher(const VibrationRemainder& remainder);
+  RingMatcher(const VibrationRemainder& remainder, const SpeedBand& band);
 
+  /// Where a ring may be heard at the speeds of a band.
   /// @param reach   of sidebands, in orders
   /// @param widest  distance of harmonics in orders: between two of them is a ring that both are far from
+  static OrderRange Range(const VibrationRun& run, const SpeedBand& band, double ring_Hz, double reach,
+                          double widest);
+
   MatchedOrders Match(double ring_Hz, double reach, double widest);
 
  private:
@@ -49,8 +60,8 @@ class RingMatcher {
 
   const VibrationRemainder& remainder_;
   const VibrationRun& run_;
-  double slowest_{};
-  double fastest_{};
+  const SpeedBand band_;
+  std::vector<double> speeds_rad_per_s_;  // evenly over the turns of the band
   std::vector<std::complex<double>> filtered_;
   std::vector<std::complex<double>> values_;
   std::vector<std::complex<double>> spectrum_;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "analysis/diagnosis/lone_samples.h"
+#include "analysis/diagnosis/vibration/shaft.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/diagnosis/vibration/speed.h"
 #include "analysis/noise_level.h"
@@ -84,36 +85,6 @@ void CheckTime(VibrationSamples& samples, VibrationRun& run, const std::string& 
                     "sampling rate are smeared",
                     which, 100.0 * spread));
   }
-}
-
-void TakeSpeed(VibrationRun& run, const VibrationData& record, const std::string& which) {
-  const auto& speed = record.input_speed_rad_per_s;
-  if (speed.empty()) return;
-  if (speed.size() != 1 && speed.size() != run.size()) {
-    throw std::invalid_argument(
-        fmt::format("{}{} values of the input speed for {} samples (expected one, or one a sample)", which,
-                    speed.size(), run.size()));
-  }
-  run.speed_rad_per_s.assign(run.size(), speed.front());
-  if (speed.size() > 1) run.speed_rad_per_s = speed;
-  double mean = 0.0;
-  for (const double value : run.speed_rad_per_s) mean += value / static_cast<double>(run.size());
-  // Which way the shaft turns makes no difference to orders.
-  if (mean < 0.0) {
-    for (double& value : run.speed_rad_per_s) value = -value;
-  }
-  run.mean_speed_rad_per_s = std::abs(mean);
-  if (!(run.mean_speed_rad_per_s > 0.0)) {
-    throw std::invalid_argument(fmt::format("{}the input speed is zero (expected a turning shaft)", which));
-  }
-  run.speed_spread = LargestLess(run.speed_rad_per_s) / run.mean_speed_rad_per_s;
-  run.angle_rad.assign(run.size(), 0.0);
-  for (std::size_t i = 1; i < run.size(); ++i) {
-    run.angle_rad[i] = run.angle_rad[i - 1] + 0.5 * (run.speed_rad_per_s[i] + run.speed_rad_per_s[i - 1]) *
-                                                  (run.time_s[i] - run.time_s[i - 1]);
-    run.angle_rad[i] = std::max(run.angle_rad[i], run.angle_rad[i - 1]);
-  }
-  run.turns = run.angle_rad.back() / kTwoPi;
 }
 
 void TakeChannels(VibrationSamples& samples, VibrationRun& run, const VibrationData& record,
@@ -229,8 +200,8 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
     for (double& time : run.time_s) time -= record.time_s.front();
     CheckTime(samples, run, which);
     for (const double time : run.time_s) run.time_2pi.push_back(kTwoPi * time);
-    TakeSpeed(run, record, which);
-    measured_speed = measured_speed && record.input_speed_rad_per_s.size() > 1;
+    TakeShaft(run, record, which);
+    measured_speed = measured_speed && record.KnowsSpeedOfSamples();
     any_without_speed = any_without_speed || run.angle_rad.empty();
     TakeChannels(samples, run, record, which, values);
     if (!run.angle_rad.empty() && run.turns < kFewestTurns) {
@@ -281,9 +252,7 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
           fmt::format("the record does not say the input speed: {:.4g} rpm was taken from a pair of lines at "
                       "1 and 2 per turn",
                       RpmFromRadPerS(speed)));
-      VibrationData known;
-      known.input_speed_rad_per_s = {speed};
-      TakeSpeed(samples.runs.front(), known, {});
+      TakeSteadySpeed(samples.runs.front(), speed);
     } else {
       samples.warnings.push_back(
           "the record does not say the input speed, and no pair of lines gives it away: orders cannot be "

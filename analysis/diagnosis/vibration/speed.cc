@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "analysis/diagnosis/vibration/projection.h"
+#include "analysis/diagnosis/vibration/shaft.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/units.h"
 
@@ -18,6 +19,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kLagWorthSaying = 1.0;     // sampling periods
+constexpr double kLeastSpreadOfLag = 0.02;  // of the mean speed
+constexpr double kClearLag = 3.0;           // standard errors
 constexpr double kClearLine = 9.0;  // −ln p of one line at a known place, beyond what a channel gives
 
 VectorXd Response(const VibrationSamples& samples, const VibrationRun& run, const VibrationStretch& channel) {
@@ -57,17 +61,8 @@ double BestPair(const VibrationSpectrum& spectrum, double centre, double share) 
 
 // Turns the angle and everything that hangs on it into another one.
 void TakeAngle(VibrationRun& run, const VectorXd& angle) {
-  double mean = 0.0;
   for (std::size_t i = 0; i < run.size(); ++i) run.angle_rad[i] = angle(static_cast<Index>(i)) - angle(0);
-  for (std::size_t i = 0; i < run.size(); ++i) {
-    const std::size_t before = i > 0 ? i - 1 : 0;
-    const std::size_t after = std::min(i + 1, run.size() - 1);
-    run.speed_rad_per_s[i] = (run.angle_rad[after] - run.angle_rad[before]) /
-                             std::max(run.time_s[after] - run.time_s[before], 1e-300);
-    mean += run.speed_rad_per_s[i] / static_cast<double>(run.size());
-  }
-  run.mean_speed_rad_per_s = mean;
-  run.turns = run.angle_rad.back() / kTwoPi;
+  FindSpeeds(run);
   FillNominal(run);
 }
 
@@ -77,6 +72,13 @@ struct PhaseFit {
   VectorXd phase;           // coefficients of the basis
   MatrixXd normal;
 };
+
+// Change of the shaft's line at 1 or 2 per turn by the angle.
+VectorXd SlopeOf(const MatrixXd& columns, const ChannelFit& fit, Index line) {
+  const Index c = 2 * line - 1;
+  return static_cast<double>(line) *
+         (fit.coefficients(c + 1) * columns.col(c) - fit.coefficients(c) * columns.col(c + 1));
+}
 
 // One record with its angle changed by basis · phase: Gauss–Newton from zero.
 PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, const MatrixXd& basis) {
@@ -103,9 +105,7 @@ PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, cons
         now.line_energy[k] +=
             fit.coefficients.segment(1 + 2 * k, 2).squaredNorm() * 0.5 * static_cast<double>(n);
       }
-      const VectorXd& b = fit.coefficients;
-      const VectorXd slope = b(2) * columns.col(1) - b(1) * columns.col(2) +
-                             2.0 * (b(4) * columns.col(3) - b(3) * columns.col(4));
+      const VectorXd slope = SlopeOf(columns, fit, 1) + SlopeOf(columns, fit, 2);
       if (basis.cols() > 0) step.Add(columns, slope.asDiagonal() * basis, fit, weights);
     }
     now.normal = step.normal;
@@ -118,17 +118,50 @@ PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, cons
   return best;
 }
 
-// Scale of the angle, and slow wander in cosines of time.
-MatrixXd BasisOf(const VibrationRun& run, Index waves) {
+// What the angle may be changed by beside its scale.
+struct Change {
+  Index waves{};    // slow wander, in cosines of time
+  bool lag{false};  // the shaft was measured so much earlier or later than the accelerations
+};
+
+MatrixXd BasisOf(const VibrationRun& run, const Change& change) {
   const auto n = static_cast<Index>(run.size());
-  MatrixXd basis(n, 1 + waves);
+  MatrixXd basis(n, 1 + change.waves + (change.lag ? 1 : 0));
   for (Index i = 0; i < n; ++i) {
     const auto place = static_cast<std::size_t>(i);
     basis(i, 0) = run.angle_rad[place] - 0.5 * run.angle_rad.back();
     const double x = run.time_s[place] / run.span_s();
-    for (Index j = 1; j <= waves; ++j) basis(i, j) = std::cos(kPi * static_cast<double>(j) * x);
+    for (Index j = 1; j <= change.waves; ++j) basis(i, j) = std::cos(kPi * static_cast<double>(j) * x);
+    if (change.lag) basis(i, basis.cols() - 1) = run.speed_rad_per_s[place] - run.mean_speed_rad_per_s;
   }
   return basis;
+}
+
+// A lag turns both lines by as much time: each says so for itself. An imbalance or a resonance turns one of
+// them.
+bool LinesAgreeOnLag(const VibrationSamples& samples, const VibrationRun& run) {
+  const auto n = static_cast<Index>(run.size());
+  const VectorXd weights = VectorXd::Ones(n);
+  const MatrixXd basis = BasisOf(run, {0, true});
+  SharedStep step(3);  // the scale, and a lag a line
+  double square_sum = 0.0;
+  for (const VibrationStretch& channel : run.channels) {
+    const ChannelFit fit = FitChannel(run.nominal, Response(samples, run, channel), weights);
+    const VectorXd slopes[] = {SlopeOf(run.nominal, fit, 1), SlopeOf(run.nominal, fit, 2)};
+    MatrixXd derivatives(n, 3);
+    derivatives.col(0) = (slopes[0] + slopes[1]).cwiseProduct(basis.col(0));
+    for (const Index line : {0, 1}) derivatives.col(1 + line) = slopes[line].cwiseProduct(basis.col(1));
+    step.Add(run.nominal, derivatives, fit, weights);
+    square_sum += fit.square_sum;
+  }
+  const MatrixXd covariance =
+      square_sum / static_cast<double>(run.size() * run.channels.size()) * PseudoInverse(step.normal);
+  const VectorXd found = PseudoInverse(step.normal) * step.gradient;
+  const auto clear = [&](Index k) { return std::abs(found(k)) > kClearLag * std::sqrt(covariance(k, k)); };
+  const double apart = std::abs(found(1) - found(2));
+  const double uncertain = std::sqrt(covariance(1, 1) + covariance(2, 2) - 2.0 * covariance(1, 2));
+  return clear(1) && clear(2) &&
+         apart < std::max(kClearLag * uncertain, 0.1 * std::max(std::abs(found(1)), std::abs(found(2))));
 }
 
 void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
@@ -138,44 +171,53 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
   const auto gain_of = [&](const PhaseFit& fit) {
     return count * std::log(given.square_sum / std::max(fit.square_sum, 1e-300));
   };
-  const MatrixXd scale_only = BasisOf(run, 0);
+  const MatrixXd scale_only = BasisOf(run, {});
   PhaseFit best = FitPhase(samples, run, scale_only);
   const double variance = best.square_sum / count;
   const double uncertainty = best.normal(0, 0) > 0.0 ? std::sqrt(variance / best.normal(0, 0)) : 1.0;
   samples.order_uncertainty =
       std::max({samples.order_uncertainty, std::min(0.01, uncertainty), kUnseenWander});
-  Index waves = 0;
+  Change change;
   double score = gain_of(best) - std::log(count);
-  for (const Index more : {2, 5, 10}) {
+  const auto take = [&](PhaseFit changed, const Change& by, double numbers) {
+    const double better = gain_of(changed) - numbers * std::log(count);
+    if (!(better > score + 30.0)) return;
+    score = better;
+    best = std::move(changed);
+    change = by;
+  };
+  for (const Index waves : {2, 5, 10}) {
     if (measured) break;
-    PhaseFit wandering = FitPhase(samples, run, BasisOf(run, more));
-    const double better = gain_of(wandering) - static_cast<double>(1 + more) * std::log(count);
+    PhaseFit wandering = FitPhase(samples, run, BasisOf(run, {waves}));
     // A wander of the shaft sharpens both lines; a foreign line beside one of them does not.
-    const bool both = wandering.line_energy[0] > best.line_energy[0] + 10.0 * variance &&
-                      wandering.line_energy[1] > best.line_energy[1] + 10.0 * variance;
-    if (better > score + 30.0 && both) {
-      score = better;
-      best = std::move(wandering);
-      waves = more;
-    }
+    if (wandering.line_energy[0] > best.line_energy[0] + 10.0 * variance &&
+        wandering.line_energy[1] > best.line_energy[1] + 10.0 * variance)
+      take(std::move(wandering), {waves}, static_cast<double>(1 + waves));
   }
+  if (measured && run.speed_spread > kLeastSpreadOfLag && LinesAgreeOnLag(samples, run))
+    take(FitPhase(samples, run, BasisOf(run, {0, true})), {0, true}, 2.0);
   // A foreign line nearby pulls at the scale a little, and an imbalance turns the phase of the first line
   // while the speed changes: what is stated counts until it is clearly wrong, and neither line likes it
   // better. Over few turns the lines are not quite apart: a little of what is won may be lost at one of them.
   const double may_lose = 4.0 * variance + 0.1 * (given.square_sum - best.square_sum);
   const bool either_loses = best.line_energy[0] < given.line_energy[0] - may_lose ||
                             best.line_energy[1] < given.line_energy[1] - may_lose;
-  if (!(score > 20.0) || either_loses) return;
+  if (!(score > 20.0) || (either_loses && !change.lag)) return;
   const double before = run.mean_speed_rad_per_s;
   const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), n);
-  TakeAngle(run, angle + BasisOf(run, waves) * best.phase);
-  const double change = run.mean_speed_rad_per_s / before - 1.0;
-  if (waves > 0) {
+  TakeAngle(run, angle + BasisOf(run, change) * best.phase);
+  if (change.waves > 0) {
     samples.warnings.push_back(
         "the speed wanders more than the file says: the shaft's own lines were followed");
-  } else if (std::abs(change) > 0.002) {
+  } else if (std::abs(run.mean_speed_rad_per_s / before - 1.0) > 0.002) {
     samples.warnings.push_back(fmt::format("the shaft's lines stand at {:.5g} rpm, the file says {:.5g}",
                                            RpmFromRadPerS(run.mean_speed_rad_per_s), RpmFromRadPerS(before)));
+  }
+  if (change.lag && std::abs(best.phase(1)) > kLagWorthSaying * run.period_s) {
+    samples.warnings.push_back(
+        fmt::format("the angle of the shaft stands {:.3g} ms {} what the accelerometers "
+                    "say: it was moved by so much",
+                    1e3 * std::abs(best.phase(1)), best.phase(1) > 0.0 ? "behind" : "ahead of"));
   }
 }
 

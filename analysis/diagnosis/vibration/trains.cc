@@ -11,6 +11,7 @@
 
 #include "analysis/diagnosis/vibration/matched_orders.h"
 #include "analysis/diagnosis/vibration/place_sums.h"
+#include "analysis/diagnosis/vibration/speed_band.h"
 #include "analysis/units.h"
 #include "analysis/vector_clones.h"
 
@@ -30,6 +31,7 @@ constexpr double kLeastExcess = 9.0;
 constexpr std::size_t kPlacesPerHarmonic = 2;  // or more: a power of two in all
 constexpr std::size_t kLooksPerRing = 24;
 constexpr std::size_t kTrainsPerRing = 3;
+constexpr double kMostWork = 1500.0;  // harmonics looked at, a sample
 
 // Of complex numbers: adds their norms, and their squares.
 STRAINWAVE_VECTOR_CLONES
@@ -71,12 +73,14 @@ std::array<std::int32_t, PlaceSums::kLists> LargestOfEach(std::span<const float>
   return at;
 }
 
+// A share of an order by which its highest harmonic moves half a cell.
+double OrderStep(double turns, double highest) { return 0.5 / (turns * highest); }
+
 // Trains in one resonance.
 class TrainSearch {
  public:
-  TrainSearch(const VibrationRun& run, double ring_Hz, const MatchedOrders& matched,
-              std::span<const double> sidebands)
-      : run_(run),
+  TrainSearch(double turns, double ring_Hz, const MatchedOrders& matched, std::span<const double> sidebands)
+      : turns_(turns),
         ring_Hz_(ring_Hz),
         matched_(matched),
         sidebands_(sidebands),
@@ -101,7 +105,7 @@ class TrainSearch {
       }
       together.clear();
     };
-    const double step = 0.5 / (run_.turns * (matched_.last() - reach_));
+    const double step = OrderStep(turns_, matched_.last() - reach_);
     for (double order = lowest; order < highest; order *= 1.0 + step) {
       Comb comb = CombOf(order);
       if (comb.last < comb.first || !allowed(order)) continue;
@@ -247,7 +251,7 @@ class TrainSearch {
     return start;
   }
 
-  const VibrationRun& run_;
+  double turns_{};
   double ring_Hz_{};
   const MatchedOrders& matched_;
   std::span<const double> sidebands_;
@@ -278,6 +282,27 @@ std::vector<TrainStart> Strongest(std::vector<TrainStart> trains, double turns, 
   return chosen;
 }
 
+std::vector<double> RingsOf(const VibrationRun& run) {
+  std::vector<double> rings_Hz;
+  const double turn_Hz = run.mean_speed_rad_per_s / kTwoPi;
+  for (double ring = kLowestRing; ring < kHighestRing; ring *= kNextRing) {
+    const double ring_Hz = ring / run.period_s;
+    if (ring_Hz >= 3.0 * turn_Hz) rings_Hz.push_back(ring_Hz);
+  }
+  return rings_Hz;
+}
+
+// Harmonics of all trains in all rings.
+double WorkOf(const VibrationRun& run, const SpeedBand& band, const std::vector<double>& rings_Hz,
+              double reach, double lowest, double highest) {
+  double work = 0.0;
+  for (const double ring_Hz : rings_Hz) {
+    const OrderRange range = RingMatcher::Range(run, band, ring_Hz, reach, highest);
+    work += (range.last - range.first) * (1.0 / lowest - 1.0 / highest) / OrderStep(band.span, range.last);
+  }
+  return work;
+}
+
 }  // namespace
 
 std::vector<TrainStart> FindTrains(const VibrationRemainder& remainder, double lowest, double highest,
@@ -285,14 +310,26 @@ std::vector<TrainStart> FindTrains(const VibrationRemainder& remainder, double l
                                    const std::function<bool(double order)>& allowed) {
   const VibrationRun& run = remainder.samples().runs.front();
   const double turn_Hz = run.mean_speed_rad_per_s / kTwoPi;
+  if (!(highest > lowest)) return {};
   const double reach = *std::ranges::max_element(sidebands);
-  RingMatcher matcher(remainder);
+  std::vector<double> rings_Hz = RingsOf(run);
+  const auto band_for = [&] {
+    return BandWithin(run, kMostWork * static_cast<double>(run.size()), [&](const SpeedBand& tried) {
+      return WorkOf(run, tried, rings_Hz, reach, lowest, highest);
+    });
+  };
+  // Of a shaft that creeps the highest rings are given up: they have most harmonics.
+  SpeedBand band = band_for();
+  while (!(band.turns > 0.0) && rings_Hz.size() > 1) {
+    rings_Hz.resize(rings_Hz.size() - 1 - rings_Hz.size() / 10);
+    band = band_for();
+  }
+  if (!(band.turns > 0.0)) return {};
+  RingMatcher matcher(remainder, band);
   std::vector<TrainStart> found;
-  for (double ring = kLowestRing; ring < kHighestRing; ring *= kNextRing) {
-    const double ring_Hz = ring / run.period_s;
-    if (ring_Hz < 3.0 * turn_Hz) continue;
+  for (const double ring_Hz : rings_Hz) {
     const MatchedOrders matched = matcher.Match(ring_Hz, reach, highest);
-    TrainSearch search(run, ring_Hz, matched, sidebands);
+    TrainSearch search(band.span, ring_Hz, matched, sidebands);
     const auto own = Strongest(search.Find(lowest, highest, allowed), run.turns, turn_Hz, kTrainsPerRing);
     found.insert(found.end(), own.begin(), own.end());
   }

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/diagnosis/vibration/samples.h"
+#include "analysis/diagnosis/vibration/speed_band.h"
+#include "analysis/units.h"
+#include "tests/analysis/message_of.h"
+#include "tests/analysis/vibration_record.h"
+
+// Records whose shaft changes its speed, with a column of speeds or of angles.
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+double TurnsAt(const SpeedBand& band) { return band.turns; }
+
+VibrationRun RunOf(const VibrationData& record) { return PrepareVibration({&record, 1}).runs.front(); }
+
+// At standstill there is no order, and next to it a frequency stands at the highest ones.
+TEST(VibrationShaft, FindsNothingInARunUpFromStandstill) {
+  const Diagnosed answer = Ask({Record(Turning(900.0, 1.5, 2.0), 61, Silence)});
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoEffect);
+}
+
+TEST(VibrationShaft, NamesABearingInARunUpFromStandstill) {
+  const Turning run(900.0, 2.0, 2.0);
+  const Effect rings = [](const Turning& turning) {
+    Signal signal = Silence(turning);
+    constexpr double kOrder = 5.37;
+    int next = 1;
+    for (std::size_t i = 1; i < turning.time_s.size(); ++i) {
+      if (turning.angle_rad[i] * kOrder / kTwoPi < next) continue;
+      const double since = turning.angle_rad[i] - next * kTwoPi / kOrder;
+      AddRing(turning, turning.time_s[i] - since / std::max(1.0, turning.speed_rad_per_s[i]), 0.5, 1100.0,
+              0.04, signal);
+      ++next;
+    }
+    return signal;
+  };
+  const Diagnosed answer = Ask({Record(run, 62, rings)});
+  EXPECT_EQ(answer.names(), Names{"bearing_defect"});
+  EXPECT_NEAR(answer.value("defect_order").value, 5.37, 0.01);
+}
+
+TEST(BandWithin, HoldsAllTurnsWhereTheyAreNotTooMuchWork) {
+  const VibrationRun steady = RunOf(Record(Turning(1500.0, 1.0, 0.0), 63, Silence));
+  const SpeedBand all = BandWithin(steady, 1e3, TurnsAt);
+  EXPECT_NEAR(all.turns, 25.0, 0.1);
+  EXPECT_NEAR(all.span, 25.0, 0.1);
+  EXPECT_EQ(BandWithin(steady, 1.0, TurnsAt).turns, 0.0);
+}
+
+// From standstill to 1800 rpm in a second and a half the shaft makes 22.5 turns, the last half of them from
+// 1273 rpm on.
+TEST(BandWithin, LeavesOutTheSlowTurnsOfARunUp) {
+  const VibrationRun run = RunOf(Record(Turning(900.0, 1.5, 2.0), 64, Silence));
+  const auto orders = [](const SpeedBand& band) { return 1e5 / band.slowest_rad_per_s; };
+  const SpeedBand band = BandWithin(run, 1e5 / RadPerSFromRpm(900.0), orders);
+  EXPECT_GE(band.slowest_rad_per_s, RadPerSFromRpm(900.0));
+  EXPECT_LT(band.slowest_rad_per_s, RadPerSFromRpm(1000.0));
+  EXPECT_NEAR(band.fastest_rad_per_s, RadPerSFromRpm(1800.0), 1.0);
+  EXPECT_GT(band.turns, 0.65 * run.turns);
+  EXPECT_EQ(BandWithin(run, 1e5 / RadPerSFromRpm(1400.0), orders).turns, 0.0);
+}
+
+TEST(VibrationShaft, TakesAngleAndSpeedFromAColumnOfAngles) {
+  const Turning turning(1200.0, 1.0, 0.8);
+  const VibrationRun by_speed = RunOf(Record(turning, 65, Silence));
+  VibrationData record = Record(turning, 65, Silence);
+  record.input_speed_rad_per_s.clear();
+  record.input_angle_rad = turning.angle_rad;
+  const auto expect_the_same = [&] {
+    const VibrationRun run = RunOf(record);
+    ASSERT_EQ(run.size(), by_speed.size());
+    EXPECT_NEAR(run.turns, by_speed.turns, 1e-3);
+    EXPECT_NEAR(run.mean_speed_rad_per_s, by_speed.mean_speed_rad_per_s, 0.01);
+    for (std::size_t i = 100; i + 100 < run.size(); i += 100) {
+      EXPECT_NEAR(run.angle_rad[i], by_speed.angle_rad[i], 1e-3) << i;
+      EXPECT_NEAR(run.speed_rad_per_s[i], by_speed.speed_rad_per_s[i], 0.1) << i;
+    }
+  };
+  expect_the_same();
+  // The other way round.
+  for (double& angle : record.input_angle_rad) angle = 1e4 - angle;
+  expect_the_same();
+  // Anew each turn.
+  for (double& angle : record.input_angle_rad) angle -= kTwoPi * std::floor(angle / kTwoPi);
+  expect_the_same();
+}
+
+// A tachometer that filters is late: both lines of the shaft turn by as much time.
+TEST(VibrationShaft, TakesALateColumnOfSpeedsForNoEffect) {
+  const Turning turning(1200.0, 2.0, 1.2);
+  VibrationData record = Record(turning, 66, Silence);
+  constexpr std::size_t kLate = 30;  // samples
+  for (std::size_t i = record.time_s.size(); i-- > 0;)
+    record.input_speed_rad_per_s[i] = turning.speed_rad_per_s[i > kLate ? i - kLate : 0];
+  const Diagnosed answer = Ask({record});
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoEffect);
+  ASSERT_FALSE(answer.study->warnings().empty());
+  EXPECT_EQ(answer.study->warnings().back().substr(0, 35), "the angle of the shaft stands 5.86 ");
+}
+
+TEST(VibrationShaft, RefusesAShaftThatDoesNotTurnOneWay) {
+  const auto message = [](const VibrationData& record) { return RefusalOf(&MakeVibrationStudy, record); };
+  VibrationData record = Record(Turning(1500.0, 1.0, 0.0), 67, Silence);
+  record.input_speed_rad_per_s.assign(record.time_s.size(), 0.0);
+  EXPECT_EQ(message(record), "the input speed is zero (expected a turning shaft)");
+  for (std::size_t i = 0; i < record.time_s.size(); ++i)
+    record.input_speed_rad_per_s[i] = 80.0 * std::cos(kTwoPi * record.time_s[i]);
+  EXPECT_EQ(message(record),
+            "the input shaft turns 2.03 turns forth and 2.03 back (expected a shaft that turns one way)");
+  record.input_angle_rad.assign(100, 0.0);
+  EXPECT_EQ(message(record), "100 values of the input angle for 5120 samples (expected one a sample)");
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
