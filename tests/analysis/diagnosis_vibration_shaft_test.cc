@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/speed_band.h"
@@ -98,7 +99,8 @@ TEST(VibrationShaft, TakesALateColumnOfSpeedsForNoEffect) {
   const Diagnosed answer = Ask({record});
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoEffect);
   ASSERT_FALSE(answer.study->warnings().empty());
-  EXPECT_EQ(answer.study->warnings().back().substr(0, 35), "the angle of the shaft stands 5.86 ");
+  EXPECT_EQ(answer.study->warnings().back().substr(0, 31), "the angle of the shaft stands 5");  // 5.9 ± 0.4
+  EXPECT_NE(answer.study->warnings().back().find(" ms behind"), std::string::npos);
 }
 
 TEST(VibrationShaft, RefusesAShaftThatDoesNotTurnOneWay) {
@@ -110,6 +112,10 @@ TEST(VibrationShaft, RefusesAShaftThatDoesNotTurnOneWay) {
     record.input_speed_rad_per_s[i] = 80.0 * std::cos(kTwoPi * record.time_s[i]);
   EXPECT_EQ(message(record),
             "the input shaft turns 2.03 turns forth and 2.03 back (expected a shaft that turns one way)");
+  record.input_speed_rad_per_s = {RadPerSFromRpm(1e9)};
+  EXPECT_EQ(message(record),
+            "the input shaft makes 3255 turns a sample, 1e+09 rpm (expected at least 4 samples a turn, and a "
+            "speed in rpm or an angle in degrees)");
   record.input_angle_rad.assign(100, 0.0);
   EXPECT_EQ(message(record), "100 values of the input angle for 5120 samples (expected one a sample)");
 }

@@ -24,6 +24,7 @@ constexpr std::size_t kMostLines = 10;
 constexpr double kLeastOfSet = 4.0;  // −ln p of known lines together
 constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
+constexpr double kMostScales = 500.0;      // of known orders, to either side
 constexpr int kPulseHarmonic = 2;          // from which on a record has to tell pulses from whole orders
 
 VibrationTerm LinesTerm(const VibrationRemainder& remainder, std::size_t index) {
@@ -111,9 +112,9 @@ Best FitPayingLines(const VibrationRemainder& remainder, VibrationTerm term, std
 
 // Scale of known orders that agrees best with the spectrum, where the shaft's own lines leave it open.
 double BestScale(const VibrationRemainder& remainder, const std::vector<double>& orders) {
-  const double range = kScaleRange * remainder.samples().order_uncertainty;
   const double highest = *std::max_element(orders.begin(), orders.end());
   const double step = 0.25 * remainder.over_turns().cell() / highest;
+  const double range = std::min(kScaleRange * remainder.samples().order_uncertainty, kMostScales * step);
   double best = 1.0;
   double most = -1.0;
   for (double change = 0.0; change <= range; change += step) {
@@ -333,7 +334,8 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
   const bool open = ScaleIsOpen(remainder, order * kMostLineHarmonics);
   if (open) {
     std::vector<double> orders;
-    for (int k = std::max(1, first); k <= kMostLineHarmonics; ++k) orders.push_back(k * order);
+    for (int k = std::max(1, first); k <= kMostLineHarmonics && k * order < spectrum.highest(); ++k)
+      orders.push_back(k * order);
     term.shapes = {orders.empty() ? order : order * BestScale(remainder, orders)};
   }
   std::vector<LinePlace> places;

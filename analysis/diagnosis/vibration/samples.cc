@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 256;
 constexpr double kFewestTurns = 2.0;
+constexpr double kFewestSamplesPerTurn = 4.0;
 constexpr double kRefusedClipping = 0.05;  // share of samples
 
 double LargestLess(std::span<const double> values) {
@@ -85,6 +86,16 @@ void CheckTime(VibrationSamples& samples, VibrationRun& run, const std::string& 
                     "sampling rate are smeared",
                     which, 100.0 * spread));
   }
+}
+
+// Without the shaft's own line at 2 per turn below half the sampling rate no order means anything.
+void ExpectSampledTurns(const VibrationRun& run) {
+  const double samples_per_turn = static_cast<double>(run.size()) / run.turns;
+  if (samples_per_turn >= kFewestSamplesPerTurn) return;
+  throw std::invalid_argument(fmt::format(
+      "the input shaft makes {:.4g} turns a sample, {:.4g} rpm (expected at least {:.0f} samples a "
+      "turn, and a speed in rpm or an angle in degrees)",
+      1.0 / samples_per_turn, RpmFromRadPerS(run.mean_speed_rad_per_s), kFewestSamplesPerTurn));
 }
 
 void TakeChannels(VibrationSamples& samples, VibrationRun& run, const VibrationData& record,
@@ -261,7 +272,9 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
     }
   }
   for (VibrationRun& run : samples.runs) FillNominal(run);
-  if (samples.angle_known()) CorrectSpeed(samples, measured_speed && !any_without_speed);
+  if (!samples.angle_known()) return samples;
+  CorrectSpeed(samples, measured_speed && !any_without_speed);
+  for (const VibrationRun& run : samples.runs) ExpectSampledTurns(run);
   return samples;
 }
 
