@@ -16,10 +16,16 @@ std::int64_t OutputValue(const DriveOutputs& outputs, ObjectAddress address) {
   return 0;
 }
 
+// After 2^31 counts 6064h goes over to the other sign: 32 768 turns of 65 536 counts.
+std::int64_t CountedOn(std::int64_t before, std::uint64_t sent) {
+  return before +
+         static_cast<std::int32_t>(static_cast<std::uint32_t>(sent) - static_cast<std::uint32_t>(before));
+}
+
 void SetInput(DriveInputs& inputs, ObjectAddress address, std::uint64_t value) {
   if (address == kStatuswordObject) inputs.statusword = static_cast<std::uint16_t>(value);
   if (address == kModeDisplayObject) inputs.mode_display = static_cast<std::int8_t>(value);
-  if (address == kPositionActualObject) inputs.position = static_cast<std::int32_t>(value);
+  if (address == kPositionActualObject) inputs.position = CountedOn(inputs.position, value);
   if (address == kVelocityActualObject) inputs.velocity = static_cast<std::int32_t>(value);
   if (address == kTorqueActualObject) inputs.torque = static_cast<std::int16_t>(value);
   if (address == kDigitalInputsObject) inputs.digital_inputs = static_cast<std::uint32_t>(value);

@@ -28,7 +28,7 @@ inline constexpr ObjectAddress kErrorCodeObject{0x603F, 0};
 struct DriveOutputs {
   std::uint16_t controlword{};
   std::int8_t mode{};
-  std::int32_t target_position{};
+  std::int64_t target_position{};  // counted on; its lower 32 bits are sent
   std::int32_t target_velocity{};
   std::int16_t target_torque{};
   std::uint32_t digital_outputs{};
@@ -38,7 +38,7 @@ struct DriveOutputs {
 struct DriveInputs {
   std::uint16_t statusword{};
   std::int8_t mode_display{};
-  std::int32_t position{};
+  std::int64_t position{};  // counted on where its 32 bits go over
   std::int32_t velocity{};
   std::int16_t torque{};
   std::uint32_t digital_inputs{};
@@ -52,7 +52,8 @@ std::optional<std::uint8_t> ImageBits(PdoFlow flow, ObjectAddress address) noexc
 /// Nothing for a mapping that no frame holds.
 std::optional<CanFrame> EncodeToDrive(const PdoSetting& pdo, const DriveOutputs& outputs) noexcept;
 
-/// False, and nothing changes, if the frame is not exactly as long as the mapping.
+/// False, and nothing changes, if the frame is not exactly as long as the mapping. A position goes on from
+/// the one before, whichever way round is shorter.
 bool DecodeFromDrive(const PdoSetting& pdo, const CanFrame& frame, DriveInputs& inputs) noexcept;
 
 }  // namespace strainwave::protocols::canopen

@@ -200,7 +200,7 @@ DriveAnswer DriveMaster::CommandPosition(double position_rad) noexcept {
   const DriveAnswer answer =
       MayCommand(mode_ == OperationMode::kProfilePosition || mode_ == OperationMode::kCyclicPosition);
   if (answer != DriveAnswer::kAccepted) return answer;
-  return set_points_.AskPosition(position_rad) ? answer : DriveAnswer::kNotANumber;
+  return set_points_.AskPosition(position_rad, inputs_) ? answer : DriveAnswer::kNotANumber;
 }
 
 DriveAnswer DriveMaster::CommandTorque(double torque_Nm) noexcept {

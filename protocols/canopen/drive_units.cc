@@ -11,15 +11,17 @@ namespace strainwave::protocols::canopen {
 namespace {
 
 template <typename Integer>
-std::optional<Integer> Nearest(double value) {
+std::optional<Integer> Nearest(double value, Integer least = std::numeric_limits<Integer>::min(),
+                               Integer most = std::numeric_limits<Integer>::max()) {
   const double rounded = std::round(value);
-  // Written so that NaN falls through; both limits of 32 bits are exact as doubles.
-  if (rounded >= static_cast<double>(std::numeric_limits<Integer>::min()) &&
-      rounded <= static_cast<double>(std::numeric_limits<Integer>::max())) {
+  // Written so that NaN falls through; limits of up to 53 bits are exact as doubles.
+  if (rounded >= static_cast<double>(least) && rounded <= static_cast<double>(most)) {
     return static_cast<Integer>(rounded);
   }
   return std::nullopt;
 }
+
+constexpr std::int64_t kMostCounts = std::int64_t{1} << 53;
 
 // A limit that does not fit is no limit to the drive: the largest number says the same.
 std::uint32_t Limit(double value, std::uint32_t most) {
@@ -41,8 +43,8 @@ double PerMillePerNm(const DriveUnits& units) { return 1000.0 / (units.rated_tor
 
 }  // namespace
 
-std::optional<std::int32_t> PositionCounts(const DriveUnits& units, double position_rad) noexcept {
-  return Nearest<std::int32_t>(units.sign * position_rad * CountsPerRad(units));
+std::optional<std::int64_t> PositionCounts(const DriveUnits& units, double position_rad) noexcept {
+  return Nearest(units.sign * position_rad * CountsPerRad(units), -kMostCounts, kMostCounts);
 }
 
 std::optional<std::int32_t> VelocityUnits(const DriveUnits& units, double speed_rad_per_s) noexcept {
@@ -53,7 +55,7 @@ std::optional<std::int16_t> TorquePerMille(const DriveUnits& units, double torqu
   return Nearest<std::int16_t>(units.sign * torque_Nm * PerMillePerNm(units));
 }
 
-double PositionRad(const DriveUnits& units, std::int32_t counts) noexcept {
+double PositionRad(const DriveUnits& units, std::int64_t counts) noexcept {
   return units.sign * static_cast<double>(counts) / CountsPerRad(units);
 }
 

@@ -20,12 +20,12 @@ struct DriveUnits {
 };
 
 /// The nearest number of the drive; nothing where the value is not finite or the number above 32 bits
-/// (torque: 16 bits).
-std::optional<std::int32_t> PositionCounts(const DriveUnits& units, double position_rad) noexcept;
+/// (torque: 16 bits; position, which is counted on where 32 bits go over: 53 bits).
+std::optional<std::int64_t> PositionCounts(const DriveUnits& units, double position_rad) noexcept;
 std::optional<std::int32_t> VelocityUnits(const DriveUnits& units, double speed_rad_per_s) noexcept;
 std::optional<std::int16_t> TorquePerMille(const DriveUnits& units, double torque_Nm) noexcept;
 
-double PositionRad(const DriveUnits& units, std::int32_t counts) noexcept;
+double PositionRad(const DriveUnits& units, std::int64_t counts) noexcept;
 double SpeedRadPerS(const DriveUnits& units, std::int32_t velocity_units) noexcept;
 double TorqueNm(const DriveUnits& units, std::int16_t per_mille) noexcept;
 

@@ -3,10 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "analysis/units.h"
 
 namespace strainwave::protocols::canopen {
+namespace {
+
+constexpr std::int64_t kHalfOfTheNumbers = std::int64_t{1} << 31;
+
+}  // namespace
 
 SetPoints::SetPoints(const DriveProfile& profile) : units_(profile.units), limits_(profile.limits) {}
 
@@ -16,7 +22,7 @@ void SetPoints::Hold(const DriveInputs& inputs, DriveOutputs& outputs) noexcept 
   position_counts_.reset();
   homing_asked_ = homing_runs_ = false;
   led_speed_rad_per_s_ = 0.0;
-  led_position_counts_ = inputs.position;
+  led_position_counts_ = static_cast<double>(inputs.position);
   hand_shake_ = HandShake::kIdle;
   outputs.target_position = inputs.position;
   outputs.target_velocity = 0;
@@ -35,9 +41,9 @@ bool SetPoints::AskTorque(double torque_Nm) noexcept {
   return true;
 }
 
-bool SetPoints::AskPosition(double position_rad) noexcept {
-  const std::optional<std::int32_t> counts = PositionCounts(units_, position_rad);
-  if (!counts) return false;
+bool SetPoints::AskPosition(double position_rad, const DriveInputs& inputs) noexcept {
+  const std::optional<std::int64_t> counts = PositionCounts(units_, position_rad);
+  if (!counts || std::abs(*counts - inputs.position) >= kHalfOfTheNumbers) return false;
   position_counts_ = counts;
   return true;
 }
@@ -111,9 +117,9 @@ void SetPoints::StepCyclicPosition(double elapsed_s, DriveOutputs& outputs) noex
   if (!position_counts_) return;
   const double most =
       limits_.max_speed_rad_per_s * elapsed_s * units_.position_counts_per_rev * units_.gear_ratio / kTwoPi;
-  const double way = *position_counts_ - led_position_counts_;
+  const double way = static_cast<double>(*position_counts_) - led_position_counts_;
   led_position_counts_ += std::clamp(way, -most, most);
-  outputs.target_position = static_cast<std::int32_t>(std::round(led_position_counts_));
+  outputs.target_position = std::llround(led_position_counts_);
 }
 
 void SetPoints::StepCyclicSpeed(double elapsed_s, DriveOutputs& outputs) noexcept {

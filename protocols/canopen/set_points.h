@@ -20,9 +20,11 @@ class SetPoints {
   /// Forgets what was asked for; the targets become the actual position, no speed and no torque.
   void Hold(const DriveInputs& inputs, DriveOutputs& outputs) noexcept;
 
-  /// False, and nothing changes, for a value that is not finite or that the drive cannot count.
+  /// False, and nothing changes, for a value that is not finite or that the drive cannot count. A position is
+  /// sent with the lower 32 bits of its counts, as drives count on through their ends; one that is half the
+  /// numbers or more away from where the drive stands would be reached the other way round.
   bool AskSpeed(double speed_rad_per_s) noexcept;
-  bool AskPosition(double position_rad) noexcept;
+  bool AskPosition(double position_rad, const DriveInputs& inputs) noexcept;
   bool AskTorque(double torque_Nm) noexcept;
   void AskHoming() noexcept;
 
@@ -42,7 +44,7 @@ class SetPoints {
 
   double speed_rad_per_s_{};
   double torque_Nm_{};
-  std::optional<std::int32_t> position_counts_;  // asked for
+  std::optional<std::int64_t> position_counts_;  // asked for
   bool homing_asked_{};
   bool homing_runs_{};  // the drive was seen not attained since
 

@@ -56,8 +56,13 @@ TEST(DriveUnits, AreNearestAndNotCut) {
   EXPECT_EQ(PositionCounts(units, -1.6), -2);
 }
 
+TEST(DriveUnits, CountPositionsOnBeyondThirtyTwoBits) {
+  constexpr std::int64_t kCounts = -(std::int64_t{1} << 40) - 7;
+  EXPECT_EQ(PositionCounts(kUnits, PositionRad(kUnits, kCounts)), kCounts);
+}
+
 TEST(DriveUnits, GiveNothingForWhatTheDriveCannotCount) {
-  for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e12}) {
+  for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e18}) {
     EXPECT_EQ(PositionCounts(kUnits, value), std::nullopt);
     EXPECT_EQ(VelocityUnits(kUnits, value), std::nullopt);
     EXPECT_EQ(TorquePerMille(kUnits, value), std::nullopt);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 
 #include "tests/protocols/canopen/scripted_drive.h"
@@ -101,6 +102,65 @@ TEST(SetPoints, HandsOverAProfilePositionBySetPointAndAcknowledge) {
   EXPECT_EQ(bench.drive.controlword, 0x003F);
 }
 
+// 6064h goes over at 32 bits: the drive of 4096 counts a turn after 524 288 turns either way of its zero.
+constexpr std::int64_t kWhole = std::int64_t{1} << 32;
+
+std::int32_t AsSent(std::int64_t counts) { return static_cast<std::int32_t>(counts); }
+
+TEST(SetPoints, CountOnEitherWayWhereThePositionGoesOver) {
+  for (const std::int64_t step : {std::int64_t{1} << 29, -(std::int64_t{1} << 29)}) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.BringUp(kCyclicTorque));
+    std::int64_t counts = 0;
+    for (int i = 0; i < 40; ++i, counts += step) {
+      bench.drive.position = AsSent(counts);
+      bench.Cycle();
+      ASSERT_DOUBLE_EQ(bench.master.status().position_rad, static_cast<double>(counts) * kRadPerCount);
+    }
+    for (; counts != 0; counts -= step) {
+      bench.drive.position = AsSent(counts);
+      bench.Cycle();
+      ASSERT_DOUBLE_EQ(bench.master.status().position_rad, static_cast<double>(counts) * kRadPerCount);
+    }
+  }
+}
+
+TEST(SetPoints, LeadACyclicPositionStraightOverTheEndOfThirtyTwoBits) {
+  for (const int direction : {1, -1}) {
+    DriveBench bench;
+    bench.drive.position = direction > 0 ? INT32_MAX - 1000 : INT32_MIN + 1000;
+    ASSERT_TRUE(bench.BringUp(kCyclicPosition));
+    const std::int64_t from = bench.drive.position;
+    const std::int64_t goal = from + direction * 5000;
+    EXPECT_EQ(bench.master.CommandPosition(static_cast<double>(goal) * kRadPerCount), DriveAnswer::kAccepted);
+    std::int64_t led = from;
+    for (int i = 0; i < 20; ++i) {
+      bench.Cycle();
+      const std::int64_t way = AsSent(bench.drive.target_position - led);
+      ASSERT_GE(direction * way, 0);
+      ASSERT_LE(direction * way, 820);
+      led += way;
+    }
+    EXPECT_EQ(led, goal);
+  }
+}
+
+TEST(SetPoints, HandOverAProfilePositionBeyondTheEndOfThirtyTwoBits) {
+  DriveBench bench;
+  bench.drive.position = INT32_MAX - 1000;
+  ASSERT_TRUE(bench.BringUp(kProfilePosition));
+  const std::int64_t goal = bench.drive.position + std::int64_t{5000};
+  EXPECT_EQ(bench.master.CommandPosition(static_cast<double>(goal) * kRadPerCount), DriveAnswer::kAccepted);
+  bench.Cycle();
+  EXPECT_EQ(bench.drive.target_position, AsSent(goal));
+  EXPECT_LT(bench.drive.target_position, 0);
+  // Half the numbers away, the drive would take the other way round.
+  for (const std::int64_t far : {kWhole / 2, -kWhole / 2 - 1}) {
+    const double position_rad = static_cast<double>(bench.drive.position + far) * kRadPerCount;
+    EXPECT_EQ(bench.master.CommandPosition(position_rad), DriveAnswer::kNotANumber);
+  }
+}
+
 TEST(SetPoints, SendsATorqueInPerMilleOfTheRated) {
   for (const OperationMode mode : {kProfileTorque, kCyclicTorque}) {
     DriveBench bench;
@@ -182,7 +242,7 @@ TEST(SetPoints, TakesNoSetPointThatIsNotANumberOrOfAnotherMode) {
 
   DriveBench position;
   ASSERT_TRUE(position.BringUp(kCyclicPosition));
-  EXPECT_EQ(position.master.CommandPosition(1e9), DriveAnswer::kNotANumber);  // beyond 32 bits
+  EXPECT_EQ(position.master.CommandPosition(1e13), DriveAnswer::kNotANumber);  // beyond all counting
 }
 
 }  // namespace
