@@ -19,6 +19,29 @@ bool WritesAllBits(const CommissioningStep& step) {
   return step.mask == (step.bytes >= 4 ? 0xFFFFFFFF : (std::uint32_t{1} << (8 * step.bytes)) - 1);
 }
 
+// Of a position of 32 bits with a sign: none is set, or it is where they go over anyway.
+bool IsNoEnd(std::uint32_t value) { return (value & 0x7FFFFFFF) == 0 || value == 0x7FFFFFFF; }
+
+bool IsAsExpected(const CommissioningStep& step, std::uint32_t read) {
+  switch (step.action) {
+    case Action::kExpect:
+      return (read & step.mask) == step.value;
+    case Action::kExpectNot:
+      return (read & step.mask) != step.value;
+    case Action::kExpectNoEnd:
+      return IsNoEnd(read);
+    case Action::kWrite:
+      break;
+  }
+  return true;
+}
+
+bool HasNoSuchObject(const SdoClient& client) {
+  return client.state() == SdoClient::State::kFailed && client.failure().by_node &&
+         (client.failure().code == SdoAbort::kNoSuchObject ||
+          client.failure().code == SdoAbort::kNoSuchSubindex);
+}
+
 }  // namespace
 
 Commissioning::Commissioning(std::vector<CommissioningStep> steps, std::uint8_t node_id,
@@ -61,18 +84,16 @@ void Commissioning::OnTransferDone(nanoseconds now) noexcept {
   const CommissioningStep& step = steps_[step_];
   if (!is_writing_) {
     read_ = static_cast<std::uint32_t>(FromLittleEndian(client_.data()));
-    const bool is_equal = (read_ & step.mask) == step.value;
-    switch (step.action) {
-      case Action::kWrite:
-        return Write((read_ & ~step.mask) | step.value, now);
-      case Action::kExpect:
-      case Action::kExpectNot:
-        if (is_equal != (step.action == Action::kExpect)) {
-          state_ = State::kFailed;
-          return;
-        }
+    if (step.action == Action::kWrite) return Write((read_ & ~step.mask) | step.value, now);
+    if (!IsAsExpected(step, read_)) {
+      state_ = State::kFailed;
+      return;
     }
   }
+  NextStep(now);
+}
+
+void Commissioning::NextStep(nanoseconds now) noexcept {
   ++step_;
   BeginStep(now);
 }
@@ -80,8 +101,11 @@ void Commissioning::OnTransferDone(nanoseconds now) noexcept {
 void Commissioning::OnFrame(const CanFrame& frame, nanoseconds now) noexcept {
   client_.OnFrame(frame, now);
   if (state_ != State::kRunning) return;
-  if (client_.state() == SdoClient::State::kDone) OnTransferDone(now);
-  if (client_.state() == SdoClient::State::kFailed) state_ = State::kFailed;
+  if (client_.state() == SdoClient::State::kDone) return OnTransferDone(now);
+  if (client_.state() != SdoClient::State::kFailed) return;
+  const bool has_no_end = steps_[step_].action == Action::kExpectNoEnd && HasNoSuchObject(client_);
+  if (has_no_end) return NextStep(now);
+  state_ = State::kFailed;
 }
 
 std::optional<CanFrame> Commissioning::Poll(nanoseconds now) noexcept {
@@ -117,6 +141,11 @@ std::string Commissioning::FailureWords() const {
           "node {} must not be enabled, it would not notice that the master is gone: {} reads "
           "back as off ({:0{}X}h)",
           node_id_, object, read_, digits);
+    case Concern::kEndless:
+      return fmt::format(
+          "node {} counts its position between ends, and a campaign turns the shaft on for weeks: {} is "
+          "{:0{}X}h (expected {:0{}X}h: none); let the profile's objects set it",
+          node_id_, object, read_, digits, step.value, digits);
   }
   return {};
 }

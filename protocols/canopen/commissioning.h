@@ -41,6 +41,7 @@ class Commissioning {
 
  private:
   void BeginStep(std::chrono::nanoseconds now) noexcept;
+  void NextStep(std::chrono::nanoseconds now) noexcept;
   void OnTransferDone(std::chrono::nanoseconds now) noexcept;
   void Write(std::uint32_t value, std::chrono::nanoseconds now) noexcept;
 

@@ -145,6 +145,20 @@ void SetObjects(const DriveProfile& profile, StepList& list) {
   }
 }
 
+// A campaign turns the shafts on for weeks, and the master counts on where 32 bits go over, but not where a
+// drive goes over earlier, or stops. Soft limits are the profile's to set, where a shaft has ends.
+void CheckEndless(const DriveProfile& profile, StepList& list) {
+  const auto expect_none = [&list](ObjectAddress address, std::string_view purpose) {
+    list.Add(Action::kExpectNoEnd, Concern::kEndless, address, 4, 0, 0xFFFFFFFF, purpose);
+  };
+  expect_none({0x607B, 1}, "lower end of the position range");
+  expect_none({0x607B, 2}, "upper end of the position range");
+  const auto is_soft_limit = [](const ProfileObject& object) { return object.address.index == 0x607D; };
+  if (std::any_of(profile.objects.begin(), profile.objects.end(), is_soft_limit)) return;
+  expect_none({0x607D, 1}, "lower soft limit of the position");
+  expect_none({0x607D, 2}, "upper soft limit of the position");
+}
+
 void SetPdos(const std::vector<PdoSetting>& pdos, StepList& list) {
   for (const PdoSetting& pdo : pdos) {
     const std::string purpose =
@@ -193,6 +207,7 @@ std::vector<CommissioningStep> CommissioningSteps(const DriveProfile& profile, s
   SetLimits(profile, list);
   SetInterpolation(profile, list);
   SetObjects(profile, list);
+  CheckEndless(profile, list);
   SetPdos(pdos, list);
   CheckSupervision(profile, pdos, list);
   return list.Take();

@@ -13,13 +13,19 @@ namespace strainwave::protocols::canopen {
 /// One step of a drive's boot, as data. `mask` has the bits that count: of a check those compared, of a write
 /// those set, while the others stay as they are read before.
 struct CommissioningStep {
-  enum class Action : std::uint8_t { kExpect, kExpectNot, kWrite };
+  enum class Action : std::uint8_t {
+    kExpect,
+    kExpectNot,
+    kExpectNoEnd,  // zero, or an end of 32 bits with a sign, or no such object
+    kWrite,
+  };
   /// What it means when the step fails.
   enum class Concern : std::uint8_t {
     kIdentity,     // another drive; nothing has been written yet
     kAbility,      // the drive cannot do what the profile says
     kSetting,      // it does not take a value
     kSupervision,  // it would not notice that the master is gone
+    kEndless,      // its position would not count on over any number of turns
   };
 
   Action action{};
@@ -34,8 +40,8 @@ struct CommissioningStep {
 };
 
 /// The boot of one drive: identity before anything else, what it can do, a quick stop, protective objects and
-/// the profile's own written and read back, PDOs mapped anew and read back, and at last that every
-/// supervision reads as on.
+/// the profile's own written and read back, a position without ends, PDOs mapped anew and read back, and at
+/// last that every supervision reads as on.
 /// @throws std::invalid_argument for a PDO that cannot be.
 std::vector<CommissioningStep> CommissioningSteps(const DriveProfile& profile, std::uint8_t node_id);
 

@@ -238,6 +238,45 @@ TEST(Commissioning, SaysInWordsThatASupervisionReadsBackAsOff) {
             std::string::npos);
 }
 
+TEST(Commissioning, TakesAPositionWithoutEnds) {
+  for (const std::uint32_t none : {0U, 1U}) {
+    Boot boot;
+    for (const std::uint16_t index : {std::uint16_t{0x607B}, std::uint16_t{0x607D}}) {
+      boot.drive.objects[{index, 1}] = none * 0x80000000;
+      boot.drive.objects[{index, 2}] = none * 0x7FFFFFFF;
+    }
+    EXPECT_EQ(boot.Run(), State::kDone) << boot.commissioning.FailureWords();
+  }
+  Boot boot;
+  boot.drive.unknown = {{0x607B, 1}, {0x607B, 2}, {0x607D, 1}, {0x607D, 2}};
+  EXPECT_EQ(boot.Run(), State::kDone) << boot.commissioning.FailureWords();
+}
+
+TEST(Commissioning, RefusesAPositionThatEndsBeforeItsThirtyTwoBits) {
+  for (const ObjectAddress address : {ObjectAddress{0x607B, 1}, {0x607B, 2}, {0x607D, 1}, {0x607D, 2}}) {
+    Boot boot;
+    boot.drive.objects[address] = 0x00FFFFFF;
+    EXPECT_EQ(boot.Run(), State::kFailed) << Words(address);
+  }
+  Boot boot;
+  boot.drive.objects[{0x607B, 2}] = 3599;
+  boot.Run();
+  EXPECT_EQ(
+      boot.commissioning.FailureWords(),
+      "node 3 counts its position between ends, and a campaign turns the shaft on for weeks: upper end of "
+      "the position range (607Bh:02) is 00000E0Fh (expected 00000000h: none); let the profile's objects "
+      "set it");
+}
+
+TEST(Commissioning, LeavesTheProfileItsSoftLimits) {
+  DriveProfile profile = EasyProfile();
+  using Do = ProfileObject::Action;
+  profile.objects = {{{0x607D, 1}, DataType::kInteger32, -9000, Do::kWriteAndReadBack, "lower soft limit"},
+                     {{0x607D, 2}, DataType::kInteger32, 9000, Do::kWriteAndReadBack, "upper soft limit"}};
+  Boot boot(profile);
+  EXPECT_EQ(boot.Run(), State::kDone) << boot.commissioning.FailureWords();
+}
+
 TEST(Commissioning, LeavesOutWhatTheDriveLacks) {
   DriveProfile profile = EasyProfile();
   profile.quirks.absent_objects = {0x6007, 0x6076};
