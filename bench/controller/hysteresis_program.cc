@@ -58,7 +58,9 @@ void HysteresisProgram::SetUp(const Readings&, BenchDevices& devices) {
   devices.load.Enable(DriveMode::kTorque);
 }
 
-void HysteresisProgram::BeginAngle(const Readings& readings, double elapsed_s) noexcept {
+void HysteresisProgram::BeginAngle(const Readings& readings, const ServoDrive& driving,
+                                   double elapsed_s) noexcept {
+  drive_ahead_rad_ = DriveAhead_rad(readings, driving);
   // The nearest turn of the wave generator that stands at the asked angle.
   const double asked = parameters_.lock_angles_rad[angle_];
   const double turns = std::round((readings.input_angle_rad - asked) / kTwoPi);
@@ -85,11 +87,11 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
     case Stage::kBringUp: {
       const bool driving_up = BroughtUp(devices.driving);
       const bool load_up = BroughtUp(devices.load);
-      if (driving_up && load_up) BeginAngle(readings, elapsed_s);
+      if (driving_up && load_up) BeginAngle(readings, devices.driving, elapsed_s);
       return StepResult::kRunning;
     }
     case Stage::kTurnToAngle:
-      devices.driving.CommandPosition(move_.PositionAt(in_stage_s));
+      devices.driving.CommandPosition(move_.PositionAt(in_stage_s) + drive_ahead_rad_);
       if (in_stage_s < move_.duration_s() + kLockSettle_s) return StepResult::kRunning;
       devices.driving.SetBrake(true);
       devices.driving.Disable();
@@ -129,7 +131,7 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
       return StepResult::kRunning;
     }
     case Stage::kRelease:
-      if (BroughtUp(devices.driving)) BeginAngle(readings, elapsed_s);
+      if (BroughtUp(devices.driving)) BeginAngle(readings, devices.driving, elapsed_s);
       return StepResult::kRunning;
   }
   return StepResult::kRunning;

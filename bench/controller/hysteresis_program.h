@@ -34,7 +34,7 @@ class HysteresisProgram final : public PhaseProgram {
   double angles() const { return static_cast<double>(parameters_.lock_angles_rad.size()); }
   double loop_s() const;
   bool Ramped(const Readings& readings) noexcept;
-  void BeginAngle(const Readings& readings, double elapsed_s) noexcept;
+  void BeginAngle(const Readings& readings, const ServoDrive& driving, double elapsed_s) noexcept;
 
   schedules::HysteresisTest parameters_;
   schedules::Specimen specimen_;
@@ -42,6 +42,7 @@ class HysteresisProgram final : public PhaseProgram {
   Stage stage_{Stage::kBringUp};
   std::size_t angle_{};
   PointToPoint move_;
+  double drive_ahead_rad_{};
   double stage_start_s_{};
   double locked_output_rad_{};
   double loop_start_s_{};

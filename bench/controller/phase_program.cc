@@ -13,6 +13,10 @@ double HomeInput_rad(const Readings& readings, double ratio) noexcept {
   return kTwoPi * std::round(near_rad / kTwoPi);
 }
 
+double DriveAhead_rad(const Readings& readings, const ServoDrive& driving) noexcept {
+  return driving.Actual().position_rad - readings.input_angle_rad;
+}
+
 bool BroughtUp(ServoDrive& drive) noexcept {
   const DriveActual actual = drive.Actual();
   if (actual.power != protocols::PowerState::kOperationEnabled) return false;

@@ -75,6 +75,10 @@ class PhaseProgram {
 /// wind-up where it stands now would move the start by a degree of the input.
 double HomeInput_rad(const Readings& readings, double ratio) noexcept;
 
+/// The driving servo's own position beside the input encoder's angle, while the shaft is held. A drive counts
+/// from where it came up, the encoder from its own zero: who means an angle of the encoder adds this to it.
+double DriveAhead_rad(const Readings& readings, const ServoDrive& driving) noexcept;
+
 /// Releases the brake as soon as the drive holds the shaft; true once it is released.
 bool BroughtUp(ServoDrive& drive) noexcept;
 

@@ -37,7 +37,6 @@ double SweepProgram::share_done() const noexcept {
 
 void SweepProgram::SetUp(const Readings& readings, BenchDevices& devices) {
   home_input_rad_ = HomeInput_rad(readings, ratio_);
-  target_rad_ = readings.input_angle_rad;
   devices.driving.Enable(DriveMode::kPosition);
   devices.load.Enable(DriveMode::kTorque);
 }
@@ -68,12 +67,16 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
     case Stage::kBringUp: {
       const bool driving_up = BroughtUp(devices.driving);
       const bool load_up = BroughtUp(devices.load);
-      if (driving_up && load_up) BeginDirection(direction_, elapsed_s);
+      if (driving_up && load_up) {
+        target_rad_ = readings.input_angle_rad;
+        drive_ahead_rad_ = DriveAhead_rad(readings, devices.driving);
+        BeginDirection(direction_, elapsed_s);
+      }
       return StepResult::kRunning;
     }
     case Stage::kApproach:
     case Stage::kMove:
-      devices.driving.CommandPosition(move_.PositionAt(in_stage_s));
+      devices.driving.CommandPosition(move_.PositionAt(in_stage_s) + drive_ahead_rad_);
       skew_.Add(readings);
       if (in_stage_s < move_.duration_s()) return StepResult::kRunning;
       if (stage_ == Stage::kApproach) {

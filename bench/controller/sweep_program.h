@@ -42,6 +42,7 @@ class SweepProgram final : public PhaseProgram {
   bool second_direction_{};
   double home_input_rad_{};
   double target_rad_{};
+  double drive_ahead_rad_{};
   int step_{};
   PointToPoint move_;
   double stage_start_s_{};

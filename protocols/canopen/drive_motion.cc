@@ -60,6 +60,13 @@ void DriveMotion::Report(const DriveReading& reading) {
   objects_.torque_actual.Set(std::llround(reading.torque_permille));
 }
 
+void DriveMotion::CountFrom(double position) {
+  const double further = position - actual_position_;
+  home_ -= further;
+  for (double* const place : {&actual_position_, &position_, &target_, &next_target_}) *place += further;
+  objects_.position_actual.Set(std::llround(actual_position_));
+}
+
 // Set points begin where the motor is.
 void DriveMotion::Begin(const DriveReading& reading) {
   position_ = target_ = actual_position_;
@@ -259,11 +266,8 @@ DriveCommand DriveMotion::Torque(double dt_s, bool cyclic) {
 DriveCommand DriveMotion::Home() {
   const bool start = ControlBit(kStart);
   if (start && !start_bit_) {
-    // From here on this place has the position 607Ch.
-    const double offset = Number(objects_.home_offset);
-    home_ += actual_position_ - offset;
-    actual_position_ = position_ = target_ = offset;
-    objects_.position_actual.Set(std::llround(offset));
+    CountFrom(Number(objects_.home_offset));
+    position_ = target_ = actual_position_;
     homed_ = true;
   }
   start_bit_ = start;

@@ -30,6 +30,9 @@ class DriveMotion {
   /// Writes what was measured to the dictionary.
   void Report(const DriveReading& reading);
 
+  /// From now on the place where the motor is has this position; what it is doing does not change.
+  void CountFrom(double position);
+
   /// The ramp of a stop has come to its end, or there is nothing to stop.
   bool stopped() const { return stopped_; }
   /// 6065h was exceeded for 6066h.

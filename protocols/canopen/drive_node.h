@@ -69,6 +69,8 @@ class DriveNode {
   DriveFaults& faults() { return faults_; }
   /// As after a dip of the supply: everything at its defaults, boot-up message with the next `Poll`.
   void Reboot();
+  /// The position counter is set, as if the drive had come up after other turns; nothing moves.
+  void CountFrom(std::int32_t position) { motion_.CountFrom(position); }
   void RaiseEmergency(std::uint16_t code, const std::array<std::uint8_t, 5>& vendor) {
     emergencies_.Raise(code, vendor);
   }

@@ -16,9 +16,11 @@
 
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
+#include "bench/campaign/runner_settings.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_register_map.h"
 #include "bench/controller/make_program.h"
+#include "bench/controller/sweep_program.h"
 #include "bench/devices/can/in_process_can_bus.h"
 #include "bench/devices/device_side/device_side.h"
 #include "bench/devices/device_side/modbus_device.h"
@@ -129,6 +131,41 @@ TEST(FieldMachine, CountsOnWhereAnEncoderGoesOver) {
     });
     EXPECT_GT(direction * (readings.input_angle_rad - from.input_angle_rad), kFarEnough_rad) << drift;
     EXPECT_NEAR(readings.output_angle_rad, from.output_angle_rad, 1e-3) << drift;
+  }
+}
+
+// A drive's counter goes over as well, and where it stands has nothing to do with where the encoder does: a
+// sweep goes by the encoder's angles all the same.
+TEST(FieldMachine, SweepsWhileTheDrivesPositionGoesOver) {
+  for (const char* const position : {"drive 1 position 2147400000", "drive 1 position -2147450000"}) {
+    const BenchDescription bench = ReadBenchFile(Folder() / "bench.yaml");
+    FieldMachine machine(bench, 80.0, {});
+    Sampler& sampler = machine.Devices().sampler;
+    Until([&] { return sampler.Read().bad_channels == 0; });
+    machine.device_side()->Do(position);
+    Until([&] { return std::abs(machine.Devices().driving.Actual().position_rad) > 1e5; });
+    schedules::TransmissionErrorSweep sweep;
+    sweep.step_rad = RadFromDeg(5.0);
+    sweep.steps = 2;
+    sweep.clockwise = sweep.counter_clockwise = true;
+    sweep.input_speed_rad_per_s = RadPerSFromRpm(300.0);
+    sweep.input_acceleration_rad_per_s2 = 1000.0;
+    sweep.settle_s = 0.3;
+    sweep.averaging_s = 0.1;
+    SweepProgram program(sweep, 80.0, 0.01);
+    const std::atomic<StopRequest> request{StopRequest::kNone};
+    RunnerSettings settings = RunnerSettingsOf(bench);
+    settings.limits = TestSettings().limits;
+    settings.suspend = TestSettings().suspend;
+    PhaseRunner runner(machine.Devices(), settings, request);
+    const PhaseOutcome outcome = runner.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
+    EXPECT_FALSE(outcome.reason) << position << ": " << Describe(outcome.reason);
+    ASSERT_EQ(outcome.records.size(), 1U);
+    const std::vector<double> input_deg = outcome.records[0].record.CopyAsDoubles("input_angle_deg");
+    ASSERT_EQ(input_deg.size(), 6U) << position;
+    const double asked_deg[] = {0.0, 400.0, 800.0, 800.0, 400.0, 0.0};
+    for (std::size_t i = 0; i < input_deg.size(); ++i)
+      EXPECT_NEAR(input_deg[i], asked_deg[i], 2.0) << position;
   }
 }
 

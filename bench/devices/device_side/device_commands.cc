@@ -45,6 +45,7 @@ drive NODE silent on|off            as with the plug pulled
 drive NODE reboot                   a dip of its supply
 drive NODE emergency CODE           an EMCY message, as in 0x4310
 drive NODE sto on|off               safe torque off: on opens the input
+drive NODE position COUNTS          its counter is set to this once; nothing moves
 drive NODE statusword WORD|off      stuck at this word
 drive NODE abort INDEX SUB on|off   SDO access to an object is refused
 drive NODE bus-off on|off           its controller gives up
@@ -119,6 +120,8 @@ std::string DeviceSide::DoDrive(const Words& words) {
     drive.node.RaiseEmergency(static_cast<std::uint16_t>(NumberIn(words, 3, "an error code")), {});
   } else if (what == "sto") {
     drive.physics.OpenSafeTorqueOff(OnOff(words, 3));
+  } else if (what == "position") {
+    drive.node.CountFrom(std::stoi(WordIn(words, 3, "counts")));
   } else if (what == "bus-off") {
     drive.node.SetBusOff(OnOff(words, 3));
   } else if (what == "statusword") {
