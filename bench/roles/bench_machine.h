@@ -25,8 +25,8 @@ class BenchMachine {
 
   virtual BenchDevices Devices() = 0;
 
-  /// What the bench itself remembers over a power cut: nothing on metal, where the shafts simply stay where
-  /// they are. The view holds until the next call.
+  /// What the bench itself must be told again after a power cut. On metal the shafts simply stay where they
+  /// are, but how often an encoder has gone over its end nobody else knows. The view holds until the next call.
   virtual std::span<const std::byte> Memory() { return {}; }
   virtual void RestoreMemory(std::span<const std::byte>) {}
 

@@ -134,6 +134,36 @@ TEST(FieldMachine, CountsOnWhereAnEncoderGoesOver) {
   }
 }
 
+// A campaign that goes on after a power cut finds the encoders where they stood, however often they went
+// over.
+TEST(FieldMachine, CountsOnFromBeforeThePowerCut) {
+  constexpr double kTurnsBefore = 3500.0;  // an encoder that goes over after 4096 turns says -596 of them
+  std::vector<std::byte> memory;
+  {
+    FieldMachine before(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
+    Sampler& sampler = before.Devices().sampler;
+    Until([&] { return sampler.Read().bad_channels == 0; });
+    before.device_side()->Do("sensor drift 0 50000");
+    Until([&] { return sampler.Read().input_angle_rad > kTurnsBefore * kTwoPi; });
+    before.device_side()->Do("sensor drift off");
+    const std::span<const std::byte> kept = before.Memory();
+    memory.assign(kept.begin(), kept.end());
+  }
+  FieldMachine after(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
+  Sampler& sampler = after.Devices().sampler;
+  Until([&] { return sampler.Read().bad_channels == 0; });
+  const Readings alone = sampler.Read();
+  after.RestoreMemory(memory);
+  const auto end = alone.angles_time + seconds(5);
+  Readings readings = alone;
+  Until([&] {
+    readings = sampler.Read();
+    return readings.input_angle_rad > 1000.0 || readings.angles_time > end;
+  });
+  EXPECT_NEAR(readings.input_angle_rad, alone.input_angle_rad + 4096.0 * kTwoPi, 1e-3);
+  EXPECT_NEAR(readings.output_angle_rad, alone.output_angle_rad, 1e-3);
+}
+
 // A drive's counter goes over as well, and where it stands has nothing to do with where the encoder does: a
 // sweep goes by the encoder's angles all the same.
 TEST(FieldMachine, SweepsWhileTheDrivesPositionGoesOver) {

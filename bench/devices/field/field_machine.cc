@@ -2,6 +2,7 @@
 #include "bench/devices/field/field_machine.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <system_error>
@@ -297,6 +298,27 @@ void FieldMachine::OpenSources() {
       sources_[device.name] =
           std::make_unique<SourceReader>(std::make_unique<daq::acquisition::IioSource>(settings), clock_);
     }
+  }
+}
+
+std::span<const std::byte> FieldMachine::Memory() {
+  turns_.clear();
+  for (const auto& [name, reader] : sources_) {
+    const std::vector<std::int64_t> turns = reader->Turns();
+    turns_.insert(turns_.end(), turns.begin(), turns.end());
+  }
+  return std::as_bytes(std::span(turns_));
+}
+
+// Of a bench whose encoders are others by now nothing is taken; the reference check says so.
+void FieldMachine::RestoreMemory(std::span<const std::byte> memory) {
+  if (memory.size() != Memory().size()) return;
+  std::memcpy(turns_.data(), memory.data(), memory.size());
+  std::size_t at = 0;
+  for (const auto& [name, reader] : sources_) {
+    const std::size_t count = reader->Turns().size();
+    reader->GoOnFrom(std::span(turns_).subspan(at, count));
+    at += count;
   }
 }
 

@@ -3,8 +3,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +50,9 @@ class FieldMachine final : public BenchMachine {
   ~FieldMachine() override;
 
   BenchDevices Devices() override;
+  /// What the encoders have been counted to, over the ends of their 32 bits.
+  std::span<const std::byte> Memory() override;
+  void RestoreMemory(std::span<const std::byte> memory) override;
   void MountBlank(bool mounted) override;
   std::vector<ChannelCalibration> Calibrations() const override;
   std::vector<SourceTotals> Sources() const override;
@@ -134,6 +140,7 @@ class FieldMachine final : public BenchMachine {
   std::unique_ptr<ModbusSwitch> shunt_;
   std::map<std::string, std::unique_ptr<ModbusClient>> modbus_;
   std::map<std::string, std::unique_ptr<SourceReader>> sources_;
+  std::vector<std::int64_t> turns_;  // of all sources in turn: what `Memory` shows
   struct OneHid {
     HidProfile profile;
     std::unique_ptr<HidChannels> channels;

@@ -88,7 +88,7 @@ SourceReader::SourceReader(std::unique_ptr<SampleSource> source, const Monotonic
   for (std::size_t i = 0; i < description_.channels.size(); ++i) {
     const ChannelDescription& channel = description_.channels[i];
     if (channel.unit == "m/s^2") accelerometers_.push_back(i);
-    turns_.push_back(GoesOver(description_, channel) ? std::optional(TurnCounter()) : std::nullopt);
+    if (GoesOver(description_, channel)) turns_.try_emplace(i);
   }
   next_.bad_channels = description_.channels.size() == SourceSnapshot::kMostChannels
                            ? ~0U
@@ -182,13 +182,35 @@ void SourceReader::Take(SampleBlock& block) {
   MeasureVibration(block);
   const std::size_t last = block.header.samples - 1;
   for (std::size_t i = 0; i < description_.channels.size(); ++i) {
-    double raw = block.Value(last, i);
-    if (turns_[i]) raw = static_cast<double>(turns_[i]->Follow(static_cast<std::int32_t>(raw)));
-    next_.values[i] = description_.channels[i].calibration.Apply(raw);
+    next_.values[i] = description_.channels[i].calibration.Apply(block.Value(last, i));
   }
+  CountTurns(block);
   next_.time = clock_.FromKernel(block.header.arrival);
   next_.sampled = clock_.FromKernel(FollowClock(block));
   Keep(block);
+}
+
+void SourceReader::CountTurns(const SampleBlock& block) {
+  const std::lock_guard lock(mutex_);
+  for (auto& [channel, turns] : turns_) {
+    const auto sent = static_cast<std::int32_t>(block.Value(block.header.samples - 1, channel));
+    next_.values[channel] =
+        description_.channels[channel].calibration.Apply(static_cast<double>(turns.Follow(sent)));
+  }
+}
+
+std::vector<std::int64_t> SourceReader::Turns() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::int64_t> counted;
+  for (const auto& [channel, turns] : turns_) counted.push_back(turns.counted());
+  return counted;
+}
+
+void SourceReader::GoOnFrom(std::span<const std::int64_t> turns) {
+  const std::lock_guard lock(mutex_);
+  if (turns.size() != turns_.size()) return;
+  auto from = turns.begin();
+  for (auto& [channel, counter] : turns_) counter = TurnCounter(*from++);
 }
 
 void SourceReader::MeasureVibration(const SampleBlock& block) noexcept {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -69,6 +70,11 @@ class SourceReader {
   /// The device's clock against the monotonic one, once it is known, and how often it was set anew.
   std::optional<daq::acquisition::ClockEstimate> clock() const noexcept { return state_.Get().clock; }
   std::uint64_t clock_restarts() const noexcept { return state_.Get().clock_restarts; }
+  /// What its encoders have been counted to over the ends of their 32 bits, one number each.
+  std::vector<std::int64_t> Turns() const;
+  /// From the next block on they go on from there, where they were before the power went. Of another number
+  /// of encoders nothing is taken.
+  void GoOnFrom(std::span<const std::int64_t> turns);
   /// What is wrong at the moment, channel by channel or with the source itself, in words; empty if nothing.
   std::string Trouble() const;
 
@@ -98,6 +104,7 @@ class SourceReader {
   void Take(daq::acquisition::SampleBlock& block);
   std::chrono::nanoseconds FollowClock(const daq::acquisition::SampleBlock& block) noexcept;
   void Publish() noexcept;
+  void CountTurns(const daq::acquisition::SampleBlock& block);
   void MeasureVibration(const daq::acquisition::SampleBlock& block) noexcept;
   void Keep(const daq::acquisition::SampleBlock& block);
   void Say(const std::string& trouble);
@@ -111,7 +118,6 @@ class SourceReader {
   daq::acquisition::SensorWatch watch_;
   daq::acquisition::ClockModel device_clock_;
   SourceSnapshot next_;
-  std::vector<std::optional<daq::acquisition::TurnCounter>> turns_;  // of the channels that go over
   std::vector<std::size_t> accelerometers_;
   std::vector<double> sums_;
   std::vector<double> squares_;
@@ -120,7 +126,8 @@ class SourceReader {
 
   Latest<SourceSnapshot> newest_;
   Latest<SourceState> state_;
-  mutable RealtimeMutex mutex_;  // of the three below; held for moments only
+  mutable RealtimeMutex mutex_;                                 // of the four below; held for moments only
+  std::map<std::size_t, daq::acquisition::TurnCounter> turns_;  // of the channels that go over
   std::unique_ptr<daq::acquisition::StreamRecorder> recorder_;
   std::string trouble_;
   std::shared_ptr<Capture> capture_;  // shared for the moment in which one is exchanged

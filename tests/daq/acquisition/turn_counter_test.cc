@@ -27,6 +27,14 @@ TEST(TurnCounter, TakesTheFirstCountsAsTheyAre) {
   }
 }
 
+TEST(TurnCounter, GoesOnFromWhatWasCountedBefore) {
+  for (const std::int64_t before : {100'000 * kTurn + 7, -100'000 * kTurn - 7}) {
+    TurnCounter counter(before);
+    EXPECT_EQ(counter.Follow(Sent(before + kStep)), before + kStep);
+    EXPECT_EQ(counter.counted(), before + kStep);
+  }
+}
+
 TEST(TurnCounter, GoesTheShorterWayOverAGap) {
   TurnCounter counter;
   EXPECT_EQ(counter.Follow(Sent(2000 * kTurn)), 2000 * kTurn);
