@@ -28,6 +28,22 @@ double Held(const mb::Register& value, double wanted) {
   return Encode(value, held).problem == mb::CodecProblem::kNone ? held : 0.0;
 }
 
+// After how much a value goes over to where it was; 0: one without ends.
+double Whole(const mb::Register& value) {
+  switch (value.type) {
+    case mb::ValueType::kInt16:
+    case mb::ValueType::kUint16:
+      return std::abs(value.scale) * 65536.0;
+    case mb::ValueType::kInt32:
+    case mb::ValueType::kUint32:
+      return std::abs(value.scale) * 4294967296.0;
+    case mb::ValueType::kFloat32:
+    case mb::ValueType::kBit:
+      break;
+  }
+  return 0.0;
+}
+
 }  // namespace
 
 ModbusServoDrive::ModbusServoDrive(ModbusSettings settings, const mb::RegisterMap& map,
@@ -111,6 +127,15 @@ std::optional<PowerState> ModbusServoDrive::Power() const noexcept {
   return std::nullopt;
 }
 
+double ModbusServoDrive::Position_rad() const noexcept {
+  if (!at_.actual_position) return 0.0;
+  const double told_rad = client_.Value(*at_.actual_position).value;
+  const double whole_rad = Whole(map_.registers[*at_.actual_position]);
+  const double counted_rad = counted_rad_;
+  if (whole_rad == 0.0 || !std::isfinite(told_rad)) return told_rad;
+  return counted_rad + std::remainder(told_rad - counted_rad, whole_rad);
+}
+
 DriveActual ModbusServoDrive::Actual() const noexcept {
   heard_ns_ = clock_.Now().count();
   const ChannelValue status = client_.Value(at_.status);
@@ -124,7 +149,7 @@ DriveActual ModbusServoDrive::Actual() const noexcept {
   actual.speed_rad_per_s = speed.value;
   actual.torque_Nm = torque.value;
   actual.tells_position = at_.actual_position && client_.Value(*at_.actual_position).good;
-  if (at_.actual_position) actual.position_rad = client_.Value(*at_.actual_position).value;
+  actual.position_rad = Position_rad();
   actual.power = power.value_or(PowerState::kNotReadyToSwitchOn);
   actual.brake_engaged = brake.good && brake.value == profile_.brake_engaged;
   return actual;
@@ -197,6 +222,7 @@ bool ModbusServoDrive::WatchdogFollows() const noexcept {
 }
 
 ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
+  if (const double position_rad = Position_rad(); std::isfinite(position_rad)) counted_rad_ = position_rad;
   Command command = command_.Get();
   const bool enable = command.enable && command.enables > void_enables_;
   // Once something went wrong, the brake stays on until somebody enables the drive anew.

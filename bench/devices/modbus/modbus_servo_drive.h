@@ -78,6 +78,7 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   ModbusReply WriteStop(ModbusLink& link, bool quick, bool brake_engaged);
   ModbusReply WriteCommand(ModbusLink& link, const Command& command, bool enable);
   std::optional<protocols::PowerState> Power() const noexcept;
+  double Position_rad() const noexcept;
   bool WatchdogFollows() const noexcept;
   void Order(bool at_once) noexcept;
   void Take(DriveMode mode, double value) noexcept;
@@ -96,7 +97,8 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   Latest<Command> command_;
 
   // Of the client's thread.
-  std::uint64_t void_enables_{};  // asked for before something went wrong
+  std::atomic<double> counted_rad_{};  // the position, over the ends of its register
+  std::uint64_t void_enables_{};       // asked for before something went wrong
   std::uint64_t resets_done_{}, enables_begun_{};
   std::chrono::nanoseconds begun_{};  // when the last enabling began
   bool was_enabled_{};

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "analysis/units.h"
 #include "bench/configuration/read_register_map.h"
 #include "bench/devices/device_side/modbus_device.h"
 #include "bench/devices/device_side/modbus_servo_model.h"
@@ -61,11 +63,15 @@ class Servo : public testing::Test {
       ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
   std::atomic<int> heard_{0};
   std::atomic<bool> others_supervised_{true};
+  const std::size_t position_at_ = *protocols::modbus::Find(profile_.map, "actual_position");
+  std::atomic<double> position_rad_{0.0};  // not counted on: as the drive's register holds it
   ModbusServoModel model_{profile_.map, *profile_.servo};
   ModbusDevice device_{
       profile_.map,
       1,
-      {[this](std::size_t index) { return model_.Read(index, clock_.Now()); },
+      {[this](std::size_t index) {
+         return index == position_at_ ? position_rad_.load() : model_.Read(index, clock_.Now());
+       },
        [this](std::size_t index, double value) { return model_.Write(index, value, clock_.Now()); },
        [this] { ++heard_, model_.Hear(clock_.Now()); }},
       ModbusDevice::Tcp{}};
@@ -108,6 +114,22 @@ TEST_F(Servo, IsNotEnabledWhileAnotherDriveWouldNotNoticeThatTheProgramIsGone) {
   EXPECT_TRUE(IsSafe()) << "it must be asked for anew";
   drive->Enable(DriveMode::kSpeed);
   EXPECT_TRUE(IsEnabled(*drive));
+}
+
+// 32 bits of 0.001 deg are 11 930 turns.
+TEST_F(Servo, CountsItsPositionOnWhereTheRegisterGoesOver) {
+  const auto drive = Drive();
+  const double whole_rad = RadFromDeg(0.001) * 4294967296.0;
+  for (const double direction : {1.0, -1.0}) {
+    const double from_rad = drive->Actual().position_rad;
+    for (int i = 1; i <= 12; ++i) {
+      const double expected_rad = from_rad + direction * i * whole_rad / 5.0;
+      position_rad_ = std::remainder(expected_rad, whole_rad);
+      ASSERT_TRUE(
+          UntilCalling(*drive, [&] { return std::abs(drive->Actual().position_rad - expected_rad) < 0.01; }))
+          << drive->Actual().position_rad << " instead of " << expected_rad;
+    }
+  }
 }
 
 TEST_F(Servo, RunsAtSpeedAndPullsTorque) {
