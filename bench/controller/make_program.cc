@@ -63,7 +63,7 @@ struct Maker {
     return MakeBlankProgram(phase, specimen, period_s);
   }
   std::unique_ptr<PhaseProgram> operator()(const schedules::SensorCheck& phase) const {
-    return std::make_unique<SensorCheckProgram>(phase, specimen.ratio, period_s);
+    return std::make_unique<SensorCheckProgram>(phase, specimen, period_s);
   }
 };
 

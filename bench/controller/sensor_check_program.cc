@@ -14,6 +14,11 @@ using Kind = schedules::SensorCheck::Kind;
 // The gear unwinds when the brakes have closed; a shunt passes the amplifier's filter.
 constexpr double kSettle_s = 1.0;
 
+// To and fro once a second, each time by a tenth less: at last by 2 % of T2.
+constexpr double kShakes_hz = 1.0;
+constexpr double kShake_s = 18.0;
+constexpr double kDecay_per_s = 0.21;
+
 double Stretches(const schedules::SensorCheck& check) { return check.kind == Kind::kShunt ? 2.0 : 1.0; }
 
 std::vector<std::string> ColumnsOf(Kind kind) {
@@ -23,22 +28,52 @@ std::vector<std::string> ColumnsOf(Kind kind) {
 
 }  // namespace
 
-SensorCheckProgram::SensorCheckProgram(const schedules::SensorCheck& parameters, double ratio,
-                                       double period_s)
+SensorCheckProgram::SensorCheckProgram(const schedules::SensorCheck& parameters,
+                                       const schedules::Specimen& specimen, double period_s)
     : parameters_(parameters),
-      ratio_(ratio),
-      planned_s_(Stretches(parameters) * (parameters.duration_s + kSettle_s)),
+      ratio_(specimen.ratio),
+      first_Nm_(specimen.t2_Nm),
+      stage_(parameters.kind == Kind::kZero ? Stage::kBringUp : Stage::kRead),
+      planned_s_(Stretches(parameters) * (parameters.duration_s + kSettle_s) +
+                 (parameters.kind == Kind::kZero ? kShake_s : 0.0)),
       log_(ColumnsOf(parameters.kind),
            static_cast<std::size_t>(Stretches(parameters) * (parameters.duration_s / period_s + 2.0))) {}
 
 void SensorCheckProgram::SetUp(const Readings&, BenchDevices& devices) {
   devices.driving.Disable();
+  if (stage_ == Stage::kBringUp) {
+    devices.load.Enable(DriveMode::kTorque);
+  } else {
+    devices.load.Disable();
+  }
+}
+
+void SensorCheckProgram::Shake(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+  if (stage_ == Stage::kBringUp) {
+    if (!BroughtUp(devices.load)) return;
+    stage_ = Stage::kShake;
+    locked_output_rad_ = readings.output_angle_rad;
+    stretch_start_s_ = elapsed_s;
+  }
+  const double in_stretch_s = elapsed_s - stretch_start_s_;
+  if (in_stretch_s < kShake_s) {
+    devices.load.CommandTorque(first_Nm_ * std::exp(-kDecay_per_s * in_stretch_s) *
+                               std::sin(kTwoPi * kShakes_hz * in_stretch_s));
+    return;
+  }
+  devices.load.SetBrake(true);
   devices.load.Disable();
+  stage_ = Stage::kRead;
+  stretch_start_s_ = elapsed_s;
 }
 
 StepResult SensorCheckProgram::Step(const Readings& readings, double elapsed_s,
                                     BenchDevices& devices) noexcept {
   share_done_ = std::min(1.0, elapsed_s / planned_s_);
+  if (stage_ != Stage::kRead) {
+    Shake(readings, elapsed_s, devices);
+    return StepResult::kRunning;
+  }
   const double in_stretch_s = elapsed_s - stretch_start_s_;
   if (in_stretch_s < kSettle_s) return StepResult::kRunning;
   const bool kept = parameters_.kind == Kind::kReference

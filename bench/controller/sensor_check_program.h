@@ -9,20 +9,34 @@ namespace strainwave::bench {
 
 /// Reads a sensor at standstill, with torque off and brakes on: the torque transducer as it is, without and
 /// then with its shunt, or both encoders. Judges nothing; its record says what was to be expected.
-/// A torque that is locked in between the brakes counts as one that the transducer shows.
+///
+/// Friction of the load drive holds the gear wound up after whatever turned last. Before the zero is read,
+/// the load servo shakes that off on the locked input: to and fro, by T2 at first, and less each time. What
+/// it leaves is a tenth of the friction; what is locked in otherwise counts as shown by the transducer.
 class SensorCheckProgram final : public PhaseProgram {
  public:
-  SensorCheckProgram(const schedules::SensorCheck& parameters, double ratio, double period_s);
+  SensorCheckProgram(const schedules::SensorCheck& parameters, const schedules::Specimen& specimen,
+                     double period_s);
 
   void SetUp(const Readings& readings, BenchDevices& devices) override;
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
   double timeout_s() const override { return 2.0 * planned_s_ + 30.0; }
   double share_done() const noexcept override { return share_done_; }
+  bool ready() const noexcept override { return stage_ != Stage::kBringUp; }
+  bool input_locked() const noexcept override { return stage_ == Stage::kShake; }
+  double locked_output_angle_rad() const noexcept override { return locked_output_rad_; }
   std::vector<NamedRecord> TakeRecords() override;
 
  private:
+  enum class Stage { kBringUp, kShake, kRead };
+
+  void Shake(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept;
+
   schedules::SensorCheck parameters_;
   double ratio_;
+  double first_Nm_;  // of the shaking
+  Stage stage_;
+  double locked_output_rad_{};
   double planned_s_;
   double share_done_{};
   bool shunted_{};

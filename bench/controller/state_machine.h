@@ -18,7 +18,7 @@ enum class BenchState {
   kHysteresisTest,  // input brake locked
   kBlankTest,
   kSoak,         // standstill until a thermal state is reached
-  kSensorCheck,  // standstill: what sensors show where it is known
+  kSensorCheck,  // what sensors show where it is known; nothing turns
   kSuspended,    // standstill until temperature or sensors have recovered
   kStore,
   kFinished,

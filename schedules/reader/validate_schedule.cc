@@ -150,6 +150,11 @@ class PhaseCheck {
 
   void operator()(const SensorCheck& check) const {
     if (check.kind == SensorCheck::Kind::kShunt) CheckTorque("expected", std::abs(check.expected_Nm));
+    // Before a zero is read, the load servo shakes the gear by t2.
+    if (check.kind == SensorCheck::Kind::kZero) {
+      compare_.MustBeBelow({"specimen.t2", schedule_.specimen.t2_Nm},
+                           {"limits.output_torque", schedule_.limits.output_torque_Nm});
+    }
   }
 
  private:

@@ -3,6 +3,7 @@
 // check does, before anything is measured with it.
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <regex>
 #include <string>
 
@@ -20,7 +21,7 @@
 namespace strainwave::bench {
 namespace {
 
-// Beside the 0.5 Nm that the check finds on this bench anyway.
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDrift_Nm_per_s = 0.5 / 600.0;
 
 // Creeps from the first sign of the load run on.
@@ -35,12 +36,20 @@ class Creeping final : public ProgressSink {
     creeps_ = true;
   }
   void Message(std::string_view, std::string_view) override {}
-  void CycleStored(int, const std::vector<Result>&) override {}
+  void CycleStored(int, const std::vector<Result>& results) override { results_ = results; }
+
+  double Value(const std::string& quantity) const {
+    for (const Result& result : results_) {
+      if (result.quantity == quantity) return result.value;
+    }
+    return kUnknown;
+  }
 
  private:
   SimulatedBench& bench_;
   double drift_Nm_per_s_;
   bool creeps_{};
+  std::vector<Result> results_;
 };
 
 class TransducerDrift : public testing::Test {
@@ -52,14 +61,21 @@ class TransducerDrift : public testing::Test {
     text = schedules::With(text, "duration: 20 min ", "duration: 10 min ");
     text = schedules::With(text, "operator_acknowledges: true", "operator_acknowledges: false");
     text = schedules::With(text, "  - kind: load_run\n",
-                           "  - {kind: zero_check, allowed: 0.75 Nm}\n\n  - kind: load_run\n");
+                           "  - {kind: zero_check, allowed: 0.25 Nm}\n\n  - kind: load_run\n");
+    text = schedules::With(text, "measurements:\n",
+                           "  - {kind: zero_check, name: last_zero, allowed: 0.25 Nm}\n\nmeasurements:\n");
     text = schedules::With(text, "  - kind: measurement_rotation\n",
-                           "  - {kind: zero_check, name: loaded_zero, allowed: 0.75 Nm}\n\n"
+                           "  - {kind: zero_check, name: loaded_zero, allowed: 0.25 Nm}\n\n"
                            "  - kind: measurement_rotation\n");
     std::ofstream(scratch_ / "schedule.yaml") << text;
-    // Warmth moves the zero, too, but not here.
-    std::ofstream(scratch_ / "bench.yaml") << schedules::With(
-        EmbeddedBenchText(), "plant: []", "plant: [{term: torque_zero_drift, enabled: false}]");
+    WriteBench("");
+  }
+
+  // Warmth moves the zero, too, but not here.
+  void WriteBench(const std::string& further_term) {
+    std::ofstream(scratch_ / "bench.yaml")
+        << schedules::With(EmbeddedBenchText(), "plant: []",
+                           "plant: [{term: torque_zero_drift, enabled: false}" + further_term + "]");
   }
 
   CampaignEnd Run(double drift_Nm_per_s, bool resumed) {
@@ -73,19 +89,23 @@ class TransducerDrift : public testing::Test {
     CampaignRunner runner(folder_, inputs.schedule, inputs.bench, machine, journal, request, creeping);
     const CampaignEnd end = runner.Run(from.checkpoint, from.pause_s);
     phases_ = journal.Phases(1);
+    for (const char* const check : {"zero_check_Nm", "loaded_zero_Nm", "last_zero_Nm"}) {
+      zeros_Nm_.push_back(creeping.Value(check));
+    }
     return end;
   }
 
   ScratchFolder scratch_;
   CampaignFolder folder_{scratch_ / "campaign"};
   std::vector<PhaseRow> phases_;
+  std::vector<double> zeros_Nm_;  // before and after the load run, and after the hysteresis test
 };
 
 TEST_F(TransducerDrift, DuringALoadRunIsFoundByTheNextZeroCheck) {
   const CampaignEnd end = Run(kDrift_Nm_per_s, false);
   EXPECT_EQ(end.kind, CampaignEnd::Kind::kFault) << end.text;
   const std::regex words(
-      "a sensor does not show what it should: zero check: (0\\.99|1\\.0)[0-9]* is further than 0\\.75 from 0 "
+      "a sensor does not show what it should: zero check: 0\\.(4|5)[0-9]* is further than 0\\.25 from 0 "
       "\\(in "
       "Nm\\); look for a torque that is locked in between the brakes and for a loose plug, then zero the "
       "amplifier or have the transducer calibrated");
@@ -106,6 +126,18 @@ TEST_F(TransducerDrift, DuringALoadRunIsFoundByTheNextZeroCheck) {
 
 TEST_F(TransducerDrift, OfHalfOfWhatTheCheckLeavesStopsNothing) {
   EXPECT_EQ(Run(0.25 * kDrift_Nm_per_s, false).kind, CampaignEnd::Kind::kCompleted);
+}
+
+// The load drive's friction holds 0.5 Nm of whatever it was last turned by.
+TEST_F(TransducerDrift, OfNoneIsSeenWhateverTurnedBefore) {
+  ASSERT_EQ(Run(0.0, false).kind, CampaignEnd::Kind::kCompleted);
+  for (const double zero_Nm : zeros_Nm_) EXPECT_NEAR(zero_Nm, 0.0, 0.06);
+}
+
+TEST_F(TransducerDrift, AZeroThatIsOffIsSeenWhateverTurnedBefore) {
+  WriteBench(", {term: torque_zero_offset, parameters: {offset_Nm: 0.2}}");
+  ASSERT_EQ(Run(0.0, false).kind, CampaignEnd::Kind::kCompleted);
+  for (const double zero_Nm : zeros_Nm_) EXPECT_NEAR(zero_Nm, 0.2, 0.06);
 }
 
 }  // namespace
