@@ -24,7 +24,7 @@ struct Checkpoint {
   std::int64_t utc_ms{};
   /// Input angle / ratio − output angle, to be found again before anything moves; a NaN when not known.
   double encoder_offset_rad{};
-  std::vector<std::byte> machine_memory{};  // of a simulated bench
+  std::vector<std::byte> machine_memory{};  // BenchMachine::Memory
 };
 
 /// Writes checkpoints once a second of bench time. A killed process loses none that was written; a power cut

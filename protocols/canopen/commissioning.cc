@@ -19,8 +19,11 @@ bool WritesAllBits(const CommissioningStep& step) {
   return step.mask == (step.bytes >= 4 ? 0xFFFFFFFF : (std::uint32_t{1} << (8 * step.bytes)) - 1);
 }
 
-// Of a position of 32 bits with a sign: none is set, or it is where they go over anyway.
-bool IsNoEnd(std::uint32_t value) { return (value & 0x7FFFFFFF) == 0 || value == 0x7FFFFFFF; }
+// Of a position of 32 bits with a sign: none is set, or it is where they go over anyway. Some makers write
+// the lower one as the upper one's opposite.
+bool IsNoEnd(std::uint32_t value) {
+  return value == 0 || value == 0x7FFFFFFF || value == 0x80000000 || value == 0x80000001;
+}
 
 bool IsAsExpected(const CommissioningStep& step, std::uint32_t read) {
   switch (step.action) {

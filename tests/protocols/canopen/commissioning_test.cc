@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "tests/protocols/canopen/scripted_drive.h"
 
@@ -239,11 +240,13 @@ TEST(Commissioning, SaysInWordsThatASupervisionReadsBackAsOff) {
 }
 
 TEST(Commissioning, TakesAPositionWithoutEnds) {
-  for (const std::uint32_t none : {0U, 1U}) {
+  constexpr std::pair<std::uint32_t, std::uint32_t> kNone[] = {
+      {0, 0}, {0x80000000, 0x7FFFFFFF}, {0x80000001, 0x7FFFFFFF}};
+  for (const auto& [lower, upper] : kNone) {
     Boot boot;
     for (const std::uint16_t index : {std::uint16_t{0x607B}, std::uint16_t{0x607D}}) {
-      boot.drive.objects[{index, 1}] = none * 0x80000000;
-      boot.drive.objects[{index, 2}] = none * 0x7FFFFFFF;
+      boot.drive.objects[{index, 1}] = lower;
+      boot.drive.objects[{index, 2}] = upper;
     }
     EXPECT_EQ(boot.Run(), State::kDone) << boot.commissioning.FailureWords();
   }
