@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -18,18 +17,13 @@
 #include "daq/acquisition/stream_file_reader.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"
+#include "tests/simulation/until.h"
 
 namespace strainwave::bench {
 namespace {
 
 std::filesystem::path Folder() {
   return std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field";
-}
-
-// Waits for what other threads bring about; the test's own time-out ends it where that never comes.
-template <typename Condition>
-void Until(Condition condition) {
-  while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 std::string FieldSchedule() {
