@@ -26,7 +26,8 @@ class BenchMachine {
   virtual BenchDevices Devices() = 0;
 
   /// What the bench itself must be told again after a power cut. On metal the shafts simply stay where they
-  /// are, but how often an encoder has gone over its end nobody else knows. The view holds until the next call.
+  /// are, but how often an encoder has gone over its end nobody else knows. The view holds until the next
+  /// call.
   virtual std::span<const std::byte> Memory() { return {}; }
   virtual void RestoreMemory(std::span<const std::byte>) {}
 
