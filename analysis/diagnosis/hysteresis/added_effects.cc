@@ -14,18 +14,14 @@ namespace {
 // What settles in less of a loop's time is the torque rate's doing, as any record without a hold shows it.
 constexpr double kShortestShare = 0.01;
 
-double LoopDuration_s(const LoopRecords& records) {
-  const double branches = static_cast<double>(records.branches.size() - 1);
-  return 2.0 * records.duration_s * static_cast<double>(records.samples.records()) / std::max(branches, 2.0);
-}
-
 // Logarithmic or exponential, of the gear's wind-up with all its bends and friction (E22) or of a part that
 // yields in proportion to the torque (a glued joint, the mount).
 class CreepEffect final : public FormedEffect {
  public:
   explicit CreepEffect(const LoopRecords& records)
       : FormedEffect(records, FormsOf(records), "creep_rms_arcmin", "time_constant_s", "s"),
-        shortest_s_(std::max(2.0 * records.step_s, kShortestShare * LoopDuration_s(records))),
+        shortest_s_(
+            std::max(2.0 * records.step_s, kShortestShare * 2.0 * records.duration_s / records.passes())),
         longest_s_(0.6 * records.duration_s),
         duration_s_(records.duration_s) {
     const double range_arcmin = ArcminFromRad(records.twist_range_rad);

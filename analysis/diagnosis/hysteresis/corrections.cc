@@ -108,10 +108,9 @@ class Line final : public Correction {
     lowest_ = abscissa_.fewest_periods / span;
     const auto records_there = static_cast<double>(records.samples.records());
     const double samples = static_cast<double>(records.samples.size()) / records_there;
-    const double passes = static_cast<double>(records.branches.size() - 1) / records_there;
     // Faster than a few samples a period it cannot be told from noise, nor where the noise of the place is a
     // part of the period.
-    double fastest = over == Over::kTime ? 0.4 / records.step_s : 0.2 * samples / passes / span;
+    double fastest = over == Over::kTime ? 0.4 / records.step_s : 0.2 * samples / records.passes() / span;
     if (over == Over::kAngle) fastest = std::min(fastest, 0.3 / std::max(records.place_noise_rad, 1e-12));
     highest_ = std::max(2.0 * lowest_, std::min(fastest, 2000.0 / span));
     needs_all_samples = true;

@@ -20,8 +20,8 @@ inline constexpr std::size_t kFrictionElements = 13;
 ///
 /// g the piecewise-linear spring (stiffer under torque of one sign by the asymmetry of each segment), zⱼ
 /// elasto-plastic friction elements, T₀ the offset of the torque signal. The dead zone lies either beside the
-/// friction, in series with the spring alone, or outside of both. The elements' limits and
-/// yield twists are larger by rise · ln(1 + |Ṫ| / usual rate), and the twist lags by lag · Ṫ.
+/// friction, in series with the spring alone, or outside of both. The elements' limits and yield
+/// twists are larger by rise · ln(1 + |Ṫ| / usual rate), and the twist lags by lag · Ṫ.
 struct GearLaw {
   model::TorsionSpring spring;
   std::array<model::ElastoPlasticElement, kFrictionElements> friction{};

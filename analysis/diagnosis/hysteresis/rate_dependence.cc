@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -9,6 +8,7 @@
 #include "analysis/diagnosis/hysteresis/effects.h"
 #include "analysis/diagnosis/hysteresis/law_number.h"
 #include "analysis/diagnosis/hysteresis/phases.h"
+#include "analysis/noise_level.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -20,10 +20,7 @@ double UsualRate_Nm_per_s(const LoopRecords& records) {
   for (const double rate : records.torque_rate_Nm_per_s) {
     if (rate != 0.0) rates.push_back(std::abs(rate));
   }
-  if (rates.empty()) return 1.0;
-  const auto middle = rates.begin() + static_cast<std::ptrdiff_t>(rates.size() / 2);
-  std::nth_element(rates.begin(), middle, rates.end());
-  return 0.5 * *middle;
+  return rates.empty() ? 1.0 : 0.5 * Median(std::move(rates));
 }
 
 // As a law of the friction it goes with a rate that the record has, which has to be told beside its number.
@@ -57,9 +54,7 @@ void AppendRateDependence(const LoopRecords& records, LoopEffects& effects) {
   const double rate_Nm_per_s = UsualRate_Nm_per_s(records);
   const double most_lag_rad_s_per_Nm = 0.5 * records.twist_range_rad / (2.0 * rate_Nm_per_s);
   // As much damping as takes all the torque at the mean rate of the twist.
-  const double twist_rad_per_s = 2.0 * records.twist_range_rad *
-                                 static_cast<double>(records.branches.size() - 1) / 2.0 /
-                                 static_cast<double>(records.samples.records()) / records.duration_s;
+  const double twist_rad_per_s = records.twist_range_rad * records.passes() / records.duration_s;
   const double most_viscous = 0.5 * records.peak_torque_Nm / twist_rad_per_s;
   CauseRule rule{
       .name = "rate_dependence",

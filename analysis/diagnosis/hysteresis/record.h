@@ -51,6 +51,10 @@ struct LoopRecords {
   std::size_t block_length{};
   std::vector<std::string> warnings;
 
+  /// Branches of the torque, of one record: a loop is two of them.
+  double passes() const {
+    return static_cast<double>(branches.size() - 1) / static_cast<double>(samples.records());
+  }
   double compliance_rad_per_Nm() const { return 0.5 * twist_range_rad / peak_torque_Nm; }
 };
 

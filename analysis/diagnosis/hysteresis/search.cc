@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "analysis/decompositions.h"
@@ -118,15 +119,15 @@ void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std
   const bool has_forms = model.effects()[effect]->numbers.front().held;
   constexpr double kTheSame = 1e-9;  // of the gain: forms that differ in what this record does not have
   std::vector<double> forms;
-  std::vector<double> gains;
+  std::optional<double> last_gain;
   int fits = 0;
   for (const RankedStart& start : ranked) {
     const double form = model.Of(effect, start.numbers)[0];
     if (has_forms) {
       if (std::ranges::find(forms, form) != forms.end()) continue;
       forms.push_back(form);
-      if (!gains.empty() && gains.back() - start.gain <= kTheSame * gains.back()) continue;
-      gains.push_back(start.gain);
+      if (last_gain && *last_gain - start.gain <= kTheSame * *last_gain) continue;
+      last_gain = start.gain;
     }
     LoopSolution solution = SolveLoop(model, grid, start.numbers, kMostIterations);
     if (!std::isfinite(best.cost) ||

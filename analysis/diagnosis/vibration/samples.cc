@@ -22,11 +22,6 @@ constexpr double kFewestTurns = 2.0;
 constexpr double kFewestSamplesPerTurn = 4.0;
 constexpr double kRefusedClipping = 0.05;  // share of samples
 
-double LargestLess(std::span<const double> values) {
-  const auto [low, high] = std::ranges::minmax(values);
-  return high - low;
-}
-
 // Samples at the end of the range, if the range is what ends there: in a histogram of a free signal the last
 // level holds fewer than the one before.
 std::size_t Clipped(std::vector<double> values, double& at) {
@@ -105,7 +100,7 @@ void TakeChannels(VibrationSamples& samples, VibrationRun& run, const VibrationD
       throw std::invalid_argument(fmt::format("{}{} has {} samples, time has {} (expected as many)", which,
                                               channel.name, channel.values.size(), run.size()));
     }
-    if (!(LargestLess(channel.values) > 0.0)) {
+    if (!(Spread(channel.values) > 0.0)) {
       samples.warnings.push_back(fmt::format("{}{} is constant at {:.6g} and was left out", which,
                                              channel.name, channel.values.front()));
       continue;
@@ -190,6 +185,11 @@ void FillNominal(VibrationRun& run) {
     run.nominal(i, 3) = c * c - s * s;
     run.nominal(i, 4) = 2.0 * s * c;
   }
+}
+
+double Spread(std::span<const double> values) {
+  const auto [low, high] = std::ranges::minmax(values);
+  return high - low;
 }
 
 VibrationSamples PrepareVibration(std::span<const VibrationData> records) {

@@ -16,11 +16,6 @@ namespace {
 constexpr double kMostTurnBack = 0.25;    // turns
 constexpr double kMostOfOneTurn = 1.001;  // turns that an angle which starts anew each turn may span
 
-double Spread(std::span<const double> values) {
-  const auto [low, high] = std::ranges::minmax(values);
-  return high - low;
-}
-
 // From 0, without the jumps of an angle that starts anew each turn.
 std::vector<double> Unwrapped(std::vector<double> angle_rad) {
   const bool wraps = Spread(angle_rad) <= kMostOfOneTurn * kTwoPi;

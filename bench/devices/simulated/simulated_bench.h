@@ -18,8 +18,8 @@ namespace strainwave::bench {
 
 struct SimulatedBenchSettings {
   std::uint64_t seed{1};  // decides the specimen, its mounting, and all noise
-  double time_skew_s{
-      10e-6};  // output encoder sampled this much after the input encoder, below zero: before (E20)
+  /// The output encoder is sampled this much after the input encoder; below zero: before (E20).
+  double time_skew_s{10e-6};
   /// Times real time; infinity: as fast as it can.
   double pace{std::numeric_limits<double>::infinity()};
   std::optional<double> ambient_degC{};  // mean of the room, and of everything at the start; else the model's
