@@ -325,6 +325,13 @@ TEST(HysteresisStudy, NamesASlipThatComesAtOnceAndStays) {
   ExpectNear(found.value("slip_torque_Nm"), 26.3, 0.1);
 }
 
+// None of the levels that are tried anyway is near enough for a fit to find this one.
+TEST(HysteresisStudy, NamesASlipAtAnyLevel) {
+  const Diagnosed found = Ask({.slip_from_Nm = 22.4, .slip_at_once_rad = RadFromArcmin(0.2)}, {}, 8);
+  EXPECT_EQ(found.names(), Names{"brake_slip"});
+  ExpectNear(found.value("slip_arcmin"), 0.2, 0.1);
+}
+
 TEST(HysteresisStudy, NamesAFirstSegmentThatIsStifferOneWay) {
   const Diagnosed found = Ask({.k1_stiffer_share = 0.05}, {}, 9);
   EXPECT_EQ(found.names(), Names{"asymmetric_stiffness"});
