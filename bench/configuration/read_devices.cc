@@ -25,6 +25,12 @@ std::filesystem::path Below(const std::filesystem::path& folder, const std::stri
   return file.empty() ? std::filesystem::path() : folder / file;
 }
 
+bool IsAngle(std::string_view channel) { return channel == "input_angle" || channel == "output_angle"; }
+
+// What is polled is older by an unknown part of the poll: arcminutes of an angle under way. Nor is it counted
+// on where a register goes over.
+bool DatesItsSamples(Kind kind) { return kind == Kind::kStream || kind == Kind::kIio; }
+
 bool GivesChannels(Kind kind) {
   switch (kind) {
     case Kind::kModbus:
@@ -241,6 +247,10 @@ void CheckDevices(const BenchDescription& bench, int line, ReadContext& context)
       error("device",
             fmt::format("device = {} has no channels (expected one of kind modbus, stream, iio or hid)",
                         link.device));
+    } else if (IsAngle(link.channel) && !DatesItsSamples(device->kind)) {
+      error("device", fmt::format("device = {} does not date its samples (expected one of kind stream or iio "
+                                  "for an angle)",
+                                  link.device));
     }
   }
   CheckShunt(bench, context);

@@ -102,6 +102,10 @@ TEST(DeviceSections, RefuseChannelsThatLeadNowhere) {
       "real.yaml:30:32: error: device = key has no channels (expected one of kind modbus, stream, iio or "
       "hid)");
   EXPECT_EQ(
+      MessageOf("channel: output_angle, device: front", "channel: output_angle, device: load"),
+      "real.yaml:27:37: error: device = load does not date its samples (expected one of kind stream or iio "
+      "for an angle)");
+  EXPECT_EQ(
       MessageOf("  - {channel: output_torque, device: front, source: torque_Nm}\n", ""),
       "real.yaml:25:1: error: channels has no output_torque (expected {channel: output_torque, device: …, "
       "source: …})");

@@ -2,10 +2,13 @@
 // What a person can have the devices do wrong.
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <functional>
 #include <mutex>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -24,6 +27,24 @@ std::int64_t NumberIn(const Words& words, std::size_t at, const char* what) {
   const auto number = at < words.size() ? EdsNumber(words[at], 0) : std::nullopt;
   if (!number || *number < 0) throw std::invalid_argument(fmt::format("expected {}", what));
   return *number;
+}
+
+// Either side of zero, in the 32 bits that a drive's position has.
+std::int32_t CountsIn(const Words& words, std::size_t at) {
+  const auto number = at < words.size() ? EdsNumber(words[at], 0) : std::nullopt;
+  if (!number || !std::in_range<std::int32_t>(*number))
+    throw std::invalid_argument("expected counts from -2147483648 to 2147483647");
+  return static_cast<std::int32_t>(*number);
+}
+
+double RealIn(const Words& words, std::size_t at, const char* what) {
+  double real = 0.0;
+  if (at < words.size()) {
+    const std::string& word = words[at];
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), real);
+    if (error == std::errc() && end == word.data() + word.size() && std::isfinite(real)) return real;
+  }
+  throw std::invalid_argument(fmt::format("expected {}", what));
 }
 
 bool OnOff(const Words& words, std::size_t at) {
@@ -92,7 +113,7 @@ std::string DeviceSide::Do(const std::string& command) {
       injected_ = {.dead_channels = bits};
     } else if (how == "drift") {
       injected_ = {.drifting_channels = bits,
-                   .drift_per_s = off ? 0.0 : std::stod(WordIn(words, 3, "an amount a second"))};
+                   .drift_per_s = off ? 0.0 : RealIn(words, 3, "an amount a second")};
     } else {
       throw std::invalid_argument("expected freeze, dead or drift");
     }
@@ -121,7 +142,7 @@ std::string DeviceSide::DoDrive(const Words& words) {
   } else if (what == "sto") {
     drive.physics.OpenSafeTorqueOff(OnOff(words, 3));
   } else if (what == "position") {
-    drive.node.CountFrom(std::stoi(WordIn(words, 3, "counts")));
+    drive.node.CountFrom(CountsIn(words, 3));
   } else if (what == "bus-off") {
     drive.node.SetBusOff(OnOff(words, 3));
   } else if (what == "statusword") {
@@ -155,7 +176,7 @@ std::string DeviceSide::DoModbus(const Words& words) {
   const std::string& what = WordIn(words, 2, "what the device is to do");
   if (what == "drift") {
     const auto index = static_cast<std::size_t>(NumberIn(words, 3, "the position of a register"));
-    found->second->Drift(index, std::stod(WordIn(words, 4, "an amount a second")));
+    found->second->Drift(index, RealIn(words, 4, "an amount a second"));
     return "done";
   }
   const auto* const kind =
