@@ -104,6 +104,21 @@ TEST(MotionJolts, DoNotLetNoiseOfThePathThroughAtAHighRate) {
   EXPECT_EQ(Ask(Record(4, {0.03}, logger(2000.0, 0.03))).names(), Names());
 }
 
+// The torque turns back within a few samples at the top of each jolt, as at a spike.
+TEST(MotionJolts, AreNotTakenForSpikesBesideSpikes) {
+  for (const unsigned seed : {9U, 10U, 11U}) {
+    MotionData record = Record(seed, {0.06}, {.rate_Hz = 200.0, .noise_Nm = 0.01});
+    for (std::size_t i = 130; i < record.torque.size(); i += 333)
+      record.torque[i] += i % 2 == 0 ? 0.25 : -0.25;
+    const Diagnosed clean = Ask(record);
+    EXPECT_EQ(clean.names(), Names()) << seed;
+    EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
+    // "24 samples of the torque stand off …"; the tops of 18 jolts would be twice as many.
+    ASSERT_FALSE(clean.study->warnings().empty());
+    EXPECT_NEAR(std::stod(clean.study->warnings().front()), 24.0, 3.0) << clean.study->warnings().front();
+  }
+}
+
 TEST(MotionJolts, LeaveTheRestOfTheRecordItsPower) {
   const Diagnosed found = Ask(Record(7, {0.07}, {.rate_Hz = 50.0, .noise_Nm = 0.02}, 0.01));
   EXPECT_EQ(found.names(), Names{"gravity_load"});
