@@ -197,6 +197,18 @@ TEST(BadMotion, TimeStampsThatRepeatAreTold) {
       << testing::PrintToString(WarningsOf(record));
 }
 
+// Stamps of a clock that ticks every 8 ms, now and then too late for a sample: all in all the record is even.
+TEST(BadMotion, TimeStampsOfASlowClockAreTold) {
+  MotionData record = Swing();
+  record.velocity.clear();
+  for (std::size_t i = 0; i < record.time_s.size(); ++i) {
+    const double late_s = i % 97 == 0 ? 5e-4 : 0.0;
+    record.time_s[i] = 0.008 * std::floor((record.time_s[i] - late_s + 1e-9) / 0.008);
+  }
+  EXPECT_EQ(WarningsOf(record), Texts{"2499 time stamps repeat the one before with other values: the clock "
+                                      "ticks more slowly than samples are taken, which is evenly"});
+}
+
 // A shaft at 1500 rpm with its own two lines, 0.2 ms a sample.
 VibrationData Hum() {
   VibrationData record;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "analysis/noise_level.h"
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kGap = 3.5;           // steps
 constexpr double kEvenEnough = 0.01;   // of a step
+constexpr double kTicksOff = 1.3;      // by which stamps of a slow clock may be off even ones, to either side
 constexpr std::size_t kShortest = 40;  // samples of a stretch that is of use
 
 // Rows of a record that are kept, with their times.
@@ -26,6 +28,65 @@ bool SameRow(const MotionData& record, std::size_t a, std::size_t b) {
          (record.velocity.empty() || record.velocity[a] == record.velocity[b]);
 }
 
+std::size_t Repeated(std::span<const double> time_s) {
+  std::size_t repeated = 0;
+  for (std::size_t i = 1; i < time_s.size(); ++i) repeated += time_s[i] > time_s[i - 1] ? 0 : 1;
+  return repeated;
+}
+
+// Equal stamps on different rows, up to the next one.
+void SpreadRepeated(std::vector<double>& time_s) {
+  for (std::size_t i = 0; i < time_s.size();) {
+    std::size_t next = i + 1;
+    while (next < time_s.size() && !(time_s[next] > time_s[i])) ++next;
+    // After the last stamps that differ there is nothing to measure a step by but the record's mean.
+    const double mean = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+    const double span =
+        next < time_s.size() ? time_s[next] - time_s[i] : mean * static_cast<double>(next - i);
+    const double start = time_s[i];
+    for (std::size_t k = i; k < next; ++k)
+      time_s[k] = start + span * static_cast<double>(k - i) / static_cast<double>(next - i);
+    i = next;
+  }
+}
+
+// Stamps of a clock that ticks more slowly than samples are taken: each stays within a tick of even samples,
+// between two gaps. These take their place.
+// @return false where they do not; `time_s` is of no use then.
+bool EvenWithinTicks(std::vector<double>& time_s) {
+  double tick_s = time_s.back() - time_s.front();
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    if (time_s[i] > time_s[i - 1]) tick_s = std::min(tick_s, time_s[i] - time_s[i - 1]);
+  }
+  for (std::size_t first = 0; first < time_s.size();) {
+    std::size_t last = first + 1;
+    while (last < time_s.size() && time_s[last] - time_s[last - 1] <= kGap * tick_s) ++last;
+    const auto count = static_cast<double>(last - first);
+    // By least squares: the ends are within a tick only.
+    double mean_s = 0.0;
+    for (std::size_t i = first; i < last; ++i) mean_s += time_s[i] / count;
+    double along = 0.0;
+    double squares = 0.0;
+    for (std::size_t i = first; i < last; ++i) {
+      const double place = static_cast<double>(i - first) - 0.5 * (count - 1.0);
+      along += place * (time_s[i] - mean_s);
+      squares += place * place;
+    }
+    const double step_s = squares > 0.0 ? along / squares : 0.0;
+    double early_s = 0.0;
+    double late_s = 0.0;
+    for (std::size_t i = first; i < last; ++i) {
+      const double even_s = mean_s + step_s * (static_cast<double>(i - first) - 0.5 * (count - 1.0));
+      early_s = std::min(early_s, even_s - time_s[i]);
+      late_s = std::max(late_s, even_s - time_s[i]);
+      time_s[i] = even_s;
+    }
+    if (late_s - early_s > kTicksOff * tick_s) return false;
+    first = last;
+  }
+  return true;
+}
+
 Rows DistinctRows(const MotionData& record, const std::string& name, std::vector<std::string>& warnings) {
   Rows rows;
   std::size_t dropped = 0;
@@ -37,23 +98,16 @@ Rows DistinctRows(const MotionData& record, const std::string& name, std::vector
     rows.row.push_back(i);
     rows.time_s.push_back(record.time_s[i]);
   }
-  std::size_t repeated = 0;
-  for (std::size_t i = 0; i < rows.time_s.size();) {
-    std::size_t next = i + 1;
-    while (next < rows.time_s.size() && !(rows.time_s[next] > rows.time_s[i])) ++next;
-    if (next > i + 1) {
-      repeated += next - i - 1;
-      // Before the first stamps that differ there is nothing to measure a step by but the record's mean.
-      const double mean =
-          (rows.time_s.back() - rows.time_s.front()) / static_cast<double>(rows.time_s.size() - 1);
-      const double span = next < rows.time_s.size() ? rows.time_s[next] - rows.time_s[i]
-                                                    : mean * static_cast<double>(next - i);
-      const double start = rows.time_s[i];
-      for (std::size_t k = i; k < next; ++k) {
-        rows.time_s[k] = start + span * static_cast<double>(k - i) / static_cast<double>(next - i);
-      }
+  const std::size_t repeated = Repeated(rows.time_s);
+  bool by_tick = repeated > 0;
+  if (by_tick) {
+    std::vector<double> even(rows.time_s);
+    by_tick = EvenWithinTicks(even);
+    if (by_tick) {
+      rows.time_s = std::move(even);
+    } else {
+      SpreadRepeated(rows.time_s);
     }
-    i = next;
   }
   if (dropped > 0) {
     warnings.push_back(
@@ -61,9 +115,9 @@ Rows DistinctRows(const MotionData& record, const std::string& name, std::vector
   }
   if (repeated > 0) {
     warnings.push_back(
-        fmt::format("{}{} time stamps repeat the one before with other values: spread evenly up to "
-                    "the next one",
-                    name, repeated));
+        fmt::format("{}{} time stamps repeat the one before with other values: {}", name, repeated,
+                    by_tick ? "the clock ticks more slowly than samples are taken, which is evenly"
+                            : "spread evenly up to the next one"));
   }
   return rows;
 }
