@@ -177,19 +177,22 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
     return;
   }
   if (by_temperature) term = FixedTerm(std::move(columns));
-  // Relative drift of the friction at the record's typical speed, related to its start.
-  double typical = 0.0;
-  for (const double velocity : grid->velocity) typical += velocity * velocity;
-  typical = std::sqrt(typical / static_cast<double>(grid->velocity.size()));
-  const double friction = std::max(grid->prefit(1) * typical + grid->prefit(2), 1e-300);
+  double top_speed = 0.0;
+  for (const double velocity : grid->velocity) top_speed = std::max(top_speed, std::abs(velocity));
+  const double nominal_viscous = grid->prefit(1);
+  const double nominal_coulomb = grid->prefit(2);
   const std::string suffix = by_temperature ? "per_K" : "per_h";
   const std::string inverse = by_temperature ? "1/K" : "1/h";
   const std::string viscous = fmt::format("viscous_drift_{}_{}", units.viscous_suffix(), suffix);
   const std::string coulomb = fmt::format("coulomb_drift_{}_{}", units.torque(), suffix);
   const std::string per = by_temperature ? "/K" : "/h";
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
-    const Eigen::Vector2d weights(typical, 1.0);
-    const double slope = numbers[0] * typical + numbers[1];
+    // Relative drift of the friction, related to its start, at the speed at which it is known best: a record
+    // that goes through its speeds once cannot part the drift of viscous friction from that of the other.
+    const double known_best = covariance(0, 0) > 0.0 ? -covariance(0, 1) / covariance(0, 0) : 0.0;
+    const Eigen::Vector2d weights(std::clamp(known_best, 0.0, top_speed), 1.0);
+    const double friction = std::max(nominal_viscous * weights(0) + nominal_coulomb, 1e-300);
+    const double slope = numbers[0] * weights(0) + numbers[1];
     const double at_start = friction + slope * followed(numbers.subspan(2)).front();
     const double slope_error = StandardErrorOf(weights.dot(covariance.topLeftCorner<2, 2>() * weights));
     std::vector<ParameterValue> values{
