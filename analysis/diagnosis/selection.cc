@@ -326,8 +326,10 @@ std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, 
     if (!judge.Objection(exchanged.fit, other, kRivalAwayFromZero).empty()) continue;
     // One cause in two forms (a drift by time, or by temperature): the form is what cannot be told.
     const bool same = rules[other].name == rules[cause].name && !rules[other].parameters.empty();
-    rivals.push_back(same ? rules[other].name + " as " + rules[other].parameters.front().name
-                          : rules[other].name);
+    std::string name =
+        same ? rules[other].name + " as " + rules[other].parameters.front().name : rules[other].name;
+    // One of several forms of a rival is enough.
+    if (std::ranges::find(rivals, name) == rivals.end()) rivals.push_back(std::move(name));
   }
   return rivals;
 }
