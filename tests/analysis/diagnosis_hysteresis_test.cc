@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "analysis/diagnosis/hysteresis/gear.h"
-#include "analysis/diagnosis/hysteresis/noise_reversals.h"
-#include "analysis/diagnosis/hysteresis/signal.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/generated_loop.h"
@@ -39,46 +37,6 @@ void ExpectNear(const ParameterValue& parameter, double truth, double most_relat
   EXPECT_LT(parameter.standard_error, most_relative_error * std::abs(truth)) << parameter.name;
 }
 
-// A ramp of three times its noise a sample that ends in a hold: at the corner and beside it the mean of many
-// draws stays on the corner.
-TEST(WithoutNoise, LeavesACornerWhereItIs) {
-  constexpr std::size_t kCorner = 60;
-  constexpr double kNoise_Nm = 0.025;
-  constexpr int kDraws = 300;
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal(0.0, kNoise_Nm);
-  std::vector<double> time_s(120);
-  std::vector<double> truth_Nm(120);
-  for (std::size_t i = 0; i < time_s.size(); ++i) {
-    time_s[i] = 0.015 * static_cast<double>(i);
-    truth_Nm[i] = 0.075 * static_cast<double>(std::min(i, kCorner));
-  }
-  std::vector<double> mean_error_Nm(5, 0.0);  // two samples either side
-  for (int draw = 0; draw < kDraws; ++draw) {
-    std::vector<double> torque_Nm = truth_Nm;
-    for (double& value : torque_Nm) value += normal(random);
-    const std::vector<double> clean_Nm = WithoutNoise(time_s, torque_Nm, kNoise_Nm).values;
-    for (std::size_t k = 0; k < 5; ++k) {
-      const std::size_t at = kCorner - 2 + k;
-      mean_error_Nm[k] += (clean_Nm[at] - truth_Nm[at]) / kDraws;
-    }
-  }
-  for (const double error_Nm : mean_error_Nm) EXPECT_NEAR(error_Nm, 0.0, 0.25 * kNoise_Nm);
-}
-
-// A held load neither creeps back nor forth, whatever its noise; a reversal beyond the noise stays.
-TEST(WithoutNoiseReversals, KeepsAHoldWhereItIs) {
-  const std::vector<double> values{0.0, 1.0, 2.0, 3.1, 2.95, 3.0, 3.05, 2.92, 2.98, 2.0, 1.0, 0.0};
-  const std::vector<double> errors(values.size(), 0.05);
-  const std::vector<Branch> branches = SplitBranches(values, 0.5);
-  ASSERT_EQ(branches.size(), 2U);
-  const std::vector<double> settled = WithoutNoiseReversals(values, errors, 0.2, branches);
-  for (std::size_t i = 3; i < 9; ++i) EXPECT_NEAR(settled[i], 3.0, 1e-12) << i;
-  EXPECT_EQ(settled[2], 2.0);
-  EXPECT_EQ(settled[9], 2.0);
-  EXPECT_EQ(WithoutNoiseReversals(values, errors, 0.01, branches), values);
-}
-
 // Two minutes of hold at each end of a stiff friction's loop: torque that goes to and fro by its noise would
 // wind it up, and the record be blamed for it.
 TEST(HysteresisStudy, FindsNothingInLongHoldsOfANoisyTorque) {
@@ -89,20 +47,6 @@ TEST(HysteresisStudy, FindsNothingInLongHoldsOfANoisyTorque) {
     EXPECT_EQ(clean.names(), Names()) << seed;
     EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
   }
-}
-
-// The two samples beside a gap in a ramp stand as far off the mean of their neighbours as half of the gap.
-TEST(LoneSpikes, TakesNoGapForASpike) {
-  std::vector<double> time_s;
-  std::vector<double> torque_Nm;
-  for (int i = 0; i < 100; ++i) {
-    if (i > 40 && i < 60) continue;
-    time_s.push_back(0.1 * i);
-    torque_Nm.push_back(0.3 * i + 0.001 * (i % 3));
-  }
-  EXPECT_TRUE(LoneSpikes(time_s, torque_Nm, 0.01).empty());
-  torque_Nm[20] += 1.0;
-  EXPECT_EQ(LoneSpikes(time_s, torque_Nm, 0.01), std::vector<std::size_t>{20});
 }
 
 // The noise of a torque on a soft gear, most of which was smoothed away: over fifty samples its mean varies
@@ -346,6 +290,26 @@ TEST(HysteresisStudy, CallsAShapeOfNoCauseUnnamed) {
   const Diagnosed found = Ask({}, sensors);
   EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure);
   EXPECT_EQ(found.names(), Names());
+}
+
+// A shelf or a dent of the spring on one side: not a side that is stiffer, nor a brake that slips.
+TEST(HysteresisStudy, LeavesWhatTheTwistDoesAtOnePlaceWithoutAName) {
+  for (const bool shelf : {true, false}) {
+    GeneratedSensors sensors;
+    sensors.unlisted_rad = [shelf](double, double torque_Nm, double, bool) {
+      const double x = (torque_Nm - 16.0) / 1.5;
+      return RadFromArcmin(0.04) * (shelf ? 0.5 + 0.5 * std::tanh(3.0 * x) : std::exp(-0.5 * x * x));
+    };
+    const Diagnosed found = Ask({}, sensors);
+    EXPECT_EQ(found.names(), Names()) << shelf;
+    EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure) << shelf;
+    ASSERT_EQ(found.diagnosis.corrections.size(), 1u) << shelf;
+    const Finding& window = found.diagnosis.corrections.front();
+    EXPECT_EQ(found.study->causes()[window.index].name, "window over torque") << shelf;
+    EXPECT_NEAR(window.parameters[0].value, 0.04, 4.0 * window.parameters[0].standard_error) << shelf;
+    const double middle_Nm = 0.5 * (window.parameters[1].value + window.parameters[2].value);
+    EXPECT_NEAR(middle_Nm, 16.0, 0.5) << shelf;
+  }
 }
 
 TEST(HysteresisStudy, LeavesAShiftThatLastsAWhileWithoutAName) {

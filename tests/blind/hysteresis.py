@@ -221,7 +221,8 @@ def hysteresis_effect(experiment, name, rng):
 
 def outside_effect(experiment, rng):
     span_s = experiment.fine_s[-1]
-    which = rng.choice(["shift_in_window", "oscillation_in_time", "ripple_in_twist"], p=[0.4, 0.4, 0.2])
+    which = rng.choice(["shift_in_window", "oscillation_in_time", "ripple_in_twist", "bump_at_a_torque", "shelf_at_a_torque"],
+                       p=[0.25, 0.25, 0.15, 0.2, 0.15])
     amplitude = lambda scale: {"amplitude": (scale, "arcmin")}
     if which == "shift_in_window":
         start_s = rng.uniform(0.15, 0.7) * span_s
@@ -239,6 +240,16 @@ def outside_effect(experiment, rng):
                        {"what": "order", "regressor": "time",
                         "values": [frequency_hz, 1.0 / frequency_hz, 2.0 * math.pi * frequency_hz],
                         "tolerance": max(0.02 * frequency_hz, 0.5 / span_s) / frequency_hz, "relative": True})
+    if which.endswith("at_a_torque"):
+        peak_Nm = experiment.limits_Nm[2]
+        level_Nm = rng.choice([-1.0, 1.0]) * rng.uniform(0.25, 0.8) * peak_Nm
+        width_Nm = rng.uniform(0.04, 0.12) * peak_Nm
+        if which == "bump_at_a_torque":
+            return _series(which, lambda t, torque: 1.0 / numpy.cosh(2.0 * (torque - level_Nm) / width_Nm) ** 2, amplitude, 0.02, 2.0,
+                           {"what": "window", "regressor": "torque", "values": [], "tolerance": 0.0, "unit": "Nm",
+                            "window": [level_Nm - 0.45 * width_Nm, level_Nm + 0.45 * width_Nm]})
+        return _series(which, lambda t, torque: numpy.arctan(10.0 * (torque - level_Nm) / width_Nm), amplitude, 0.02, 2.0,
+                       {"what": "place", "regressor": "torque", "values": [level_Nm], "tolerance": 0.05 * peak_Nm, "unit": "Nm"})
     period_rad = rng.uniform(0.8, 1.8) / ARCMIN
     phase = rng.uniform(-math.pi, math.pi)
     return _changed(which, lambda loop, scale: {"ripple_Nm": scale, "ripple_period_rad": period_rad,

@@ -38,5 +38,7 @@ class Correction : public LoopEffect {
 
 /// Appends a jump and a window in time.
 void AppendTimeCorrections(const LoopRecords& records, LoopEffects& effects);
+/// Appends windows over torque and over output angle.
+void AppendPlaceCorrections(const LoopRecords& records, LoopEffects& effects);
 
 }  // namespace strainwave::analysis::diagnosis

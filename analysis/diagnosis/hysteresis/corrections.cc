@@ -166,6 +166,7 @@ void AppendCorrections(const LoopRecords& records, LoopEffects& effects) {
   for (const Over over : {Over::kAngle, Over::kTime, Over::kTorque}) {
     effects.push_back(std::make_unique<Line>(records, over));
   }
+  AppendPlaceCorrections(records, effects);
   AppendTimeCorrections(records, effects);
 }
 

@@ -6,6 +6,7 @@
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/hysteresis/correction.h"
+#include "analysis/diagnosis/hysteresis/jumps.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/units.h"
 
@@ -14,50 +15,6 @@ namespace {
 
 double SamplesOfRecord(const LoopRecords& records) {
   return static_cast<double>(records.samples.size()) / static_cast<double>(records.samples.records());
-}
-
-// Of the residual with its weights, and of the weights: up to each sample, and to the end.
-struct RunningSums {
-  std::vector<double> sum;
-  std::vector<double> weight;
-};
-RunningSums RunningSumsOf(const LoopGrid& grid, std::span<const double> residual) {
-  RunningSums sums{std::vector<double>(grid.size() + 1, 0.0), std::vector<double>(grid.size() + 1, 0.0)};
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    sums.sum[i + 1] = sums.sum[i] + grid.weight[i] * residual[i];
-    sums.weight[i + 1] = sums.weight[i] + grid.weight[i];
-  }
-  return sums;
-}
-
-// Samples at which the residual's mean changes most, at least a fiftieth of the record apart. A nearby
-// stretch either side counts, since fits have taken off what lasts.
-std::vector<std::size_t> BestJumps(const LoopGrid& grid, std::span<const double> residual,
-                                   std::size_t count) {
-  const std::size_t n = grid.size();
-  const RunningSums sums = RunningSumsOf(grid, residual);
-  const std::vector<double>& sum = sums.sum;
-  const std::vector<double>& weight = sums.weight;
-  std::vector<std::pair<double, std::size_t>> jumps;
-  for (const std::size_t reach : {n / 100, n / 25, n / 8}) {
-    for (std::size_t i = reach; reach > 2 && i + reach < n; ++i) {
-      const double before = weight[i] - weight[i - reach];
-      const double after = weight[i + reach] - weight[i];
-      if (!(before > 0.0) || !(after > 0.0)) continue;
-      const double step = (sum[i + reach] - sum[i]) / after - (sum[i] - sum[i - reach]) / before;
-      jumps.emplace_back(step * step / (1.0 / before + 1.0 / after), i);
-    }
-  }
-  std::sort(jumps.rbegin(), jumps.rend());
-  std::vector<std::size_t> best;
-  for (const auto& [drop, place] : jumps) {
-    const bool close = std::any_of(best.begin(), best.end(), [&, at = place](std::size_t other) {
-      return (at > other ? at - other : other - at) < n / 50;
-    });
-    if (!close) best.push_back(place);
-    if (best.size() == count) break;
-  }
-  return best;
 }
 
 // A step that stays. Numbers: height, begin (held: a fit does not move it).
@@ -88,7 +45,7 @@ class Jump final : public Correction {
 
   std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
     std::vector<std::vector<double>> starts;
-    for (const std::size_t place : BestJumps(remainder.grid, remainder.residual_rad, 3)) {
+    for (const std::size_t place : BestJumps(remainder.grid.weight, remainder.residual_rad, 3)) {
       starts.push_back({0.0, remainder.grid.time_s[place] - 1e-3 * step_s_});
     }
     return starts;
@@ -104,7 +61,7 @@ enum class Lasting { kBriefly, kLong };
 // A window's two ends moved to where the residual's sum of squares drops most by a level between them.
 WindowPeak WithBestEnds(const LoopGrid& grid, std::span<const double> residual, const WindowPeak& window) {
   const std::size_t n = grid.size();
-  const RunningSums sums = RunningSumsOf(grid, residual);
+  const RunningSums sums = RunningSumsOf(grid.weight, residual);
   const std::vector<double>& sum = sums.sum;
   const std::vector<double>& weight = sums.weight;
   const auto drop_of = [&](std::size_t first, std::size_t end) {
