@@ -9,7 +9,7 @@
 
 #include "analysis/diagnosis/cause_sets.h"
 #include "analysis/diagnosis/heldout.h"
-#include "analysis/diagnosis/lone_samples.h"
+#include "analysis/diagnosis/outliers.h"
 #include "analysis/diagnosis/refinement.h"
 #include "analysis/diagnosis/residual_tests.h"
 #include "analysis/diagnosis/residuals.h"
@@ -18,25 +18,6 @@
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-// Takes the weight from single samples that stand off their neighbours; true if there were new ones.
-bool LeaveOutSpikes(const Study& study, const ModelFit& fit, std::vector<double>& weights) {
-  if (!study.SpikesAreOutliers()) return false;
-  const std::vector<double> residuals = ResidualsOf(study, fit);
-  bool any = false;
-  for (std::size_t s = 0; s < study.stretches().size(); ++s) {
-    const std::size_t first = study.stretches()[s];
-    const std::size_t last = s + 1 < study.stretches().size() ? study.stretches()[s + 1] : residuals.size();
-    const std::span<const double> stretch(residuals.data() + first, last - first);
-    for (const auto& found : {FindSpikes(stretch, EstimateNoise(stretch)), FindLoneSamples(stretch)}) {
-      for (const std::size_t spike : found) {
-        any = any || weights[first + spike] > 0.0;
-        weights[first + spike] = 0.0;
-      }
-    }
-  }
-  return any;
-}
 
 double SquareSum(const Study& study, const ModelFit& fit, std::span<const double> weights) {
   const std::vector<double> residuals = ResidualsOf(study, fit);

@@ -157,6 +157,10 @@ class Study {
   /// True where a sample that stands off its neighbours is a disturbance of the measurement, and is left out.
   virtual bool SpikesAreOutliers() const { return true; }
 
+  /// Angle at which each sample was taken, where a record comes by one and the same angle several times and
+  /// what it shows there comes again; empty where it does not.
+  virtual std::span<const double> PlacesOnTurn() const { return {}; }
+
   /// Quantities that users care for, of this record and of a model's prediction of it; empty where none.
   virtual std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const = 0;
 

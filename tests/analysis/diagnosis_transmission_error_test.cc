@@ -109,6 +109,29 @@ TEST(TransmissionErrorStudy, NamesEachCauseOfTheListAndItsSize) {
   }
 }
 
+// The room warms and cools once in the record, which has no temperature.
+TEST(TransmissionErrorStudy, NamesADriftThatSwingsBack) {
+  TransmissionErrorData record =
+      Sweep(32, [](const Place& at) { return 0.08 * std::sin(kTwoPi * at.time_s / 1300.0); });
+  record.temperature_degC.clear();
+  const Answer answer = Ask(record);
+  EXPECT_EQ(answer.name(), "thermal_drift");
+  EXPECT_EQ(answer.diagnosis.causes.size(), 1u);
+  EXPECT_TRUE(answer.diagnosis.corrections.empty());
+  EXPECT_NEAR(answer.value("drift_swing_arcmin"), 0.08, 0.01);
+  EXPECT_NEAR(answer.value("period_s"), 1300.0, 150.0);
+}
+
+// One or two samples a pass stand off, but in each pass: no outliers.
+TEST(TransmissionErrorStudy, NamesADamageThatIsAsNarrowAsTheSteps) {
+  const Answer answer = Ask(Sweep(33, [](const Place& at) {
+    return 0.4 * std::exp(-0.5 * std::pow((DegFromRad(at.output_rad) - 100.3) / 0.42, 2.0));
+  }));
+  EXPECT_EQ(answer.name(), "local_tooth_damage");
+  EXPECT_EQ(answer.diagnosis.causes.size(), 1u);
+  EXPECT_NEAR(answer.value("centre_deg"), 100.3, 1.0);  // within a step
+}
+
 TEST(TransmissionErrorStudy, SaysWhatTheStepsFoldTheFourthHarmonicOnto) {
   const Effect fourth = [](const Place& at) { return 0.05 * std::cos(4.0 * at.input_rad); };
   const Answer folded = Ask(Sweep(32, fourth));

@@ -213,6 +213,40 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
                          .named = false});
 }
 
+// Another level in a stretch of a quantity: wider than a damaged tooth, with sharp ends.
+void AddLevelInWindow(SeparableModel& model, const std::vector<double>& values, double narrowest,
+                      ShapeDescription from, ShapeDescription to, std::string name) {
+  constexpr double kWidest = 0.6;  // of all
+  const double span = SpanOf(values);
+  if (!(span > 2.0 * narrowest)) return;
+  const auto [low, high] = std::ranges::minmax(values);
+  SeparableTerm term;
+  term.shapes = {{.low = low - span, .high = high, .step = narrowest, .moved = Moved::kNever},
+                 {.low = low, .high = high + span, .step = narrowest, .moved = Moved::kNever}};
+  term.fill = [values](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const bool inside = values[i] >= shapes[0] && values[i] < shapes[1];
+      design(static_cast<Eigen::Index>(i), 0) = inside ? 1.0 : 0.0;
+    }
+  };
+  term.starts = [values, narrowest, span](const Remainder& remainder) {
+    std::vector<std::vector<double>> starts;
+    for (const WindowPeak& peak :
+         FindWindows(values, remainder.residual, remainder.weights, narrowest, kWidest * span, 3))
+      starts.push_back({peak.centre - 0.5 * peak.width, peak.centre + 0.5 * peak.width});
+    return starts;
+  };
+  DescribeEach(term, {{"level_arcmin", "arcmin", kArcminPerRad}, std::move(from), std::move(to)});
+  model.causes.push_back(std::move(term));
+  model.rules.push_back({.name = std::move(name),
+                         .parameters = {{"level_arcmin", "arcmin", -1e6, 1e6, true}},
+                         .degrees_of_freedom = 3,
+                         .places = 2,
+                         .trials = 12.0 * span / narrowest,
+                         .local = true,
+                         .named = false});
+}
+
 // Powers of a quantity beyond the first, which is a named cause.
 void AddCurve(SeparableModel& model, const std::vector<double>& values, std::string name) {
   if (values.empty() || !(SpanOf(values) > 0.0)) return;
@@ -243,6 +277,14 @@ void AddTransmissionErrorCorrections(const TransmissionErrorSamples& samples, Se
   AddFreeLine(samples, model, "second line over output angle");
   AddWholeOrderLine(samples, model);
   AddRippleInWindow(samples, model);
+  std::vector<double> place(samples.output_rad);
+  for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi);
+  AddLevelInWindow(model, place, RadFromDeg(15.0), {"from_deg", "deg", DegFromRad(1.0)},
+                   {"to_deg", "deg", DegFromRad(1.0)}, "level in a window of output angle");
+  const char* const unit = samples.has_time ? "s" : "samples";
+  AddLevelInWindow(model, samples.time_s, SpanOf(samples.time_s) / 40.0,
+                   {fmt::format("from_{}", unit), unit, 1.0}, {fmt::format("to_{}", unit), unit, 1.0},
+                   "level in a window of time");
   AddCurve(model, samples.time_s, "curve over time");
   AddCurve(model, samples.torque_Nm, "curve over torque");
 }

@@ -163,6 +163,7 @@ std::unique_ptr<Study> MakeTransmissionErrorStudy(std::span<const TransmissionEr
       HarmonicTerm(samples.input_rad, 2.0, "second_harmonic_amplitude_arcmin", "arcmin", ArcminFromRad(1.0)));
   AddTransmissionErrorCauses(samples, model);
   model.regressors = RegressorsOf(samples);
+  model.places_rad = samples.output_rad;
   model.unit = "arcmin";
   model.unit_per_si = ArcminFromRad(1.0);
   model.noise_floor = TransmissionErrorFloor_rad(samples);

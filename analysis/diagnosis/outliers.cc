@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/outliers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "analysis/diagnosis/lone_samples.h"
+#include "analysis/diagnosis/residuals.h"
+#include "analysis/noise_level.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// Whether the other passes of a sample's place, all in all, stand off like it: then it is no outlier but
+// something narrow at that place.
+bool ComesAgain(std::span<const double> places_rad, std::span<const double> residuals, std::size_t sample) {
+  constexpr double kSamePlace = 0.6;  // of the way to the nearer neighbour
+  constexpr double kLike = 0.5;       // of the sample
+  if (sample == 0 || sample + 1 >= places_rad.size()) return false;
+  const double reach_rad = kSamePlace * std::min(std::abs(places_rad[sample] - places_rad[sample - 1]),
+                                                 std::abs(places_rad[sample + 1] - places_rad[sample]));
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < places_rad.size(); ++i) {
+    if (i + 1 >= sample && i <= sample + 1) continue;
+    if (std::abs(std::remainder(places_rad[i] - places_rad[sample], kTwoPi)) > reach_rad) continue;
+    sum += residuals[i];
+    count += 1.0;
+  }
+  return count > 0.0 && sum / count / residuals[sample] > kLike;
+}
+
+}  // namespace
+
+bool LeaveOutSpikes(const Study& study, const ModelFit& fit, std::vector<double>& weights) {
+  if (!study.SpikesAreOutliers()) return false;
+  const std::vector<double> residuals = ResidualsOf(study, fit);
+  const std::span<const double> places_rad = study.PlacesOnTurn();
+  bool any = false;
+  for (std::size_t s = 0; s < study.stretches().size(); ++s) {
+    const std::size_t first = study.stretches()[s];
+    const std::size_t last = s + 1 < study.stretches().size() ? study.stretches()[s + 1] : residuals.size();
+    const std::span<const double> stretch(residuals.data() + first, last - first);
+    for (const auto& found : {FindSpikes(stretch, EstimateNoise(stretch)), FindLoneSamples(stretch)}) {
+      for (const std::size_t spike : found) {
+        if (ComesAgain(places_rad, residuals, first + spike)) continue;
+        any = any || weights[first + spike] > 0.0;
+        weights[first + spike] = 0.0;
+      }
+    }
+  }
+  return any;
+}
+
+}  // namespace strainwave::analysis::diagnosis
