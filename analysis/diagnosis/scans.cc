@@ -172,6 +172,9 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
   std::iota(places.begin(), places.end(), std::size_t{0});
   std::sort(places.begin(), places.end(),
             [&](std::size_t a, std::size_t b) { return prominence(a) > prominence(b); });
+  // A line over an angle at which the samples crowd in places raises its surroundings with it.
+  const auto highest = static_cast<std::size_t>(std::ranges::max_element(drops) - drops.begin());
+  places.insert(places.begin() + 1, highest);
   std::vector<LinePeak> peaks;
   for (const std::size_t place : places) {
     if (peaks.size() == count || !(drops[place] > 0.0)) break;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -10,46 +13,82 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Once up a staircase of speeds, to and fro at each, while the grease warms: speed and time go together, and
-// what is lost in Coulomb friction could nearly as well be lost in viscous friction.
-MotionData WarmingOnAStaircase(unsigned seed) {
-  constexpr double kRate_Hz = 1000.0;
-  constexpr double kSpell_s = 20.0 / 14.0;
-  constexpr double kTurn_s = 0.15;
-  constexpr double kSpeeds_rad_per_s[] = {0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0};
+// One speed after the other, each as long, from one to the next as a half cosine.
+struct Staircase {
+  std::vector<double> speeds_rad_per_s;
+  double rate_Hz{};
+  double spell_s{};
+  double turn_s{};
+  double inertia_kgm2{};
+  double noise_Nm{};
+};
+
+// Of time, position and speed.
+using Load = std::function<double(double time_s, double position_rad, double speed_rad_per_s)>;
+
+MotionData Record(unsigned seed, const Staircase& staircase, const Load& load_Nm) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, 0.14);
+  std::normal_distribution<double> noise(0.0, staircase.noise_Nm);
   MotionData record;
   double position_rad = 0.0;
-  const auto speed_of = [&](int spell) {
-    return (spell % 2 == 0 ? 1.0 : -1.0) * kSpeeds_rad_per_s[spell / 2];
-  };
-  for (int i = 0; i < 20000; ++i) {
-    const double time_s = i / kRate_Hz;
-    const int spell = std::min(static_cast<int>(time_s / kSpell_s), 13);
-    // From one speed to the next as a half cosine.
-    const double before = spell > 0 ? speed_of(spell - 1) : 0.0;
-    const double change = speed_of(spell) - before;
-    const double u = std::min((time_s - spell * kSpell_s) / kTurn_s, 1.0);
+  const auto& speeds = staircase.speeds_rad_per_s;
+  const auto samples =
+      static_cast<int>(staircase.rate_Hz * staircase.spell_s * static_cast<double>(speeds.size()));
+  for (int i = 0; i < samples; ++i) {
+    const double time_s = i / staircase.rate_Hz;
+    const auto spell = std::min(static_cast<std::size_t>(time_s / staircase.spell_s), speeds.size() - 1);
+    const double before = spell > 0 ? speeds[spell - 1] : 0.0;
+    const double change = speeds[spell] - before;
+    const double u =
+        std::min((time_s - static_cast<double>(spell) * staircase.spell_s) / staircase.turn_s, 1.0);
     const double speed = before + change * 0.5 * (1.0 - std::cos(kPi * u));
-    const double acceleration = u < 1.0 ? change * 0.5 * kPi / kTurn_s * std::sin(kPi * u) : 0.0;
-    const double coulomb_Nm = 4.48 + 0.15 * std::exp(-time_s / 5.0);
+    const double acceleration = u < 1.0 ? change * 0.5 * kPi / staircase.turn_s * std::sin(kPi * u) : 0.0;
     record.time_s.push_back(time_s);
     record.position.push_back(position_rad);
-    record.torque.push_back(2.0 * acceleration + 4.77 * speed + coulomb_Nm * std::tanh(speed / 1e-4) - 1.5 +
+    record.torque.push_back(staircase.inertia_kgm2 * acceleration + load_Nm(time_s, position_rad, speed) +
                             noise(random));
-    position_rad += (speed + 0.5 * acceleration / kRate_Hz) / kRate_Hz;
+    position_rad += (speed + 0.5 * acceleration / staircase.rate_Hz) / staircase.rate_Hz;
   }
   return record;
 }
 
+Diagnosed Ask(const MotionData& record) { return DiagnoseRecords(&MakeMotionStudy, {record}); }
+
+// Once up the speeds, to and fro at each, while the grease warms: speed and time go together, and what is
+// lost in Coulomb friction could nearly as well be lost in viscous friction.
 TEST(MotionFriction, ThatWarmsWhileSpeedsRiseIsNotTakenForOneOfLowSpeed) {
-  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {WarmingOnAStaircase(1)});
+  const Staircase up{
+      .speeds_rad_per_s = {0.02, -0.02, 0.05, -0.05, 0.1, -0.1, 0.2, -0.2, 0.4, -0.4, 0.7, -0.7, 1.0, -1.0},
+      .rate_Hz = 1000.0,
+      .spell_s = 20.0 / 14.0,
+      .turn_s = 0.15,
+      .inertia_kgm2 = 2.0,
+      .noise_Nm = 0.14};
+  const Diagnosed found = Ask(Record(1, up, [](double time_s, double, double speed) {
+    return 4.77 * speed + (4.48 + 0.15 * std::exp(-time_s / 5.0)) * std::tanh(speed / 1e-4) - 1.5;
+  }));
   EXPECT_EQ(found.names(), Names{"thermal_friction_drift"});
   // Mean rate over the record, of the friction at its start.
   const ParameterValue drift = found.value("drift_per_h");
   const double lost = 0.15 * (1.0 - std::exp(-20.0 / 5.0)) / (4.48 + 0.15);
   EXPECT_NEAR(drift.value, -lost * 3600.0 / 20.0, 4.0 * drift.standard_error);
+}
+
+// Samples crowd where the axis creeps, and raise all low orders with the ripple.
+TEST(MotionFriction, DoesNotHideARippleOnAStaircase) {
+  const Staircase mixed{
+      .speeds_rad_per_s = {0.4, 1.5, 0.05, 1.9, -0.12, 0.03, -1.7, 0.25, -0.15, 0.06, -0.2, 0.5, -0.03, 0.04},
+      .rate_Hz = 125.0,
+      .spell_s = 3.6,
+      .turn_s = 0.2,
+      .inertia_kgm2 = 0.07,
+      .noise_Nm = 0.096};
+  const Diagnosed found = Ask(Record(2, mixed, [](double, double position, double speed) {
+    return 0.04 * speed + 0.59 * std::tanh(speed / 1e-3) + 0.218 * std::sin(25.0 * position + 0.3);
+  }));
+  EXPECT_EQ(found.names(), Names{"position_periodic_torque"});
+  const ParameterValue order = found.value("order_per_turn");
+  EXPECT_NEAR(order.value, 25.0, 4.0 * order.standard_error);
 }
 
 }  // namespace
