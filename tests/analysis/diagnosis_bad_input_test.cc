@@ -190,10 +190,12 @@ TEST(BadMotion, TorqueThatSaturatesIsLeftOutOrRefused) {
 
 TEST(BadMotion, TimeStampsThatRepeatAreTold) {
   MotionData record = Swing();
-  for (std::size_t i = 10; i + 1 < record.time_s.size(); i += 10) record.time_s[i + 1] = record.time_s[i];
+  for (std::size_t i = 10; i + 3 < record.time_s.size(); i += 10) {
+    for (std::size_t k = 1; k <= 3; ++k) record.time_s[i + k] = record.time_s[i];
+  }
   EXPECT_TRUE(
       Says(WarningsOf(record),
-           "499 time stamps repeat the one before with other values: spread evenly up to the next one"))
+           "1497 time stamps repeat the one before with other values: spread evenly up to the next one"))
       << testing::PrintToString(WarningsOf(record));
 }
 
@@ -205,8 +207,9 @@ TEST(BadMotion, TimeStampsOfASlowClockAreTold) {
     const double late_s = i % 97 == 0 ? 5e-4 : 0.0;
     record.time_s[i] = 0.008 * std::floor((record.time_s[i] - late_s + 1e-9) / 0.008);
   }
-  EXPECT_EQ(WarningsOf(record), Texts{"2499 time stamps repeat the one before with other values: the clock "
-                                      "ticks more slowly than samples are taken, which is evenly"});
+  EXPECT_EQ(WarningsOf(record),
+            Texts{"2499 time stamps repeat the one before with other values: within a tick "
+                  "of the clock of even steps, which take their place"});
 }
 
 // A shaft at 1500 rpm with its own two lines, 0.2 ms a sample.

@@ -112,6 +112,19 @@ TEST(VibrationStudy, NamesWeakFlexsplineCracks) {
   EXPECT_GE(named, 3);
 }
 
+// The same order, but nothing of a pulse: loud enough for its third harmonic to be missed.
+TEST(VibrationStudy, TellsTeethThatMeetFromACrack) {
+  const Effect teeth = [](const Turning& run) {
+    Signal signal = Line(run, 2.025, 0.06);
+    const Signal doubled = Line(run, 4.05, 0.03);
+    for (std::size_t i = 0; i < signal.size(); ++i) signal[i] += doubled[i];
+    return signal;
+  };
+  const Diagnosed answer = Ask({Record(Turning(3000.0, 2.0, 0.0), 11, teeth, {1.0, -0.7})});
+  EXPECT_EQ(answer.names(), Names{"gear_mesh"});
+  EXPECT_NEAR(answer.value("mesh_order").value, 2.025, 1e-4);
+}
+
 TEST(VibrationStudy, CallsALineOfNoCauseUnnamed) {
   const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
   const Diagnosed answer = Ask({Record(Turning(1500.0, 1.2, 0.0), 10, line)});

@@ -116,7 +116,7 @@ Rows DistinctRows(const MotionData& record, const std::string& name, std::vector
   if (repeated > 0) {
     warnings.push_back(
         fmt::format("{}{} time stamps repeat the one before with other values: {}", name, repeated,
-                    by_tick ? "the clock ticks more slowly than samples are taken, which is evenly"
+                    by_tick ? "within a tick of the clock of even steps, which take their place"
                             : "spread evenly up to the next one"));
   }
   return rows;

@@ -15,6 +15,7 @@ namespace {
 constexpr double kRingReach = 2.0;   // half-widths of a resonance in which harmonics are heard
 constexpr double kSharpest = 0.004;  // orders are never known better, whatever the lines say
 constexpr double kClearer = 12.0;    // of ln p, that lines have to be
+constexpr double kLeastDecay = 0.3;  // between impulses; what rings on through several is a line
 
 // Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
 // one of a crack's. The nearest of each.
@@ -58,6 +59,12 @@ bool StandsClearOfOthers(const VibrationRemainder& remainder, const VibrationTer
   });
 }
 
+// Of a ring, from one impulse to the next: exponent of its envelope.
+double DecayBetweenImpulses(const VibrationRemainder& remainder, const VibrationTerm& ring) {
+  const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+  return kTwoPi * ring.shapes[2] * ring.shapes[1] / (ring.shapes[0] * turn_Hz);
+}
+
 }  // namespace
 
 bool IsBearingOrder(double order, double cell, double crack_order, double harmonics) {
@@ -67,6 +74,7 @@ bool IsBearingOrder(double order, double cell, double crack_order, double harmon
 }
 
 bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term) {
+  if (term.form == VibrationForm::kRing && DecayBetweenImpulses(remainder, term) < kLeastDecay) return false;
   const double crack = model::CrackOrder(remainder.samples().ratio);
   const double cell = remainder.over_turns().cell();
   return IsBearingOrder(term.shapes[0], cell, crack, HarmonicsOf(remainder, term)) ||

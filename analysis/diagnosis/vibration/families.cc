@@ -213,6 +213,40 @@ void TryPulses(const VibrationRemainder& remainder, std::size_t index, double or
   Keep(remainder.With(std::move(free), 8), best);
 }
 
+// Lines at a crack's order and its harmonics, which are those of tooth engagement.
+struct CrackLines {
+  VibrationTerm term;
+  std::vector<LinePlace> places;
+  int first;  // harmonic from which on the record tells it from whole orders
+  bool open;  // the shaft's lines leave the scale of the angle open: it is a number of the fit
+};
+
+CrackLines CrackLinesOf(const VibrationRemainder& remainder, std::size_t index, int harmonics) {
+  const VibrationSamples& samples = remainder.samples();
+  const double order = model::CrackOrder(samples.ratio);
+  CrackLines lines{.term = LinesTerm(remainder, index),
+                   .places = {},
+                   .first = static_cast<int>(std::ceil(0.7 / (samples.shortest_turns() * (order - 2.0)))),
+                   .open = ScaleIsOpen(remainder, order * harmonics)};
+  std::vector<double> orders;
+  for (int k = std::max(1, lines.first); k <= harmonics && k * order < remainder.over_turns().highest();
+       ++k) {
+    orders.push_back(k * order);
+    lines.places.push_back(lines.open ? LinePlace{static_cast<double>(k), 0.0} : LinePlace{0.0, k * order});
+  }
+  if (lines.open) lines.term.shapes = {orders.empty() ? order : order * BestScale(remainder, orders)};
+  return lines;
+}
+
+// A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
+bool IsLoudAndSmooth(const TermFit& fit, const std::vector<LinePlace>& centres) {
+  constexpr double kLoud = 400.0;  // gain in BIC
+  const auto is_centre = [&](const LinePlace& at) { return std::ranges::find(centres, at) != centres.end(); };
+  const std::vector<double> gains = LineGains(fit);
+  return gains.size() <= 2 && std::ranges::all_of(fit.term.lines, is_centre) &&
+         std::accumulate(gains.begin(), gains.end(), 0.0) > kLoud;
+}
+
 }  // namespace
 
 Best SearchGearMesh(const VibrationRemainder& remainder, std::size_t index) {
@@ -322,36 +356,31 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   return best;
 }
 
+Best SearchToothEngagement(const VibrationRemainder& remainder, std::size_t index) {
+  const CrackLines lines = CrackLinesOf(remainder, index, 2);
+  return FitPayingLines(remainder, lines.term, lines.places, 1);
+}
+
 Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
   const VibrationSamples& samples = remainder.samples();
   const VibrationSpectrum& spectrum = remainder.over_turns();
   const double order = model::CrackOrder(samples.ratio);
   const double output = 1.0 / std::abs(samples.ratio);
   const double turns = samples.shortest_turns();
-  // From which harmonic on the record tells it from whole orders.
-  const auto first = static_cast<int>(std::ceil(0.7 / (turns * (order - 2.0))));
-  VibrationTerm term = LinesTerm(remainder, index);
-  const bool open = ScaleIsOpen(remainder, order * kMostLineHarmonics);
-  if (open) {
-    std::vector<double> orders;
-    for (int k = std::max(1, first); k <= kMostLineHarmonics && k * order < spectrum.highest(); ++k)
-      orders.push_back(k * order);
-    term.shapes = {orders.empty() ? order : order * BestScale(remainder, orders)};
-  }
+  auto [term, centres, first, open] = CrackLinesOf(remainder, index, kMostLineHarmonics);
   std::vector<LinePlace> places;
-  for (int k = std::max(1, first); k <= kMostLineHarmonics && k * order < spectrum.highest(); ++k) {
-    const double harmonic = open ? k : 0.0;
-    const double offset = open ? 0.0 : k * order;
-    places.push_back({harmonic, offset});
+  for (const LinePlace& centre : centres) {
+    places.push_back(centre);
     if (turns * output < 0.8) continue;
     for (const double sideband : {-output, output, -2.0 * output, 2.0 * output}) {
       // What falls onto a whole order is not the crack's own.
-      if (std::abs(k * order + sideband - std::round(k * order + sideband)) * turns > 0.7) {
-        places.push_back({harmonic, offset + sideband});
-      }
+      const double beside = (open ? centre.harmonic * order : centre.offset) + sideband;
+      if (std::abs(beside - std::round(beside)) * turns > 0.7)
+        places.push_back({centre.harmonic, centre.offset + sideband});
     }
   }
   Best best = FitPayingLines(remainder, std::move(term), std::move(places), 1);
+  if (best && IsLoudAndSmooth(*best, centres)) best.reset();
   const double range = kScaleRange * samples.order_uncertainty * order + 0.5 * spectrum.cell() / 100.0;
   std::vector<TrainStart> starts;
   for (const double sideband : {0.0, output}) {

@@ -115,6 +115,7 @@ void AddCoefficients(const VibrationSamples& samples, const VibrationSolution& s
 std::string OrderName(VibrationCause cause) {
   switch (cause) {
     case VibrationCause::kGearMesh:
+    case VibrationCause::kToothEngagement:
       return "mesh_order";
     case VibrationCause::kBearingDefect:
       return "defect_order";
@@ -155,7 +156,8 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
         std::abs(order - flexspline) < 1.5 ? flexspline : model::CircularSplineMeshOrder(samples.ratio);
     named = teeth * (term.shapes.empty() ? 1.0 : base);
     named_error = teeth * error;
-  } else if (cause == VibrationCause::kFlexsplineCrack && term.shapes.empty()) {
+  } else if ((cause == VibrationCause::kFlexsplineCrack || cause == VibrationCause::kToothEngagement) &&
+             term.shapes.empty()) {
     named = model::CrackOrder(samples.ratio);
   }
   if (named_error > 0.0) named_error = WithAngle(named, named_error);

@@ -99,6 +99,8 @@ std::optional<TermFit> SearchCause(const VibrationRemainder& remainder, Vibratio
   switch (cause) {
     case VibrationCause::kGearMesh:
       return angle_known ? SearchGearMesh(remainder, index) : std::nullopt;
+    case VibrationCause::kToothEngagement:
+      return angle_known ? SearchToothEngagement(remainder, index) : std::nullopt;
     case VibrationCause::kBearingDefect:
       return angle_known ? SearchBearing(remainder, index) : std::nullopt;
     case VibrationCause::kFlexsplineCrack:

@@ -18,6 +18,7 @@ namespace strainwave::analysis::diagnosis {
 /// Kinds of cause and correction, each with its own search.
 enum class VibrationCause {
   kGearMesh,
+  kToothEngagement,
   kBearingDefect,
   kImbalance,
   kTorsionalResonance,
@@ -30,7 +31,8 @@ enum class VibrationCause {
 };
 
 /// Limits of what is searched.
-inline constexpr double kLowestBearingOrder = 2.0;
+inline constexpr double kLowestBearingOrder =
+    2.3;  // below are what shafts and a crack make, and no bearing's
 inline constexpr double kHighestBearingOrder = 20.0;
 inline constexpr double kLowestTorsional_Hz = 3.0;
 inline constexpr double kHighestTorsional_Hz = 2000.0;

@@ -29,6 +29,7 @@ enum class VibrationForm {
 struct LinePlace {
   double harmonic{};
   double offset{};
+  bool operator==(const LinePlace&) const = default;
 };
 
 /// A term with its curved numbers; its coefficients are the solver's.
