@@ -109,6 +109,11 @@ void AddMeasuringCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {
                    "E10",
                    {Amount("rate_rad_per_s", "rad/s", p.output_drift.rate_rad_per_s),
                     Shape("time_constant_s", "s", p.output_drift.time_constant_s)}});
+  terms.push_back({"output_swing_drift",
+                   "E10",
+                   {Amount("swing_rad", "rad", p.output_drift.swing_rad),
+                    Shape("period_s", "s", p.output_drift.swing_period_s),
+                    Shape("phase_rad", "rad", p.output_drift.swing_phase_rad)}});
 }
 
 }  // namespace strainwave::analysis::model

@@ -58,6 +58,12 @@ void MapErrorDrift(const NamedCause& cause, const MappingContext& context, Plant
     const double spans = constant_s > 0.0 ? context.duration_s / constant_s : 0.0;
     const double faster = spans > 0.0 ? spans / -std::expm1(-spans) : 1.0;
     MapDriftRate(-faster * mean_rad_per_s, spans > 0.0 ? constant_s : 0.0, plant);
+  } else if (const auto swing = Find(cause.parameters, "drift_swing_arcmin");
+             swing && Find(cause.parameters, "period_s")) {
+    // The error is the cosine of the phase behind its crest; the output goes the other way.
+    plant.Set("output_swing_drift", {{"swing_rad", RadFromArcmin(*swing)},
+                                     {"period_s", *Find(cause.parameters, "period_s")},
+                                     {"phase_rad", -0.5 * kPi - RadFromDeg(Require(cause, "phase_deg"))}});
   } else {
     plant.Say("thermal_drift: it follows neither temperature nor time, but the number of the sample");
   }

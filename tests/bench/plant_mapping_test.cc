@@ -156,6 +156,15 @@ TEST(PlantMapping, TurnsTheDriftOfAnErrorIntoThatOfTheOutput) {
   EXPECT_NEAR(ArcminFromRad(model::OutputDrift_rad(settling, 22.0, 1800.0)), -1.0, 1e-9);
   EXPECT_NEAR(ArcminFromRad(model::OutputDrift_rad(settling, 22.0, 600.0)),
               -(1.0 - std::exp(-1.0)) / (1.0 - std::exp(-3.0)), 1e-9);
+  // 0.5 arcmin that has its crest after a sixth of an hour.
+  const PlantMapping swinging = PlantTermsOf(
+      "transmission_error", kErrorNominal,
+      std::vector{
+          Cause("thermal_drift", {{"drift_swing_arcmin", 0.5}, {"phase_deg", 60.0}, {"period_s", 3600.0}})},
+      {.duration_s = 3600.0});
+  const model::OutputDrift swing = PlantOf(swinging).specimen().output_drift;
+  EXPECT_NEAR(ArcminFromRad(model::OutputDrift_rad(swing, 22.0, 600.0)), -0.25, 1e-9);
+  EXPECT_NEAR(ArcminFromRad(model::OutputDrift_rad(swing, 22.0, 2400.0)), 0.75, 1e-9);
 }
 
 const std::vector<ParameterValue> kLoopNominal = Values({{"k1_Nm_per_rad", 1.1e4},

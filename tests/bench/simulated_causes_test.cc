@@ -32,6 +32,7 @@ constexpr std::string_view kCauses[] = {"gear_backlash",
                                         "torque_zero_offset",
                                         "output_thermal_drift",
                                         "output_time_drift",
+                                        "output_swing_drift",
                                         "vibration_bearing_defect",
                                         "vibration_imbalance",
                                         "vibration_flexspline_crack",
@@ -287,6 +288,23 @@ TEST(SimulatedDrift, FollowsTheTimeSinceTheMeasurementBegan) {
   const auto still = readings(0.0);
   EXPECT_NEAR(drifting[0] - still[0], 0.0, 5e-8);
   EXPECT_NEAR(drifting[1] - still[1], 2e-6 * 20.0 * (1.0 - std::exp(-1.0)), 5e-8);
+}
+
+// A quarter of its period from where its sine is highest: down by once its size.
+TEST(SimulatedDrift, SwingsAboutWhereTheMeasurementBegan) {
+  const auto moved_in_20_s = [](double swing_rad) {
+    SimulatedBench bench(Quiet({{"output_swing_drift", "swing_rad", swing_rad},
+                                {"output_swing_drift", "period_s", 80.0},
+                                {"output_swing_drift", "phase_rad", 0.5 * kPi}}),
+                         {.seed = 4});
+    Driver driver(bench);
+    driver.Wait(30.0);
+    bench.BeginPhase(7);
+    const double begun = bench.sampler().Read().output_angle_rad;
+    driver.Wait(20.0);
+    return bench.sampler().Read().output_angle_rad - begun;
+  };
+  EXPECT_NEAR(moved_in_20_s(3e-5) - moved_in_20_s(0.0), -3e-5, 1e-7);
 }
 
 }  // namespace

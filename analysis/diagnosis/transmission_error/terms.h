@@ -28,8 +28,8 @@ struct TransmissionErrorSamples {
 /// the corrections; a cause that the record did not excite is left out, with a warning.
 void AddTransmissionErrorCauses(const TransmissionErrorSamples& samples, SeparableModel& model);
 
-/// Shapes without a cause: free lines over the output angle, a ripple in a window, curves over time and
-/// torque.
+/// Shapes without a cause: free lines over the output angle, a ripple in a window, levels in windows of output
+/// angle and time, curves over time and torque.
 void AddTransmissionErrorCorrections(const TransmissionErrorSamples& samples, SeparableModel& model);
 
 /// Standard deviation of the noise: of the differences between samples of different sweeps at the same output

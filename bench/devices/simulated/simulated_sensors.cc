@@ -31,7 +31,7 @@ SimulatedSensors::SimulatedSensors(const model::PlantParameters& specimen, doubl
       drift_(specimen.output_drift),
       defect_square_(model::SquaresAt(specimen.vibration_causes, specimen.vibration.reference_speed_rad_per_s,
                                       specimen.ratio)),
-      has_drift_(drift_.drift_rad_per_K != 0.0 || drift_.rate_rad_per_s != 0.0) {}
+      has_drift_(drift_.moves()) {}
 
 void SimulatedSensors::FollowVibration(const GearPlant& plant) noexcept {
   const PlantState& state = plant.state();
