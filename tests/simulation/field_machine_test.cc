@@ -152,6 +152,24 @@ TEST(FieldMachine, WritesDownWhatGoesOverItsBusAndKeepsItAroundATrip) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(FieldMachine, TellsOfFramesThatAreNotAsTheyMustBe) {
+  FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
+  EXPECT_EQ(machine.TakeNotes(), std::vector<std::string>{});
+  machine.device_side()->Do("drive 1 short-pdo on");
+  constexpr const char* kWords = "PDOs of its drives were not as long as their mapping is";
+  const auto bus = [&] { return machine.States().front(); };
+  Until([&] { return !bus().good; });
+  EXPECT_EQ(bus().device, "can");
+  EXPECT_NE(bus().state.find(kWords), std::string::npos) << bus().state;
+  const auto told = [&] {
+    return std::ranges::count_if(machine.TakeNotes(), [](const std::string& note) {
+      return note.starts_with("can: ") && note.ends_with(kWords);
+    });
+  };
+  EXPECT_EQ(told(), 1);
+  EXPECT_EQ(told(), 0) << "once a campaign";
+}
+
 TEST(FieldMachine, MountsTheBlankOfTheDeviceSideByItself) {
   FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
   machine.MountBlank(true);

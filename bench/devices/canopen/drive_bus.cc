@@ -140,6 +140,7 @@ void DriveBus::Cycle(nanoseconds now) noexcept {
 void DriveBus::Publish() noexcept {
   next_counts_.lost = bus_.lost_frames();
   next_counts_.state = bus_.state();
+  next_counts_.worst_state = std::max(next_counts_.worst_state, next_counts_.state);
   next_counts_.malformed = 0;
   for (const auto& servo : servos_) {
     servo->Publish();

@@ -24,6 +24,7 @@ struct DriveBusCounts {
   std::uint64_t lost{};       // on the way in, as the interface counted them
   std::uint64_t malformed{};  // under a drive's identifiers, not as long as they must be
   CanState state{};
+  CanState worst_state{};  // since the start
 };
 
 /// The drives on one CAN interface, cycle by cycle. The caller owns time: see DriveBusThread.

@@ -68,6 +68,7 @@ drive NODE emergency CODE           an EMCY message, as in 0x4310
 drive NODE sto on|off               safe torque off: on opens the input
 drive NODE position COUNTS          its counter is set to this once; nothing moves
 drive NODE statusword WORD|off      stuck at this word
+drive NODE short-pdo on|off         its PDOs are a byte shorter than mapped
 drive NODE abort INDEX SUB on|off   SDO access to an object is refused
 drive NODE bus-off on|off           its controller gives up
 modbus NAME silence|half|unit|transaction|ok
@@ -149,6 +150,8 @@ std::string DeviceSide::DoDrive(const Words& words) {
     const bool off = WordIn(words, 3, "a word or off") == "off";
     faults.stuck_statusword =
         off ? std::nullopt : std::optional(static_cast<std::uint16_t>(NumberIn(words, 3, "a word or off")));
+  } else if (what == "short-pdo") {
+    faults.pdo_length_change = OnOff(words, 3) ? -1 : 0;
   } else if (what == "abort") {
     const protocols::canopen::ObjectAddress address{
         static_cast<std::uint16_t>(NumberIn(words, 3, "an index")),

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The logs of a bench's CAN buses.
+// The logs of a bench's CAN buses, and what goes wrong on them.
 #include <fmt/format.h>
 
 #include "bench/devices/can/socket_can_bus.h"
+#include "bench/devices/canopen/bus_troubles.h"
 #include "bench/devices/field/field_machine.h"
 
 namespace strainwave::bench {
@@ -32,6 +33,17 @@ void FieldMachine::LogBuses(const std::filesystem::path& folder) {
 void FieldMachine::KeepBusLogs(const std::filesystem::path& stem) {
   for (const auto& [name, bus] : buses_) {
     if (bus.log) bus.log->Keep(stem);
+  }
+}
+
+void FieldMachine::NoteBusTroubles(std::vector<std::string>& notes) {
+  for (auto& [name, bus] : buses_) {
+    if (!bus.served) continue;
+    const DriveBusCounts counts = bus.served->counts();
+    for (const std::string& trouble : BusTroubles(counts, bus.told)) {
+      notes.push_back(fmt::format("{}: {}", name, trouble));
+    }
+    bus.told = counts;
   }
 }
 

@@ -93,6 +93,7 @@ class FieldMachine final : public BenchMachine {
     std::unique_ptr<CandumpLog> log;
     std::uint64_t lost_in_log{};  // told so far
     std::vector<CanopenServoSettings> drives;
+    DriveBusCounts told;  // in notes
     std::unique_ptr<DriveBus> served;
     std::unique_ptr<DriveBusThread> thread;
   };
@@ -103,6 +104,7 @@ class FieldMachine final : public BenchMachine {
   void Close() noexcept;
   void OpenBuses();
   std::unique_ptr<CanBus> OpenSocketCan(const DeviceDescription& device, int receive_bytes) const;
+  void NoteBusTroubles(std::vector<std::string>& notes);
   void NoteBusLogs(std::vector<std::string>& notes);
   void OpenDrives();
   void CheckPeriod(const CanopenServoSettings& servo) const;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/devices/canopen/bus_troubles.h"
 #include "bench/devices/field/field_machine.h"
 
 namespace strainwave::bench {
@@ -49,6 +50,7 @@ std::vector<std::string> FieldMachine::TakeNotes() {
               : fmt::format("no picture {}: {}", snapshot.file.filename().string(), snapshot.trouble));
     }
   }
+  NoteBusTroubles(notes);
   NoteBusLogs(notes);
   return notes;
 }
@@ -115,9 +117,11 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
   for (const auto& [name, bus] : buses_) {
     if (!bus.served) continue;
     const DriveBusCounts counts = bus.served->counts();
-    states.push_back(
-        {name, fmt::format("{} frames sent, {} received, {} lost", counts.sent, counts.received, counts.lost),
-         counts.lost == 0 && counts.state == CanState::kErrorActive});
+    const std::vector<std::string> troubles = BusTroubles(counts);
+    states.push_back({name,
+                      fmt::format("{} frames sent, {} received, {} lost{}{}", counts.sent, counts.received,
+                                  counts.lost, troubles.empty() ? "" : "; ", fmt::join(troubles, "; ")),
+                      counts.lost == 0 && counts.malformed == 0 && counts.state == CanState::kErrorActive});
     for (std::size_t i = 0; i < bus.served->size(); ++i) {
       CanopenServo& servo = bus.served->servo(i);
       const ServoReport report = servo.report();

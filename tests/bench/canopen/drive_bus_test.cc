@@ -2,8 +2,12 @@
 // The bench's servos against drives that were written from the standard by another hand, over a bus.
 #include "bench/devices/canopen/drive_bus.h"
 
+#include <set>
+#include <string>
+
 #include <gtest/gtest.h>
 
+#include "bench/devices/canopen/bus_troubles.h"
 #include "tests/bench/canopen/in_process_drives.h"
 
 namespace strainwave::bench {
@@ -260,6 +264,41 @@ TEST(DriveBus, RefusesANodeNumberThatIsTaken) {
     EXPECT_STREQ(error.what(),
                  "node_id = 1 of the load servo is that of the driving servo (must be its own)");
   }
+}
+
+TEST(BusTroubles, SayWhatIsAmissOnABusOnce) {
+  InProcessDrives bench;
+  bench.Commission();
+  EXPECT_TRUE(BusTroubles(bench.bus->counts()).empty());
+  bench.nodes[0]->faults().pdo_length_change = -1;
+  bench.Run(milliseconds(50));
+  const DriveBusCounts malformed = bench.bus->counts();
+  const auto troubles = BusTroubles(malformed);
+  ASSERT_EQ(troubles.size(), 1U);
+  EXPECT_NE(troubles[0].find("not as long as their mapping"), std::string::npos) << troubles[0];
+
+  bench.buses.SetBusOff(0, true);
+  bench.Run(milliseconds(50));
+  bench.buses.SetBusOff(0, false);
+  bench.Run(milliseconds(50));
+  const DriveBusCounts off = bench.bus->counts();
+  EXPECT_EQ(off.state, CanState::kErrorActive);
+  const auto more = BusTroubles(off, malformed);
+  ASSERT_EQ(more.size(), 1U) << "it was bus-off for a while; the short PDOs are known";
+  EXPECT_EQ(more[0].substr(0, 8), "bus-off:");
+  EXPECT_TRUE(BusTroubles(off, off).empty());
+}
+
+TEST(BusTroubles, HaveTheirOwnWordsEach) {
+  std::set<std::string> all;
+  for (const CanState state :
+       {CanState::kErrorWarning, CanState::kErrorPassive, CanState::kBusOff, CanState::kGone}) {
+    const auto troubles = BusTroubles({.state = state, .worst_state = state});
+    ASSERT_EQ(troubles.size(), 1U);
+    EXPECT_FALSE(troubles[0].empty());
+    all.insert(troubles[0]);
+  }
+  EXPECT_EQ(all.size(), 4U);
 }
 
 }  // namespace
