@@ -53,7 +53,9 @@ int Check(const BenchOptions& options) {
     nlohmann::json document{
         {"good", good}, {"devices", nlohmann::json::array()}, {"channels", nlohmann::json::array()}};
     for (const auto& state : states) {
-      document["devices"].push_back({{"device", state.device}, {"state", state.state}, {"good", state.good}});
+      nlohmann::json device{{"device", state.device}, {"state", state.state}, {"good", state.good}};
+      for (const auto& [name, value] : state.facts) device[name] = value;
+      document["devices"].push_back(std::move(device));
     }
     for (unsigned i = 0; i < std::size(values); ++i) {
       document["channels"].push_back({{"channel", values[i].first},
@@ -67,6 +69,7 @@ int Check(const BenchOptions& options) {
   } else {
     for (const auto& state : states) {
       fmt::print("{:<5} {:<28} {}\n", state.good ? "good" : "BAD", state.device, state.state);
+      for (const auto& [name, value] : state.facts) fmt::print("{:<8}{:<26}{}\n", "", name, value);
     }
     for (unsigned i = 0; i < std::size(values); ++i) {
       fmt::print("{:<5} {:<28} {:.4f}\n", (readings.bad_channels >> i & 1U) == 0 ? "good" : "BAD",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// strainwave devices, bench jog and bench commission, as a person uses them, on devices within the program.
+// strainwave devices, bench check, bench jog and bench commission, as a person uses them, on devices within
+// the program.
 #include <signal.h>
 
 #include <algorithm>
@@ -46,6 +47,32 @@ TEST(DevicesCommand, ListsWhatABenchFileNames) {
     EXPECT_FALSE(found[part]["devices"].empty() && found[part]["notes"].empty())
         << part << ": neither a device nor a reason";
   }
+}
+
+TEST(CheckCommand, ShowsWhatEveryDriveSaysOfItself) {
+  const ProgramResult text = RunProgram({"bench", "check", kPatientBench});
+  EXPECT_EQ(text.exit_code, 0) << text.out << text.error;
+  for (const char* words :
+       {"good  can ", "good  driving servo, node 1        disabled\n",
+        "good  load servo, node 2           disabled\n", "        brake                     on\n",
+        "        safe_torque_off           closed\n", "good  thermometers                 connected\n",
+        "good  input_angle_deg", "everything answers; nothing was moved\n"}) {
+    EXPECT_NE(text.out.find(words), std::string::npos) << words << " is not in\n" << text.out;
+  }
+  const ProgramResult result = RunProgram({"bench", "check", kPatientBench, "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.out << result.error;
+  const json check = json::parse(result.out);
+  EXPECT_EQ(check["good"], true);
+  EXPECT_EQ(check["channels"].size(), 8U);
+  std::size_t drives = 0;
+  for (const json& device : check["devices"]) {
+    if (device["device"].get<std::string>().find(" servo, node ") == std::string::npos) continue;
+    ++drives;
+    EXPECT_EQ(device["state"], "disabled") << device;
+    EXPECT_EQ(device["brake"], "on") << device;
+    EXPECT_EQ(device["safe_torque_off"], "closed") << device;
+  }
+  EXPECT_EQ(drives, 2U);
 }
 
 TEST(DevicesCommand, RefusesWhatItCannotUse) {

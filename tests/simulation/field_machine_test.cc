@@ -170,6 +170,31 @@ TEST(FieldMachine, TellsOfFramesThatAreNotAsTheyMustBe) {
   EXPECT_EQ(told(), 0) << "once a campaign";
 }
 
+// Point 14 of the master's requirements.
+TEST(FieldMachine, ShowsBrakeAndSafeTorqueOffOfItsDrives) {
+  FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
+  BenchDevices devices = machine.Devices();
+  using Facts = std::vector<std::pair<std::string, std::string>>;
+  const auto facts = [&] {
+    const auto states = machine.States();
+    const auto driving =
+        std::ranges::find_if(states, [](const auto& row) { return row.device.starts_with("driving servo"); });
+    const Facts& all = driving->facts;
+    return Facts{all.begin(), all.begin() + 2};
+  };
+  const auto become = [&](const char* brake, const char* torque_off) {
+    Until([&] { return facts() == Facts{{"brake", brake}, {"safe_torque_off", torque_off}}; });
+  };
+  become("on", "closed");
+  devices.driving.Enable(DriveMode::kSpeed);
+  Until([&] { return BroughtUp(devices.driving); });
+  become("off", "closed");
+  machine.device_side()->Do("drive 1 sto on");
+  become("on", "open");
+  machine.device_side()->Do("drive 1 silent on");
+  become("not known", "not known");
+}
+
 TEST(FieldMachine, MountsTheBlankOfTheDeviceSideByItself) {
   FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
   machine.MountBlank(true);

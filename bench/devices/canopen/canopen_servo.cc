@@ -233,6 +233,8 @@ void CanopenServo::Publish() noexcept {
   report.commissions = commissions_taken_;
   report.steps_done = static_cast<std::uint32_t>(master_.commissioning().steps_done());
   report.steps = static_cast<std::uint32_t>(master_.commissioning().steps().size());
+  report.heard = !status.is_stale;
+  report.brake_engaged = status.is_brake_engaged;
   report.torque_off_known = status.is_torque_safely_off.has_value();
   report.torque_safely_off = status.is_torque_safely_off.value_or(false);
   report.supervised = master_.is_supervised();

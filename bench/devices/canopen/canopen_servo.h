@@ -29,7 +29,9 @@ struct ServoReport {
   std::uint32_t commissions{};  // asked for so far and begun
   std::uint32_t steps_done{};   // of the newest one
   std::uint32_t steps{};
-  bool supervised{};        // it would notice that the master is gone, by what it read back
+  bool supervised{};  // it would notice that the master is gone, by what it read back
+  bool heard{};       // lately: brake and torque-off are of now
+  bool brake_engaged{true};
   bool torque_off_known{};  // `torque_safely_off` says something
   bool torque_safely_off{};
   std::array<char, 240> words{};  // of the trouble, ended by a zero

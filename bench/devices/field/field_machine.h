@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/configuration/bench_description.h"
@@ -82,6 +83,7 @@ class FieldMachine final : public BenchMachine {
     std::string device;
     std::string state;
     bool good{};
+    std::vector<std::pair<std::string, std::string>> facts{};  // more of it: {"brake", "on"}
   };
   std::vector<DeviceState> States() const;
 

@@ -11,6 +11,22 @@
 
 namespace strainwave::bench {
 
+namespace {
+
+// Point 14 of what is asked of a master: both are shown. What was so once is not known to be so now.
+std::vector<std::pair<std::string, std::string>> FactsOf(const ServoReport& report) {
+  const char* const unknown = "not known";
+  const bool torque_off_known = report.heard && report.torque_off_known;
+  return {{"brake", !report.heard          ? unknown
+                    : report.brake_engaged ? "on"
+                                           : "off"},
+          {"safe_torque_off", !torque_off_known          ? unknown
+                              : report.torque_safely_off ? "open"
+                                                         : "closed"}};
+}
+
+}  // namespace
+
 std::string FieldMachine::MissingForStart() const {
   if (!pendant_) return {};
   const PendantActual actual = pendant_->Actual();
@@ -130,9 +146,9 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
       // The words of a trouble name the node.
       if (words.empty()) {
         states.push_back({fmt::format("{}, node {}", servo.name(), servo.settings().node_id),
-                          std::string(Name(report.stage)), good});
+                          std::string(Name(report.stage)), good, FactsOf(report)});
       } else {
-        states.push_back({servo.name(), words, good});
+        states.push_back({servo.name(), words, good, FactsOf(report)});
       }
     }
   }
