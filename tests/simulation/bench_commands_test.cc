@@ -55,8 +55,11 @@ TEST(CheckCommand, ShowsWhatEveryDriveSaysOfItself) {
   for (const char* words :
        {"good  can ", "good  driving servo, node 1        disabled\n",
         "good  load servo, node 2           disabled\n", "        brake                     on\n",
-        "        safe_torque_off           closed\n", "good  thermometers                 connected\n",
-        "good  input_angle_deg", "everything answers; nothing was moved\n"}) {
+        "        safe_torque_off           closed\n",
+        "        identity                  vendor 00005357h, product 00000402h, revision "
+        "00010000h, serial 00000001h\n",
+        "good  thermometers                 connected\n", "good  input_angle_deg",
+        "everything answers; nothing was moved\n"}) {
     EXPECT_NE(text.out.find(words), std::string::npos) << words << " is not in\n" << text.out;
   }
   const ProgramResult result = RunProgram({"bench", "check", kPatientBench, "--json"});
@@ -71,6 +74,8 @@ TEST(CheckCommand, ShowsWhatEveryDriveSaysOfItself) {
     EXPECT_EQ(device["state"], "disabled") << device;
     EXPECT_EQ(device["brake"], "on") << device;
     EXPECT_EQ(device["safe_torque_off"], "closed") << device;
+    EXPECT_EQ(device["identity"],
+              "vendor 00005357h, product 00000402h, revision 00010000h, serial 00000001h");
   }
   EXPECT_EQ(drives, 2U);
 }

@@ -113,6 +113,7 @@ class FieldMachine final : public BenchMachine {
   void IdentifyDrives(OneBus& bus);
   void SetOpen(bool open) noexcept;
   bool IsSupervised() const noexcept;
+  std::vector<std::pair<std::string, std::string>> FactsOf(const CanopenServo& servo) const;
   const MeasuredStop* StopOf(const std::string& servo) const;
   ServoDrive& OpenModbusServo(const DeviceDescription& device, const std::string& name);
   ModbusSettings ModbusSettingsOf(const DeviceDescription& device) const;

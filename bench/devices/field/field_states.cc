@@ -11,22 +11,6 @@
 
 namespace strainwave::bench {
 
-namespace {
-
-// Point 14 of what is asked of a master: both are shown. What was so once is not known to be so now.
-std::vector<std::pair<std::string, std::string>> FactsOf(const ServoReport& report) {
-  const char* const unknown = "not known";
-  const bool torque_off_known = report.heard && report.torque_off_known;
-  return {{"brake", !report.heard          ? unknown
-                    : report.brake_engaged ? "on"
-                                           : "off"},
-          {"safe_torque_off", !torque_off_known          ? unknown
-                              : report.torque_safely_off ? "open"
-                                                         : "closed"}};
-}
-
-}  // namespace
-
 std::string FieldMachine::MissingForStart() const {
   if (!pendant_) return {};
   const PendantActual actual = pendant_->Actual();
@@ -128,6 +112,22 @@ void FieldMachine::TakePicture(const std::filesystem::path& file) {
   if (camera_) camera_->Ask(file.string());
 }
 
+// Point 14 of what is asked of a master: brake and safe torque off are shown. What was so once is not known
+// to be so now; who it is was asked at the start.
+std::vector<std::pair<std::string, std::string>> FieldMachine::FactsOf(const CanopenServo& servo) const {
+  const char* const unknown = "not known";
+  const ServoReport report = servo.report();
+  const bool torque_off_known = report.heard && report.torque_off_known;
+  const auto identity = identities_.find(servo.name());
+  return {{"brake", !report.heard          ? unknown
+                    : report.brake_engaged ? "on"
+                                           : "off"},
+          {"safe_torque_off", !torque_off_known          ? unknown
+                              : report.torque_safely_off ? "open"
+                                                         : "closed"},
+          {"identity", identity == identities_.end() ? unknown : identity->second}};
+}
+
 std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
   std::vector<DeviceState> states;
   for (const auto& [name, bus] : buses_) {
@@ -146,9 +146,9 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
       // The words of a trouble name the node.
       if (words.empty()) {
         states.push_back({fmt::format("{}, node {}", servo.name(), servo.settings().node_id),
-                          std::string(Name(report.stage)), good, FactsOf(report)});
+                          std::string(Name(report.stage)), good, FactsOf(servo)});
       } else {
-        states.push_back({servo.name(), words, good, FactsOf(report)});
+        states.push_back({servo.name(), words, good, FactsOf(servo)});
       }
     }
   }
