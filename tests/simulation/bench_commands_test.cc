@@ -27,6 +27,19 @@ const std::string kInProcess = kSource + "/bench/examples/in_process.yaml";
 // The same with patience for machines that have other work to do.
 const std::string kPatientBench = kSource + "/tests/simulation/field/bench.yaml";
 
+// For a copy of the file in another folder.
+std::string PatientBenchFromAnywhere() {
+  std::string text = WholeFile(kPatientBench);
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+      text.replace(at, from.size(), to);
+    }
+  };
+  replace("../../../", kSource + "/");
+  replace("profile: drive.yaml", "profile: " + kSource + "/tests/simulation/field/drive.yaml");
+  return text;
+}
+
 TEST(DevicesCommand, ListsWhatABenchFileNames) {
   const ProgramResult result = RunProgram({"devices", kInProcess, "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
@@ -78,6 +91,32 @@ TEST(CheckCommand, ShowsWhatEveryDriveSaysOfItself) {
               "vendor 00005357h, product 00000402h, revision 00010000h, serial 00000001h");
   }
   EXPECT_EQ(drives, 2U);
+}
+
+TEST(CheckCommand, NamesADeviceThatIsNotThere) {
+  const ScratchFolder folder;
+  const std::string bench = (folder / "bench.yaml").string();
+  std::string text = PatientBenchFromAnywhere();
+  // Nobody plays an input with such a number.
+  std::string input = WholeFile(kSource + "/bench/devices/profiles/hid_sto_contact.yaml");
+  input.replace(input.find("\"5703\""), 6, "\"57FE\"");
+  std::ofstream(folder / "contact.yaml") << input;
+  text.insert(text.find("devices:\n") + 9, "  - {name: contact, kind: sto_contact, profile: contact.yaml}\n");
+  std::ofstream(bench) << text;
+  const ProgramResult shown = RunProgram({"bench", "check", bench});
+  EXPECT_EQ(shown.exit_code, 3) << shown.error;
+  for (const char* words :
+       {"BAD   safe torque off contact      not plugged in\n", "good  driving servo, node 1 ",
+        "not everything is as it should be (see BAD above); nothing was moved\n"}) {
+    EXPECT_NE(shown.out.find(words), std::string::npos) << words << " is not in\n" << shown.out;
+  }
+  const ProgramResult result = RunProgram({"bench", "check", bench, "--json"});
+  EXPECT_EQ(result.exit_code, 3) << result.error;
+  const json check = json::parse(result.out);
+  EXPECT_EQ(check["good"], false);
+  for (const json& device : check["devices"]) {
+    EXPECT_EQ(device["good"], device["device"] != "safe torque off contact") << device;
+  }
 }
 
 TEST(DevicesCommand, RefusesWhatItCannotUse) {
@@ -241,15 +280,7 @@ TEST(RunCommand, GoesOnWithALoadRunThatWasStopped) {
 TEST(CommissionCommand, MeasuresKeepsAndShowsTheTimeToStop) {
   const ScratchFolder folder;
   const std::filesystem::path bench = folder / "bench.yaml";
-  std::string text = WholeFile(kPatientBench);
-  const auto replace = [&](const std::string& from, const std::string& to) {
-    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
-      text.replace(at, from.size(), to);
-    }
-  };
-  replace("../../../", kSource + "/");
-  replace("profile: drive.yaml", "profile: " + kSource + "/tests/simulation/field/drive.yaml");
-  std::ofstream(bench) << text;
+  std::ofstream(bench) << PatientBenchFromAnywhere();
   const ProgramResult unasked = Handled("bench commission " + bench.string()).End();
   EXPECT_EQ(unasked.exit_code, 130) << "nobody said yes: standard input is at its end";
   EXPECT_FALSE(std::filesystem::exists(folder / "bench.commissioned.yaml"));

@@ -167,6 +167,14 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
     const std::string missing = MissingForStart();
     states.push_back({"pendant", missing.empty() ? "started" : missing, pendant_->Actual().connected});
   }
+  if (sto_contact_) {
+    const StoActual actual = sto_contact_->Actual();
+    states.push_back({"safe torque off contact",
+                      !actual.good  ? "not plugged in"
+                      : actual.open ? "open"
+                                    : "closed",
+                      actual.good});
+  }
   for (const auto& [name, hid] : hid_) {
     const bool connected = hid.channels->connected();
     states.push_back({name, connected ? "connected" : "not plugged in", connected});
