@@ -123,6 +123,7 @@ class DriveMaster {
   std::optional<NmtState> nmt_state() const noexcept { return heartbeats_.state(); }
   /// The last emergency message, a taking back included.
   const std::optional<Emergency>& emergency() const noexcept { return emergency_; }
+  SyncIntervals sync_intervals() const noexcept { return sync_.intervals(); }
   SyncIntervals TakeSyncIntervals() noexcept { return sync_.Take(); }
   /// Frames under this drive's identifiers that were not as long as they must be.
   std::uint64_t malformed_frames() const noexcept { return malformed_frames_; }

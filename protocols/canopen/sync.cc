@@ -39,9 +39,14 @@ std::optional<nanoseconds> SyncMeter::OnSync(nanoseconds now) noexcept {
   return interval;
 }
 
+SyncIntervals SyncMeter::intervals() const noexcept {
+  SyncIntervals intervals{.count = count_, .min = min_, .max = max_};
+  if (count_ > 0) intervals.mean = sum_ / static_cast<nanoseconds::rep>(count_);
+  return intervals;
+}
+
 SyncIntervals SyncMeter::Take() noexcept {
-  SyncIntervals taken{.count = count_, .min = min_, .max = max_};
-  if (count_ > 0) taken.mean = sum_ / static_cast<nanoseconds::rep>(count_);
+  const SyncIntervals taken = intervals();
   count_ = 0;
   min_ = max_ = sum_ = nanoseconds::zero();
   return taken;

@@ -36,7 +36,9 @@ class SyncMeter {
   /// The interval since the SYNC before; nothing for the first.
   std::optional<std::chrono::nanoseconds> OnSync(std::chrono::nanoseconds now) noexcept;
 
-  /// Of the intervals since the last call; of none all zero.
+  /// Of the intervals since the last `Take`; of none all zero.
+  SyncIntervals intervals() const noexcept;
+  /// The same, and begins anew.
   SyncIntervals Take() noexcept;
 
  private:

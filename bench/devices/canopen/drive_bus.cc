@@ -128,6 +128,9 @@ void DriveBus::Cycle(nanoseconds now) noexcept {
   // To measure how the drives stop by themselves, the whole bus falls silent.
   if (!silent) {
     for (const auto& servo : servos_) servo->master().OnSync(now);
+    // All masters see the same SYNCs.
+    if (measure_anew_.exchange(false)) (void)servos_.front()->master().TakeSyncIntervals();
+    sync_intervals_.Set(servos_.front()->master().sync_intervals());
     if (const auto frame = heartbeat_.Poll(now)) Send(*frame, now);
   }
   for (const auto& servo : servos_) servo->master().Poll(now);

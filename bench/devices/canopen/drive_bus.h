@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -55,6 +56,12 @@ class DriveBus {
 
   /// From any thread.
   DriveBusCounts counts() const noexcept { return counts_.Get(); }
+  /// Between SYNCs since the last call, as measured where they go out; from one thread of any.
+  protocols::canopen::SyncIntervals TakeSyncIntervals() noexcept {
+    const auto intervals = sync_intervals_.Get();
+    measure_anew_.store(true);
+    return intervals;
+  }
 
  private:
   void ReceiveAll() noexcept;
@@ -72,6 +79,8 @@ class DriveBus {
   protocols::canopen::HeartbeatProducer heartbeat_;
   DriveBusCounts next_counts_;
   Latest<DriveBusCounts> counts_;
+  Latest<protocols::canopen::SyncIntervals> sync_intervals_;
+  std::atomic<bool> measure_anew_{};
 };
 
 }  // namespace strainwave::bench

@@ -47,6 +47,21 @@ void FieldMachine::NoteBusTroubles(std::vector<std::string>& notes) {
   }
 }
 
+// Point 8 of what is asked of a master: the jitter of SYNC is logged.
+void FieldMachine::NoteSyncs(std::vector<std::string>& notes) {
+  const auto ms = [](std::chrono::nanoseconds time) {
+    return std::chrono::duration<double, std::milli>(time).count();
+  };
+  for (auto& [name, bus] : buses_) {
+    if (!bus.served) continue;
+    const protocols::canopen::SyncIntervals syncs = bus.served->TakeSyncIntervals();
+    if (syncs.count == 0) continue;
+    notes.push_back(fmt::format(
+        "{}: {} SYNCs, {:.3f} ms apart (mean; from {:.3f} to {:.3f} ms; {:.3f} ms asked for)", name,
+        syncs.count, ms(syncs.mean), ms(syncs.min), ms(syncs.max), ms(bus.served->sync_period())));
+  }
+}
+
 void FieldMachine::NoteBusLogs(std::vector<std::string>& notes) {
   for (auto& [name, bus] : buses_) {
     if (!bus.log || bus.log->lost() == bus.lost_in_log) continue;

@@ -107,6 +107,7 @@ class FieldMachine final : public BenchMachine {
   void OpenBuses();
   std::unique_ptr<CanBus> OpenSocketCan(const DeviceDescription& device, int receive_bytes) const;
   void NoteBusTroubles(std::vector<std::string>& notes);
+  void NoteSyncs(std::vector<std::string>& notes);
   void NoteBusLogs(std::vector<std::string>& notes);
   void OpenDrives();
   void CheckPeriod(const CanopenServoSettings& servo) const;

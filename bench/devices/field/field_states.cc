@@ -50,6 +50,7 @@ std::vector<std::string> FieldMachine::TakeNotes() {
               : fmt::format("no picture {}: {}", snapshot.file.filename().string(), snapshot.trouble));
     }
   }
+  NoteSyncs(notes);
   NoteBusTroubles(notes);
   NoteBusLogs(notes);
   return notes;

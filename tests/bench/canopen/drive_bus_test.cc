@@ -266,6 +266,23 @@ TEST(DriveBus, RefusesANodeNumberThatIsTaken) {
   }
 }
 
+TEST(DriveBus, MeasuresItsSyncsAnewAfterEachLook) {
+  InProcessDrives bench;
+  bench.Commission();
+  (void)bench.bus->TakeSyncIntervals();
+  bench.Run(seconds(1));
+  bench.clock.now += milliseconds(3);  // one comes late
+  bench.Run(milliseconds(4));
+  const auto intervals = bench.bus->TakeSyncIntervals();
+  EXPECT_EQ(intervals.count, 250U) << "the first cycle only begins anew";
+  EXPECT_EQ(intervals.min, milliseconds(4));
+  EXPECT_EQ(intervals.max, milliseconds(7));
+  bench.Run(milliseconds(40));
+  const auto next = bench.bus->TakeSyncIntervals();
+  EXPECT_EQ(next.count, 9U);
+  EXPECT_EQ(next.max, milliseconds(4));
+}
+
 TEST(BusTroubles, SayWhatIsAmissOnABusOnce) {
   InProcessDrives bench;
   bench.Commission();
