@@ -15,18 +15,9 @@
 #include "bench/devices/can/in_process_can_bus.h"
 #include "bench/devices/canopen/drive_bus.h"
 #include "protocols/canopen/drive_node.h"
+#include "tests/bench/test_clock.h"
 
 namespace strainwave::bench {
-
-/// Time as the test says.
-class TestClock final : public BenchClock {
- public:
-  std::chrono::nanoseconds Now() const noexcept override { return now; }
-  void SleepUntil(std::chrono::nanoseconds time) noexcept override { now = time; }
-  std::uint64_t Overruns() const noexcept override { return 0; }
-
-  std::chrono::nanoseconds now{};
-};
 
 /// A motor without a load that follows its set-point as fast as its acceleration lets it.
 class FreeMotor final : public protocols::canopen::device::DrivePhysics {
