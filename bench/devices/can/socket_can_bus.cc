@@ -30,10 +30,6 @@ using std::chrono::nanoseconds;
 
 constexpr std::size_t kMostFilters = 64;
 
-nanoseconds NanosecondsOf(const timespec& time) {
-  return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
-}
-
 nanoseconds Now(clockid_t clock) noexcept {
   timespec time{};
   ::clock_gettime(clock, &time);
@@ -299,13 +295,7 @@ void SocketCanBus::TakeControl(const void* message, ReceivedFrame& received) noe
     } else if (part->cmsg_type == SO_TIMESTAMPING) {
       scm_timestamping stamps{};
       std::memcpy(&stamps, CMSG_DATA(part), sizeof stamps);
-      const nanoseconds hardware = NanosecondsOf(stamps.ts[2]);
-      const nanoseconds age = Now(CLOCK_REALTIME) - NanosecondsOf(stamps.ts[0]);
-      if (hardware.count() != 0) {
-        time = device_clock_.ToOurs(hardware, arrival);
-      } else if (age.count() >= 0 && age < std::chrono::seconds(1)) {
-        time = arrival - age;  // else the wall clock was set meanwhile
-      }
+      time = TimeOfFrame(stamps.ts, arrival, Now(CLOCK_REALTIME), device_clock_);
     }
   }
   received.time = time - clock_zero_;

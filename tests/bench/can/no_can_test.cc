@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -79,6 +80,31 @@ TEST(DeviceClock, FollowsADriftAndAJump) {
   }
   // The interface was reset: its clock begins at zero again.
   EXPECT_EQ(clock.ToOurs(milliseconds(1), arrival + milliseconds(1)), arrival + milliseconds(1));
+}
+
+TEST(TimeOfFrame, IsTheInterfacesWhereItHasOne) {
+  DeviceClock clock;
+  const timespec kernels{5000, 0};
+  // The interface's clock began 60 s after ours; the first frame was on its way for the shortest time.
+  EXPECT_EQ(TimeOfFrame(std::array{kernels, timespec{}, timespec{40, 0}}, seconds(100), seconds(5000), clock),
+            seconds(100));
+  // The next lay in a queue for 20 ms; what the kernel says about it does not matter.
+  const auto truth = seconds(100) + milliseconds(2);
+  const auto second = TimeOfFrame(std::array{kernels, timespec{}, timespec{40, 2'000'000}},
+                                  truth + milliseconds(20), seconds(5000), clock);
+  EXPECT_GE(second, truth);
+  EXPECT_LT(second - truth, microseconds(5));
+}
+
+TEST(TimeOfFrame, IsElseTheKernelsUnlessTheWallClockWasSet) {
+  DeviceClock clock;
+  const auto at = [&](const timespec& kernels) {
+    return TimeOfFrame(std::array{kernels, timespec{}, timespec{}}, seconds(100), seconds(5000), clock);
+  };
+  EXPECT_EQ(at({4999, 997'000'000}), seconds(100) - milliseconds(3));
+  EXPECT_EQ(at({4000, 0}), seconds(100)) << "set forward meanwhile";
+  EXPECT_EQ(at({5000, 1}), seconds(100)) << "set back meanwhile";
+  EXPECT_EQ(at({}), seconds(100)) << "no stamp at all";
 }
 
 }  // namespace
