@@ -78,6 +78,18 @@ build() {
   cmake --build --preset release --parallel "$(nproc)" --target "$@"
 }
 
+# tell_skipped RUN: what each test said that was skipped in the run of ctest with that output; ctest itself shows what
+# a test said only when it fails.
+tell_skipped() {
+  awk '
+    FNR == NR { if (/ \(Skipped\)$/) skipped[$3]; next }
+    /^[0-9]+\/[0-9]+ Testing: / { name = $3; said = "" }
+    /^<end of output>$/ { if (name in skipped) printf "skipped: %s\n%s", name, said; speaks = 0 }
+    speaks && !/^-+$/ { said = said "  " $0 "\n" }
+    /^Output:$/ { speaks = 1 }
+  ' "$1" build/Testing/Temporary/LastTest.log
+}
+
 next_campaign() {
   local number=1
   while [[ -e campaigns/quick-$number ]]; do
@@ -129,7 +141,10 @@ case $1 in
   test)
     install_missing_packages
     build all
-    exec ctest --preset release --parallel "$(nproc)"
+    status=0
+    ctest --preset release --parallel "$(nproc)" --output-log build/tests_run.txt || status=$?
+    tell_skipped build/tests_run.txt
+    exit "$status"
     ;;
   -h | --help)
     usage
