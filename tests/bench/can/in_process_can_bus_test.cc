@@ -291,6 +291,7 @@ class LoggedBus : public testing::Test {
   InProcessCanBus bus_{{.ends = 3}};
 };
 
+// Point 15.
 TEST_F(LoggedBus, IsWrittenDownFrameByFrameAsPythonCanReadsIt) {
   std::vector<CanFrame> said;
   {
