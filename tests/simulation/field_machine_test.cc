@@ -68,6 +68,17 @@ TEST(FieldMachine, SetsUpDrivesAndReadsEveryChannel) {
   EXPECT_TRUE(machine.device_side()->StandsSafe());
 }
 
+TEST(FieldMachine, ReadsThermometersOnASerialLine) {
+  FieldMachine machine(ParseBenchFile(schedules::With(BenchText(), "modbus, address: \"tcp:127.0.0.1:0\"",
+                                                      "modbus, address: \"rtu:a line of its own\""),
+                                      "real.yaml", Folder()),
+                       80.0, {});
+  EXPECT_TRUE(machine.device_side()->AddressOf("thermometers").starts_with("rtu:/dev/pts/"));
+  Sampler& sampler = machine.Devices().sampler;
+  Until([&] { return sampler.Read().bad_channels == 0; });
+  EXPECT_NEAR(sampler.Read().gear_temperature_degC, 21.0, 3.0);
+}
+
 // The driving servo turns; both encoders follow.
 void ExpectToSeeTheShaftTurn(const BenchDescription& bench) {
   FieldMachine machine(bench, 80.0, {});
