@@ -8,13 +8,11 @@
 
 namespace strainwave::bench {
 
-std::unique_ptr<CanBus> FieldMachine::OpenSocketCan(const DeviceDescription& device,
-                                                    int receive_bytes) const {
+SocketCanSettings FieldMachine::SocketCanOf(const DeviceDescription& device) const {
   SocketCanSettings settings;
   settings.interface = device.address;
-  settings.receive_bytes = receive_bytes;
   settings.clock_zero = -clock_.FromKernel({});
-  return std::make_unique<SocketCanBus>(settings);
+  return settings;
 }
 
 void FieldMachine::LogBuses(const std::filesystem::path& folder) {
@@ -22,7 +20,9 @@ void FieldMachine::LogBuses(const std::filesystem::path& folder) {
   for (auto& [name, bus] : buses_) {
     CanBus* listener = played_->Listener(name);
     if (listener == nullptr) {
-      bus.listener = OpenSocketCan(Named(name), kRoom);
+      SocketCanSettings settings = SocketCanOf(Named(name));  // no filters: all is logged
+      settings.receive_bytes = kRoom;
+      bus.listener = std::make_unique<SocketCanBus>(settings);
       listener = bus.listener.get();
     }
     bus.log = std::make_unique<CandumpLog>(

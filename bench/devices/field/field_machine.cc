@@ -18,6 +18,7 @@
 #include "bench/configuration/read_drive_profile.h"
 #include "bench/configuration/read_hid_profile.h"
 #include "bench/configuration/read_register_map.h"
+#include "bench/devices/canopen/drive_filters.h"
 #include "bench/devices/modbus/modbus_address.h"
 #include "bench/devices/tcp_address.h"
 #include "daq/acquisition/sources/iio_source.h"
@@ -119,7 +120,14 @@ void FieldMachine::OpenBuses() {
     OneBus& bus = buses_[device.name];
     bus.bus = played_->Bus(device.name);
     if (bus.bus != nullptr) continue;
-    bus.own = OpenSocketCan(device, 0);
+    SocketCanSettings settings = SocketCanOf(device);
+    for (const ServoDescription* servo : {&bench_.driving_servo, &bench_.load_servo}) {
+      if (servo->drive.device != device.name) continue;
+      const auto filters = FiltersOfDrive(ReadDriveProfile(servo->drive.profile),
+                                          static_cast<std::uint8_t>(servo->drive.node));
+      settings.filters.insert(settings.filters.end(), filters.begin(), filters.end());
+    }
+    bus.own = std::make_unique<SocketCanBus>(settings);
     bus.bus = bus.own.get();
   }
 }

@@ -18,6 +18,7 @@
 #include "bench/controller/realtime_mutex.h"
 #include "bench/devices/camera/camera.h"
 #include "bench/devices/can/candump_log.h"
+#include "bench/devices/can/socket_can_bus.h"
 #include "bench/devices/canopen/drive_bus_thread.h"
 #include "bench/devices/device_side/played_bench.h"
 #include "bench/devices/field/field_sampler.h"
@@ -105,7 +106,7 @@ class FieldMachine final : public BenchMachine {
   void Open();
   void Close() noexcept;
   void OpenBuses();
-  std::unique_ptr<CanBus> OpenSocketCan(const DeviceDescription& device, int receive_bytes) const;
+  SocketCanSettings SocketCanOf(const DeviceDescription& device) const;
   void NoteBusTroubles(std::vector<std::string>& notes);
   void NoteSyncs(std::vector<std::string>& notes);
   void NoteBusLogs(std::vector<std::string>& notes);
