@@ -19,6 +19,7 @@
 #include "daq/acquisition/sources/iio_devices.h"
 #include "daq/acquisition/sources/iio_source.h"
 #include "tests/bench/real_time.h"
+#include "tests/simulation/program.h"
 #include "tests/vm/sensor_peer.h"
 
 namespace strainwave::daq::acquisition {
@@ -146,6 +147,13 @@ TEST_P(IioDevice, IsAmongThoseThatAreFound) {
   EXPECT_EQ(found[0].uri, "local:");
   EXPECT_EQ(found[0].device, "accel_3d");
   EXPECT_EQ(found[0].channels, (std::vector<std::string>{"accel_x", "accel_y", "accel_z"}));
+}
+
+TEST_P(IioDevice, IsListedByTheProgram) {
+  const ProgramResult result = RunProgram({"devices"});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.out.find("local:/accel_3d"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("accel_x, accel_y, accel_z"), std::string::npos) << result.out;
 }
 
 TEST_P(IioDevice, ShowsWhatTheSensorDidNotSend) {
