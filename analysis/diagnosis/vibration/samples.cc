@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "analysis/diagnosis/lone_samples.h"
+#include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/vibration/shaft.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/diagnosis/vibration/speed.h"
@@ -100,7 +101,7 @@ void TakeChannels(VibrationSamples& samples, VibrationRun& run, const VibrationD
       throw std::invalid_argument(fmt::format("{}{} has {} samples, time has {} (expected as many)", which,
                                               channel.name, channel.values.size(), run.size()));
     }
-    if (!(Spread(channel.values) > 0.0)) {
+    if (!(SpanOf(channel.values) > 0.0)) {
       samples.warnings.push_back(fmt::format("{}{} is constant at {:.6g} and was left out", which,
                                              channel.name, channel.values.front()));
       continue;
@@ -185,11 +186,6 @@ void FillNominal(VibrationRun& run) {
     run.nominal(i, 3) = c * c - s * s;
     run.nominal(i, 4) = 2.0 * s * c;
   }
-}
-
-double Spread(std::span<const double> values) {
-  const auto [low, high] = std::ranges::minmax(values);
-  return high - low;
 }
 
 VibrationSamples PrepareVibration(std::span<const VibrationData> records) {

@@ -59,9 +59,6 @@ struct VibrationSamples {
 /// orders together.
 inline constexpr double kUnseenWander = 1e-5;
 
-/// Largest value less the smallest one.
-double Spread(std::span<const double> values);
-
 /// Checks the records, finds angle and scales.
 /// @throws std::invalid_argument in words for a technician.
 VibrationSamples PrepareVibration(std::span<const VibrationData> records);

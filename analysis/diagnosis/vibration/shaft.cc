@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/diagnosis/scans.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -18,7 +19,7 @@ constexpr double kMostOfOneTurn = 1.001;  // turns that an angle which starts an
 
 // From 0, without the jumps of an angle that starts anew each turn.
 std::vector<double> Unwrapped(std::vector<double> angle_rad) {
-  const bool wraps = Spread(angle_rad) <= kMostOfOneTurn * kTwoPi;
+  const bool wraps = SpanOf(angle_rad) <= kMostOfOneTurn * kTwoPi;
   const double first = angle_rad.front();
   double turns = 0.0;
   double before = first;
@@ -84,7 +85,7 @@ void FindSpeeds(VibrationRun& run) {
     run.speed_rad_per_s[i] = (run.angle_rad[after] - run.angle_rad[before]) /
                              std::max(run.time_s[after] - run.time_s[before], 1e-300);
   }
-  run.speed_spread = Spread(run.speed_rad_per_s) / run.mean_speed_rad_per_s;
+  run.speed_spread = SpanOf(run.speed_rad_per_s) / run.mean_speed_rad_per_s;
 }
 
 void TakeSteadySpeed(VibrationRun& run, double speed_rad_per_s) {
@@ -122,7 +123,7 @@ void TakeShaft(VibrationRun& run, const VibrationData& record, const std::string
     for (double& value : run.speed_rad_per_s) value = -value;
   }
   run.mean_speed_rad_per_s = std::abs(mean);
-  run.speed_spread = Spread(run.speed_rad_per_s) / run.mean_speed_rad_per_s;
+  run.speed_spread = SpanOf(run.speed_rad_per_s) / run.mean_speed_rad_per_s;
 }
 
 }  // namespace strainwave::analysis::diagnosis

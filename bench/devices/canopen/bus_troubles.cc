@@ -15,8 +15,7 @@ const char* Words(CanState state) {
              "rate)";
     case CanState::kErrorPassive:
       return "error passive: many frames go wrong on the wire, or nobody else is on it (check the cable, "
-             "both "
-             "terminations and the bit rate)";
+             "both terminations and the bit rate)";
     case CanState::kBusOff:
       return "bus-off: the controller gave up sending (check the cable, both terminations and the bit rate)";
     case CanState::kGone:
