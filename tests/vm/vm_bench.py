@@ -3,6 +3,7 @@
 who mounts the blank and presses the keys."""
 import os
 import pathlib
+import select
 import sqlite3
 import struct
 import subprocess
@@ -12,12 +13,13 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 BENCH = HERE / "campaign" / "bench.yaml"
 SCHEDULE = HERE / "campaign" / "pendant.yaml"  # one load run of 20 s
-VENDOR, PRODUCT = 0x1209, 0x5701  # of bench/devices/profiles/hid_pendant.yaml
+PENDANT = (0x1209, 0x5701)  # of bench/devices/profiles/hid_pendant.yaml
+CONTACT = (0x1209, 0x5703)  # hid_sto_contact.yaml
+THERMOMETER = (0x0C45, 0x7401)  # hid_thermometer.yaml
 QUICK_STOP, RESET, START = 1, 2, 4
 STARTED = time.monotonic()
 UHID_CREATE2, UHID_INPUT2 = 11, 12
-# One byte in, of the maker's own page.
-DESCRIPTOR = bytes.fromhex("0600FF 0901 A101 1500 26FF00 7508 9501 0901 8102 C0")
+UHID_EVENT_BYTES = 4380
 
 
 def check(holds, what):
@@ -26,54 +28,74 @@ def check(holds, what):
         raise SystemExit(1)
 
 
-def load_served(folder):
+def from_journal(folder, query):
     journal = sqlite3.connect(f"file:{folder / 'campaign.db'}?mode=ro", uri=True)
-    return journal.execute("SELECT SUM(credited_load_s) FROM phases").fetchone()[0]
+    return journal.execute(query).fetchall()
 
 
-class Pendant:
-    """Plugged in as long as it is not closed; says which keys are down when one moves, and four times a second."""
+def load_served(folder):
+    return from_journal(folder, "SELECT SUM(credited_load_s) FROM phases")[0][0]
 
-    def __init__(self):
+
+class HidDevice:
+    """Made of the kernel's uhid, plugged in as long as it is not closed; says its report when that changes, when it is
+    asked for, and four times a second."""
+
+    def __init__(self, name, identity, serial, report):
         self.file = os.open("/dev/uhid", os.O_RDWR | os.O_CLOEXEC)
-        name = b"strainwave pendant".ljust(128, b"\0") + bytes(64) + b"P1".ljust(64, b"\0")
-        os.write(self.file, struct.pack("<I", UHID_CREATE2) + name +
-                 struct.pack("<HHIIII", len(DESCRIPTOR), 3, VENDOR, PRODUCT, 0, 0) + DESCRIPTOR.ljust(4096, b"\0"))
-        self.keys = 0
+        # So many bytes in, of the maker's own page.
+        descriptor = bytes.fromhex(f"0600FF 0901 A101 1500 26FF00 7508 95{len(report):02X} 0901 8102 C0")
+        os.write(self.file, struct.pack("<I128s64s64s", UHID_CREATE2, name, b"", serial) +
+                 struct.pack("<HHIIII", len(descriptor), 3, *identity, 0, 0) + descriptor.ljust(4096, b"\0"))
+        self.report = report
         self.lock = threading.Lock()
         self.ending = threading.Event()
         self.thread = threading.Thread(target=self._repeat, daemon=True)
         self.thread.start()
 
     def _repeat(self):
-        while not self.ending.wait(0.25):
+        while not self.ending.is_set():
+            told = select.select([self.file], [], [], 0.25)[0]
             with self.lock:
-                self._say()
+                if not self.ending.is_set():
+                    if told:
+                        os.read(self.file, UHID_EVENT_BYTES)
+                    self._say()
 
     def _say(self):
-        if not self.ending.is_set():
-            os.write(self.file, struct.pack("<IHB", UHID_INPUT2, 1, self.keys))
+        os.write(self.file, struct.pack("<IH", UHID_INPUT2, len(self.report)) + self.report)
+
+    def say(self, report):
+        """This report from now on. The time at which it was first said, as the kernel's monotonic clock has it."""
+        with self.lock:
+            self.report = report
+            said = time.monotonic()
+            if not self.ending.is_set():
+                self._say()
+        return said
+
+    def unplug(self):
+        """The time at which it was done."""
+        with self.lock:
+            self.ending.set()
+            said = time.monotonic()
+            os.close(self.file)
+        return said
+
+
+class Pendant(HidDevice):
+    def __init__(self):
+        super().__init__(b"strainwave pendant", PENDANT, b"P1", bytes(1))
 
     def press(self, keys):
-        """These keys are down and no others. The time at which that was said, as the kernel's monotonic clock has it."""
-        with self.lock:
-            self.keys = keys
-            said = time.monotonic()
-            self._say()
-        return said
+        """These keys are down and no others; when that was said."""
+        return self.say(bytes([keys]))
 
     def release_bench(self):
         """The two deliberate acts that let the bench go again, each key long enough for a slow machine to see it."""
         for keys in (0, RESET, 0, START, 0):
             self.press(keys)
             time.sleep(0.3)
-
-    def unplug(self):
-        with self.lock:
-            self.ending.set()
-            said = time.monotonic()
-            os.close(self.file)
-        return said
 
 
 def into_memory(*programs):
