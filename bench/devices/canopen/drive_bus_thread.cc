@@ -10,6 +10,7 @@
 namespace strainwave::bench {
 
 using protocols::canopen::DriveStage;
+using protocols::canopen::DriveTrouble;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 using std::chrono::seconds;
@@ -86,7 +87,7 @@ void DriveBusThread::Run() noexcept {
   }
 }
 
-std::string DriveBusThread::Commission(nanoseconds patience) {
+std::string DriveBusThread::Commission(nanoseconds patience, Faults faults) {
   const nanoseconds give_up = clock_.Now() + patience;
   std::vector<std::uint32_t> asked;
   for (std::size_t i = 0; i < bus_.size(); ++i) asked.push_back(bus_.servo(i).Commission());
@@ -95,8 +96,15 @@ std::string DriveBusThread::Commission(nanoseconds patience) {
     CanopenServo& servo = bus_.servo(i);
     ServoReport report = servo.report();
     const auto begun = [&] { return report.commissions == asked[i]; };
+    bool may_reset = faults == Faults::kReset;
     while (!(begun() && (report.stage == DriveStage::kDisabled || report.stage == DriveStage::kOff)) &&
            clock_.Now() < give_up) {
+      // In the drive's own state it is seen first when it has been set up. One that lasts comes back.
+      if (may_reset && begun() && report.stage == DriveStage::kStopped &&
+          report.trouble == DriveTrouble::kFault) {
+        servo.ResetFault();
+        may_reset = false;
+      }
       std::this_thread::sleep_for(kLook);
       report = servo.report();
     }

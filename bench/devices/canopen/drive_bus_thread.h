@@ -23,9 +23,12 @@ class DriveBusThread {
   DriveBusThread& operator=(const DriveBusThread&) = delete;
   ~DriveBusThread();
 
+  /// What is done about a fault that a drive still has from before.
+  enum class Faults { kKeep, kReset };
+
   /// Sets up every drive anew and waits for it.
   /// @return nothing when all are ready; else what went wrong, drive by drive, in words.
-  std::string Commission(std::chrono::nanoseconds patience);
+  std::string Commission(std::chrono::nanoseconds patience, Faults faults = Faults::kKeep);
 
   struct Timing {
     TimingHistogram periods;   // between two cycles

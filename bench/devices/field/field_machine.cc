@@ -210,6 +210,8 @@ void FieldMachine::OpenDrives() {
       (servo.name() == "driving servo" ? driving_ : load_) = &servo;
     }
   }
+  // Who looks leaves a fault for others to see; who starts a bench has seen it.
+  const auto faults = use_ == Use::kMove ? DriveBusThread::Faults::kReset : DriveBusThread::Faults::kKeep;
   // The threads look at all drives: none is added any more.
   std::string troubles;
   for (auto& [name, bus] : buses_) {
@@ -217,11 +219,12 @@ void FieldMachine::OpenDrives() {
     bus.thread = std::make_unique<DriveBusThread>(*bus.served, clock_);
     // Drives that have just been switched on say so, and then have lost what was set up before.
     std::this_thread::sleep_for(kBootUp);
-    std::string first = bus.thread->Commission(kCommissioning);
-    if (!first.empty()) first = bus.thread->Commission(kCommissioning);
+    std::string first = bus.thread->Commission(kCommissioning, faults);
+    if (!first.empty()) first = bus.thread->Commission(kCommissioning, faults);
     troubles += first;
   }
-  if (!troubles.empty()) {
+  // Who looks sees them in the drives' states.
+  if (!troubles.empty() && use_ == Use::kMove) {
     throw CampaignError(ExitCode::kMachineFailed,
                         fmt::format("{}: error: the drives cannot be used\n{}", bench_.file_name, troubles));
   }
