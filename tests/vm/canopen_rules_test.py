@@ -67,10 +67,14 @@ def is_write(frame, index, sub):
     return frame.id == REQUEST and frame.data[0] >> 5 == 1 and (number(frame.data[1:3]), frame.data[3]) == (index, sub)
 
 
-def without_access(frames, at):
-    """Without this request and its answer."""
+def taken_out(frames, at):
+    """A request with its answer, and all the others."""
     answer = next(i for i in range(at, len(frames)) if frames[i].id == RESPONSE)
-    return frames[:at] + frames[at + 1:answer] + frames[answer + 1:]
+    return [frames[at], frames[answer]], frames[:at] + frames[at + 1:answer] + frames[answer + 1:]
+
+
+def without_access(frames, at):
+    return taken_out(frames, at)[1]
 
 
 def find(frames, holds):
@@ -113,7 +117,8 @@ def entries_not_cleared(frames):
 def made_valid_too_early(frames):
     count = find(frames, lambda frame: is_write(frame, 0x1600, 0) and frame.data[4] > 0)
     moved = find(frames[count:], lambda frame: is_write(frame, 0x1400, 1)) + count
-    return frames[:count] + frames[moved:moved + 2] + frames[count:moved] + frames[moved + 2:]
+    access, others = taken_out(frames, moved)
+    return others[:count] + access + others[count:]
 
 
 def started_before_mapping(frames):

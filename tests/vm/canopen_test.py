@@ -14,6 +14,7 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import canopen_rules
+import canopen_rules_test
 import vm_bench
 from vm_bench import BENCH, SCHEDULE, check
 
@@ -73,6 +74,8 @@ def main():
     frames = canopen_rules.parse(log.read_text(encoding="utf-8").splitlines())
     check(len(frames) > 1000, f"candump heard {len(frames)} frames")
     check(canopen_rules.show(canopen_rules.judge(frames, NODES, [FAULTY])), "all rules hold")
+    missed = canopen_rules_test.not_found(frames)
+    check(not missed, f"each of them is found broken in frames that were changed {missed}")
 
 
 if __name__ == "__main__":
