@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """`strainwave devices` and `strainwave bench check` on buses of the kernel: what they find of strainwave-devices and a
-uhid pendant, and that nothing has moved for it.
+uhid pendant, and that nothing has moved for it; what the check says of a drive that is silent, and of a wire on which
+frames go wrong.
 
   tests/vm/run.sh tests/vm/devices_test.py build
 """
@@ -13,6 +14,42 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import vm_bench
 from vm_bench import BENCH, check
+
+
+# Error frames of a controller that counts what goes wrong (linux/can/error.h), and what is said of it.
+WIRE_TROUBLES = {"20000004#0008000000000000": "error warning: frames go wrong on the wire",
+                 "20000004#0020000000000000": "error passive: many frames go wrong on the wire"}
+
+
+def look(build):
+    """Exit code and devices of `bench check`, the latter by their names."""
+    done = subprocess.run([build / "strainwave", "bench", "check", BENCH, "--json"], capture_output=True, text=True, check=False)
+    checked = json.loads(done.stdout)
+    check(checked["good"] == (done.returncode == 0), f"bench check: good {checked['good']}, exit code {done.returncode}")
+    return done.returncode, {device["device"]: device for device in checked["devices"]}
+
+
+def look_at_a_silent_drive(build, devices):
+    devices.do("drive 2 silent on")
+    code, rows = look(build)
+    check(code == 3, f"a drive is silent: exit code {code}")
+    bad = {name: row["state"] for name, row in rows.items() if not row["good"]}
+    check(list(bad) == ["load servo"], f"it is the one: {bad}")
+    check("node 2" in bad["load servo"] and "the answer did not come in time" in bad["load servo"], "and it says why")
+    text = subprocess.run([build / "strainwave", "bench", "check", BENCH], capture_output=True, text=True, check=False).stdout
+    check(any(line.startswith("BAD   load servo ") for line in text.splitlines()), "its row is marked")
+    devices.do("drive 2 silent off")
+
+
+def look_at_a_bad_wire(build):
+    for frame, words in WIRE_TROUBLES.items():
+        with subprocess.Popen(["bash", "-c", f"while cansend vcan0 {frame}; do sleep 0.2; done"]) as wire:
+            code, rows = look(build)
+            wire.terminate()
+        check(code == 3 and not rows["can"]["good"], f"{frame}: exit code {code}")
+        check(words in rows["can"]["state"], f"can: {rows['can']['state']}")
+    code, rows = look(build)
+    check(code == 0, f"all is well again: {[row for row in rows.values() if not row['good']]}")
 
 
 def main():
@@ -49,6 +86,8 @@ def main():
 
     pendant = vm_bench.Pendant()
     print(ask("bench", "check", BENCH))
+    look_at_a_silent_drive(build, devices)
+    look_at_a_bad_wire(build)
     check(devices.safe_since() == since, "nothing has moved, and no drive was enabled")
     devices.quit()
 
