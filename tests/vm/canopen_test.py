@@ -5,10 +5,8 @@ one drive, and the start after it - keeps the rules of canopen_rules.py.
 
   tests/vm/run.sh tests/vm/canopen_test.py build [CAPTURE]      CAPTURE: where the frames are kept
 """
-import contextlib
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 
@@ -16,27 +14,11 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import canopen_rules
 import canopen_rules_test
 import vm_bench
-from vm_bench import BENCH, SCHEDULE, check
+from vm_bench import BENCH, SCHEDULE, check, listening_to, send
 
 NODES, FAULTY = (1, 2), 1
 # By a stranger: 6007h of the faulty node is to be "fault", and then it is taken out of operational under power.
 MAKE_IT_FAIL = ("601#2B07600001000000", "000#8001")
-
-
-def say(frame):
-    subprocess.run(["cansend", "vcan0", frame], check=True)
-
-
-@contextlib.contextmanager
-def listening_to(log):
-    with open(log, "w", encoding="utf-8") as file, \
-            subprocess.Popen(["candump", "-L", "vcan0"], stdout=file) as candump:
-        try:
-            while log.stat().st_size == 0:
-                say("7FE#")  # of nobody: candump listens
-            yield
-        finally:
-            candump.terminate()
 
 
 def run_twice(build, folder):
@@ -46,11 +28,11 @@ def run_twice(build, folder):
     def run(resume):
         return vm_bench.Campaign(build, SCHEDULE, BENCH, folder, devices, pendant, sys.stderr, resume)
 
-    say("000#8100")
+    send("000#8100")
     campaign = run(False)
     check(devices.wait_until(safe=False, seconds=120), "the shafts turn")
     for frame in MAKE_IT_FAIL:
-        say(frame)
+        send(frame)
     code = campaign.wait(60)
     check(code == 3, f"a drive has a fault: the program ends as after one ({code})")
     campaign = run(True)

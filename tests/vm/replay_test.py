@@ -13,7 +13,7 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import vm_bench
-from vm_bench import BENCH, SCHEDULE, check, load_served
+from vm_bench import BENCH, SCHEDULE, check, listening_to, load_served
 
 # As pendant_test has it, from the first frame of the other time on.
 LONGEST_STOP_S = 1.5
@@ -23,18 +23,16 @@ def main():
     build = pathlib.Path(sys.argv[1])
     scratch = pathlib.Path(tempfile.mkdtemp())
     folder, log = scratch / "campaign", scratch / "bus.log"
-    vm_bench.into_memory("/usr/bin/candump", "/usr/bin/canplayer")
+    vm_bench.into_memory("/usr/bin/candump", "/usr/bin/cansend", "/usr/bin/canplayer")
     pendant = vm_bench.Pendant()
     devices = vm_bench.Devices(build, BENCH, sys.stderr)
 
     def run(resume):
         return vm_bench.Campaign(build, SCHEDULE, BENCH, folder, devices, pendant, sys.stderr, resume)
 
-    with open(log, "w", encoding="utf-8") as file, \
-            subprocess.Popen(["candump", "-L", "vcan0"], stdout=file) as listening:
+    with listening_to(log):
         campaign = run(False)
         check(devices.wait_until(safe=False, seconds=120), "the shafts turn")
-        listening.terminate()
     said = log.read_text(encoding="utf-8").splitlines()
     check(any(" 000#8" in line for line in said), f"{len(said)} frames were heard, the reset of a node among them")
     vm_bench.time.sleep(4)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bench that lives outside of the program: strainwave-devices, a pendant made of the kernel's uhid, and the person
 who mounts the blank and presses the keys."""
+import contextlib
 import os
 import pathlib
 import select
@@ -35,6 +36,24 @@ def from_journal(folder, query):
 
 def load_served(folder):
     return from_journal(folder, "SELECT SUM(credited_load_s) FROM phases")[0][0]
+
+
+def send(frame):
+    """On vcan0, as cansend takes it."""
+    subprocess.run(["cansend", "vcan0", frame], check=True)
+
+
+@contextlib.contextmanager
+def listening_to(log):
+    """What is said on vcan0 meanwhile goes to this file, as `candump -L` prints it."""
+    with open(log, "w", encoding="utf-8") as file, \
+            subprocess.Popen(["candump", "-L", "vcan0"], stdout=file) as candump:
+        try:
+            while log.stat().st_size == 0:
+                send("7FE#")  # of nobody: candump listens
+            yield
+        finally:
+            candump.terminate()
 
 
 class HidDevice:
