@@ -314,6 +314,14 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
     StampSensors(black_box, bench_);
     daq::WriteRecordsAtomically(file, black_box);
   }
+  machine_.KeepStreams(
+      std::filesystem::path(file).replace_extension(),
+      {{"specimen", schedule_.specimen.identity},
+       {"cycle", std::to_string(cycle_)},
+       {"phase", std::string(phase)},
+       {"bench", bench_.name},
+       {"stop_cause", std::string(Code(outcome.reason.cause))},
+       {"stop_time_s", daq::ShortestText(std::chrono::duration<double>(outcome.reason.time).count())}});
   return CampaignEnd{CampaignEnd::Kind::kFault, outcome.reason, text, IsOfADevice(outcome.reason.cause)};
 }
 

@@ -218,6 +218,7 @@ StopReason PhaseRunner::Loop(PhaseProgram& program, const Beat& beat) {
 }
 
 void PhaseRunner::AfterFault(PhaseProgram& program, PhaseOutcome& outcome) {
+  devices_.sampler.MarkTrip();
   const nanoseconds period = Nanoseconds(settings_.control_period_s);
   const auto rows = static_cast<int>(kAfterStop_s / settings_.control_period_s);
   for (int row = 0; row < rows; ++row) {

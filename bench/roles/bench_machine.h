@@ -75,6 +75,10 @@ class BenchMachine {
   /// Keeps what was written down around now, under names that begin with `stem`.
   virtual void KeepBusLogs(const std::filesystem::path&) {}
 
+  /// Keeps what its sources of samples sent around the trip, under names that begin with `stem`; waits for
+  /// what is still to come. @throws daq::DataFileError where a file cannot be written.
+  virtual void KeepStreams(const std::filesystem::path&, const daq::Attributes&) {}
+
   /// All measurements of a cycle are done; a simulated bench may note the truth it alone knows.
   virtual void CycleMeasured(int) {}
 };

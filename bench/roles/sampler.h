@@ -69,6 +69,9 @@ class Sampler {
   /// Appends what came in since the last call. Called between control periods, so it may allocate.
   virtual void DrainVibration(VibrationBlock& block) = 0;
 
+  /// A fault has just stopped the bench: raw samples around this moment are worth keeping. Not for the cycle.
+  virtual void MarkTrip() {}
+
   /// Asks for the shunt resistor of the torque transducer to be connected, or taken off; the reading tells
   /// when it is. Never waits. Nothing happens on a bench without one.
   virtual void ConnectShunt(bool) noexcept {}

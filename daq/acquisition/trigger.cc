@@ -48,8 +48,7 @@ TriggeredCapture::TriggeredCapture(const SourceDescription& source, const Trigge
                     settings.hysteresis));
   }
   words_.resize(most_rows_ * source.channels.size());
-  numbers_.resize(most_rows_);
-  lost_.resize(most_rows_);
+  stamps_.resize(most_rows_);
 }
 
 std::optional<std::string> TriggeredCapture::CauseOf(double value) noexcept {
@@ -62,12 +61,21 @@ std::optional<std::string> TriggeredCapture::CauseOf(double value) noexcept {
   return std::string();
 }
 
-void TriggeredCapture::Keep(const std::uint32_t* frame, std::uint64_t number, std::uint64_t lost) noexcept {
+void TriggeredCapture::Keep(const SampleBlock& block, std::uint32_t sample) noexcept {
+  const BlockHeader& header = block.header;
   const std::size_t channels = source_.channels.size();
   const std::uint64_t slot = kept_++ % most_rows_;
-  std::copy_n(frame, channels, words_.begin() + static_cast<std::ptrdiff_t>(slot * channels));
-  numbers_[slot] = number;
-  lost_[slot] = lost;
+  std::copy_n(block.words().data() + std::size_t{sample} * channels, channels,
+              words_.begin() + static_cast<std::ptrdiff_t>(slot * channels));
+  const bool begins = sample == 0;
+  const std::chrono::nanoseconds since_first(std::llround(1e9 * sample / source_.rate_hz));
+  stamps_[slot] = {.number = header.first_sample + sample,
+                   .device_counter = header.device_counter + sample,
+                   .lost = begins ? header.lost_before : 0,
+                   .device_time = header.device_time + since_first,
+                   .arrival = header.arrival,
+                   .flags = begins ? header.flags : 0,
+                   .begins = begins};
 }
 
 void TriggeredCapture::Take(const SampleBlock& block, const std::function<void(const Capture&)>& deliver) {
@@ -79,10 +87,9 @@ void TriggeredCapture::Take(const SampleBlock& block, const std::function<void(c
   }
   // Across a gap there is no edge: the signal must be seen on the near side of the level again.
   if ((header.flags & kAfterGap) != 0 && header.samples > 0) is_armed_ = BeginsArmed(settings_.kind);
-  const std::span<const std::uint32_t> words = block.words();
   for (std::uint32_t i = 0; i < header.samples; ++i) {
     const std::uint64_t number = header.first_sample + i;
-    Keep(words.data() + std::size_t{i} * channels, number, i == 0 ? header.lost_before : 0);
+    Keep(block, i);
     std::optional<std::string> cause = CauseOf(block.Value(i, settings_.channel));
     if (fired_) cause = std::move(*std::exchange(fired_, std::nullopt));
     if (cause) {
@@ -104,6 +111,12 @@ void TriggeredCapture::Take(const SampleBlock& block, const std::function<void(c
 }
 
 void TriggeredCapture::Finish(const std::function<void(const Capture&)>& deliver) {
+  if (!captures_ && fired_ && kept_ > 0) {
+    captures_ = true;
+    cause_ = std::move(*std::exchange(fired_, std::nullopt));
+    trigger_sample_ = stamps_[(kept_ - 1) % most_rows_].number + 1;
+    trigger_frame_ = kept_;
+  }
   if (!captures_) return;
   captures_ = false;
   deliver(Unrolled());
@@ -114,7 +127,7 @@ Capture TriggeredCapture::Unrolled() const {
   const std::size_t channels = source_.channels.size();
   Capture capture{.cause = cause_,
                   .trigger_sample = trigger_sample_,
-                  .first_sample = numbers_[begin % most_rows_],
+                  .first_sample = stamps_[begin % most_rows_].number,
                   .trigger_row = trigger_frame_ - begin,
                   .channels = static_cast<std::uint32_t>(channels),
                   .type = source_.type,
@@ -127,8 +140,22 @@ Capture TriggeredCapture::Unrolled() const {
   for (std::uint64_t frame = begin; frame < kept_; ++frame) {
     const auto at = words_.begin() + static_cast<std::ptrdiff_t>((frame % most_rows_) * channels);
     capture.words.insert(capture.words.end(), at, at + static_cast<std::ptrdiff_t>(channels));
-    const std::uint64_t lost = lost_[frame % most_rows_];
-    if (lost > 0 && frame > begin) capture.holes.push_back({frame - begin, lost});
+    const Stamp& stamp = stamps_[frame % most_rows_];
+    if (stamp.lost > 0 && frame > begin) capture.holes.push_back({frame - begin, stamp.lost});
+    if (stamp.begins || frame == begin) {
+      capture.pieces.push_back({frame - begin,
+                                {.source = source_.source,
+                                 .channels = capture.channels,
+                                 .type = source_.type,
+                                 .flags = stamp.flags,
+                                 .device_counter = stamp.device_counter,
+                                 .first_sample = stamp.number,
+                                 .lost_before = stamp.lost,
+                                 .device_time = stamp.device_time,
+                                 .arrival = stamp.arrival,
+                                 .rate_hz = source_.rate_hz}});
+    }
+    ++capture.pieces.back().header.samples;
   }
   return capture;
 }

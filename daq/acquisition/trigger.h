@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -38,12 +40,17 @@ struct Capture {
   std::string cause{};
   std::uint64_t trigger_sample{};  // running number
   std::uint64_t first_sample{};    // of row 0
-  std::uint64_t trigger_row{};     // fewer than `before` if the stream or the last trigger had just begun
+  std::uint64_t trigger_row{};  // fewer than `before` if the stream had just begun; `rows()`: none came after
   std::uint32_t channels{};
   SampleType type{};
   double rate_hz{};
   std::vector<std::uint32_t> words{};  // raw, sample after sample
   std::vector<Hole> holes{};           // in the order of rows
+  struct Piece {
+    std::uint64_t row{};
+    BlockHeader header{};  // of what lies within the capture
+  };
+  std::vector<Piece> pieces{};  // the blocks that the samples came in
 
   std::uint64_t rows() const { return words.size() / channels; }
   double Value(std::uint64_t row, std::size_t channel) const {
@@ -65,23 +72,38 @@ class TriggeredCapture {
   /// An event from outside, such as a fault: triggers at the next sample. `cause` in words.
   void Fire(std::string cause) { fired_ = std::move(cause); }
 
-  /// Hands over a capture that still waits for samples behind its trigger, as far as it came.
+  /// Hands over a capture that still waits for samples behind its trigger, as far as it came; of an event
+  /// that no sample has followed, what was before it.
   void Finish(const std::function<void(const Capture&)>& deliver);
 
   std::uint64_t ignored() const { return ignored_; }
 
+  /// The memory that a sample of all channels takes.
+  static std::size_t RowBytes(const SourceDescription& source) noexcept {
+    return source.channels.size() * sizeof(std::uint32_t) + sizeof(Stamp);
+  }
+
  private:
+  // What the block's header says of one of its samples.
+  struct Stamp {
+    std::uint64_t number{};
+    std::uint64_t device_counter{};
+    std::uint64_t lost{};  // before it
+    std::chrono::nanoseconds device_time{};
+    std::chrono::nanoseconds arrival{};
+    std::uint32_t flags{};
+    bool begins{};  // the block
+  };
   std::optional<std::string> CauseOf(double value) noexcept;
-  void Keep(const std::uint32_t* frame, std::uint64_t number, std::uint64_t lost) noexcept;
+  void Keep(const SampleBlock& block, std::uint32_t sample) noexcept;
   Capture Unrolled() const;
 
   SourceDescription source_;
   TriggerSettings settings_;
   std::uint64_t most_rows_;
-  std::vector<std::uint32_t> words_;    // a ring of frames
-  std::vector<std::uint64_t> numbers_;  // their running numbers
-  std::vector<std::uint64_t> lost_;     // samples missing before each
-  std::uint64_t kept_{};                // frames since the start
+  std::vector<std::uint32_t> words_;  // a ring of frames
+  std::vector<Stamp> stamps_;         // of each
+  std::uint64_t kept_{};              // frames since the start
   std::optional<std::string> fired_;
   bool is_armed_;
   bool captures_{};

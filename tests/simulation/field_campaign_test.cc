@@ -185,7 +185,38 @@ class Reboot final : public ProgressSink {
   int beats_{};
 };
 
-TEST(FieldCampaignThatTrips, HasAPictureBesideItsBlackBox) {
+using daq::acquisition::StreamFileReader;
+
+std::string AttributeOf(const StreamFileReader& file, const std::string& name) {
+  const auto found = std::ranges::find(file.attributes(), name, &std::pair<std::string, std::string>::first);
+  return found == file.attributes().end() ? "" : found->second;
+}
+
+// Row 20: raw data of all channels, ten seconds before the trip and ten after.
+void ExpectAroundTrip(const std::filesystem::path& path, std::size_t channels, double stop_time_s) {
+  const StreamFileReader file(path);
+  EXPECT_EQ(file.description().channels.size(), channels);
+  EXPECT_FALSE(AttributeOf(file, "stop_cause").empty());
+  EXPECT_EQ(std::stod(AttributeOf(file, "stop_time_s")), stop_time_s);
+  const std::uint64_t trip = std::stoull(AttributeOf(file, "trigger_row"));
+  const auto ten_s = static_cast<std::uint64_t>(10.0 * file.description().rate_hz);
+  EXPECT_GT(trip, ten_s / 10);  // as long as the stream had come
+  EXPECT_LE(trip, ten_s);
+  EXPECT_EQ(file.rows(), trip + 1 + ten_s);
+  // The trip was seen at once after it had happened, by the bench's clock.
+  const double zero_ns = std::stod(AttributeOf(file, "bench_clock_zero_ns"));
+  const auto& blocks = file.blocks();
+  const auto block =
+      std::ranges::find_if(blocks, [&](const auto& row) { return row.row + row.samples > trip; });
+  ASSERT_NE(block, blocks.end());
+  const double seen_s = 1e-9 * (static_cast<double>(block->arrival_ns) - zero_ns);
+  EXPECT_GT(seen_s, stop_time_s - 1.0);
+  EXPECT_LT(seen_s, stop_time_s + 1.0);
+  EXPECT_EQ(file.Words(0, file.rows()).size(), file.rows() * channels);
+  EXPECT_TRUE(file.gaps().empty());
+}
+
+TEST(FieldCampaignThatTrips, HasAPictureAndTheRawStreamsBesideItsBlackBox) {
   const ScratchFolder scratch;
   const CampaignInputs inputs = InputsIn(scratch);
   const CampaignFolder folder{scratch / "campaign"};
@@ -200,9 +231,14 @@ TEST(FieldCampaignThatTrips, HasAPictureBesideItsBlackBox) {
   }
   int black_boxes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder.Faults())) {
-    if (entry.path().extension() != ".h5") continue;
+    if (entry.path().extension() != ".h5" || daq::acquisition::IsStreamFile(entry.path())) continue;
     ++black_boxes;
-    EXPECT_TRUE(IsJpeg(std::filesystem::path(entry.path()).replace_extension(".jpg")));
+    const std::filesystem::path stem = std::filesystem::path(entry.path()).replace_extension();
+    EXPECT_TRUE(IsJpeg(stem.string() + ".jpg"));
+    const auto box = daq::ReadCycleFile(entry.path(), daq::Checking::kNone).records.at(0).record;
+    const double stop_time_s = std::stod(std::string(box.Metadata("stop_time_s").value()));
+    ExpectAroundTrip(stem.string() + "-encoders.h5", 3, stop_time_s);
+    ExpectAroundTrip(stem.string() + "-accelerometers.h5", 4, stop_time_s);
   }
   EXPECT_EQ(black_boxes, 1);
 }

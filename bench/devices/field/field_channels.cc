@@ -126,6 +126,9 @@ FieldChannels FieldMachine::Channels() {
       if (shunt_->Set(on)) client->Call();
     };
   }
+  channels.mark_trip = [this] {
+    for (const auto& [name, reader] : sources_) reader->MarkTrip();
+  };
   if (pendant_) channels.quick_stop_pressed = [this] { return QuickStopPressed(); };
   if (channels.vibration != nullptr) {
     channels.channels[static_cast<std::size_t>(Channel::kVibrationRms)] = [this,

@@ -68,6 +68,7 @@ class FieldMachine final : public BenchMachine {
   void TakePicture(const std::filesystem::path& file) override;
   void LogBuses(const std::filesystem::path& folder) override;
   void KeepBusLogs(const std::filesystem::path& stem) override;
+  void KeepStreams(const std::filesystem::path& stem, const daq::Attributes& attributes) override;
 
   /// The devices that live within the program; null where they are elsewhere. For tests that put faults in.
   DeviceSide* device_side() noexcept { return played_ ? played_->devices() : nullptr; }

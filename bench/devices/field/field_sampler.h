@@ -29,6 +29,7 @@ struct FieldChannels {
   SourceReader* vibration{};
   std::array<std::optional<std::size_t>, 4> accelerometers;
   std::function<bool()> quick_stop_pressed;  // nothing: the bench has no key
+  std::function<void()> mark_trip;           // of all sources; nothing: there are none
   std::function<void(bool)> connect_shunt;   // of the torque transducer; nothing: it has none
 };
 
@@ -42,6 +43,9 @@ class FieldSampler final : public Sampler {
   void StartVibration(double sample_rate_hz) override;
   void StopVibration() override;
   void DrainVibration(VibrationBlock& block) override;
+  void MarkTrip() override {
+    if (channels_.mark_trip) channels_.mark_trip();
+  }
   void ConnectShunt(bool on) noexcept override {
     if (channels_.connect_shunt) channels_.connect_shunt(on);
   }

@@ -8,6 +8,7 @@
 
 #include "bench/devices/canopen/bus_troubles.h"
 #include "bench/devices/field/field_machine.h"
+#include "daq/acquisition/capture_file.h"
 
 namespace strainwave::bench {
 
@@ -107,6 +108,20 @@ std::vector<RecordedSource> FieldMachine::StopRecording() {
     }
   }
   return all;
+}
+
+// Trips that the control loop does not see are marked here, as late as they are told.
+void FieldMachine::KeepStreams(const std::filesystem::path& stem, const daq::Attributes& attributes) {
+  for (const auto& [name, reader] : sources_) reader->MarkTrip();
+  daq::Attributes all = attributes;
+  // What the file's times have to have taken off to be those of the record of the fault.
+  all.emplace_back("bench_clock_zero_ns", std::to_string(-clock_.FromKernel({}).count()));
+  for (const auto& [name, reader] : sources_) {
+    const auto around = reader->TakeAroundTrip();
+    if (!around) continue;
+    daq::acquisition::WriteCapture(fmt::format("{}-{}.h5", stem.string(), name), reader->description(),
+                                   *around, all);
+  }
 }
 
 void FieldMachine::TakePicture(const std::filesystem::path& file) {

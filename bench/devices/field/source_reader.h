@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -25,6 +26,7 @@
 #include "daq/acquisition/sensor_watch.h"
 #include "daq/acquisition/spsc_ring.h"
 #include "daq/acquisition/stream_recorder.h"
+#include "daq/acquisition/trigger.h"
 #include "daq/acquisition/turn_counter.h"
 
 namespace strainwave::bench {
@@ -93,6 +95,12 @@ class SourceReader {
   /// Ends it and finishes the file; nothing where nothing is recorded.
   std::optional<Recorded> StopRecording();
 
+  /// The bench has tripped: what the source sends about now is kept, ten seconds before and ten after where
+  /// that fits into 128 MB. Of several trips the first counts, until it is taken. Not for the cyclic path.
+  void MarkTrip();
+  /// What was around the trip, once it has come; nothing where none was marked or nothing ever came. Waits.
+  std::optional<daq::acquisition::Capture> TakeAroundTrip();
+
   /// Samples that are missing in the capture so far.
   std::uint64_t lost_in_capture() const noexcept;
 
@@ -108,6 +116,8 @@ class SourceReader {
   void MeasureVibration(const daq::acquisition::SampleBlock& block) noexcept;
   void Keep(const daq::acquisition::SampleBlock& block);
   void Say(const std::string& trouble);
+  void FinishAroundTrip();
+  void Deliver(const daq::acquisition::Capture& around);
 
   std::unique_ptr<daq::acquisition::SampleSource> source_;
   const MonotonicClock& clock_;
@@ -123,13 +133,19 @@ class SourceReader {
   std::vector<double> squares_;
   std::size_t in_window_{};
   std::size_t window_{};
+  daq::acquisition::TriggeredCapture around_trip_;
+  std::optional<std::chrono::nanoseconds> tripped_;  // seen then
 
   Latest<SourceSnapshot> newest_;
   Latest<SourceState> state_;
-  mutable RealtimeMutex mutex_;                                 // of the four below; held for moments only
+  mutable RealtimeMutex mutex_;                                 // of those below; held for moments only
   std::map<std::size_t, daq::acquisition::TurnCounter> turns_;  // of the channels that go over
   std::unique_ptr<daq::acquisition::StreamRecorder> recorder_;
   std::string trouble_;
+  enum class Trip { kNone, kMarked, kSeen };
+  Trip trip_{};
+  std::optional<daq::acquisition::Capture> delivered_;
+  std::condition_variable_any delivery_;
   std::shared_ptr<Capture> capture_;  // shared for the moment in which one is exchanged
   std::shared_ptr<Capture> drained_;  // of the capturing thread
   std::atomic<bool> ending_{};

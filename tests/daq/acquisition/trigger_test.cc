@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
+#include "daq/acquisition/capture_file.h"
 #include "daq/acquisition/gap_ledger.h"
+#include "daq/acquisition/stream_file_reader.h"
 #include "tests/daq/acquisition/sample_blocks.h"
 #include "tests/daq/scratch_folder.h"
 
@@ -94,6 +98,81 @@ TEST(Trigger, WantsTheHysteresisToBePassedBeforeItTriggersAgain) {
   };
   EXPECT_EQ(triggers(2), (std::vector<std::uint64_t>{2, 52}));
   EXPECT_EQ(triggers(0.5).size(), 48U);  // 4.5 is just half below: each ripple counts
+}
+
+// Three blocks of a stream of 1 kHz, of which 30 samples before the last never came.
+std::vector<SampleBlock> BlocksWithAHole(const SourceDescription& source) {
+  GapLedger ledger({}, 1000);
+  std::vector<SampleBlock> blocks;
+  for (const auto& [n, samples] : {std::pair{0U, 100U}, {100U, 60U}, {190U, 50U}}) {
+    blocks.push_back(BlockAt(source, n, samples, Pulses));
+    ledger.Admit(blocks.back());
+  }
+  return blocks;
+}
+
+TEST(Trigger, HandsOverWhatWasBeforeAnEventThatNothingFollowed) {
+  const SourceDescription source = SourceOf(2, 1000);
+  TriggeredCapture trigger(source, {.kind = TriggerKind::kEvent, .before = 70, .after = 90});
+  std::vector<Capture> captures;
+  const auto deliver = [&](const Capture& capture) { captures.push_back(capture); };
+  trigger.Finish(deliver);
+  trigger.Fire("trip");
+  trigger.Finish(deliver);  // nothing has ever come
+  EXPECT_TRUE(captures.empty());
+  TriggeredCapture flowing(source, {.kind = TriggerKind::kEvent, .before = 70, .after = 90});
+  for (const SampleBlock& block : BlocksWithAHole(source)) flowing.Take(block, deliver);
+  flowing.Fire("trip");
+  flowing.Finish(deliver);
+  flowing.Finish(deliver);
+  ASSERT_EQ(captures.size(), 1U);
+  EXPECT_EQ(captures[0].cause, "trip");
+  EXPECT_EQ(captures[0].rows(), 70U);
+  EXPECT_EQ(captures[0].trigger_row, 70U);
+  EXPECT_EQ(captures[0].trigger_sample, 240U);
+  EXPECT_EQ(captures[0].Value(69, 1), 239.0);
+}
+
+TEST(Trigger, LeavesAFileInWhichEachSampleHasItsBlocksTimes) {
+  const SourceDescription source = SourceOf(2, 1000);
+  TriggeredCapture trigger(source, {.kind = TriggerKind::kEvent, .before = 110, .after = 20});
+  const std::vector<SampleBlock> blocks = BlocksWithAHole(source);
+  const ScratchFolder scratch;
+  const auto path = scratch / "trip.h5";
+  for (const SampleBlock& block : blocks) {
+    if (&block == &blocks.back()) trigger.Fire("over_torque");
+    trigger.Take(block, [&](const Capture& capture) {
+      WriteCapture(path, source, capture, {{"specimen", "S1"}});
+    });
+  }
+  const StreamFileReader file(path);
+  ASSERT_EQ(file.rows(), 131U);
+  for (const auto& [name, text] : Attributes{{"specimen", "S1"},
+                                             {"trigger_cause", "over_torque"},
+                                             {"trigger_sample", "190"},
+                                             {"trigger_row", "110"}}) {
+    EXPECT_EQ(std::ranges::count(file.attributes(), std::pair(name, text)), 1) << name;
+  }
+  const std::vector<double> numbers = file.Values(1);
+  EXPECT_EQ(numbers[0], 50.0);
+  EXPECT_EQ(numbers[109], 159.0);
+  EXPECT_EQ(numbers[110], 190.0);
+  // The first block is cut; each keeps what the device and this machine said of its time.
+  ASSERT_EQ(file.blocks().size(), 3U);
+  const std::uint64_t begins[] = {50, 100, 190};
+  const std::uint32_t samples[] = {50, 60, 21};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(file.blocks()[i].first_sample, begins[i]);
+    EXPECT_EQ(file.blocks()[i].device_counter, begins[i]);
+    EXPECT_EQ(file.blocks()[i].samples, samples[i]);
+    EXPECT_EQ(file.blocks()[i].device_time_ns, static_cast<std::int64_t>(begins[i]) * 1'000'000);
+    EXPECT_EQ(file.blocks()[i].arrival_ns, blocks[i].header.arrival.count());
+  }
+  ASSERT_EQ(file.gaps().size(), 1U);
+  EXPECT_EQ(file.gaps()[0].row, 110U);
+  EXPECT_EQ(file.gaps()[0].first_lost, 160U);
+  EXPECT_EQ(file.gaps()[0].lost, 30U);
+  EXPECT_EQ(file.gaps()[0].is_exact, 1U);
 }
 
 TEST(Trigger, KnowsALevelFromAnEdge) {
