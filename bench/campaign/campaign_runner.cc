@@ -104,6 +104,7 @@ CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from, do
   }
   clock_base_ = machine_.Devices().clock.Now();
   machine_.LogBuses(folder_.BusLogs());
+  journal_.SetChannelTroubles({});
   // The bench wakes up faulted. That the command was given is the person's reset and start; on the way the
   // references are checked with torque off.
   Transition(BenchEvent::kReset);
@@ -127,6 +128,7 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
                                                   kEncoderOffsetTolerance_rad};
   ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
   const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
+  WatchChannels("referencing");
   if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
   if (outcome.reason) return EndForFault(outcome, "referencing");
   encoder_offset_rad_ = EncoderOffset_rad(runner_.last_readings());
@@ -245,8 +247,9 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     if (step.accumulates) TakeMemory();
     at.credited_load_s = now.credited_load_s;
     WriteCheckpoint(at, now.readings, blank);
-    progress_.Update({cycle_, schedule_.cycles, phase.name, ShareDone(step, now.share_done)});
+    Show(phase.name, ShareDone(step, now.share_done));
   });
+  WatchChannels(phase.name);
   if (blank) machine_.MountBlank(false);
   JudgeSensorCheck(step, outcome);
   for (NamedRecord& recording : EndRecording(phase.name)) outcome.records.push_back(std::move(recording));
@@ -326,7 +329,9 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
-  const StopReason ended = runner_.WaitUntilRecovered([](const PhaseSnapshot&, const PhaseProgram&) {});
+  const StopReason ended =
+      runner_.WaitUntilRecovered([&](const PhaseSnapshot&, const PhaseProgram&) { Show(phase, share_); });
+  WatchChannels(phase);
   if (!ended) {
     Note("info", phase, "resumed", "the suspend condition has passed; going on");
     Transition(BenchEvent::kResume);

@@ -61,6 +61,8 @@ class CampaignRunner {
   MaybeEnd CheckBetweenPhases();
 
   void NoteCalibrations();
+  void WatchChannels(std::string_view phase);
+  void Show(std::string_view phase, double share);
   void BeginRecording(const CycleStep& step, int repeat);
   std::vector<NamedRecord> EndRecording(std::string_view phase);
   void AddSources(std::vector<NamedRecord>& records);
@@ -96,8 +98,10 @@ class CampaignRunner {
   double one_cycle_s_{};               // planned
   int cycle_{};
   int resumed_cycle_{-1};
-  std::set<std::string> noted_channels_;  // whose calibration does not hold
-  std::vector<std::byte> memory_;         // of a simulated bench, as the next checkpoint will hold it
+  double share_{};                                // done, as last shown
+  std::vector<ChannelTrouble> channel_troubles_;  // as the journal has them
+  std::set<std::string> noted_channels_;          // whose calibration does not hold
+  std::vector<std::byte> memory_;                 // of a simulated bench, as the next checkpoint will hold it
 };
 
 }  // namespace strainwave::bench

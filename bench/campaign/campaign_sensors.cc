@@ -20,6 +20,34 @@ void CampaignRunner::NoteCalibrations() {
   }
 }
 
+// A channel that gives nothing is never shown as good with what it gave last: it stays named until it is
+// back.
+void CampaignRunner::WatchChannels(std::string_view phase) {
+  std::vector<ChannelTrouble> now;
+  for (BenchMachine::BadChannel& bad : machine_.BadChannels()) {
+    const auto known = std::ranges::find(channel_troubles_, bad.channel, &ChannelTrouble::channel);
+    if (known != channel_troubles_.end()) {
+      now.push_back({bad.channel, bad.reason, known->since_utc});
+      continue;
+    }
+    now.push_back({bad.channel, bad.reason, UtcNow()});
+    Note("warning", phase, "bad_channel", fmt::format("channel {} is bad: {}", bad.channel, bad.reason));
+  }
+  if (now == channel_troubles_) return;
+  for (const ChannelTrouble& before : channel_troubles_) {
+    if (std::ranges::find(now, before.channel, &ChannelTrouble::channel) != now.end()) continue;
+    Note("info", phase, "good_channel", fmt::format("channel {} is good again", before.channel));
+  }
+  channel_troubles_ = std::move(now);
+  journal_.SetChannelTroubles(channel_troubles_);
+}
+
+void CampaignRunner::Show(std::string_view phase, double share) {
+  WatchChannels(phase);
+  share_ = share;
+  progress_.Update({cycle_, schedule_.cycles, phase, share, channel_troubles_});
+}
+
 void CampaignRunner::BeginRecording(const CycleStep& step, int repeat) {
   if (step.phase->recorded_sources.empty()) return;
   std::filesystem::create_directories(folder_.Streams());

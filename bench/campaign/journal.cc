@@ -32,6 +32,9 @@ CREATE TABLE operator_notes(id INTEGER PRIMARY KEY, utc TEXT NOT NULL, author TE
 constexpr const char* kPhaseColumns =
     "id, cycle, step, repeat, attempt, name, kind, started_s, ended_s, outcome, credited_load_s";
 
+constexpr std::string_view kChannelTrouble = "channel_trouble/";
+constexpr const char* kChannelTroubles = "channel_trouble/*";
+
 }  // namespace
 
 Journal Journal::Create(const std::filesystem::path& file) {
@@ -230,6 +233,30 @@ std::vector<Event> Journal::Events(int newest) const {
                       statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
   }
   return events;
+}
+
+// Properties, so that the journals of earlier programs have them, too: none.
+void Journal::SetChannelTroubles(const std::vector<ChannelTrouble>& troubles) {
+  Transaction transaction(database_);
+  database_.Prepare("DELETE FROM campaign WHERE key GLOB ?").Bind(kChannelTroubles).Run();
+  for (const ChannelTrouble& trouble : troubles) {
+    SetProperty(fmt::format("{}{}", kChannelTrouble, trouble.channel),
+                fmt::format("{} {}", trouble.since_utc, trouble.reason));
+  }
+  transaction.Commit();
+}
+
+std::vector<ChannelTrouble> Journal::ChannelTroubles() const {
+  Statement statement = database_.Prepare("SELECT key, value FROM campaign WHERE key GLOB ? ORDER BY key");
+  statement.Bind(kChannelTroubles);
+  std::vector<ChannelTrouble> troubles;
+  while (statement.Step()) {
+    const std::string value = statement.Text(1);
+    const std::size_t space = value.find(' ');
+    troubles.push_back(
+        {statement.Text(0).substr(kChannelTrouble.size()), value.substr(space + 1), value.substr(0, space)});
+  }
+  return troubles;
 }
 
 void Journal::AddHole(const Hole& hole) {

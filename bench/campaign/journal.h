@@ -59,6 +59,15 @@ struct Calibration {
   std::string source;
 };
 
+/// A channel of the bench that gives no value, for as long as that lasts (BENCH row 22).
+struct ChannelTrouble {
+  std::string channel;
+  std::string reason;
+  std::string since_utc;
+
+  bool operator==(const ChannelTrouble&) const = default;
+};
+
 /// Time in which the bench was not under the program's eye (BENCH row 11).
 struct Hole {
   int cycle{};
@@ -103,6 +112,9 @@ class Journal {
 
   void AddEvent(const Event& event);
   std::vector<Event> Events(int newest) const;
+  /// All that are bad by now, or were when the program ended.
+  void SetChannelTroubles(const std::vector<ChannelTrouble>& troubles);
+  std::vector<ChannelTrouble> ChannelTroubles() const;
   void AddHole(const Hole& hole);
   std::vector<Hole> Holes() const;
   void SetCalibration(const Calibration& calibration, std::string_view utc);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,7 +15,8 @@ struct ProgressState {
   int cycle{};   // 0: preparation
   int cycles{};  // of the schedule
   std::string_view phase;
-  double share{};  // done of the whole campaign, by planned bench time
+  double share{};                                  // done of the whole campaign, by planned bench time
+  std::span<const ChannelTrouble> bad_channels{};  // while they are, valid during the call
 };
 
 /// Where a campaign tells people what it does: a terminal, a log, nobody.

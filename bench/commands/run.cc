@@ -143,6 +143,9 @@ int Run(const RunOptions& options) {
                options.out);
   }
   PrintCampaign(folder, journal, options.json);
+  for (const ChannelTrouble& bad : journal.ChannelTroubles()) {
+    fmt::print(stderr, "BAD CHANNEL {} at the end, since {}: {}\n", bad.channel, bad.since_utc, bad.reason);
+  }
   return static_cast<int>(CodeOf(end));
 }
 

@@ -38,6 +38,7 @@ struct Status {
   std::vector<Result> last_results;
   std::vector<Event> alarms;
   std::vector<Event> events;
+  std::vector<ChannelTrouble> bad_channels;
   std::vector<Hole> holes;
   std::vector<CheckHistory> checks;
   std::map<std::string, SampleCount> samples;  // of the complete cycles, by source
@@ -76,6 +77,7 @@ Status StatusOf(const CampaignFolder& folder) {
       break;  // a later start has answered what was before
     if (event.severity == "alarm") status.alarms.push_back(event);
   }
+  status.bad_channels = journal.ChannelTroubles();
   status.holes = journal.Holes();
   status.samples = SamplesOf(journal);
   status.checks = CheckHistories(inputs.schedule, TimedResultsOf(journal));
@@ -103,6 +105,10 @@ void Print(const Status& status, const CampaignFolder& folder) {
                count.received, count.lost);
   }
   if (!status.checks.empty()) fmt::print("sensor checks\n{}", CheckText(status.checks));
+  for (const ChannelTrouble& bad : status.bad_channels) {
+    fmt::print("  BAD CHANNEL {} {} {}: {}\n", bad.channel,
+               status.process > 0 ? "since" : "at the end, since", bad.since_utc, bad.reason);
+  }
   for (const Event& alarm : status.alarms) fmt::print("  ALARM {}: {}\n", alarm.utc, alarm.text);
   fmt::print("  holes        {}; after a pause of up to {} it counts as the same test\n", status.holes.size(),
              DurationText(status.longest_pause_s));
@@ -129,6 +135,10 @@ nlohmann::json Json(const Status& status) {
   for (const auto& [source, count] : status.samples) {
     samples[source] = {{"received", count.received}, {"lost", count.lost}};
   }
+  nlohmann::json bad_channels = nlohmann::json::array();
+  for (const ChannelTrouble& bad : status.bad_channels) {
+    bad_channels.push_back({{"channel", bad.channel}, {"reason", bad.reason}, {"since_utc", bad.since_utc}});
+  }
   return {{"running", status.process > 0},
           {"process", status.process},
           {"cycles_complete", status.complete},
@@ -141,6 +151,7 @@ nlohmann::json Json(const Status& status) {
           {"last_results", CycleJson(status.complete, status.last_results)},
           {"samples", std::move(samples)},
           {"sensor_checks", CheckJson(status.checks)},
+          {"bad_channels", std::move(bad_channels)},
           {"alarms", std::move(alarms)},
           {"holes", std::move(holes)},
           {"longest_pause_s", status.longest_pause_s}};

@@ -51,30 +51,33 @@ void ShareLine::Show(const std::string& step, double share) {
 TerminalProgress::TerminalProgress() : start_(steady_clock::now()) {}
 
 void TerminalProgress::Update(const ProgressState& state) {
-  state_ = state;
-  phase_ = state.phase;
   if (first_share_ < 0.0) first_share_ = state.share;
   const auto now = steady_clock::now();
   if (now - last_draw_ < (line_.is_terminal() ? kTerminalInterval : kLogInterval)) return;
   last_draw_ = now;
   const double done = state.share - first_share_;
   const double elapsed_s = duration<double>(now - start_).count();
-  Draw(state.share, done > 0.0 ? elapsed_s * (1.0 - state.share) / done : -1.0);
+  Draw(state, done > 0.0 ? elapsed_s * (1.0 - state.share) / done : -1.0);
 }
 
-void TerminalProgress::Draw(double share, double eta_s) {
+void TerminalProgress::Draw(const ProgressState& state, double eta_s) {
   const std::string eta = eta_s < 0.0 ? "?" : DurationText(eta_s);
-  const std::string where = state_.cycle == 0
-                                ? fmt::format("preparation, {}", phase_)
-                                : fmt::format("cycle {} of {}, {}", state_.cycle, state_.cycles, phase_);
+  const std::string where = state.cycle == 0
+                                ? fmt::format("preparation, {}", state.phase)
+                                : fmt::format("cycle {} of {}, {}", state.cycle, state.cycles, state.phase);
+  std::string bad;
+  for (const ChannelTrouble& channel : state.bad_channels) {
+    bad += fmt::format("{}{}", bad.empty() ? "  BAD " : ", ", channel.channel);
+    if (!line_.is_terminal()) bad += fmt::format(" ({})", channel.reason);
+  }
   if (!line_.is_terminal()) {
-    fmt::print(stderr, "{:5.1f} %  {}  {} left\n", 100.0 * share, where, eta);
+    fmt::print(stderr, "{:5.1f} %  {}  {} left{}\n", 100.0 * state.share, where, eta, bad);
     return;
   }
-  const int full = static_cast<int>(std::lround(share * kBarWidth));
-  line_.Show(fmt::format("[{}{}] {:5.1f} %  {}  {} left", std::string(static_cast<std::size_t>(full), '#'),
-                         std::string(static_cast<std::size_t>(kBarWidth - full), '.'), 100.0 * share, where,
-                         eta));
+  const int full = static_cast<int>(std::lround(state.share * kBarWidth));
+  line_.Show(fmt::format("[{}{}] {:5.1f} %  {}  {} left{}", std::string(static_cast<std::size_t>(full), '#'),
+                         std::string(static_cast<std::size_t>(kBarWidth - full), '.'), 100.0 * state.share,
+                         where, eta, bad));
 }
 
 void TerminalProgress::Message(std::string_view severity, std::string_view text) {

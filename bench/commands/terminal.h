@@ -49,14 +49,12 @@ class TerminalProgress final : public ProgressSink {
   void CycleStored(int cycle, const std::vector<Result>& results) override;
 
  private:
-  void Draw(double share, double eta_s);
+  void Draw(const ProgressState& state, double eta_s);
 
   TerminalLine line_;
   double first_share_{-1.0};  // what earlier runs have done says nothing of this one's pace
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_draw_{};
-  ProgressState state_;
-  std::string phase_;
 };
 
 }  // namespace strainwave::bench

@@ -51,6 +51,13 @@ class BenchMachine {
   /// What is wrong with its devices at the moment, in words, a line each; empty where nothing is.
   virtual std::string Troubles() const { return {}; }
 
+  /// The channels that give no value at the moment, in the order of the bench file.
+  struct BadChannel {
+    std::string channel;
+    std::string reason;  // in words
+  };
+  virtual std::vector<BadChannel> BadChannels() const { return {}; }
+
   /// What a person must do before anything may move, in words; empty when nothing.
   virtual std::string MissingForStart() const { return {}; }
 

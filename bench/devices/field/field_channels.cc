@@ -80,11 +80,13 @@ FieldChannels FieldMachine::Channels() {
       {"motor_torque", Channel::kMotorTorque},
       {"gear_temperature", Channel::kGearTemperature},
       {"ambient_temperature", Channel::kAmbientTemperature}};
+  links_.clear();
   for (const ChannelLink& link : bench_.channels) {
+    links_.push_back(ChannelFrom(link));
     const auto* const slow =
         std::ranges::find_if(kSlow, [&](const auto& known) { return known.first == link.channel; });
     if (slow != std::end(kSlow)) {
-      channels.channels[static_cast<std::size_t>(slow->second)] = ChannelFrom(link);
+      channels.channels[static_cast<std::size_t>(slow->second)] = links_.back();
       continue;
     }
     const auto* const axis = std::ranges::find(kAccelerometers, link.channel);

@@ -61,6 +61,7 @@ class FieldMachine final : public BenchMachine {
   void StartRecording(const RecordingRequest& request) override;
   std::vector<RecordedSource> StopRecording() override;
   std::string Troubles() const override;
+  std::vector<BadChannel> BadChannels() const override;
   std::string MissingForStart() const override;
   bool StartKeyHeld() const override;
   std::vector<Doubt> Doubts() const override;
@@ -128,6 +129,7 @@ class FieldMachine final : public BenchMachine {
   bool QuickStopPressed() noexcept;
   FieldChannels Channels();
   std::function<ChannelValue()> ChannelFrom(const ChannelLink& link);
+  std::string ReasonOf(const ChannelLink& link) const;
   const DeviceDescription& Named(const std::string& name) const;
 
   BenchDescription bench_;
@@ -157,7 +159,8 @@ class FieldMachine final : public BenchMachine {
   std::unique_ptr<Pendant> pendant_;
   std::unique_ptr<StoContact> sto_contact_;
   std::unique_ptr<Camera> camera_;
-  bool was_pressed_{};  // of the control thread
+  bool was_pressed_{};                                // of the control thread
+  std::vector<std::function<ChannelValue()>> links_;  // as `bench_.channels` has them
   std::unique_ptr<FieldSampler> sampler_;
   ServoDrive* driving_{};
   ServoDrive* load_{};

@@ -211,6 +211,29 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
   return states;
 }
 
+std::string FieldMachine::ReasonOf(const ChannelLink& link) const {
+  std::string reason;
+  if (const auto source = sources_.find(link.device); source != sources_.end()) {
+    const auto channel = source->second->Find(link.source);
+    if (channel) reason = source->second->TroubleOf(*channel);
+  } else if (const auto hid = hid_.find(link.device); hid != hid_.end()) {
+    if (!hid->second.channels->connected()) reason = "not plugged in";
+  } else if (const auto client = modbus_.find(link.device); client != modbus_.end()) {
+    reason = client->second->trouble();
+    if (reason.empty() && !client->second->connected()) reason = "not connected";
+  }
+  if (reason.empty()) reason = "no fresh value, or one outside its limits";
+  return reason.starts_with(link.device + ":") ? reason : fmt::format("{}: {}", link.device, reason);
+}
+
+std::vector<FieldMachine::BadChannel> FieldMachine::BadChannels() const {
+  std::vector<BadChannel> bad;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (!links_[i]().good) bad.push_back({bench_.channels[i].channel, ReasonOf(bench_.channels[i])});
+  }
+  return bad;
+}
+
 std::string FieldMachine::Troubles() const {
   std::string all;
   for (const DeviceState& state : States()) {

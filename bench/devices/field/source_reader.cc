@@ -109,6 +109,7 @@ SourceReader::SourceReader(std::unique_ptr<SampleSource> source, const Monotonic
   next_.bad_channels = description_.channels.size() == SourceSnapshot::kMostChannels
                            ? ~0U
                            : (1U << description_.channels.size()) - 1U;
+  reasons_.resize(description_.channels.size());
   sums_.resize(accelerometers_.size());
   squares_.resize(accelerometers_.size());
   thread_ = std::thread([this] { Run(); });
@@ -374,17 +375,22 @@ std::uint64_t SourceReader::lost_in_capture() const noexcept { return drained_ ?
 void SourceReader::Say(const std::string& trouble) {
   const std::lock_guard lock(mutex_);
   trouble_ = trouble;
-  for (std::size_t i = 0; i < description_.channels.size(); ++i) {
-    const std::string reason = watch_.ReasonOf(i);
-    if (reason.empty()) continue;
-    if (!trouble_.empty()) trouble_ += "; ";
-    trouble_ += reason;
-  }
+  for (std::size_t i = 0; i < reasons_.size(); ++i) reasons_[i] = watch_.ReasonOf(i);
 }
 
 std::string SourceReader::Trouble() const {
   const std::lock_guard lock(mutex_);
-  return trouble_;
+  std::string all = trouble_;
+  for (const std::string& reason : reasons_) {
+    if (!reason.empty()) all += (all.empty() ? "" : "; ") + reason;
+  }
+  return all;
+}
+
+std::string SourceReader::TroubleOf(std::size_t channel) const {
+  const std::lock_guard lock(mutex_);
+  const std::string& reason = reasons_[channel];
+  return fmt::format("{}{}{}", reason, reason.empty() || trouble_.empty() ? "" : "; ", trouble_);
 }
 
 }  // namespace strainwave::bench

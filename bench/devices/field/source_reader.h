@@ -79,6 +79,8 @@ class SourceReader {
   void GoOnFrom(std::span<const std::int64_t> turns);
   /// What is wrong at the moment, channel by channel or with the source itself, in words; empty if nothing.
   std::string Trouble() const;
+  /// The same of one channel and of the source itself; empty if nothing.
+  std::string TroubleOf(std::size_t channel) const;
 
   // Capturing, from one thread: all samples of some channels, from the next block on.
   /// @throws std::invalid_argument if the source's rate is not a whole multiple of `rate_hz`.
@@ -141,7 +143,8 @@ class SourceReader {
   mutable RealtimeMutex mutex_;                                 // of those below; held for moments only
   std::map<std::size_t, daq::acquisition::TurnCounter> turns_;  // of the channels that go over
   std::unique_ptr<daq::acquisition::StreamRecorder> recorder_;
-  std::string trouble_;
+  std::string trouble_;               // of the source itself
+  std::vector<std::string> reasons_;  // channel by channel
   enum class Trip { kNone, kMarked, kSeen };
   Trip trip_{};
   std::optional<daq::acquisition::Capture> delivered_;
