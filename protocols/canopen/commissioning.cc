@@ -144,6 +144,11 @@ std::string Commissioning::FailureWords() const {
           "node {} must not be enabled, it would not notice that the master is gone: {} reads "
           "back as off ({:0{}X}h)",
           node_id_, object, read_, digits);
+    case Concern::kEmergencies:
+      return fmt::format(
+          "node {} says its emergencies where nobody listens: {} is {:0{}X}h (expected {:0{}X}h); let the "
+          "profile's objects set it",
+          node_id_, object, read_, digits, step.value, digits);
     case Concern::kEndless:
       return fmt::format(
           "node {} counts its position between ends, and a campaign turns the shaft on for weeks: {} is "

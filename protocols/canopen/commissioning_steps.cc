@@ -173,6 +173,14 @@ void SetPdos(const std::vector<PdoSetting>& pdos, StepList& list) {
   }
 }
 
+// Under another id, or switched off, the master and the kernel's filters would never hear them. Behind the
+// profile's own objects, so that a profile can put it right.
+void CheckEmergencies(std::uint8_t node_id, StepList& list) {
+  constexpr std::uint32_t kEmergency = 0x80;
+  list.Add(Action::kExpect, Concern::kEmergencies, {0x1014, 0}, 4, kEmergency + node_id, 0xFFFFFFFF,
+           "COB-ID of emergency messages");
+}
+
 bool MapsControlword(const PdoSetting& pdo) {
   return std::any_of(pdo.entries.begin(), pdo.entries.end(),
                      [](const PdoEntry& entry) { return entry.address == kControlwordObject; });
@@ -207,6 +215,7 @@ std::vector<CommissioningStep> CommissioningSteps(const DriveProfile& profile, s
   SetLimits(profile, list);
   SetInterpolation(profile, list);
   SetObjects(profile, list);
+  CheckEmergencies(node_id, list);
   CheckEndless(profile, list);
   SetPdos(pdos, list);
   CheckSupervision(profile, pdos, list);

@@ -25,6 +25,7 @@ struct CommissioningStep {
     kAbility,      // the drive cannot do what the profile says
     kSetting,      // it does not take a value
     kSupervision,  // it would not notice that the master is gone
+    kEmergencies,  // its emergency messages would not be heard
     kEndless,      // its position would not count on over any number of turns
   };
 
@@ -40,8 +41,8 @@ struct CommissioningStep {
 };
 
 /// The boot of one drive: identity before anything else, what it can do, a quick stop, protective objects and
-/// the profile's own written and read back, a position without ends, PDOs mapped anew and read back, and at
-/// last that every supervision reads as on.
+/// the profile's own written and read back, emergency messages where they are heard, a position without ends,
+/// PDOs mapped anew and read back, and at last that every supervision reads as on.
 /// @throws std::invalid_argument for a PDO that cannot be.
 std::vector<CommissioningStep> CommissioningSteps(const DriveProfile& profile, std::uint8_t node_id);
 

@@ -98,6 +98,36 @@ TEST(Commissioning, RefusesADriveWithoutAModeOfTheProfile) {
       "000003ADh)");
 }
 
+TEST(Commissioning, RefusesADriveWhoseEmergenciesWouldNotBeHeard) {
+  const auto words = [](std::uint32_t cob_id) {
+    Boot boot;
+    boot.drive.objects[{0x1014, 0}] = cob_id;
+    EXPECT_EQ(boot.Run(), State::kFailed);
+    return boot.commissioning.FailureWords();
+  };
+  EXPECT_EQ(words(0x123),
+            "node 3 says its emergencies where nobody listens: COB-ID of emergency messages (1014h:00) is "
+            "00000123h (expected 00000083h); let the profile's objects set it");
+  // Its own id, but switched off.
+  EXPECT_NE(words(0x80000083).find("is 80000083h (expected 00000083h)"), std::string::npos);
+}
+
+TEST(Commissioning, LetsTheProfilePutTheEmergenciesWhereTheyAreHeard) {
+  DriveProfile profile = EasyProfile();
+  ProfileObject object;
+  object.address = {0x1014, 0};
+  object.type = DataType::kUnsigned32;
+  object.value = 0x83;
+  profile.objects = {object};
+  Boot boot(profile);
+  boot.drive.objects[{0x1014, 0}] = 0x123;
+  EXPECT_EQ(boot.Run(), State::kDone) << boot.commissioning.FailureWords();
+  profile.quirks.absent_objects = {0x1014};
+  Boot without(profile);
+  without.drive.objects[{0x1014, 0}] = 0x123;
+  EXPECT_EQ(without.Run(), State::kDone) << without.commissioning.FailureWords();
+}
+
 TEST(Commissioning, RefusesAMotorOfAnotherRatedTorque) {
   Boot boot;
   boot.drive.objects[{0x6076, 0}] = 1270;

@@ -24,6 +24,7 @@ EdsFile EasyEds() {
     eds.objects[{index, subindex}] = {std::string(name), type, access, mappable, {}, {}, {}};
   };
   add(0x1000, 0, "Device type", kUnsigned32, kReadOnly);
+  add(0x1014, 0, "COB-ID of emergencies", kUnsigned32, kReadWrite);
   add(0x1016, 1, "Consumer heartbeat time", kUnsigned32, kReadWrite);
   add(0x1017, 0, "Producer heartbeat time", kUnsigned16, kReadWrite);
   add(0x1018, 1, "Vendor", kUnsigned32, kReadOnly);

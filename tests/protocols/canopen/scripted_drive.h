@@ -46,6 +46,7 @@ class ScriptedDrive {
  public:
   explicit ScriptedDrive(std::uint32_t node = 3) : node_(node) {
     objects[{0x1000, 0}] = 0x00020192;
+    objects[{0x1014, 0}] = 0x80 + node;
     objects[{0x1018, 1}] = 0x29C;
     objects[{0x1018, 2}] = 0x17;
     objects[{0x1018, 3}] = 0x10002;
