@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/devices/modbus/modbus_servo_drive.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -155,6 +157,23 @@ DriveActual ModbusServoDrive::Actual() const noexcept {
   return actual;
 }
 
+std::optional<bool> ModbusServoDrive::tells_brake_engaged() const noexcept {
+  const ChannelValue brake = client_.Value(at_.brake);
+  if (!client_.connected() || !brake.good) return std::nullopt;
+  return brake.value == profile_.brake_engaged;
+}
+
+std::string ModbusServoDrive::identity() const {
+  std::string words;
+  for (const auto& [name, at] : {std::pair{"product", at_.product_code}, {"serial", at_.serial_number}}) {
+    if (!at) continue;
+    const ChannelValue value = client_.Value(*at);
+    words += fmt::format("{}{} ", words.empty() ? "" : ", ", name);
+    words += value.good ? fmt::format("{:.0f}", value.value) : "not known";
+  }
+  return words;
+}
+
 // Torque off comes first, by itself: whatever becomes of the rest, it has been said.
 ModbusReply ModbusServoDrive::WriteStop(ModbusLink& link, bool quick, bool brake_engaged) {
   const Values stop{{at_.control, quick ? profile_.control.quick_stop : profile_.control.off}};
@@ -205,6 +224,10 @@ ModbusReply ModbusServoDrive::Connected(ModbusLink& link, ModbusPoller& poller) 
   if (std::isnan(read.value) || Encode(value, read.value).words != Encode(value, wanted_s).words) {
     return {ModbusReply::Outcome::kWrongAnswer, 0,
             "the watchdog time reads back as another than was written; the drive would not stop by itself"};
+  }
+  for (const auto& at : {at_.product_code, at_.serial_number}) {
+    if (!at) continue;
+    if (const ModbusReply reply = poller.ReadNow(link, std::span(&*at, 1)); !reply.good()) return reply;
   }
   is_supervised_ = true;
   return {};

@@ -65,6 +65,12 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   const ModbusCounts& counts() const { return client_.counts(); }
   /// Connected, and its watchdog time read back as it was written.
   bool is_supervised() const noexcept { return is_supervised_; }
+  /// As it reads back; nothing where that is not known. Other than `Actual()` no sign of life of a control
+  /// loop.
+  std::optional<bool> tells_brake_engaged() const noexcept;
+  /// "product 402, serial 4711", as far as its map names them and it has said; empty where the map names
+  /// none.
+  std::string identity() const;
 
  private:
   using Command = ModbusServoCommand;

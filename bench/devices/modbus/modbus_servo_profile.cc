@@ -31,6 +31,8 @@ constexpr Need kNeeds[] = {
     {"brake", "", true, true, true, false},
     {"watchdog_time", "s", true, false, true, false},
     {"watchdog", "", false, false, true, true},
+    {"product_code", "", true, false, false, true},
+    {"serial_number", "", true, false, false, true},
 };
 
 void CheckNeed(const mb::RegisterMap& map, const Need& need, std::vector<std::string>& problems) {
@@ -105,6 +107,8 @@ ModbusServoRegisters FindServoRegisters(const mb::RegisterMap& map, const Modbus
   at.watchdog_time = *Find(map, "watchdog_time");
   at.actual_position = Find(map, "actual_position");
   at.watchdog = Find(map, "watchdog");
+  at.product_code = Find(map, "product_code");
+  at.serial_number = Find(map, "serial_number");
   return at;
 }
 

@@ -22,6 +22,7 @@ namespace strainwave::bench {
 ///   actual_speed      read, rad/s             actual_torque     read, N·m
 ///   actual_position   read, rad; may be left out
 ///   brake             written and read: `brake_engaged` or `brake_released`
+///   product_code, serial_number   read once a connection, for people; may be left out
 ///   watchdog_time     written and read, s: how long the drive goes on without a write
 ///   watchdog          written: a number that counts up each period; may be left out where every write will
 ///   do
@@ -46,7 +47,7 @@ struct ModbusServoProfile {
 struct ModbusServoRegisters {
   std::size_t control{}, status{}, mode{}, speed_set_point{}, torque_set_point{}, actual_speed{},
       actual_torque{}, brake{}, watchdog_time{};
-  std::optional<std::size_t> actual_position, watchdog;
+  std::optional<std::size_t> actual_position, watchdog, product_code, serial_number;
 };
 
 /// What is missing or contradicts itself for a servo drive, one line each; empty when it can be used.

@@ -96,6 +96,39 @@ TEST_F(Servo, IsOffAndBrakedUntilItIsEnabled) {
   EXPECT_GT(std::ranges::count(written, "speed_set_point 0"), 0);
 }
 
+TEST_F(Servo, SaysWhoItIsAndWhereItsBrakeIsToWhoeverLooks) {
+  {
+    const auto silent = Drive();
+    EXPECT_EQ(silent->identity(), "");  // its map names nothing
+    ASSERT_TRUE(Until([&] { return silent->tells_brake_engaged() == true; }));
+  }
+  protocols::modbus::RegisterMap map = profile_.map;
+  for (const auto& [name, address] : {std::pair{"product_code", 8}, {"serial_number", 9}}) {
+    map.registers.push_back(Named(name, address));
+  }
+  constexpr double kOfRegister[] = {402.0, 4711.0};
+  std::atomic<double> brake{1.0};  // released
+  const std::size_t brake_at = *protocols::modbus::Find(map, "brake");
+  const std::size_t shipped = profile_.map.registers.size();
+  ModbusDevice device(
+      map, 1,
+      {[&](std::size_t index) {
+         if (index == brake_at) return brake.load();
+         return index < shipped ? model_.Read(index, clock_.Now()) : kOfRegister[index - shipped];
+       },
+       [&](std::size_t index, double value) { return model_.Write(index, value, clock_.Now()); }},
+      ModbusDevice::Tcp{});
+  ModbusSettings settings = settings_;
+  settings.port = ModbusTcpPort{"127.0.0.1", device.port()};
+  const ModbusServoDrive drive(settings, map, *profile_.servo, clock_);
+  EXPECT_EQ(drive.identity(), "product not known, serial not known");
+  EXPECT_FALSE(drive.tells_brake_engaged());
+  ASSERT_TRUE(Until([&] { return drive.tells_brake_engaged() == false; }));
+  EXPECT_EQ(drive.identity(), "product 402, serial 4711");
+  brake = 0.0;
+  EXPECT_TRUE(Until([&] { return drive.tells_brake_engaged() == true; }));
+}
+
 // BENCH row 15.
 TEST_F(Servo, IsNotEnabledWhileAnotherDriveWouldNotNoticeThatTheProgramIsGone) {
   const auto drive = Drive();
