@@ -291,43 +291,6 @@ void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, const Readings& last
   checkpoint_.Write(checkpoint, memory_);
 }
 
-CampaignRunner::MaybeEnd CampaignRunner::EndForRequest(const PhaseOutcome& outcome) {
-  checkpoint_.Sync();
-  const std::string text = Describe(outcome.reason);
-  Note("info", "", Code(outcome.reason.cause), text);
-  return CampaignEnd{CampaignEnd::Kind::kInterrupted, outcome.reason, text, false};
-}
-
-CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome, std::string_view phase) {
-  Transition(BenchEvent::kFault);
-  checkpoint_.Sync();
-  std::string text = Describe(outcome.reason);
-  if (!outcome.words.empty()) text += ": " + outcome.words;
-  if (const std::string troubles = machine_.Troubles(); !troubles.empty()) text += "\n" + troubles;
-  Note("alarm", phase, Code(outcome.reason.cause), text);
-  for (const StopReason& followed : outcome.followed) {
-    Note("info", phase, Code(followed.cause), "followed: " + Describe(followed));
-  }
-  const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());
-  std::filesystem::create_directories(folder_.Faults());
-  machine_.KeepBusLogs(std::filesystem::path(file).replace_extension());
-  if (!outcome.black_box.empty()) {
-    machine_.TakePicture(std::filesystem::path(file).replace_extension(".jpg"));
-    std::vector<NamedRecord> black_box = outcome.black_box;
-    StampSensors(black_box, bench_);
-    daq::WriteRecordsAtomically(file, black_box);
-  }
-  machine_.KeepStreams(
-      std::filesystem::path(file).replace_extension(),
-      {{"specimen", schedule_.specimen.identity},
-       {"cycle", std::to_string(cycle_)},
-       {"phase", std::string(phase)},
-       {"bench", bench_.name},
-       {"stop_cause", std::string(Code(outcome.reason.cause))},
-       {"stop_time_s", daq::ShortestText(std::chrono::duration<double>(outcome.reason.time).count())}});
-  return CampaignEnd{CampaignEnd::Kind::kFault, outcome.reason, text, IsOfADevice(outcome.reason.cause)};
-}
-
 CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
   const StopReason ended =
       runner_.WaitUntilRecovered([&](const PhaseSnapshot&, const PhaseProgram&) { Show(phase, share_); });

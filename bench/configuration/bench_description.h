@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/configuration/device_descriptions.h"
+#include "daq/acquisition/calibration.h"
 #include "schedules/reader/findings.h"
 
 namespace strainwave::bench {
@@ -31,6 +33,8 @@ struct TransducerDescription {
   /// Standard uncertainty of the gain that calibration leaves, relative.
   double relative_gain_uncertainty{};
   SwitchLink shunt;  // connects the resistor of the shunt check
+  /// Of the sensor's own data sheet, where the file has that: goes before what a device says.
+  std::optional<daq::acquisition::Calibration> teds;
 };
 
 /// A measuring encoder; `sign` is −1 when it counts against the bench's positive direction.
@@ -50,6 +54,7 @@ struct AccelerometerDescription {
   std::string calibration_due;
   double sensitivity_V_per_m_per_s2{};
   double range_m_per_s2{};
+  std::optional<daq::acquisition::Calibration> teds;  // as of the transducer
 };
 
 /// One term of the simulated plant. Which names and parameters there are is the plant's to say.

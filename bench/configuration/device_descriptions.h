@@ -22,19 +22,34 @@ struct ModbusConnection {
 
 /// A device, or a bus with several, and where it is found.
 struct DeviceDescription {
-  enum class Kind { kCanopen, kModbus, kStream, kIio, kPendant, kStoContact, kHid, kCamera };
+  enum class Kind {
+    kCanopen,
+    kModbus,
+    kTorqueAmplifier,        // on Modbus
+    kTemperatureController,  // the same
+    kStream,
+    kIio,
+    kPendant,
+    kStoContact,
+    kHid,
+    kCamera
+  };
 
   std::string name;
   Kind kind{};
   /// CAN interface ("can0", "in_process"), "tcp:HOST:PORT", "rtu:PATH:BAUD:8N1", URI of an IIO context, file
   /// or device of a camera; of the HID kinds empty, as their profile says which they are.
   std::string address;
-  int unit{};                   // Modbus
-  ModbusConnection connection;  // Modbus
-  std::string iio_device;       // name or id within the IIO context: "adxl355"
-  std::filesystem::path file;   // register map or HID profile, from where the program runs
+  int unit{};                            // Modbus
+  ModbusConnection connection;           // Modbus
+  std::optional<double> set_point_degC;  // of a temperature controller; nothing: it is not to heat
+  std::string iio_device;                // name or id within the IIO context: "adxl355"
+  std::filesystem::path file;            // register map or HID profile, from where the program runs
   int line{};
 };
+
+/// Whether devices of a kind are talked to over Modbus.
+bool IsOnModbus(DeviceDescription::Kind kind);
 
 /// The device of that name, or null.
 const DeviceDescription* FindDevice(std::span<const DeviceDescription> devices, std::string_view name);

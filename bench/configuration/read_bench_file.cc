@@ -11,6 +11,7 @@
 
 #include "bench/configuration/device_file.h"
 #include "bench/configuration/read_devices.h"
+#include "bench/configuration/read_teds.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -55,6 +56,29 @@ std::string ReadDate(YamlMap& map, std::string_view key, ReadContext& context) {
   return text;
 }
 
+// A sensor with a data sheet has its calibration from there, and is the one that the sheet speaks of.
+template <typename Sensor>
+void ReadCalibration(YamlMap& map, Sensor& sensor, ReadContext& context) {
+  sensor.serial = map.Text("serial", "");
+  sensor.calibration = map.Text("calibration", "");
+  sensor.calibration_due = ReadDate(map, "calibration_due", context);
+  sensor.teds = ReadTeds(map);
+  for (const char* key : {"calibration", "calibration_due"}) {
+    if (!map.has("teds") || !map.has(key)) continue;
+    map.AddError(
+        key, fmt::format("{} stands in the sensor's data sheet (expected teds, or {}, not both)", key, key));
+  }
+  if (!sensor.teds) return;
+  if (map.has("serial") && sensor.serial != sensor.teds->sensor_serial) {
+    map.AddError("serial",
+                 fmt::format("serial = {} is another sensor than that of its data sheet (expected {})",
+                             sensor.serial, sensor.teds->sensor_serial));
+  }
+  sensor.serial = sensor.teds->sensor_serial;
+  sensor.calibration = sensor.teds->id;
+  if (sensor.teds->due) sensor.calibration_due = daq::acquisition::TextOf(*sensor.teds->due);
+}
+
 ServoDescription ReadServo(YamlMap map, const std::filesystem::path& folder) {
   ServoDescription servo;
   servo.serial = map.Text("serial", "");
@@ -69,9 +93,7 @@ ServoDescription ReadServo(YamlMap map, const std::filesystem::path& folder) {
 
 TransducerDescription ReadTransducer(YamlMap map, ReadContext& context) {
   TransducerDescription transducer;
-  transducer.serial = map.Text("serial", "");
-  transducer.calibration = map.Text("calibration", "");
-  transducer.calibration_due = ReadDate(map, "calibration_due", context);
+  ReadCalibration(map, transducer, context);
   transducer.range_Nm = map.Quantity("range", Dimension::kTorque, Bound::kPositive);
   transducer.relative_linearity = map.Quantity("linearity", Dimension::kShare, Bound::kNotNegative, "0.3 %");
   transducer.relative_gain_uncertainty =
@@ -104,9 +126,7 @@ std::vector<AccelerometerDescription> ReadAccelerometers(std::vector<YamlMap> ma
   for (YamlMap& map : maps) {
     AccelerometerDescription accelerometer;
     accelerometer.name = map.Identifier("name");
-    accelerometer.serial = map.Text("serial", "");
-    accelerometer.calibration = map.Text("calibration", "");
-    accelerometer.calibration_due = ReadDate(map, "calibration_due", context);
+    ReadCalibration(map, accelerometer, context);
     accelerometer.sensitivity_V_per_m_per_s2 =
         map.Quantity("sensitivity", Dimension::kSensitivity, Bound::kPositive, "100 mV/g");
     accelerometer.range_m_per_s2 = map.Quantity("range", Dimension::kAcceleration, Bound::kPositive, "50 g");

@@ -34,6 +34,8 @@ bool DatesItsSamples(Kind kind) { return kind == Kind::kStream || kind == Kind::
 bool GivesChannels(Kind kind) {
   switch (kind) {
     case Kind::kModbus:
+    case Kind::kTorqueAmplifier:
+    case Kind::kTemperatureController:
     case Kind::kStream:
     case Kind::kIio:
     case Kind::kHid:
@@ -138,6 +140,10 @@ void CheckShunt(const BenchDescription& bench, ReadContext& context) {
 
 }  // namespace
 
+bool IsOnModbus(Kind kind) {
+  return kind == Kind::kModbus || kind == Kind::kTorqueAmplifier || kind == Kind::kTemperatureController;
+}
+
 const DeviceDescription* FindDevice(std::span<const DeviceDescription> devices, std::string_view name) {
   const auto found = std::ranges::find(devices, name, &DeviceDescription::name);
   return found == devices.end() ? nullptr : &*found;
@@ -152,6 +158,8 @@ std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std:
     device.name = map.Identifier("name");
     device.kind = map.Choice<Kind>("kind", {{"canopen", Kind::kCanopen},
                                             {"modbus", Kind::kModbus},
+                                            {"torque_amplifier", Kind::kTorqueAmplifier},
+                                            {"temperature_controller", Kind::kTemperatureController},
                                             {"stream", Kind::kStream},
                                             {"iio", Kind::kIio},
                                             {"pendant", Kind::kPendant},
@@ -163,10 +171,16 @@ std::vector<DeviceDescription> ReadDevices(std::vector<YamlMap> maps, const std:
         device.address = map.Text("interface");
         break;
       case Kind::kModbus:
+      case Kind::kTorqueAmplifier:
+      case Kind::kTemperatureController:
         device.address = map.Text("address");
         device.unit = map.Count("unit", 0, kMostUnits, "1");
         device.file = Below(folder, map.Text("registers"));
         device.connection = ReadConnection(map, device.address);
+        if (device.kind == Kind::kTemperatureController) {
+          device.set_point_degC =
+              map.OptionalQuantity("set_point", schedules::Dimension::kTemperature, schedules::Bound::kAny);
+        }
         break;
       case Kind::kIio:
         device.address = map.Text("address");
@@ -245,7 +259,8 @@ void CheckDevices(const BenchDescription& bench, int line, ReadContext& context)
             fmt::format("device = {} is not among the devices (expected the name of one)", link.device));
     } else if (!GivesChannels(device->kind)) {
       error("device",
-            fmt::format("device = {} has no channels (expected one of kind modbus, stream, iio or hid)",
+            fmt::format("device = {} has no channels (expected one of kind modbus, torque_amplifier, "
+                        "temperature_controller, stream, iio or hid)",
                         link.device));
     } else if (IsAngle(link.channel) && !DatesItsSamples(device->kind)) {
       error("device", fmt::format("device = {} does not date its samples (expected one of kind stream or iio "

@@ -93,6 +93,12 @@ bool IsTedsField(std::string_view name) {
   return IsAmong(name, kBasicNames) || IsAmong(name, kTemplateNames) || IsAmong(name, kLineNames);
 }
 
+std::vector<std::string_view> TedsTemplateFields() {
+  std::vector<std::string_view> names(std::begin(kTemplateNames), std::end(kTemplateNames));
+  names.insert(names.end(), std::begin(kLineNames), std::end(kLineNames));
+  return names;
+}
+
 BasicTeds BasicTedsFrom(std::span<const std::uint8_t, kBasicTeds_bytes> bytes) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) bits |= std::uint64_t{bytes[i]} << (8 * i);

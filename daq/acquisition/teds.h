@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "daq/acquisition/calibration.h"
 
@@ -45,6 +46,8 @@ std::array<std::uint8_t, kBasicTeds_bytes> BytesOf(const BasicTeds& teds);
 /// ranges), the fields that the open reader of SDL-MCI/SDLMA-Core takes from template 25, and those that the
 /// drivers of ADLINK (UD-DASK), Dewetron (TRION) and Data Translation (DtOl) name of bridges.
 bool IsTedsField(std::string_view name);
+/// Those of the templates and the calibration part, all but the basic ones.
+std::vector<std::string_view> TedsTemplateFields();
 
 /// The calibration that a data sheet speaks of: the sensor's number, date, and due date "%CalPeriod" days
 /// later. The sensitivity is "%Sens@Ref" times "%Sign" (volts per m/s^2 or N); of a bridge the line from

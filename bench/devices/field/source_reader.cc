@@ -21,8 +21,6 @@ using daq::acquisition::SampleBlock;
 using daq::acquisition::SampleSource;
 using daq::acquisition::SourceDescription;
 using daq::acquisition::SpscRing;
-using daq::acquisition::TriggerKind;
-using daq::acquisition::TriggerSettings;
 using daq::acquisition::TurnCounter;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
@@ -32,28 +30,23 @@ namespace {
 constexpr milliseconds kPatience{20};
 constexpr double kVibrationWindow_s = 0.1;
 constexpr double kCaptureRoom_s = 4.0;
-// BENCH row 20. More than a device has under way is not waited for.
-constexpr milliseconds kAroundTrip{10'000};
-constexpr milliseconds kOnTheWay{500};
-constexpr std::size_t kMostAroundTrip_bytes = std::size_t{128} << 20;
 
-SourceDescription Started(SampleSource& source) {
+using Calibrations = std::map<std::string, daq::acquisition::Calibration>;
+
+SourceDescription Started(SampleSource& source, const Calibrations& calibrations) {
   source.Start();
-  const SourceDescription& description = source.description();
+  SourceDescription description = source.description();
+  for (ChannelDescription& channel : description.channels) {
+    const auto given = calibrations.find(channel.name);
+    if (given == calibrations.end()) continue;
+    channel.calibration = given->second;
+    channel.sensor_serial = given->second.sensor_serial;
+  }
   if (description.channels.size() > SourceSnapshot::kMostChannels) {
     throw std::invalid_argument(fmt::format("{} has {} channels (must be at most {})", description.name,
                                             description.channels.size(), SourceSnapshot::kMostChannels));
   }
   return description;
-}
-
-// 16 channels at 51.2 kHz fit.
-TriggerSettings AroundTrip(const SourceDescription& source) {
-  const std::size_t row_bytes = daq::acquisition::TriggeredCapture::RowBytes(source);
-  const auto fit = static_cast<double>(kMostAroundTrip_bytes / row_bytes / 2);
-  const double wanted = std::chrono::duration<double>(kAroundTrip).count() * source.rate_hz;
-  const auto rows = static_cast<std::uint64_t>(std::min(fit, wanted));
-  return {.kind = TriggerKind::kEvent, .before = rows, .after = rows};
 }
 
 SampleBlock RoomFor(const SourceDescription& description) {
@@ -92,10 +85,11 @@ struct SourceReader::Capture {
   std::atomic<std::uint64_t> lost{};
 };
 
-SourceReader::SourceReader(std::unique_ptr<SampleSource> source, const MonotonicClock& clock)
+SourceReader::SourceReader(std::unique_ptr<SampleSource> source, const MonotonicClock& clock,
+                           const Calibrations& calibrations)
     : source_(std::move(source)),
       clock_(clock),
-      description_(Started(*source_)),
+      description_(Started(*source_, calibrations)),
       ledger_({.bits = description_.counter_bits}, description_.rate_hz),
       watch_(description_),
       device_clock_({}),
@@ -209,42 +203,6 @@ void SourceReader::Take(SampleBlock& block) {
   around_trip_.Take(block, [this](const daq::acquisition::Capture& around) { Deliver(around); });
 }
 
-void SourceReader::MarkTrip() {
-  const std::lock_guard lock(mutex_);
-  if (trip_ == Trip::kNone) trip_ = Trip::kMarked;
-}
-
-// Of the reader's thread: a trip is seen, and a source that has fallen silent is not waited for any longer.
-void SourceReader::FinishAroundTrip() {
-  const nanoseconds now = clock_.Now();
-  {
-    const std::lock_guard lock(mutex_);
-    if (trip_ == Trip::kMarked) {
-      trip_ = Trip::kSeen;
-      tripped_ = now;
-      around_trip_.Fire("trip");
-    }
-  }
-  if (!tripped_ || now - *tripped_ < kAroundTrip + kOnTheWay) return;
-  around_trip_.Finish([this](const daq::acquisition::Capture& around) { Deliver(around); });
-}
-
-void SourceReader::Deliver(const daq::acquisition::Capture& around) {
-  tripped_.reset();
-  std::optional<daq::acquisition::Capture> copy(around);
-  const std::lock_guard lock(mutex_);
-  delivered_ = std::move(copy);
-  delivery_.notify_all();
-}
-
-std::optional<daq::acquisition::Capture> SourceReader::TakeAroundTrip() {
-  std::unique_lock lock(mutex_);
-  if (trip_ == Trip::kNone) return std::nullopt;
-  delivery_.wait_for(lock, kAroundTrip + 2 * kOnTheWay, [this] { return delivered_.has_value(); });
-  trip_ = Trip::kNone;
-  return std::exchange(delivered_, std::nullopt);
-}
-
 void SourceReader::CountTurns(const SampleBlock& block) {
   const std::lock_guard lock(mutex_);
   for (auto& [channel, turns] : turns_) {
@@ -326,29 +284,6 @@ void SourceReader::StartCapture(std::span<const std::size_t> channels, double ra
   drained_ = capture;
   const std::lock_guard lock(mutex_);
   capture_ = std::move(capture);
-}
-
-void SourceReader::StartRecording(const daq::acquisition::RecorderSettings& settings) {
-  auto recorder = std::make_unique<daq::acquisition::StreamRecorder>(settings, description_);
-  const std::lock_guard lock(mutex_);
-  recorder_ = std::move(recorder);
-}
-
-std::optional<SourceReader::Recorded> SourceReader::StopRecording() {
-  std::unique_ptr<daq::acquisition::StreamRecorder> recorder;
-  {
-    const std::lock_guard lock(mutex_);
-    recorder = std::move(recorder_);
-  }
-  if (!recorder) return std::nullopt;
-  Recorded recorded;
-  try {
-    recorder->Finish();
-  } catch (const std::exception& error) {
-    recorded.trouble = error.what();
-  }
-  recorded.totals = recorder->totals();
-  return recorded;
 }
 
 void SourceReader::StopCapture() {

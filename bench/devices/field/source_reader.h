@@ -55,9 +55,12 @@ struct SourceState {
 /// measurement that asks for them, and what was lost or looked wrong.
 class SourceReader {
  public:
-  /// Starts the source. @throws std::system_error as SampleSource::Start does; std::invalid_argument for a
+  /// Starts the source.
+  /// @param calibrations  by the channel's name at the source, in place of what the source itself says.
+  /// @throws std::system_error as SampleSource::Start does; std::invalid_argument for a
   /// source of more than `SourceSnapshot::kMostChannels` channels.
-  SourceReader(std::unique_ptr<daq::acquisition::SampleSource> source, const MonotonicClock& clock);
+  SourceReader(std::unique_ptr<daq::acquisition::SampleSource> source, const MonotonicClock& clock,
+               const std::map<std::string, daq::acquisition::Calibration>& calibrations = {});
   SourceReader(const SourceReader&) = delete;
   SourceReader& operator=(const SourceReader&) = delete;
   ~SourceReader();
@@ -118,6 +121,7 @@ class SourceReader {
   void MeasureVibration(const daq::acquisition::SampleBlock& block) noexcept;
   void Keep(const daq::acquisition::SampleBlock& block);
   void Say(const std::string& trouble);
+  static daq::acquisition::TriggerSettings AroundTrip(const daq::acquisition::SourceDescription& source);
   void FinishAroundTrip();
   void Deliver(const daq::acquisition::Capture& around);
 
