@@ -127,7 +127,7 @@ FoundPart FindModbus(const DevicesOptions& options, const NamedDevices& named) {
   bool any = !options.modbus.empty();
   if (named.bench) {
     for (const DeviceDescription& device : named.bench->devices) {
-      if (device.kind != Kind::kModbus) continue;
+      if (!IsOnModbus(device.kind)) continue;
       any = true;
       look(named.played->AddressOf(device), device.unit, device.unit);
     }

@@ -77,6 +77,31 @@ TEST(DeviceSections, NameEveryDeviceAndWhereItIs) {
   EXPECT_EQ(bench.channels[3].source, "gear_degC");
 }
 
+TEST(DeviceSections, NameATorqueAmplifierAndATemperatureController) {
+  const auto with = [](const std::string& device) {
+    return With(RealBench(), "  - {name: key,", "  - {name: more, " + device + "}\n  - {name: key,");
+  };
+  const std::string amplifier =
+      "kind: torque_amplifier, address: \"tcp:10.0.0.4:502\", registers: torque.yaml";
+  const std::string chamber =
+      "kind: temperature_controller, address: \"rtu:/dev/ttyUSB0\", unit: 2, parity: even, registers: c.yaml";
+  const DeviceDescription first = ParseBenchFile(with(amplifier), "real.yaml", "lab").devices.at(3);
+  EXPECT_EQ(first.kind, DeviceDescription::Kind::kTorqueAmplifier);
+  EXPECT_EQ(first.address, "tcp:10.0.0.4:502");
+  EXPECT_EQ(first.file, "lab/torque.yaml");
+  EXPECT_FALSE(first.set_point_degC);
+  const DeviceDescription second =
+      ParseBenchFile(with(chamber + ", set_point: 40 degC"), "real.yaml", "lab").devices.at(3);
+  EXPECT_EQ(second.kind, DeviceDescription::Kind::kTemperatureController);
+  EXPECT_EQ(second.unit, 2);
+  EXPECT_EQ(second.connection.parity, 'E');
+  EXPECT_EQ(second.set_point_degC, 40.0);
+  EXPECT_FALSE(ParseBenchFile(with(chamber), "real.yaml", "lab").devices.at(3).set_point_degC);
+  EXPECT_EQ(MessageOf("{name: key,", "{name: more, " + amplifier + ", set_point: 40 degC}\n  - {name: key,"),
+            "real.yaml:23:95: error: unknown key 'set_point' (expected name, kind, address, unit, registers, "
+            "answer_time)");
+}
+
 TEST(DeviceSections, RefuseADriveWithoutADevice) {
   EXPECT_EQ(
       MessageOf("  drive: {device: load}\n", ""),
@@ -97,10 +122,9 @@ TEST(DeviceSections, RefuseChannelsThatLeadNowhere) {
       "real.yaml:30:15: error: channel = accel_y is not one of the bench's (expected one of input_angle, "
       "output_angle, output_torque, gear_temperature, input_speed, motor_torque, ambient_temperature, "
       "accel_x)");
-  EXPECT_EQ(
-      MessageOf("channel: accel_x, device: front", "channel: accel_x, device: key"),
-      "real.yaml:30:32: error: device = key has no channels (expected one of kind modbus, stream, iio or "
-      "hid)");
+  EXPECT_EQ(MessageOf("channel: accel_x, device: front", "channel: accel_x, device: key"),
+            "real.yaml:30:32: error: device = key has no channels (expected one of kind modbus, "
+            "torque_amplifier, temperature_controller, stream, iio or hid)");
   EXPECT_EQ(
       MessageOf("channel: output_angle, device: front", "channel: output_angle, device: load"),
       "real.yaml:27:37: error: device = load does not date its samples (expected one of kind stream or iio "

@@ -16,17 +16,15 @@
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/configuration/read_bench_file.h"
-#include "bench/configuration/read_register_map.h"
 #include "bench/controller/make_program.h"
 #include "bench/devices/can/in_process_can_bus.h"
 #include "bench/devices/device_side/device_side.h"
-#include "bench/devices/device_side/modbus_device.h"
-#include "bench/devices/device_side/modbus_servo_model.h"
 #include "bench/devices/plant_model_of.h"
 #include "protocols/candump.h"
 #include "tests/daq/acquisition/emulated_iiod.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/bench_fixture.h"
+#include "tests/simulation/field_bench.h"
 #include "tests/simulation/program.h"
 #include "tests/simulation/until.h"
 
@@ -35,17 +33,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-std::filesystem::path Folder() {
-  return std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field";
-}
-
-std::string BenchText() {
-  std::ifstream file(Folder() / "bench.yaml");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 TEST(DeviceSide, StandsSafeBeforeItsFirstStep) {
   const BenchDescription bench = ReadBenchFile(Folder() / "bench.yaml");
@@ -168,78 +155,6 @@ TEST(FieldMachine, MountsTheBlankOfTheDeviceSideByItself) {
   FieldMachine machine(ReadBenchFile(Folder() / "bench.yaml"), 80.0, {});
   machine.MountBlank(true);
   machine.MountBlank(false);
-}
-
-// A servo drive on Modbus TCP.
-struct ServoOnTcp {
-  MonotonicClock clock;
-  ModbusProfile profile =
-      ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
-  ModbusServoModel model{profile.map, *profile.servo};
-  ModbusDevice device{
-      profile.map,
-      1,
-      {[this](std::size_t index) { return model.Read(index, clock.Now()); },
-       [this](std::size_t index, double value) { return model.Write(index, value, clock.Now()); },
-       [this] { model.Hear(clock.Now()); }},
-      ModbusDevice::Tcp{}};
-};
-
-// A bench whose drives are on Modbus, and whose streams cannot be reached: the drives come first.
-class ModbusDrives : public testing::Test {
- protected:
-  std::string MessageOf(FieldMachine::Use use) {
-    std::string text =
-        schedules::With(BenchText(), "{device: can, node: 1, profile: drive.yaml}", "{device: driving}");
-    text = schedules::With(text, "{device: can, node: 2, profile: drive.yaml}", "{device: load}");
-    const auto device = [](const char* name, const ServoOnTcp& servo) {
-      return fmt::format(
-          "{{name: {}, kind: modbus, address: \"tcp:127.0.0.1:{}\", registers: "
-          "../../../bench/devices/profiles/modbus_servo_drive.yaml}}",
-          name, servo.device.port());
-    };
-    text = schedules::With(text, "{name: can, kind: canopen, interface: in_process}",
-                           device("driving", driving_) + "\n  - " + device("load", load_));
-    try {
-      const FieldMachine machine(ParseBenchFile(text, "real.yaml", Folder()), 80.0, {}, use);
-      return "";
-    } catch (const CampaignError& error) {
-      return error.what();
-    }
-  }
-  static auto Enablings(ServoOnTcp& servo) {
-    return std::ranges::count(servo.model.TakeWritten(), "control 1");
-  }
-
-  ServoOnTcp driving_;
-  ServoOnTcp load_;
-};
-
-TEST_F(ModbusDrives, HaveTheirWatchdogsProvenBeforeAnythingMoves) {
-  const std::string message = MessageOf(FieldMachine::Use::kMove);
-  EXPECT_EQ(message.find("must not be enabled"), std::string::npos) << message;
-  EXPECT_GT(Enablings(driving_), 0) << "at zero torque, with the brake on";
-  EXPECT_GT(Enablings(load_), 0);
-  EXPECT_TRUE(driving_.model.brake_engaged() && load_.model.brake_engaged());
-}
-
-TEST_F(ModbusDrives, AreNotUsedWithoutAWatchdog) {
-  driving_.model.set_watchdog(ModbusServoModel::Watchdog::kAnything);
-  EXPECT_EQ(
-      MessageOf(FieldMachine::Use::kMove),
-      "real.yaml: error: the driving servo must not be enabled: the drive did not stop within 480 ms after "
-      "the "
-      "last write while it was read, but did within 480 ms of complete silence: reading alone keeps its "
-      "watchdog quiet (expected a watchdog that only writing keeps quiet)");
-  EXPECT_TRUE(driving_.model.brake_engaged());
-  EXPECT_NE(driving_.model.power(driving_.clock.Now()), protocols::PowerState::kOperationEnabled);
-}
-
-TEST_F(ModbusDrives, AreNotEnabledByALook) {
-  driving_.model.set_watchdog(ModbusServoModel::Watchdog::kNever);
-  const std::string message = MessageOf(FieldMachine::Use::kLook);
-  EXPECT_EQ(message.find("must not be enabled"), std::string::npos) << message;
-  EXPECT_EQ(Enablings(driving_) + Enablings(load_), 0);
 }
 
 std::string MessageOf(std::string_view from, std::string_view to) {

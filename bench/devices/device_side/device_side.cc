@@ -124,6 +124,8 @@ DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::Pla
   for (const DeviceDescription& device : bench.devices) {
     switch (device.kind) {
       case Kind::kModbus:
+      case Kind::kTorqueAmplifier:
+      case Kind::kTemperatureController:
         AddModbus(device);
         break;
       case Kind::kStream:
@@ -162,26 +164,36 @@ void DeviceSide::AddDrive(const BenchDescription& bench, const ServoDescription&
 }
 
 void DeviceSide::AddModbus(const DeviceDescription& device) {
-  const ModbusProfile profile = ReadModbusProfile(device.file);
-  const auto find = [&](const char* name) { return protocols::modbus::Find(profile.map, name); };
-  const auto gear = find("gear_temperature");
-  const auto ambient = find("ambient_temperature");
-  const auto shunt = find("shunt");
-  if (!gear && !ambient) {
+  ModbusProfile profile = ReadModbusProfile(device.file);
+  std::vector<std::string> names;
+  for (auto& value : profile.map.registers) {
+    names.push_back(value.name);
+    // The limits are the reader's: a device gives what it has.
+    if (!CanWrite(value)) value.least = value.most = std::nullopt;
+  }
+  const auto has = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
+  if (device.kind == Kind::kModbus && !has("gear_temperature") && !has("ambient_temperature")) {
     throw std::invalid_argument(
         fmt::format("{} has neither gear_temperature nor ambient_temperature (must have one "
                     "to be played here)",
                     device.file.string()));
   }
   ModbusDevice::Behaviour behaviour;
-  behaviour.read = [this, gear, ambient, shunt](std::size_t index) {
-    if (gear && index == *gear) return gear_temperature_degC_.load();
-    if (ambient && index == *ambient) return ambient_temperature_degC_.load();
-    if (shunt && index == *shunt) return shunted_ ? 1.0 : 0.0;
+  behaviour.read = [this, names](std::size_t index) {
+    const std::string& name = names[index];
+    if (name == "gear_temperature") return gear_temperature_degC_.load();
+    if (name == "ambient_temperature" || name == "temperature") return ambient_temperature_degC_.load();
+    if (name == "torque") return output_torque_Nm_.load();
+    if (name == "set_point") return set_point_degC_.load();
+    if (name == "heating") return heats_ ? 1.0 : 0.0;
+    if (name == "shunt") return shunted_ ? 1.0 : 0.0;
     return 0.0;
   };
-  behaviour.write = [this, shunt](std::size_t index, double value) {
-    if (shunt && index == *shunt) shunted_ = value > 0.5;
+  behaviour.write = [this, names](std::size_t index, double value) {
+    const std::string& name = names[index];
+    if (name == "set_point") set_point_degC_ = value;
+    if (name == "heating") heats_ = value > 0.5;
+    if (name == "shunt") shunted_ = value > 0.5;
     return true;
   };
   if (device.address.starts_with("rtu:")) {
@@ -253,6 +265,7 @@ void DeviceSide::Step(nanoseconds now) {
     const Readings readings = bench_.sampler().Read();
     gear_temperature_degC_ = readings.gear_temperature_degC;
     ambient_temperature_degC_ = readings.ambient_temperature_degC;
+    output_torque_Nm_ = readings.output_torque_Nm;
     if (vibrates_) bench_.sampler().DrainVibration(vibration_);
     for (const auto& stream : streams_) FillStream(*stream, readings);
     safe_since_ = IsSafe() ? safe_since_.value_or(bench_now_) : std::optional<nanoseconds>();

@@ -89,6 +89,9 @@ class DeviceSide {
   int output_counts_;
   std::atomic<double> gear_temperature_degC_{};
   std::atomic<double> ambient_temperature_degC_{};
+  std::atomic<double> output_torque_Nm_{};
+  std::atomic<double> set_point_degC_{};  // of the chamber's controller, which heats nothing here
+  std::atomic<bool> heats_{};
   std::atomic<bool> shunted_{};
   Injection injected_;  // into the sensors; what the simulation does not carry out, the streams do
   VibrationBlock vibration_;

@@ -22,7 +22,27 @@ std::string BareName(const std::string& channel) {
 
 }  // namespace
 
+// A device that plays one role has one channel, whose unit its map must have in SI; nothing for another
+// device.
+std::function<ChannelValue()> FieldMachine::ChannelOfRole(const ChannelLink& link) {
+  const auto demand = [&link](std::string_view only) {
+    if (link.source == only) return;
+    throw std::invalid_argument(fmt::format("line {}: device {} has no channel {} (must be {})", link.line,
+                                            link.device, link.source, only));
+  };
+  if (const auto found = amplifiers_.find(link.device); found != amplifiers_.end()) {
+    demand("torque_Nm");
+    return [amplifier = found->second.get()] { return amplifier->Torque(); };
+  }
+  if (const auto found = chambers_.find(link.device); found != chambers_.end()) {
+    demand("temperature_degC");
+    return [chamber = found->second.get()] { return chamber->Temperature(); };
+  }
+  return {};
+}
+
 std::function<ChannelValue()> FieldMachine::ChannelFrom(const ChannelLink& link) {
+  if (auto of_role = ChannelOfRole(link)) return of_role;
   const double to_si = SiFactor(link.source);
   if (const auto found = sources_.find(link.device); found != sources_.end()) {
     const SourceReader* const reader = found->second.get();
@@ -32,12 +52,7 @@ std::function<ChannelValue()> FieldMachine::ChannelFrom(const ChannelLink& link)
           fmt::format("line {}: device {} has no channel {} (must be one that it sends)", link.line,
                       link.device, link.source));
     }
-    return [this, reader, at = *channel, to_si] {
-      const SourceSnapshot snapshot = reader->Newest();
-      const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < stale_after_;
-      return ChannelValue{snapshot.values[at] * to_si, snapshot.time,
-                          fresh && (snapshot.bad_channels >> at & 1U) == 0, snapshot.sampled};
-    };
+    return FromSource(*reader, *channel, to_si);
   }
   if (const auto hid = hid_.find(link.device); hid != hid_.end()) {
     const auto& fields = hid->second.profile.channels;
@@ -70,6 +85,16 @@ std::function<ChannelValue()> FieldMachine::ChannelFrom(const ChannelLink& link)
   return [client, at = *bare] { return client->Value(at); };
 }
 
+std::function<ChannelValue()> FieldMachine::FromSource(const SourceReader& reader, std::size_t channel,
+                                                       double to_si) {
+  return [this, &reader, channel, to_si] {
+    const SourceSnapshot snapshot = reader.Newest();
+    const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < stale_after_;
+    return ChannelValue{snapshot.values[channel] * to_si, snapshot.time,
+                        fresh && (snapshot.bad_channels >> channel & 1U) == 0, snapshot.sampled};
+  };
+}
+
 FieldChannels FieldMachine::Channels() {
   FieldChannels channels;
   constexpr std::pair<std::string_view, Channel> kSlow[] = {
@@ -82,11 +107,11 @@ FieldChannels FieldMachine::Channels() {
       {"ambient_temperature", Channel::kAmbientTemperature}};
   links_.clear();
   for (const ChannelLink& link : bench_.channels) {
-    links_.push_back(ChannelFrom(link));
     const auto* const slow =
         std::ranges::find_if(kSlow, [&](const auto& known) { return known.first == link.channel; });
     if (slow != std::end(kSlow)) {
-      channels.channels[static_cast<std::size_t>(slow->second)] = links_.back();
+      channels.channels[static_cast<std::size_t>(slow->second)] = ChannelFrom(link);
+      links_.emplace_back(&link, channels.channels[static_cast<std::size_t>(slow->second)]);
       continue;
     }
     const auto* const axis = std::ranges::find(kAccelerometers, link.channel);
@@ -99,6 +124,7 @@ FieldChannels FieldMachine::Channels() {
                       link.line, link.source, link.device));
     }
     channels.vibration = source->second.get();
+    links_.emplace_back(&link, FromSource(*source->second, *channel, 1.0));
     channels.accelerometers[static_cast<std::size_t>(axis - kAccelerometers.begin())] = *channel;
   }
   const auto turn = [&channels](Channel channel, int sign) {

@@ -102,6 +102,8 @@ void FieldMachine::Close() noexcept {
   sampler_.reset();
   sources_.clear();
   modbus_.clear();
+  amplifiers_.clear();
+  chambers_.clear();
   hid_.clear();
   pendant_.reset();
 }
@@ -232,6 +234,15 @@ void FieldMachine::OpenDrives() {
 
 void FieldMachine::OpenModbus() {
   for (const DeviceDescription& device : bench_.devices) {
+    if (device.kind == Kind::kTorqueAmplifier) {
+      amplifiers_[device.name] = std::make_unique<ModbusTorqueAmplifier>(
+          ModbusSettingsOf(device), ReadModbusProfile(device.file).map, clock_);
+    } else if (device.kind == Kind::kTemperatureController) {
+      auto& chamber = chambers_[device.name];
+      chamber = std::make_unique<ModbusTemperatureController>(ModbusSettingsOf(device),
+                                                              ReadModbusProfile(device.file).map, clock_);
+      if (device.set_point_degC && use_ == Use::kMove) chamber->Heat(*device.set_point_degC);
+    }
     const bool has_channels = std::ranges::any_of(
         bench_.channels, [&](const ChannelLink& link) { return link.device == device.name; });
     const SwitchLink& shunt = bench_.transducer.shunt;
@@ -289,6 +300,20 @@ bool FieldMachine::QuickStopPressed() noexcept {
   return pressed;
 }
 
+// By the names that the device has for its channels.
+std::map<std::string, daq::acquisition::Calibration> FieldMachine::DataSheetsAt(
+    const std::string& device) const {
+  std::map<std::string, daq::acquisition::Calibration> all;
+  for (const ChannelLink& link : bench_.channels) {
+    if (link.device != device) continue;
+    if (link.channel == "output_torque" && bench_.transducer.teds) all[link.source] = *bench_.transducer.teds;
+    for (const AccelerometerDescription& sensor : bench_.accelerometers) {
+      if (sensor.name == link.channel && sensor.teds) all[link.source] = *sensor.teds;
+    }
+  }
+  return all;
+}
+
 void FieldMachine::OpenSources() {
   std::uint32_t number = 0;
   for (const DeviceDescription& device : bench_.devices) {
@@ -299,15 +324,15 @@ void FieldMachine::OpenSources() {
       settings.port = static_cast<std::uint16_t>(at.port);
       settings.source = ++number;
       sources_[device.name] = std::make_unique<SourceReader>(
-          std::make_unique<daq::acquisition::TcpStreamSource>(settings), clock_);
+          std::make_unique<daq::acquisition::TcpStreamSource>(settings), clock_, DataSheetsAt(device.name));
     } else if (device.kind == Kind::kIio) {
       daq::acquisition::IioSettings settings;
       settings.uri = device.address;
       settings.device = device.iio_device;
       settings.samples_a_block = kIioBlock_samples;
       settings.source = ++number;
-      sources_[device.name] =
-          std::make_unique<SourceReader>(std::make_unique<daq::acquisition::IioSource>(settings), clock_);
+      sources_[device.name] = std::make_unique<SourceReader>(
+          std::make_unique<daq::acquisition::IioSource>(settings), clock_, DataSheetsAt(device.name));
     }
   }
 }

@@ -26,6 +26,7 @@
 #include "bench/devices/hid/hid_channels.h"
 #include "bench/devices/hid/pendant.h"
 #include "bench/devices/hid/sto_contact.h"
+#include "bench/devices/modbus/modbus_channels.h"
 #include "bench/devices/modbus/modbus_client.h"
 #include "bench/devices/modbus/modbus_servo_drive.h"
 #include "bench/devices/modbus/modbus_switch.h"
@@ -118,10 +119,12 @@ class FieldMachine final : public BenchMachine {
   void SetOpen(bool open) noexcept;
   bool IsSupervised() const noexcept;
   std::vector<std::pair<std::string, std::string>> FactsOf(const CanopenServo& servo) const;
+  static std::vector<std::pair<std::string, std::string>> FactsOf(const ModbusServoDrive& servo);
   const MeasuredStop* StopOf(const std::string& servo) const;
   ServoDrive& OpenModbusServo(const DeviceDescription& device, const std::string& name);
   ModbusSettings ModbusSettingsOf(const DeviceDescription& device) const;
   void OpenSources();
+  std::map<std::string, daq::acquisition::Calibration> DataSheetsAt(const std::string& device) const;
   void OpenModbus();
   void OpenHid();
   void OpenCamera();
@@ -129,6 +132,8 @@ class FieldMachine final : public BenchMachine {
   bool QuickStopPressed() noexcept;
   FieldChannels Channels();
   std::function<ChannelValue()> ChannelFrom(const ChannelLink& link);
+  std::function<ChannelValue()> ChannelOfRole(const ChannelLink& link);
+  std::function<ChannelValue()> FromSource(const SourceReader& reader, std::size_t channel, double to_si);
   std::string ReasonOf(const ChannelLink& link) const;
   const DeviceDescription& Named(const std::string& name) const;
 
@@ -149,6 +154,8 @@ class FieldMachine final : public BenchMachine {
   bool is_open_{};  // all drives are known, and none is gone yet
   std::unique_ptr<ModbusSwitch> shunt_;
   std::map<std::string, std::unique_ptr<ModbusClient>> modbus_;
+  std::map<std::string, std::unique_ptr<ModbusTorqueAmplifier>> amplifiers_;
+  std::map<std::string, std::unique_ptr<ModbusTemperatureController>> chambers_;
   std::map<std::string, std::unique_ptr<SourceReader>> sources_;
   std::vector<std::int64_t> turns_;  // of all sources in turn: what `Memory` shows
   struct OneHid {
@@ -159,8 +166,9 @@ class FieldMachine final : public BenchMachine {
   std::unique_ptr<Pendant> pendant_;
   std::unique_ptr<StoContact> sto_contact_;
   std::unique_ptr<Camera> camera_;
-  bool was_pressed_{};                                // of the control thread
-  std::vector<std::function<ChannelValue()>> links_;  // as `bench_.channels` has them
+  bool was_pressed_{};  // of the control thread
+  // Of the bench's channels those that devices feed by themselves.
+  std::vector<std::pair<const ChannelLink*, std::function<ChannelValue()>>> links_;
   std::unique_ptr<FieldSampler> sampler_;
   ServoDrive* driving_{};
   ServoDrive* load_{};

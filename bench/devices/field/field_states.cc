@@ -144,6 +144,18 @@ std::vector<std::pair<std::string, std::string>> FieldMachine::FactsOf(const Can
           {"identity", identity == identities_.end() ? unknown : identity->second}};
 }
 
+// A map of registers names no safe torque off.
+std::vector<std::pair<std::string, std::string>> FieldMachine::FactsOf(const ModbusServoDrive& servo) {
+  const char* const untold = "not told";
+  const std::optional<bool> brake = servo.tells_brake_engaged();
+  const std::string identity = servo.identity();
+  return {{"brake", !brake   ? "not known"
+                    : *brake ? "on"
+                             : "off"},
+          {"safe_torque_off", untold},
+          {"identity", identity.empty() ? untold : identity}};
+}
+
 std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
   std::vector<DeviceState> states;
   for (const auto& [name, bus] : buses_) {
@@ -171,7 +183,11 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
   for (const auto& [name, servo] : modbus_servos_) {
     const std::string trouble = servo->trouble();
     const bool good = trouble.empty() && servo->is_supervised();
-    states.push_back({name, !trouble.empty() ? trouble : good ? "connected" : "not yet connected", good});
+    states.push_back({name,
+                      !trouble.empty() ? trouble
+                      : good           ? "connected"
+                                       : "not yet connected",
+                      good, FactsOf(*servo)});
   }
   for (const MeasuredStop& stop : stops_) {
     states.push_back({fmt::format("{}, time to stop", stop.servo),
@@ -201,6 +217,22 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
                       trouble.empty() ? (client->connected() ? "connected" : "not yet connected") : trouble,
                       trouble.empty() && client->connected()});
   }
+  for (const auto& [name, amplifier] : amplifiers_) {
+    const std::string trouble = amplifier->trouble();
+    const bool good = trouble.empty() && amplifier->connected();
+    states.push_back({name, !trouble.empty() ? trouble : good ? "connected" : "not yet connected", good});
+  }
+  for (const auto& [name, chamber] : chambers_) {
+    const std::string trouble = chamber->trouble();
+    const bool good = trouble.empty() && chamber->connected();
+    const ChannelValue set_point = chamber->SetPoint();
+    states.push_back({name,
+                      !trouble.empty()  ? trouble
+                      : !good           ? "not yet connected"
+                      : !set_point.good ? "connected"
+                                        : fmt::format("connected, set point {:.1f} degC", set_point.value),
+                      good});
+  }
   for (const auto& [name, reader] : sources_) {
     const std::string trouble = reader->Trouble();
     const daq::acquisition::GapTotals totals = reader->totals();
@@ -221,6 +253,10 @@ std::string FieldMachine::ReasonOf(const ChannelLink& link) const {
   } else if (const auto client = modbus_.find(link.device); client != modbus_.end()) {
     reason = client->second->trouble();
     if (reason.empty() && !client->second->connected()) reason = "not connected";
+  } else if (const auto amplifier = amplifiers_.find(link.device); amplifier != amplifiers_.end()) {
+    reason = amplifier->second->trouble();
+  } else if (const auto chamber = chambers_.find(link.device); chamber != chambers_.end()) {
+    reason = chamber->second->trouble();
   }
   if (reason.empty()) reason = "no fresh value, or one outside its limits";
   return reason.starts_with(link.device + ":") ? reason : fmt::format("{}: {}", link.device, reason);
@@ -228,8 +264,8 @@ std::string FieldMachine::ReasonOf(const ChannelLink& link) const {
 
 std::vector<FieldMachine::BadChannel> FieldMachine::BadChannels() const {
   std::vector<BadChannel> bad;
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    if (!links_[i]().good) bad.push_back({bench_.channels[i].channel, ReasonOf(bench_.channels[i])});
+  for (const auto& [link, read] : links_) {
+    if (!read().good) bad.push_back({link->channel, ReasonOf(*link)});
   }
   return bad;
 }

@@ -46,6 +46,16 @@ ChannelValue ModbusTorqueAmplifier::Torque() const noexcept {
   return torque;
 }
 
+std::string ModbusTorqueAmplifier::trouble() const {
+  std::string trouble = client_.trouble();
+  const ChannelValue status = client_.Value(status_);
+  if (!trouble.empty() || status.good || !std::isfinite(status.value)) return trouble;
+  const mb::Register& limits = client_.map().registers[status_];
+  return fmt::format("its status is {:g} (expected {:g} to {:g}): the torque is not believed", status.value,
+                     limits.least.value_or(-std::numeric_limits<double>::infinity()),
+                     limits.most.value_or(std::numeric_limits<double>::infinity()));
+}
+
 ModbusTemperatureController::ModbusTemperatureController(ModbusSettings settings, const mb::RegisterMap& map,
                                                          const BenchClock& clock,
                                                          std::chrono::nanoseconds write_period)

@@ -20,7 +20,9 @@ class ModbusTorqueAmplifier {
 
   /// N·m. Good only while the status is, too. Never waits.
   ChannelValue Torque() const noexcept;
-  std::string trouble() const { return client_.trouble(); }
+  bool connected() const noexcept { return client_.connected(); }
+  /// What is wrong now, a status that is not good included; empty while all is well.
+  std::string trouble() const;
 
  private:
   std::size_t torque_, status_;
@@ -46,6 +48,7 @@ class ModbusTemperatureController : private ModbusDuties {
   /// @throws std::invalid_argument for a temperature that the register does not hold.
   void Heat(double set_point_degC);
   void Stop() noexcept;
+  bool connected() const noexcept { return client_.connected(); }
   std::string trouble() const { return client_.trouble(); }
 
  private:
