@@ -75,8 +75,7 @@ TEST(TedsSection, RefusesADataSheetThatIsNone) {
   EXPECT_EQ(MessageOf("\"%Sign\": \"-\"", "\"%Sign\": up"),
             "lab.yaml:15:7: error: %Sign = 'up' is neither + nor - (expected the fields of the sensor's data "
             "sheet)");
-  EXPECT_EQ(MessageOf("%CalDate", "%CalDat").substr(0, 44),
-            "lab.yaml:15:51: error: unknown key '%CalDat'");
+  EXPECT_EQ(MessageOf("%CalDate", "%CalDat").substr(0, 44), "lab.yaml:15:51: error: unknown key '%CalDat'");
   EXPECT_EQ(MessageOf("serial: \"1234567\"", "serial: SN-9"),
             "lab.yaml:11:13: error: serial = SN-9 is another sensor than that of its data sheet (expected "
             "1234567)");
