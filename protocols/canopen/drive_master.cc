@@ -71,7 +71,9 @@ bool DriveMaster::IsOnTheWayUp() const noexcept {
 }
 
 void DriveMaster::Trip(DriveTrouble trouble, nanoseconds now) noexcept {
-  if (trouble_ == DriveTrouble::kNone) {
+  // A stop that was asked for is the reason as long as there is no other, and covers none.
+  const bool is_asked = trouble == DriveTrouble::kQuickStopAsked;
+  if (trouble_ == DriveTrouble::kNone || (trouble_ == DriveTrouble::kQuickStopAsked && !is_asked)) {
     trouble_ = trouble;
     trip_.power = status_.power;
     trip_.mode_display = inputs_.mode_display;
@@ -79,7 +81,7 @@ void DriveMaster::Trip(DriveTrouble trouble, nanoseconds now) noexcept {
     trip_.emergency = emergency_;
     trip_.nmt_state = heartbeats_.state();
   }
-  last_trouble_ = trouble;
+  if (!is_asked || last_trouble_ == DriveTrouble::kNone) last_trouble_ = trouble;
   needs_commissioning_ = needs_commissioning_ || NeedsCommissioning(trouble);
   if (stage_ == DriveStage::kSilent) return;
 

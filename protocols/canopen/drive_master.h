@@ -112,7 +112,7 @@ class DriveMaster {
   DriveStage stage() const noexcept { return stage_; }
   /// Set up, every supervision of it read back as on, and nothing has happened since that would undo that.
   bool is_supervised() const noexcept { return !needs_commissioning_; }
-  /// The first trouble since the last reset.
+  /// The first trouble since the last reset; a stop that was asked for only while there is no other.
   DriveTrouble trouble() const noexcept { return trouble_; }
   /// The newest one; differs from the first when more went wrong after it.
   DriveTrouble last_trouble() const noexcept { return last_trouble_; }

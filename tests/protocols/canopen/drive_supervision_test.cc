@@ -109,6 +109,18 @@ TEST(DriveSupervision, StopsForNoEmergencyOfAnotherNodeNorForOneTakenBackNorForA
   EXPECT_EQ(bench.master.emergency()->code, 0x4210);
 }
 
+TEST(DriveSupervision, NamesWhatComesAfterAStopThatWasAskedFor) {
+  Moving bench;
+  bench.master.QuickStop(bench.now);
+  ASSERT_TRUE(bench.CycleUntil(DriveStage::kStopped));
+  bench.Hear("083#1043090000000000");
+  EXPECT_EQ(bench.master.trouble(), DriveTrouble::kEmergency);
+  // That the bench then stops once more does not take it away.
+  bench.master.QuickStop(bench.now);
+  EXPECT_EQ(bench.master.last_trouble(), DriveTrouble::kEmergency);
+  EXPECT_NE(bench.master.TroubleWords().find("4310h"), std::string::npos) << bench.master.TroubleWords();
+}
+
 TEST(DriveSupervision, KeepsTheFirstReasonAndTellsTheLast) {
   Moving bench;
   bench.Hear("083#1086210102030405");
