@@ -23,7 +23,8 @@ class SpyDrive final : public ServoDrive {
   }
   void Disable() noexcept override { drive_.Disable(); }
   void QuickStop() noexcept override {
-    if (quick_stop_at <= enabled_at) quick_stop_at = clock_.Now();
+    last_quick_stop_at = clock_.Now();
+    if (quick_stop_at <= enabled_at) quick_stop_at = last_quick_stop_at;
     set_points_after_stop = 0;
     drive_.QuickStop();
     ++quick_stops;
@@ -46,7 +47,8 @@ class SpyDrive final : public ServoDrive {
   DriveActual Actual() const noexcept override { return drive_.Actual(); }
 
   std::chrono::nanoseconds enabled_at{-1};
-  std::chrono::nanoseconds quick_stop_at{-1};
+  std::chrono::nanoseconds quick_stop_at{-1};  // the first since it was enabled
+  std::chrono::nanoseconds last_quick_stop_at{-1};
   int set_points_after_stop{};
   bool deaf{};  // never gets enabled
   std::atomic<int> quick_stops{};
