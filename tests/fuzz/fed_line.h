@@ -20,7 +20,8 @@
 /// transports wait with, by its own `modbus_connect`, `select` and `WaitReadable`.
 class FedLine {
  public:
-  /// @param input  parts: a byte with half the number of bytes in the lower 7 bits, and these bytes.
+  /// @param input  parts: a byte with the number of bytes in its lower six bits, and these bytes; bit 6: the
+  ///   next part comes with it, bit 7: see `Complete`.
   explicit FedLine(std::span<const std::uint8_t> input) : input_(input) { current_ = this; }
   FedLine(const FedLine&) = delete;
   FedLine& operator=(const FedLine&) = delete;
@@ -60,17 +61,21 @@ class FedLine {
   }
 
  protected:
-  /// Lets a part be completed; the flag is the first byte's highest bit.
+  /// What the flag asks for is put behind the part.
   virtual void Complete(std::vector<std::uint8_t>&, bool) {}
 
  private:
   void Feed() {
     last_ = came_.size();
-    const std::uint8_t head = Byte();
-    std::vector<std::uint8_t> part;
-    for (int i = 0; i < 2 * (head & 0x7F) && !empty(); ++i) part.push_back(Byte());
-    Complete(part, head >> 7 != 0);
-    came_.insert(came_.end(), part.begin(), part.end());
+    std::uint8_t head = 0;
+    do {
+      head = Byte();
+      std::vector<std::uint8_t> part;
+      for (int i = 0; i < head % 64 && !empty(); ++i) part.push_back(Byte());
+      Complete(part, head >> 7 != 0);
+      came_.insert(came_.end(), part.begin(), part.end());
+    } while ((head & 0x40) != 0);
+    const std::span<const std::uint8_t> part = came_last();
     if (::send(far_, part.data(), part.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(part.size())) {
       came_.resize(last_);  // the near end is closed by now
     }

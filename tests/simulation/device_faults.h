@@ -144,11 +144,11 @@ inline bool ShowsIn(const Fault& fault, const TestedPhase& phase) {
 }
 
 /// Seconds from the fault until the bench has noticed and both shafts are safe. What is noticed waits for the
-/// next control period, and the order for the SYNC after next; three times that, as the machine computes for
+/// next control period, and the order for the SYNC after next; five times that, as the machine computes for
 /// others too. Then the drive brakes down its ramp.
 inline double StatedTime_s(const Fault& fault, const TestedPhase& phase) {
   const double stands_s = fault.shows == Shows::kOnceTheInputTurns ? phase.input_stands_s : 0.0;
-  const double order_s = 3.0 * (kControlPeriod_s + 2.0 * kSyncPeriod_s);
+  const double order_s = 5.0 * (kControlPeriod_s + 2.0 * kSyncPeriod_s);
   const double ramp_s = RadPerSFromRpm(phase.input_speed_rpm) / kDeceleration_rad_per_s2;
   return fault.noticed_after_s + stands_s + order_s + ramp_s;
 }
