@@ -17,6 +17,10 @@ namespace {
 
 using std::chrono::nanoseconds;
 
+// What a double counts exactly, and what 64 bits hold of nanoseconds.
+constexpr double kMostSamples = 9e15;
+constexpr double kLongest_s = 9e9;
+
 nanoseconds Now() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
 nanoseconds TimeOf(double samples, double rate_hz) {
@@ -71,14 +75,23 @@ void ReplaySource::StartRecord() {
   }
   counters_.assign(record.rows(), 0);
   const bool has_time = record.FindColumn("time_s") != nullptr;
+  const auto too_far = [this](std::size_t row) {
+    return RecordError(
+        description_.name,
+        fmt::format("row {} lies too far from the first at {} Hz", row + 1, description_.rate_hz),
+        "a record of less than 9e15 samples and 9e9 s");
+  };
   for (std::size_t i = 0; i < counters_.size(); ++i) {
     counters_[i] = i;
-    if (!has_time) continue;
-    const std::span<const double> time_s = record.Doubles("time_s");
-    const double place = std::round((time_s[i] - time_s[0]) * description_.rate_hz);
-    // Jitter that puts two rows on one place moves the second on.
-    counters_[i] =
-        std::max(i == 0 ? 0 : counters_[i - 1] + 1, static_cast<std::uint64_t>(std::max(0.0, place)));
+    if (has_time) {
+      const std::span<const double> time_s = record.Doubles("time_s");
+      const double place = std::round((time_s[i] - time_s[0]) * description_.rate_hz);
+      if (!(place < kMostSamples)) throw too_far(i);
+      // Jitter that puts two rows on one place moves the second on.
+      counters_[i] =
+          std::max(i == 0 ? 0 : counters_[i - 1] + 1, static_cast<std::uint64_t>(std::max(0.0, place)));
+    }
+    if (!(static_cast<double>(counters_[i] + 1) / description_.rate_hz < kLongest_s)) throw too_far(i);
   }
 }
 

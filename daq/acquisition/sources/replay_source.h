@@ -27,7 +27,8 @@ class ReplaySource : public SampleSource {
  public:
   explicit ReplaySource(ReplaySettings settings) : settings_(std::move(settings)) {}
 
-  /// @throws RecordError for a file that cannot be read, or a record without a rate.
+  /// @throws RecordError for a file that cannot be read, a record without a rate, or one that is
+  ///   longer than 64 bits count nanoseconds.
   void Start() override;
   void Stop() noexcept override;
   NextResult Next(SampleBlock& block, std::chrono::nanoseconds patience) override;

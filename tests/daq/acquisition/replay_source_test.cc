@@ -152,6 +152,17 @@ TEST(ReplaySource, WaitsForTheTimeOfTheRecordWhenToldTo) {
   EXPECT_EQ(replay.Next(block, {}), NextResult::kNothingYet);
 }
 
+TEST(ReplaySource, RefusesARecordThatNoClockHolds) {
+  const ScratchFolder folder;
+  for (const char* const text :
+       {"# kind: vibration\ntime_s,accel_x_m_per_s2\n0,1\n0.001,2\n0.002,3\n1e300,4\n",
+        "# kind: vibration\n# sample_rate_hz: 1e-300\naccel_x_m_per_s2\n1\n2\n"}) {
+    std::ofstream(folder / "a.csv") << text;
+    ReplaySource replay({.path = folder / "a.csv"});
+    EXPECT_THROW(replay.Start(), RecordError) << text;
+  }
+}
+
 TEST(ReplaySource, RefusesARecordWithoutARate) {
   const ScratchFolder folder;
   WriteBytes(folder / "a.csv", "# kind: history\ntime_s,torque_Nm\n1,2\n1,3\n1,4\n");
