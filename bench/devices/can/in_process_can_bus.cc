@@ -134,6 +134,8 @@ InProcessCanBus::End* InProcessCanBus::Winner() noexcept {
     winner = end.get();
     best = offered;
   }
+  // Now: its end may purge it at any moment, and would then have another on offer, or none.
+  if (winner != nullptr) on_the_wire_ = *best;
   return winner;
 }
 
@@ -152,7 +154,6 @@ void InProcessCanBus::Exchange(std::chrono::nanoseconds now) noexcept {
     if (start > now) break;
     sender_ = Winner();
     if (sender_ == nullptr) break;
-    on_the_wire_ = *sender_->Offered();
     sender_->Take();
     const std::chrono::nanoseconds length(
         bitrate_ == 0 ? 0 : WireBits(on_the_wire_) * std::int64_t{1'000'000'000} / std::int64_t{bitrate_});

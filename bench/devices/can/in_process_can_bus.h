@@ -55,7 +55,7 @@ class InProcessCanBus {
  private:
   class End;
 
-  End* Winner() noexcept;
+  End* Winner() noexcept;  // its frame then is on_the_wire_
   bool SomeoneHears(const End& sender) const noexcept;
 
   std::uint32_t bitrate_;
