@@ -71,9 +71,12 @@ bool DriveMaster::IsOnTheWayUp() const noexcept {
 }
 
 void DriveMaster::Trip(DriveTrouble trouble, nanoseconds now) noexcept {
-  // A stop that was asked for is the reason as long as there is no other, and covers none.
+  // What the drive does while it stands after a stop that was asked for is the reason from then on; a queue
+  // that is full then holds up nothing.
   const bool is_asked = trouble == DriveTrouble::kQuickStopAsked;
-  if (trouble_ == DriveTrouble::kNone || (trouble_ == DriveTrouble::kQuickStopAsked && !is_asked)) {
+  const bool stands_as_asked = trouble_ == DriveTrouble::kQuickStopAsked && stage_ == DriveStage::kStopped;
+  const bool is_news = !is_asked && trouble != DriveTrouble::kTransmitQueueFull;
+  if (trouble_ == DriveTrouble::kNone || (stands_as_asked && is_news)) {
     trouble_ = trouble;
     trip_.power = status_.power;
     trip_.mode_display = inputs_.mode_display;
@@ -81,7 +84,7 @@ void DriveMaster::Trip(DriveTrouble trouble, nanoseconds now) noexcept {
     trip_.emergency = emergency_;
     trip_.nmt_state = heartbeats_.state();
   }
-  if (!is_asked || last_trouble_ == DriveTrouble::kNone) last_trouble_ = trouble;
+  if (!is_asked || trouble_ == DriveTrouble::kQuickStopAsked) last_trouble_ = trouble;
   needs_commissioning_ = needs_commissioning_ || NeedsCommissioning(trouble);
   if (stage_ == DriveStage::kSilent) return;
 
