@@ -71,12 +71,10 @@ bool DriveMaster::IsOnTheWayUp() const noexcept {
 }
 
 void DriveMaster::Trip(DriveTrouble trouble, nanoseconds now) noexcept {
-  // What the drive does while it stands after a stop that was asked for is the reason from then on; a queue
-  // that is full then holds up nothing.
+  // What the drive does while it stands after a stop that was asked for is the reason from then on.
   const bool is_asked = trouble == DriveTrouble::kQuickStopAsked;
   const bool stands_as_asked = trouble_ == DriveTrouble::kQuickStopAsked && stage_ == DriveStage::kStopped;
-  const bool is_news = !is_asked && trouble != DriveTrouble::kTransmitQueueFull;
-  if (trouble_ == DriveTrouble::kNone || (stands_as_asked && is_news)) {
+  if (trouble_ == DriveTrouble::kNone || (stands_as_asked && !is_asked)) {
     trouble_ = trouble;
     trip_.power = status_.power;
     trip_.mode_display = inputs_.mode_display;

@@ -178,7 +178,8 @@ class DriveMaster {
   HeartbeatConsumer heartbeats_;
   SyncMeter sync_;
   SetPoints set_points_;
-  FrameQueue<64> out_;
+  FrameQueue<64> out_;        // one PDO of each kind at most
+  int times_left_waiting_{};  // PDOs queued since it was last empty
   bool purge_due_{};
 
   DriveStage stage_{DriveStage::kOff};

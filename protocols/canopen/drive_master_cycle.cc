@@ -12,6 +12,7 @@ using std::chrono::nanoseconds;
 
 constexpr std::uint16_t kControlwordEnabled = 0x000F;
 constexpr std::uint16_t kControlwordSwitchedOn = 0x0007;
+constexpr int kMostTimesLeftWaiting = 20;  // 80 ms of the usual 4 ms
 
 }  // namespace
 
@@ -99,17 +100,21 @@ void DriveMaster::SetBrakeOutput() noexcept {
 }
 
 void DriveMaster::QueuePdos(nanoseconds now) noexcept {
+  if (++times_left_waiting_ > kMostTimesLeftWaiting) {
+    // Nobody takes the frames out.
+    times_left_waiting_ = 0;
+    return Trip(DriveTrouble::kTransmitQueueFull, now);
+  }
   for (const PdoSetting& pdo : pdos_) {
     if (pdo.flow != PdoFlow::kToDrive) continue;
     const std::optional<CanFrame> frame = EncodeToDrive(pdo, outputs_);
-    if (!frame || out_.Push(*frame)) continue;
-    // Nobody takes the frames out. A stop that comes of it finds the queue empty.
-    return Trip(DriveTrouble::kTransmitQueueFull, now);
+    if (frame) (void)out_.PushNewest(*frame);
   }
 }
 
 std::optional<CanFrame> DriveMaster::NextFrame(nanoseconds now) noexcept {
   if (const std::optional<CanFrame> frame = out_.Pop()) return frame;
+  times_left_waiting_ = 0;
   if (stage_ == DriveStage::kCommissioning) return commissioning_.Poll(now);
   return std::nullopt;
 }

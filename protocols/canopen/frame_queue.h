@@ -21,6 +21,18 @@ class FrameQueue {
     return true;
   }
 
+  /// In the place of one of the same identifier that still waits: of two values only the newer one is of use,
+  /// and a stop that is asked for in the midst of a cycle does not double what the bus has to carry.
+  [[nodiscard]] bool PushNewest(const CanFrame& frame) noexcept {
+    for (std::size_t i = 0; i < size_; ++i) {
+      CanFrame& waiting = frames_[(first_ + i) % Capacity];
+      if (waiting.id != frame.id) continue;
+      waiting = frame;
+      return true;
+    }
+    return Push(frame);
+  }
+
   std::optional<CanFrame> Pop() noexcept {
     if (size_ == 0) return std::nullopt;
     const CanFrame frame = frames_[first_];
