@@ -207,9 +207,14 @@ TEST(BadMotion, TimeStampsOfASlowClockAreTold) {
     const double late_s = i % 97 == 0 ? 5e-4 : 0.0;
     record.time_s[i] = 0.008 * std::floor((record.time_s[i] - late_s + 1e-9) / 0.008);
   }
-  EXPECT_EQ(WarningsOf(record),
-            Texts{"2499 time stamps repeat the one before with other values: within a tick "
-                  "of the clock of even steps, which take their place"});
+  const Texts told{
+      "2499 time stamps repeat the one before with other values: within a tick of the clock of even steps, "
+      "which take their place"};
+  EXPECT_EQ(WarningsOf(record), told);
+  // Columns so coarse that rows are alike now and then do not make samples of them that were logged twice.
+  for (double& position : record.position) position = 1e-3 * std::round(1e3 * position);
+  for (double& torque : record.torque) torque = 0.1 * std::round(10.0 * torque);
+  EXPECT_TRUE(Says(WarningsOf(record), told.front())) << testing::PrintToString(WarningsOf(record));
 }
 
 // A shaft at 1500 rpm with its own two lines, 0.2 ms a sample.

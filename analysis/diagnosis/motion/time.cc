@@ -89,12 +89,17 @@ bool EvenWithinTicks(std::vector<double>& time_s) {
 
 Rows DistinctRows(const MotionData& record, const std::string& name, std::vector<std::string>& warnings) {
   Rows rows;
+  const auto same = [&](std::size_t i) {
+    return i > 0 && record.time_s[i] <= record.time_s[i - 1] && SameRow(record, i, i - 1);
+  };
   std::size_t dropped = 0;
+  for (std::size_t i = 0; i < record.time_s.size(); ++i) dropped += same(i) ? 1 : 0;
+  // Where a coarse clock makes most stamps repeat, a row of equal values is the next sample of a coarse
+  // column.
+  const bool is_coarse = Repeated(record.time_s) > 2 * dropped;
+  if (is_coarse) dropped = 0;
   for (std::size_t i = 0; i < record.time_s.size(); ++i) {
-    if (i > 0 && record.time_s[i] <= record.time_s[i - 1] && SameRow(record, i, i - 1)) {
-      ++dropped;
-      continue;
-    }
+    if (!is_coarse && same(i)) continue;
     rows.row.push_back(i);
     rows.time_s.push_back(record.time_s[i]);
   }
