@@ -48,15 +48,16 @@ std::vector<Found> JudgeAll(const Judge& judge, const ScoredModel& model, const 
   return all;
 }
 
-// What is found beside something else, or has no cause, and whose evidence is gone once everything is fitted
-// to the end, is none: the weakest first.
+// What is found beside something else, has no cause, or foretells worse what was held out, and whose evidence
+// is gone once everything is fitted to the end, is none: the weakest first.
 // @param candidates  gets what was dropped
 std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const DiagnoseOptions& options,
                                 std::vector<CandidateResult>& candidates) {
   for (;;) {
     std::vector<Found> all = JudgeAll(judge, model, options);
     const auto is_unproven = [&](const Found& found) {
-      const bool may_go = all.size() > 1 || !judge.study().causes()[found.cause].named;
+      const bool may_go = all.size() > 1 || !judge.study().causes()[found.cause].named ||
+                          found.judged.evidence.heldout_gain < 0.0;
       return may_go && !found.judged.passed && found.without.fit.usable &&
              IsWithinRanges(judge, options.given_causes, found.without.fit);
     };
