@@ -66,6 +66,28 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
   return band;
 }
 
+// Noise of the path may be wilder than its white part: where time stamps jitter it comes and goes with the
+// speed. The top of the spectrum says by how much, in variances; of the fast half of the record, since an
+// axis that sticks before it turns has acceleration there, too.
+double WildnessOf(const MotionSamples& samples, double sigma_s, bool by_velocity) {
+  std::vector<double> values;  // over their white part
+  std::vector<double> speeds;
+  for (const EvenStretch& stretch : samples.stretches) {
+    const KernelTaps kernel = MakeBandKernel(sigma_s, stretch.step_s, by_velocity ? 1 : 2);
+    const double white = NoiseGain(kernel) * (by_velocity ? samples.velocity_noise : samples.position_noise);
+    if (!(white > 0.0)) return 1.0;
+    const std::size_t stride = RowStride(sigma_s, stretch.step_s);
+    for (std::size_t i = kernel.reach; i + kernel.reach < stretch.position.size(); i += stride) {
+      values.push_back(kernel.At(Moved(stretch, by_velocity), i) / white);
+      speeds.push_back(std::abs(stretch.position[i + 1] - stretch.position[i - 1]) / stretch.step_s);
+    }
+  }
+  const double fast = QuantileOfMagnitude(speeds, 0.5);
+  std::size_t next = 0;
+  std::erase_if(values, [&](double) { return speeds[next++] < fast; });
+  return std::max(1.0, std::pow(UsualSize(values), 2));
+}
+
 // Whether motion would be lost with the band. The path has to stand clear of its noise there; where the
 // torque has nothing but noise, correlation has to say as well that it follows.
 bool HoldsMotion(const Band& band, double inertia, double noise_per_s, double wildness) {
@@ -140,10 +162,7 @@ struct Choice {
 // The widest smoothing that takes nothing away which shows in the torque, nor much of the acceleration.
 Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narrowest, double widest,
                  bool by_velocity) {
-  // Noise of the path may be wilder than its white part: where time stamps jitter it comes and goes with the
-  // speed. The top of the spectrum says how much.
-  const Band top = MeasureBand(samples, narrowest, by_velocity);
-  const double wildness = top.motion_noise > 0.0 ? std::max(1.0, top.xx / top.motion_noise) : 1.0;
+  const double wildness = WildnessOf(samples, narrowest, by_velocity);
   std::vector<Choice> choices;
   double kept = 0.0;
   double inertia = 0.0;  // by the widest smoothing that sees the motion: noise shrinks it least there
@@ -170,7 +189,7 @@ Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narr
     // Of the noise that is left, over the record; and of the acceleration.
     const double noise = inertia * choice.trial.acceleration_noise;
     if (noise * noise * extent.duration_s < kImmaterial * noise_per_s) break;
-    const Band band = &choice == &choices.front() ? top : MeasureBand(samples, choice.sigma_s, by_velocity);
+    const Band band = MeasureBand(samples, choice.sigma_s, by_velocity);
     if (HoldsMotion(band, inertia, noise_per_s, wildness)) break;
   }
   return {chosen->sigma_s, {inertia, chosen->trial.coulomb, chosen->trial.acceleration_noise, 0.0}};

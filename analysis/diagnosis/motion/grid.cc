@@ -296,7 +296,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
                  bandwidth.inertia * (bandwidth.by_velocity ? gain(1) * samples.velocity_noise
                                                             : gain(2) * samples.position_noise));
   grid.acceleration_error = AddJolts(samples, bandwidth, layouts, grid);
-  ChooseMotionRows(samples, layouts, bandwidth.coulomb, expected_delay_s, grid);
+  ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, grid);
   const auto rows = static_cast<Index>(grid.rows());
   if (grid.rows() < kFewestRows) {
     throw std::invalid_argument(

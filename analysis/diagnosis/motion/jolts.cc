@@ -10,9 +10,11 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr double kStandsOut = 2.5;  // times the noise of a band, from which on a jolt shows in it
-constexpr double kFast = 0.5;       // of the 95 % quantile of the speed: where noise that goes with it shows
-constexpr double kAround = 2.0;     // σ to either side, over which a band's size at a place is taken
-constexpr double kBeyond = 0.3;     // of the last band: what lies beyond it and folds back into the torque
+constexpr double kStandsOutAlone =
+    6.0;                         // times the noise, from which on a band needs no other to bear it out
+constexpr double kFast = 0.5;    // of the 95 % quantile of the speed: where noise that goes with it shows
+constexpr double kAround = 2.0;  // σ to either side, over which a band's size at a place is taken
+constexpr double kBeyond = 0.3;  // of the last band: what lies beyond it and folds back into the torque
 // A band over the one half an octave lower, at most: a kink in the acceleration.
 const double kSlowestDecay = 1.0 / std::numbers::sqrt2;
 
@@ -40,7 +42,8 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
   band.values.assign(grid.time_s.size(), 0.0);
   const double top_speed = QuantileOfMagnitude(grid.velocity, 0.95);
   std::vector<double> moving;
-  std::vector<double> by_speed;  // where it is fast
+  std::vector<double> fast;
+  std::vector<double> by_speed;
   double white = 0.0;
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
@@ -56,12 +59,16 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
       const double speed = std::abs(grid.velocity[stretch.first + i]);
       band.values[stretch.first + i] = value;
       if (speed > kMoving * top_speed) moving.push_back(value);
-      if (speed > kFast * top_speed) by_speed.push_back(value / speed);
+      if (speed > kFast * top_speed) {
+        fast.push_back(value);
+        by_speed.push_back(value / speed);
+      }
     }
     const auto half = static_cast<std::size_t>(kAround * sigma_s / stretch.step_s);
     AddMeanSquares({band.values.data() + stretch.first, stretch.count}, half, band.mean_squares);
   }
-  const double everywhere = std::max(white, UsualSize(moving));
+  // An axis that turns often has its jolts where it is slow, one that is struck has them anywhere.
+  const double everywhere = std::max(white, std::min(UsualSize(moving), UsualSize(fast)));
   const double with_speed = UsualSize(by_speed);
   for (const double velocity : grid.velocity)
     band.noise.push_back(std::max(everywhere, with_speed * std::abs(velocity)));
@@ -89,10 +96,12 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
     const Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
     for (std::size_t i = 0; i < traces.size(); ++i) {
       Trace& trace = traces[i];
+      const double size = std::sqrt(band.mean_squares[i]);
+      // Where an axis turns every few samples, jolts are what is usual in the wider bands.
+      trace.shows = trace.shows || ((last || !left) && size > kStandsOutAlone * band.noise[i]);
       if (!trace.shows) continue;
       const double usual = kStandsOut * band.noise[i];
       const double share = usual * usual / std::max(band.mean_squares[i], 1e-300);
-      const double size = std::sqrt(band.mean_squares[i]);
       if (left) {
         trace.shows = share < 1.0;
         trace.decay = trace.size > 0.0 ? std::min(size / trace.size, kSlowestDecay) : kSlowestDecay;

@@ -8,10 +8,16 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr std::size_t kShortestRun = 4;  // rows between two gaps that are of use
-constexpr double kTolerated = 0.4;       // error by a reversal's time, over the noise
+constexpr double kTolerated = 0.2;       // error by a reversal's time, over the noise
+constexpr double kByChance = 0.4;        // harm of an error that is another one at each reversal
+constexpr double kMostAtRest = 0.05;     // of a row's low-pass
 constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
 constexpr double kBlurredReversal = 0.015;
+// A kink of the velocity between two samples is known to Bernoulli's B₂/2 of a step² in the velocity's sum,
+// to B₃/6 of a step³ in the position's (Euler and Maclaurin), of which the low-pass makes 2/σ a derivative.
+constexpr double kFoldedOfVelocity = 2.0 / 12.0;
+constexpr double kFoldedOfPosition = 4.0 * 0.008;
 
 // One at points of a rest: slower than can be told from standing, for longer than a reversal takes.
 std::vector<double> RestsOf(const MotionGrid& grid) {
@@ -80,10 +86,19 @@ Spell SlowSpell(const MotionGrid& grid, const MotionGrid::Stretch& stretch, std:
   return {static_cast<double>(from) + edge(from, from + 1), static_cast<double>(to) - edge(to, to - 1)};
 }
 
+// What the samples leave open of a kink of the velocity, as a time by which friction changes late.
+double FoldedKink_s(const MotionBandwidth& bandwidth, double step_s) {
+  const double narrow = step_s / bandwidth.path_sigma_s;
+  return step_s * narrow * (bandwidth.by_velocity ? kFoldedOfVelocity : kFoldedOfPosition * narrow);
+}
+
 // At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
-std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, double expected_delay_s) {
+std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                                   double expected_delay_s, const MotionGrid& grid) {
   std::vector<double> errors(grid.velocity.size(), 0.0);
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
+  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
+    const MotionGrid::Stretch& stretch = grid.stretches[s];
+    const double folded_s = FoldedKink_s(bandwidth, samples.stretches[s].step_s);
     const std::vector<double> envelope = EnvelopeOf(stretch);
     const auto half = std::max<std::size_t>(
         1, static_cast<std::size_t>(std::lround(2.0 * grid.path_sigma_s / stretch.step_s)));
@@ -102,7 +117,7 @@ std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, doubl
       const double middle = 0.5 * (spell.begin + spell.end);
       // Between which samples a resampled torque jumped is known, not where.
       const double uncertain_s = std::hypot(
-          grid.reversal_error_s,
+          std::max(kByChance * grid.reversal_error_s, folded_s),
           std::max(0.5 * (spell.end - spell.begin) * stretch.step_s, kBlurredReversal * grid.path_sigma_s));
       const auto reach =
           envelope.size() + static_cast<std::size_t>((uncertain_s + expected_delay_s) / stretch.step_s) + 1;
@@ -113,7 +128,7 @@ std::vector<double> ReversalErrors(const MotionGrid& grid, double coulomb, doubl
         const double after_s = (static_cast<double>(k) - middle) * stretch.step_s;
         const double away_s = std::max({after_s, -after_s - expected_delay_s, 0.0});
         const auto tap = static_cast<std::size_t>(std::max(0.0, away_s - uncertain_s) / stretch.step_s);
-        if (tap < envelope.size()) errors[k] += 2.0 * coulomb * uncertain_s * envelope[tap];
+        if (tap < envelope.size()) errors[k] += 2.0 * bandwidth.coulomb * uncertain_s * envelope[tap];
       }
     }
   }
@@ -131,11 +146,14 @@ double ToleratedError(double noise, const std::vector<double>& errors) {
 
 }  // namespace
 
-void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts, double coulomb,
-                      double expected_delay_s, MotionGrid& grid) {
+void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
+                      const MotionBandwidth& bandwidth, double expected_delay_s, MotionGrid& grid) {
   const std::vector<double> rests = RestsOf(grid);
-  const std::vector<double> errors = ReversalErrors(grid, coulomb, expected_delay_s);
+  const std::vector<double> errors = ReversalErrors(samples, bandwidth, expected_delay_s, grid);
   const double tolerated = ToleratedError(grid.noise_floor, errors);
+  // At rest friction is anything between its two values.
+  const double most_at_rest =
+      std::min(kMostAtRest, kTolerated * grid.noise_floor / std::max(2.0 * bandwidth.coulomb, 1e-300));
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const EvenStretch& raw = samples.stretches[s];
@@ -157,7 +175,7 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
       const std::size_t sample = layouts[s].SampleOf(i);
       if (sample < layouts[s].margin || sample + layouts[s].margin >= raw.position.size()) continue;
       if (errors[stretch.first + i] > tolerated ||
-          ShareUnderKernel(stretch.low_pass, rests, stretch.first + i) > 0.05 ||
+          ShareUnderKernel(stretch.low_pass, rests, stretch.first + i) > most_at_rest ||
           ShareUnderKernel(at_samples, clipped, sample) > 1e-3) {
         end_run();
         continue;

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/grid.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -18,8 +19,8 @@ struct PointLayout {
 /// Chooses the rows of a grid that has its points: evenly, but for what MotionGrid leaves out. The time of a
 /// reversal is known no better than velocity noise and smoothing let it; rows in which Coulomb friction makes
 /// more of that than noise are left out, too, unless reversals are so frequent that little would be left.
-/// @param coulomb  about; `grid.noise_floor` is what it is compared with
-void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts, double coulomb,
-                      double expected_delay_s, MotionGrid& grid);
+/// @param bandwidth  its Coulomb friction, about, is compared with `grid.noise_floor`
+void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
+                      const MotionBandwidth& bandwidth, double expected_delay_s, MotionGrid& grid);
 
 }  // namespace strainwave::analysis::diagnosis
