@@ -124,7 +124,10 @@ bool ModbusRtu::ComeBackInStep() {
 ModbusReply ModbusRtu::Receive(const Pdu& pdu, std::span<std::uint16_t> words) {
   std::uint8_t frame[MODBUS_RTU_MAX_ADU_LENGTH];
   const int got = modbus_receive_confirmation(context_.get(), frame);
-  if (got == 0) return WrongAnswer("it is from another unit", counts_);
+  // libmodbus lets unit 0 pass as every unit's; it is that of a broadcast, and no device answers as it.
+  if (got == 0 || (got > 0 && frame[0] != settings_.unit)) {
+    return WrongAnswer("it is from another unit", counts_);
+  }
   if (got < 0) {
     const int error = errno;
     if (error == ETIMEDOUT) {

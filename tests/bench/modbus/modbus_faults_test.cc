@@ -89,7 +89,8 @@ TEST_P(Faults, OfALinkThatConnectsAgainAndAgainStillGiveNoWrongValue) {
 
 TEST_P(Faults, WrongAnswersAreToldInWordsAndTheNextIsRight) {
   const std::pair<std::string, std::string> both[] = {
-      {"unit", "wrong answer: it is from another unit"},
+      {"unit 2", "wrong answer: it is from another unit"},
+      {"unit 0", "wrong answer: it is from another unit"},
       {"function", "wrong answer: it is to another function"},
       {"longer", "wrong answer: its length is not that which was asked for"},
       {"exception 2", "refused with exception 2, illegal data address: the device has no such register"},

@@ -10,7 +10,7 @@ Says 'port N' or 'line PATH', then takes a line 'MODE [NUMBER]' and says 'ok'. T
   shift       answers each request with the answer to the one before
   late        keeps the next answer back, and sends it before the answer that follows; then good
   half        sends half an answer
-  unit        as another unit
+  unit N      as unit N
   function    to another function
   longer      with one register more than was asked for
   address     a write as one to the next address
@@ -55,7 +55,7 @@ class Device:
 
     def frames(self, request, enclose):
         """What is sent upon a request (unit and PDU)."""
-        unit = request[0] + (self.mode == "unit")
+        unit = self.number if self.mode == "unit" else request[0]
         frame = enclose(bytes([unit]) + self.answer(request[1:]))
         if self.mode == "silent":
             return b""
