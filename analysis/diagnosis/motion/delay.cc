@@ -84,9 +84,13 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
   const Eigen::VectorXd numbers = LeastSquares(later, measured);
   SeparableTerm term = FixedTerm((later - grid->nominal) * numbers / about_s);
   // Each reversal of a resampled torque is off by a part of a step of its own, which no residual's noise
-  // tells.
-  const double timing_s =
-      grid->reversal_error_s / std::sqrt(std::max(1.0, static_cast<double>(grid->Reversals())));
+  // tells: an error of the delay as far as it is known by what friction does there.
+  const Eigen::MatrixXd shift = (later - grid->nominal) * numbers;
+  const Eigen::MatrixXd own = grid->BesideNominal(shift);
+  const double by_friction = own.cwiseProduct((later.col(2) - grid->nominal.col(2)) * numbers(2)).sum() /
+                             std::max(own.squaredNorm(), 1e-300);
+  const double timing_s = std::abs(by_friction) * grid->reversal_error_s /
+                          std::sqrt(std::max(1.0, static_cast<double>(grid->Reversals())));
   term.describe = [timing_s](std::span<const double> fitted, const Eigen::MatrixXd& covariance) {
     return std::vector<ParameterValue>{
         {"delay_s", "s", fitted[0], std::hypot(StandardErrorOf(covariance(0, 0)), timing_s)}};

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "analysis/units.h"
+#include "tests/analysis/diagnosed.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kRate_Hz = 200.0;
+constexpr double kDelay_s = 0.002;
+
+// A light axis that turns twice in 20 s, whose torque is that of `kDelay_s` later; samples are taken up to a
+// tenth of a step late, and dated right.
+MotionData Record(unsigned seed, double delay_s) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> late(0.0, 0.2);
+  MotionData record;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(20.0 * kRate_Hz); ++i) {
+    const double time_s = (static_cast<double>(i) + late(random)) / kRate_Hz;
+    const auto slow = [](double at_s) { return kTwoPi * 0.05 * at_s; };
+    const auto fast = [](double at_s) { return kTwoPi * 0.9 * at_s; };
+    const auto speed = [&](double at_s) { return 3.0 * std::cos(slow(at_s)) + 0.2 * std::cos(fast(at_s)); };
+    const double then_s = time_s + delay_s;
+    const double acceleration =
+        -3.0 * kTwoPi * 0.05 * std::sin(slow(then_s)) - 0.2 * kTwoPi * 0.9 * std::sin(fast(then_s));
+    record.time_s.push_back(time_s);
+    record.position.push_back(3.0 / (kTwoPi * 0.05) * std::sin(slow(time_s)) +
+                              0.2 / (kTwoPi * 0.9) * std::sin(fast(time_s)) + 1e-6 * normal(random));
+    record.torque.push_back(0.03 * acceleration + 0.007 * speed(then_s) +
+                            0.002 * std::tanh(speed(then_s) / 0.005) + 0.0003 * normal(random));
+  }
+  return record;
+}
+
+// Of two turns alone nobody would know it, where each is known to a step of 5 ms.
+TEST(MotionDelay, IsKnownByInertiaWhereSamplesComeLate) {
+  for (const unsigned seed : {1U, 2U}) {
+    const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {Record(seed, kDelay_s)});
+    EXPECT_EQ(found.names(), Names{"time_delay"}) << seed;
+    if (found.names() == Names{"time_delay"}) {
+      const ParameterValue delay = found.value("delay_s");
+      EXPECT_NEAR(delay.value, kDelay_s, 4.0 * delay.standard_error) << seed;
+    }
+    const Diagnosed clean = DiagnoseRecords(&MakeMotionStudy, {Record(seed, 0.0)});
+    EXPECT_EQ(clean.names(), Names()) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
