@@ -156,6 +156,7 @@ class DriveMaster {
   // drive_master_frames.cc: what comes in
   void OnHeartbeatEvent(HeartbeatEvent event, std::chrono::nanoseconds now) noexcept;
   void OnEmergency(const Emergency& emergency, std::chrono::nanoseconds now) noexcept;
+  void KeepFromOperation() noexcept;
   void OnPdo(const CanFrame& frame, std::chrono::nanoseconds now) noexcept;
   void UpdateFreshness() noexcept;
   void UpdateStatus() noexcept;

@@ -58,10 +58,18 @@ void DriveMaster::OnEmergency(const Emergency& emergency, nanoseconds now) noexc
   if (IsExchanging() && !emergency.is_reset() && !is_warning) Trip(DriveTrouble::kEmergency, now);
 }
 
+// A drive that started anew in the midst of work sends process data again: somebody else has set it going,
+// and may raise it next. Only its own master may, and that will set it up first.
+void DriveMaster::KeepFromOperation() noexcept {
+  if (trouble_ == DriveTrouble::kNone || trouble_ == DriveTrouble::kBusOff) return;
+  (void)out_.PushNewest(NmtFrame(NmtCommand::kEnterPreOperational, node_id_));
+}
+
 void DriveMaster::OnPdo(const CanFrame& frame, nanoseconds now) noexcept {
   for (std::size_t i = 0; i < pdos_.size(); ++i) {
     const PdoSetting& pdo = pdos_[i];
     if (pdo.flow != PdoFlow::kFromDrive || !IsDataFrame(frame, pdo.cob_id)) continue;
+    if (stage_ == DriveStage::kOff) KeepFromOperation();
     // Before the drive has been set up, it may have mapped anything.
     if (stage_ == DriveStage::kOff || stage_ == DriveStage::kCommissioning) return;
     if (!DecodeFromDrive(pdo, frame, inputs_)) {

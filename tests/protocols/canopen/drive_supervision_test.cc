@@ -55,8 +55,13 @@ TEST(DriveSupervision, StopsWhenTheNodeStartsAnewAndSendsItNoProcessData) {
   bench.Hear("703#00");
   bench.ExpectStopFor(DriveTrouble::kNodeRebooted);
   EXPECT_EQ(bench.master.stage(), DriveStage::kOff);
+  bench.sends_pdos = false;
   for (int i = 0; i < 100; ++i) bench.Cycle();
   EXPECT_EQ(bench.sent, Texts{});
+  // Somebody else has started it: it is taken out of operation again, and is sent nothing else.
+  bench.sends_pdos = true;
+  for (int i = 0; i < 100; ++i) bench.Cycle();
+  EXPECT_EQ(std::set<std::string>(bench.sent.begin(), bench.sent.end()), std::set<std::string>{"000#8003"});
   EXPECT_EQ(bench.master.ResetFault(bench.now), DriveAnswer::kCommissionFirst);
   // Set up anew it may be enabled again.
   bench.drive.power = PowerState::kSwitchOnDisabled;
