@@ -8,16 +8,17 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr std::size_t kShortestRun = 4;  // rows between two gaps that are of use
-constexpr double kTolerated = 0.2;       // error by a reversal's time, over the noise
-constexpr double kByChance = 0.4;        // harm of an error that is another one at each reversal
+constexpr double kTolerated = 0.4;       // error by a reversal's time, over the noise
+constexpr double kAlikeEachTime = 1.5;   // harm of an error that is no chance, over one that is
 constexpr double kMostAtRest = 0.05;     // of a row's low-pass
 constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
 constexpr double kBlurredReversal = 0.015;
 // A kink of the velocity between two samples is known to Bernoulli's B₂/2 of a step² in the velocity's sum,
 // to B₃/6 of a step³ in the position's (Euler and Maclaurin), of which the low-pass makes 2/σ a derivative.
-constexpr double kFoldedOfVelocity = 2.0 / 12.0;
-constexpr double kFoldedOfPosition = 4.0 * 0.008;
+// An axis that sticks has two.
+constexpr double kFoldedOfVelocity = 2.0 * 2.0 / 12.0;
+constexpr double kFoldedOfPosition = 2.0 * 4.0 * 0.008;
 
 // One at points of a rest: slower than can be told from standing, for longer than a reversal takes.
 std::vector<double> RestsOf(const MotionGrid& grid) {
@@ -116,9 +117,10 @@ std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBan
       told = spell.end;
       const double middle = 0.5 * (spell.begin + spell.end);
       // Between which samples a resampled torque jumped is known, not where.
-      const double uncertain_s = std::hypot(
-          std::max(kByChance * grid.reversal_error_s, folded_s),
-          std::max(0.5 * (spell.end - spell.begin) * stretch.step_s, kBlurredReversal * grid.path_sigma_s));
+      const double uncertain_s =
+          std::hypot(std::max(grid.reversal_error_s, folded_s),
+                     std::max(kAlikeEachTime * 0.5 * (spell.end - spell.begin) * stretch.step_s,
+                              kBlurredReversal * grid.path_sigma_s));
       const auto reach =
           envelope.size() + static_cast<std::size_t>((uncertain_s + expected_delay_s) / stretch.step_s) + 1;
       const auto centre = static_cast<std::size_t>(middle);
