@@ -78,7 +78,7 @@ void TriggeredCapture::Keep(const SampleBlock& block, std::uint32_t sample) noex
                    .begins = begins};
 }
 
-void TriggeredCapture::Take(const SampleBlock& block, const std::function<void(const Capture&)>& deliver) {
+void TriggeredCapture::Take(const SampleBlock& block, const std::function<void(Capture)>& deliver) {
   const BlockHeader& header = block.header;
   const std::size_t channels = source_.channels.size();
   if (header.channels != channels) {
@@ -110,7 +110,7 @@ void TriggeredCapture::Take(const SampleBlock& block, const std::function<void(c
   }
 }
 
-void TriggeredCapture::Finish(const std::function<void(const Capture&)>& deliver) {
+void TriggeredCapture::Finish(const std::function<void(Capture)>& deliver) {
   if (!captures_ && fired_ && kept_ > 0) {
     captures_ = true;
     cause_ = std::move(*std::exchange(fired_, std::nullopt));

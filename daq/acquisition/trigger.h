@@ -67,14 +67,14 @@ class TriggeredCapture {
   TriggeredCapture(const SourceDescription& source, const TriggerSettings& settings);
 
   /// Takes a block that a `GapLedger` has seen. Memory is taken only where a capture is handed over.
-  void Take(const SampleBlock& block, const std::function<void(const Capture&)>& deliver);
+  void Take(const SampleBlock& block, const std::function<void(Capture)>& deliver);
 
   /// An event from outside, such as a fault: triggers at the next sample. `cause` in words.
   void Fire(std::string cause) { fired_ = std::move(cause); }
 
   /// Hands over a capture that still waits for samples behind its trigger, as far as it came; of an event
   /// that no sample has followed, what was before it.
-  void Finish(const std::function<void(const Capture&)>& deliver);
+  void Finish(const std::function<void(Capture)>& deliver);
 
   std::uint64_t ignored() const { return ignored_; }
 

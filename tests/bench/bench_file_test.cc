@@ -11,6 +11,7 @@
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/read_bench_file.h"
 #include "schedules/reader/read_schedule.h"
+#include "tests/bench/bench_message.h"
 #include "tests/schedules/schedule_text.h"
 
 namespace strainwave::bench {
@@ -45,12 +46,7 @@ simulation:
 }
 
 std::string BenchMessageOf(const std::string& text) {
-  try {
-    ParseBenchFile(text, "small-bench.yaml");
-    return {};
-  } catch (const BenchFileError& error) {
-    return error.what();
-  }
+  return bench::BenchMessageOf(text, "small-bench.yaml");
 }
 
 // What the bench says to the small schedule with one change.

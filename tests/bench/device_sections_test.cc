@@ -8,6 +8,7 @@
 
 #include "bench/configuration/commissioning_file.h"
 #include "bench/configuration/read_bench_file.h"
+#include "tests/bench/bench_message.h"
 #include "tests/schedules/schedule_text.h"
 
 namespace strainwave::bench {
@@ -50,12 +51,7 @@ channels:
 }
 
 std::string MessageOf(std::string_view from, std::string_view to) {
-  try {
-    ParseBenchFile(With(RealBench(), from, to), "real.yaml", "lab");
-    return {};
-  } catch (const BenchFileError& error) {
-    return error.what();
-  }
+  return BenchMessageOf(With(RealBench(), from, to), "real.yaml", "lab");
 }
 
 TEST(DeviceSections, NameEveryDeviceAndWhereItIs) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/configuration/read_bench_file.h"
+#include "tests/bench/bench_message.h"
 #include "tests/schedules/schedule_text.h"
 
 namespace strainwave::bench {
@@ -34,12 +35,7 @@ accelerometers:
 }
 
 std::string MessageOf(std::string_view from, std::string_view to) {
-  try {
-    ParseBenchFile(With(BenchWithTeds(), from, to), "lab.yaml", "lab");
-    return {};
-  } catch (const BenchFileError& error) {
-    return error.what();
-  }
+  return BenchMessageOf(With(BenchWithTeds(), from, to), "lab.yaml", "lab");
 }
 
 TEST(TedsSection, GivesASensorItsCalibration) {

@@ -82,13 +82,13 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
   Eigen::MatrixXd later = grid->nominal;
   later.leftCols(3) = MotionLater(*grid, about_s);
   const Eigen::VectorXd numbers = LeastSquares(later, measured);
-  SeparableTerm term = FixedTerm((later - grid->nominal) * numbers / about_s);
+  const Eigen::VectorXd shift = (later - grid->nominal) * numbers;
+  SeparableTerm term = FixedTerm(shift / about_s);
   // Each reversal of a resampled torque is off by a part of a step of its own, which no residual's noise
   // tells: an error of the delay as far as it is known by what friction does there.
-  const Eigen::MatrixXd shift = (later - grid->nominal) * numbers;
-  const Eigen::MatrixXd own = grid->BesideNominal(shift);
-  const double by_friction = own.cwiseProduct((later.col(2) - grid->nominal.col(2)) * numbers(2)).sum() /
-                             std::max(own.squaredNorm(), 1e-300);
+  const Eigen::VectorXd own = grid->BesideNominal(shift);
+  const double by_friction =
+      own.dot((later.col(2) - grid->nominal.col(2)) * numbers(2)) / std::max(own.squaredNorm(), 1e-300);
   const double timing_s = std::abs(by_friction) * grid->reversal_error_s /
                           std::sqrt(std::max(1.0, static_cast<double>(grid->Reversals())));
   term.describe = [timing_s](std::span<const double> fitted, const Eigen::MatrixXd& covariance) {

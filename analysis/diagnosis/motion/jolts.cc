@@ -9,9 +9,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kStandsOut = 2.5;  // times the noise of a band, from which on a jolt shows in it
-constexpr double kStandsOutAlone =
-    6.0;                         // times the noise, from which on a band needs no other to bear it out
+constexpr double kStandsOut = 2.5;       // times the noise of a band, from which on a jolt shows in it
+constexpr double kStandsOutAlone = 6.0;  // the same of a band that no other bears out
 constexpr double kFast = 0.5;    // of the 95 % quantile of the speed: where noise that goes with it shows
 constexpr double kAround = 2.0;  // σ to either side, over which a band's size at a place is taken
 constexpr double kBeyond = 0.3;  // of the last band: what lies beyond it and folds back into the torque

@@ -12,6 +12,15 @@
 
 namespace strainwave::bench {
 
+namespace {
+
+std::string ConnectionWords(const std::string& trouble, bool connected) {
+  if (!trouble.empty()) return trouble;
+  return connected ? "connected" : "not yet connected";
+}
+
+}  // namespace
+
 std::string FieldMachine::MissingForStart() const {
   if (!pendant_) return {};
   const PendantActual actual = pendant_->Actual();
@@ -183,11 +192,7 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
   for (const auto& [name, servo] : modbus_servos_) {
     const std::string trouble = servo->trouble();
     const bool good = trouble.empty() && servo->is_supervised();
-    states.push_back({name,
-                      !trouble.empty() ? trouble
-                      : good           ? "connected"
-                                       : "not yet connected",
-                      good, FactsOf(*servo)});
+    states.push_back({name, ConnectionWords(trouble, good), good, FactsOf(*servo)});
   }
   for (const MeasuredStop& stop : stops_) {
     states.push_back({fmt::format("{}, time to stop", stop.servo),
@@ -213,25 +218,21 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
   }
   for (const auto& [name, client] : modbus_) {
     const std::string trouble = client->trouble();
-    states.push_back({name,
-                      trouble.empty() ? (client->connected() ? "connected" : "not yet connected") : trouble,
-                      trouble.empty() && client->connected()});
+    states.push_back(
+        {name, ConnectionWords(trouble, client->connected()), trouble.empty() && client->connected()});
   }
   for (const auto& [name, amplifier] : amplifiers_) {
     const std::string trouble = amplifier->trouble();
-    const bool good = trouble.empty() && amplifier->connected();
-    states.push_back({name, !trouble.empty() ? trouble : good ? "connected" : "not yet connected", good});
+    states.push_back(
+        {name, ConnectionWords(trouble, amplifier->connected()), trouble.empty() && amplifier->connected()});
   }
   for (const auto& [name, chamber] : chambers_) {
     const std::string trouble = chamber->trouble();
     const bool good = trouble.empty() && chamber->connected();
     const ChannelValue set_point = chamber->SetPoint();
-    states.push_back({name,
-                      !trouble.empty()  ? trouble
-                      : !good           ? "not yet connected"
-                      : !set_point.good ? "connected"
-                                        : fmt::format("connected, set point {:.1f} degC", set_point.value),
-                      good});
+    std::string words = ConnectionWords(trouble, good);
+    if (good && set_point.good) words += fmt::format(", set point {:.1f} degC", set_point.value);
+    states.push_back({name, words, good});
   }
   for (const auto& [name, reader] : sources_) {
     const std::string trouble = reader->Trouble();

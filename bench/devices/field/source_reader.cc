@@ -200,7 +200,7 @@ void SourceReader::Take(SampleBlock& block) {
   next_.time = clock_.FromKernel(block.header.arrival);
   next_.sampled = clock_.FromKernel(FollowClock(block));
   Keep(block);
-  around_trip_.Take(block, [this](const daq::acquisition::Capture& around) { Deliver(around); });
+  around_trip_.Take(block, [this](daq::acquisition::Capture around) { Deliver(std::move(around)); });
 }
 
 void SourceReader::CountTurns(const SampleBlock& block) {

@@ -123,7 +123,7 @@ class SourceReader {
   void Say(const std::string& trouble);
   static daq::acquisition::TriggerSettings AroundTrip(const daq::acquisition::SourceDescription& source);
   void FinishAroundTrip();
-  void Deliver(const daq::acquisition::Capture& around);
+  void Deliver(daq::acquisition::Capture around);
 
   std::unique_ptr<daq::acquisition::SampleSource> source_;
   const MonotonicClock& clock_;

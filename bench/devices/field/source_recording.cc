@@ -72,14 +72,13 @@ void SourceReader::FinishAroundTrip() {
     }
   }
   if (!tripped_ || now - *tripped_ < kAroundTrip + kOnTheWay) return;
-  around_trip_.Finish([this](const daq::acquisition::Capture& around) { Deliver(around); });
+  around_trip_.Finish([this](daq::acquisition::Capture around) { Deliver(std::move(around)); });
 }
 
-void SourceReader::Deliver(const daq::acquisition::Capture& around) {
+void SourceReader::Deliver(daq::acquisition::Capture around) {
   tripped_.reset();
-  std::optional<daq::acquisition::Capture> copy(around);
   const std::lock_guard lock(mutex_);
-  delivered_ = std::move(copy);
+  delivered_ = std::move(around);
   delivery_.notify_all();
 }
 
