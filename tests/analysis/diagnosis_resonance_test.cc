@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/diagnosis/vibration/bands.h"
+#include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/units.h"
@@ -76,6 +77,54 @@ TEST(VibrationResonance, CallsAHumThatMovesAllChannelsInStepUnnamed) {
   };
   for (const unsigned seed : {33U, 34U}) {
     const Diagnosed answer = Ask({Record(Turning(1490.0, 1.34, 0.0), seed, hum, {0.85, 0.98, 0.78, 1.0})});
+    EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure) << seed;
+    EXPECT_EQ(answer.names(), Names()) << seed;
+  }
+}
+
+// Two knocks within half a period of each other ring as one: told apart, neither would have a height.
+TEST(VibrationResonance, NamesKnocksThatOverlap) {
+  const Effect knocks = [](const Turning& run) {
+    Signal signal = Silence(run);
+    AddRing(run, 0.61832, 0.10, 126.9, 0.0125, signal);
+    AddRing(run, 0.64205, 0.144, 126.9, 0.0125, signal);
+    AddRing(run, 0.64318, -0.1225, 126.9, 0.0125, signal);
+    AddRing(run, 0.72612, -0.164, 126.9, 0.0125, signal);
+    return signal;
+  };
+  for (const unsigned seed : {35U, 36U, 43U}) {
+    const Diagnosed answer = Ask({Record(Turning(330.0, 2.254, 0.0), seed, knocks, {0.54, 1.0, 0.39})});
+    EXPECT_EQ(answer.names(), Names{"torsional_resonance"}) << seed;
+  }
+}
+
+TEST(OneOf, RingsAsTwoDoOnceBothHaveBegun) {
+  const Turning run(1500.0, 0.2, 0.0);
+  Signal two = Silence(run);
+  AddRing(run, 0.0101, 1.0, kFrequency_Hz, kDamping, two);
+  AddRing(run, 0.0112, -0.8, kFrequency_Hz, kDamping, two);
+  const Knock knock = OneOf({0.0101, 1.0}, {0.0112, -0.8}, kFrequency_Hz, kDamping);
+  EXPECT_NEAR(knock.start_s, 0.0101, 0.25 / kFrequency_Hz);
+  Signal one = Silence(run);
+  AddRing(run, knock.start_s, knock.height, kFrequency_Hz, kDamping, one);
+  for (std::size_t i = 70; i < one.size(); ++i) ASSERT_NEAR(one[i], two[i], 1e-3) << i;
+}
+
+// A band takes up something of the noise's colour, which a line cannot.
+TEST(VibrationResonance, CallsAHumInColouredNoiseUnnamed) {
+  const Effect hum = [](const Turning& run) {
+    Signal signal;
+    for (const double time : run.time_s) signal.push_back(0.4 * std::sin(kTwoPi * 60.0 * time + 0.3));
+    return signal;
+  };
+  const Turning run(2225.0, 1.5, 0.0);
+  for (const unsigned seed : {39U, 112U, 114U}) {
+    VibrationData record = Record(run, seed, hum, {0.5, 1.0});
+    for (std::size_t c = 0; c < record.channels.size(); ++c) {
+      const Signal noise = ColouredNoise(run, 100 * seed + static_cast<unsigned>(c), 0.5, 0.6);
+      record.channels[c].values = std::move(record.channels[c].values) + noise;
+    }
+    const Diagnosed answer = Ask({record});
     EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure) << seed;
     EXPECT_EQ(answer.names(), Names()) << seed;
   }

@@ -231,6 +231,7 @@ void OneTermSolver::Prune(TermFit& fit) const {
 }
 
 VectorXd OneTermSolver::Residual(const TermFit& fit) const {
+  if (IsFilter(fit.term)) return Innovations(fit.term);
   VectorXd residual(static_cast<Index>(samples_.measured.size()));
   for (const Group& group : groups_) {
     MatrixXd own = Weighted(group, FillTerm(samples_, group.run, fit.term));

@@ -46,7 +46,7 @@ class OneTermSolver {
   /// best keeps it.
   void Prune(TermFit& fit) const;
 
-  /// What the model with the term leaves, all samples; 0 where there is no weight. For terms with columns.
+  /// What the model with the term leaves, times the roots of the weights, all samples.
   Eigen::VectorXd Residual(const TermFit& fit) const;
 
  private:

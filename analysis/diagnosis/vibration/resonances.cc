@@ -62,10 +62,8 @@ bool AreOfShaft(const VibrationTerm& lines, double cell) {
 
 // −ln p of what a term explains, by its numbers, less what a choice of places costs. BIC charges each
 // channel's share of a band by the length of all, and would rather have a chance line in one channel.
-double UnlikelinessOf(const VibrationRemainder& remainder, double square_sum, double numbers,
-                      double log_places) {
-  const VibrationSolution& base = remainder.base();
-  return ExcessOf(0.5 * (base.square_sum - square_sum) / base.variance(), 0.5 * numbers) - log_places;
+double UnlikelinessOf(double likelihood_ratio, double numbers, double log_places) {
+  return ExcessOf(0.5 * likelihood_ratio, 0.5 * numbers) - log_places;
 }
 
 double NumbersOf(const VibrationRemainder& remainder, const TermFit& fit) {
@@ -74,7 +72,7 @@ double NumbersOf(const VibrationRemainder& remainder, const TermFit& fit) {
 
 // Lines of the shaft or of the current that stand together look like a band that noise drives, or beat like
 // knocks; and a line alone is a knock that does not die away. They are lines where so few of them explain as
-// much.
+// much, as the judge takes the noise: a band has something of its colour, too, and a line has not.
 bool AreLines(const VibrationRemainder& remainder, const TermFit& band, SpectrumAxis axis) {
   const VibrationSamples& samples = remainder.samples();
   const bool over_turns = axis == SpectrumAxis::kTurns;
@@ -82,6 +80,8 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band, Spectrum
   const double turn_Hz = over_turns ? samples.runs.front().mean_speed_rad_per_s / kTwoPi : 1.0;
   const double centre = band.term.shapes[0] / turn_Hz;
   const double reach = kBandReach * band.term.shapes[1] * centre + 2.0 * spectrum.cell();
+  const double of_band = remainder.RatioOf(band);
+  const double numbers_of_band = NumbersOf(remainder, band);
   VibrationTerm lines;
   lines.cause = band.term.cause;
   lines.form = over_turns ? VibrationForm::kLines : VibrationForm::kTones;
@@ -94,17 +94,16 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band, Spectrum
     const std::size_t count = lines.lines.size();
     // A hum moves all channels in step, as a mode does: one phase, and what the others take from noise.
     const double in_step = count > 1 ? 0.0 : std::max(0.0, 0.5 * (NumbersOf(remainder, fit) - 3.0));
-    const double square_sum = fit.square_sum + in_step * fit.variance();
+    const double ratio = remainder.RatioOf(fit) - in_step;
+    const double numbers = NumbersOf(remainder, fit) - in_step;
     // Where the others stand was chosen, too.
     const auto others = static_cast<double>(count - 1);
     double ahead{};
     if (band.term.form == VibrationForm::kNarrowband) {
       const double log_places = others * std::log(2.0 * reach / spectrum.cell());
-      ahead = UnlikelinessOf(remainder, square_sum, NumbersOf(remainder, fit) - in_step, log_places) -
-              UnlikelinessOf(remainder, band.square_sum, NumbersOf(remainder, band), 0.0);
+      ahead = UnlikelinessOf(ratio, numbers, log_places) - UnlikelinessOf(of_band, numbers_of_band, 0.0);
     } else {
-      const double saved = in_step * (std::log(fit.weight_sum) - 1.0);
-      ahead = 0.5 * (band.bic() - (fit.bic() - saved + others * std::log(fit.weight_sum)));
+      ahead = 0.5 * (ratio - of_band - (numbers + others - numbers_of_band) * std::log(fit.weight_sum));
     }
     // One line is the simpler thing; several are where the shaft makes them, or have to be the better one.
     const bool simpler = count == 1 || (over_turns && AreOfShaft(lines, spectrum.cell()));
@@ -119,46 +118,76 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
          AreLines(remainder, band, SpectrumAxis::kSeconds);
 }
 
-std::size_t KicksOf(const TermFit& solution) { return (solution.term.shapes.size() - 1) / 2; }
+std::size_t KnockCount(const VibrationTerm& term) { return (term.shapes.size() - 1) / 2; }
+
+std::vector<Knock> KnocksOf(const VibrationTerm& term) {
+  std::vector<Knock> knocks{{term.shapes[2], 1.0}};
+  for (std::size_t s = 3; s + 1 < term.shapes.size(); s += 2)
+    knocks.push_back({term.shapes[s], term.shapes[s + 1]});
+  return knocks;
+}
+
+// The term with other knocks; the height of the first is its unit.
+VibrationTerm WithKnocks(VibrationTerm term, const std::vector<Knock>& knocks) {
+  term.shapes.resize(2);
+  term.shapes.push_back(knocks[0].start_s);
+  for (std::size_t k = 1; k < knocks.size(); ++k) {
+    term.shapes.insert(term.shapes.end(), {knocks[k].start_s, knocks[k].height / knocks[0].height});
+  }
+  return term;
+}
 
 // Adds knocks, loudest first, as long as they pay; refines for so many rounds after each.
 TermFit AddKicks(const VibrationRemainder& remainder, TermFit solution, int rounds) {
   const VibrationRun& run = remainder.samples().runs.front();
-  while (KicksOf(solution) < kMostKicks) {
+  while (KnockCount(solution.term) < kMostKicks) {
     const Eigen::VectorXd left = remainder.ResidualOf(solution);
-    VibrationTerm more = solution.term;
+    const double frequency_Hz = solution.term.shapes[0];
+    const double damping = solution.term.shapes[1];
     // The mode moves all channels in the proportion that the knocks so far show.
     std::vector<double> gains;
     for (const TermFit::Channel& channel : solution.channels) {
       gains.push_back(channel.coefficients.size() == 0 ? 0.0 : channel.coefficients(0));
     }
     const Kick kick =
-        LoudestKick(run, more.shapes[0], more.shapes[1], {left.data(), static_cast<std::size_t>(left.size())},
+        LoudestKick(run, frequency_Hz, damping, {left.data(), static_cast<std::size_t>(left.size())},
                     remainder.solver().weights(), gains);
     if (!(kick.drop > kLeastFurtherKick * solution.variance())) break;
-    more.shapes.insert(more.shapes.end(), {run.time_s[kick.sample], kick.height});
-    TermFit richer = remainder.With(std::move(more), rounds);
+    const Knock more{run.time_s[kick.sample], kick.height};
+    std::vector<Knock> knocks = KnocksOf(solution.term);
+    const auto nearest = std::ranges::min_element(
+        knocks, {}, [&](const Knock& knock) { return std::abs(knock.start_s - more.start_s); });
+    std::optional<TermFit> moved;
+    // Within half a period of one that is there it says that this one stands elsewhere.
+    if (std::abs(nearest->start_s - more.start_s) < 0.5 / frequency_Hz) {
+      std::vector<Knock> others = knocks;
+      Knock& own = others[static_cast<std::size_t>(nearest - knocks.begin())];
+      own = OneOf(own, more, frequency_Hz, damping);
+      moved = remainder.With(WithKnocks(solution.term, others), rounds);
+    }
+    knocks.push_back(more);
+    TermFit richer = remainder.With(WithKnocks(solution.term, knocks), rounds);
+    if (moved && moved->bic() < richer.bic()) richer = std::move(*moved);
     if (richer.bic() > solution.bic() - 2.0) break;
     solution = std::move(richer);
   }
   return solution;
 }
 
-// Takes out knocks beside the first that do not pay any more with the others refined.
+// Takes out knocks that do not pay any more with the others refined.
 TermFit DropKicks(const VibrationRemainder& remainder, TermFit solution) {
-  for (std::size_t k = 3; k < solution.term.shapes.size();) {
-    VibrationTerm fewer = solution.term;
-    const auto place = fewer.shapes.begin() + static_cast<std::ptrdiff_t>(k);
-    fewer.shapes.erase(place, place + 2);
-    TermFit without = remainder.With(std::move(fewer), 0);
+  for (std::size_t k = 0; k < KnockCount(solution.term) && KnockCount(solution.term) > 1;) {
+    std::vector<Knock> fewer = KnocksOf(solution.term);
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
+    TermFit without = remainder.With(WithKnocks(solution.term, fewer), 0);
     // What is far behind does not catch up.
     if (without.bic() < solution.bic() + 40.0) without = remainder.Refine(std::move(without), 4);
     if (without.bic() > solution.bic() + 2.0) {
-      k += 2;
+      ++k;
       continue;
     }
     solution = std::move(without);
-    k = 3;
+    k = 0;
   }
   return solution;
 }
@@ -192,7 +221,7 @@ void TryKicks(const VibrationRemainder& remainder, std::size_t index,
     for (const auto& [drop, term] : firsts) {
       TermFit own = AddKicks(remainder, remainder.With(term, 0), 0);
       // So many that there would be more: what drives it never stops.
-      if (KicksOf(own) == kMostKicks) break;
+      if (KnockCount(own.term) == kMostKicks) break;
       Keep(std::move(own), start);
     }
     if (!start) continue;

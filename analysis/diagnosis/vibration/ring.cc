@@ -89,6 +89,15 @@ void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, doub
   }
 }
 
+Knock OneOf(const Knock& first, const Knock& second, double ring_Hz, double damping_ratio) {
+  const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}});
+  // Size and phase at the start of the first; the sign makes up for half a turn of the phase.
+  const Complex sum = first.height + second.height * std::exp(pole * (first.start_s - second.start_s));
+  const double sign = sum.real() < 0.0 ? -1.0 : 1.0;
+  const double later_s = -std::arg(sign * sum) / pole.imag();
+  return {first.start_s + later_s, sign * std::abs(sum) * std::exp(pole.real() * later_s)};
+}
+
 Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
                  std::span<const double> residual, std::span<const double> weights,
                  std::span<const double> gains) {

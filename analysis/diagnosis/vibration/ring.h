@@ -42,6 +42,16 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train);
 void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s, double height,
              Eigen::Ref<Eigen::VectorXd> column);
 
+/// A single ring of a sum of them, and its height there.
+struct Knock {
+  double start_s{};
+  double height{1.0};
+};
+
+/// The ring, about as late as the first of two of this frequency and damping, that both together are once
+/// both have begun.
+Knock OneOf(const Knock& first, const Knock& second, double ring_Hz, double damping_ratio);
+
 /// Sample of one run at which a ring of this frequency and damping explains most of a residual, all channels
 /// together, the drop of the sum of squares that it brings, and its height in units of the gains.
 struct Kick {

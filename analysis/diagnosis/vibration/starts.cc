@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/vibration/bursts.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/resonances.h"
@@ -61,13 +60,22 @@ const VibrationSpectrum& VibrationRemainder::over_seconds() const {
   return *seconds_;
 }
 
+NoiseFit VibrationRemainder::NoiseOf(std::span<const double> residual) const {
+  return FitNoise(residual, solver_.weights(), samples_.stretches, 1, std::sqrt(base_.variance()));
+}
+
+const NoiseFit& VibrationRemainder::noise() const {
+  if (!noise_) noise_ = NoiseOf(residual_);
+  return *noise_;
+}
+
+double VibrationRemainder::RatioOf(const TermFit& fit) const {
+  const Eigen::VectorXd left = ResidualOf(fit);
+  return LikelihoodRatio(NoiseOf({left.data(), static_cast<std::size_t>(left.size())}), noise());
+}
+
 double VibrationRemainder::LoudnessAt(double frequency_Hz) const {
-  if (!memory_) {
-    const double rms = std::sqrt(base_.variance());
-    const NoiseFit noise = FitNoise(residual_, solver_.weights(), samples_.stretches, 1, rms);
-    memory_ = noise.order > 0 ? noise.coefficients.front() : 0.0;
-  }
-  const double memory = *memory_;
+  const double memory = noise().order > 0 ? noise().coefficients.front() : 0.0;
   const double turned = std::cos(kTwoPi * frequency_Hz * samples_.runs.front().period_s);
   return (1.0 - memory * memory) / (1.0 + memory * memory - 2.0 * memory * turned);
 }

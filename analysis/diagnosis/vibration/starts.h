@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/vibration/one_term.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
@@ -52,8 +53,13 @@ class VibrationRemainder {
   const VibrationSpectrum& over_turns() const;
   const VibrationSpectrum& over_seconds() const;
 
-  /// Noise about a frequency beside white noise of the same variance, as the judge takes it: white, or with a
-  /// memory of one sample.
+  /// What the model leaves, as the judge takes it: white, or with a memory of one sample.
+  const NoiseFit& noise() const;
+
+  /// Likelihood ratio of the model with a term, as the judge takes it.
+  double RatioOf(const TermFit& fit) const;
+
+  /// Noise about a frequency beside white noise of the same variance.
   double LoudnessAt(double frequency_Hz) const;
 
   /// One more term, refined; channels that do not hear it are left out.
@@ -74,7 +80,8 @@ class VibrationRemainder {
   mutable std::optional<OneTermSolver> one_term_;
   mutable std::optional<VibrationSpectrum> turns_;
   mutable std::optional<VibrationSpectrum> seconds_;
-  mutable std::optional<double> memory_;  // correlation of neighbours in the noise
+  NoiseFit NoiseOf(std::span<const double> residual) const;
+  mutable std::optional<NoiseFit> noise_;
 };
 
 /// The best form of a cause beside a model; nothing where it has no support of its own (a bearing that would
