@@ -125,6 +125,18 @@ TEST(VibrationStudy, TellsTeethThatMeetFromACrack) {
   EXPECT_NEAR(answer.value("mesh_order").value, 2.025, 1e-4);
 }
 
+// Load that comes and goes with the output turn gives teeth sidebands, and no pulses.
+TEST(VibrationStudy, TellsTeethThatMeetHarderOncePerOutputTurnFromACrack) {
+  const Effect teeth = [](const Turning& run) {
+    Signal signal = Line(run, 2.025, 0.06) + Line(run, 4.05, 0.03);
+    for (std::size_t i = 0; i < signal.size(); ++i)
+      signal[i] *= 1.0 + 0.3 * std::cos(run.angle_rad[i] / 80.0);
+    return signal;
+  };
+  const Diagnosed answer = Ask({Record(Turning(3000.0, 2.0, 0.0), 11, teeth, {1.0, -0.7})});
+  EXPECT_EQ(answer.names(), Names{"gear_mesh"});
+}
+
 TEST(VibrationStudy, CallsALineOfNoCauseUnnamed) {
   const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
   const Diagnosed answer = Ask({Record(Turning(1500.0, 1.2, 0.0), 10, line)});

@@ -10,7 +10,6 @@
 #include "analysis/diagnosis/vibration/bearing_orders.h"
 #include "analysis/diagnosis/vibration/combs.h"
 #include "analysis/diagnosis/vibration/impulses.h"
-#include "analysis/diagnosis/vibration/pulses.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
 
@@ -184,67 +183,56 @@ TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
   return {comb.order, comb.centre * comb.order * turn_Hz, comb.excess, 0.0, 1.0};
 }
 
-// Smooth pulses at a known order: where they stand is read off the lines at its harmonics. Their width is one
-// of a few, or a number of the fit where that pays.
-void TryPulses(const VibrationRemainder& remainder, std::size_t index, double order, double slow_order,
-               Best& best) {
-  const VibrationSamples& samples = remainder.samples();
-  const std::vector<char> all(samples.channels(), 1);
-  Best pulses;
-  for (const double width : {0.02, 0.03, 0.045, 0.065, 0.1, 0.15}) {
-    VibrationTerm term{index, VibrationForm::kPulses, {{width, order}}, {}, all};
-    for (const VibrationRun& run : samples.runs) {
-      term.shapes.push_back(BestPulsePlace(run, {order, width, 0.0, 0.0, 0.0, 0.0}, samples.highest_order(),
-                                           remainder.residual(), remainder.solver().weights()));
-    }
-    Keep(remainder.With(std::move(term), 0), pulses);
-  }
-  pulses = remainder.With(pulses->term, 6);
-  if (slow_order != 0.0) {
-    VibrationTerm changing = pulses->term;
-    changing.heard = all;
-    changing.lines.push_back({0.0, slow_order});
-    changing.shapes.insert(changing.shapes.begin(), {0.0, 0.0});
-    Keep(remainder.With(std::move(changing), 8), pulses);
-  }
-  VibrationTerm free = pulses->term;
-  free.shapes.insert(free.shapes.begin(), std::exchange(free.lines[0].harmonic, 0.0));
-  Keep(std::move(*pulses), best);
-  Keep(remainder.With(std::move(free), 8), best);
-}
-
-// Lines at a crack's order and its harmonics, which are those of tooth engagement.
+// Lines at a crack's order and its harmonics, which are those of tooth engagement, and beside them those of a
+// change once or twice an output turn.
 struct CrackLines {
   VibrationTerm term;
   std::vector<LinePlace> places;
+  double order;
   int first;  // harmonic from which on the record tells it from whole orders
-  bool open;  // the shaft's lines leave the scale of the angle open: it is a number of the fit
 };
 
 CrackLines CrackLinesOf(const VibrationRemainder& remainder, std::size_t index, int harmonics) {
   const VibrationSamples& samples = remainder.samples();
   const double order = model::CrackOrder(samples.ratio);
+  const double output = 1.0 / std::abs(samples.ratio);
+  const double turns = samples.shortest_turns();
   CrackLines lines{.term = LinesTerm(remainder, index),
                    .places = {},
-                   .first = static_cast<int>(std::ceil(0.7 / (samples.shortest_turns() * (order - 2.0)))),
-                   .open = ScaleIsOpen(remainder, order * harmonics)};
+                   .order = order,
+                   .first = static_cast<int>(std::ceil(0.7 / (turns * (order - 2.0))))};
+  // Where the shaft's lines leave the scale of the angle open, it is a number of the fit.
+  const bool open = ScaleIsOpen(remainder, order * harmonics);
   std::vector<double> orders;
   for (int k = std::max(1, lines.first); k <= harmonics && k * order < remainder.over_turns().highest();
        ++k) {
     orders.push_back(k * order);
-    lines.places.push_back(lines.open ? LinePlace{static_cast<double>(k), 0.0} : LinePlace{0.0, k * order});
+    const LinePlace centre = open ? LinePlace{static_cast<double>(k), 0.0} : LinePlace{0.0, k * order};
+    lines.places.push_back(centre);
+    if (turns * output < 0.8) continue;
+    for (const double sideband : {-output, output, -2.0 * output, 2.0 * output}) {
+      // What falls onto a whole order is not the crack's own.
+      const double beside = k * order + sideband;
+      if (std::abs(beside - std::round(beside)) * turns > 0.7)
+        lines.places.push_back({centre.harmonic, centre.offset + sideband});
+    }
   }
-  if (lines.open) lines.term.shapes = {orders.empty() ? order : order * BestScale(remainder, orders)};
+  if (open) lines.term.shapes = {orders.empty() ? order : order * BestScale(remainder, orders)};
   return lines;
 }
 
 // A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
-bool IsLoudAndSmooth(const TermFit& fit, const std::vector<LinePlace>& centres) {
-  constexpr double kLoud = 400.0;  // gain in BIC
-  const auto is_centre = [&](const LinePlace& at) { return std::ranges::find(centres, at) != centres.end(); };
+bool IsLoudAndSmooth(const TermFit& fit, double order) {
+  constexpr double kLoud = 400.0;  // gain in BIC of the harmonics themselves
   const std::vector<double> gains = LineGains(fit);
-  return gains.size() <= 2 && std::ranges::all_of(fit.term.lines, is_centre) &&
-         std::accumulate(gains.begin(), gains.end(), 0.0) > kLoud;
+  double loudness = 0.0;
+  for (std::size_t l = 0; l < gains.size(); ++l) {
+    const LinePlace& line = fit.term.lines[l];
+    const double harmonic = line.harmonic + line.offset / order;
+    if (harmonic > 2.5) return false;
+    if (std::abs(harmonic - std::round(harmonic)) < 1e-9) loudness += gains[l];
+  }
+  return loudness > kLoud;
 }
 
 }  // namespace
@@ -357,40 +345,30 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
 }
 
 Best SearchToothEngagement(const VibrationRemainder& remainder, std::size_t index) {
-  const CrackLines lines = CrackLinesOf(remainder, index, 2);
-  return FitPayingLines(remainder, lines.term, lines.places, 1);
+  CrackLines lines = CrackLinesOf(remainder, index, 2);
+  return FitPayingLines(remainder, std::move(lines.term), std::move(lines.places), 1);
 }
 
 Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
   const VibrationSamples& samples = remainder.samples();
   const VibrationSpectrum& spectrum = remainder.over_turns();
-  const double order = model::CrackOrder(samples.ratio);
   const double output = 1.0 / std::abs(samples.ratio);
   const double turns = samples.shortest_turns();
-  auto [term, centres, first, open] = CrackLinesOf(remainder, index, kMostLineHarmonics);
-  std::vector<LinePlace> places;
-  for (const LinePlace& centre : centres) {
-    places.push_back(centre);
-    if (turns * output < 0.8) continue;
-    for (const double sideband : {-output, output, -2.0 * output, 2.0 * output}) {
-      // What falls onto a whole order is not the crack's own.
-      const double beside = (open ? centre.harmonic * order : centre.offset) + sideband;
-      if (std::abs(beside - std::round(beside)) * turns > 0.7)
-        places.push_back({centre.harmonic, centre.offset + sideband});
-    }
-  }
-  Best best = FitPayingLines(remainder, std::move(term), std::move(places), 1);
-  if (best && IsLoudAndSmooth(*best, centres)) best.reset();
+  CrackLines lines = CrackLinesOf(remainder, index, kMostLineHarmonics);
+  const double order = lines.order;
+  Best best = FitPayingLines(remainder, std::move(lines.term), std::move(lines.places), 1);
+  if (best && IsLoudAndSmooth(*best, order)) best.reset();
   const double range = kScaleRange * samples.order_uncertainty * order + 0.5 * spectrum.cell() / 100.0;
   std::vector<TrainStart> starts;
   for (const double sideband : {0.0, output}) {
     const Comb comb = Refined(spectrum, CombNear(spectrum, order, range, sideband));
-    if (comb.excess > 6.0 && comb.last >= first) starts.push_back(StartOf(remainder, comb));
+    if (comb.excess > 6.0 && comb.last >= lines.first) starts.push_back(StartOf(remainder, comb));
     if (turns * output < 0.8) break;
   }
   std::vector<double> modulations;
   if (turns * output > 0.5) modulations = {output};
-  if (first <= kPulseHarmonic) TryPulses(remainder, index, order, turns * output > 0.5 ? output : 0.0, best);
+  if (lines.first <= kPulseHarmonic)
+    Keep(SearchPulses(remainder, index, order, turns * output > 0.5 ? output : 0.0), best);
   if (Best rings = SearchImpulses(remainder, index, starts, modulations, [](double) { return false; })) {
     Keep(std::move(*rings), best);
   }

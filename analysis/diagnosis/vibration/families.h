@@ -14,12 +14,12 @@ std::optional<TermFit> SearchGearMesh(const VibrationRemainder& remainder, std::
 /// 2 (1 + 1/N) per turn and its double, smooth: how often a tooth of one spline meets the next of the other.
 std::optional<TermFit> SearchToothEngagement(const VibrationRemainder& remainder, std::size_t index);
 
-/// An order between 2.3 and 20 that is no multiple of a half, with several harmonics or sidebands: as lines, or
-/// as impulses that ring.
+/// An order between 2.3 and 20 that is no multiple of a half, with several harmonics or sidebands: as lines,
+/// or as impulses that ring.
 std::optional<TermFit> SearchBearing(const VibrationRemainder& remainder, std::size_t index);
 
-/// 2 (1 + 1/N) per turn and its harmonics: as lines, or as impulses that ring. One or two lines alone that are
-/// so loud that a pulse would show a third are none.
+/// 2 (1 + 1/N) per turn and its harmonics: as lines, or as impulses that ring. One or two lines alone that
+/// are so loud that a pulse would show a third are none.
 std::optional<TermFit> SearchCrack(const VibrationRemainder& remainder, std::size_t index);
 
 /// Takes the solution if its BIC is the best so far.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "analysis/diagnosis/vibration/families.h"
+#include "analysis/diagnosis/vibration/pulses.h"
 #include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/units.h"
 
@@ -238,6 +239,33 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
   }
   if (IsOneLine(remainder, *best, 1.0)) return std::nullopt;
   return best;
+}
+
+TermFit SearchPulses(const VibrationRemainder& remainder, std::size_t index, double order,
+                     double slow_order) {
+  const VibrationSamples& samples = remainder.samples();
+  const std::vector<char> all(samples.channels(), 1);
+  Best pulses;
+  for (const double width : {0.02, 0.03, 0.045, 0.065, 0.1, 0.15}) {
+    VibrationTerm term{index, VibrationForm::kPulses, {{width, order}}, {}, all};
+    for (const VibrationRun& run : samples.runs) {
+      term.shapes.push_back(BestPulsePlace(run, {order, width, 0.0, 0.0, 0.0, 0.0}, samples.highest_order(),
+                                           remainder.residual(), remainder.solver().weights()));
+    }
+    Keep(remainder.With(std::move(term), 0), pulses);
+  }
+  pulses = remainder.With(pulses->term, 6);
+  if (slow_order != 0.0) {
+    VibrationTerm changing = pulses->term;
+    changing.heard = all;
+    changing.lines.push_back({0.0, slow_order});
+    changing.shapes.insert(changing.shapes.begin(), {0.0, 0.0});
+    Keep(remainder.With(std::move(changing), 8), pulses);
+  }
+  VibrationTerm free = pulses->term;
+  free.shapes.insert(free.shapes.begin(), std::exchange(free.lines[0].harmonic, 0.0));
+  Keep(remainder.With(std::move(free), 8), pulses);
+  return std::move(*pulses);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -20,4 +20,9 @@ std::optional<TermFit> SearchImpulses(const VibrationRemainder& remainder, std::
                                       const std::vector<double>& modulations,
                                       const std::function<bool(double order)>& allowed);
 
+/// Smooth pulses at a known order: where they stand is read off the lines at its harmonics. Their width is
+/// one of a few, or a number of the fit where that pays.
+/// @param slow_order  of a change of their height that is tried; 0 for none
+TermFit SearchPulses(const VibrationRemainder& remainder, std::size_t index, double order, double slow_order);
+
 }  // namespace strainwave::analysis::diagnosis
