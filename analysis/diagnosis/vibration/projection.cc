@@ -2,6 +2,7 @@
 #include "analysis/diagnosis/vibration/projection.h"
 
 #include <cmath>
+#include <utility>
 
 #include "analysis/decompositions.h"
 
@@ -23,16 +24,10 @@ MatrixXd PseudoInverse(const MatrixXd& symmetric) {
          scale.asDiagonal();
 }
 
-ChannelFit FitChannel(const MatrixXd& columns, const VectorXd& response, const VectorXd& weights) {
+ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const VectorXd& response,
+                      const VectorXd& weights, MatrixXd inverse) {
   ChannelFit fit;
-  MatrixXd normal = MatrixXd::Zero(columns.cols(), columns.cols());
-  const VectorXd root = weights.cwiseSqrt();
-  if ((root.array() == 1.0).all()) {
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
-  } else {
-    normal.selfadjointView<Eigen::Lower>().rankUpdate((root.asDiagonal() * columns).transpose().eval());
-  }
-  fit.inverse = PseudoInverse(normal.selfadjointView<Eigen::Lower>());
+  fit.inverse = std::move(inverse);
   fit.coefficients = fit.inverse * (columns.transpose() * weights.cwiseProduct(response));
   fit.residual = response - columns * fit.coefficients;
   // Once more on what is left: the normal equations lose half of the digits.
@@ -43,8 +38,20 @@ ChannelFit FitChannel(const MatrixXd& columns, const VectorXd& response, const V
   return fit;
 }
 
-MatrixXd SharedStep::Add(const MatrixXd& columns, const MatrixXd& derivatives, const ChannelFit& fit,
-                         const VectorXd& weights) {
+ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const VectorXd& response,
+                      const VectorXd& weights) {
+  MatrixXd normal = MatrixXd::Zero(columns.cols(), columns.cols());
+  const VectorXd root = weights.cwiseSqrt();
+  if ((root.array() == 1.0).all()) {
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  } else {
+    normal.selfadjointView<Eigen::Lower>().rankUpdate((root.asDiagonal() * columns).transpose().eval());
+  }
+  return FitChannel(columns, response, weights, PseudoInverse(normal.selfadjointView<Eigen::Lower>()));
+}
+
+MatrixXd SharedStep::Add(const Eigen::Ref<const MatrixXd>& columns, const MatrixXd& derivatives,
+                         const ChannelFit& fit, const VectorXd& weights) {
   const MatrixXd weighted = weights.asDiagonal() * derivatives;
   const MatrixXd common = columns.transpose() * weighted;
   const MatrixXd coupling = fit.inverse * common;

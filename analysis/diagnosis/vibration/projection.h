@@ -12,7 +12,10 @@ struct ChannelFit {
   Eigen::VectorXd residual;  // all samples
   double square_sum{};       // weighted
 };
-ChannelFit FitChannel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& response,
+/// @param inverse  of the columns' weighted normal matrix; channels with equal columns and weights share it
+ChannelFit FitChannel(const Eigen::Ref<const Eigen::MatrixXd>& columns, const Eigen::VectorXd& response,
+                      const Eigen::VectorXd& weights, Eigen::MatrixXd inverse);
+ChannelFit FitChannel(const Eigen::Ref<const Eigen::MatrixXd>& columns, const Eigen::VectorXd& response,
                       const Eigen::VectorXd& weights);
 
 /// Gauss–Newton step for numbers that all channels share, the channels' own coefficients projected out.
@@ -25,7 +28,7 @@ struct SharedStep {
 
   /// @param derivatives  of this channel's model by the shared numbers.
   /// @returns what a change of the shared numbers does to the channel's coefficients (columns × numbers).
-  Eigen::MatrixXd Add(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& derivatives,
+  Eigen::MatrixXd Add(const Eigen::Ref<const Eigen::MatrixXd>& columns, const Eigen::MatrixXd& derivatives,
                       const ChannelFit& fit, const Eigen::VectorXd& weights);
 };
 

@@ -139,9 +139,26 @@ MatrixXd VibrationSolver::Assemble(const VibrationSolution& solution, std::size_
     all.middleCols(column, own.cols()) = own;
     column += own.cols();
   }
-  all.col(width) = Eigen::Map<const VectorXd>(samples_.measured.data() + place.channel->first,
-                                              static_cast<Index>(run.size()));
+  all.col(width) = ResponseOf(channel);
   return all;
+}
+
+bool VibrationSolver::RepeatsColumns(std::span<const VibrationTerm> terms, std::size_t channel) const {
+  return channel > 0 && places_[channel].run == places_[channel - 1].run &&
+         std::ranges::all_of(terms, [&](const VibrationTerm& term) {
+           return term.heard[channel] == term.heard[channel - 1];
+         });
+}
+
+Eigen::Map<const VectorXd> VibrationSolver::WeightsOf(std::size_t channel) const {
+  const Place& place = places_[channel];
+  return {weights_.data() + place.channel->first, static_cast<Index>(samples_.runs[place.run].size())};
+}
+
+Eigen::Map<const VectorXd> VibrationSolver::ResponseOf(std::size_t channel) const {
+  const Place& place = places_[channel];
+  return {samples_.measured.data() + place.channel->first,
+          static_cast<Index>(samples_.runs[place.run].size())};
 }
 
 VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
@@ -167,13 +184,16 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
       solution.free_parameters += static_cast<int>(
           std::count_if(term.heard.begin(), term.heard.end(), [](char h) { return h != 0; }));
   }
+  MatrixXd all;
   for (std::size_t c = 0; c < places_.size(); ++c) {
-    const MatrixXd all = Assemble(solution, c);
+    const bool repeated = RepeatsColumns(solution.terms, c);
+    if (!repeated) all = Assemble(solution, c);
     const Index width = all.cols() - 1;
+    const auto columns = all.leftCols(width);
     VibrationSolution::Channel channel;
-    channel.fit =
-        FitChannel(all.leftCols(width), all.col(width),
-                   Eigen::Map<const VectorXd>(weights_.data() + places_[c].channel->first, all.rows()));
+    channel.fit = repeated && WeightsOf(c) == WeightsOf(c - 1)
+                      ? FitChannel(columns, ResponseOf(c), WeightsOf(c), solution.channels[c - 1].fit.inverse)
+                      : FitChannel(columns, ResponseOf(c), WeightsOf(c));
     Index column = samples_.runs[places_[c].run].nominal.cols();
     for (std::size_t t = 0; t < solution.terms.size(); ++t) {
       const bool heard = solution.terms[t].heard[c] != 0;
@@ -185,7 +205,8 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
     solution.channels.push_back(std::move(channel));
   }
   if (std::ranges::none_of(solution.terms, IsNarrowband)) return solution;
-  VectorXd left = Residual(solution);
+  solution.unexplained = Residual(solution);
+  VectorXd left = solution.unexplained;
   TakeOffForetold(solution.terms, left);
   solution.square_sum = 0.0;
   for (std::size_t c = 0; c < places_.size(); ++c) {
@@ -232,12 +253,6 @@ SharedStep VibrationSolver::StepOfForetold(const VibrationSolution& solution, st
                                            const std::vector<VibrationShape>& shapes,
                                            MatrixXd derivatives) const {
   TakeOffForetold(solution.terms, derivatives);
-  VectorXd unexplained(derivatives.rows());  // what the terms foretell from
-  for (std::size_t c = 0; c < places_.size(); ++c) {
-    const MatrixXd all = Assemble(solution, c);
-    unexplained.segment(static_cast<Index>(places_[c].channel->first), all.rows()) =
-        all.rightCols(1) - all.leftCols(all.cols() - 1) * solution.channels[c].fit.coefficients;
-  }
   const VectorXd left = Residual(solution);
   std::size_t s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
@@ -246,7 +261,7 @@ SharedStep VibrationSolver::StepOfForetold(const VibrationSolution& solution, st
       std::vector<VibrationTerm> moved = solution.terms;
       const double by = 0.1 * shapes[s].step;
       moved[t].shapes[k] += by;
-      VectorXd there = unexplained;
+      VectorXd there = solution.unexplained;
       TakeOffForetold(moved, there);
       derivatives.col(static_cast<Index>(s)) = (left - there) / by;
     }
@@ -279,15 +294,17 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
   MatrixXd across;  // derivatives with what the coefficients make of them
   if (foretells) across.resize(static_cast<Index>(weights_.size()), static_cast<Index>(shapes.size()));
   SharedStep step(static_cast<Index>(shapes.size()));
+  MatrixXd all;
   for (std::size_t c = 0; c < places_.size(); ++c) {
-    const MatrixXd all = Assemble(solution, c);
+    if (!RepeatsColumns(solution.terms, c)) all = Assemble(solution, c);
+    const auto columns = all.leftCols(all.cols() - 1);
     const MatrixXd derivatives = Derivatives(solution, c, from, shapes.size(), moved);
-    const auto first = static_cast<Index>(places_[c].channel->first);
     MatrixXd& follows = solution.channels[c].follows_shapes;
-    follows = step.Add(all.leftCols(all.cols() - 1), derivatives, solution.channels[c].fit,
-                       Eigen::Map<const VectorXd>(weights_.data() + first, all.rows()));
-    if (foretells)
-      across.middleRows(first, all.rows()) = derivatives + all.leftCols(all.cols() - 1) * follows;
+    follows = step.Add(columns, derivatives, solution.channels[c].fit, WeightsOf(c));
+    if (foretells) {
+      const auto first = static_cast<Index>(places_[c].channel->first);
+      across.middleRows(first, all.rows()) = derivatives + columns * follows;
+    }
   }
   if (foretells) return StepOfForetold(solution, from, shapes, std::move(across));
   return step;

@@ -22,6 +22,7 @@ struct VibrationSolution {
   std::vector<VibrationTerm> terms;
   std::vector<Channel> channels;                                             // run by run
   std::vector<std::vector<std::shared_ptr<const Eigen::MatrixXd>>> columns;  // [run][term], unfiltered
+  Eigen::VectorXd unexplained;  // what narrow-band terms foretell from, all samples; where there are some
   double square_sum{};
   double weight_sum{};
   int free_parameters{};
@@ -89,6 +90,10 @@ class VibrationSolver {
     std::size_t run;
     const VibrationStretch* channel;
   };
+  /// Whether a channel has the columns of the one before it.
+  bool RepeatsColumns(std::span<const VibrationTerm> terms, std::size_t channel) const;
+  Eigen::Map<const Eigen::VectorXd> WeightsOf(std::size_t channel) const;
+  Eigen::Map<const Eigen::VectorXd> ResponseOf(std::size_t channel) const;
   Eigen::MatrixXd Derivatives(
       const VibrationSolution& solution, std::size_t channel, std::size_t from, std::size_t shapes,
       const std::vector<std::vector<std::shared_ptr<const Eigen::MatrixXd>>>& moved) const;

@@ -17,20 +17,27 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 constexpr std::size_t kFromOneTurnOn = 32;  // samples
+constexpr double kLeastTurn = 1e-3;         // rad, below which a few powers make a turn
 
 void FillLines(const std::vector<double>& angle, const VibrationTerm& term, MatrixXd& columns) {
   const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
   for (std::size_t l = 0; l < term.lines.size(); ++l) {
     const double order = term.lines[l].harmonic * base + term.lines[l].offset;
     const auto pair = static_cast<Index>(2 * l);
-    // At even steps of the angle each sample is the one before, turned; anew every few samples, before the
+    // Each sample is the one before, turned by nearly the same step; anew every few samples, before the
     // roundings add up.
-    const double step = angle[1] - angle[0];
-    const std::complex<double> turn = std::polar(1.0, order * step);
+    double step = 0.0;
+    std::complex<double> turn = 1.0;
     std::complex<double> value;
     for (std::size_t i = 0; i < angle.size(); ++i) {
-      const bool even = i % kFromOneTurnOn != 0 && std::abs(order * (angle[i] - angle[i - 1] - step)) < 1e-10;
-      value = even ? value * turn : std::polar(1.0, order * angle[i]);
+      const double more = i > 0 ? order * (angle[i] - angle[i - 1] - step) : 0.0;
+      if (i % kFromOneTurnOn != 0 && std::abs(more) < kLeastTurn) {
+        value *= turn * std::complex<double>(1.0 - 0.5 * more * more, more * (1.0 - more * more / 6.0));
+      } else {
+        value = std::polar(1.0, order * angle[i]);
+        step = i + 1 < angle.size() ? angle[i + 1] - angle[i] : 0.0;
+        turn = std::polar(1.0, order * step);
+      }
       columns(static_cast<Index>(i), pair) = value.real();
       columns(static_cast<Index>(i), pair + 1) = value.imag();
     }
