@@ -57,39 +57,47 @@ std::optional<VibrationSolution> Beside(const VibrationRemainder& remainder, Vib
 }
 
 VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
-                             std::size_t hash, const std::vector<VibrationTerm>& terms)
-    : weights_hash(hash),
-      state(PackTerms(terms)),
+                             const std::vector<VibrationTerm>& terms, VibrationSearched& remembered)
+    : searched(remembered),
       solver(samples, weights),
       solution(FitTerms(solver, terms)),
       remainder(samples, solver, solution) {}
 
+VibrationSearched& VibrationSearches::SearchedBeside(const VibrationSamples& samples,
+                                                     std::size_t weights_hash,
+                                                     const std::vector<VibrationTerm>& terms) {
+  const std::vector<double> state = PackTerms(terms);
+  VibrationSearched searched{weights_hash, state, {}};
+  // The last ones first.
+  for (VibrationSearched& other : searched_) {
+    if (other.weights_hash != weights_hash) continue;
+    if (other.state == state) return other;
+    if (searched.found.empty() && AreNear(samples, UnpackTerms(other.state), terms))
+      searched.found = other.found;
+  }
+  return searched_.emplace_front(std::move(searched));
+}
+
 VibrationBase& VibrationSearches::BaseOf(const VibrationSamples& samples, std::span<const double> weights,
                                          const std::vector<VibrationTerm>& terms) {
-  const std::size_t hash = HashOf(weights);
-  const std::vector<double> state = PackTerms(terms);
-  const auto known = std::ranges::find_if(
-      bases_, [&](const VibrationBase& base) { return base.weights_hash == hash && base.state == state; });
+  VibrationSearched& searched = SearchedBeside(samples, HashOf(weights), terms);
+  const auto known =
+      std::ranges::find(bases_, &searched, [](const VibrationBase& base) { return &base.searched; });
   if (known != bases_.end()) {
     bases_.splice(bases_.begin(), bases_, known);
     return bases_.front();
   }
-  const auto near = std::ranges::find_if(bases_, [&](const VibrationBase& base) {
-    return base.weights_hash == hash && AreNear(samples, UnpackTerms(base.state), terms);
-  });
-  auto found = near != bases_.end() ? near->found : decltype(near->found){};
-  bases_.emplace_front(samples, weights, hash, terms);
-  bases_.front().found = std::move(found);
+  bases_.emplace_front(samples, weights, terms, searched);
   if (bases_.size() > kMostBases) bases_.pop_back();
   return bases_.front();
 }
 
 std::optional<VibrationSolution> VibrationSearches::Find(VibrationBase& base, VibrationCause kind,
                                                          std::size_t cause) const {
-  const auto known = base.found.find(kind);
-  if (known == base.found.end()) {
+  const auto known = base.searched.found.find(kind);
+  if (known == base.searched.found.end()) {
     std::optional<VibrationSolution> solution = Beside(base.remainder, kind, cause);
-    auto& remembered = base.found[kind];
+    auto& remembered = base.searched.found[kind];
     if (solution) remembered = solution->terms.back();
     return solution;
   }

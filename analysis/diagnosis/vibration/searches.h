@@ -13,19 +13,23 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A fitted set of terms under one set of weights, what it leaves, and the causes that were looked for in
-/// that.
-struct VibrationBase {
+/// A set of terms under one set of weights, and what was looked for beside it.
+struct VibrationSearched {
   std::size_t weights_hash;
-  std::vector<double> state;  // of the terms that it was fitted from
+  std::vector<double> state;  // of the terms
+  /// Term that a search came to; nothing where it found none.
+  std::map<VibrationCause, std::optional<VibrationTerm>> found;
+};
+
+/// That set, fitted, and what it leaves.
+struct VibrationBase {
+  VibrationSearched& searched;
   VibrationSolver solver;
   VibrationSolution solution;
   VibrationRemainder remainder;
-  /// Term that a search came to; nothing where it found none.
-  std::map<VibrationCause, std::optional<VibrationTerm>> found;
 
-  VibrationBase(const VibrationSamples& samples, std::span<const double> weights, std::size_t hash,
-                const std::vector<VibrationTerm>& terms);
+  VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
+                const std::vector<VibrationTerm>& terms, VibrationSearched& remembered);
   VibrationBase(const VibrationBase&) = delete;
   VibrationBase& operator=(const VibrationBase&) = delete;
 };
@@ -47,7 +51,11 @@ class VibrationSearches {
   std::optional<VibrationSolution> Find(VibrationBase& base, VibrationCause kind, std::size_t cause) const;
 
  private:
-  std::list<VibrationBase> bases_;  // the last used first
+  VibrationSearched& SearchedBeside(const VibrationSamples& samples, std::size_t weights_hash,
+                                    const std::vector<VibrationTerm>& terms);
+
+  std::list<VibrationSearched> searched_;  // all
+  std::list<VibrationBase> bases_;         // a few, the last used first
 };
 
 }  // namespace strainwave::analysis::diagnosis
