@@ -125,6 +125,18 @@ TEST(VibrationStudy, TellsTeethThatMeetFromACrack) {
   EXPECT_NEAR(answer.value("mesh_order").value, 2.025, 1e-4);
 }
 
+// Two harmonics in step look like a wide pulse, but for the third one.
+TEST(VibrationStudy, TellsTeethWhoseHarmonicsAreInStepFromACrack) {
+  const Effect teeth = [](const Turning& run) {
+    Signal signal;
+    for (const double angle : run.angle_rad)
+      signal.push_back(0.06 * std::cos(2.025 * angle + 0.7) + 0.016 * std::cos(4.05 * angle + 1.4));
+    return signal;
+  };
+  const Diagnosed answer = Ask({Record(Turning(3000.0, 2.0, 0.0), 11, teeth, {1.0, -0.7})});
+  EXPECT_EQ(answer.names(), Names{"gear_mesh"});
+}
+
 // Load that comes and goes with the output turn gives teeth sidebands, and no pulses.
 TEST(VibrationStudy, TellsTeethThatMeetHarderOncePerOutputTurnFromACrack) {
   const Effect teeth = [](const Turning& run) {

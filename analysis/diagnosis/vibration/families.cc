@@ -222,8 +222,8 @@ CrackLines CrackLinesOf(const VibrationRemainder& remainder, std::size_t index, 
 }
 
 // A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
+constexpr double kLoud = 400.0;  // gain in BIC of the harmonics themselves
 bool IsLoudAndSmooth(const TermFit& fit, double order) {
-  constexpr double kLoud = 400.0;  // gain in BIC of the harmonics themselves
   const std::vector<double> gains = LineGains(fit);
   double loudness = 0.0;
   for (std::size_t l = 0; l < gains.size(); ++l) {
@@ -233,6 +233,13 @@ bool IsLoudAndSmooth(const TermFit& fit, double order) {
     if (std::abs(harmonic - std::round(harmonic)) < 1e-9) loudness += gains[l];
   }
   return loudness > kLoud;
+}
+
+// The same where the first two harmonics happen to be in step, as if they were a pulse's.
+bool IsLoudAndWide(const VibrationRemainder& remainder, const TermFit& pulses) {
+  constexpr double kWide = 0.12;  // third harmonic of a tenth of the first
+  const double width = WidthIsShape(pulses.term) ? pulses.term.shapes[0] : pulses.term.lines[0].harmonic;
+  return width > kWide && remainder.base().bic() - pulses.bic() > kLoud;
 }
 
 }  // namespace
@@ -367,8 +374,10 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
   }
   std::vector<double> modulations;
   if (turns * output > 0.5) modulations = {output};
-  if (lines.first <= kPulseHarmonic)
-    Keep(SearchPulses(remainder, index, order, turns * output > 0.5 ? output : 0.0), best);
+  if (lines.first <= kPulseHarmonic) {
+    TermFit pulses = SearchPulses(remainder, index, order, turns * output > 0.5 ? output : 0.0);
+    if (!IsLoudAndWide(remainder, pulses)) Keep(std::move(pulses), best);
+  }
   if (Best rings = SearchImpulses(remainder, index, starts, modulations, [](double) { return false; })) {
     Keep(std::move(*rings), best);
   }
