@@ -41,7 +41,7 @@ std::vector<Found> JudgeAll(const Judge& judge, const ScoredModel& model, const 
   std::vector<Found> all;
   for (const std::size_t cause : model.fit.causes) {
     if (IsGiven(options, cause)) continue;
-    Found found{cause, judge.Fit(Without(model.fit.causes, cause), &model.fit, FitPurpose::kReport), {}};
+    Found found{cause, judge.Fit(Without(model.fit.causes, cause), &model.fit, FitPurpose::kJudge), {}};
     found.judged = JudgeCause(judge, model, found.without, cause, options.family_error);
     all.push_back(std::move(found));
   }
@@ -119,9 +119,10 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
     selection = Select(*judge, options.given_causes, options);
   }
   const ScoredModel nominal = judge->Fit(options.given_causes, nullptr, FitPurpose::kReport);
-  ScoredModel extended = judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kReport);
+  ScoredModel extended = judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kJudge);
   diagnosis.candidates = std::move(selection.candidates);
   const std::vector<Found> all_found = DropUnproven(*judge, extended, options, diagnosis.candidates);
+  extended = judge->Fit(extended.fit.causes, &extended.fit, FitPurpose::kReport);
   diagnosis.nominal = nominal.fit;
   diagnosis.extended = extended.fit;
   const double filtered_out = study.FilteredOutVariance();

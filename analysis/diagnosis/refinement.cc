@@ -67,7 +67,7 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarB
       if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained);
       if (!rules[cause].named && rules[other].named) lead += LeadAsked(own);
       if (lead < kClearlyBetter) continue;
-      exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
+      exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kJudge);
       if (!judge.Objection(exchanged.fit, other).empty()) continue;
       model = std::move(exchanged);
       return true;

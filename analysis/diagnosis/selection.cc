@@ -163,17 +163,24 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
     std::vector<Candidate> parts = FitCandidates(judge, without, [&](std::size_t part) {
       return !rules[part].named || IsFarBehind(far_behind, cause, part);
     });
-    std::erase_if(parts, [&](const Candidate& part) {
-      return part.cause == cause || !LooksPossible(judge, part, error);
-    });
+    // The cause itself only after its new companion, beside which it may take another of its forms.
+    const auto itself = std::ranges::find(parts, cause, &Candidate::cause);
+    std::optional<Candidate> own_part;
+    if (itself != parts.end()) {
+      own_part = std::move(*itself);
+      parts.erase(itself);
+    }
+    std::erase_if(parts, [&](const Candidate& part) { return !LooksPossible(judge, part, error); });
     const auto white = [&](const Candidate& part) { return WhiteRatio(part.model, without); };
     constexpr std::size_t kMostParts = 3;
     std::sort(parts.begin(), parts.end(),
               [&](const Candidate& a, const Candidate& b) { return white(a) > white(b); });
     if (parts.size() > kMostParts) parts.erase(parts.begin() + kMostParts, parts.end());
+    const std::size_t companions = parts.size();
+    if (own_part) parts.push_back(std::move(*own_part));
     std::set<std::string> pairs;
     // Both orders: a form that a cause took while it was alone stays with it.
-    for (const Candidate& first : parts) {
+    for (const Candidate& first : std::span(parts).first(companions)) {
       for (const Candidate& second : parts) {
         // Together they hardly explain more than one after the other.
         if (first.cause == second.cause || white(first) + white(second) < own - kAsGood) continue;
@@ -181,13 +188,15 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
         if (!pair.fit.usable) continue;
         const double lead = first.score + ScoreOf(judge, pair, first.model, second.cause) - own;
         if (lead < -kAsGood) continue;
-        const ScoredModel reported = judge.Fit(pair.fit.causes, &pair.fit, FitPurpose::kReport);
+        const ScoredModel reported = judge.Fit(pair.fit.causes, &pair.fit, FitPurpose::kJudge);
         const auto unlikely = [&](std::size_t part) {
           return !judge.Objection(reported.fit, part, kRivalAwayFromZero).empty();
         };
         if (unlikely(first.cause) || unlikely(second.cause)) continue;
-        const auto [one, other] = std::minmax(first.cause, second.cause);
-        pairs.insert(rules[one].name + " + " + rules[other].name);
+        if (second.cause != cause) {
+          const auto [one, other] = std::minmax(first.cause, second.cause);
+          pairs.insert(rules[one].name + " + " + rules[other].name);
+        }
         if (lead < most || !JudgeCause(judge, pair, first.model, second.cause, error).passed ||
             !JudgeCause(judge, pair, second.model, first.cause, error).passed) {
           continue;
@@ -218,7 +227,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const bool local = std::ranges::any_of(
       with.fit.causes, [&](std::size_t other) { return judge.study().causes()[other].local; });
   result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, local);
-  const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kReport);
+  const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kJudge);
   result.objection = judge.Objection(reported.fit, cause);
   if (result.objection.empty() && !(result.evidence.heldout_gain > 0.0)) {
     result.objection = "does not predict held-out data better";
@@ -322,7 +331,7 @@ std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, 
     const bool as_good = judge.Score(its, rules[other]) >= judge.Score(own, rules[cause]) - kAsGood ||
                          its.likelihood_ratio >= own.likelihood_ratio - kWithinThreeSigma;
     if (!as_good) continue;
-    exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kReport);
+    exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kJudge);
     if (!judge.Objection(exchanged.fit, other, kRivalAwayFromZero).empty()) continue;
     // One cause in two forms (a drift by time, or by temperature): the form is what cannot be told.
     const bool same = rules[other].name == rules[cause].name && !rules[other].parameters.empty();

@@ -221,7 +221,7 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   fit.usable = solution.predicted.allFinite();
   const auto numbers = static_cast<Eigen::Index>(fit.state.size());
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(numbers, numbers);
-  if (purpose == FitPurpose::kReport) {
+  if (purpose != FitPurpose::kCompare) {
     covariance = FitCovariance(Sensitivities(sorted_set, solution), model_.measured, solution.predicted,
                                weights, model_.stretches, model_.largest_noise_order);
   }

@@ -13,6 +13,8 @@ namespace {
 
 // What settles in less of a loop's time is the torque rate's doing, as any record without a hold shows it.
 constexpr double kShortestShare = 0.01;
+// A logarithmic law begins where its parts are as short as that: its onset is earlier by as much.
+constexpr double kOnset = 0.1;
 
 // Logarithmic or exponential, of the gear's wind-up with all its bends and friction (E22) or of a part that
 // yields in proportion to the torque (a glued joint, the mount).
@@ -55,8 +57,8 @@ class CreepEffect final : public FormedEffect {
   void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd& gear_rad,
            Eigen::VectorXd& total_rad) const override {
     if (v[1] == 0.0) return;
-    const double time_s = std::exp(v[2]);
     const auto form = std::lround(v[0]);
+    const double time_s = forms_[static_cast<std::size_t>(form)].shape_per_number * std::exp(v[2]);
     const model::CreepLadder ladder =
         form % 2 == 0 ? model::LogarithmicCreep(time_s, duration_s_) : model::ExponentialCreep(time_s);
     const bool of_torque = form >= 2;
@@ -110,9 +112,9 @@ class CreepEffect final : public FormedEffect {
 
   static std::vector<Form> FormsOf(const LoopRecords& records) {
     const double arcmin_per_Nm = ArcminFromRad(records.compliance_rad_per_Nm());
-    return {{"creep_share_per_decade", "1", 1.0},
+    return {{"creep_share_per_decade", "1", 1.0, kOnset},
             {"creep_share", "1", 1.0},
-            {"creep_arcmin_per_Nm_per_decade", "arcmin/Nm", arcmin_per_Nm},
+            {"creep_arcmin_per_Nm_per_decade", "arcmin/Nm", arcmin_per_Nm, kOnset},
             {"creep_arcmin_per_Nm", "arcmin/Nm", arcmin_per_Nm}};
   }
 

@@ -28,7 +28,7 @@ std::vector<ParameterValue> FormedEffect::Describe(std::span<const double> v,
   std::vector<ParameterValue> described{
       {form.name, form.unit, v[1] * form.unit_per_number, se[1] * form.unit_per_number}};
   if (HasShape(v[0])) {
-    const double shape = std::exp(v[2]);
+    const double shape = form.shape_per_number * std::exp(v[2]);
     described.push_back({shape_name_, shape_unit_, shape, shape * se[2]});
   }
   // Amount and shape go together in their errors: what both make of the record is known better than either.
@@ -49,7 +49,8 @@ std::vector<double> FormedEffect::Restore(std::span<const ParameterValue> parame
     if (amount == nullptr) continue;
     const auto form = static_cast<double>(f);
     const double shape = HasShape(form) ? RequireParameter(rule, parameters, shape_name_) : 1.0;
-    return {form, *amount / forms_[f].unit_per_number, std::log(std::max(shape, 1e-9))};
+    return {form, *amount / forms_[f].unit_per_number,
+            std::log(std::max(shape, 1e-9) / forms_[f].shape_per_number)};
   }
   std::string names;
   for (const Form& form : forms_) names += fmt::format("{}{}", names.empty() ? "" : ", ", form.name);

@@ -12,7 +12,8 @@ namespace strainwave::analysis::diagnosis {
 struct Form {
   const char* name;
   const char* unit;
-  double unit_per_number;  // the number as people read it over the fit's own
+  double unit_per_number;        // the number as people read it over the fit's own
+  double shape_per_number{1.0};  // the shape's number over e to the fit's own
 };
 
 /// Adds amount × a shape that depends on one more number, in one of several forms. Numbers: form, amount, ln

@@ -8,9 +8,11 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "analysis/arguments.h"
 #include "analysis/diagnosis/hysteresis/checks.h"
+#include "analysis/diagnosis/hysteresis/holds.h"
 #include "analysis/diagnosis/hysteresis/noise_reversals.h"
 #include "analysis/diagnosis/hysteresis/signal.h"
 #include "analysis/loop_branches.h"
@@ -39,10 +41,12 @@ std::vector<Branch> BranchesOf(std::span<const double> torque_Nm, double t3_Nm, 
   return SplitBranches(torque_Nm, std::max(0.02 * std::min(t3_Nm, *high - *low), 6.0 * noise_Nm));
 }
 
-std::vector<double> Settled(const CleanSignal& torque, double t3_Nm, double noise_Nm) {
+std::vector<double> SettledTorque(const HysteresisData& record, double noise_Nm) {
+  CleanSignal torque = WithoutNoise(record.time_s, record.torque_Nm, noise_Nm);
   if (!(noise_Nm > 0.0)) return torque.values;
+  KeepStill(FindHolds(record.torque_Nm, noise_Nm), noise_Nm, torque);
   return WithoutNoiseReversals(torque.values, torque.errors, noise_Nm,
-                               BranchesOf(torque.values, t3_Nm, noise_Nm));
+                               BranchesOf(torque.values, record.t3_Nm, noise_Nm));
 }
 
 // The torque that drives the model, and what was taken off for noise.
@@ -51,13 +55,12 @@ struct DrivingTorque {
   std::vector<double> noise_Nm;
 };
 
-DrivingTorque DrivingTorqueOf(const HysteresisData& record, double compliance_rad_per_Nm) {
-  DrivingTorque driving{record.torque_Nm, {}};
-  const double noise_Nm = SampleNoise(driving.torque_Nm);
-  InterpolateOver(driving.torque_Nm, LoneSpikes(record.time_s, driving.torque_Nm, noise_Nm));
-  const double followed = FollowedShare(driving.torque_Nm, record.output_angle_rad, compliance_rad_per_Nm);
-  const std::vector<double> clean_Nm =
-      Settled(WithoutNoise(record.time_s, driving.torque_Nm, noise_Nm), record.t3_Nm, noise_Nm);
+DrivingTorque DrivingTorqueOf(HysteresisData record, double compliance_rad_per_Nm) {
+  const double noise_Nm = SampleNoise(record.torque_Nm);
+  InterpolateOver(record.torque_Nm, LoneSpikes(record.time_s, record.torque_Nm, noise_Nm));
+  const double followed = FollowedShare(record.torque_Nm, record.output_angle_rad, compliance_rad_per_Nm);
+  const std::vector<double> clean_Nm = SettledTorque(record, noise_Nm);
+  DrivingTorque driving{std::move(record.torque_Nm), {}};
   for (std::size_t i = 0; i < clean_Nm.size(); ++i) {
     driving.noise_Nm.push_back((1.0 - followed) * (driving.torque_Nm[i] - clean_Nm[i]));
     driving.torque_Nm[i] -= driving.noise_Nm[i];

@@ -19,6 +19,7 @@ using Eigen::Index;
 
 constexpr std::size_t kSearchPoints = 1500;
 constexpr int kMostIterations = 25;
+constexpr int kFewIterations = 2;
 constexpr int kFitted = 2;  // of the ranked starts
 
 Eigen::VectorXd RootsOf(const std::vector<double>& weights) {
@@ -38,14 +39,15 @@ Eigen::MatrixXd OrthonormalColumns(const Eigen::MatrixXd& derivatives) {
 
 struct RankedStart {
   Eigen::VectorXd numbers;
-  double gain{};  // drop of the sum of squares, to first order
+  double gain{};      // drop of the sum of squares, to first order
+  double promised{};  // likelihood ratio that this would be
 };
 
 // Puts the amounts where they bring most, to first order, and says how much.
 RankedStart RankStart(const LoopModel& model, std::size_t effect, const LoopGrid& grid, Eigen::VectorXd x,
                       const Eigen::MatrixXd& followed, const Eigen::VectorXd& residual,
                       const Eigen::VectorXd& roots, const Eigen::VectorXd& gear_rad) {
-  RankedStart ranked{std::move(x), 0.0};
+  RankedStart ranked{std::move(x)};
   Eigen::MatrixXd columns = roots.asDiagonal() * model.AmountColumns(ranked.numbers, grid, effect, gear_rad);
   columns -= followed * (followed.transpose() * columns).eval();
   const Eigen::MatrixXd normal = columns.transpose() * columns;
@@ -63,6 +65,7 @@ RankedStart RankStart(const LoopModel& model, std::size_t effect, const LoopGrid
     sizes(static_cast<Index>(j)) = value - before;
   }
   ranked.gain = 2.0 * sizes.dot(drive) - sizes.dot(normal * sizes);
+  ranked.promised = static_cast<double>(grid.size()) * ranked.gain / std::max(residual.squaredNorm(), 1e-300);
   return ranked;
 }
 
@@ -116,6 +119,8 @@ double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSol
 // Fits the most promising start of each form, up to a few of them.
 void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std::size_t effect,
              const LoopGrid& grid, LoopSolution& best) {
+  // What promises next to nothing where its amounts are put first is not worth following to its end.
+  constexpr double kNextToNothing = 4.0;  // of the likelihood ratio
   const bool has_forms = model.effects()[effect]->numbers.front().held;
   constexpr double kTheSame = 1e-9;  // of the gain: forms that differ in what this record does not have
   std::vector<double> forms;
@@ -129,7 +134,8 @@ void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std
       if (last_gain && *last_gain - start.gain <= kTheSame * *last_gain) continue;
       last_gain = start.gain;
     }
-    LoopSolution solution = SolveLoop(model, grid, start.numbers, kMostIterations);
+    LoopSolution solution = SolveLoop(model, grid, start.numbers,
+                                      start.promised < kNextToNothing ? kFewIterations : kMostIterations);
     if (!std::isfinite(best.cost) ||
         PenalisedCost(model, grid, solution) < PenalisedCost(model, grid, best)) {
       best = std::move(solution);

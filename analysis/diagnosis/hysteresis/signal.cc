@@ -127,6 +127,7 @@ std::vector<std::size_t> Corners(std::span<const double> t, std::span<const doub
   const double straight = noise * (1.0 + 2.5 / std::sqrt(2.0 * count));
   std::vector<std::size_t> corners;
   std::size_t best = 0;
+  std::size_t last_before = 0;  // the corner, where the lines meet
   double most = 0.0;
   for (std::size_t i = kReach - 1; i + kReach < t.size(); ++i) {
     const ShortLine left =
@@ -140,15 +141,16 @@ std::vector<std::size_t> Corners(std::span<const double> t, std::span<const doub
                          (left.slope - right.slope) / (t[i + 1] - t[i]);
     if (!(share > -1.0 && share < 2.0)) continue;
     if (most > 0.0 && i > best + kReach / 2) {
-      corners.push_back(best);
+      corners.push_back(last_before);
       most = 0.0;
     }
     if (change > most) {
       most = change;
       best = i;
+      last_before = share < 0.0 ? i - 1 : share > 1.0 ? i + 1 : i;
     }
   }
-  if (most > 0.0) corners.push_back(best);
+  if (most > 0.0) corners.push_back(last_before);
   return corners;
 }
 

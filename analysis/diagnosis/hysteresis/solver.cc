@@ -24,7 +24,7 @@ double CostOf(const LoopGrid& grid, const Eigen::VectorXd& predicted) {
 LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen::VectorXd& start,
                        int most_iterations) {
   // What a further step would change is then small beside what chance makes of the likelihood.
-  const double settled = 2e-3 / static_cast<double>(grid.size());
+  const double settled = 3e-2 / static_cast<double>(grid.size());
   constexpr double kGiveUp = 1e10;
   const Index p = model.size();
   const Eigen::Map<const Eigen::VectorXd> twist(grid.twist_rad.data(), static_cast<Index>(grid.size()));

@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/hysteresis/checks.h"
 #include "analysis/diagnosis/hysteresis/model.h"
+#include "analysis/diagnosis/hysteresis/regressors.h"
 #include "analysis/diagnosis/hysteresis/search.h"
 #include "analysis/diagnosis/hysteresis/torque_noise.h"
 #include "analysis/diagnosis/hysteresis/uncharged_shapes.h"
@@ -56,7 +57,7 @@ class HysteresisStudy final : public Study {
     const double k[] = {law.spring.k1_Nm_per_rad, law.spring.k2_Nm_per_rad, law.spring.k3_Nm_per_rad};
     const std::string common = CommonStiffnessChange(k, records_.t1_Nm, records_.t2_Nm);
     if (!common.empty()) warnings_.push_back(common);
-    AppendRegressors();
+    regressors_ = RegressorsOf(records_);
   }
 
   std::span<const double> measured() const override { return records_.measured_rad; }
@@ -91,7 +92,6 @@ class HysteresisStudy final : public Study {
                            std::vector<ParameterValue>& described) const;
   Eigen::VectorXd AboutZero(Eigen::VectorXd about_centres) const;
   void TakeFromNominal();
-  void AppendRegressors();
 
   LoopRecords records_;
   LoopEffects effects_;
@@ -115,19 +115,6 @@ void HysteresisStudy::TakeFromNominal() {
   noise_response_rad_ = ResponseToTorqueNoise(records_, gear);
   for (Index i = 0; i < gear.size(); ++i)
     samples.twist_rad[static_cast<std::size_t>(i)] -= noise_response_rad_(i);
-}
-
-void HysteresisStudy::AppendRegressors() {
-  const LoopGrid& samples = records_.samples;
-  regressors_.push_back({"torque", "torque / Nm", 1.0, samples.torque_Nm, false});
-  regressors_.push_back({"torque_rate", "torque rate / (Nm/s)", 1.0, records_.torque_rate_Nm_per_s, false});
-  regressors_.push_back({"output_angle", "output angle / deg", DegFromRad(1.0), records_.measured_rad, true});
-  regressors_.push_back({"time", "time / s", 1.0, samples.time_s, false});
-  regressors_.push_back({"direction", "direction of the torque", 1.0, samples.direction, false});
-  if (!samples.temperature_K.empty()) {
-    regressors_.push_back(
-        {"temperature", "temperature from its mean / K", 1.0, samples.temperature_K, false});
-  }
 }
 
 LoopModel HysteresisStudy::ModelOf(std::span<const std::size_t> causes) const {
@@ -199,9 +186,9 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
   LoopSolution solution = Search(cause_indices, weights, start);
   if (!std::isfinite(solution.cost) || !solution.numbers.allFinite()) return fit;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(model.size(), model.size());
-  const bool reports = purpose == FitPurpose::kReport;
-  const LoopGrid all = reports ? Condense(records_, weights, 0) : LoopGrid();
-  if (reports) {
+  const bool judges = purpose != FitPurpose::kCompare;
+  const LoopGrid all = judges ? Condense(records_, weights, 0) : LoopGrid();
+  if (judges) {
     solution = SolveLoop(model, all, solution.numbers, kMostIterations);
     covariance = CovarianceOf(model, solution.numbers, all);
   }
@@ -209,11 +196,11 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
   fit.nominal = DescribeNominal(solution.numbers, ErrorsOf(covariance));
   for (std::size_t e = 0; e < fit.causes.size(); ++e) {
     fit.cause_parameters.push_back(DescribeEffect(model, e, solution.numbers, covariance));
-    if (reports)
+    if (purpose == FitPurpose::kReport)
       WidenByAlternatives(model, e, solution.numbers, all, covariance, fit.cause_parameters.back());
   }
   fit.free_parameters = model.FreeParameters(solution.numbers);
-  fit.known_before = UnchargedShapes(model, solution, reports ? all : GridOf(model, weights));
+  fit.known_before = UnchargedShapes(model, solution, judges ? all : GridOf(model, weights));
   fit.state.assign(solution.numbers.data(), solution.numbers.data() + solution.numbers.size());
   fit.usable = fit.predicted.allFinite();
   return fit;

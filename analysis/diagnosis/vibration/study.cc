@@ -181,7 +181,7 @@ class VibrationStudy final : public Study {
                     VibrationSolution solution, FitPurpose purpose) const {
     ModelFit fit = Unusable(cause_indices);
     Eigen::MatrixXd shapes;
-    if (purpose == FitPurpose::kReport) shapes = solver.ShapeCovariance(solution);
+    if (purpose != FitPurpose::kCompare) shapes = solver.ShapeCovariance(solution);
     fit.nominal = DescribeNominal(samples_, solution);
     for (const std::size_t cause : cause_indices) {
       const auto term = static_cast<std::size_t>(

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "analysis/diagnosis/hysteresis/holds.h"
+#include "tests/analysis/diagnosed.h"
+#include "tests/analysis/generated_loop.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kNoise_Nm = 0.013;
+
+// Half a cosine up to 34 Nm over 1000 samples, then 400 samples of hold, then down again.
+std::vector<double> SmoothRampAndHold() {
+  std::vector<double> torque_Nm;
+  for (int i = 0; i < 2400; ++i) {
+    const double way = (i < 1000 ? i : i < 1400 ? 1000 : 2400 - i) / 1000.0;
+    torque_Nm.push_back(17.0 * (1.0 - std::cos(std::numbers::pi * way)));
+  }
+  return torque_Nm;
+}
+
+std::vector<double> WithNoise(std::vector<double> torque_Nm, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, kNoise_Nm);
+  for (double& value : torque_Nm) value += normal(random);
+  return torque_Nm;
+}
+
+TEST(FindHolds, FindsAHoldBetweenSmoothRamps) {
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Hold> holds = FindHolds(WithNoise(SmoothRampAndHold(), seed), kNoise_Nm);
+    ASSERT_GE(holds.size(), 1U) << seed;
+    const Hold& longest = *std::ranges::max_element(holds, {}, [](const Hold& h) { return h.end - h.first; });
+    // At 15 samples from its end a ramp of this shape is as far off as the noise of one.
+    EXPECT_NEAR(static_cast<double>(longest.first), 1000.0, 30.0) << seed;
+    EXPECT_NEAR(static_cast<double>(longest.end), 1400.0, 30.0) << seed;
+    EXPECT_NEAR(longest.level, 34.0, 4.0 * kNoise_Nm / std::sqrt(380.0)) << seed;
+  }
+}
+
+TEST(FindHolds, TakesNoSlowRampAndNoSettlingForAHold) {
+  std::vector<double> ramp(4000);
+  for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = 0.05 * kNoise_Nm * static_cast<double>(i);
+  std::vector<double> settling(200, 34.0);
+  for (std::size_t i = 0; i < 30; ++i) settling[i] += 2.0 * kNoise_Nm;
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    EXPECT_TRUE(FindHolds(WithNoise(ramp, seed), kNoise_Nm).empty()) << seed;
+    for (const Hold& hold : FindHolds(WithNoise(settling, seed), kNoise_Nm))
+      EXPECT_GE(hold.first, 22U) << seed;
+  }
+  EXPECT_TRUE(FindHolds(std::vector<double>(200, 34.0), 0.0).empty());
+}
+
+// Friction remembers the furthest that the torque went: by a ramp that is smoothed past its end, the twist
+// of the whole hold would be wrong.
+TEST(KeepStill, EndsARampAtTheHold) {
+  std::vector<double> time_s(2400);
+  for (std::size_t i = 0; i < time_s.size(); ++i) time_s[i] = 0.0024 * static_cast<double>(i);
+  std::vector<double> straight(2400);
+  for (std::size_t i = 0; i < straight.size(); ++i)
+    straight[i] = 34.0 - 3.2 * kNoise_Nm * std::max(0.0, std::abs(static_cast<double>(i) - 1200.0) - 200.3);
+  for (const std::vector<double>& truth_Nm : {SmoothRampAndHold(), straight}) {
+    double furthest_Nm = 0.0;
+    for (std::uint32_t seed = 1; seed <= 50; ++seed) {
+      const std::vector<double> torque_Nm = WithNoise(truth_Nm, seed);
+      CleanSignal clean = WithoutNoise(time_s, torque_Nm, kNoise_Nm);
+      KeepStill(FindHolds(torque_Nm, kNoise_Nm), kNoise_Nm, clean);
+      furthest_Nm = std::max(furthest_Nm, std::ranges::max(clean.values) - 34.0);
+    }
+    EXPECT_LT(furthest_Nm, 0.3 * kNoise_Nm);
+  }
+}
+
+// The mount creeps while a noisy torque is held, and nothing else does.
+TEST(HysteresisHolds, NameCreepAlone) {
+  const std::vector<PathLeg> path{{34.0, 1.0, 30.0}, {-34.0, 1.0, 30.0}, {34.0, 1.0, 30.0}, {0.0, 1.0}};
+  for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+    const Diagnosed found = DiagnoseRecords(
+        &MakeHysteresisStudy,
+        std::vector<HysteresisData>{GenerateLoop(
+            {.friction_Nm = {3.0}, .yield_rad = {0.7e-4}, .creep_s = 4.0, .creep_rad_per_Nm = 3e-7},
+            {.torque_noise_Nm = 0.016, .angle_noise_rad = RadFromArcmin(0.004)}, path, 6000, seed)});
+    EXPECT_EQ(found.names(), Names{"creep"}) << seed;
+  }
+}
+
+// Readings of a hold differ by their noise alone: no shape over the output angle.
+TEST(HysteresisHolds, LeaveNoShapeOverTheAngle) {
+  const std::vector<PathLeg> path{{34.0, 1.0, 30.0}, {-34.0, 1.0, 30.0}, {0.0, 1.0}};
+  const Diagnosed clean =
+      DiagnoseRecords(&MakeHysteresisStudy, std::vector<HysteresisData>{GenerateLoop({}, {}, path, 4000, 3)});
+  EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect);
+  EXPECT_EQ(clean.diagnosis.leftover.signature, "");
+}
+
+// Alone a slip follows the drift by slipping a little further one way, in the form that is best for both;
+// beside the drift it is another form's.
+TEST(HysteresisPair, LetsASlipChangeItsFormBesideADrift) {
+  const std::vector<PathLeg> path{{34.0, 3.8}, {-34.0, 3.8}, {34.0, 3.8}, {-34.0, 3.8}, {0.0, 3.8}};
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    GeneratedSensors sensors{.torque_noise_Nm = 0.0, .angle_noise_rad = RadFromArcmin(0.018)};
+    sensors.drift_rad = [](double time_s, double) {
+      return -RadFromArcmin(0.024) * -std::expm1(-time_s / 43.0);
+    };
+    const Diagnosed found =
+        DiagnoseRecords(&MakeHysteresisStudy,
+                        std::vector<HysteresisData>{GenerateLoop(
+                            {.slip_from_Nm = 20.5, .slip_rad_per_Nms = 4.3e-7}, sensors, path, 4500, seed)});
+    Names names = found.names();
+    std::ranges::sort(names);
+    EXPECT_EQ(names, (Names{"brake_slip", "thermal_drift"})) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
