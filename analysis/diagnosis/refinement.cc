@@ -60,7 +60,9 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarB
     if (!without.fit.usable) continue;
     const double own = ScoreOf(judge, model, without, cause);
     for (std::size_t other = 0; other < rules.size(); ++other) {
-      if (Contains(model.fit.causes, other) || IsFarBehind(far_behind, cause, other)) continue;
+      // For itself as well: beside what came later another of its forms may be the better one.
+      if (other != cause && Contains(model.fit.causes, other)) continue;
+      if (IsFarBehind(far_behind, cause, other)) continue;
       ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
       if (!exchanged.fit.usable) continue;
       double lead = ScoreOf(judge, exchanged, without, other) - own;

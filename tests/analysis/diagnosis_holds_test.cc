@@ -106,7 +106,7 @@ TEST(HysteresisPair, LetsASlipChangeItsFormBesideADrift) {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     GeneratedSensors sensors{.torque_noise_Nm = 0.0, .angle_noise_rad = RadFromArcmin(0.018)};
     sensors.drift_rad = [](double time_s, double) {
-      return -RadFromArcmin(0.024) * -std::expm1(-time_s / 43.0);
+      return -RadFromArcmin(0.03) * -std::expm1(-time_s / 100.0);
     };
     const Diagnosed found =
         DiagnoseRecords(&MakeHysteresisStudy,
