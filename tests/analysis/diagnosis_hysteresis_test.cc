@@ -326,6 +326,16 @@ TEST(HysteresisStudy, LeavesAShiftThatLastsAWhileWithoutAName) {
   EXPECT_NEAR(window.parameters[2].value, 175.0, 4.0) << window.parameters[2].name;
 }
 
+// An encoder's steps are coarser than its noise: it stands still from most samples to the next.
+TEST(HysteresisStudy, CountsTheAnglesStepsAsNoise) {
+  constexpr double kStep_arcmin = 0.05;
+  HysteresisData record = GenerateLoop({}, {.angle_noise_rad = RadFromArcmin(0.002)}, Loops(), 4000, 5);
+  for (double& angle_rad : record.output_angle_rad)
+    angle_rad = RadFromArcmin(kStep_arcmin * std::round(ArcminFromRad(angle_rad) / kStep_arcmin));
+  const double floor_arcmin = ArcminFromRad(MakeHysteresisStudy({&record, 1})->NoiseFloor());
+  EXPECT_NEAR(floor_arcmin, kStep_arcmin / std::sqrt(12.0), 0.1 * kStep_arcmin);
+}
+
 TEST(HysteresisStudy, JoinsLoopsThatDoNotShowAnOffsetAlone) {
   const GeneratedSensors sensors{.torque_offset_Nm = 0.065, .angle_noise_rad = RadFromArcmin(0.05)};
   std::vector<HysteresisData> loops;

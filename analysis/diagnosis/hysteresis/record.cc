@@ -145,7 +145,10 @@ double NoiseFloorOf(const LoopRecords& prepared) {
       angle[i] -= prepared.compliance_rad_per_Nm() *
                   (grid.torque_Nm[first + i] + prepared.torque_noise_Nm[first + i]);
     }
-    const double noise = LastingNoise(angle);
+    // Of an angle that stands on its steps the differences show how often it leaves one.
+    constexpr double kMostly = 0.5;
+    const double rounding = RoundingNoise(std::span(grid.twist_rad).subspan(first, count), kMostly);
+    const double noise = rounding > 0.0 ? rounding : LastingNoise(angle);
     square_sum += noise * noise * static_cast<double>(count);
   }
   return std::sqrt(square_sum / static_cast<double>(grid.size()));

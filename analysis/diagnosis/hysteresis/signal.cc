@@ -156,9 +156,7 @@ std::vector<std::size_t> Corners(std::span<const double> t, std::span<const doub
 
 }  // namespace
 
-double SampleNoise(std::span<const double> signal) {
-  if (signal.size() < 6) return 0.0;
-  double deviation = RobustStandardDeviation(FourthDifferences(signal)) / std::sqrt(kFourthDifference);
+double RoundingNoise(std::span<const double> signal, double share) {
   std::size_t repeated = 0;
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < signal.size(); ++i) {
@@ -169,9 +167,15 @@ double SampleNoise(std::span<const double> signal) {
       step = std::min(step, difference);
     }
   }
-  const bool stepped = repeated > signal.size() / 10 && std::isfinite(step);
-  if (stepped) deviation = std::hypot(deviation, step / std::sqrt(12.0));
-  return deviation;
+  const bool stands = static_cast<double>(repeated) > share * static_cast<double>(signal.size());
+  return stands && std::isfinite(step) ? step / std::sqrt(12.0) : 0.0;
+}
+
+double SampleNoise(std::span<const double> signal) {
+  if (signal.size() < 6) return 0.0;
+  constexpr double kSteps = 0.1;
+  const double white = RobustStandardDeviation(FourthDifferences(signal)) / std::sqrt(kFourthDifference);
+  return std::hypot(white, RoundingNoise(signal, kSteps));
 }
 
 CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise) {

@@ -7,8 +7,12 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// What rounding to steps adds to a signal of which more than this share of neighbours read the same:
+/// step/√12, rms; 0 where fewer do.
+double RoundingNoise(std::span<const double> signal, double share);
+
 /// Standard deviation of the white part of a signal from its fourth differences, so that ramps, corners and
-/// smooth curves do not count; resolution included where neighbours often read the same. 0 below 6 values.
+/// smooth curves do not count; rounding included. 0 below 6 values.
 double SampleNoise(std::span<const double> signal);
 
 /// A signal with its white noise taken off.
