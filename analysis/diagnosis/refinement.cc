@@ -14,6 +14,7 @@ namespace {
 // are not nature's, and a free curve always follows the last few percent better.
 constexpr double kCorrectionLead = 10.0;
 constexpr double kCorrectionShare = 0.15;
+constexpr double kHalfAsGood = 0.5;
 
 }  // namespace
 
@@ -24,6 +25,10 @@ bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t o
 
 double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause) {
   return judge.Score(judge.Compare(with, without), judge.study().causes()[cause]);
+}
+
+double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer) {
+  return 2.0 * (richer.noise.log_likelihood.front() - poorer.noise.log_likelihood.front());
 }
 
 double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
@@ -51,7 +56,7 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
   return false;
 }
 
-bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarBehindOf& far_behind,
+bool Exchange(const Judge& judge, std::span<const std::size_t> given, FarBehindOf& far_behind,
               ScoredModel& model, double explained) {
   const auto& rules = judge.study().causes();
   for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
@@ -59,12 +64,15 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarB
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
     const double own = ScoreOf(judge, model, without, cause);
+    const double ahead = WhiteRatio(model, without);
     for (std::size_t other = 0; other < rules.size(); ++other) {
       // For itself as well: beside what came later another of its forms may be the better one.
       if (other != cause && Contains(model.fit.causes, other)) continue;
       if (IsFarBehind(far_behind, cause, other)) continue;
       ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
       if (!exchanged.fit.usable) continue;
+      if (ahead > kClearlyAhead && WhiteRatio(exchanged, without) < kHalfAsGood * ahead)
+        far_behind[cause].insert(other);
       double lead = ScoreOf(judge, exchanged, without, other) - own;
       if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained);
       if (!rules[cause].named && rules[other].named) lead += LeadAsked(own);

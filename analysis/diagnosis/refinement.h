@@ -32,8 +32,15 @@ bool FindDeeper(const Judge& judge, const ScoredModel& with_more, ScoredModel& m
 bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
                   ScoredModel& model);
 
-/// Exchanges one cause for one that does better in its place; false where there is none.
-bool Exchange(const Judge& judge, std::span<const std::size_t> given, const FarBehindOf& far_behind,
+/// Exchanges one cause for one that does better in its place, or for itself in another form; false where
+/// there is none.
+/// @param far_behind  gets what did not do half as well, so as not to be tried there again.
+bool Exchange(const Judge& judge, std::span<const std::size_t> given, FarBehindOf& far_behind,
               ScoredModel& model, double explained);
+
+/// Of the white likelihood ratio of a cause, from which on others may be far behind it.
+inline constexpr double kClearlyAhead = 60.0;
+/// Likelihood ratio as if the noise were white: what an effect leaves of another passes for its memory.
+double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -24,8 +24,7 @@ constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between t
 constexpr double kLeastShare = 0.004;
 constexpr double kLeastShareBesideUnnamed = 0.01;  // where the model is known to lack something
 
-// Of the likelihood ratio, from which on what reaches less than this share of it is no rival.
-constexpr double kClearlyAhead = 60.0;
+// Share of the likelihood ratio of a cause below which another one is no rival.
 constexpr double kNowhereNear = 0.2;
 
 struct Candidate {
@@ -45,11 +44,6 @@ void Rank(const Study& study, std::vector<Candidate>& candidates) {
     return candidate.score - (study.causes()[candidate.cause].named ? 0.0 : lead);
   };
   std::ranges::stable_sort(candidates, std::greater<>(), rank);
-}
-
-// Likelihood ratio as if the noise were white: what an effect leaves of another passes for its memory.
-double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer) {
-  return 2.0 * (richer.noise.log_likelihood.front() - poorer.noise.log_likelihood.front());
 }
 
 // All candidates beside a model, each fitted with it, but for those that `is_out` names.
