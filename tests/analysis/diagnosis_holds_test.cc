@@ -99,6 +99,33 @@ TEST(HysteresisHolds, LeaveNoShapeOverTheAngle) {
   EXPECT_EQ(clean.diagnosis.leftover.signature, "");
 }
 
+// A ramp that slows down before it turns, and the turn in a gap: lines through both sides meet beyond it.
+TEST(HysteresisGap, TakesASlowTurnNoFurtherThanTheOthers) {
+  std::vector<PathLeg> path;
+  for (int loop = 0; loop < 3; ++loop) {
+    for (const double sign : {1.0, -1.0}) {
+      path.push_back({30.0 * sign, 4.0});
+      path.push_back({34.0 * sign, 1.0});
+      path.push_back({31.0 * sign, 0.6});
+    }
+  }
+  HysteresisData record = GenerateLoop({}, {.torque_noise_Nm = 0.0}, path, 6000, 3);
+  // From 29 Nm, on the way up, to 33.2 Nm on the way down from the second loop's peak.
+  const auto after = [&](std::size_t i, auto holds) {
+    while (!holds(record.torque_Nm[i])) ++i;
+    return static_cast<std::ptrdiff_t>(i);
+  };
+  const std::size_t low = static_cast<std::size_t>(after(0, [](double torque) { return torque < -33.0; }));
+  const std::ptrdiff_t first = after(low, [](double torque) { return torque > 29.0; });
+  const std::size_t peak = static_cast<std::size_t>(
+      after(static_cast<std::size_t>(first), [](double torque) { return torque > 33.9; }));
+  const std::ptrdiff_t last = after(peak, [](double torque) { return torque < 33.2; });
+  for (std::vector<double>* column : {&record.time_s, &record.torque_Nm, &record.output_angle_rad})
+    column->erase(column->begin() + first, column->begin() + last);
+  const Diagnosed clean = DiagnoseRecords(&MakeHysteresisStudy, std::vector<HysteresisData>{record});
+  EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << clean.diagnosis.leftover.signature;
+}
+
 // Alone a slip follows the drift by slipping a little further one way, in the form that is best for both;
 // beside the drift it is another form's.
 TEST(HysteresisPair, LetsASlipChangeItsFormBesideADrift) {

@@ -160,6 +160,8 @@ void AppendTurns(std::span<const double> time_s, std::span<const double> torque_
   grid.turn_Nm.resize(base + torque_Nm.size(), std::numeric_limits<double>::quiet_NaN());
   grid.turn_share.resize(base + torque_Nm.size(), 0.0);
   const auto [low, high] = std::minmax_element(torque_Nm.begin(), torque_Nm.end());
+  const double furthest_Nm = std::max(std::abs(*low), std::abs(*high));
+  const double mean_step_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
   for (const Turn& turn : FindTurns(time_s, torque_Nm, noise_Nm)) {
     double turn_Nm = turn.value;
     // A peak that lies in a gap was no other than the record's other peaks, which lines only roughly meet.
@@ -168,6 +170,12 @@ void AppendTurns(std::span<const double> time_s, std::span<const double> torque_
     const double near_Nm = 0.05 * (*high - *low);
     if (turn_Nm > std::max(before_Nm, after_Nm) + near_Nm && turn_Nm > *high - near_Nm) turn_Nm = *high;
     if (turn_Nm < std::min(before_Nm, after_Nm) - near_Nm && turn_Nm < *low + near_Nm) turn_Nm = *low;
+    // Nor does a smooth one go as far as the lines of its sides, where it went further elsewhere than beside
+    // it.
+    const bool in_gap = time_s[turn.before + 1] - time_s[turn.before] > kGap * mean_step_s;
+    if (in_gap && std::abs(turn_Nm) > furthest_Nm &&
+        furthest_Nm > std::max(std::abs(before_Nm), std::abs(after_Nm)))
+      turn_Nm = std::copysign(furthest_Nm, turn_Nm);
     grid.turn_Nm[base + turn.before + 1] = turn_Nm;
     grid.turn_share[base + turn.before + 1] = turn.share;
   }
