@@ -99,6 +99,21 @@ TEST(HysteresisHolds, LeaveNoShapeOverTheAngle) {
   EXPECT_EQ(clean.diagnosis.leftover.signature, "");
 }
 
+// Of one loop two passes lie in the window, and a long block held out may hold both.
+TEST(HysteresisOneLoop, LeavesADentWithoutAName) {
+  const std::vector<PathLeg> path{{34.0, 1.0}, {-34.0, 1.0}, {0.0, 1.0}};
+  for (const double middle_Nm : {9.0, 16.0, 17.5}) {
+    GeneratedSensors sensors;
+    sensors.unlisted_rad = [&](double, double torque_Nm, double, bool) {
+      return RadFromArcmin(0.04) * std::exp(-0.5 * std::pow((torque_Nm - middle_Nm) / 0.7, 2));
+    };
+    const Diagnosed found = DiagnoseRecords(
+        &MakeHysteresisStudy, std::vector<HysteresisData>{GenerateLoop({}, sensors, path, 6000, 5)});
+    EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure) << middle_Nm;
+    EXPECT_EQ(found.names(), Names()) << middle_Nm;
+  }
+}
+
 // A ramp that slows down before it turns, and the turn in a gap: lines through both sides meet beyond it.
 TEST(HysteresisGap, TakesASlowTurnNoFurtherThanTheOthers) {
   std::vector<PathLeg> path;

@@ -40,6 +40,8 @@ class Place final : public LoopEffect {
             .places = 2,
             // Windows and steps that overlap, in all widths.
             .trials = 2.0 * 12.0 / kNarrowest,
+            // One loop comes by two or three times.
+            .local = true,
             .named = false};
   }
 
