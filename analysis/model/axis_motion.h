@@ -25,25 +25,25 @@ class LooseLoad {
     double friction{};           // as an acceleration
     double contact_rad_per_s{};  // of the load on the contact
     double contact_damping{0.5};
+    double start{1.0};  // place in the gap at first: 1 where the motion pushes the load, −1 at the other end
   };
   LooseLoad(const Numbers& numbers, double near, double near_speed) noexcept
-      : gap_(numbers.gap),
+      : half_(0.5 * numbers.gap),
         friction_(numbers.friction),
         contact_rad_per_s_(numbers.contact_rad_per_s),
         stiffness_(numbers.contact_rad_per_s * numbers.contact_rad_per_s),
         drag_(2.0 * numbers.contact_damping * numbers.contact_rad_per_s),
-        end_(std::copysign(0.5 * numbers.gap, near_speed)),
         near_(near),
         near_speed_(near_speed),
-        tight_{near, near_speed},
-        loose_{near - end_, near_speed} {}
+        place_(near - numbers.start * std::copysign(half_, near_speed)),
+        speed_(near_speed) {}
 
   /// Moves on by a step, over which the near side goes to `near` smoothly.
-  /// @returns push of the contact on the load at its end, less what it would be without a gap.
+  /// @returns push of the contact on the load at its end.
   double Follow(double near, double near_speed, double step_s) noexcept {
     const int steps = std::max(1, static_cast<int>(std::ceil(step_s * contact_rad_per_s_ / kFine)));
     const double h = step_s / steps;
-    double beyond = 0.0;
+    double push = 0.0;
     for (int k = 1; k <= steps; ++k) {
       // Cubic between the ends, by position and speed.
       const double u = static_cast<double>(k) / steps;
@@ -52,61 +52,29 @@ class LooseLoad {
                         u * u * ((1.0 + 2.0 * v) * near - v * step_s * near_speed);
       const double at_speed = 6.0 * u * v * (near - near_) / step_s + v * (v - 2.0 * u) * near_speed_ +
                               u * (u - 2.0 * v) * near_speed;
-      const double tight_push = PushOf(tight_, at, at_speed, 0.0);
-      // In contact at one end both do the same, the gap apart, as long as the contact is pressed.
-      if (together_ && !(tight_push * end_ > 0.0)) {
-        together_ = false;
-        loose_ = {tight_.place - end_, tight_.speed};
-      }
-      beyond = 0.0;
-      if (!together_) {
-        const double push = PushOf(loose_, at, at_speed, 0.5 * gap_);
-        beyond = push - tight_push;
-        Move(loose_, push, h);
-      }
-      Move(tight_, tight_push, h);
-      if (!together_) together_ = AreTogether(tight_push, beyond);
+      push = PushBy(at - place_, at_speed - speed_);
+      // Friction stops, it does not turn round.
+      const double free = speed_ + h * push;
+      speed_ = free - std::clamp(free, -h * friction_, h * friction_);
+      place_ += h * speed_;
     }
     near_ = near;
     near_speed_ = near_speed;
-    return beyond;
+    return push;
   }
 
  private:
-  struct Load {
-    double place{};
-    double speed{};
-  };
-  static constexpr double kFine = 0.25;      // of a step, in radians of the contact's own swing
-  static constexpr double kTogether = 1e-3;  // of the gap
+  static constexpr double kFine = 0.25;  // of a step, in radians of the contact's own swing
 
-  double PushOf(const Load& load, double at, double at_speed, double half) const noexcept {
-    const double lead = at - load.place;
-    const double damping = drag_ * (at_speed - load.speed);
-    if (lead > half) return std::max(stiffness_ * (lead - half) + damping, 0.0);
-    if (lead < -half) return std::min(stiffness_ * (lead + half) + damping, 0.0);
+  double PushBy(double lead, double closing) const noexcept {
+    if (lead > half_) return std::max(stiffness_ * (lead - half_) + drag_ * closing, 0.0);
+    if (lead < -half_) return std::min(stiffness_ * (lead + half_) + drag_ * closing, 0.0);
     return 0.0;
   }
 
-  // Friction stops, it does not turn round.
-  void Move(Load& load, double push, double h) const noexcept {
-    const double free = load.speed + h * push;
-    load.speed = free - std::clamp(free, -h * friction_, h * friction_);
-    load.place += h * load.speed;
-  }
-
-  bool AreTogether(double tight_push, double beyond) noexcept {
-    if (!(tight_push * (tight_push + beyond) > 0.0)) return false;
-    end_ = std::copysign(0.5 * gap_, tight_push);
-    return std::abs(tight_.place - end_ - loose_.place) < kTogether * gap_ &&
-           std::abs(tight_.speed - loose_.speed) < kTogether * gap_ * contact_rad_per_s_;
-  }
-
-  double gap_, friction_, contact_rad_per_s_, stiffness_, drag_;
-  double end_;  // of the gap at which the load lies while it is together with one without a gap
+  double half_, friction_, contact_rad_per_s_, stiffness_, drag_;
   double near_, near_speed_;
-  Load tight_, loose_;
-  bool together_{true};
+  double place_, speed_;
 };
 
 /// A second inertia behind a spring and a damper, driven by the motion of the near side: the twist x = far −

@@ -16,12 +16,12 @@ constexpr double kContact = 120.0;     // rad/s of a loose load on its contact, 
 constexpr double kLoadFriction = 3.0;  // of it, as a deceleration in rad/s²
 
 // A load on its own between the two ends of a gap, by many small steps.
-std::vector<double> PushesOver(double gap, double step_s, std::size_t count,
+std::vector<double> PushesOver(double gap, double start, double step_s, std::size_t count,
                                const std::function<double(double time_s)>& near) {
   constexpr int kSmaller = 10;
   const double h = step_s / kSmaller;
   const double stiffness = kContact * kContact;
-  double load = near(0.0) - 0.5 * gap;
+  double load = near(0.0) - 0.5 * start * gap;
   double speed = (near(h) - near(-h)) / (2.0 * h);
   std::vector<double> pushes{0.0};
   for (std::size_t i = 1; i < count; ++i) {
@@ -41,34 +41,37 @@ std::vector<double> PushesOver(double gap, double step_s, std::size_t count,
   return pushes;
 }
 
-TEST(LooseLoad, PushesByWhatALoadBehindAGapDoesOtherThanOneWithout) {
+TEST(LooseLoad, IsPushedAtTheEndsOfItsGapAlone) {
   constexpr double kStep_s = 0.0001;
   constexpr std::size_t kCount = 60000;
   const auto near = [](double time_s) { return std::sin(4.0 * time_s) + 0.3 * std::sin(9.0 * time_s + 1.0); };
   const auto speed = [](double time_s) {
     return 4.0 * std::cos(4.0 * time_s) + 2.7 * std::cos(9.0 * time_s + 1.0);
   };
-  const std::vector<double> over_gap = PushesOver(0.02, kStep_s, kCount, near);
-  const std::vector<double> tight = PushesOver(0.0, kStep_s, kCount, near);
-  LooseLoad load({.gap = 0.02, .friction = kLoadFriction, .contact_rad_per_s = kContact}, near(0.0),
-                 speed(0.0));
-  double square = 0.0;
-  double off_square = 0.0;
-  for (std::size_t i = 1; i < kCount; ++i) {
-    const double time_s = kStep_s * static_cast<double>(i);
-    const double beyond = load.Follow(near(time_s), speed(time_s), kStep_s);
-    square += std::pow(over_gap[i] - tight[i], 2);
-    off_square += std::pow(beyond - (over_gap[i] - tight[i]), 2);
+  for (const double start : {1.0, 0.0, -1.0}) {
+    const std::vector<double> over_gap = PushesOver(0.02, start, kStep_s, kCount, near);
+    LooseLoad load({.gap = 0.02, .friction = kLoadFriction, .contact_rad_per_s = kContact, .start = start},
+                   near(0.0), speed(0.0));
+    double square = 0.0;
+    double off_square = 0.0;
+    for (std::size_t i = 1; i < kCount; ++i) {
+      const double time_s = kStep_s * static_cast<double>(i);
+      const double push = load.Follow(near(time_s), speed(time_s), kStep_s);
+      square += over_gap[i] * over_gap[i];
+      off_square += std::pow(push - over_gap[i], 2);
+    }
+    // Knocks come by a part of a step too early or too late.
+    EXPECT_LT(std::sqrt(off_square / square), 0.1) << start;
   }
-  // Knocks come by a part of a step too early or too late.
-  EXPECT_LT(std::sqrt(off_square / square), 0.1);
 }
 
-TEST(LooseLoad, PushesLikeAnyOtherWithoutAGap) {
+TEST(LooseLoad, IsPushedLikeARigidOneWithoutAGap) {
   LooseLoad load({.gap = 0.0, .friction = kLoadFriction, .contact_rad_per_s = kContact}, 0.0, 1.0);
-  for (int i = 1; i < 3000; ++i) {
+  for (int i = 1; i < 700; ++i) {
     const double time_s = 0.002 * i;
-    EXPECT_EQ(load.Follow(std::sin(time_s), std::cos(time_s), 0.002), 0.0);
+    const double push = load.Follow(std::sin(time_s), std::cos(time_s), 0.002);
+    if (i < 100) continue;  // it settles on its contact
+    EXPECT_NEAR(push, kLoadFriction - std::sin(time_s), 0.01);
   }
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analysis/decompositions.h"
 #include "analysis/diagnosis/fit_covariance.h"
@@ -11,6 +10,8 @@
 
 namespace strainwave::analysis::diagnosis {
 namespace {
+
+constexpr double kFar = 2.0;  // times the delay
 
 using Eigen::Index;
 
@@ -105,7 +106,8 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
                : "the torque acts later than it is recorded: a slow current loop, a bus cycle, or two clocks",
        .where = Where::kBench,
        .effect = "E20",
-       .parameters = {{"delay_s", "s", 0.0, std::numeric_limits<double>::max(), true}},
+       // Far from where it was linearised the term is not a delay.
+       .parameters = {{"delay_s", "s", delay_s / kFar, std::max(delay_s * kFar, grid->row_spacing_s), true}},
        .trials = 3.0});
 }
 

@@ -25,12 +25,20 @@ constexpr double kFastestContact = 0.5;
 constexpr double kContactEdge = 0.1;
 constexpr double kMostShare = 1.5;  // of the inertia, that may swing
 constexpr double kUnlimited = std::numeric_limits<double>::max();
-// Of a loose load's coarse starts, where the best of them takes so many times the noise's variance; of these,
-// those that are fitted.
+// Of a loose load's starts those whose square sum is so many times the noise's variance are polished: a few,
+// of gaps apart from each other (in ln gap); of these, those that are fitted.
 constexpr double kPromising = 8.0;
-constexpr std::size_t kPolished = 6;
+constexpr double kAnotherGap = 0.3;
+constexpr std::size_t kPolished = 4;
 constexpr std::size_t kStarts = 2;
+// Longer than a knock lasts: where the near side is light it jumps, and what a gap does otherwise drowns in
+// when exactly; added up over that time it is the momentum that counts.
+constexpr double kKnock_s = 0.03;
+constexpr double kPlaces = 40.0;
 constexpr double kRagged = 2.0;
+// Of a simplex: ln gap, friction, ln contact frequency, damping, start.
+const std::vector<double> kFirstSteps{0.15, 0.15, 0.2, -0.15, 0.5};
+const std::vector<double> kFineSteps{0.02, 0.03, 0.1, -0.05, 0.1};
 constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
 
 double DurationOf(const MotionGrid& grid) {
@@ -71,8 +79,9 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     }
   }
   const double reference = std::max(grid->prefit(0), 1e-300);
-  term.starts = [map = std::make_shared<const ShapeMap>(*grid, term, std::move(tried)),
-                 reference](const Remainder& remainder) {
+  const auto map = std::make_shared<ShapeMap>(*grid, std::move(tried));
+  FillMaps(term, grid->rows(), {map.get()});
+  term.starts = [map, reference](const Remainder& remainder) {
     std::vector<std::vector<double>> starts;
     Eigen::VectorXf left = map->Roots(remainder);
     // Far above the motion a swing of any inertia looks alike, up to what no axis carries.
@@ -133,7 +142,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                                      "min\n  output_torque: 0 Nm\n  input_speed: 500 rpm\n"});
 }
 
-// What a gap does to the torque, per unit of the load's inertia. Where the points are denser than the contact
+// Push of the contact, per unit of the load's inertia. Where the points are denser than the contact
 // needs them, over several at once.
 void FillLooseLoad(const MotionGrid& grid, const model::LooseLoad::Numbers& numbers,
                    std::span<double> points) {
@@ -146,14 +155,33 @@ void FillLooseLoad(const MotionGrid& grid, const model::LooseLoad::Numbers& numb
     for (std::size_t before = stretch.first; before < last;) {
       const std::size_t next = std::min(before + stride, last);
       const auto steps = static_cast<double>(next - before);
-      const double beyond = load.Follow(grid.position[next], grid.velocity[next], steps * stretch.step_s);
-      const double rise = (beyond - points[before]) / steps;
+      const double push = load.Follow(grid.position[next], grid.velocity[next], steps * stretch.step_s);
+      const double rise = (push - points[before]) / steps;
       for (std::size_t i = before + 1; i < next; ++i)
         points[i] = points[before] + rise * static_cast<double>(i - before);
-      points[next] = beyond;
+      points[next] = push;
       before = next;
     }
   }
+}
+
+// The best shapes of a map, of gaps apart from each other: all that are worth polishing.
+std::vector<std::vector<double>> Apart(const ShapeMap& map, const Remainder& remainder) {
+  const Eigen::VectorXf roots = map.Roots(remainder);
+  std::vector<Index> order(static_cast<std::size_t>(roots.size()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::sort(order, std::greater<>(), [&](Index k) { return roots(k); });
+  const double least = std::sqrt(kPromising * map.MeanSquare(remainder));
+  std::vector<std::vector<double>> apart;
+  for (const Index k : order) {
+    if (apart.size() == kPolished || !(roots(k) > least)) break;
+    const std::vector<double>& shapes = map.shapes()[static_cast<std::size_t>(k)];
+    const auto close = [&](const std::vector<double>& other) {
+      return std::abs(shapes[0] - other[0]) < kAnotherGap;
+    };
+    if (std::ranges::none_of(apart, close)) apart.push_back(shapes);
+  }
+  return apart;
 }
 
 void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
@@ -167,49 +195,56 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const double low_Hz = 4.0;
   const double high_Hz = kFastestContact / grid->stretches.front().step_s;
   if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;
-  SeparableTerm term = PointTerm(
-      grid, 1, [grid, braking](std::span<const double> shapes, std::size_t, std::span<double> points) {
-        FillLooseLoad(*grid,
-                      {.gap = std::exp(shapes[0]),
-                       .friction = std::abs(shapes[1]) * braking,
-                       .contact_rad_per_s = kTwoPi * std::exp(shapes[2]),
-                       .contact_damping = shapes[3]},
-                      points);
-      });
+  SeparableTerm term;
+  term.fill = [grid, braking](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    const double friction = std::abs(shapes[1]) * braking;
+    std::vector<double> points(grid->time_s.size());
+    FillLooseLoad(*grid,
+                  {.gap = std::exp(shapes[0]),
+                   .friction = friction,
+                   .contact_rad_per_s = kTwoPi * std::exp(shapes[2]),
+                   .contact_damping = shapes[3],
+                   .start = shapes[4]},
+                  points);
+    // Less what the nominal model has for a load that is held tight.
+    design.col(0) = grid->Project(points) - grid->nominal.col(0) - friction * grid->nominal.col(2);
+  };
   // Wide steps: each knock comes and goes at once, and a slope over less than that says nothing.
   term.shapes = {{std::log(low), std::log(high), kRagged},
                  {0.0, 4.0, kRagged},
                  {std::log(low_Hz), std::log(high_Hz), kRagged},
-                 {0.1, 1.5, kRagged}};
+                 {0.1, 1.5, kRagged},
+                 {-1.0, 1.0, kRagged}};
   std::vector<std::vector<double>> tried;
-  for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 16)) {
-    for (const double share : {0.1, 0.4, 0.8, 2.0}) {
+  for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 40)) {
+    for (const double share : {0.0, 0.1, 0.4, 0.8, 2.0}) {
       for (const double contact_Hz : {10.0, 18.0, 35.0, 80.0}) {
         if (contact_Hz < low_Hz || contact_Hz > high_Hz) continue;
-        tried.push_back({std::log(gap), share, std::log(contact_Hz), 0.5});
+        tried.push_back({std::log(gap), share, std::log(contact_Hz), 0.5, 0.0});
       }
     }
   }
-  term.starts = [grid, term, map = std::make_shared<const ShapeMap>(*grid, term, std::move(tried))](
-                    const Remainder& remainder) {
-    const Eigen::VectorXf roots = map->Roots(remainder);
-    std::vector<Index> order(static_cast<std::size_t>(roots.size()));
-    std::iota(order.begin(), order.end(), Index{0});
-    std::ranges::sort(order, std::greater<>(), [&](Index k) { return roots(k); });
-    const double best = roots.size() > 0 ? roots(order.front()) : 0.0;
-    const bool promising = best * best > kPromising * remainder.MeanSquare();
-    StartSearch search(*grid, term, remainder, StartSearch::Sign::kPositive);
+  const auto map = std::make_shared<ShapeMap>(*grid, tried);
+  const auto coarse_map = std::make_shared<ShapeMap>(*grid, std::move(tried), kKnock_s);
+  FillMaps(term, grid->rows(), {map.get(), coarse_map.get()});
+  term.starts = [grid, term, map, coarse_map](const Remainder& remainder) {
     using Start = std::pair<double, std::vector<double>>;  // drop, shapes
-    std::vector<Start> polished;
-    for (const Index k : order) {
-      if (polished.size() == (promising ? kPolished : 1) || !(roots(k) > 0.0F)) break;
-      std::vector<double> shapes = map->shapes()[static_cast<std::size_t>(k)];
-      if (promising) shapes = search.Polish(shapes, {0.15, 0.15, 0.2, -0.15});
-      polished.emplace_back(search.Drop(shapes), std::move(shapes));
+    std::vector<Start> found;
+    StartSearch search(*grid, term, remainder, StartSearch::Sign::kPositive);
+    StartSearch coarse_search(*grid, term, remainder, StartSearch::Sign::kPositive, kKnock_s);
+    for (const std::vector<double>& shapes : Apart(*map, remainder)) {
+      std::vector<double> polished = search.Polish(shapes, kFirstSteps);
+      found.emplace_back(search.Drop(polished), std::move(polished));
     }
-    std::ranges::sort(polished, std::greater<>(), &Start::first);
+    for (const std::vector<double>& shapes : Apart(*coarse_map, remainder)) {
+      std::vector<double> polished = search.Polish(coarse_search.Polish(shapes, kFirstSteps), kFineSteps);
+      found.emplace_back(search.Drop(polished), std::move(polished));
+    }
+    std::ranges::sort(found, std::greater<>(), &Start::first);
     std::vector<std::vector<double>> starts;
-    for (std::size_t i = 0; i < std::min(polished.size(), kStarts); ++i) starts.push_back(polished[i].second);
+    // Once more from a new simplex: on ragged ground the first one shrinks before its time.
+    for (std::size_t i = 0; i < std::min(found.size(), kStarts); ++i)
+      starts.push_back(search.Polish(found[i].second, kFineSteps));
     return starts;
   };
   const std::string gap_name = units.linear ? "backlash_m" : "backlash_rad";
@@ -228,12 +263,16 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
         {friction_name, units.torque(), numbers[0] * deceleration,
          std::hypot(error(0) * deceleration, numbers[0] * braking * error(2))},
         {"contact_Hz", "Hz", contact_Hz, contact_Hz * error(3)},
-        {"contact_damping_ratio", "1", numbers[4], error(4)}};
+        {"contact_damping_ratio", "1", numbers[4], error(4)},
+        {"load_start", "1", numbers[5], error(5)}};
   };
   term.restore = [=](std::span<const double> values) {
-    return std::vector<double>{values[1], std::log(std::max(values[0], 1e-300)),
-                               values[2] / std::max(values[1] * braking, 1e-300), std::log(values[3]),
-                               values[4]};
+    return std::vector<double>{values[1],
+                               std::log(std::max(values[0], 1e-300)),
+                               values[2] / std::max(values[1] * braking, 1e-300),
+                               std::log(values[3]),
+                               values[4],
+                               values[5]};
   };
   model.causes.push_back(std::move(term));
   model.rules.push_back(
@@ -243,9 +282,12 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
        .where = Where::kUndecided,
        .effect = "E4",
        .parameters = {{gap_name, units.position(), 1.05 * low, 0.95 * high, true},
-                      {inertia_name, units.inertia(), 0.0, 1.3 * inertia, true}},
-       .degrees_of_freedom = 5,
-       .trials = 40.0,
+                      {inertia_name, units.inertia(), 0.0, kUnlimited, true}},
+       .degrees_of_freedom = 6,
+       .trials = kPlaces,
+       // Each number is searched for over its whole range, on ragged ground: each pays in full, and so do the
+       // places that are looked at.
+       .least_bic = 2.0 * std::log(kPlaces),
        .to_settle =
            units.linear
                ? ""

@@ -10,6 +10,8 @@
 
 namespace strainwave::analysis::diagnosis {
 
+using Eigen::Index;
+
 SeparableTerm FixedTerm(Eigen::MatrixXd columns) {
   SeparableTerm term;
   term.columns = static_cast<std::size_t>(columns.cols());
@@ -24,7 +26,7 @@ void AddNominalMotion(const SharedGrid& grid, const MotionUnits& units, Separabl
   std::vector<ShapeDescription> numbers{{units.inertia_name(), units.inertia(), 1.0},
                                         {"viscous_" + units.viscous_suffix(), units.viscous(), 1.0},
                                         {"coulomb_" + units.torque(), units.torque(), 1.0}};
-  for (Eigen::Index record = 0; record + 3 < grid->nominal.cols(); ++record) {
+  for (Index record = 0; record + 3 < grid->nominal.cols(); ++record) {
     numbers.push_back(
         {record == 0 ? "offset_" + units.torque() : fmt::format("offset_{}_{}", record + 1, units.torque()),
          units.torque(), 1.0});
@@ -46,48 +48,98 @@ std::vector<double> GeometricSteps(double low, double high, std::size_t count) {
   return steps;
 }
 
-ShapeMap::ShapeMap(const MotionGrid& grid, const SeparableTerm& term, std::vector<std::vector<double>> shapes)
-    : shapes_(std::move(shapes)),
-      columns_(Eigen::MatrixXf::Zero(grid.nominal.rows(), static_cast<Eigen::Index>(shapes_.size()))),
-      lengths_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(shapes_.size()))) {
-  Eigen::MatrixXd column(grid.nominal.rows(), 1);
-  for (std::size_t k = 0; k < shapes_.size(); ++k) {
-    term.fill(shapes_[k], column);
-    const double before = column.norm();
-    column = grid.BesideNominal(column);
-    const double norm = column.norm();
-    // What is one with the nominal model, as a swing far above the motion is with the inertia, stays zero.
-    if (!(norm > 1e-3 * before)) continue;
-    columns_.col(static_cast<Eigen::Index>(k)) = (column / norm).cast<float>();
-    lengths_(static_cast<Eigen::Index>(k)) = norm;
+RowSums::RowSums(const MotionGrid& grid, double span_s) {
+  const auto most = std::max<Index>(1, std::lround(span_s / grid.row_spacing_s));
+  each_ = most == 1;
+  if (each_) {
+    nominal_basis_ = grid.nominal_basis;
+    return;
+  }
+  for (std::size_t run = 0; run < grid.response_stretches.size(); ++run) {
+    const bool last = run + 1 == grid.response_stretches.size();
+    const auto end = static_cast<Index>(last ? grid.rows() : grid.response_stretches[run + 1]);
+    for (auto first = static_cast<Index>(grid.response_stretches[run]); first < end; first += most)
+      spans_.emplace_back(first, std::min(most, end - first));
+  }
+  nominal_basis_ = OrthonormalBasis(Of(grid.nominal));
+}
+
+Eigen::MatrixXd RowSums::Of(const Eigen::MatrixXd& rows) const {
+  if (each_) return rows;
+  Eigen::MatrixXd sums(static_cast<Index>(spans_.size()), rows.cols());
+  for (Index i = 0; i < sums.rows(); ++i) {
+    const auto [first, count] = spans_[static_cast<std::size_t>(i)];
+    sums.row(i) = rows.middleRows(first, count).colwise().sum() / std::sqrt(static_cast<double>(count));
+  }
+  return sums;
+}
+
+Eigen::MatrixXd RowSums::BesideNominal(const Eigen::MatrixXd& sums) const {
+  return sums - nominal_basis_ * (nominal_basis_.transpose() * sums).eval();
+}
+
+Eigen::VectorXd RowSums::ResidualOf(const Remainder& remainder) const {
+  const Eigen::Map<const Eigen::VectorXd> residual(remainder.residual.data(),
+                                                   static_cast<Index>(remainder.residual.size()));
+  return each_ ? Eigen::VectorXd(residual) : Eigen::VectorXd(BesideNominal(Of(residual)));
+}
+
+Eigen::VectorXd RowSums::WeightsOf(const Remainder& remainder) const {
+  if (!each_) return Eigen::VectorXd::Ones(count());
+  return Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(),
+                                           static_cast<Index>(remainder.weights.size()));
+}
+
+ShapeMap::ShapeMap(const MotionGrid& grid, std::vector<std::vector<double>> shapes, double span_s)
+    : sums_(grid, span_s),
+      shapes_(std::move(shapes)),
+      columns_(Eigen::MatrixXf::Zero(sums_.count(), static_cast<Index>(shapes_.size()))),
+      lengths_(Eigen::VectorXd::Ones(static_cast<Index>(shapes_.size()))) {}
+
+void ShapeMap::Take(Index shape, const Eigen::MatrixXd& rows) {
+  const Eigen::MatrixXd sums = sums_.Of(rows);
+  const Eigen::MatrixXd column = sums_.BesideNominal(sums);
+  const double norm = column.norm();
+  // What is one with the nominal model, as a swing far above the motion is with the inertia, stays zero.
+  if (!(norm > 1e-3 * sums.norm())) return;
+  columns_.col(shape) = (column / norm).cast<float>();
+  lengths_(shape) = norm;
+}
+
+void FillMaps(const SeparableTerm& term, std::size_t rows, std::initializer_list<ShapeMap*> maps) {
+  const std::vector<std::vector<double>>& shapes = (*maps.begin())->shapes();
+  Eigen::MatrixXd column(static_cast<Index>(rows), 1);
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    term.fill(shapes[k], column);
+    for (ShapeMap* map : maps) map->Take(static_cast<Index>(k), column);
   }
 }
 
 Eigen::VectorXf ShapeMap::Roots(const Remainder& remainder) const {
-  const auto rows = static_cast<Eigen::Index>(remainder.residual.size());
   const Eigen::VectorXf weighted =
-      Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), rows)
-          .cwiseProduct(Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), rows))
-          .cast<float>();
+      sums_.ResidualOf(remainder).cwiseProduct(sums_.WeightsOf(remainder)).cast<float>();
   return (columns_.transpose() * weighted).cwiseMax(0.0F);
 }
 
+double ShapeMap::MeanSquare(const Remainder& remainder) const {
+  return sums_.ResidualOf(remainder).cwiseAbs2().cwiseProduct(sums_.WeightsOf(remainder)).mean();
+}
+
 StartSearch::StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder,
-                         Sign sign)
-    : grid_(grid),
+                         Sign sign, double span_s)
+    : sums_(grid, span_s),
       term_(term),
       sign_(sign),
-      columns_(grid.nominal.rows(), static_cast<Eigen::Index>(term.columns)),
-      weights_(Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), grid.nominal.rows())),
-      weighted_(Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), grid.nominal.rows())
-                    .cwiseProduct(weights_)) {}
+      rows_(grid.nominal.rows(), static_cast<Index>(term.columns)),
+      weights_(sums_.WeightsOf(remainder)),
+      weighted_(sums_.ResidualOf(remainder).cwiseProduct(weights_)) {}
 
 double StartSearch::Drop(std::span<const double> shapes) {
-  term_.fill(shapes, columns_);
-  columns_ = grid_.BesideNominal(columns_);
-  const Eigen::VectorXd right = columns_.transpose() * weighted_;
+  term_.fill(shapes, rows_);
+  const Eigen::MatrixXd columns = sums_.BesideNominal(sums_.Of(rows_));
+  const Eigen::VectorXd right = columns.transpose() * weighted_;
   if (sign_ == Sign::kPositive && right(0) <= 0.0) return 0.0;
-  const Eigen::MatrixXd gram = columns_.transpose() * weights_.asDiagonal() * columns_;
+  const Eigen::MatrixXd gram = columns.transpose() * weights_.asDiagonal() * columns;
   return right.dot(ShortestLeastSquares(gram, right).col(0));
 }
 

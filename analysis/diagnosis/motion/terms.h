@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
@@ -65,22 +66,54 @@ double ShareBesideNominal(const MotionGrid& grid, const Eigen::VectorXd& column)
 /// Values from `low` to `high`, both included, at equal ratios.
 std::vector<double> GeometricSteps(double low, double high, std::size_t count);
 
+/// Rows added up over a time, each sum over the root of its count: white noise keeps its size, and of what is
+/// shorter there is left what it comes to.
+class RowSums {
+ public:
+  /// @param span_s  0: each row on its own. Sums do not reach over the gaps between rows.
+  explicit RowSums(const MotionGrid& grid, double span_s = 0.0);
+
+  Eigen::Index count() const { return nominal_basis_.rows(); }
+  Eigen::MatrixXd Of(const Eigen::MatrixXd& rows) const;
+  /// What least squares by the nominal terms' sums leaves of sums.
+  Eigen::MatrixXd BesideNominal(const Eigen::MatrixXd& sums) const;
+  /// The remainder beside the nominal terms, and its weights; what is known badly of a single row is known of
+  /// their sum.
+  Eigen::VectorXd ResidualOf(const Remainder& remainder) const;
+  Eigen::VectorXd WeightsOf(const Remainder& remainder) const;
+
+ private:
+  bool each_{};
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> spans_;  // first row, count
+  Eigen::MatrixXd nominal_basis_;
+};
+
 /// Shapes of a term of one column and no negative coefficient, and their columns beside the nominal model.
 class ShapeMap {
  public:
-  ShapeMap(const MotionGrid& grid, const SeparableTerm& term, std::vector<std::vector<double>> shapes);
+  /// Empty.
+  ShapeMap(const MotionGrid& grid, std::vector<std::vector<double>> shapes, double span_s = 0.0);
+
+  /// Takes the column of a shape.
+  void Take(Eigen::Index shape, const Eigen::MatrixXd& rows);
 
   const std::vector<std::vector<double>>& shapes() const { return shapes_; }
   /// Roots of what each takes from the remainder's weighted sum of squares; 0 for a negative coefficient.
   Eigen::VectorXf Roots(const Remainder& remainder) const;
+  /// Of the remainder as the map sees it, weighted.
+  double MeanSquare(const Remainder& remainder) const;
   /// About the coefficient that goes with such a root.
   double Coefficient(Eigen::Index shape, double root) const { return root / lengths_(shape); }
 
  private:
+  RowSums sums_;
   std::vector<std::vector<double>> shapes_;
-  Eigen::MatrixXf columns_;  // rows × shapes, each of length 1
+  Eigen::MatrixXf columns_;  // sums × shapes, each of length 1
   Eigen::VectorXd lengths_;  // that they had
 };
+
+/// Fills maps of the same shapes.
+void FillMaps(const SeparableTerm& term, std::size_t rows, std::initializer_list<ShapeMap*> maps);
 
 /// Looks for shapes of a term without fitting the rest again.
 class StartSearch {
@@ -90,7 +123,7 @@ class StartSearch {
 
   /// All of them outlive the search.
   StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder,
-              Sign sign = Sign::kEither);
+              Sign sign = Sign::kEither, double span_s = 0.0);
 
   /// What the term's columns, beside the nominal ones, take from the remainder's weighted sum of squares.
   double Drop(std::span<const double> shapes);
@@ -100,10 +133,10 @@ class StartSearch {
   std::vector<double> Polish(const std::vector<double>& shapes, const std::vector<double>& steps);
 
  private:
-  const MotionGrid& grid_;
+  RowSums sums_;
   const SeparableTerm& term_;
   Sign sign_;
-  Eigen::MatrixXd columns_;
+  Eigen::MatrixXd rows_;
   Eigen::VectorXd weights_;
   Eigen::VectorXd weighted_;
 };
