@@ -36,6 +36,7 @@ constexpr std::size_t kStarts = 2;
 constexpr double kKnock_s = 0.03;
 constexpr double kPlaces = 40.0;
 constexpr double kRagged = 2.0;
+constexpr double kCertain = 4.0;  // standard deviations
 // Of a simplex: ln gap, friction, ln contact frequency, damping, start.
 const std::vector<double> kFirstSteps{0.15, 0.15, 0.2, -0.15, 0.5};
 const std::vector<double> kFineSteps{0.02, 0.03, 0.1, -0.05, 0.1};
@@ -165,6 +166,13 @@ void FillLooseLoad(const MotionGrid& grid, const model::LooseLoad::Numbers& numb
   }
 }
 
+// One where the motion accelerates for certain, else zero. At constant speed all that is known of
+// acceleration is noise: a load that is held tight would feel it, and so much as a hair of play would set it
+// free of that.
+Eigen::ArrayXd WhereItAccelerates(const MotionGrid& grid) {
+  return (grid.nominal.col(0).array().abs() > kCertain * grid.acceleration_noise).cast<double>();
+}
+
 // The best shapes of a map, of gaps apart from each other: all that are worth polishing.
 std::vector<std::vector<double>> Apart(const ShapeMap& map, const Remainder& remainder) {
   const Eigen::VectorXf roots = map.Roots(remainder);
@@ -196,7 +204,9 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const double high_Hz = kFastestContact / grid->stretches.front().step_s;
   if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;
   SeparableTerm term;
-  term.fill = [grid, braking](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  const Eigen::ArrayXd accelerates = WhereItAccelerates(*grid);
+  term.fill = [grid, braking, accelerates](std::span<const double> shapes,
+                                           Eigen::Ref<Eigen::MatrixXd> design) {
     const double friction = std::abs(shapes[1]) * braking;
     std::vector<double> points(grid->time_s.size());
     FillLooseLoad(*grid,
@@ -207,7 +217,8 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                    .start = shapes[4]},
                   points);
     // Less what the nominal model has for a load that is held tight.
-    design.col(0) = grid->Project(points) - grid->nominal.col(0) - friction * grid->nominal.col(2);
+    design.col(0) = (grid->Project(points) - grid->nominal.col(0) - friction * grid->nominal.col(2)).array() *
+                    accelerates;
   };
   // Wide steps: each knock comes and goes at once, and a slope over less than that says nothing.
   term.shapes = {{std::log(low), std::log(high), kRagged},

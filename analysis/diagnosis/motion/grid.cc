@@ -291,10 +291,9 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
         MakeKernel(derivative == 0 ? bandwidth.sigma_s : bandwidth.path_sigma_s, step_s, derivative));
   };
   grid.filtered_out_variance = (1.0 - gain(0) * gain(0)) * samples.torque_noise * samples.torque_noise;
-  grid.noise_floor =
-      std::hypot(gain(0) * samples.torque_noise,
-                 bandwidth.inertia * (bandwidth.by_velocity ? gain(1) * samples.velocity_noise
-                                                            : gain(2) * samples.position_noise));
+  grid.acceleration_noise =
+      bandwidth.by_velocity ? gain(1) * samples.velocity_noise : gain(2) * samples.position_noise;
+  grid.noise_floor = std::hypot(gain(0) * samples.torque_noise, bandwidth.inertia * grid.acceleration_noise);
   grid.acceleration_error = AddJolts(samples, bandwidth, layouts, grid);
   ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, grid);
   const auto rows = static_cast<Index>(grid.rows());

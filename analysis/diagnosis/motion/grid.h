@@ -41,8 +41,9 @@ struct MotionGrid {
   double path_sigma_s{};    // of position, velocity and acceleration
   double velocity_noise{};  // of the points
   double position_noise{};
-  double sign_width{};        // speed over which the sign of velocity changes
-  double reversal_error_s{};  // standard deviation of each reversal's time in a torque that is resampled
+  double acceleration_noise{};  // of the rows
+  double sign_width{};          // speed over which the sign of velocity changes
+  double reversal_error_s{};    // standard deviation of each reversal's time in a torque that is resampled
 
   // Points.
   std::vector<double> time_s;
