@@ -42,16 +42,18 @@ class LooseLoad {
   /// @returns push of the contact on the load at its end.
   double Follow(double near, double near_speed, double step_s) noexcept {
     const int steps = std::max(1, static_cast<int>(std::ceil(step_s * contact_rad_per_s_ / kFine)));
-    const double h = step_s / steps;
+    const double share = 1.0 / steps;
+    const double h = step_s * share;
+    const double way_speed = 6.0 * (near - near_) / step_s;
     double push = 0.0;
     for (int k = 1; k <= steps; ++k) {
       // Cubic between the ends, by position and speed.
-      const double u = static_cast<double>(k) / steps;
+      const double u = static_cast<double>(k) * share;
       const double v = 1.0 - u;
       const double at = v * v * ((1.0 + 2.0 * u) * near_ + u * step_s * near_speed_) +
                         u * u * ((1.0 + 2.0 * v) * near - v * step_s * near_speed);
-      const double at_speed = 6.0 * u * v * (near - near_) / step_s + v * (v - 2.0 * u) * near_speed_ +
-                              u * (u - 2.0 * v) * near_speed;
+      const double at_speed =
+          u * v * way_speed + v * (v - 2.0 * u) * near_speed_ + u * (u - 2.0 * v) * near_speed;
       push = PushBy(at - place_, at_speed - speed_);
       // Friction stops, it does not turn round.
       const double free = speed_ + h * push;

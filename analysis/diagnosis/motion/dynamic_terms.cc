@@ -25,9 +25,8 @@ constexpr double kFastestContact = 0.5;
 constexpr double kContactEdge = 0.1;
 constexpr double kMostShare = 1.5;  // of the inertia, that may swing
 constexpr double kUnlimited = std::numeric_limits<double>::max();
-// Of a loose load's starts those whose square sum is so many times the noise's variance are polished: a few,
-// of gaps apart from each other (in ln gap); of these, those that are fitted.
-constexpr double kPromising = 8.0;
+// Of a loose load's starts a few are polished, of gaps apart from each other (in ln gap); of these, those
+// that are fitted.
 constexpr double kAnotherGap = 0.3;
 constexpr std::size_t kPolished = 4;
 constexpr std::size_t kStarts = 2;
@@ -173,13 +172,15 @@ Eigen::ArrayXd WhereItAccelerates(const MotionGrid& grid) {
   return (grid.nominal.col(0).array().abs() > kCertain * grid.acceleration_noise).cast<double>();
 }
 
-// The best shapes of a map, of gaps apart from each other: all that are worth polishing.
+// The best shapes of a map, of gaps apart from each other: those that take more than the best of so many
+// takes of white noise.
 std::vector<std::vector<double>> Apart(const ShapeMap& map, const Remainder& remainder) {
   const Eigen::VectorXf roots = map.Roots(remainder);
   std::vector<Index> order(static_cast<std::size_t>(roots.size()));
   std::iota(order.begin(), order.end(), Index{0});
   std::ranges::sort(order, std::greater<>(), [&](Index k) { return roots(k); });
-  const double least = std::sqrt(kPromising * map.MeanSquare(remainder));
+  const double least =
+      std::sqrt(2.0 * std::log(static_cast<double>(order.size())) * map.MeanSquare(remainder));
   std::vector<std::vector<double>> apart;
   for (const Index k : order) {
     if (apart.size() == kPolished || !(roots(k) > least)) break;
@@ -227,8 +228,8 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                  {0.1, 1.5, kRagged},
                  {-1.0, 1.0, kRagged}};
   std::vector<std::vector<double>> tried;
-  for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 40)) {
-    for (const double share : {0.0, 0.1, 0.4, 0.8, 2.0}) {
+  for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 24)) {
+    for (const double share : {0.0, 0.2, 0.6, 2.0}) {
       for (const double contact_Hz : {10.0, 18.0, 35.0, 80.0}) {
         if (contact_Hz < low_Hz || contact_Hz > high_Hz) continue;
         tried.push_back({std::log(gap), share, std::log(contact_Hz), 0.5, 0.0});
