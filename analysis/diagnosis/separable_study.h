@@ -9,7 +9,7 @@ namespace strainwave::analysis::diagnosis {
 
 /// When a fit moves a shape away from where its start put it: always, not while candidates are compared (a
 /// detail that few records know, and that would cost each of them its power), or never (one of a list).
-enum class Moved { kAlways, kForReport, kNever };
+enum class Moved { kAlways, kForErrors, kNever };
 
 /// A number on which a term depends in a curved way: an order, a centre, a time constant. Fits keep it in
 /// [low, high].

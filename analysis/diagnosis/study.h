@@ -98,8 +98,9 @@ struct ModelFit {
   double charged_parameters() const { return static_cast<double>(free_parameters) - known_before; }
 };
 
-/// What a fit is for: candidates are compared by their likelihood alone; to judge one its numbers need errors;
-/// what is reported has errors over all that the record leaves open, other forms of an effect included.
+/// What a fit is for: candidates are compared by their likelihood alone; to judge one its numbers need
+/// errors; what is reported has errors over all that the record leaves open, other forms of an effect
+/// included.
 enum class FitPurpose { kCompare, kJudge, kReport };
 
 /// A quantity that users care for, as the record has it and as a model predicts it.

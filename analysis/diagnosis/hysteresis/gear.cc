@@ -15,7 +15,8 @@ namespace {
 // Of a step between points where a damper works, so that corners and kinks fall between parts.
 constexpr int kPartsOfStep = 4;
 constexpr double kMostStepsOfGap = 200.0;
-constexpr double kSameRate = 0.02;  // of the usual one: rounding of torques and times, what is left of their noise
+// Of the usual rate: rounding of torques and times, and what is left of their noise.
+constexpr double kSameRate = 0.02;
 
 struct Tangent {
   double torque_Nm;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/diagnosis/hysteresis/jumps.h"
+
 namespace strainwave::analysis::diagnosis {
 namespace {
 
@@ -14,47 +16,36 @@ constexpr std::size_t kShortest = 8 * kPiece;
 constexpr double kBeyondNoise = 4.0;
 constexpr double kSlopes = 2.0;
 
-// Means of stretches of a signal, from running sums about its first value.
-class Means {
- public:
-  explicit Means(std::span<const double> signal) : about_(signal[0]), sums_(signal.size() + 1, 0.0) {
-    for (std::size_t i = 0; i < signal.size(); ++i) sums_[i + 1] = sums_[i] + signal[i] - about_;
-  }
-  double Of(std::size_t first, std::size_t end) const {
-    return about_ + (sums_[end] - sums_[first]) / static_cast<double>(end - first);
-  }
-
- private:
-  double about_;
-  std::vector<double> sums_;
-};
+double MeanOf(const RunningSums& sums, std::size_t first, std::size_t end) {
+  return (sums.sum[end] - sums.sum[first]) / (sums.weight[end] - sums.weight[first]);
+}
 
 // A piece of a signal beside, or within, a longer stretch of it.
-bool Agrees(const Means& means, std::size_t piece, std::size_t first, std::size_t end, double noise) {
+bool Agrees(const RunningSums& sums, std::size_t piece, std::size_t first, std::size_t end, double noise) {
   const double error =
       noise * std::sqrt(1.0 / static_cast<double>(kPiece) + 1.0 / static_cast<double>(end - first));
-  return std::abs(means.Of(piece, piece + kPiece) - means.Of(first, end)) <= kBeyondNoise * error;
+  return std::abs(MeanOf(sums, piece, piece + kPiece) - MeanOf(sums, first, end)) <= kBeyondNoise * error;
 }
 
 // Some of the outermost samples are the ramp's, which a whole piece hides.
-bool EndStandsOff(const Means& means, std::size_t outermost, int inwards, double level, double noise) {
+bool EndStandsOff(const RunningSums& sums, std::size_t outermost, int inwards, double level, double noise) {
   constexpr double kBeside = 2.5;  // standard errors: to lose a few of the hold's own costs nothing
   for (std::size_t count = 1; count <= kPiece; ++count) {
     const double mean =
-        inwards > 0 ? means.Of(outermost, outermost + count) : means.Of(outermost - count, outermost);
+        inwards > 0 ? MeanOf(sums, outermost, outermost + count) : MeanOf(sums, outermost - count, outermost);
     if (std::abs(mean - level) > kBeside * noise / std::sqrt(static_cast<double>(count))) return true;
   }
   return false;
 }
 
 // Both halves have one mean, and so has each piece.
-bool IsLevel(const Means& means, std::size_t first, double noise) {
+bool IsLevel(const RunningSums& sums, std::size_t first, double noise) {
   const std::size_t end = first + kShortest;
   const std::size_t middle = first + kShortest / 2;
   const double error = 2.0 * noise / std::sqrt(static_cast<double>(kShortest));
-  if (std::abs(means.Of(first, middle) - means.Of(middle, end)) > kSlopes * error) return false;
+  if (std::abs(MeanOf(sums, first, middle) - MeanOf(sums, middle, end)) > kSlopes * error) return false;
   for (std::size_t piece = first; piece < end; piece += kPiece) {
-    if (!Agrees(means, piece, first, end, noise)) return false;
+    if (!Agrees(sums, piece, first, end, noise)) return false;
   }
   return true;
 }
@@ -81,19 +72,19 @@ void EndRampAt(std::span<double> values, std::size_t nearest, int outwards, doub
 std::vector<Hold> FindHolds(std::span<const double> signal, double noise) {
   std::vector<Hold> holds;
   if (signal.size() < kShortest || !(noise > 0.0)) return holds;
-  const Means means(signal);
+  const RunningSums sums = RunningSumsOf(std::vector<double>(signal.size(), 1.0), signal);
   for (std::size_t first = 0; first + kShortest <= signal.size();) {
-    if (!IsLevel(means, first, noise)) {
+    if (!IsLevel(sums, first, noise)) {
       ++first;
       continue;
     }
     std::size_t end = first + kShortest;
-    while (end + kPiece <= signal.size() && Agrees(means, end, first, end, noise)) end += kPiece;
-    const double level = means.Of(first, end);
+    while (end + kPiece <= signal.size() && Agrees(sums, end, first, end, noise)) end += kPiece;
+    const double level = MeanOf(sums, first, end);
     std::size_t last = end;
-    while (first + kPiece < last && EndStandsOff(means, first, 1, level, noise)) ++first;
-    while (first + kPiece < last && EndStandsOff(means, last, -1, level, noise)) --last;
-    holds.push_back({first, last, means.Of(first, last)});
+    while (first + kPiece < last && EndStandsOff(sums, first, 1, level, noise)) ++first;
+    while (first + kPiece < last && EndStandsOff(sums, last, -1, level, noise)) --last;
+    holds.push_back({first, last, MeanOf(sums, first, last)});
     first = end;
   }
   return holds;

@@ -262,7 +262,7 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
   constexpr double kMostSkew = 0.7;
   term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(1.0)},
                  {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)},
-                 {.low = -kMostSkew, .high = kMostSkew, .step = 0.2, .moved = Moved::kForReport}};
+                 {.low = -kMostSkew, .high = kMostSkew, .step = 0.2, .moved = Moved::kForErrors}};
   term.fill = [place](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < place.size(); ++i) {
       design(static_cast<Eigen::Index>(i), 0) =
