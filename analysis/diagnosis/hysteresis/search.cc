@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "analysis/decompositions.h"
+#include "analysis/diagnosis/hysteresis/unseen_peaks.h"
 #include "analysis/prepared_loop.h"
 #include "analysis/stiffness_start.h"
 #include "analysis/units.h"
@@ -198,6 +199,23 @@ Eigen::VectorXd SettleTurns(LoopRecords& records, const LoopModel& model, const 
   return there.numbers;
 }
 
+// Peaks that no sample saw and the friction remembers.
+// @returns the nominal numbers with them.
+Eigen::VectorXd SettlePeaks(LoopRecords& records, const LoopModel& model, const Eigen::VectorXd& x) {
+  constexpr int kRounds = 3;
+  const std::vector<double> turns_Nm = records.samples.turn_Nm;
+  Eigen::VectorXd numbers = x;
+  for (int round = 0; round < kRounds; ++round) {
+    LoopGrid samples = records.samples;
+    samples.turn_Nm = turns_Nm;
+    const Eigen::VectorXd predicted_rad = model.Predict(numbers, samples);
+    if (!PlaceUnseenPeaks(model.LawOf(numbers), predicted_rad, records.noise_floor_rad, samples)) break;
+    numbers = SolveLoop(model, samples, numbers, kMostIterations).numbers;
+    records.samples = std::move(samples);
+  }
+  return numbers;
+}
+
 }  // namespace
 
 Eigen::VectorXd FindNominal(LoopRecords& records) {
@@ -226,7 +244,7 @@ Eigen::VectorXd FindNominal(LoopRecords& records) {
     LoopSolution solution = SolveLoop(model, grid, start, kMostIterations);
     if (solution.cost < best.cost) best = std::move(solution);
   }
-  return SettleTurns(records, model, best.numbers);
+  return SettlePeaks(records, model, SettleTurns(records, model, best.numbers));
 }
 
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
