@@ -79,6 +79,38 @@ std::vector<double> LocalLevel(const std::vector<double>& drops, std::size_t rea
   return level;
 }
 
+// What of a residual lies below each place.
+struct SortedSums {
+  std::vector<double> at;  // rising
+  std::vector<double> weight{0.0};
+  std::vector<double> value{0.0};
+
+  SortedSums(std::span<const double> place, std::span<const double> residual,
+             std::span<const double> weights) {
+    std::vector<std::size_t> order(place.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
+    for (const std::size_t i : order) {
+      if (!(weights[i] > 0.0)) continue;
+      at.push_back(place[i]);
+      weight.push_back(weight.back() + weights[i]);
+      value.push_back(value.back() + weights[i] * residual[i]);
+    }
+  }
+  std::size_t Below(double end) const {
+    return static_cast<std::size_t>(std::lower_bound(at.begin(), at.end(), end) - at.begin());
+  }
+  // Of the sum of squares by another mean of the samples [first, last); 0 where they are nearly all.
+  double Drop(std::size_t first, std::size_t last) const {
+    const double all = weight.back();
+    const double inside = weight[last] - weight[first];
+    if (last < first + 2 || inside > 0.9 * all) return 0.0;
+    const double sum = value[last] - value[first] - value.back() / all * inside;
+    return sum * sum / (inside * (1.0 - inside / all));
+  }
+};
+
 }  // namespace
 
 double SpanOf(std::span<const double> values) {
@@ -189,32 +221,13 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
 std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,
                                     std::span<const double> weights, double narrowest, double widest,
                                     std::size_t count) {
-  std::vector<std::size_t> order(place.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
-  std::vector<double> at;
-  std::vector<double> weight_sum{0.0};
-  std::vector<double> value_sum{0.0};
-  for (const std::size_t i : order) {
-    if (!(weights[i] > 0.0)) continue;
-    at.push_back(place[i]);
-    weight_sum.push_back(weight_sum.back() + weights[i]);
-    value_sum.push_back(value_sum.back() + weights[i] * residual[i]);
-  }
-  if (at.size() < 3 || !(narrowest > 0.0)) return {};
-  const double all = weight_sum.back();
-  const double mean = value_sum.back() / all;
+  const SortedSums sums(place, residual, weights);
+  if (sums.at.size() < 3 || !(narrowest > 0.0)) return {};
   std::vector<WindowPeak> found;
   for (double width = narrowest; width <= widest * 1.0001; width *= std::sqrt(2.0)) {
-    for (double low = at.front() - 0.5 * width; low < at.back(); low += 0.25 * width) {
-      const auto first = static_cast<std::size_t>(std::lower_bound(at.begin(), at.end(), low) - at.begin());
-      const auto last =
-          static_cast<std::size_t>(std::lower_bound(at.begin(), at.end(), low + width) - at.begin());
-      const double inside = weight_sum[last] - weight_sum[first];
-      if (last < first + 2 || inside > 0.9 * all) continue;
-      const double sum = value_sum[last] - value_sum[first] - mean * inside;
-      found.push_back({low + 0.5 * width, width, sum * sum / (inside * (1.0 - inside / all))});
+    for (double low = sums.at.front() - 0.5 * width; low < sums.at.back(); low += 0.25 * width) {
+      const double drop = sums.Drop(sums.Below(low), sums.Below(low + width));
+      if (drop > 0.0) found.push_back({low + 0.5 * width, width, drop});
     }
   }
   std::sort(found.begin(), found.end(),
@@ -228,6 +241,41 @@ std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<con
     if (!close) peaks.push_back(peak);
   }
   return peaks;
+}
+
+WindowPeak SharpenWindow(std::span<const double> place, std::span<const double> residual,
+                         std::span<const double> weights, double narrowest, double widest,
+                         const WindowPeak& found) {
+  const SortedSums sums(place, residual, weights);
+  const std::vector<double>& at = sums.at;
+  std::size_t first = sums.Below(found.centre - 0.5 * found.width);
+  std::size_t last = sums.Below(found.centre + 0.5 * found.width);
+  double drop = sums.Drop(first, last);
+  constexpr int kMostRounds = 20;
+  bool moved = true;
+  for (int round = 0; moved && round < kMostRounds; ++round) {
+    moved = false;
+    for (std::size_t* end : {&first, &last}) {
+      const std::size_t other = end == &first ? last : first;
+      for (std::size_t k = 0; k <= at.size(); ++k) {
+        const auto [low, high] = std::minmax(k, other);
+        if ((end == &first) != (k < other) || high < low + 2) continue;
+        const double width = at[high - 1] - at[low];
+        if (width < narrowest || width > widest || !(sums.Drop(low, high) > drop)) continue;
+        *end = k;
+        drop = sums.Drop(low, high);
+        moved = true;
+      }
+    }
+  }
+  if (last < first + 2) return found;
+  // An end lies halfway to the next sample, at the ends of the record as far beyond it as within.
+  const auto between = [&](std::size_t k) {
+    if (k == 0) return at[0] - 0.5 * (at[1] - at[0]);
+    if (k == at.size()) return at[k - 1] + 0.5 * (at[k - 1] - at[k - 2]);
+    return 0.5 * (at[k - 1] + at[k]);
+  };
+  return {0.5 * (between(first) + between(last)), between(last) - between(first), drop};
 }
 
 }  // namespace strainwave::analysis::diagnosis

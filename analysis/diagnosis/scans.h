@@ -16,10 +16,10 @@ struct LinePeak {
   double drop{};
 };
 
-/// Lomb–Scargle search for lines over an unevenly sampled angle (or time: order in rad/s): the `count` peaks of
-/// the generalised periodogram between two orders that stand out most from their surroundings, and second of
-/// them the highest one, refined between grid points, at least one resolution cell (2π / span of the angle)
-/// apart. Source: Zechmeister & Kürster, A&A 496 (2009) 577 (floating mean).
+/// Lomb–Scargle search for lines over an unevenly sampled angle (or time: order in rad/s): the `count` peaks
+/// of the generalised periodogram between two orders that stand out most from their surroundings, and second
+/// of them the highest one, refined between grid points, at least one resolution cell (2π / span of the
+/// angle) apart. Source: Zechmeister & Kürster, A&A 496 (2009) 577 (floating mean).
 std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<const double> residual,
                                 std::span<const double> weights, double lowest_order, double highest_order,
                                 std::size_t count);
@@ -43,5 +43,11 @@ struct WindowPeak {
 std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,
                                     std::span<const double> weights, double narrowest, double widest,
                                     std::size_t count);
+
+/// The window whose ends, between samples, fit best near one that was found: first one end, then the other,
+/// until none moves. Windows narrower than `narrowest` or wider than `widest` do not count.
+WindowPeak SharpenWindow(std::span<const double> place, std::span<const double> residual,
+                         std::span<const double> weights, double narrowest, double widest,
+                         const WindowPeak& found);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -166,6 +166,22 @@ TEST(TransmissionErrorStudy, LeavesARippleInOneStretchOfTheTurnWithoutAName) {
   EXPECT_NEAR(parameters[4].value, 15.0, 2.0) << parameters[4].name;
 }
 
+// A harmonic of the output follows a wide step better than a window whose ends are off.
+TEST(TransmissionErrorStudy, LeavesAStepOverMostOfTheTurnWithoutAName) {
+  for (const double from_deg : {75.0, 117.0, 230.0}) {
+    const Answer answer = Ask(Sweep(39, [&](const Place& at) {
+      const double at_deg = DegFromRad(at.output_rad);
+      return at_deg > from_deg && at_deg < 338.0 ? 0.3 : 0.0;
+    }));
+    EXPECT_EQ(answer.name(), "none") << from_deg;
+    ASSERT_EQ(answer.diagnosis.corrections.size(), 1u) << from_deg;
+    const auto& parameters = answer.diagnosis.corrections.front().parameters;
+    ASSERT_EQ(parameters.size(), 3u);
+    EXPECT_NEAR(parameters[1].value, from_deg, 1.0);
+    EXPECT_NEAR(parameters[2].value, 338.0, 1.0);
+  }
+}
+
 TEST(TransmissionErrorStudy, SaysWhereASkewedBumpIsHighest) {
   int inside = 0;
   for (unsigned seed = 40; seed < 48; ++seed) {

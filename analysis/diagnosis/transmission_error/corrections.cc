@@ -216,7 +216,7 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
 // Another level in a stretch of a quantity: wider than a damaged tooth, with sharp ends.
 void AddLevelInWindow(SeparableModel& model, const std::vector<double>& values, double narrowest,
                       ShapeDescription from, ShapeDescription to, std::string name) {
-  constexpr double kWidest = 0.6;  // of all
+  constexpr double kWidest = 0.9;  // of all
   const double span = SpanOf(values);
   if (!(span > 2.0 * narrowest)) return;
   const auto [low, high] = std::ranges::minmax(values);
@@ -232,8 +232,11 @@ void AddLevelInWindow(SeparableModel& model, const std::vector<double>& values, 
   term.starts = [values, narrowest, span](const Remainder& remainder) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindWindows(values, remainder.residual, remainder.weights, narrowest, kWidest * span, 3))
-      starts.push_back({peak.centre - 0.5 * peak.width, peak.centre + 0.5 * peak.width});
+         FindWindows(values, remainder.residual, remainder.weights, narrowest, kWidest * span, 3)) {
+      const WindowPeak sharp =
+          SharpenWindow(values, remainder.residual, remainder.weights, narrowest, kWidest * span, peak);
+      starts.push_back({sharp.centre - 0.5 * sharp.width, sharp.centre + 0.5 * sharp.width});
+    }
     return starts;
   };
   DescribeEach(term, {{"level_arcmin", "arcmin", kArcminPerRad}, std::move(from), std::move(to)});
