@@ -14,11 +14,9 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kAsGood = 6.0;        // of BIC: odds of 20 to 1
-constexpr double kPairAhead = 8.0;     // of two causes, to take the place of one
-constexpr double kErrorBeside = 0.15;  // of the error allowed, for what comes on top of something found
-// Standard errors: a rival need not be proven, only not be excluded.
-constexpr double kRivalAwayFromZero = 2.0;
+constexpr double kAsGood = 6.0;            // of BIC: odds of 20 to 1
+constexpr double kPairAhead = 8.0;         // of two causes, to take the place of one
+constexpr double kErrorBeside = 0.15;      // of the error allowed, for what comes on top of something found
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
 constexpr double kLeastShare = 0.004;
@@ -183,9 +181,7 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
         const double lead = first.score + ScoreOf(judge, pair, first.model, second.cause) - own;
         if (lead < -kAsGood) continue;
         const ScoredModel reported = judge.Fit(pair.fit.causes, &pair.fit, FitPurpose::kJudge);
-        const auto unlikely = [&](std::size_t part) {
-          return !judge.Objection(reported.fit, part, kRivalAwayFromZero).empty();
-        };
+        const auto unlikely = [&](std::size_t part) { return !judge.Objection(reported.fit, part).empty(); };
         if (unlikely(first.cause) || unlikely(second.cause)) continue;
         if (second.cause != cause) {
           const auto [one, other] = std::minmax(first.cause, second.cause);
@@ -326,7 +322,7 @@ std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, 
                          its.likelihood_ratio >= own.likelihood_ratio - kWithinThreeSigma;
     if (!as_good) continue;
     exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kJudge);
-    if (!judge.Objection(exchanged.fit, other, kRivalAwayFromZero).empty()) continue;
+    if (!judge.Objection(exchanged.fit, other).empty()) continue;
     // One cause in two forms (a drift by time, or by temperature): the form is what cannot be told.
     const bool same = rules[other].name == rules[cause].name && !rules[other].parameters.empty();
     std::string name =
