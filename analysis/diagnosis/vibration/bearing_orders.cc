@@ -13,6 +13,7 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr double kRingReach = 2.0;   // half-widths of a resonance in which harmonics are heard
+constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of the shaft's to its last one
 constexpr double kSharpest = 0.004;  // orders are never known better, whatever the lines say
 constexpr double kClearer = 12.0;    // of ln p, that lines have to be
 constexpr double kLeastDecay = 0.3;  // between impulses; what rings on through several is a line
@@ -23,14 +24,16 @@ std::array<double, 2> OtherOrders(double order, double crack_order) {
   return {0.5 * std::round(2.0 * order), crack_order * std::round(order / crack_order)};
 }
 
-// How many harmonics of its order the lines of a term span: so much sharper than a single line they say how
-// far apart they are. Where they stand says nothing: sidebands of whole orders stand anywhere.
+// How many harmonics of its order say where it is. Lines that are as near to each other as sidebands of whole
+// orders say by what they span how far apart they are, and by where they stand nothing: sidebands stand
+// anywhere. Those farther apart are harmonics, counted from zero.
 double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& term) {
   if (term.form == VibrationForm::kRing) {
     const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
     const double centre = term.shapes[1] / (term.shapes[0] * turn_Hz);
     const double reach = kRingReach * term.shapes[2] * centre;
-    return std::max(1.0, centre + reach - std::max(0.0, centre - reach));
+    const double from = term.shapes[0] > kFarthestSideband ? 0.0 : std::max(0.0, centre - reach);
+    return std::max(1.0, centre + reach - from);
   }
   const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LinePlace::harmonic);
   // The order itself counts from zero.
