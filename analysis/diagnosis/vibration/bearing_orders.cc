@@ -5,18 +5,16 @@
 #include <array>
 #include <cmath>
 
-#include "analysis/diagnosis/vibration/impulses.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kRingReach = 2.0;   // half-widths of a resonance in which harmonics are heard
+constexpr double kRingReach = 2.0;         // half-widths of a resonance in which harmonics are heard
 constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of the shaft's to its last one
-constexpr double kSharpest = 0.004;  // orders are never known better, whatever the lines say
-constexpr double kClearer = 12.0;    // of ln p, that lines have to be
-constexpr double kLeastDecay = 0.3;  // between impulses; what rings on through several is a line
+constexpr double kPartOfCell = 0.6;        // that tells two orders apart
+constexpr double kLeastDecay = 0.1;        // between impulses; what rings on through several is a line
 
 // Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
 // one of a crack's. The nearest of each.
@@ -42,26 +40,6 @@ double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& ter
   return std::max(1.0, highest.harmonic - from);
 }
 
-// Whether the lines beside a train's strongest one stand so clearly at distances of its order, and not at
-// those of another order next to it, that a part of a resolution cell tells them.
-bool StandsClearOfOthers(const VibrationRemainder& remainder, const VibrationTerm& ring, double crack_order) {
-  const VibrationSpectrum& spectrum = remainder.over_turns();
-  const double order = ring.shapes[0];
-  const double strongest = order * StrongestHarmonic(remainder, order);
-  const int beside = static_cast<int>(std::ceil(0.5 * HarmonicsOf(remainder, ring)));
-  const auto power = [&](double apart) {
-    double sum = 0.0;
-    for (int j = 1; j <= beside; ++j) {
-      sum += spectrum.At(std::max(0.0, strongest - j * apart)) + spectrum.At(strongest + j * apart);
-    }
-    return sum;
-  };
-  const double of_scale = kScaleRange * remainder.samples().order_uncertainty * order;
-  return std::ranges::all_of(OtherOrders(order, crack_order), [&](double other) {
-    return std::abs(order - other) > std::max(kSharpest, of_scale) && power(order) > power(other) + kClearer;
-  });
-}
-
 // Of a ring, from one impulse to the next: exponent of its envelope.
 double DecayBetweenImpulses(const VibrationRemainder& remainder, const VibrationTerm& ring) {
   const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
@@ -70,18 +48,16 @@ double DecayBetweenImpulses(const VibrationRemainder& remainder, const Vibration
 
 }  // namespace
 
-bool IsBearingOrder(double order, double cell, double crack_order, double harmonics) {
-  const double sharpness = std::max(kSharpest, 0.6 * cell / harmonics);
-  return std::ranges::none_of(OtherOrders(order, crack_order),
-                              [&](double other) { return std::abs(order - other) < sharpness; });
+bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics) {
+  const double of_scale = kScaleRange * remainder.samples().order_uncertainty * order;
+  const double sharpness = std::max(of_scale, kPartOfCell * remainder.over_turns().cell() / harmonics);
+  const std::array<double, 2> others = OtherOrders(order, model::CrackOrder(remainder.samples().ratio));
+  return std::ranges::none_of(others, [&](double other) { return std::abs(order - other) < sharpness; });
 }
 
 bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term) {
   if (term.form == VibrationForm::kRing && DecayBetweenImpulses(remainder, term) < kLeastDecay) return false;
-  const double crack = model::CrackOrder(remainder.samples().ratio);
-  const double cell = remainder.over_turns().cell();
-  return IsBearingOrder(term.shapes[0], cell, crack, HarmonicsOf(remainder, term)) ||
-         (term.form == VibrationForm::kRing && StandsClearOfOthers(remainder, term, crack));
+  return IsBearingOrder(remainder, term.shapes[0], HarmonicsOf(remainder, term));
 }
 
 }  // namespace strainwave::analysis::diagnosis

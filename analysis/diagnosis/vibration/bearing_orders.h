@@ -9,9 +9,8 @@ namespace strainwave::analysis::diagnosis {
 /// Standard errors of the angle's scale that a known order may be off by.
 inline constexpr double kScaleRange = 3.0;
 
-/// Not another's order. So many harmonics say it sharper than the order itself.
-/// @param cell  of resolution, in orders
-bool IsBearingOrder(double order, double cell, double crack_order, double harmonics);
+/// Not another's order, as sharply as so many harmonics and the angle's scale say it.
+bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics);
 
 /// Whether the order of a train or of a family of lines is a bearing's: by what its lines span, or by where
 /// they stand beside the strongest.

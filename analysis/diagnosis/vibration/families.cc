@@ -291,11 +291,9 @@ Best SearchGearMesh(const VibrationRemainder& remainder, std::size_t index) {
 
 Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   const VibrationSpectrum& spectrum = remainder.over_turns();
-  const double cell = spectrum.cell();
-  const double crack = model::CrackOrder(remainder.samples().ratio);
   // While searching all harmonics that there may be decide, afterwards those that the fit rests on.
-  const auto allowed = [=, top = spectrum.highest()](double order) {
-    return IsBearingOrder(order, cell, crack, top / order);
+  const auto allowed = [&](double order) {
+    return IsBearingOrder(remainder, order, spectrum.highest() / order);
   };
   const double lowest = kLowestBearingOrder;
   const double highest = std::min(kHighestBearingOrder, 0.45 * spectrum.highest());

@@ -23,9 +23,10 @@ constexpr double kFirstDamping = 0.03;
 constexpr double kLeastDamping = 0.008;
 constexpr double kMostDamping = 0.6;
 constexpr int kClimbs = 4;
-// What a train has to explain beyond its strongest line, in variances of the noise: more than its numbers
-// take from noise, and more than a line that is no pure sine leaves.
-constexpr double kBeyondLine = 28.0;
+// −ln p of what a train has to explain beyond its strongest line: one in a hundred lines may pass for one of
+// some two hundred trains that have it among their harmonics. And more than a line that is no pure sine
+// leaves.
+constexpr double kBeyondLine = 7.0;
 constexpr double kBeyondLineShare = 0.05;
 constexpr double kPartOfFirst = 0.5;  // of that, for a first look
 // Depth of a change: an impulse does not pull. With what noise adds to it.
@@ -150,8 +151,12 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, dou
   const TermFit alone = remainder.With(std::move(line), 3);
   const double variance = VarianceAbout(remainder, solution);
   const double by_line = (remainder.base().square_sum - alone.square_sum) / variance;
-  const double beyond = (alone.square_sum - solution.square_sum) / variance;
-  return beyond < part * (kBeyondLine + kBeyondLineShare * by_line);
+  const double beyond =
+      (alone.square_sum - solution.square_sum) / variance - part * kBeyondLineShare * by_line;
+  // A line has a phase in each channel: it may have more numbers, each of which takes its part of the noise.
+  const double more = solution.free_parameters - alone.free_parameters;
+  const double numbers = std::max(1.0, more);
+  return ExcessOf(0.5 * (beyond + numbers - more), 0.5 * numbers) < part * kBeyondLine;
 }
 
 // Refines a first look, half a period of the ring and a whole one to both sides; without its modulation, or
