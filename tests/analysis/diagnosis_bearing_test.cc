@@ -8,7 +8,7 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 // Outer race of 21 balls, d/D = 0.1: 9.45 an input turn, twice modulated a turn by the ellipse.
-Effect Bearing(double height, double order = 9.45, double damping_ratio = 0.03) {
+Effect Bearing(double height, double order = 9.45) {
   return [=](const Turning& run) {
     Signal signal = Silence(run);
     std::size_t i = 0;
@@ -69,16 +69,6 @@ TEST(BearingSearch, NamesBearingsNextToWholeAndHalfOrders) {
     if (answer.names() == Names{"bearing_defect"}) {
       EXPECT_NEAR(answer.value("defect_order").value, order, 0.004);
     }
-  }
-}
-
-// The ring dies away by a fifth from one impulse to the next: most of it is one line, but not all.
-TEST(BearingSearch, NamesBearingsThatRingFromImpulseToImpulse) {
-  for (const double order : {10.9, 11.018, 11.3}) {
-    const Effect defect = [=](const Turning& run) {
-      return Bearing(0.06, order, 0.014)(run) + ColouredNoise(run, 63, 0.3, 0.8);
-    };
-    EXPECT_EQ(Ask({Record(Turning(3130.0, 1.9, 0.0), 53, defect)}).names(), Names{"bearing_defect"}) << order;
   }
 }
 

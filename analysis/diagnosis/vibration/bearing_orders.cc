@@ -14,7 +14,7 @@ namespace {
 constexpr double kRingReach = 2.0;         // half-widths of a resonance in which harmonics are heard
 constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of the shaft's to its last one
 constexpr double kPartOfCell = 0.6;        // that tells two orders apart
-constexpr double kLeastDecay = 0.1;        // between impulses; what rings on through several is a line
+constexpr double kLeastDecay = 0.3;        // between impulses; what rings on through several is a line
 
 // Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
 // one of a crack's. The nearest of each.
