@@ -18,8 +18,7 @@ Effect Bearing(double height, double order = 9.45) {
       if (i + 1 == run.angle_rad.size()) break;
       const double share = (angle - run.angle_rad[i]) / (run.angle_rad[i + 1] - run.angle_rad[i]);
       const double zones = 1.0 + 0.6 * std::cos(2.0 * angle + 0.3);
-      AddRing(run, (static_cast<double>(i) + share) / kRate_Hz, height * zones, 1230.0, damping_ratio,
-              signal);
+      AddRing(run, (static_cast<double>(i) + share) / kRate_Hz, height * zones, 1230.0, 0.03, signal);
     }
     return signal;
   };

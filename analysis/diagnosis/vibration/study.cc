@@ -19,6 +19,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+constexpr double kKnocksInACell = 6.0;  // as many as make p < 0.004 in four of a thousand clean records
+
 /// Accelerations over time and shaft angle. The response is all channels one after the other, scaled to equal
 /// noise; the nominal model has a constant and the shaft's lines at 1 and 2 per turn in each. Lines and
 /// ringing impulses are foretold as they are; a resonance that noise drives is foretold from one sample to
@@ -198,13 +200,15 @@ class VibrationStudy final : public Study {
     return fit;
   }
 
-  // Each knock beside the first may be at any time, to half a period of what rings; which one is the first
-  // does not matter.
+  // The cells that the rule of a resonance counts are a band's; in each a knock may begin with either sign
+  // and die away in several ways. Those beside the first may be at any time, to half a period of what rings;
+  // which one is the first does not matter.
   double LogPlacesOf(const VibrationTerm& term) const {
     if (term.form != VibrationForm::kKicks) return 0.0;
     const double further = 0.5 * static_cast<double>(term.shapes.size() - 3);
     const double times = 2.0 * term.shapes[0] * samples_.runs.front().span_s();
-    return std::max(0.0, further * std::log(std::max(1.0, times)) - std::lgamma(further + 1.0));
+    return std::log(kKnocksInACell) +
+           std::max(0.0, further * std::log(std::max(1.0, times)) - std::lgamma(further + 1.0));
   }
 
   VibrationSamples samples_;
