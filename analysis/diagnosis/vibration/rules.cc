@@ -119,7 +119,7 @@ void AddCrack(Table& table) {
                        false},
                       table.amplitude},
        .degrees_of_freedom = 2,
-       .trials = 40.0,
+       .trials = 10.0,
        .to_settle = "# a whole turn of the output or more: the impulses come back once per output turn\n"
                     "- {kind: measurement_rotation, turns: 4, direction: cw, output_torque: 40 Nm, "
                     "input_speed: 2400 rpm, vibration_rate: 25.6 kHz}\n"});
