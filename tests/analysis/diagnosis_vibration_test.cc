@@ -74,8 +74,8 @@ TEST(VibrationStudy, NamesAResonanceThatKnocksRing) {
   EXPECT_NEAR(answer.value("damping_ratio").value, 0.015, 0.005);
   EXPECT_NEAR(answer.value("knock_1_s").value, 0.2111, 0.001);
   EXPECT_NEAR(answer.value("knock_2_s").value, 0.7037, 0.001);
-  // One of them may be in any half period of 1.2 s.
-  EXPECT_NEAR(answer.diagnosis.extended.log_places, std::log(2.0 * 140.0 * 1.2), 0.01);
+  // Six kinds of ring in each cell; and one of the knocks may be in any half period of 1.2 s.
+  EXPECT_NEAR(answer.diagnosis.extended.log_places, std::log(6.0 * 2.0 * 140.0 * 1.2), 0.01);
 }
 
 // Bells of 4 % of their distance at 2 · 81/80 an input turn, stronger on one side of the output.
@@ -97,11 +97,11 @@ TEST(VibrationStudy, NamesAFlexsplineCrack) {
   EXPECT_NEAR(answer.value("pulse_width").value, 0.04, 0.01);
 }
 
-// Six and a half standard deviations of the noise in all: too little for numbers that it does not tell.
+// Six standard deviations of the noise in all: too little for numbers that it does not tell.
 TEST(VibrationStudy, NamesWeakFlexsplineCracks) {
   const Effect weak = [](const Turning& run) {
     Signal signal = Crack(run);
-    for (double& value : signal) value *= 0.18;
+    for (double& value : signal) value *= 0.165;
     return signal;
   };
   int named = 0;
@@ -109,7 +109,7 @@ TEST(VibrationStudy, NamesWeakFlexsplineCracks) {
     const Diagnosed answer = Ask({Record(Turning(2400.0, 3.0, 0.0), seed, weak, {1.0, 0.7})});
     if (answer.names() == Names{"flexspline_crack"}) ++named;
   }
-  EXPECT_GE(named, 3);
+  EXPECT_GE(named, 7);
 }
 
 // The same order, but nothing of a pulse: loud enough for its third harmonic to be missed.
