@@ -17,12 +17,14 @@ namespace {
 
 // Standard errors of the inertia from which on causes that live of the acceleration can be judged.
 constexpr double kAccelerates = 10.0;
+constexpr std::size_t kBlocksOfMove = 4;
 
-// Rows of one period of the motion, as reversals show it; within bounds that leave enough blocks to hold out.
+// Rows held out in one piece: a part of a move from one reversal to the next, so that a speed which comes in
+// one move only is not predicted by what slower moves say of it. Within bounds that leave blocks enough, and
+// each longer than noise remembers.
 std::size_t BlockLength(const MotionGrid& grid) {
-  const std::size_t reversals = grid.Reversals();
-  const std::size_t period = reversals > 1 ? 2 * grid.rows() / reversals : grid.rows();
-  return std::clamp<std::size_t>(period, std::max<std::size_t>(12, grid.rows() / 100),
+  const std::size_t part = grid.rows() / (kBlocksOfMove * (grid.Reversals() + 1));
+  return std::clamp<std::size_t>(part, std::max<std::size_t>(12, grid.rows() / 100),
                                  std::max<std::size_t>(12, grid.rows() / 15));
 }
 
