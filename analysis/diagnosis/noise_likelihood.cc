@@ -46,10 +46,7 @@ NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> we
   const auto n = static_cast<double>(fit.samples);
   if (fit.samples == 0) return fit;
   const double variance = std::max(square_sum / n, least_variance);
-  const auto likelihood_of = [](double count, double var) {
-    return -0.5 * count * (std::log(kTwoPi * var) + 1.0);
-  };
-  fit.log_likelihood.push_back(likelihood_of(n, variance));
+  fit.log_likelihood.push_back(-0.5 * n * (std::log(kTwoPi * variance) + 1.0));
   fit.innovation_sd = std::sqrt(variance);
 
   // Cross products of lagged samples where all lags of the largest order are there; every order from these.
@@ -70,9 +67,10 @@ NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> we
   for (Index order = 1; order <= largest_order; ++order) {
     const Eigen::VectorXd cross = products.col(0).segment(1, order);
     const Eigen::VectorXd coefficients = products.block(1, 1, order, order).ldlt().solve(cross);
-    const double left = products(0, 0) - coefficients.dot(cross);
-    const double innovation = std::max(left / rows, least_variance);
-    const double likelihood = likelihood_of(rows, innovation) + likelihood_of(n - rows, variance);
+    // Share of the variance that the lags do not foretell; the samples without them have all of it.
+    const double share = 1.0 - coefficients.dot(cross) / std::max(products(0, 0), least_variance);
+    const double innovation = std::max(share * variance, least_variance);
+    const double likelihood = fit.log_likelihood[0] + 0.5 * rows * std::log(variance / innovation);
     fit.log_likelihood.push_back(likelihood);
     const double penalised = likelihood - 0.5 * static_cast<double>(order) * std::log(n);
     if (penalised > best && innovation < variance) {

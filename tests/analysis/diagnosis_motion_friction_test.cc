@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -89,6 +90,21 @@ TEST(MotionFriction, DoesNotHideARippleOnAStaircase) {
   EXPECT_EQ(found.names(), Names{"position_periodic_torque"});
   const ParameterValue order = found.value("order_per_turn");
   EXPECT_NEAR(order.value, 25.0, 4.0 * order.standard_error);
+}
+
+// What a single fast move says of friction is not to be foretold from the slow ones: held out are parts of a
+// move, never the whole of it.
+TEST(MotionFriction, OfASingleFastMoveIsNotHeldOutAtOnce) {
+  const Staircase once_fast{.speeds_rad_per_s = {0.1, -0.15, 0.1, -0.12, 0.12, -0.1, 1.0, -0.1, 0.12, -0.1},
+                            .rate_Hz = 500.0,
+                            .spell_s = 1.0,
+                            .turn_s = 0.2,
+                            .inertia_kgm2 = 2.0,
+                            .noise_Nm = 0.2};
+  const MotionData record = Record(
+      3, once_fast, [](double, double, double speed) { return 2.0 * speed + 0.6 * std::tanh(speed / 1e-3); });
+  const std::unique_ptr<Study> study = MakeMotionStudy({&record, 1});
+  EXPECT_LE(3 * study->BlockLength(), study->measured().size() / once_fast.speeds_rad_per_s.size());
 }
 
 }  // namespace
