@@ -17,16 +17,10 @@ namespace {
 
 // Standard errors of the inertia from which on causes that live of the acceleration can be judged.
 constexpr double kAccelerates = 10.0;
-constexpr std::size_t kBlocksOfMove = 4;
-
-// Rows held out in one piece: a part of a move from one reversal to the next, so that a speed which comes in
-// one move only is not predicted by what slower moves say of it. Within bounds that leave blocks enough, and
-// each longer than noise remembers.
-std::size_t BlockLength(const MotionGrid& grid) {
-  const std::size_t part = grid.rows() / (kBlocksOfMove * (grid.Reversals() + 1));
-  return std::clamp<std::size_t>(part, std::max<std::size_t>(12, grid.rows() / 100),
-                                 std::max<std::size_t>(12, grid.rows() / 15));
-}
+// Held out are parts of a move, longer than noise remembers: a speed that comes in one move only, or the one
+// knock that tells a gap's width, is not predicted by the rest of the record, which says nothing of it.
+constexpr std::size_t kBlocks = 60;
+constexpr std::size_t kFewestInBlock = 12;
 
 void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const auto at_rows = [&](const std::vector<double>& points) {
@@ -99,7 +93,7 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   model.unit = units.torque();
   model.noise_floor = grid->noise_floor;
   model.filtered_out_variance = grid->filtered_out_variance;
-  model.block_length = BlockLength(*grid);
+  model.block_length = std::max(kFewestInBlock, grid->rows() / kBlocks);
   // The torque's own were left out before the low-pass; a lone row is a reversal that comes late.
   model.spikes_are_outliers = false;
   if (samples.inertia) {
