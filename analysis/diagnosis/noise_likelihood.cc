@@ -11,6 +11,8 @@ namespace {
 
 using Eigen::Index;
 
+constexpr double kLeastShare = 1e-12;
+
 // How many good neighbours each sample has right before it, up to `largest`.
 std::vector<int> LagsBefore(std::span<const double> weights, std::span<const std::size_t> stretches,
                             int largest) {
@@ -28,28 +30,16 @@ std::vector<int> LagsBefore(std::span<const double> weights, std::span<const std
   return lags;
 }
 
-}  // namespace
+// Foretells a sample from those right before it, and what share of the variance it leaves.
+struct Predictor {
+  Eigen::VectorXd coefficients;
+  double share{1.0};
+};
 
-NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> weights,
-                  std::span<const std::size_t> stretches, int largest_order, double scale) {
-  NoiseFit fit;
-  std::vector<double> residual(unweighted.begin(), unweighted.end());
-  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] *= std::sqrt(std::max(0.0, weights[i]));
-  const std::vector<int> lags = LagsBefore(weights, stretches, largest_order);
-  const double least_variance = 1e-24 * scale * scale;
-  double square_sum = 0.0;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    if (!(weights[i] > 0.0)) continue;
-    ++fit.samples;
-    square_sum += residual[i] * residual[i];
-  }
-  const auto n = static_cast<double>(fit.samples);
-  if (fit.samples == 0) return fit;
-  const double variance = std::max(square_sum / n, least_variance);
-  fit.log_likelihood.push_back(-0.5 * n * (std::log(kTwoPi * variance) + 1.0));
-  fit.innovation_sd = std::sqrt(variance);
-
-  // Cross products of lagged samples where all lags of the largest order are there; every order from these.
+// One an order, by least squares where all lags of the largest order are there; order 0 alone where these are
+// too few.
+std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<const double> weights,
+                                    std::span<const int> lags, int largest_order) {
   const Index size = largest_order + 1;
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, size);
   double rows = 0.0;
@@ -62,23 +52,53 @@ NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> we
     }
   }
   products = Eigen::MatrixXd(products.selfadjointView<Eigen::Lower>());
-  double best = fit.log_likelihood[0];
-  if (rows < 10.0 * static_cast<double>(size)) return fit;
+  std::vector<Predictor> predictors(1);
+  if (rows < 10.0 * static_cast<double>(size) || !(products(0, 0) > 0.0)) return predictors;
   for (Index order = 1; order <= largest_order; ++order) {
     const Eigen::VectorXd cross = products.col(0).segment(1, order);
     const Eigen::VectorXd coefficients = products.block(1, 1, order, order).ldlt().solve(cross);
-    // Share of the variance that the lags do not foretell; the samples without them have all of it.
-    const double share = 1.0 - coefficients.dot(cross) / std::max(products(0, 0), least_variance);
-    const double innovation = std::max(share * variance, least_variance);
-    const double likelihood = fit.log_likelihood[0] + 0.5 * rows * std::log(variance / innovation);
-    fit.log_likelihood.push_back(likelihood);
-    const double penalised = likelihood - 0.5 * static_cast<double>(order) * std::log(n);
-    if (penalised > best && innovation < variance) {
-      best = penalised;
-      fit.order = static_cast<int>(order);
-      fit.coefficients.assign(coefficients.data(), coefficients.data() + order);
-      fit.innovation_sd = std::sqrt(innovation);
+    const double share = 1.0 - coefficients.dot(cross) / products(0, 0);
+    predictors.push_back({coefficients, std::clamp(share, kLeastShare, 1.0)});
+  }
+  return predictors;
+}
+
+}  // namespace
+
+NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> weights,
+                  std::span<const std::size_t> stretches, int largest_order, double scale) {
+  NoiseFit fit;
+  std::vector<double> residual(unweighted.begin(), unweighted.end());
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    residual[i] *= std::sqrt(std::max(0.0, weights[i]));
+    if (weights[i] > 0.0) ++fit.samples;
+  }
+  if (fit.samples == 0) return fit;
+  const auto n = static_cast<double>(fit.samples);
+  const std::vector<int> lags = LagsBefore(weights, stretches, largest_order);
+  const std::vector<Predictor> predictors = PredictorsOf(residual, weights, lags, largest_order);
+  double best = 0.0;
+  for (int order = 0; order < static_cast<int>(predictors.size()); ++order) {
+    double squares = 0.0;  // as if nothing were foretold
+    double logarithms = 0.0;
+    for (std::size_t i = 0; i < residual.size(); ++i) {
+      if (!(weights[i] > 0.0)) continue;
+      const Predictor& predictor = predictors[static_cast<std::size_t>(std::min(lags[i], order))];
+      double innovation = residual[i];
+      for (Index k = 0; k < predictor.coefficients.size(); ++k)
+        innovation -= predictor.coefficients(k) * residual[i - 1 - static_cast<std::size_t>(k)];
+      squares += innovation * innovation / predictor.share;
+      logarithms += std::log(predictor.share);
     }
+    const double variance = std::max(squares / n, 1e-24 * scale * scale);
+    fit.log_likelihood.push_back(-0.5 * (n * (std::log(kTwoPi * variance) + 1.0) + logarithms));
+    const double penalised = fit.log_likelihood.back() - 0.5 * order * std::log(n);
+    if (order > 0 && penalised <= best) continue;
+    const Predictor& own = predictors[static_cast<std::size_t>(order)];
+    best = penalised;
+    fit.order = order;
+    fit.coefficients.assign(own.coefficients.begin(), own.coefficients.end());
+    fit.innovation_sd = std::sqrt(own.share * variance);
   }
   return fit;
 }

@@ -48,17 +48,6 @@ TEST(Weights, MakeTheNoiseThatOfASampleOfWeightOne) {
   EXPECT_NEAR(fit.innovation_sd, kNoise, 4.0 * kNoise / std::sqrt(2.0 * kSamples));
 }
 
-// What is left is largest where an effect is that the model lacks, often next to a gap: that is no memory.
-TEST(Weights, OfZeroDoNotMakeMemoryOfLoudNeighbours) {
-  std::vector<double> noise = WhiteNoise(kSamples, kNoise, 4);
-  std::vector<double> weights(kSamples, 1.0);
-  for (std::size_t i = 0; i < kSamples; ++i) {
-    if (i % 20 == 0) weights[i] = 0.0;
-    if (i % 20 == 1) noise[i] *= kTimes;
-  }
-  EXPECT_EQ(FitNoise(noise, weights, std::vector<std::size_t>{0}, 4, 1.0).order, 0);
-}
-
 // A weighted mean's variance: noise² over the sum of weights.
 TEST(Weights, CountInTheErrorsOfParameters) {
   const std::vector<double> weights = Weights();

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "analysis/diagnosis/noise_likelihood.h"
+#include "tests/analysis/white_noise.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+const std::vector<std::size_t> kOneStretch{0};
+
+// What is left is largest where an effect is that the model lacks, often next to a gap: that is no memory.
+TEST(NoiseLikelihood, DoesNotTakeLoudSamplesNextToGapsForMemory) {
+  std::vector<double> noise = WhiteNoise(1000, 0.1, 4);
+  std::vector<double> weights(noise.size(), 1.0);
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    if (i % 20 == 0) weights[i] = 0.0;
+    if (i % 20 == 1) noise[i] *= 6.0;
+  }
+  EXPECT_EQ(FitNoise(noise, weights, kOneStretch, 4, 1.0).order, 0);
+}
+
+// Between gaps that leave six samples each, noise that remembers looks like a level: it brings no more than
+// chance does where each sample is foretold by as many as there are before it.
+TEST(NoiseLikelihood, KnowsTheMemoryOfSamplesNextToGaps) {
+  constexpr std::size_t kRuns = 100;
+  constexpr std::size_t kRun = 6;
+  constexpr double kMemory = 0.8;
+  constexpr unsigned kRecords = 50;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < kRuns * (kRun + 1); ++i) weights.push_back(i % (kRun + 1) == kRun ? 0.0 : 1.0);
+  double mean_ratio = 0.0;
+  for (unsigned record = 0; record < kRecords; ++record) {
+    std::vector<double> noise = WhiteNoise(weights.size(), 1.0, record);
+    for (std::size_t i = 1; i < noise.size(); ++i) noise[i] += kMemory * noise[i - 1];
+    // A level that goes up and down every few runs, by least squares.
+    const auto level = [](std::size_t i) { return i / (kRun + 1) % 6 < 3 ? 1.0 : -1.0; };
+    double along = 0.0;
+    for (std::size_t i = 0; i < noise.size(); ++i) along += weights[i] * level(i) * noise[i];
+    std::vector<double> left = noise;
+    for (std::size_t i = 0; i < left.size(); ++i) left[i] -= along / (kRuns * kRun) * level(i);
+    mean_ratio += LikelihoodRatio(FitNoise(left, weights, kOneStretch, 4, 1.0),
+                                  FitNoise(noise, weights, kOneStretch, 4, 1.0)) /
+                  kRecords;
+  }
+  EXPECT_LT(mean_ratio, 2.0);
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
