@@ -12,6 +12,7 @@
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/known_before.h"
+#include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/separable_fit.h"
 #include "analysis/units.h"
 
@@ -81,9 +82,11 @@ std::optional<SeparableSolution> SearchShapes(const SeparableModel& model, const
   const SeparableProblem problem(set, model.measured, weights);
   std::optional<SeparableSolution> best;
   bool best_expected = false;
-  for (const std::vector<double>& shape : set.terms.back()->starts({residual, weights})) {
+  std::vector<std::vector<double>> starts = set.terms.back()->starts({residual, weights});
+  starts.resize(std::min(starts.size(), set.terms.back()->most_starts));
+  for (std::vector<double>& start : starts) {
     std::vector<std::vector<double>> joined = before.shapes;
-    joined.push_back(shape);
+    joined.push_back(std::move(start));
     SeparableSolution candidate = problem.Refine(problem.Solve(std::move(joined)), kSearchRounds);
     const bool expected = IsAsExpected(set, rule, candidate);
     if (!best || (expected && !best_expected) ||
@@ -117,22 +120,96 @@ double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
                      solution.weighted_square_sum / std::max(samples, 1.0), samples);
 }
 
-// Numbers of the fit as people read them, term after term.
-void Describe(const TermSet& set, const Eigen::MatrixXd& covariance, std::size_t nominal_terms,
-              ModelFit& fit) {
+// Weighted least squares of a term set over the whole of a record, and what is known of its noise.
+struct Record {
+  const SeparableModel& model;
+  const TermSet& set;
+  std::span<const double> weights;
+
+  std::vector<double> LeftBy(const Eigen::VectorXd& predicted) const {
+    std::vector<double> left(model.measured);
+    for (std::size_t i = 0; i < left.size(); ++i) left[i] -= predicted(static_cast<Eigen::Index>(i));
+    return left;
+  }
+  NoiseFit NoiseOf(const SeparableSolution& solution) const {
+    const auto [low, high] = std::ranges::minmax(model.measured);
+    return FitNoise(LeftBy(solution.predicted), weights, model.stretches, model.largest_noise_order,
+                    std::max(high - low, 1e-300));
+  }
+  Eigen::MatrixXd CovarianceOf(const SeparableSolution& solution) const {
+    return FitCovariance(Sensitivities(set, solution), model.measured, solution.predicted, weights,
+                         model.stretches, model.largest_noise_order);
+  }
+};
+
+// Solutions with other optima of one term's search, each with its likelihood over the given one's, as far as
+// the record does not exclude them.
+std::vector<std::pair<double, SeparableSolution>> OtherOptima(const Record& record,
+                                                              const SeparableSolution& solution,
+                                                              std::size_t term) {
+  constexpr double kNegligible = -14.0;  // of −2 log-likelihood: a thousandth
+  const SeparableTerm& moving = *record.set.terms[term];
+  Eigen::MatrixXd columns(solution.predicted.size(), static_cast<Eigen::Index>(moving.columns));
+  moving.fill(solution.shapes[term], columns);
+  const Eigen::Map<const Eigen::VectorXd> coefficients(solution.coefficients[term].data(), columns.cols());
+  const std::vector<double> left = record.LeftBy(solution.predicted - columns * coefficients);
+  const SeparableProblem problem(record.set, record.model.measured, record.weights);
+  const NoiseFit own = record.NoiseOf(solution);
+  std::vector<std::pair<double, SeparableSolution>> others;
+  for (std::vector<double>& start : moving.starts({left, record.weights})) {
+    std::vector<std::vector<double>> shapes = solution.shapes;
+    shapes[term] = std::move(start);
+    SeparableSolution other = problem.Refine(problem.Solve(std::move(shapes)), kSearchRounds);
+    const double ahead = LikelihoodRatio(record.NoiseOf(other), own);
+    if (ahead > kNegligible) others.emplace_back(std::exp(0.5 * std::min(ahead, 0.0)), std::move(other));
+  }
+  return others;
+}
+
+// Numbers of one term as people read them.
+std::vector<ParameterValue> DescribeTerm(const TermSet& set, const SeparableSolution& solution,
+                                         const Eigen::MatrixXd& covariance, std::size_t term) {
   Eigen::Index at = 0;
-  for (std::size_t t = 0; t < set.terms.size(); ++t) {
-    const SeparableTerm& term = *set.terms[t];
-    const std::size_t count = term.columns + term.shapes.size();
-    const auto width = static_cast<Eigen::Index>(count);
-    std::vector<ParameterValue> values =
-        term.describe({fit.state.data() + at, count}, covariance.block(at, at, width, width));
+  for (std::size_t t = 0; t < term; ++t)
+    at += static_cast<Eigen::Index>(set.terms[t]->columns + set.terms[t]->shapes.size());
+  std::vector<double> numbers = solution.coefficients[term];
+  numbers.insert(numbers.end(), solution.shapes[term].begin(), solution.shapes[term].end());
+  const auto width = static_cast<Eigen::Index>(numbers.size());
+  return set.terms[term]->describe(numbers, covariance.block(at, at, width, width));
+}
+
+// The errors of one term's numbers, over all optima of its search that the record leaves open.
+void WidenByOtherOptima(const Record& record, const SeparableSolution& solution, std::size_t term,
+                        std::vector<ParameterValue>& described) {
+  std::vector<std::vector<Believed>> believed;
+  for (const ParameterValue& own : described) believed.push_back({{1.0, own.value, own.standard_error}});
+  for (const auto& [likelihood, other] : OtherOptima(record, solution, term)) {
+    const std::vector<ParameterValue> there =
+        DescribeTerm(record.set, other, record.CovarianceOf(other), term);
+    for (std::size_t k = 0; k < described.size(); ++k)
+      believed[k].push_back({likelihood, there[k].value, there[k].standard_error});
+  }
+  for (std::size_t k = 0; k < described.size(); ++k) {
+    if (believed[k].size() > 1) described[k].standard_error = StandardErrorOver(believed[k]);
+  }
+}
+
+// Numbers of the fit as people read them, term after term.
+void Describe(const Record& record, const SeparableSolution& solution, ModelFit& fit) {
+  const auto numbers = static_cast<Eigen::Index>(fit.state.size());
+  const FitPurpose purpose = record.set.purpose;
+  const Eigen::MatrixXd covariance = purpose == FitPurpose::kCompare ? Eigen::MatrixXd::Zero(numbers, numbers)
+                                                                     : record.CovarianceOf(solution);
+  const std::size_t nominal_terms = record.model.nominal.size();
+  for (std::size_t t = 0; t < record.set.terms.size(); ++t) {
+    std::vector<ParameterValue> values = DescribeTerm(record.set, solution, covariance, t);
     if (t < nominal_terms) {
       fit.nominal.insert(fit.nominal.end(), values.begin(), values.end());
-    } else {
-      fit.cause_parameters.push_back(std::move(values));
+      continue;
     }
-    at += width;
+    if (purpose == FitPurpose::kReport && !record.set.terms[t]->shapes.empty())
+      WidenByOtherOptima(record, solution, t, values);
+    fit.cause_parameters.push_back(std::move(values));
   }
 }
 
@@ -219,13 +296,7 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   fit.free_parameters = static_cast<int>(sorted_set.coefficients() + sorted_set.moved_shapes());
   fit.known_before = UnchargedShapes(sorted_set, solution, weights);
   fit.usable = solution.predicted.allFinite();
-  const auto numbers = static_cast<Eigen::Index>(fit.state.size());
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(numbers, numbers);
-  if (purpose != FitPurpose::kCompare) {
-    covariance = FitCovariance(Sensitivities(sorted_set, solution), model_.measured, solution.predicted,
-                               weights, model_.stretches, model_.largest_noise_order);
-  }
-  Describe(sorted_set, covariance, model_.nominal.size(), fit);
+  Describe({model_, sorted_set, weights}, solution, fit);
   return fit;
 }
 

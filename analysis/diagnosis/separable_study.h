@@ -8,8 +8,9 @@
 namespace strainwave::analysis::diagnosis {
 
 /// When a fit moves a shape away from where its start put it: always, not while candidates are compared (a
-/// detail that few records know, and that would cost each of them its power), or never (one of a list).
-enum class Moved { kAlways, kForErrors, kNever };
+/// detail that few records know, and that would cost each of them its power), not before what was found is
+/// reported, or never (one of a list).
+enum class Moved { kAlways, kForErrors, kForReport, kNever };
 
 /// A number on which a term depends in a curved way: an order, a centre, a time constant. Fits keep it in
 /// [low, high].
@@ -41,8 +42,10 @@ struct SeparableTerm {
   double ridge{};
   /// Fills n × columns at these shapes.
   std::function<void(std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design)> fill;
-  /// Shapes to start from, best first, a few; unused without shapes.
+  /// Shapes to start from, best first, a few; unused without shapes. A search takes the first `most_starts`;
+  /// errors are those over all that the record does not exclude.
   std::function<std::vector<std::vector<double>>(const Remainder& remainder)> starts;
+  std::size_t most_starts{static_cast<std::size_t>(-1)};
   /// Coefficients (then shapes) as people read them; `covariance` is of both together.
   std::function<std::vector<ParameterValue>(std::span<const double> numbers,
                                             const Eigen::MatrixXd& covariance)>

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "analysis/diagnosis/separable_study.h"
+#include "analysis/units.h"
+#include "tests/analysis/white_noise.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr std::size_t kSamples = 200;
+constexpr double kOrder = 30.0;
+constexpr double kAlias = 170.0;  // the same on so many even samples a turn
+
+// A wave of unknown order, which is looked for in two places.
+SeparableStudy Wave(double second_start, std::size_t most_starts) {
+  SeparableTerm offset;
+  offset.fill = [](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) { design.setOnes(); };
+  DescribeEach(offset, {{"offset", "1", 1.0}});
+  SeparableTerm wave;
+  wave.fill = [](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (Eigen::Index i = 0; i < design.rows(); ++i)
+      design(i, 0) = std::cos(shapes[0] * kTwoPi * static_cast<double>(i) / kSamples);
+  };
+  wave.shapes = {{1.0, 199.0, 0.2}};
+  wave.starts = [=](const Remainder&) {
+    return std::vector<std::vector<double>>{{kOrder + 0.1}, {second_start}};
+  };
+  wave.most_starts = most_starts;
+  DescribeEach(wave, {{"amplitude", "1", 1.0}, {"order", "1", 1.0}});
+  SeparableModel model;
+  model.measured = WhiteNoise(kSamples, 0.2, 5);
+  for (std::size_t i = 0; i < kSamples; ++i)
+    model.measured[i] += std::cos(kOrder * kTwoPi * static_cast<double>(i) / kSamples);
+  model.nominal.push_back(std::move(offset));
+  model.causes.push_back(std::move(wave));
+  model.rules.push_back({.name = "wave", .sentence = "a wave"});
+  return SeparableStudy(std::move(model));
+}
+
+ParameterValue OrderOf(const SeparableStudy& study, FitPurpose purpose) {
+  const std::vector<double> ones(kSamples, 1.0);
+  return study.Fit(std::vector<std::size_t>{0}, ones, nullptr, purpose).cause_parameters[0][1];
+}
+
+TEST(OtherOptima, BelongIntoTheErrorsThatAreReported) {
+  const SeparableStudy study = Wave(kAlias, 1);
+  const ParameterValue judged = OrderOf(study, FitPurpose::kJudge);
+  EXPECT_NEAR(judged.value, kOrder, 0.1);
+  EXPECT_LT(judged.standard_error, 0.1);
+  const ParameterValue reported = OrderOf(study, FitPurpose::kReport);
+  EXPECT_EQ(reported.value, judged.value);
+  EXPECT_NEAR(1.96 * reported.standard_error, kAlias - kOrder, 0.01 * kAlias);
+}
+
+TEST(OtherOptima, ThatTheRecordExcludesDoNot) {
+  const SeparableStudy study = Wave(100.0, 2);
+  EXPECT_NEAR(OrderOf(study, FitPurpose::kReport).standard_error,
+              OrderOf(study, FitPurpose::kJudge).standard_error, 1e-3);
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
