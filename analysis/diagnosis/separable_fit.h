@@ -16,7 +16,8 @@ struct TermSet {
   std::size_t shapes() const;
   bool Moves(const ShapeRange& range) const {
     return range.moved == Moved::kAlways ||
-           (range.moved == Moved::kForErrors && purpose != FitPurpose::kCompare);
+           (range.moved == Moved::kForErrors && purpose != FitPurpose::kCompare) ||
+           (range.moved == Moved::kForReport && purpose == FitPurpose::kReport);
   }
   std::size_t moved_shapes() const;
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -67,6 +69,20 @@ TEST(MotionBacklash, IsNamedBehindAStiffShaftThatThrowsTheMotorBack) {
     EXPECT_NEAR(found.value("backlash_rad").value, kGap_rad, 0.2 * kGap_rad) << seed;
     EXPECT_NEAR(found.value("load_inertia_kgm2").value, kLoadInertia_kgm2, 0.2 * kLoadInertia_kgm2) << seed;
   }
+}
+
+// Where in its gap the load is at first is a state of the record: in full each of the six numbers of the gap
+// would be charged.
+TEST(MotionBacklash, IsHardlyChargedForWhereTheLoadBegins) {
+  const MotionData record = Record(1);
+  const std::unique_ptr<Study> study = MakeMotionStudy({&record, 1});
+  const auto& causes = study->causes();
+  const auto cause = std::ranges::find(causes, "backlash", &CauseRule::name) - causes.begin();
+  const std::vector<double> ones(study->measured().size(), 1.0);
+  const std::vector<std::size_t> only{static_cast<std::size_t>(cause)};
+  const ModelFit fit = study->Fit(only, ones, nullptr, FitPurpose::kCompare);
+  EXPECT_GT(fit.known_before, 0.3);
+  EXPECT_LT(fit.known_before, 1.0);
 }
 
 }  // namespace

@@ -55,8 +55,12 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   const double high_Hz =
       std::min(1.2 * grid->cutoff_rad_per_s(), 4.0 * grid->path_cutoff_rad_per_s()) / kTwoPi;
   if (!(high_Hz > 3.0 * low_Hz)) return;
+  const auto longest = std::ranges::max_element(grid->stretches, {}, &MotionGrid::Stretch::count);
+  const double usual = UsualSize(grid->passed_acceleration);
   SeparableTerm term;
-  term.fill = [grid](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  term.fill = [grid, start_s = grid->time_s[longest->first], end = longest->first + longest->count,
+               first = longest->first,
+               usual](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
     const double natural = kTwoPi * std::exp(shapes[0]);
     const double damping = std::exp(shapes[1]);
     std::vector<double> points(grid->time_s.size());
@@ -66,16 +70,28 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
         points[i] = inertia.Step(grid->passed_acceleration[i]);
       }
     }
+    if (shapes[2] != 0.0 || shapes[3] != 0.0) {
+      for (std::size_t i = first; i < end; ++i) {
+        const double turned = natural * (grid->time_s[i] - start_s);
+        points[i] += usual * std::exp(-damping * turned) *
+                     (shapes[2] * std::cos(turned) + shapes[3] * std::sin(turned));
+      }
+    }
     design.col(0) = grid->ProjectPassed(points);
   };
+  // It may swing already where the record begins: over the usual acceleration of the motion, in phase and a
+  // quarter of a turn later.
+  const ShapeRange at_start{-3.0, 3.0, 0.1, true, Moved::kForReport};
   term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03},
-                 {std::log(kLeastDamping), std::log(0.8), 0.3, true}};
+                 {std::log(kLeastDamping), std::log(0.8), 0.3, true},
+                 at_start,
+                 at_start};
 
   std::vector<std::vector<double>> tried;  // ln frequency in Hz, ln damping ratio
   for (const auto& [damping, spacing] :
        {std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std::pair{0.3, 0.25}}) {
     for (double log_Hz = std::log(low_Hz) + spacing; log_Hz < std::log(high_Hz); log_Hz += spacing) {
-      tried.push_back({log_Hz, std::log(damping)});
+      tried.push_back({log_Hz, std::log(damping), 0.0, 0.0});
     }
   }
   const double reference = std::max(grid->prefit(0), 1e-300);
@@ -115,11 +131,13 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
         {"damping_ratio", "1", damping, damping * StandardErrorOf(covariance(2, 2))},
         {"inertia_share", "1", numbers[0] / reference, error / reference},
         {inertia, units.inertia(), numbers[0], error},
-        {inertia + "s2", units.inertia() + " s²", weight, weight_error}};
+        {inertia + "s2", units.inertia() + " s²", weight, weight_error},
+        {"swing_at_start", "1", numbers[3], StandardErrorOf(covariance(3, 3))},
+        {"swing_at_start_late", "1", numbers[4], StandardErrorOf(covariance(4, 4))}};
   };
   term.restore = [](std::span<const double> values) {
     return std::vector<double>{values[3], std::log(std::max(values[0], 1e-9)),
-                               std::log(std::max(values[1], 1e-9))};
+                               std::log(std::max(values[1], 1e-9)), values[5], values[6]};
   };
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = "torsional_resonance",
@@ -226,7 +244,8 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                  {0.0, 4.0, kRagged},
                  {std::log(low_Hz), std::log(high_Hz), kRagged},
                  {0.1, 1.5, kRagged},
-                 {-1.0, 1.0, kRagged}};
+                 // Where in the gap the load happens to be is no property of the axis.
+                 {-1.0, 1.0, kRagged, true}};
   std::vector<std::vector<double>> tried;
   for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 24)) {
     for (const double share : {0.0, 0.2, 0.6, 2.0}) {
@@ -236,6 +255,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
       }
     }
   }
+  term.most_starts = kStarts;
   const auto map = std::make_shared<ShapeMap>(*grid, tried);
   const auto coarse_map = std::make_shared<ShapeMap>(*grid, std::move(tried), kKnock_s);
   FillMaps(term, grid->rows(), {map.get(), coarse_map.get()});
@@ -255,8 +275,8 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
     std::ranges::sort(found, std::greater<>(), &Start::first);
     std::vector<std::vector<double>> starts;
     // Once more from a new simplex: on ragged ground the first one shrinks before its time.
-    for (std::size_t i = 0; i < std::min(found.size(), kStarts); ++i)
-      starts.push_back(search.Polish(found[i].second, kFineSteps));
+    for (auto& [drop, shapes] : found)
+      starts.push_back(starts.size() < kStarts ? search.Polish(shapes, kFineSteps) : std::move(shapes));
     return starts;
   };
   const std::string gap_name = units.linear ? "backlash_m" : "backlash_rad";
