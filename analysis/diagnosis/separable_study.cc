@@ -108,8 +108,9 @@ double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
   for (const SeparableTerm* term : set.terms) {
     for (std::size_t c = 0; c < term->columns; ++c) others.push_back(next++);
     for (const ShapeRange& range : term->shapes) {
-      (range.known ? known : others).push_back(next++);
-      if (range.known) ranges.push_back(range.high - range.low);
+      const bool uncharged = range.known && set.Moves(range);
+      (uncharged ? known : others).push_back(next++);
+      if (uncharged) ranges.push_back(range.high - range.low);
     }
   }
   if (known.empty()) return 0.0;
