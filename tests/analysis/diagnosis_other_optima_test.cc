@@ -16,7 +16,7 @@ constexpr double kOrder = 30.0;
 constexpr double kAlias = 170.0;  // the same on so many even samples a turn
 
 // A wave of unknown order, which is looked for in two places.
-SeparableStudy Wave(double second_start, std::size_t most_starts) {
+SeparableStudy Wave(double second_start, std::size_t most_starts, ShapeRange range = {1.0, 199.0, 0.2}) {
   SeparableTerm offset;
   offset.fill = [](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) { design.setOnes(); };
   DescribeEach(offset, {{"offset", "1", 1.0}});
@@ -25,7 +25,7 @@ SeparableStudy Wave(double second_start, std::size_t most_starts) {
     for (Eigen::Index i = 0; i < design.rows(); ++i)
       design(i, 0) = std::cos(shapes[0] * kTwoPi * static_cast<double>(i) / kSamples);
   };
-  wave.shapes = {{1.0, 199.0, 0.2}};
+  wave.shapes = {range};
   wave.starts = [=](const Remainder&) {
     return std::vector<std::vector<double>>{{kOrder + 0.1}, {second_start}};
   };
@@ -60,6 +60,16 @@ TEST(OtherOptima, ThatTheRecordExcludesDoNot) {
   const SeparableStudy study = Wave(100.0, 2);
   EXPECT_NEAR(OrderOf(study, FitPurpose::kReport).standard_error,
               OrderOf(study, FitPurpose::kJudge).standard_error, 1e-3);
+}
+
+// What is not counted is not to be taken off either.
+TEST(NumberThatRestsUntilTheReport, IsNotCharged) {
+  const ShapeRange resting{1.0, 199.0, 0.2, true, Moved::kForReport};
+  const std::vector<double> ones(kSamples, 1.0);
+  const std::vector<std::size_t> wave{0};
+  const ModelFit fit = Wave(kAlias, 1, resting).Fit(wave, ones, nullptr, FitPurpose::kJudge);
+  EXPECT_EQ(fit.free_parameters, 2);
+  EXPECT_EQ(fit.known_before, 0.0);
 }
 
 }  // namespace
