@@ -219,23 +219,6 @@ TEST(Judge, MultipliesChanceByThePlacesThatAFitChoseFrom) {
   EXPECT_EQ(judge.Compare(richer, poorer).p_value, 1.0);
 }
 
-// Its likelihood is judged elsewhere: next to a cause that can take its shape an effect of 10 sigma is known
-// to a third.
-TEST(Judge, RefusesAnAmountThatItsErrorAlmostReaches) {
-  const ToyRecord record(400);
-  SeparableModel model = ToyModel(record, WhiteNoise(400, 0.1, 17));
-  model.rules[0].parameters = {{"size", "1", -10.0, 10.0, true}};
-  const SeparableStudy study(std::move(model));
-  const Judge judge(study, std::vector<double>(400, 1.0), {});
-  ModelFit fit;
-  fit.usable = true;
-  fit.causes = {0};
-  fit.cause_parameters = {{{"size", "1", -2.9, 1.0}}};
-  EXPECT_EQ(judge.Objection(fit, 0), "");
-  fit.cause_parameters[0][0].value = 1.9;
-  EXPECT_EQ(judge.Objection(fit, 0), "size = 1.9 ± 1 1 is not away from zero");
-}
-
 TEST(Diagnose, FindsNothingInCleanRecords) {
   const ToyRecord record(400);
   int alarms = 0;
