@@ -14,9 +14,14 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kAsGood = 6.0;            // of BIC: odds of 20 to 1
-constexpr double kPairAhead = 8.0;         // of two causes, to take the place of one
-constexpr double kErrorBeside = 0.15;      // of the error allowed, for what comes on top of something found
+constexpr double kAsGood = 6.0;        // of BIC: odds of 20 to 1
+constexpr double kPairAhead = 8.0;     // of two causes, to take the place of one
+constexpr double kErrorBeside = 0.15;  // of the error allowed, for what comes on top of something found
+// Standard errors from zero: a rival need not be proven, only not be excluded.
+constexpr double kNotExcluded = 2.0;
+// Of BIC. The errors of one fit are too large next to another cause that can take its shape: where the
+// likelihood leaves no doubt, they are asked for less (Hauck & Donner, J. Am. Stat. Assoc. 72 (1977) 851).
+constexpr double kNoDoubt = 20.0;
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
 constexpr double kLeastShare = 0.004;
@@ -181,7 +186,9 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
         const double lead = first.score + ScoreOf(judge, pair, first.model, second.cause) - own;
         if (lead < -kAsGood) continue;
         const ScoredModel reported = judge.Fit(pair.fit.causes, &pair.fit, FitPurpose::kJudge);
-        const auto unlikely = [&](std::size_t part) { return !judge.Objection(reported.fit, part).empty(); };
+        const auto unlikely = [&](std::size_t part) {
+          return !judge.Objection(reported.fit, part, kNotExcluded).empty();
+        };
         if (unlikely(first.cause) || unlikely(second.cause)) continue;
         if (second.cause != cause) {
           const auto [one, other] = std::minmax(first.cause, second.cause);
@@ -218,7 +225,9 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
       with.fit.causes, [&](std::size_t other) { return judge.study().causes()[other].local; });
   result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, local);
   const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kJudge);
-  result.objection = judge.Objection(reported.fit, cause);
+  const bool no_doubt = comparison.delta_bic > kNoDoubt;
+  result.objection =
+      no_doubt ? judge.Objection(reported.fit, cause, kNotExcluded) : judge.Objection(reported.fit, cause);
   if (result.objection.empty() && !(result.evidence.heldout_gain > 0.0)) {
     result.objection = "does not predict held-out data better";
   }
@@ -322,7 +331,7 @@ std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, 
                          its.likelihood_ratio >= own.likelihood_ratio - kWithinThreeSigma;
     if (!as_good) continue;
     exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kJudge);
-    if (!judge.Objection(exchanged.fit, other).empty()) continue;
+    if (!judge.Objection(exchanged.fit, other, kNotExcluded).empty()) continue;
     // One cause in two forms (a drift by time, or by temperature): the form is what cannot be told.
     const bool same = rules[other].name == rules[cause].name && !rules[other].parameters.empty();
     std::string name =

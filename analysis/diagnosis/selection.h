@@ -70,10 +70,8 @@ class Judge {
   const std::vector<double>& HeldOut(const ModelFit& fit, bool local) const;
 
   /// Why this cause's parameters are not believed; empty if they are. The fit is to be one for reporting.
-  /// `away_from_zero`: standard errors that an amount has to be. No more than two, as its likelihood is
-  /// judged beside, and next to another cause that can take its shape the errors of one fit are too large
-  /// (Hauck & Donner, J. Am. Stat. Assoc. 72 (1977) 851).
-  std::string Objection(const ModelFit& fit, std::size_t cause, double away_from_zero = 2.0) const;
+  /// `away_from_zero`: standard errors that an amount has to be.
+  std::string Objection(const ModelFit& fit, std::size_t cause, double away_from_zero = 3.0) const;
 
  private:
   const Study& study_;

@@ -14,6 +14,7 @@ namespace {
 constexpr double kRingReach = 2.0;         // half-widths of a resonance in which harmonics are heard
 constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of the shaft's to its last one
 constexpr double kPartOfCell = 0.6;        // that tells two orders apart
+constexpr double kLinePartOfCell = 0.3;    // that tells a strong line's place
 constexpr double kLeastDecay = 0.3;        // between impulses; what rings on through several is a line
 
 // Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
@@ -22,14 +23,32 @@ std::array<double, 2> OtherOrders(double order, double crack_order) {
   return {0.5 * std::round(2.0 * order), crack_order * std::round(order / crack_order)};
 }
 
+// Harmonics that a ring makes heard: those within `reach` of `centre`.
+struct Heard {
+  double centre{};
+  double reach{};
+};
+Heard HeardOf(const VibrationRemainder& remainder, const VibrationTerm& ring) {
+  const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+  const double centre = ring.shapes[1] / (ring.shapes[0] * turn_Hz);
+  return {centre, kRingReach * ring.shapes[2] * centre};
+}
+
+// One harmonic alone, at a whole order: any order that divides it may be meant, and teeth make such lines.
+bool IsALineOfTeeth(const VibrationRemainder& remainder, const VibrationTerm& ring) {
+  const Heard heard = HeardOf(remainder, ring);
+  const double loudest = std::max(1.0, std::round(heard.centre));
+  if (std::abs(heard.centre - loudest) + heard.reach >= 1.0) return false;
+  const double line = loudest * ring.shapes[0];
+  return std::abs(line - std::round(line)) < kLinePartOfCell * remainder.over_turns().cell();
+}
+
 // How many harmonics of its order say where it is. Lines that are as near to each other as sidebands of whole
 // orders say by what they span how far apart they are, and by where they stand nothing: sidebands stand
 // anywhere. Those farther apart are harmonics, counted from zero.
 double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& term) {
   if (term.form == VibrationForm::kRing) {
-    const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
-    const double centre = term.shapes[1] / (term.shapes[0] * turn_Hz);
-    const double reach = kRingReach * term.shapes[2] * centre;
+    const auto [centre, reach] = HeardOf(remainder, term);
     const double from = term.shapes[0] > kFarthestSideband ? 0.0 : std::max(0.0, centre - reach);
     return std::max(1.0, centre + reach - from);
   }
@@ -56,7 +75,10 @@ bool IsBearingOrder(const VibrationRemainder& remainder, double order, double ha
 }
 
 bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term) {
-  if (term.form == VibrationForm::kRing && DecayBetweenImpulses(remainder, term) < kLeastDecay) return false;
+  if (term.form == VibrationForm::kRing &&
+      (DecayBetweenImpulses(remainder, term) < kLeastDecay || IsALineOfTeeth(remainder, term))) {
+    return false;
+  }
   return IsBearingOrder(remainder, term.shapes[0], HarmonicsOf(remainder, term));
 }
 
