@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <vector>
 
+#include "analysis/diagnosis/vibration/bearing_orders.h"
+#include "analysis/diagnosis/vibration/samples.h"
+#include "analysis/diagnosis/vibration/solver.h"
+#include "analysis/diagnosis/vibration/starts.h"
 #include "analysis/units.h"
 #include "tests/analysis/vibration_record.h"
 
@@ -117,6 +122,27 @@ TEST(BearingSearch, JoinsRecordsThatDoNotShowABearingAlone) {
   const Diagnosed joint = Ask(records);
   EXPECT_EQ(joint.names(), Names{"bearing_defect"});
   EXPECT_NEAR(joint.value("defect_order").value, 9.45, 0.01);
+}
+
+// Of a train that rings on so long one harmonic is heard, and 9 of 17.778 are order 160: of teeth.
+TEST(IsBearing, TakesNoLineAtAWholeOrderForATrain) {
+  const VibrationData record = Record(Turning(1500.0, 3.0, 0.0), 12, Silence);
+  const VibrationSamples samples = PrepareVibration({&record, 1});
+  const std::vector<double> weights(samples.measured.size(), 1.0);
+  const VibrationSolver solver(samples, weights);
+  const VibrationSolution base = solver.Solve({});
+  const VibrationRemainder remainder(samples, solver, base);
+  const auto is_bearing = [&](double order, double ring_order, double decay) {
+    constexpr double kTurn_Hz = 25.0;
+    VibrationTerm ring{.form = VibrationForm::kRing,
+                       .lines = {},
+                       .shapes = {order, ring_order * kTurn_Hz, decay},
+                       .heard = {}};
+    return IsBearing(remainder, ring);
+  };
+  EXPECT_FALSE(is_bearing(160.0 / 9.0, 160.2, 0.006));
+  EXPECT_TRUE(is_bearing(17.86, 160.7, 0.006));       // nine of it are 160.74
+  EXPECT_TRUE(is_bearing(160.0 / 9.0, 160.2, 0.06));  // its neighbours are heard, too
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ inline constexpr double kScaleRange = 3.0;
 /// Not another's order, as sharply as so many harmonics and the angle's scale say it.
 bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics);
 
-/// Whether the order of a train or of a family of lines is a bearing's: by what its lines span, or by where
-/// they stand beside the strongest.
+/// Whether the order of a train or of a family of lines is a bearing's: none that others have, impulses that
+/// die away, and more to hear than one line at a whole order.
 bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term);
 
 }  // namespace strainwave::analysis::diagnosis
