@@ -137,9 +137,23 @@ struct Record {
     return FitNoise(LeftBy(solution.predicted), weights, model.stretches, model.largest_noise_order,
                     std::max(high - low, 1e-300));
   }
+  // With what was known before of some numbers: one that the record says nothing of is as uncertain as its
+  // range, and no more.
   Eigen::MatrixXd CovarianceOf(const SeparableSolution& solution) const {
-    return FitCovariance(Sensitivities(set, solution), model.measured, solution.predicted, weights,
-                         model.stretches, model.largest_noise_order);
+    Eigen::MatrixXd covariance =
+        FitCovariance(Sensitivities(set, solution), model.measured, solution.predicted, weights,
+                      model.stretches, model.largest_noise_order);
+    Eigen::Index at = 0;
+    for (const SeparableTerm* term : set.terms) {
+      at += static_cast<Eigen::Index>(term->columns);
+      for (const ShapeRange& range : term->shapes) {
+        const double before = (range.high - range.low) * (range.high - range.low) / 12.0;
+        const Eigen::VectorXd with = covariance.col(at);
+        if (range.known) covariance -= with * with.transpose() / (before + with(at));
+        ++at;
+      }
+    }
+    return covariance;
   }
 };
 

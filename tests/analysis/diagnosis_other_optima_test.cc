@@ -72,5 +72,33 @@ TEST(NumberThatRestsUntilTheReport, IsNotCharged) {
   EXPECT_EQ(fit.known_before, 0.0);
 }
 
+// What was known of a number before bounds its error where the record says next to nothing of it.
+TEST(OtherOptima, LeaveANumberThatHardlyShowsTheRangeKnownBefore) {
+  SeparableTerm faint;
+  faint.fill = [](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (Eigen::Index i = 0; i < design.rows(); ++i) {
+      const double angle = kOrder * kTwoPi * static_cast<double>(i) / kSamples;
+      design(i, 0) = std::cos(angle) + 0.001 * shapes[0] * std::sin(angle);
+    }
+  };
+  faint.shapes = {{-3.0, 3.0, 0.1, true}};
+  faint.starts = [](const Remainder&) { return std::vector<std::vector<double>>{{0.0}}; };
+  DescribeEach(faint, {{"amplitude", "1", 1.0}, {"faint", "1", 1.0}});
+  SeparableModel model;
+  model.measured = WhiteNoise(kSamples, 0.2, 5);
+  for (std::size_t i = 0; i < kSamples; ++i)
+    model.measured[i] += std::cos(kOrder * kTwoPi * static_cast<double>(i) / kSamples);
+  SeparableTerm offset;
+  offset.fill = [](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) { design.setOnes(); };
+  DescribeEach(offset, {{"offset", "1", 1.0}});
+  model.nominal.push_back(std::move(offset));
+  model.causes.push_back(std::move(faint));
+  model.rules.push_back({.name = "faint"});
+  const SeparableStudy study(std::move(model));
+  const ModelFit fit = study.Fit(std::vector<std::size_t>{0}, std::vector<double>(kSamples, 1.0), nullptr,
+                                 FitPurpose::kReport);
+  EXPECT_NEAR(fit.cause_parameters[0][1].standard_error, 6.0 / std::sqrt(12.0), 0.1);
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis
