@@ -100,4 +100,16 @@ double StandardErrorOver(std::span<const Believed> models) {
   return above / kErrors;
 }
 
+void WidenErrors(std::span<const OtherModel> others, std::vector<ParameterValue>& numbers) {
+  for (ParameterValue& number : numbers) {
+    std::vector<Believed> believed{{1.0, number.value, number.standard_error}};
+    for (const OtherModel& other : others) {
+      const auto same = std::ranges::find(other.numbers, number.name, &ParameterValue::name);
+      if (same != other.numbers.end())
+        believed.push_back({other.likelihood, same->value, same->standard_error});
+    }
+    if (believed.size() > 1) number.standard_error = StandardErrorOver(believed);
+  }
+}
+
 }  // namespace strainwave::analysis::diagnosis

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <vector>
+
+#include "analysis/diagnosis/study.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -31,5 +34,14 @@ struct Believed {
 /// Standard error of the first model's number where the data cannot tell which model is true: 1.96 of it to
 /// either side hold 95 % of what all of them believe.
 double StandardErrorOver(std::span<const Believed> models);
+
+/// What another model says of numbers, with its likelihood over that of the best one.
+struct OtherModel {
+  double likelihood{};
+  std::vector<ParameterValue> numbers;
+};
+
+/// Makes the standard errors of the best model's numbers those over other models, too, each by its name.
+void WidenErrors(std::span<const OtherModel> others, std::vector<ParameterValue>& numbers);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -111,6 +111,65 @@ struct SortedSums {
   }
 };
 
+// The best windows over all widths and centres, at least a width apart.
+std::vector<WindowPeak> Windows(const SortedSums& sums, double narrowest, double widest, std::size_t count) {
+  if (sums.at.size() < 3 || !(narrowest > 0.0)) return {};
+  std::vector<WindowPeak> found;
+  for (double width = narrowest; width <= widest * 1.0001; width *= std::sqrt(2.0)) {
+    for (double low = sums.at.front() - 0.5 * width; low < sums.at.back(); low += 0.25 * width) {
+      const double drop = sums.Drop(sums.Below(low), sums.Below(low + width));
+      if (drop > 0.0) found.push_back({low + 0.5 * width, width, drop});
+    }
+  }
+  std::sort(found.begin(), found.end(),
+            [](const WindowPeak& a, const WindowPeak& b) { return a.drop > b.drop; });
+  std::vector<WindowPeak> peaks;
+  for (const WindowPeak& peak : found) {
+    if (peaks.size() == count) break;
+    const bool close = std::any_of(peaks.begin(), peaks.end(), [&](const WindowPeak& other) {
+      return std::abs(peak.centre - other.centre) < std::max(peak.width, other.width);
+    });
+    if (!close) peaks.push_back(peak);
+  }
+  return peaks;
+}
+
+// The window with the ends that fit best near those of one that was found.
+WindowPeak Sharpened(const SortedSums& sums, double narrowest, double widest, const WindowPeak& found) {
+  const std::vector<double>& at = sums.at;
+  std::size_t first = sums.Below(found.centre - 0.5 * found.width);
+  std::size_t last = sums.Below(found.centre + 0.5 * found.width);
+  double drop = sums.Drop(first, last);
+  const auto takes_more = [&](std::size_t low, std::size_t high) {
+    const double width = at[high - 1] - at[low];
+    return width >= narrowest && width <= widest && sums.Drop(low, high) > drop;
+  };
+  constexpr int kMostRounds = 20;
+  bool moved = true;
+  for (int round = 0; moved && round < kMostRounds; ++round) {
+    const double before = drop;
+    for (std::size_t k = 0; k + 2 <= last; ++k) {
+      if (!takes_more(k, last)) continue;
+      first = k;
+      drop = sums.Drop(first, last);
+    }
+    for (std::size_t k = first + 2; k <= at.size(); ++k) {
+      if (!takes_more(first, k)) continue;
+      last = k;
+      drop = sums.Drop(first, last);
+    }
+    moved = drop > before;
+  }
+  if (last < first + 2) return found;
+  // An end lies halfway to the next sample, at the ends of the record as far beyond it as within.
+  const auto between = [&](std::size_t k) {
+    if (k == 0) return at[0] - 0.5 * (at[1] - at[0]);
+    if (k == at.size()) return at[k - 1] + 0.5 * (at[k - 1] - at[k - 2]);
+    return 0.5 * (at[k - 1] + at[k]);
+  };
+  return {0.5 * (between(first) + between(last)), between(last) - between(first), drop};
+}
+
 }  // namespace
 
 double SpanOf(std::span<const double> values) {
@@ -221,61 +280,16 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
 std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,
                                     std::span<const double> weights, double narrowest, double widest,
                                     std::size_t count) {
-  const SortedSums sums(place, residual, weights);
-  if (sums.at.size() < 3 || !(narrowest > 0.0)) return {};
-  std::vector<WindowPeak> found;
-  for (double width = narrowest; width <= widest * 1.0001; width *= std::sqrt(2.0)) {
-    for (double low = sums.at.front() - 0.5 * width; low < sums.at.back(); low += 0.25 * width) {
-      const double drop = sums.Drop(sums.Below(low), sums.Below(low + width));
-      if (drop > 0.0) found.push_back({low + 0.5 * width, width, drop});
-    }
-  }
-  std::sort(found.begin(), found.end(),
-            [](const WindowPeak& a, const WindowPeak& b) { return a.drop > b.drop; });
-  std::vector<WindowPeak> peaks;
-  for (const WindowPeak& peak : found) {
-    if (peaks.size() == count) break;
-    const bool close = std::any_of(peaks.begin(), peaks.end(), [&](const WindowPeak& other) {
-      return std::abs(peak.centre - other.centre) < std::max(peak.width, other.width);
-    });
-    if (!close) peaks.push_back(peak);
-  }
-  return peaks;
+  return Windows(SortedSums(place, residual, weights), narrowest, widest, count);
 }
 
-WindowPeak SharpenWindow(std::span<const double> place, std::span<const double> residual,
-                         std::span<const double> weights, double narrowest, double widest,
-                         const WindowPeak& found) {
+std::vector<WindowPeak> FindSharpWindows(std::span<const double> place, std::span<const double> residual,
+                                         std::span<const double> weights, double narrowest, double widest,
+                                         std::size_t count) {
   const SortedSums sums(place, residual, weights);
-  const std::vector<double>& at = sums.at;
-  std::size_t first = sums.Below(found.centre - 0.5 * found.width);
-  std::size_t last = sums.Below(found.centre + 0.5 * found.width);
-  double drop = sums.Drop(first, last);
-  constexpr int kMostRounds = 20;
-  bool moved = true;
-  for (int round = 0; moved && round < kMostRounds; ++round) {
-    moved = false;
-    for (std::size_t* end : {&first, &last}) {
-      const std::size_t other = end == &first ? last : first;
-      for (std::size_t k = 0; k <= at.size(); ++k) {
-        const auto [low, high] = std::minmax(k, other);
-        if ((end == &first) != (k < other) || high < low + 2) continue;
-        const double width = at[high - 1] - at[low];
-        if (width < narrowest || width > widest || !(sums.Drop(low, high) > drop)) continue;
-        *end = k;
-        drop = sums.Drop(low, high);
-        moved = true;
-      }
-    }
-  }
-  if (last < first + 2) return found;
-  // An end lies halfway to the next sample, at the ends of the record as far beyond it as within.
-  const auto between = [&](std::size_t k) {
-    if (k == 0) return at[0] - 0.5 * (at[1] - at[0]);
-    if (k == at.size()) return at[k - 1] + 0.5 * (at[k - 1] - at[k - 2]);
-    return 0.5 * (at[k - 1] + at[k]);
-  };
-  return {0.5 * (between(first) + between(last)), between(last) - between(first), drop};
+  std::vector<WindowPeak> peaks = Windows(sums, narrowest, widest, count);
+  for (WindowPeak& peak : peaks) peak = Sharpened(sums, narrowest, widest, peak);
+  return peaks;
 }
 
 }  // namespace strainwave::analysis::diagnosis

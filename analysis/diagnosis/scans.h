@@ -44,10 +44,10 @@ std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<con
                                     std::span<const double> weights, double narrowest, double widest,
                                     std::size_t count);
 
-/// The window whose ends, between samples, fit best near one that was found: first one end, then the other,
-/// until none moves. Windows narrower than `narrowest` or wider than `widest` do not count.
-WindowPeak SharpenWindow(std::span<const double> place, std::span<const double> residual,
-                         std::span<const double> weights, double narrowest, double widest,
-                         const WindowPeak& found);
+/// The same with ends that lie between samples where they fit best: first one end, then the other, until none
+/// moves. For windows whose ends are sharp, however wide.
+std::vector<WindowPeak> FindSharpWindows(std::span<const double> place, std::span<const double> residual,
+                                         std::span<const double> weights, double narrowest, double widest,
+                                         std::size_t count);
 
 }  // namespace strainwave::analysis::diagnosis

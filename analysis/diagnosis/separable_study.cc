@@ -196,17 +196,10 @@ std::vector<ParameterValue> DescribeTerm(const TermSet& set, const SeparableSolu
 // The errors of one term's numbers, over all optima of its search that the record leaves open.
 void WidenByOtherOptima(const Record& record, const SeparableSolution& solution, std::size_t term,
                         std::vector<ParameterValue>& described) {
-  std::vector<std::vector<Believed>> believed;
-  for (const ParameterValue& own : described) believed.push_back({{1.0, own.value, own.standard_error}});
-  for (const auto& [likelihood, other] : OtherOptima(record, solution, term)) {
-    const std::vector<ParameterValue> there =
-        DescribeTerm(record.set, other, record.CovarianceOf(other), term);
-    for (std::size_t k = 0; k < described.size(); ++k)
-      believed[k].push_back({likelihood, there[k].value, there[k].standard_error});
-  }
-  for (std::size_t k = 0; k < described.size(); ++k) {
-    if (believed[k].size() > 1) described[k].standard_error = StandardErrorOver(believed[k]);
-  }
+  std::vector<OtherModel> others;
+  for (const auto& [likelihood, other] : OtherOptima(record, solution, term))
+    others.push_back({likelihood, DescribeTerm(record.set, other, record.CovarianceOf(other), term)});
+  WidenErrors(others, described);
 }
 
 // Numbers of the fit as people read them, term after term.

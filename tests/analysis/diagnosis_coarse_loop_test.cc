@@ -21,14 +21,7 @@ HysteresisData EveryFew(const HysteresisData& fine, std::size_t first, std::size
 // Samples are further apart than the friction yields, and each peak lies between two of them: what the
 // friction remembers of it is on the same side at each turn, and nobody hid it.
 TEST(CoarseLoop, HidesNothingWhereThePeaksLieBetweenSamples) {
-  std::vector<PathLeg> path;
-  for (int loop = 0; loop < 5; ++loop) {
-    for (const double up : {1.0, -1.0}) {
-      path.push_back({33.0 * up, 1.0});
-      path.push_back({34.0 * up, 0.6});
-      path.push_back({33.2 * up, 0.6});
-    }
-  }
+  const std::vector<PathLeg> path = Loops(5, {{33.0, 1.0}, {34.0, 0.6}, {33.2, 0.6}});
   for (const std::size_t every : {40U, 47U, 53U, 59U}) {
     const HysteresisData fine =
         GenerateLoop({.friction_Nm = {0.7}, .yield_rad = {1.2e-4}},

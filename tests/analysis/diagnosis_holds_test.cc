@@ -116,14 +116,7 @@ TEST(HysteresisOneLoop, LeavesADentWithoutAName) {
 
 // A ramp that slows down before it turns, and the turn in a gap: lines through both sides meet beyond it.
 TEST(HysteresisGap, TakesASlowTurnNoFurtherThanTheOthers) {
-  std::vector<PathLeg> path;
-  for (int loop = 0; loop < 3; ++loop) {
-    for (const double sign : {1.0, -1.0}) {
-      path.push_back({30.0 * sign, 4.0});
-      path.push_back({34.0 * sign, 1.0});
-      path.push_back({31.0 * sign, 0.6});
-    }
-  }
+  const std::vector<PathLeg> path = Loops(3, {{30.0, 4.0}, {34.0, 1.0}, {31.0, 0.6}});
   HysteresisData record = GenerateLoop({}, {.torque_noise_Nm = 0.0}, path, 6000, 3);
   // From 29 Nm, on the way up, to 33.2 Nm on the way down from the second loop's peak.
   const auto after = [&](std::size_t i, auto holds) {

@@ -58,6 +58,17 @@ struct PathLeg {
   double hold_s{};
 };
 
+/// A path of loops: the legs of the upper half, then the same below zero.
+inline std::vector<PathLeg> Loops(int count, const std::vector<PathLeg>& upper_half) {
+  std::vector<PathLeg> path;
+  for (int loop = 0; loop < count; ++loop) {
+    for (const double sign : {1.0, -1.0}) {
+      for (const PathLeg& leg : upper_half) path.push_back({sign * leg.to_Nm, leg.rate_Nm_per_s, leg.hold_s});
+    }
+  }
+  return path;
+}
+
 class SteppedGear {
  public:
   explicit SteppedGear(const GeneratedGear& gear)

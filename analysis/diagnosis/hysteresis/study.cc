@@ -227,10 +227,14 @@ void HysteresisStudy::WidenByAlternatives(const LoopModel& model, std::size_t ef
                                           const Eigen::MatrixXd& covariance,
                                           std::vector<ParameterValue>& described) const {
   constexpr double kNegligible = -14.0;  // of BIC: a thousandth
-  std::vector<std::vector<Believed>> believed;
-  for (const ParameterValue& parameter : described) {
-    believed.push_back({{1.0, parameter.value, parameter.standard_error}});
-  }
+  // Whether there is anything is judged by an amount beside its error in the best fit: to be larger in
+  // another one does not make it less.
+  const auto is_amount = [&](const ParameterValue& parameter) {
+    return std::ranges::any_of(model.effects()[effect]->rule.parameters, [&](const ParameterRule& rule) {
+      return rule.amount && rule.name == parameter.name;
+    });
+  };
+  std::vector<OtherModel> others;
   const NoiseFit own = NoiseOf(model.Predict(numbers, all), all.weight);
   const LoopGrid grid = GridOf(model, all.weight);
   for (const Alternative& other : FitAlternatives(records_, model, effect, grid, numbers)) {
@@ -254,23 +258,10 @@ void HysteresisStudy::WidenByAlternatives(const LoopModel& model, std::size_t ef
     } else {
       errors = CovarianceOf(model, other.numbers, all);
     }
-    const std::vector<ParameterValue> there = DescribeEffect(model, effect, other.numbers, errors);
-    for (std::size_t k = 0; k < described.size(); ++k) {
-      const auto same = std::find_if(there.begin(), there.end(),
-                                     [&](const auto& p) { return p.name == described[k].name; });
-      if (same == there.end()) continue;
-      believed[k].push_back({likelihood, same->value, same->standard_error});
-    }
+    others.push_back({likelihood, DescribeEffect(model, effect, other.numbers, errors)});
+    std::erase_if(others.back().numbers, is_amount);
   }
-  // Whether there is anything is judged by an amount beside its error in the best fit: to be larger in
-  // another one does not make it less.
-  const std::vector<ParameterRule>& rules = model.effects()[effect]->rule.parameters;
-  for (std::size_t k = 0; k < described.size(); ++k) {
-    const bool amount = std::any_of(rules.begin(), rules.end(), [&](const ParameterRule& rule) {
-      return rule.amount && rule.name == described[k].name;
-    });
-    if (!amount) described[k].standard_error = StandardErrorOver(believed[k]);
-  }
+  WidenErrors(others, described);
 }
 
 std::vector<ParameterValue> HysteresisStudy::DescribeNominal(const Eigen::VectorXd& x,

@@ -11,10 +11,9 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kFar = 2.0;  // times the delay
-
 using Eigen::Index;
 
+constexpr double kFar = 2.0;       // times the delay
 constexpr double kClearly = 12.0;  // in −2 log-likelihood
 
 // The nominal terms of motion a time later.

@@ -58,9 +58,8 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   const auto longest = std::ranges::max_element(grid->stretches, {}, &MotionGrid::Stretch::count);
   const double usual = UsualSize(grid->passed_acceleration);
   SeparableTerm term;
-  term.fill = [grid, start_s = grid->time_s[longest->first], end = longest->first + longest->count,
-               first = longest->first,
-               usual](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  term.fill = [grid, first = longest->first, count = longest->count, usual](
+                  std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
     const double natural = kTwoPi * std::exp(shapes[0]);
     const double damping = std::exp(shapes[1]);
     std::vector<double> points(grid->time_s.size());
@@ -71,8 +70,8 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
       }
     }
     if (shapes[2] != 0.0 || shapes[3] != 0.0) {
-      for (std::size_t i = first; i < end; ++i) {
-        const double turned = natural * (grid->time_s[i] - start_s);
+      for (std::size_t i = first; i < first + count; ++i) {
+        const double turned = natural * (grid->time_s[i] - grid->time_s[first]);
         points[i] += usual * std::exp(-damping * turned) *
                      (shapes[2] * std::cos(turned) + shapes[3] * std::sin(turned));
       }

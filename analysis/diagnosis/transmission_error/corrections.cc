@@ -232,11 +232,8 @@ void AddLevelInWindow(SeparableModel& model, const std::vector<double>& values, 
   term.starts = [values, narrowest, span](const Remainder& remainder) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindWindows(values, remainder.residual, remainder.weights, narrowest, kWidest * span, 3)) {
-      const WindowPeak sharp =
-          SharpenWindow(values, remainder.residual, remainder.weights, narrowest, kWidest * span, peak);
-      starts.push_back({sharp.centre - 0.5 * sharp.width, sharp.centre + 0.5 * sharp.width});
-    }
+         FindSharpWindows(values, remainder.residual, remainder.weights, narrowest, kWidest * span, 3))
+      starts.push_back({peak.centre - 0.5 * peak.width, peak.centre + 0.5 * peak.width});
     return starts;
   };
   DescribeEach(term, {{"level_arcmin", "arcmin", kArcminPerRad}, std::move(from), std::move(to)});

@@ -26,20 +26,23 @@ std::array<double, 2> OtherOrders(double order, double crack_order) {
 // Harmonics that a ring makes heard: those within `reach` of `centre`.
 struct Heard {
   double centre{};
-  double reach{};
+  double half_width{};
+
+  double reach() const { return kRingReach * half_width; }
+  // Of the ring, from one impulse to the next: exponent of its envelope.
+  double decay() const { return kTwoPi * half_width; }
 };
 Heard HeardOf(const VibrationRemainder& remainder, const VibrationTerm& ring) {
   const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
   const double centre = ring.shapes[1] / (ring.shapes[0] * turn_Hz);
-  return {centre, kRingReach * ring.shapes[2] * centre};
+  return {centre, ring.shapes[2] * centre};
 }
 
 // One harmonic alone, at a whole order: any order that divides it may be meant, and teeth make such lines.
-bool IsALineOfTeeth(const VibrationRemainder& remainder, const VibrationTerm& ring) {
-  const Heard heard = HeardOf(remainder, ring);
+bool IsALineOfTeeth(const VibrationRemainder& remainder, const Heard& heard, double order) {
   const double loudest = std::max(1.0, std::round(heard.centre));
-  if (std::abs(heard.centre - loudest) + heard.reach >= 1.0) return false;
-  const double line = loudest * ring.shapes[0];
+  if (std::abs(heard.centre - loudest) + heard.reach() >= 1.0) return false;
+  const double line = loudest * order;
   return std::abs(line - std::round(line)) < kLinePartOfCell * remainder.over_turns().cell();
 }
 
@@ -48,21 +51,16 @@ bool IsALineOfTeeth(const VibrationRemainder& remainder, const VibrationTerm& ri
 // anywhere. Those farther apart are harmonics, counted from zero.
 double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& term) {
   if (term.form == VibrationForm::kRing) {
-    const auto [centre, reach] = HeardOf(remainder, term);
-    const double from = term.shapes[0] > kFarthestSideband ? 0.0 : std::max(0.0, centre - reach);
-    return std::max(1.0, centre + reach - from);
+    const Heard heard = HeardOf(remainder, term);
+    const double lowest =
+        term.shapes[0] > kFarthestSideband ? 0.0 : std::max(0.0, heard.centre - heard.reach());
+    return std::max(1.0, heard.centre + heard.reach() - lowest);
   }
   const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LinePlace::harmonic);
   // The order itself counts from zero.
   const auto is_first = [](const LinePlace& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
   const double from = std::ranges::any_of(term.lines, is_first) ? 0.0 : lowest.harmonic;
   return std::max(1.0, highest.harmonic - from);
-}
-
-// Of a ring, from one impulse to the next: exponent of its envelope.
-double DecayBetweenImpulses(const VibrationRemainder& remainder, const VibrationTerm& ring) {
-  const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
-  return kTwoPi * ring.shapes[2] * ring.shapes[1] / (ring.shapes[0] * turn_Hz);
 }
 
 }  // namespace
@@ -75,9 +73,9 @@ bool IsBearingOrder(const VibrationRemainder& remainder, double order, double ha
 }
 
 bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term) {
-  if (term.form == VibrationForm::kRing &&
-      (DecayBetweenImpulses(remainder, term) < kLeastDecay || IsALineOfTeeth(remainder, term))) {
-    return false;
+  if (term.form == VibrationForm::kRing) {
+    const Heard heard = HeardOf(remainder, term);
+    if (heard.decay() < kLeastDecay || IsALineOfTeeth(remainder, heard, term.shapes[0])) return false;
   }
   return IsBearingOrder(remainder, term.shapes[0], HarmonicsOf(remainder, term));
 }
