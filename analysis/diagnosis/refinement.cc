@@ -2,6 +2,7 @@
 #include "analysis/diagnosis/refinement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,10 @@ namespace {
 constexpr double kCorrectionLead = 10.0;
 constexpr double kCorrectionShare = 0.15;
 constexpr double kHalfAsGood = 0.5;
+
+// Of the sum of squares that all of a model take away, what a description may leave as its misfit. Not of
+// their likelihood ratio: that grows with the logarithm of an effect's size, a misfit with its square.
+constexpr double kMisfitShare = 0.02;
 
 }  // namespace
 
@@ -33,6 +38,24 @@ double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer) {
 
 double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
 
+double LeadAsked(double explained, const Comparison& description, const Comparison& cause) {
+  const bool simpler = 2.0 * description.more_parameters <= cause.more_parameters;
+  return LeadAsked(simpler ? 0.0 : explained);
+}
+
+bool IsMisfitOfUnnamed(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
+                       const ScoredModel& without, std::size_t cause) {
+  const bool beside_unnamed = std::ranges::any_of(model.fit.causes, [&](std::size_t other) {
+    return other != cause && !judge.study().causes()[other].named && !Contains(given, other);
+  });
+  if (!beside_unnamed) return false;
+  // In units of what the model leaves.
+  const auto taken = [&](const ScoredModel& poorer) {
+    return std::expm1(std::min(700.0, WhiteRatio(model, poorer) / judge.samples()));
+  };
+  return taken(without) < kMisfitShare * taken(judge.Fit(given, nullptr));
+}
+
 bool FindDeeper(const Judge& judge, const ScoredModel& with_more, ScoredModel& model) {
   ScoredModel deeper = judge.Fit(model.fit.causes, &with_more.fit);
   if (!deeper.fit.usable || !(LikelihoodRatio(deeper.noise, model.noise) > kClearlyBetter)) return false;
@@ -48,7 +71,10 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
     const Comparison comparison = judge.Compare(model, without);
     const CauseRule& rule = judge.study().causes()[cause];
     const double p = judge.Corrected(comparison.p_value, rule);
-    if (IsBeyondChance(comparison, rule, p, options.family_error)) continue;
+    if (IsBeyondChance(comparison, rule, p, options.family_error) &&
+        !IsMisfitOfUnnamed(judge, given, model, without, cause)) {
+      continue;
+    }
     if (!IsWithinRanges(judge, given, without.fit)) continue;
     model = std::move(without);
     return true;
@@ -63,7 +89,8 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, FarBehindO
     if (Contains(given, cause)) continue;
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
-    const double own = ScoreOf(judge, model, without, cause);
+    const Comparison own = judge.Compare(model, without);
+    const double own_score = judge.Score(own, rules[cause]);
     const double ahead = WhiteRatio(model, without);
     for (std::size_t other = 0; other < rules.size(); ++other) {
       // For itself as well: beside what came later another of its forms may be the better one.
@@ -73,9 +100,10 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, FarBehindO
       if (!exchanged.fit.usable) continue;
       if (ahead > kClearlyAhead && WhiteRatio(exchanged, without) < kHalfAsGood * ahead)
         far_behind[cause].insert(other);
-      double lead = ScoreOf(judge, exchanged, without, other) - own;
-      if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained);
-      if (!rules[cause].named && rules[other].named) lead += LeadAsked(own);
+      const Comparison its = judge.Compare(exchanged, without);
+      double lead = judge.Score(its, rules[other]) - own_score;
+      if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained, its, own);
+      if (!rules[cause].named && rules[other].named) lead += LeadAsked(own_score, own, its);
       if (lead < kClearlyBetter) continue;
       exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kJudge);
       if (!judge.Objection(exchanged.fit, other).empty()) continue;

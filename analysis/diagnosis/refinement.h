@@ -20,6 +20,16 @@ double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& w
 /// By how much a description has to be ahead of a cause to take its place, where so much is explained.
 double LeadAsked(double explained);
 
+/// The same where both are known: our formulae are not nature's, so that a curve always follows the last few
+/// percent better, but not one of half the numbers (disturbances at many times, against one place).
+double LeadAsked(double explained, const Comparison& description, const Comparison& cause);
+
+/// Whether what a cause of a model brings may be the misfit of a description without a cause beside it: that
+/// follows a shape which it does not know but roughly, and what it leaves grows with it.
+/// @param without  the model without the cause.
+bool IsMisfitOfUnnamed(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
+                       const ScoredModel& without, std::size_t cause);
+
 /// False where a cause's parameter is outside of its range: what would do then in the place of a cause that
 /// the fit lacks is no explanation, and does not make that one needless.
 bool IsWithinRanges(const Judge& judge, std::span<const std::size_t> given, const ModelFit& fit);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -24,8 +25,7 @@ constexpr double kNotExcluded = 2.0;
 constexpr double kNoDoubt = 20.0;
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
-constexpr double kLeastShare = 0.004;
-constexpr double kLeastShareBesideUnnamed = 0.01;  // where the model is known to lack something
+constexpr double kLeastShare = 0.004;  // of the likelihood ratio
 
 // Share of the likelihood ratio of a cause below which another one is no rival.
 constexpr double kNowhereNear = 0.2;
@@ -41,10 +41,16 @@ struct Candidate {
 // one has its turn where the first does not pass.
 void Rank(const Study& study, std::vector<Candidate>& candidates) {
   if (candidates.empty()) return;
-  const auto best = std::ranges::max_element(candidates, {}, &Candidate::score);
-  const double lead = LeadAsked(best->against.likelihood_ratio);
+  const auto is_named = [&](const Candidate& candidate) { return study.causes()[candidate.cause].named; };
+  const auto of_causes = [&](const Candidate& candidate) {
+    return is_named(candidate) ? candidate.score : -std::numeric_limits<double>::infinity();
+  };
+  const double explained =
+      std::ranges::max_element(candidates, {}, &Candidate::score)->against.likelihood_ratio;
+  const Comparison cause = std::ranges::max_element(candidates, {}, of_causes)->against;
   const auto rank = [&](const Candidate& candidate) {
-    return candidate.score - (study.causes()[candidate.cause].named ? 0.0 : lead);
+    if (is_named(candidate)) return candidate.score;
+    return candidate.score - LeadAsked(explained, candidate.against, cause);
   };
   std::ranges::stable_sort(candidates, std::greater<>(), rank);
 }
@@ -224,6 +230,8 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const bool local = std::ranges::any_of(
       with.fit.causes, [&](std::size_t other) { return judge.study().causes()[other].local; });
   result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, local);
+  if (!local && judge.HasFewBlocks() && !(result.evidence.heldout_gain > 0.0))
+    result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, true);
   const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kJudge);
   const bool no_doubt = comparison.delta_bic > kNoDoubt;
   result.objection =
@@ -249,10 +257,6 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     judged.clear();
     const Candidate* chosen = nullptr;
     const double error = ErrorAllowed(model, given.size(), options);
-    const bool lacks = std::ranges::any_of(model.fit.causes, [&](std::size_t cause) {
-      return !judge.study().causes()[cause].named && !Contains(given, cause);
-    });
-    const double least_share = lacks ? kLeastShareBesideUnnamed : kLeastShare;
     const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
     for (const Candidate& candidate : candidates) {
       const CauseRule& rule = judge.study().causes()[candidate.cause];
@@ -266,7 +270,8 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
         const bool beside = model.fit.causes.size() > given.size();
         if (result.passed &&
             ((beside && candidate.against.delta_bic < BicOfRepeats(candidate.against, rule)) ||
-             candidate.against.likelihood_ratio < least_share * explained)) {
+             candidate.against.likelihood_ratio < kLeastShare * explained ||
+             IsMisfitOfUnnamed(judge, given, candidate.model, model, candidate.cause))) {
           result.passed = false;
           result.objection =
               "too small beside what was found already to be told from a misfit of its formula";

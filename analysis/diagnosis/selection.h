@@ -66,6 +66,10 @@ class Judge {
 
   const Folds& folds(bool local) const { return local ? short_folds_ : folds_; }
 
+  /// Whether a number may be shown by one block alone (a slip by the one peak that is beyond its level, the
+  /// beginning of a drift): without it the others can but extrapolate. Short blocks tell more there.
+  bool HasFewBlocks() const { return folds_.blocks < kFewBlocks; }
+
   /// Residuals of samples that the fit has not seen. The reference holds while the next one is asked for.
   const std::vector<double>& HeldOut(const ModelFit& fit, bool local) const;
 
@@ -74,6 +78,8 @@ class Judge {
   std::string Objection(const ModelFit& fit, std::size_t cause, double away_from_zero = 3.0) const;
 
  private:
+  static constexpr std::size_t kFewBlocks = 30;
+
   const Study& study_;
   std::vector<double> weights_;
   double samples_{};

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "analysis/diagnosis/diagnose.h"
+#include "analysis/diagnosis/separable_study.h"
+#include "tests/analysis/white_noise.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr std::size_t kPasses = 8;
+constexpr std::size_t kOfPass = 150;  // samples
+constexpr double kNoise = 0.2;
+
+// A record that comes by the same places, 0 to 1, several times.
+double PlaceOf(std::size_t i) { return static_cast<double>(i % kOfPass) / static_cast<double>(kOfPass); }
+
+double Bell(double place, double centre, double width) {
+  const double away = (place - centre) / width;
+  return std::exp(-0.5 * away * away);
+}
+
+using Shape = std::function<double(std::size_t sample)>;
+
+SeparableTerm TermOf(std::vector<Shape> shapes) {
+  SeparableTerm term;
+  term.columns = shapes.size();
+  std::vector<ShapeDescription> numbers;
+  for (std::size_t k = 0; k < shapes.size(); ++k) numbers.push_back({"size_" + std::to_string(k), "1"});
+  term.fill = [shapes = std::move(shapes)](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (Eigen::Index i = 0; i < design.rows(); ++i) {
+      for (Eigen::Index k = 0; k < design.cols(); ++k)
+        design(i, k) = shapes[static_cast<std::size_t>(k)](static_cast<std::size_t>(i));
+    }
+  };
+  DescribeEach(term, std::move(numbers));
+  return term;
+}
+
+SeparableModel NoiseAnd(const Shape& hidden) {
+  SeparableModel model;
+  model.measured = WhiteNoise(kPasses * kOfPass, kNoise, 17);
+  for (std::size_t i = 0; i < model.measured.size(); ++i) model.measured[i] += hidden(i);
+  model.nominal.push_back(TermOf({[](std::size_t) { return 1.0; }}));
+  model.block_length = kOfPass / 2;
+  model.noise_floor = kNoise;
+  model.unit = "V";
+  return model;
+}
+
+void Add(SeparableModel& model, CauseRule rule, std::vector<Shape> shapes) {
+  rule.degrees_of_freedom = static_cast<int>(shapes.size());
+  model.causes.push_back(TermOf(std::move(shapes)));
+  model.rules.push_back(std::move(rule));
+}
+
+// Names of the causes found, and of the descriptions without a cause in brackets.
+std::string FoundIn(SeparableModel model) {
+  const SeparableStudy study(std::move(model));
+  const Diagnosis diagnosis = Diagnose(study);
+  std::string found;
+  for (const Finding& cause : diagnosis.causes) found += study.causes()[cause.index].name + " ";
+  for (const Finding& correction : diagnosis.corrections)
+    found += "(" + study.causes()[correction.index].name + ") ";
+  return found;
+}
+
+TEST(Selection, TakesOnePlaceForSimplerThanACauseAtEachPass) {
+  // A little other than the description of it has it, so that a cause with a size for each pass fits better.
+  SeparableModel model = NoiseAnd([](std::size_t i) {
+    return (1.0 + 0.1 * std::cos(static_cast<double>(i / kOfPass))) * Bell(PlaceOf(i), 0.4, 0.05);
+  });
+  std::vector<Shape> each_pass;
+  for (std::size_t pass = 0; pass < kPasses; ++pass) {
+    each_pass.emplace_back(
+        [pass](std::size_t i) { return i / kOfPass == pass ? Bell(PlaceOf(i), 0.4, 0.05) : 0.0; });
+  }
+  Add(model, {.name = "disturbances"}, std::move(each_pass));
+  Add(model, {.name = "place", .named = false}, {[](std::size_t i) { return Bell(PlaceOf(i), 0.4, 0.05); }});
+  EXPECT_EQ(FoundIn(std::move(model)), "(place) ");
+}
+
+// A bell that its description has too narrow, beside a cause that is like what this leaves.
+SeparableModel RoughlyDescribed(double size_of_cause) {
+  const Shape cause = [](std::size_t i) { return Bell(PlaceOf(i), 0.3, 0.03) - Bell(PlaceOf(i), 0.5, 0.03); };
+  SeparableModel model =
+      NoiseAnd([&](std::size_t i) { return 3.0 * Bell(PlaceOf(i), 0.39, 0.1) + size_of_cause * cause(i); });
+  Add(model, {.name = "roughly", .named = false}, {[](std::size_t i) { return Bell(PlaceOf(i), 0.4, 0.1); }});
+  Add(model, {.name = "cause"}, {cause});
+  return model;
+}
+
+TEST(Selection, NamesNothingForWhatARoughDescriptionLeaves) {
+  EXPECT_EQ(FoundIn(RoughlyDescribed(0.0)), "(roughly) ");
+}
+
+TEST(Selection, NamesACauseThatIsLargeBesideADescription) {
+  EXPECT_EQ(FoundIn(RoughlyDescribed(1.0)), "cause (roughly) ");
+}
+
+TEST(Selection, BelievesACauseThatOneBlockAloneShows) {
+  const Shape start = [](std::size_t i) { return std::exp(-static_cast<double>(i) / 30.0); };
+  SeparableModel model = NoiseAnd(start);
+  model.block_length = kOfPass;
+  Add(model, {.name = "settling"}, {start});
+  EXPECT_EQ(FoundIn(std::move(model)), "settling ");
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
