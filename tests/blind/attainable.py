@@ -73,13 +73,14 @@ def main():
     parser.add_argument("--kind", choices=list(draw.EXPERIMENTS))
     parser.add_argument("--cause")
     parser.add_argument("--clear", action="store_true")
+    parser.add_argument("--most-sigma", type=float, default=draw.MOST_SIGMA)
     parser.add_argument("--results", nargs="*", default=[], help="results.jsonl of tests/blind/run with the same options")
     arguments = parser.parse_args()
     named = {}
     for path in arguments.results:
         with open(path, encoding="utf-8") as lines:
             named.update((result["case"], result["status"] == "right") for result in map(json.loads, lines))
-    request = draw.Request(arguments.kind, arguments.cause, None, arguments.clear)
+    request = draw.Request(arguments.kind, arguments.cause, None, arguments.clear, arguments.most_sigma)
     chances, hits = collections.defaultdict(list), collections.defaultdict(list)
     for number in range(arguments.cases):
         try:

@@ -32,6 +32,7 @@ class Request:
     cause: str = None
     situation: str = None
     clear: bool = False
+    most_sigma: float = MOST_SIGMA
 
 
 @dataclasses.dataclass
@@ -75,7 +76,7 @@ def _picked(order, situation, retry):
 
 def _sigma(rng, request):
     least = CLEAR_SIGMA if request.clear else LEAST_SIGMA
-    return float(math.exp(rng.uniform(math.log(least), math.log(MOST_SIGMA))))
+    return float(math.exp(rng.uniform(math.log(least), math.log(request.most_sigma))))
 
 
 class NotDrawn(RuntimeError):

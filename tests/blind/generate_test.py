@@ -35,6 +35,14 @@ class Generator(unittest.TestCase):
             other = draw_case(7, 4, Request(kind=kind))
             self.assertNotEqual(record_text(first.metadata, first.columns), record_text(other.metadata, other.columns))
 
+    def test_the_largest_size_changes_sizes_alone(self):
+        for kind in CONTRACT:
+            drawn = [draw_case(7, 3, Request(kind=kind, situation="one", most_sigma=most)) for most in (60.0, 400.0)]
+            first, second = (case.truth["wanted_sigma"][0] for case in drawn)
+            self.assertAlmostEqual(math.log(second / 3.0) / math.log(400.0 / 3.0),
+                                   math.log(first / 3.0) / math.log(60.0 / 3.0), places=6)
+            self.assertEqual(*(case.truth["causes"][0]["name"] for case in drawn))
+
     def test_records_obey_the_contract_and_their_metadata_tell_nothing_else(self):
         for kind, (needed, optional, metadata) in CONTRACT.items():
             for case in some_cases(4, kind=kind):
