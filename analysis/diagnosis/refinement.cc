@@ -17,9 +17,12 @@ constexpr double kCorrectionLead = 10.0;
 constexpr double kCorrectionShare = 0.15;
 constexpr double kHalfAsGood = 0.5;
 
-// Of the sum of squares that all of a model take away, what a description may leave as its misfit. Not of
-// their likelihood ratio: that grows with the logarithm of an effect's size, a misfit with its square.
-constexpr double kMisfitShare = 0.02;
+// Of the sum of squares that all of a model take away, what a description may leave as its misfit.
+constexpr double kMisfitOfDescription = 0.02;
+
+double MisfitShareOf(const CauseRule& rule) {
+  return rule.misfit_share.value_or(rule.named ? 0.0 : kMisfitOfDescription);
+}
 
 }  // namespace
 
@@ -43,17 +46,20 @@ double LeadAsked(double explained, const Comparison& description, const Comparis
   return LeadAsked(simpler ? 0.0 : explained);
 }
 
-bool IsMisfitOfUnnamed(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
-                       const ScoredModel& without, std::size_t cause) {
-  const bool beside_unnamed = std::ranges::any_of(model.fit.causes, [&](std::size_t other) {
-    return other != cause && !judge.study().causes()[other].named && !Contains(given, other);
-  });
-  if (!beside_unnamed) return false;
-  // In units of what the model leaves.
+bool IsMisfit(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
+              const ScoredModel& without, std::size_t cause) {
+  double share = 0.0;
+  for (const std::size_t other : model.fit.causes) {
+    if (other != cause && !Contains(given, other))
+      share = std::max(share, MisfitShareOf(judge.study().causes()[other]));
+  }
+  if (share == 0.0) return false;
+  // Of squares, in units of what the model leaves: a likelihood ratio grows with the logarithm of an effect's
+  // size, a misfit with its square.
   const auto taken = [&](const ScoredModel& poorer) {
     return std::expm1(std::min(700.0, WhiteRatio(model, poorer) / judge.samples()));
   };
-  return taken(without) < kMisfitShare * taken(judge.Fit(given, nullptr));
+  return taken(without) < share * taken(judge.Fit(given, nullptr));
 }
 
 bool FindDeeper(const Judge& judge, const ScoredModel& with_more, ScoredModel& model) {
@@ -72,7 +78,7 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
     const CauseRule& rule = judge.study().causes()[cause];
     const double p = judge.Corrected(comparison.p_value, rule);
     if (IsBeyondChance(comparison, rule, p, options.family_error) &&
-        !IsMisfitOfUnnamed(judge, given, model, without, cause)) {
+        !IsMisfit(judge, given, model, without, cause)) {
       continue;
     }
     if (!IsWithinRanges(judge, given, without.fit)) continue;

@@ -24,11 +24,11 @@ double LeadAsked(double explained);
 /// percent better, but not one of half the numbers (disturbances at many times, against one place).
 double LeadAsked(double explained, const Comparison& description, const Comparison& cause);
 
-/// Whether what a cause of a model brings may be the misfit of a description without a cause beside it: that
-/// follows a shape which it does not know but roughly, and what it leaves grows with it.
+/// Whether what a cause of a model brings may be the misfit of another one beside it
+/// (CauseRule::misfit_share).
 /// @param without  the model without the cause.
-bool IsMisfitOfUnnamed(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
-                       const ScoredModel& without, std::size_t cause);
+bool IsMisfit(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
+              const ScoredModel& without, std::size_t cause);
 
 /// False where a cause's parameter is outside of its range: what would do then in the place of a cause that
 /// the fit lacks is no explanation, and does not make that one needless.

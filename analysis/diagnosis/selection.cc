@@ -163,33 +163,22 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
     const double own = ScoreOf(judge, model, without, cause);
-    std::vector<Candidate> parts = FitCandidates(judge, without, [&](std::size_t part) {
-      return !rules[part].named || IsFarBehind(far_behind, cause, part);
+    std::vector<Candidate> firsts = FitCandidates(judge, without, [&](std::size_t part) {
+      return part == cause || !rules[part].named || IsFarBehind(far_behind, cause, part);
     });
-    // The cause itself only after its new companion, beside which it may take another of its forms.
-    const auto itself = std::ranges::find(parts, cause, &Candidate::cause);
-    std::optional<Candidate> own_part;
-    if (itself != parts.end()) {
-      own_part = std::move(*itself);
-      parts.erase(itself);
-    }
-    std::erase_if(parts, [&](const Candidate& part) { return !LooksPossible(judge, part, error); });
-    const auto white = [&](const Candidate& part) { return WhiteRatio(part.model, without); };
+    std::erase_if(firsts, [&](const Candidate& part) { return !LooksPossible(judge, part, error); });
     constexpr std::size_t kMostParts = 3;
-    std::sort(parts.begin(), parts.end(),
-              [&](const Candidate& a, const Candidate& b) { return white(a) > white(b); });
-    if (parts.size() > kMostParts) parts.erase(parts.begin() + kMostParts, parts.end());
-    const std::size_t companions = parts.size();
-    if (own_part) parts.push_back(std::move(*own_part));
+    std::ranges::sort(firsts, std::greater<>(),
+                      [&](const Candidate& part) { return WhiteRatio(part.model, without); });
+    if (firsts.size() > kMostParts) firsts.erase(firsts.begin() + kMostParts, firsts.end());
     std::set<std::string> pairs;
-    // Both orders: a form that a cause took while it was alone stays with it.
-    for (const Candidate& first : std::span(parts).first(companions)) {
-      for (const Candidate& second : parts) {
-        // Together they hardly explain more than one after the other.
-        if (first.cause == second.cause || white(first) + white(second) < own - kAsGood) continue;
-        ScoredModel pair = judge.Fit(With(first.model.fit.causes, second.cause), &first.model.fit);
-        if (!pair.fit.usable) continue;
-        const double lead = first.score + ScoreOf(judge, pair, first.model, second.cause) - own;
+    for (const Candidate& first : firsts) {
+      // All of them, the cause itself in another form as well: what the first one hid may show beside it
+      // alone.
+      for (Candidate& second :
+           FitCandidates(judge, first.model, [&](std::size_t part) { return !rules[part].named; })) {
+        ScoredModel& pair = second.model;
+        const double lead = first.score + second.score - own;
         if (lead < -kAsGood) continue;
         const ScoredModel reported = judge.Fit(pair.fit.causes, &pair.fit, FitPurpose::kJudge);
         const auto unlikely = [&](std::size_t part) {
@@ -200,10 +189,9 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
           const auto [one, other] = std::minmax(first.cause, second.cause);
           pairs.insert(rules[one].name + " + " + rules[other].name);
         }
-        if (lead < most || !JudgeCause(judge, pair, first.model, second.cause, error).passed ||
-            !JudgeCause(judge, pair, second.model, first.cause, error).passed) {
-          continue;
-        }
+        if (lead < most || !JudgeCause(judge, pair, first.model, second.cause, error).passed) continue;
+        const ScoredModel other = judge.Fit(Without(pair.fit.causes, first.cause), &pair.fit);
+        if (!JudgeCause(judge, pair, other, first.cause, error).passed) continue;
         most = lead;
         best = std::move(pair);
       }
@@ -271,7 +259,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
         if (result.passed &&
             ((beside && candidate.against.delta_bic < BicOfRepeats(candidate.against, rule)) ||
              candidate.against.likelihood_ratio < kLeastShare * explained ||
-             IsMisfitOfUnnamed(judge, given, candidate.model, model, candidate.cause))) {
+             IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
           result.passed = false;
           result.objection =
               "too small beside what was found already to be told from a misfit of its formula";

@@ -58,6 +58,10 @@ struct CauseRule {
   /// BIC that it has to bring; by default somewhat less than nothing will do (judge.cc). For a cause whose
   /// shapes mean nothing where it is not there, so that its likelihood ratio is no χ².
   std::optional<double> least_bic{};
+  /// Of the sum of squares that it takes away, what may be left since nature's shape is not quite ours: what
+  /// else is found beside it has to be more. By default nothing for a cause, and for a correction what a
+  /// rough description may leave (refinement.cc).
+  std::optional<double> misfit_share{};
   /// Stays within a short stretch of the record, so that it is held out in short blocks.
   bool local{};
   /// False for a correction: a shape without a physical cause, which competes with the causes so that none

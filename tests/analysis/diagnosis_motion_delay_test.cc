@@ -12,10 +12,11 @@ namespace {
 
 constexpr double kRate_Hz = 200.0;
 constexpr double kDelay_s = 0.002;
+constexpr double kNoise_Nm = 0.0003;
 
-// A light axis that turns twice in 20 s, whose torque is that of `kDelay_s` later; samples are taken up to a
+// A light axis that turns twice in 20 s, whose torque is that of `delay_s` later; samples are taken up to a
 // tenth of a step late, and dated right.
-MotionData Record(unsigned seed, double delay_s) {
+MotionData Record(unsigned seed, double delay_s, double coulomb_Nm = 0.002, double drag_Nms2_per_rad2 = 0.0) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> late(0.0, 0.2);
@@ -31,8 +32,9 @@ MotionData Record(unsigned seed, double delay_s) {
     record.time_s.push_back(time_s);
     record.position.push_back(3.0 / (kTwoPi * 0.05) * std::sin(slow(time_s)) +
                               0.2 / (kTwoPi * 0.9) * std::sin(fast(time_s)) + 1e-6 * normal(random));
-    record.torque.push_back(0.03 * acceleration + 0.007 * speed(then_s) +
-                            0.002 * std::tanh(speed(then_s) / 0.005) + 0.0003 * normal(random));
+    record.torque.push_back(
+        0.03 * acceleration + 0.007 * speed(then_s) + coulomb_Nm * std::tanh(speed(then_s) / 0.005) +
+        drag_Nms2_per_rad2 * speed(then_s) * std::abs(speed(then_s)) + kNoise_Nm * normal(random));
   }
   return record;
 }
@@ -49,6 +51,16 @@ TEST(MotionDelay, IsKnownByInertiaWhereSamplesComeLate) {
     const Diagnosed clean = DiagnoseRecords(&MakeMotionStudy, {Record(seed, 0.0)});
     EXPECT_EQ(clean.names(), Names()) << seed;
   }
+}
+
+// Without the drag a viscous friction stands in for it, and what a delay does to that one is not what it
+// does.
+TEST(MotionDelay, IsTakenBesideWhatElseMovesWithIt) {
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {Record(3, 0.05, 0.03, 0.01)});
+  EXPECT_EQ(found.names(), (Names{"time_delay", "quadratic_drag"}));
+  const ParameterValue delay = found.value("delay_s");
+  EXPECT_NEAR(delay.value, 0.05, 4.0 * delay.standard_error);
+  EXPECT_NEAR(found.diagnosis.extended_heldout_rmse, kNoise_Nm, 0.1 * kNoise_Nm);
 }
 
 }  // namespace

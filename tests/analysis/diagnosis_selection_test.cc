@@ -111,5 +111,22 @@ TEST(Selection, BelievesACauseThatOneBlockAloneShows) {
   EXPECT_EQ(FoundIn(std::move(model)), "settling ");
 }
 
+TEST(Selection, FindsTwoOfWhichOneShowsNothingAlone) {
+  // The small one hides behind the large one: of their sum it is free alone.
+  const Shape large = [](std::size_t i) { return std::cos(0.05 * static_cast<double>(i)); };
+  const Shape small = [&](std::size_t i) { return std::sin(0.05 * static_cast<double>(i)) - 0.3 * large(i); };
+  const double hidden = 0.3 / (1.0 + 0.3 * 0.3);
+  const Shape sum = [&](std::size_t i) { return 0.4 * (large(i) + hidden * small(i)); };
+  SeparableModel model = NoiseAnd(sum);
+  // A curve that is free enough to follow both.
+  Add(model, {.name = "mimic"},
+      {sum, [](std::size_t i) { return std::cos(0.11 * static_cast<double>(i)); },
+       [](std::size_t i) { return std::sin(0.11 * static_cast<double>(i)); },
+       [](std::size_t i) { return std::cos(0.17 * static_cast<double>(i)); }});
+  Add(model, {.name = "large"}, {large});
+  Add(model, {.name = "small"}, {small});
+  EXPECT_EQ(FoundIn(std::move(model)), "large small ");
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

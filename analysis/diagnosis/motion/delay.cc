@@ -79,10 +79,18 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
   const Eigen::Map<const Eigen::VectorXd> measured(grid->measured.data(), grid->nominal.rows());
   // Where the nominal model fits best when it is moved: there the term is linearised.
   const double about_s = std::max(delay_s, 0.1 * grid->row_spacing_s);
-  Eigen::MatrixXd later = grid->nominal;
-  later.leftCols(3) = MotionLater(*grid, about_s);
+  // With all that may be there: a drag is moved as well, and what stands in for it is not moved like it.
+  const auto moved = [&](const Eigen::MatrixXd& nominal, double shift_s) {
+    const Eigen::MatrixXd usual = UsualEffectsAndLines(*grid, shift_s);
+    Eigen::MatrixXd all(nominal.rows(), nominal.cols() + usual.cols());
+    all << nominal, usual;
+    return all;
+  };
+  Eigen::MatrixXd nominal_later = grid->nominal;
+  nominal_later.leftCols(3) = MotionLater(*grid, about_s);
+  const Eigen::MatrixXd later = moved(nominal_later, about_s);
   const Eigen::VectorXd numbers = LeastSquares(later, measured);
-  const Eigen::VectorXd shift = (later - grid->nominal) * numbers;
+  const Eigen::VectorXd shift = (later - moved(grid->nominal, 0.0)) * numbers;
   SeparableTerm term = FixedTerm(shift / about_s);
   // Each reversal of a resampled torque is off by a part of a step of its own, which no residual's noise
   // tells: an error of the delay as far as it is known by what friction does there.

@@ -228,22 +228,31 @@ std::vector<double> MotionGrid::Later(std::span<const double> passed_points, dou
   return later;
 }
 
+PathPoints PathLater(const MotionGrid& grid, double shift_s) {
+  return {grid.Later(grid.position, shift_s), grid.Later(grid.velocity, shift_s),
+          grid.Later(grid.passed_acceleration, shift_s)};
+}
+
 Eigen::MatrixXd UsualEffects(const MotionGrid& grid) {
+  return UsualEffects(grid, {grid.position, grid.velocity, grid.passed_acceleration});
+}
+
+Eigen::MatrixXd UsualEffects(const MotionGrid& grid, const PathPoints& path) {
   Eigen::MatrixXd usual(grid.nominal.rows(), grid.linear ? 5 : 7);
   const double middle_s = 0.5 * (grid.time_s.front() + grid.time_s.back());
   std::vector<double> points(grid.time_s.size());
   for (Index column = 0; column < usual.cols(); ++column) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const double v = grid.velocity[i];
+      const double v = path.velocity[i];
       const double s = v > 0.0 ? 1.0 : -1.0;
       const double t = grid.time_s[i] - middle_s;
       const double all[] = {std::abs(v),
                             v * v * s,
-                            s * std::abs(grid.passed_acceleration[i]),
+                            s * std::abs(path.passed_acceleration[i]),
                             t * v,
                             t * s,
-                            std::cos(grid.position[i]),
-                            std::sin(grid.position[i])};
+                            std::cos(path.position[i]),
+                            std::sin(path.position[i])};
       points[i] = all[column];
     }
     usual.col(column) = grid.Project(points);

@@ -98,8 +98,17 @@ struct MotionGrid {
 MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                           double expected_delay_s, double passage_delay_s);
 
+/// The path at the grid's points, or where it is a time later.
+struct PathPoints {
+  std::vector<double> position;
+  std::vector<double> velocity;
+  std::vector<double> passed_acceleration;
+};
+PathPoints PathLater(const MotionGrid& grid, double shift_s);
+
 /// Columns of effects that may be in any record, so that they do not decide on its details: drag, asymmetry,
 /// load, drift, weight.
+Eigen::MatrixXd UsualEffects(const MotionGrid& grid, const PathPoints& path);
 Eigen::MatrixXd UsualEffects(const MotionGrid& grid);
 
 }  // namespace strainwave::analysis::diagnosis
