@@ -16,6 +16,7 @@ namespace {
 constexpr double kCorrectionLead = 10.0;
 constexpr double kCorrectionShare = 0.15;
 constexpr double kHalfAsGood = 0.5;
+constexpr double kManyNumbers = 6.0;  // of a cause that comes again and again, with a size each time
 
 // Of the sum of squares that all of a model take away, what a description may leave as its misfit.
 constexpr double kMisfitOfDescription = 0.02;
@@ -42,7 +43,8 @@ double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer) {
 double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
 
 double LeadAsked(double explained, const Comparison& description, const Comparison& cause) {
-  const bool simpler = 2.0 * description.more_parameters <= cause.more_parameters;
+  const bool simpler =
+      cause.more_parameters >= kManyNumbers && 2.0 * description.more_parameters <= cause.more_parameters;
   return LeadAsked(simpler ? 0.0 : explained);
 }
 
