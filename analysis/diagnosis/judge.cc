@@ -37,6 +37,10 @@ double BicOfRepeats(const Comparison& comparison, const CauseRule& rule) {
          std::clamp<double>(comparison.more_parameters - rule.degrees_of_freedom, 0.0, rule.repeated);
 }
 
+double LeastBicBeside(const Comparison& comparison, const CauseRule& rule) {
+  return std::min(BicOfRepeats(comparison, rule), rule.least_bic.value_or(0.0));
+}
+
 bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double corrected_p_value,
                     double error) {
   const double by_number = std::clamp(kLeastBicEach * comparison.more_parameters, kLeastBicOfMany, kLeastBic);

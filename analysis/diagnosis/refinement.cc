@@ -90,8 +90,8 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
   return false;
 }
 
-bool Exchange(const Judge& judge, std::span<const std::size_t> given, FarBehindOf& far_behind,
-              ScoredModel& model, double explained) {
+bool Exchange(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
+              FarBehindOf& far_behind, ScoredModel& model, double explained) {
   const auto& rules = judge.study().causes();
   for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
     if (Contains(given, cause)) continue;
@@ -108,7 +108,10 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, FarBehindO
       if (!exchanged.fit.usable) continue;
       if (ahead > kClearlyAhead && WhiteRatio(exchanged, without) < kHalfAsGood * ahead)
         far_behind[cause].insert(other);
+      // What would be dropped again in the other's place takes nobody's: both scores may be below nothing.
       const Comparison its = judge.Compare(exchanged, without);
+      const double p = judge.Corrected(its.p_value, rules[other]);
+      if (!IsBeyondChance(its, rules[other], p, options.family_error)) continue;
       double lead = judge.Score(its, rules[other]) - own_score;
       if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained, its, own);
       if (!rules[cause].named && rules[other].named) lead += LeadAsked(own_score, own, its);

@@ -43,11 +43,11 @@ bool FindDeeper(const Judge& judge, const ScoredModel& with_more, ScoredModel& m
 bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
                   ScoredModel& model);
 
-/// Exchanges one cause for one that does better in its place, or for itself in another form; false where
-/// there is none.
+/// Exchanges one cause for one that does better in its place and is itself beyond chance there, or for itself
+/// in another form; false where there is none.
 /// @param far_behind  gets what did not do half as well, so as not to be tried there again.
-bool Exchange(const Judge& judge, std::span<const std::size_t> given, FarBehindOf& far_behind,
-              ScoredModel& model, double explained);
+bool Exchange(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
+              FarBehindOf& far_behind, ScoredModel& model, double explained);
 
 /// Of the white likelihood ratio of a cause, from which on others may be far behind it.
 inline constexpr double kClearlyAhead = 60.0;

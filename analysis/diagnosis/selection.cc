@@ -257,7 +257,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
         result = JudgeCause(judge, candidate.model, model, candidate.cause, error);
         const bool beside = model.fit.causes.size() > given.size();
         if (result.passed &&
-            ((beside && candidate.against.delta_bic < BicOfRepeats(candidate.against, rule)) ||
+            ((beside && candidate.against.delta_bic < LeastBicBeside(candidate.against, rule)) ||
              candidate.against.likelihood_ratio < kLeastShare * explained ||
              IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
           result.passed = false;
@@ -296,7 +296,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     for (int round = 0; round < 3; ++round) {
       const bool exchanged =
           selection.model.fit.causes.size() > given.size() + 1 &&
-          Exchange(judge, given, selection.far_behind, selection.model, explained + brought);
+          Exchange(judge, given, options, selection.far_behind, selection.model, explained + brought);
       const bool dropped = DropNeedless(judge, given, options, selection.model);
       if (!exchanged && !dropped) break;
     }

@@ -38,6 +38,10 @@ bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double 
 /// expect it; never above 0.
 double BicOfRepeats(const Comparison& comparison, const CauseRule& rule);
 
+/// BIC that a cause has to bring beside another one: none at all, but for its repeats, unless its rule asks
+/// for less.
+double LeastBicBeside(const Comparison& comparison, const CauseRule& rule);
+
 /// Fits and compares sets of causes of one study under one set of weights.
 class Judge {
  public:

@@ -56,7 +56,8 @@ struct CauseRule {
   /// (checked on 480 of tests/blind).
   double trials{1.0};
   /// BIC that it has to bring; by default somewhat less than nothing will do (judge.cc). For a cause whose
-  /// shapes mean nothing where it is not there, so that its likelihood ratio is no χ².
+  /// shapes mean nothing where it is not there, so that its likelihood ratio is no χ². Below zero it holds
+  /// beside another cause, too: for one whose p-value says all.
   std::optional<double> least_bic{};
   /// Of the sum of squares that it takes away, what may be left since nature's shape is not quite ours: what
   /// else is found beside it has to be more. By default nothing for a cause, and for a correction what a
