@@ -11,11 +11,9 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kRingReach = 2.0;         // half-widths of a resonance in which harmonics are heard
 constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of the shaft's to its last one
 constexpr double kPartOfCell = 0.6;        // that tells two orders apart
 constexpr double kLinePartOfCell = 0.3;    // that tells a strong line's place
-constexpr double kLeastDecay = 0.3;        // between impulses; what rings on through several is a line
 
 // Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
 // one of a crack's. The nearest of each.
@@ -75,7 +73,7 @@ bool IsBearingOrder(const VibrationRemainder& remainder, double order, double ha
 bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term) {
   if (term.form == VibrationForm::kRing) {
     const Heard heard = HeardOf(remainder, term);
-    if (heard.decay() < kLeastDecay || IsALineOfTeeth(remainder, heard, term.shapes[0])) return false;
+    if (heard.decay() < 0.9 * kLeastDecay || IsALineOfTeeth(remainder, heard, term.shapes[0])) return false;
   }
   return IsBearingOrder(remainder, term.shapes[0], HarmonicsOf(remainder, term));
 }

@@ -9,6 +9,9 @@ namespace strainwave::analysis::diagnosis {
 /// Standard errors of the angle's scale that a known order may be off by.
 inline constexpr double kScaleRange = 3.0;
 
+/// Half-widths of a resonance in which harmonics of impulses are heard.
+inline constexpr double kRingReach = 2.0;
+
 /// Not another's order, as sharply as so many harmonics and the angle's scale say it.
 bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics);
 

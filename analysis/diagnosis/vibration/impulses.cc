@@ -6,6 +6,7 @@
 #include <functional>
 #include <utility>
 
+#include "analysis/diagnosis/vibration/chance.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/pulses.h"
 #include "analysis/diagnosis/vibration/ring.h"
@@ -250,27 +251,31 @@ TermFit SearchPulses(const VibrationRemainder& remainder, std::size_t index, dou
                      double slow_order) {
   const VibrationSamples& samples = remainder.samples();
   const std::vector<char> all(samples.channels(), 1);
-  Best pulses;
+  Best start;
   for (const double width : {0.02, 0.03, 0.045, 0.065, 0.1, 0.15}) {
     VibrationTerm term{index, VibrationForm::kPulses, {{width, order}}, {}, all};
     for (const VibrationRun& run : samples.runs) {
       term.shapes.push_back(BestPulsePlace(run, {order, width, 0.0, 0.0, 0.0, 0.0}, samples.highest_order(),
                                            remainder.residual(), remainder.solver().weights()));
     }
-    Keep(remainder.With(std::move(term), 0), pulses);
+    Keep(remainder.WithAllChannels(std::move(term), 0), start);
   }
-  pulses = remainder.With(pulses->term, 6);
+  LeastLikelyChance best(remainder);
+  const auto take = [&](VibrationTerm term, int rounds) {
+    term.heard = all;
+    best.TakeWithAndWithoutDeaf(remainder.WithAllChannels(std::move(term), rounds), 0.0);
+  };
+  take(start->term, 6);
   if (slow_order != 0.0) {
-    VibrationTerm changing = pulses->term;
-    changing.heard = all;
+    VibrationTerm changing = best.fit()->term;
     changing.lines.push_back({0.0, slow_order});
     changing.shapes.insert(changing.shapes.begin(), {0.0, 0.0});
-    Keep(remainder.With(std::move(changing), 8), pulses);
+    take(std::move(changing), 8);
   }
-  VibrationTerm free = pulses->term;
+  VibrationTerm free = best.fit()->term;
   free.shapes.insert(free.shapes.begin(), std::exchange(free.lines[0].harmonic, 0.0));
-  Keep(remainder.With(std::move(free), 8), pulses);
-  return std::move(*pulses);
+  take(std::move(free), 8);
+  return std::move(*std::move(best).fit());
 }
 
 }  // namespace strainwave::analysis::diagnosis

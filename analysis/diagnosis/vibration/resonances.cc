@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/diagnosis/vibration/bands.h"
+#include "analysis/diagnosis/vibration/bearing_orders.h"
 #include "analysis/diagnosis/vibration/bursts.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/ring.h"
@@ -116,6 +117,16 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band, Spectrum
 bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
   return (remainder.samples().angle_known() && AreLines(remainder, band, SpectrumAxis::kTurns)) ||
          AreLines(remainder, band, SpectrumAxis::kSeconds);
+}
+
+// What a train leaves about its ring, since its impulses are neither quite even nor quite alike, is that ring
+// again.
+bool IsOfATrain(const VibrationRemainder& remainder, double frequency_Hz) {
+  return std::ranges::any_of(remainder.base().terms, [&](const VibrationTerm& term) {
+    if (term.form != VibrationForm::kRing) return false;
+    const double half_width_Hz = term.shapes[1] * term.shapes[2];
+    return std::abs(frequency_Hz - term.shapes[1]) < kRingReach * half_width_Hz;
+  });
 }
 
 std::size_t KnockCount(const VibrationTerm& term) { return (term.shapes.size() - 1) / 2; }
@@ -269,17 +280,19 @@ Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, dou
   Best best;
   std::vector<double> frequencies_Hz;
   for (const NoiseBand& band : FindBands(remainder, lowest_Hz, highest_Hz, 2)) {
+    if (IsOfATrain(remainder, band.centre_Hz)) continue;
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
     TermFit solution = remainder.With(NarrowTerm(remainder, index, band, damping), 12);
     Keep(DropDeaf(remainder, std::move(solution)), best);
   }
   for (const BurstSpot& spot : FindBursts(remainder, 2)) {
-    if (spot.frequency_Hz > lowest_Hz && spot.frequency_Hz < highest_Hz)
+    if (spot.frequency_Hz > lowest_Hz && spot.frequency_Hz < highest_Hz &&
+        !IsOfATrain(remainder, spot.frequency_Hz))
       frequencies_Hz.push_back(spot.frequency_Hz);
   }
   TryKicks(remainder, index, frequencies_Hz, best);
-  if (best && AreLines(remainder, *best)) best.reset();
+  if (best && (IsOfATrain(remainder, best->term.shapes[0]) || AreLines(remainder, *best))) best.reset();
   if (by_shaft) TryDriven(remainder, index, lowest_Hz, highest_Hz, best);
   return best;
 }

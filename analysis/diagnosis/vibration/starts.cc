@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "analysis/diagnosis/vibration/bursts.h"
+#include "analysis/diagnosis/vibration/chance.h"
 #include "analysis/diagnosis/vibration/families.h"
+#include "analysis/diagnosis/vibration/gear_mesh.h"
 #include "analysis/diagnosis/vibration/resonances.h"
 #include "analysis/units.h"
 
@@ -25,14 +27,14 @@ VibrationTerm TermOf(const VibrationRemainder& remainder, std::size_t index, Vib
 
 Best SearchLine(const VibrationRemainder& remainder, std::size_t index, bool over_time) {
   const VibrationSpectrum& spectrum = over_time ? remainder.over_seconds() : remainder.over_turns();
-  Best best;
+  LeastLikelyChance best(remainder);
   for (const SpectrumPeak& peak : FindPeaks(spectrum, 0.6 * spectrum.cell(), spectrum.highest(), 2)) {
     VibrationTerm term = TermOf(remainder, index, over_time ? VibrationForm::kTones : VibrationForm::kLines);
     term.lines = {{1.0, 0.0}};
     term.shapes = {peak.order};
-    Keep(remainder.With(std::move(term), 6), best);
+    best.TakeWithAndWithoutDeaf(remainder.WithAllChannels(std::move(term), 6), 0.0);
   }
-  return best;
+  return std::move(best).fit();
 }
 
 Best SearchGrowth(const VibrationRemainder& remainder, std::size_t index) {
@@ -85,11 +87,18 @@ const OneTermSolver& VibrationRemainder::one_term() const {
   return *one_term_;
 }
 
-TermFit VibrationRemainder::With(VibrationTerm term, int rounds) const {
+TermFit VibrationRemainder::WithAllChannels(VibrationTerm term, int rounds) const {
   TermFit fit = one_term().Fit(std::move(term));
-  if (rounds > 0) fit = Refine(std::move(fit), rounds);
+  return rounds > 0 ? Refine(std::move(fit), rounds) : fit;
+}
+
+TermFit VibrationRemainder::WithoutDeaf(TermFit fit) const {
   one_term().Prune(fit);
   return fit;
+}
+
+TermFit VibrationRemainder::With(VibrationTerm term, int rounds) const {
+  return WithoutDeaf(WithAllChannels(std::move(term), rounds));
 }
 
 void Keep(TermFit fit, std::optional<TermFit>& best) {

@@ -65,6 +65,12 @@ class VibrationRemainder {
   /// One more term, refined; channels that do not hear it are left out.
   TermFit With(VibrationTerm term, int rounds) const;
 
+  /// The same in all channels that the term says.
+  TermFit WithAllChannels(VibrationTerm term, int rounds) const;
+
+  /// The fit without channels that do not hear its term.
+  TermFit WithoutDeaf(TermFit fit) const;
+
   TermFit Refine(TermFit fit, int rounds) const { return one_term().Refine(std::move(fit), rounds); }
 
   /// What base and term leave.

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "analysis/diagnosis/records.h"
+#include "analysis/diagnosis/vibration/families.h"
+#include "analysis/diagnosis/vibration/gear_mesh.h"
 #include "analysis/diagnosis/vibration/parameters.h"
 #include "analysis/diagnosis/vibration/rules.h"
 #include "analysis/diagnosis/vibration/samples.h"
@@ -204,6 +206,9 @@ class VibrationStudy final : public Study {
   // and die away in several ways. Those beside the first may be at any time, to half a period of what rings;
   // which one is the first does not matter.
   double LogPlacesOf(const VibrationTerm& term) const {
+    const VibrationCause kind = rules_.kinds[term.cause];
+    if (kind == VibrationCause::kGearMesh) return LogChoicesOfMesh(samples_, term);
+    if (kind == VibrationCause::kFlexsplineCrack) return LogPlacesOfCrack(samples_, term);
     if (term.form != VibrationForm::kKicks) return 0.0;
     const double further = 0.5 * static_cast<double>(term.shapes.size() - 3);
     const double times = 2.0 * term.shapes[0] * samples_.runs.front().span_s();

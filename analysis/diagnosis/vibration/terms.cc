@@ -102,8 +102,8 @@ std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const Vibr
       shapes.push_back({term.shapes[0] - 2.0 * cell, term.shapes[0] + 2.0 * cell, 0.05 * cell});
       shapes.push_back(
           {0.7 * term.shapes[1], std::min(top_Hz, 1.4 * term.shapes[1]), 0.005 * term.shapes[1]});
-      // Towards one the ring becomes a single smooth bump.
-      shapes.push_back({0.006, 0.95, 0.05 * term.shapes[2]});
+      // Towards one the ring becomes a single smooth bump; and it dies away before the next begins.
+      shapes.push_back({std::max(0.006, kLeastDecay / (kTwoPi * lines)), 0.95, 0.05 * term.shapes[2]});
       for (std::size_t m = 0; m < 2 * term.lines.size(); ++m) shapes.push_back({-2.0, 2.0, 0.05});
       for (std::size_t s = shapes.size(); s < term.shapes.size(); ++s) {
         shapes.push_back({term.shapes[s] - 0.5, term.shapes[s] + 0.5, 0.02 / lines});

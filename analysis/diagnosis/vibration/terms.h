@@ -32,6 +32,10 @@ struct LinePlace {
   bool operator==(const LinePlace&) const = default;
 };
 
+/// Exponent by which a ring's envelope falls from one impulse to the next, at least: what rings on through
+/// several is a line.
+inline constexpr double kLeastDecay = 0.3;
+
 /// A term with its curved numbers; its coefficients are the solver's.
 struct VibrationTerm {
   std::size_t cause{};

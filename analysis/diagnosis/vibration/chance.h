@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "analysis/diagnosis/vibration/starts.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// −ln p of a likelihood ratio that so many numbers bring by chance, each by noise alone as much as a square
+/// of a normal variate.
+double ImprobabilityOf(double likelihood_ratio, double numbers);
+
+/// Logarithm of how many choices of so many out of so many there are.
+double LogChoices(std::size_t chosen, std::size_t of);
+
+/// Of forms of one cause with different numbers of numbers: the one that the judge will find least likely to
+/// be chance. BIC charges each number by the length of the record, and would rather have the loudest channel
+/// alone than a line that all of them hear.
+class LeastLikelyChance {
+ public:
+  explicit LeastLikelyChance(const VibrationRemainder& remainder) : remainder_(remainder) {}
+
+  /// @param log_places  logarithm of how many such forms there were to choose from
+  void Take(TermFit fit, double log_places);
+
+  /// The fit as it is, and without the channels that do not hear its term.
+  void TakeWithAndWithoutDeaf(TermFit fit, double log_places);
+
+  const std::optional<TermFit>& fit() const& { return best_; }
+  std::optional<TermFit> fit() && { return std::move(best_); }
+
+ private:
+  const VibrationRemainder& remainder_;
+  std::optional<TermFit> best_;
+  double improbability_{};
+};
+
+}  // namespace strainwave::analysis::diagnosis
