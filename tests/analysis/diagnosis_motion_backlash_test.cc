@@ -3,6 +3,8 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -69,6 +71,75 @@ TEST(MotionBacklash, IsNamedBehindAStiffShaftThatThrowsTheMotorBack) {
     EXPECT_NEAR(found.value("backlash_rad").value, kGap_rad, 0.2 * kGap_rad) << seed;
     EXPECT_NEAR(found.value("load_inertia_kgm2").value, kLoadInertia_kgm2, 0.2 * kLoadInertia_kgm2) << seed;
   }
+}
+
+// An axis that is led along its way, with a light load in a gap that knocks for half a sample of a slow
+// logger, and as many samples that stand off by chance as there are.
+MotionData SlowlyLogged(unsigned seed, double load_kgm2, int spikes) {
+  constexpr double kStep_s = 1e-5;
+  constexpr int kEach = 1000;
+  constexpr double kDuration_s = 25.0;
+  constexpr double kAxis_kgm2 = 0.5;
+  constexpr double kContact_rad_per_s = kTwoPi * 40.0;
+  constexpr double kLoadFriction_per_s2 = 0.3;
+  constexpr double kHalfGap_rad = 0.02;
+  constexpr double kNoise_Nm = 0.05;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  MotionData record;
+  double load = 0.0, load_speed = 0.0;
+  for (int i = 0; i * kStep_s < kDuration_s; ++i) {
+    const double time_s = i * kStep_s;
+    double place = 0.0, speed = 0.0, acceleration = 0.0;
+    for (const auto& [size, rad_per_s] : {std::pair{1.0, kTwoPi * 0.21}, std::pair{0.25, kTwoPi * 0.83}}) {
+      place += size * std::sin(rad_per_s * time_s);
+      speed += size * rad_per_s * std::cos(rad_per_s * time_s);
+      acceleration -= size * rad_per_s * rad_per_s * std::sin(rad_per_s * time_s);
+    }
+    if (i == 0) {
+      load = place - kHalfGap_rad;
+      load_speed = speed;
+    }
+    const double lead = place - load;
+    const double sense = std::copysign(1.0, lead);
+    const double into = std::abs(lead) - kHalfGap_rad;
+    const double push = into > 0.0
+                            ? sense * std::max(0.0, kContact_rad_per_s * kContact_rad_per_s * into +
+                                                        sense * kContact_rad_per_s * (speed - load_speed))
+                            : 0.0;
+    if (i % kEach == 0) {
+      record.time_s.push_back(time_s);
+      record.position.push_back(place);
+      record.torque.push_back(kAxis_kgm2 * acceleration + 0.1 * speed + std::copysign(0.3, speed) +
+                              load_kgm2 * push + kNoise_Nm * normal(random));
+    }
+    const double free = load_speed + kStep_s * push;
+    load_speed = free - std::clamp(free, -kStep_s * kLoadFriction_per_s2, kStep_s * kLoadFriction_per_s2);
+    load += kStep_s * load_speed;
+  }
+  for (int k = 0; k < spikes; ++k)
+    record.torque[131 + 227 * static_cast<std::size_t>(k)] += (k % 2 == 0 ? 15.0 : -12.0) * kNoise_Nm;
+  return record;
+}
+
+bool LeavesOut(const Study& study, const std::string& count) {
+  return std::ranges::any_of(
+      study.warnings(), [&](const std::string& warning) { return warning.starts_with(count + " samples"); });
+}
+
+TEST(MotionBacklash, IsNamedByKnocksThatLastOneSample) {
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.003, 0)});
+  EXPECT_EQ(found.names(), Names{"backlash"});
+  EXPECT_TRUE(found.study->warnings().empty());
+}
+
+TEST(MotionBacklash, LeavesOutTheSpikesThatNoLooseLoadForetells) {
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.003, 7)});
+  EXPECT_EQ(found.names(), Names{"backlash"});
+  EXPECT_TRUE(LeavesOut(*found.study, "7"));
+  const Diagnosed tight = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.0, 7)});
+  EXPECT_TRUE(tight.names().empty());
+  EXPECT_TRUE(LeavesOut(*tight.study, "7"));
 }
 
 // Where in its gap the load is at first is a state of the record: in full each of the six numbers of the gap

@@ -10,6 +10,7 @@ namespace strainwave::analysis::diagnosis {
 /// How far the record is smoothed.
 struct MotionBandwidth {
   double sigma_s{};       // of the low-pass of torque and terms: as little as `most_rows` lets
+  bool passes_all{};      // no low-pass: torque and terms sample by sample
   double path_sigma_s{};  // of position, velocity and acceleration
   bool by_velocity{};     // derivatives from the velocity column, which shows more of the motion
   double velocity_noise{};

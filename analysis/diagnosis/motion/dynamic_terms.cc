@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numeric>
 
 #include "analysis/diagnosis/fit_covariance.h"
+#include "analysis/diagnosis/motion/backlash.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/model/axis_motion.h"
 #include "analysis/units.h"
@@ -19,27 +18,8 @@ using Eigen::Index;
 
 // Below that it is a tone in time and not a structure.
 constexpr double kLeastDamping = 0.004;
-// Turns of a contact's swing in a step of the points: a faster one leaves kicks and no course.
-constexpr double kFastestContact = 0.5;
-// Part of a contact's deflection by which the width of a gap is not known.
-constexpr double kContactEdge = 0.1;
 constexpr double kMostShare = 1.5;  // of the inertia, that may swing
 constexpr double kUnlimited = std::numeric_limits<double>::max();
-// Of a loose load's starts a few are polished, of gaps apart from each other (in ln gap); of these, those
-// that are fitted.
-constexpr double kAnotherGap = 0.3;
-constexpr std::size_t kPolished = 4;
-constexpr std::size_t kStarts = 2;
-// Longer than a knock lasts: where the near side is light it jumps, and what a gap does otherwise drowns in
-// when exactly; added up over that time it is the momentum that counts.
-constexpr double kKnock_s = 0.03;
-constexpr double kPlaces = 40.0;
-constexpr double kRagged = 2.0;
-constexpr double kCertain = 4.0;  // standard deviations
-// Of a simplex: ln gap, friction, ln contact frequency, damping, start.
-const std::vector<double> kFirstSteps{0.15, 0.15, 0.2, -0.15, 0.5};
-const std::vector<double> kFineSteps{0.02, 0.03, 0.1, -0.05, 0.1};
-constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
 
 double DurationOf(const MotionGrid& grid) {
   double duration_s = 0.0;
@@ -157,173 +137,6 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                                      "the frequency moves if the compliance is the unit's\n"
                                                      "- kind: load_run\n  name: other-inertia\n  duration: 1 "
                                                      "min\n  output_torque: 0 Nm\n  input_speed: 500 rpm\n"});
-}
-
-// Push of the contact, per unit of the load's inertia. Where the points are denser than the contact
-// needs them, over several at once.
-void FillLooseLoad(const MotionGrid& grid, const model::LooseLoad::Numbers& numbers,
-                   std::span<double> points) {
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    model::LooseLoad load(numbers, grid.position[stretch.first], grid.velocity[stretch.first]);
-    const auto stride =
-        static_cast<std::size_t>(std::max(1.0, kContactStep / (numbers.contact_rad_per_s * stretch.step_s)));
-    const std::size_t last = stretch.first + stretch.count - 1;
-    points[stretch.first] = 0.0;
-    for (std::size_t before = stretch.first; before < last;) {
-      const std::size_t next = std::min(before + stride, last);
-      const auto steps = static_cast<double>(next - before);
-      const double push = load.Follow(grid.position[next], grid.velocity[next], steps * stretch.step_s);
-      const double rise = (push - points[before]) / steps;
-      for (std::size_t i = before + 1; i < next; ++i)
-        points[i] = points[before] + rise * static_cast<double>(i - before);
-      points[next] = push;
-      before = next;
-    }
-  }
-}
-
-// One where the motion accelerates for certain, else zero. At constant speed all that is known of
-// acceleration is noise: a load that is held tight would feel it, and so much as a hair of play would set it
-// free of that.
-Eigen::ArrayXd WhereItAccelerates(const MotionGrid& grid) {
-  return (grid.nominal.col(0).array().abs() > kCertain * grid.acceleration_noise).cast<double>();
-}
-
-// The best shapes of a map, of gaps apart from each other: those that take more than the best of so many
-// takes of white noise.
-std::vector<std::vector<double>> Apart(const ShapeMap& map, const Remainder& remainder) {
-  const Eigen::VectorXf roots = map.Roots(remainder);
-  std::vector<Index> order(static_cast<std::size_t>(roots.size()));
-  std::iota(order.begin(), order.end(), Index{0});
-  std::ranges::sort(order, std::greater<>(), [&](Index k) { return roots(k); });
-  const double least =
-      std::sqrt(2.0 * std::log(static_cast<double>(order.size())) * map.MeanSquare(remainder));
-  std::vector<std::vector<double>> apart;
-  for (const Index k : order) {
-    if (apart.size() == kPolished || !(roots(k) > least)) break;
-    const std::vector<double>& shapes = map.shapes()[static_cast<std::size_t>(k)];
-    const auto close = [&](const std::vector<double>& other) {
-      return std::abs(shapes[0] - other[0]) < kAnotherGap;
-    };
-    if (std::ranges::none_of(apart, close)) apart.push_back(shapes);
-  }
-  return apart;
-}
-
-void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
-  const auto [first, last] = std::minmax_element(grid->position.begin(), grid->position.end());
-  const double low = std::max(6.0 * grid->position_noise, 5e-5 * (*last - *first));
-  const double high = 0.1 * (*last - *first);
-  const double inertia = std::abs(grid->prefit(0));
-  const double braking = std::abs(grid->prefit(2)) / std::max(inertia, 1e-300);
-  const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
-  // A contact swings faster than the motion, else it is a resonance, and slower than the points tell.
-  const double low_Hz = 4.0;
-  const double high_Hz = kFastestContact / grid->stretches.front().step_s;
-  if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;
-  SeparableTerm term;
-  const Eigen::ArrayXd accelerates = WhereItAccelerates(*grid);
-  term.fill = [grid, braking, accelerates](std::span<const double> shapes,
-                                           Eigen::Ref<Eigen::MatrixXd> design) {
-    const double friction = std::abs(shapes[1]) * braking;
-    std::vector<double> points(grid->time_s.size());
-    FillLooseLoad(*grid,
-                  {.gap = std::exp(shapes[0]),
-                   .friction = friction,
-                   .contact_rad_per_s = kTwoPi * std::exp(shapes[2]),
-                   .contact_damping = shapes[3],
-                   .start = shapes[4]},
-                  points);
-    // Less what the nominal model has for a load that is held tight.
-    design.col(0) = (grid->Project(points) - grid->nominal.col(0) - friction * grid->nominal.col(2)).array() *
-                    accelerates;
-  };
-  // Wide steps: each knock comes and goes at once, and a slope over less than that says nothing.
-  term.shapes = {{std::log(low), std::log(high), kRagged},
-                 {0.0, 4.0, kRagged},
-                 {std::log(low_Hz), std::log(high_Hz), kRagged},
-                 {0.1, 1.5, kRagged},
-                 // Where in the gap the load happens to be is no property of the axis.
-                 {-1.0, 1.0, kRagged, true}};
-  std::vector<std::vector<double>> tried;
-  for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 24)) {
-    for (const double share : {0.0, 0.2, 0.6, 2.0}) {
-      for (const double contact_Hz : {10.0, 18.0, 35.0, 80.0}) {
-        if (contact_Hz < low_Hz || contact_Hz > high_Hz) continue;
-        tried.push_back({std::log(gap), share, std::log(contact_Hz), 0.5, 0.0});
-      }
-    }
-  }
-  term.most_starts = kStarts;
-  const auto map = std::make_shared<ShapeMap>(*grid, tried);
-  const auto coarse_map = std::make_shared<ShapeMap>(*grid, std::move(tried), kKnock_s);
-  FillMaps(term, grid->rows(), {map.get(), coarse_map.get()});
-  term.starts = [grid, term, map, coarse_map](const Remainder& remainder) {
-    using Start = std::pair<double, std::vector<double>>;  // drop, shapes
-    std::vector<Start> found;
-    StartSearch search(*grid, term, remainder, StartSearch::Sign::kPositive);
-    StartSearch coarse_search(*grid, term, remainder, StartSearch::Sign::kPositive, kKnock_s);
-    for (const std::vector<double>& shapes : Apart(*map, remainder)) {
-      std::vector<double> polished = search.Polish(shapes, kFirstSteps);
-      found.emplace_back(search.Drop(polished), std::move(polished));
-    }
-    for (const std::vector<double>& shapes : Apart(*coarse_map, remainder)) {
-      std::vector<double> polished = search.Polish(coarse_search.Polish(shapes, kFirstSteps), kFineSteps);
-      found.emplace_back(search.Drop(polished), std::move(polished));
-    }
-    std::ranges::sort(found, std::greater<>(), &Start::first);
-    std::vector<std::vector<double>> starts;
-    // Once more from a new simplex: on ragged ground the first one shrinks before its time.
-    for (auto& [drop, shapes] : found)
-      starts.push_back(starts.size() < kStarts ? search.Polish(shapes, kFineSteps) : std::move(shapes));
-    return starts;
-  };
-  const std::string gap_name = units.linear ? "backlash_m" : "backlash_rad";
-  const std::string inertia_name = units.linear ? "load_mass_kg" : "load_inertia_kgm2";
-  const std::string friction_name = "load_friction_" + units.torque();
-  term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
-    const auto error = [&](Index k) { return StandardErrorOf(covariance(k, k)); };
-    const double gap = std::exp(numbers[1]);
-    const double deceleration = numbers[2] * braking;
-    const double contact_Hz = std::exp(numbers[3]);
-    // The edge of the gap is no sharper than the contact gives way.
-    const double deflection = acceleration / std::pow(kTwoPi * contact_Hz, 2);
-    return std::vector<ParameterValue>{
-        {gap_name, units.position(), gap, std::hypot(gap * error(1), kContactEdge * deflection)},
-        {inertia_name, units.inertia(), numbers[0], error(0)},
-        {friction_name, units.torque(), numbers[0] * deceleration,
-         std::hypot(error(0) * deceleration, numbers[0] * braking * error(2))},
-        {"contact_Hz", "Hz", contact_Hz, contact_Hz * error(3)},
-        {"contact_damping_ratio", "1", numbers[4], error(4)},
-        {"load_start", "1", numbers[5], error(5)}};
-  };
-  term.restore = [=](std::span<const double> values) {
-    return std::vector<double>{values[1],
-                               std::log(std::max(values[0], 1e-300)),
-                               values[2] / std::max(values[1] * braking, 1e-300),
-                               std::log(values[3]),
-                               values[4],
-                               values[5]};
-  };
-  model.causes.push_back(std::move(term));
-  model.rules.push_back(
-      {.name = "backlash",
-       .sentence = "the load comes loose where the motion turns or slows down, and knocks where a gap is "
-                   "crossed: play in a coupling, key, nut or the teeth",
-       .where = Where::kUndecided,
-       .effect = "E4",
-       .parameters = {{gap_name, units.position(), 1.05 * low, 0.95 * high, true},
-                      {inertia_name, units.inertia(), 0.0, kUnlimited, true}},
-       .degrees_of_freedom = 6,
-       .trials = kPlaces,
-       // Each number is searched for over its whole range, on ragged ground: each pays in full.
-       .least_bic = 0.0,
-       .to_settle =
-           units.linear
-               ? ""
-               : "# input locked, load to and fro: play of the gear shows as a "
-                 "dead zone, that of the drive's coupling does not\n"
-                 "- {kind: hysteresis, peak_torque: 34 Nm, torque_rate: 3 Nm/s, hold: 0.5 s, loops: 1}\n"});
 }
 
 }  // namespace

@@ -61,7 +61,8 @@ void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, con
   const KernelTaps position = MakeKernel(bandwidth.path_sigma_s, step_s, 0);
   const KernelTaps velocity = MakeKernel(bandwidth.path_sigma_s, step_s, 1 - from_velocity);
   const KernelTaps passed_acceleration = MakeKernel(bandwidth.path_sigma_s, step_s, 2 - from_velocity);
-  const KernelTaps passed_torque = MakeKernel(bandwidth.sigma_s, step_s, 0);
+  const KernelTaps passed_torque =
+      bandwidth.passes_all ? PassAll() : MakeKernel(bandwidth.sigma_s, step_s, 0);
   const std::vector<double> temperature_degC = SlowTemperature(samples.temperature_degC);
   for (std::size_t i = 0; i < samples.position.size(); i += layout.stride) {
     const std::size_t at = layout.margin + i;
@@ -287,7 +288,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
     stretch.record = raw.record;
     stretch.first = grid.time_s.size();
     stretch.step_s = raw.step_s * static_cast<double>(layout.stride);
-    stretch.low_pass = MakeKernel(bandwidth.sigma_s, stretch.step_s, 0);
+    stretch.low_pass = bandwidth.passes_all ? PassAll() : MakeKernel(bandwidth.sigma_s, stretch.step_s, 0);
     AddPoints(raw, bandwidth, layout, grid);
     stretch.count = grid.time_s.size() - stretch.first;
     grid.stretches.push_back(std::move(stretch));
@@ -296,6 +297,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
 
   const double step_s = samples.stretches.front().step_s;
   const auto gain = [&](int derivative) {
+    if (derivative == 0 && bandwidth.passes_all) return 1.0;
     return NoiseGain(
         MakeKernel(derivative == 0 ? bandwidth.sigma_s : bandwidth.path_sigma_s, step_s, derivative));
   };

@@ -24,6 +24,9 @@ struct KernelTaps {
 /// taps are below 10⁻⁵ of the largest.
 KernelTaps MakeKernel(double sigma_s, double step_s, int derivative, double shift_s = 0.0);
 
+/// The filter that changes nothing.
+inline KernelTaps PassAll() { return {.taps = {1.0}, .reach = 0}; }
+
 /// What the low-pass lets through that the one half an octave lower (σ times √2) does not.
 KernelTaps MakeBandKernel(double sigma_s, double step_s, int derivative);
 

@@ -159,10 +159,11 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const EvenStretch& raw = samples.stretches[s];
-    const KernelTaps at_samples = MakeKernel(grid.sigma_s, raw.step_s, 0);
+    const KernelTaps at_samples = bandwidth.passes_all ? PassAll() : MakeKernel(grid.sigma_s, raw.step_s, 0);
     std::vector<double> clipped(raw.clipped.begin(), raw.clipped.end());
-    const auto spacing = std::max<std::size_t>(
-        1, static_cast<std::size_t>(std::lround(kRowSpacing * grid.sigma_s / stretch.step_s)));
+    const double apart_s = bandwidth.passes_all ? stretch.step_s : kRowSpacing * grid.sigma_s;
+    const auto spacing =
+        std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(apart_s / stretch.step_s)));
     std::size_t run = grid.point_of_row.size();
     const auto end_run = [&] {
       if (grid.point_of_row.size() - run < kShortestRun) {

@@ -78,11 +78,14 @@ void CheckTravel(const MotionData& record, const std::string& name) {
 }
 
 // Before a low-pass spreads them.
-void LeaveOutSpikes(MotionData& record, const std::string& name, std::vector<std::string>& warnings) {
-  const std::size_t spikes = BridgeSpikes(record, QuantisationStep(record.torque));
-  if (spikes == 0) return;
-  warnings.push_back(fmt::format("{}{} samples of the {} stand off their neighbours and were left out", name,
-                                 spikes, record.linear ? "force" : "torque"));
+std::vector<std::size_t> LeaveOutSpikes(MotionData& record, std::span<const std::size_t> kept,
+                                        const std::string& name, std::vector<std::string>& warnings) {
+  std::vector<std::size_t> spikes = BridgeSpikes(record, QuantisationStep(record.torque), kept);
+  if (!spikes.empty()) {
+    warnings.push_back(fmt::format("{}{} samples of the {} stand off their neighbours and were left out",
+                                   name, spikes.size(), record.linear ? "force" : "torque"));
+  }
+  return spikes;
 }
 
 }  // namespace
@@ -118,7 +121,8 @@ double UsualSize(std::span<const double> values) {
   return QuantileOfMagnitude(values, 0.8) / kNormalQuantile;
 }
 
-MotionSamples PrepareMotion(std::span<const MotionData> records) {
+MotionSamples PrepareMotion(std::span<const MotionData> records,
+                            std::span<const std::vector<std::size_t>> kept) {
   MotionSamples samples;
   samples.records = records.size();
   if (records.empty()) throw std::invalid_argument("no motion record (expected at least one)");
@@ -159,7 +163,8 @@ MotionSamples PrepareMotion(std::span<const MotionData> records) {
       if (share > kClippedError) throw std::invalid_argument(text + " (expected a record inside the range)");
       samples.warnings.push_back(text + "; they are left out");
     }
-    LeaveOutSpikes(record, name, samples.warnings);
+    samples.spikes.push_back(LeaveOutSpikes(record, kept.empty() ? std::span<const std::size_t>{} : kept[r],
+                                            name, samples.warnings));
     SettleUnits(record, name, samples.warnings);
     const double step = QuantisationStep(record.position);
     samples.position_step = std::max(samples.position_step, step);

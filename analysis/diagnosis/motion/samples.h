@@ -33,13 +33,17 @@ struct MotionSamples {
   double position_noise{};  // standard deviations of the white parts
   double velocity_noise{};
   double torque_noise{};
-  double position_step{};  // of a quantised position; 0 for a continuous one
+  double position_step{};                        // of a quantised position; 0 for a continuous one
+  std::vector<std::vector<std::size_t>> spikes;  // samples of the torque that were bridged, one list a record
   std::vector<std::string> warnings;
 };
 
+/// @param kept  samples of the torque that are known not to be spikes, one ascending list a record; empty:
+///   none.
 /// @throws std::invalid_argument for a technician: too short, nothing moves, torque constant or mostly
 /// clipped.
-MotionSamples PrepareMotion(std::span<const MotionData> records);
+MotionSamples PrepareMotion(std::span<const MotionData> records,
+                            std::span<const std::vector<std::size_t>> kept = {});
 
 /// Standard deviation of the white part of even samples: median |difference| of the order, from the first to
 /// the eighth, that leaves least, so that no motion counts. 0 for fewer than 16 samples.

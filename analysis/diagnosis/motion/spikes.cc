@@ -114,7 +114,9 @@ double Bend(std::span<const double> signal, std::size_t at) {
 
 }  // namespace
 
-std::size_t BridgeSpikes(MotionData& record, double resolution) {
+std::vector<std::size_t> BridgeSpikes(MotionData& record, double resolution,
+                                      std::span<const std::size_t> kept) {
+  const auto is_kept = [&](std::size_t spike) { return std::ranges::binary_search(kept, spike); };
   const Eigen::MatrixXd columns = MotionColumns(record);
   const MadeByMotion made = ByMotion(record, columns);
   std::vector<double> left(record.torque);
@@ -123,10 +125,10 @@ std::size_t BridgeSpikes(MotionData& record, double resolution) {
     std::vector<std::size_t> spikes = FindLoneSamples(record.torque, resolution);
     // The top of a jolt, when the axis turns back within a few samples, is no spike.
     std::erase_if(spikes, [&](std::size_t spike) {
-      return Bend(left, spike) < kLeftOver * Bend(record.torque, spike);
+      return is_kept(spike) || Bend(left, spike) < kLeftOver * Bend(record.torque, spike);
     });
     InterpolateOver(record.torque, spikes);
-    return spikes.size();
+    return spikes;
   }
   std::vector<std::size_t> spikes = FindLoneSamples(left, resolution);
   // Half-way through a reversal friction is off by as much as it is, and at the top of a jolt of a few
@@ -134,12 +136,12 @@ std::size_t BridgeSpikes(MotionData& record, double resolution) {
   std::erase_if(spikes, [&](std::size_t spike) {
     const double friction = IsAtReversal(columns, static_cast<Index>(spike)) ? made.friction : 0.0;
     const double bend = Bend({made.torque.data(), left.size()}, spike);
-    return Bend(left, spike) < std::max(friction, kTakenByDifferences * bend);
+    return is_kept(spike) || Bend(left, spike) < std::max(friction, kTakenByDifferences * bend);
   });
   InterpolateOver(left, spikes);
   for (const std::size_t spike : spikes)
     record.torque[spike] = left[spike] + made.torque(static_cast<Index>(spike));
-  return spikes.size();
+  return spikes;
 }
 
 }  // namespace strainwave::analysis::diagnosis

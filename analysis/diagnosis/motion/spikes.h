@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <vector>
 
 #include "analysis/diagnosis/records.h"
 
@@ -11,7 +13,9 @@ namespace strainwave::analysis::diagnosis {
 /// looked for in the torque as it is and, where the axis accelerates so fast that the torque changes by more
 /// than they are high, in what the motion leaves of it.
 /// @param resolution  step of a quantised torque; 0 for a continuous one
-/// @returns how many
-std::size_t BridgeSpikes(MotionData& record, double resolution);
+/// @param kept  samples that are known not to be spikes, ascending
+/// @returns which, ascending
+std::vector<std::size_t> BridgeSpikes(MotionData& record, double resolution,
+                                      std::span<const std::size_t> kept);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -6,6 +6,7 @@
 
 #include "analysis/diagnosis/motion/delay.h"
 #include "analysis/diagnosis/motion/grid.h"
+#include "analysis/diagnosis/motion/knocks.h"
 #include "analysis/diagnosis/motion/samples.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/diagnosis/motion/units.h"
@@ -82,7 +83,7 @@ SettledGrid MakeSettledGrid(const MotionSamples& samples) {
 }  // namespace
 
 std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
-  const MotionSamples samples = PrepareMotion(records);
+  const MotionSamples samples = KeepKnocks(records, PrepareMotion(records));
   const auto [grid, delay] = MakeSettledGrid(samples);
   const MotionUnits units{samples.linear};
   SeparableModel model;
