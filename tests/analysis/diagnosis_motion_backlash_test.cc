@@ -75,7 +75,7 @@ TEST(MotionBacklash, IsNamedBehindAStiffShaftThatThrowsTheMotorBack) {
 
 // An axis that is led along its way, with a light load in a gap that knocks for half a sample of a slow
 // logger, and as many samples that stand off by chance as there are.
-MotionData SlowlyLogged(unsigned seed, double load_kgm2, int spikes) {
+MotionData SlowlyLogged(unsigned seed, double load_kgm2, int spikes, double begin = 1.0) {
   constexpr double kStep_s = 1e-5;
   constexpr int kEach = 1000;
   constexpr double kDuration_s = 25.0;
@@ -97,7 +97,7 @@ MotionData SlowlyLogged(unsigned seed, double load_kgm2, int spikes) {
       acceleration -= size * rad_per_s * rad_per_s * std::sin(rad_per_s * time_s);
     }
     if (i == 0) {
-      load = place - kHalfGap_rad;
+      load = place - begin * kHalfGap_rad;
       load_speed = speed;
     }
     const double lead = place - load;
@@ -140,6 +140,21 @@ TEST(MotionBacklash, LeavesOutTheSpikesThatNoLooseLoadForetells) {
   const Diagnosed tight = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.0, 7)});
   EXPECT_TRUE(tight.names().empty());
   EXPECT_TRUE(LeavesOut(*tight.study, "7"));
+}
+
+// Its six numbers pay for what chance can do with them, not once more for each sample of the record.
+TEST(MotionBacklash, IsNamedWhereItIsBeyondChanceThoughItBringsNoBic) {
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.0008, 0)});
+  ASSERT_EQ(found.names(), Names{"backlash"});
+  EXPECT_LT(found.diagnosis.causes.front().evidence.delta_bic, 0.0);
+}
+
+TEST(MotionBacklash, FindsAtWhichEndOfItsGapTheLoadBegins) {
+  for (const double load_kgm2 : {0.003, 0.006}) {
+    const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, load_kgm2, 0, -1.0)});
+    ASSERT_EQ(found.names(), Names{"backlash"}) << load_kgm2;
+    EXPECT_LT(found.value("load_start").value, -0.7) << load_kgm2;
+  }
 }
 
 // Where in its gap the load is at first is a state of the record: in full each of the six numbers of the gap
