@@ -86,17 +86,23 @@ TEST(Selection, TakesOnePlaceForSimplerThanACauseAtEachPass) {
 }
 
 // A bell that its description has too narrow, beside a cause that is like what this leaves.
-SeparableModel RoughlyDescribed(double size_of_cause) {
+SeparableModel RoughlyDescribed(double size_of_cause,
+                                const CauseRule& roughly = {.name = "roughly", .named = false}) {
   const Shape cause = [](std::size_t i) { return Bell(PlaceOf(i), 0.3, 0.03) - Bell(PlaceOf(i), 0.5, 0.03); };
   SeparableModel model =
       NoiseAnd([&](std::size_t i) { return 3.0 * Bell(PlaceOf(i), 0.39, 0.1) + size_of_cause * cause(i); });
-  Add(model, {.name = "roughly", .named = false}, {[](std::size_t i) { return Bell(PlaceOf(i), 0.4, 0.1); }});
+  Add(model, roughly, {[](std::size_t i) { return Bell(PlaceOf(i), 0.4, 0.1); }});
   Add(model, {.name = "cause"}, {cause});
   return model;
 }
 
 TEST(Selection, NamesNothingForWhatARoughDescriptionLeaves) {
   EXPECT_EQ(FoundIn(RoughlyDescribed(0.0)), "(roughly) ");
+}
+
+TEST(Selection, NamesNothingForWhatACauseOfRoughShapeLeaves) {
+  EXPECT_EQ(FoundIn(RoughlyDescribed(0.0, {.name = "exactly"})), "exactly cause ");
+  EXPECT_EQ(FoundIn(RoughlyDescribed(0.0, {.name = "contact", .misfit_share = 0.02})), "contact ");
 }
 
 TEST(Selection, NamesACauseThatIsLargeBesideADescription) {
