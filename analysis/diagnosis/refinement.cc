@@ -50,6 +50,7 @@ double LeadAsked(double explained, const Comparison& description, const Comparis
 
 bool IsMisfit(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
               const ScoredModel& without, std::size_t cause) {
+  if (!judge.study().causes()[cause].named) return false;
   double share = 0.0;
   for (const std::size_t other : model.fit.causes) {
     if (other != cause && !Contains(given, other))

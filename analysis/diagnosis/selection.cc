@@ -25,7 +25,8 @@ constexpr double kNotExcluded = 2.0;
 constexpr double kNoDoubt = 20.0;
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
-constexpr double kLeastShare = 0.004;  // of the likelihood ratio
+constexpr double kLeastShare = 0.004;              // of the likelihood ratio
+constexpr double kLeastShareOfDescription = 0.01;  // of a further one
 
 // Share of the likelihood ratio of a cause below which another one is no rival.
 constexpr double kNowhereNear = 0.2;
@@ -245,6 +246,9 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     judged.clear();
     const Candidate* chosen = nullptr;
     const double error = ErrorAllowed(model, given.size(), options);
+    const bool lacks = std::ranges::any_of(model.fit.causes, [&](std::size_t cause) {
+      return !judge.study().causes()[cause].named && !Contains(given, cause);
+    });
     const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
     for (const Candidate& candidate : candidates) {
       const CauseRule& rule = judge.study().causes()[candidate.cause];
@@ -258,7 +262,8 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
         const bool beside = model.fit.causes.size() > given.size();
         if (result.passed &&
             ((beside && candidate.against.delta_bic < LeastBicBeside(candidate.against, rule)) ||
-             candidate.against.likelihood_ratio < kLeastShare * explained ||
+             candidate.against.likelihood_ratio <
+                 (lacks && !rule.named ? kLeastShareOfDescription : kLeastShare) * explained ||
              IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
           result.passed = false;
           result.objection =
