@@ -7,6 +7,7 @@
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/separable_study.h"
 #include "analysis/units.h"
+#include "tests/analysis/toy_terms.h"
 #include "tests/analysis/white_noise.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -21,17 +22,10 @@ double Wave(int periods, std::size_t sample) {
 
 // Waves of so many periods a record, the next one period more.
 SeparableTerm Waves(int first_periods, int count) {
-  SeparableTerm term;
-  term.columns = static_cast<std::size_t>(count);
-  term.fill = [=](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
-    for (std::size_t i = 0; i < kSamples; ++i) {
-      for (int c = 0; c < count; ++c) design(static_cast<Eigen::Index>(i), c) = Wave(first_periods + c, i);
-    }
-  };
-  std::vector<ShapeDescription> numbers;
-  for (int c = 0; c < count; ++c) numbers.push_back({"wave_" + std::to_string(c), "1", 1.0});
-  DescribeEach(term, std::move(numbers));
-  return term;
+  std::vector<Shape> shapes;
+  for (int c = 0; c < count; ++c)
+    shapes.emplace_back([=](std::size_t i) { return Wave(first_periods + c, i); });
+  return TermOf(std::move(shapes));
 }
 
 // What was found of eight numbers among many places has less than nothing left by BIC, and so has what is not

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -8,6 +7,7 @@
 
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/separable_study.h"
+#include "tests/analysis/toy_terms.h"
 #include "tests/analysis/white_noise.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -23,23 +23,6 @@ double PlaceOf(std::size_t i) { return static_cast<double>(i % kOfPass) / static
 double Bell(double place, double centre, double width) {
   const double away = (place - centre) / width;
   return std::exp(-0.5 * away * away);
-}
-
-using Shape = std::function<double(std::size_t sample)>;
-
-SeparableTerm TermOf(std::vector<Shape> shapes) {
-  SeparableTerm term;
-  term.columns = shapes.size();
-  std::vector<ShapeDescription> numbers;
-  for (std::size_t k = 0; k < shapes.size(); ++k) numbers.push_back({"size_" + std::to_string(k), "1"});
-  term.fill = [shapes = std::move(shapes)](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
-    for (Eigen::Index i = 0; i < design.rows(); ++i) {
-      for (Eigen::Index k = 0; k < design.cols(); ++k)
-        design(i, k) = shapes[static_cast<std::size_t>(k)](static_cast<std::size_t>(i));
-    }
-  };
-  DescribeEach(term, std::move(numbers));
-  return term;
 }
 
 SeparableModel NoiseAnd(const Shape& hidden) {

@@ -37,7 +37,7 @@ double LongestDelay_s(const MotionGrid& grid) {
 
 // Orthonormal columns of what may be in the record beside the nominal terms of motion.
 Eigen::MatrixXd BesideMotion(const MotionGrid& grid) {
-  const Eigen::MatrixXd usual = UsualEffectsAndLines(grid);
+  const Eigen::MatrixXd usual = UsualEffectsAndLines(grid, StrongestOrders(grid));
   const Index records = grid.nominal.cols() - 3;
   Eigen::MatrixXd beside(grid.nominal.rows(), records + usual.cols());
   beside << grid.nominal.rightCols(records), usual;
@@ -80,8 +80,9 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
   // Where the nominal model fits best when it is moved: there the term is linearised.
   const double about_s = std::max(delay_s, 0.1 * grid->row_spacing_s);
   // With all that may be there: a drag is moved as well, and what stands in for it is not moved like it.
+  const std::vector<double> orders = StrongestOrders(*grid);
   const auto moved = [&](const Eigen::MatrixXd& nominal, double shift_s) {
-    const Eigen::MatrixXd usual = UsualEffectsAndLines(*grid, shift_s);
+    const Eigen::MatrixXd usual = UsualEffectsAndLines(*grid, orders, shift_s);
     Eigen::MatrixXd all(nominal.rows(), nominal.cols() + usual.cols());
     all << nominal, usual;
     return all;

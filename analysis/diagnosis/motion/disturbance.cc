@@ -68,7 +68,7 @@ std::size_t CountWindowsBeside(const Eigen::MatrixXd& columns, const MotionGrid&
 // Beside the nominal model alone, where long windows in a short record are not taken for a drift, and beside
 // the usual effects, where none of these hides them.
 std::size_t CountWindows(const MotionGrid& grid, const Scan& scan) {
-  const Eigen::MatrixXd usual = UsualEffectsAndLines(grid);
+  const Eigen::MatrixXd usual = UsualEffectsAndLines(grid, StrongestOrders(grid));
   Eigen::MatrixXd known(grid.nominal.rows(), grid.nominal.cols() + usual.cols());
   known << grid.nominal, usual;
   return std::max(

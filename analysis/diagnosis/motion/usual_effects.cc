@@ -17,8 +17,9 @@ using Eigen::Index;
 
 constexpr std::size_t kLines = 3;
 
-// Orders, a radian or metre, of the strongest lines over position beside all else.
-std::vector<double> OrdersBeside(const MotionGrid& grid) {
+}  // namespace
+
+std::vector<double> StrongestOrders(const MotionGrid& grid) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
   const Eigen::MatrixXd usual = UsualEffects(grid);
   Eigen::MatrixXd known(grid.nominal.rows(), grid.nominal.cols() + usual.cols());
@@ -39,10 +40,7 @@ std::vector<double> OrdersBeside(const MotionGrid& grid) {
   return orders;
 }
 
-}  // namespace
-
-Eigen::MatrixXd UsualEffectsAndLines(const MotionGrid& grid, double shift_s) {
-  const std::vector<double> orders = OrdersBeside(grid);
+Eigen::MatrixXd UsualEffectsAndLines(const MotionGrid& grid, std::span<const double> orders, double shift_s) {
   const PathPoints path = PathLater(grid, shift_s);
   const std::vector<double> direction = grid.DirectionOf(path.velocity);
   const Eigen::MatrixXd usual = UsualEffects(grid, path);
