@@ -157,6 +157,17 @@ TEST(MotionBacklash, FindsAtWhichEndOfItsGapTheLoadBegins) {
   }
 }
 
+// A wider gap is crossed in the same time if the load is braked less in it: along that lie many optima.
+TEST(MotionBacklash, TellsAWideGapFromALoadThatIsBrakedLess) {
+  constexpr double kLoad_kgm2 = 0.006;
+  for (const double begin : {-1.0, 1.0}) {
+    const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, kLoad_kgm2, 0, begin)});
+    ASSERT_EQ(found.names(), Names{"backlash"}) << begin;
+    EXPECT_NEAR(found.value("backlash_rad").value, 0.04, 0.001) << begin;
+    EXPECT_NEAR(found.value("load_friction_Nm").value, 0.3 * kLoad_kgm2, 0.06 * kLoad_kgm2) << begin;
+  }
+}
+
 // Where in its gap the load is at first is a state of the record: in full each of the six numbers of the gap
 // would be charged.
 TEST(MotionBacklash, IsHardlyChargedForWhereTheLoadBegins) {

@@ -38,6 +38,10 @@ constexpr double kCertain = 4.0;  // standard deviations
 // Of a simplex: ln gap, friction, ln contact frequency, damping, start.
 const std::vector<double> kFirstSteps{0.15, 0.15, 0.2, -0.15, 0.5};
 const std::vector<double> kFineSteps{0.02, 0.03, 0.1, -0.05, 0.1};
+// Tried around what was found.
+constexpr int kWider = 20;           // times the step to either side
+constexpr double kWiderStep = 0.01;  // in ln gap
+constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
 constexpr double kBegins[] = {-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0};
 constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
 
@@ -105,24 +109,43 @@ std::vector<std::vector<double>> Apart(const ShapeMap& map, const Remainder& rem
   return apart;
 }
 
-// Polished once more from a new simplex: on ragged ground the first one shrinks before its time. Where in the
-// gap the load begins moves the first knock alone, which is too sharp to be found downhill: from the best of
-// several such places as well.
-std::vector<double> PolishedAgain(StartSearch& search, const std::vector<double>& shapes) {
-  std::vector<double> begun = shapes;
+// The best of some places, the given one among them.
+std::vector<double> BestOf(StartSearch& search, const std::vector<double>& shapes,
+                           const std::vector<std::vector<double>>& places) {
+  std::vector<double> best = shapes;
   double most = search.Drop(shapes);
-  for (const double begin : kBegins) {
-    std::vector<double> other = shapes;
-    other.back() = begin;
-    const double drop = search.Drop(other);
+  for (const std::vector<double>& place : places) {
+    const double drop = search.Drop(place);
     if (!(drop > most)) continue;
     most = drop;
-    begun = std::move(other);
+    best = place;
   }
+  return best;
+}
+
+// The best nearby. A gap that is crossed in the same time is wider with less friction: along that the ground
+// is too ragged to be walked. Where in the gap the load begins moves the first knock alone, which is too
+// sharp to be found downhill, too.
+std::vector<double> Nearby(StartSearch& search, const std::vector<double>& shapes) {
+  std::vector<std::vector<double>> places;
+  for (const double friction : kFrictions) {
+    for (int wider = -kWider; wider <= kWider; ++wider)
+      places.push_back({shapes[0] + wider * kWiderStep, friction, shapes[2], shapes[3], shapes[4]});
+  }
+  const std::vector<double> best = BestOf(search, shapes, places);
+  places.clear();
+  for (const double begin : kBegins) places.push_back({best[0], best[1], best[2], best[3], begin});
+  return BestOf(search, best, places);
+}
+
+// Polished once more from a new simplex: on ragged ground the first one shrinks before its time. From the
+// best nearby as well.
+std::vector<double> PolishedAgain(StartSearch& search, const std::vector<double>& shapes) {
   std::vector<double> polished = search.Polish(shapes, kFineSteps);
-  if (begun == shapes) return polished;
-  begun = search.Polish(begun, kFineSteps);
-  return search.Drop(begun) > search.Drop(polished) ? begun : polished;
+  const std::vector<double> nearby = Nearby(search, polished);
+  if (nearby == polished) return polished;
+  std::vector<double> other = search.Polish(nearby, kFineSteps);
+  return search.Drop(other) > search.Drop(polished) ? other : polished;
 }
 
 }  // namespace

@@ -35,6 +35,28 @@ double KernelValue(double time_s, double header_sigma_s, int derivative) {
   return (derivative % 2 == 0 ? 1.0 : -1.0) * sum * gauss / std::pow(sigma_s, derivative);
 }
 
+// Lends taps what the cut tails took: the `derivative`th derivative of 1, t and t² comes out exact. Tails are
+// thin, but the square of the time is large where they are: without it an acceleration is 0.06 % too large.
+void MakeExactForParabolas(std::span<double> taps, std::span<const double> offsets_s, double sigma_s,
+                           int derivative) {
+  Eigen::Matrix3d lent = Eigen::Matrix3d::Zero();  // moments of e^(−u²/2)·(1, u, u²)
+  Eigen::Vector3d missing = Eigen::Vector3d::Zero();
+  missing(derivative) = std::tgamma(derivative + 1.0) / std::pow(sigma_s, derivative);
+  const auto powers = [&](double offset_s) {
+    const double u = offset_s / sigma_s;
+    return Eigen::Vector3d(1.0, u, u * u);
+  };
+  const auto bell = [&](double offset_s) { return std::exp(-0.5 * std::pow(offset_s / sigma_s, 2)); };
+  for (std::size_t k = 0; k < taps.size(); ++k) {
+    const Eigen::Vector3d moments = powers(offsets_s[k]);
+    missing -= taps[k] * moments;
+    lent += bell(offsets_s[k]) * moments * moments.transpose();
+  }
+  const Eigen::Vector3d amounts = lent.ldlt().solve(missing);
+  for (std::size_t k = 0; k < taps.size(); ++k)
+    taps[k] += bell(offsets_s[k]) * amounts.dot(powers(offsets_s[k]));
+}
+
 }  // namespace
 
 double KernelTaps::At(std::span<const double> samples, std::size_t place) const {
@@ -47,18 +69,12 @@ KernelTaps MakeKernel(double sigma_s, double step_s, int derivative, double shif
   KernelTaps kernel;
   kernel.reach = static_cast<std::size_t>(std::ceil((kReach * sigma_s + std::abs(shift_s)) / step_s));
   kernel.taps.resize(2 * kernel.reach + 1);
+  std::vector<double> offsets_s(kernel.taps.size());
   for (std::size_t k = 0; k < kernel.taps.size(); ++k) {
-    const double offset_s = (static_cast<double>(k) - static_cast<double>(kernel.reach)) * step_s;
-    kernel.taps[k] = step_s * KernelValue(shift_s - offset_s, sigma_s, derivative);
+    offsets_s[k] = (static_cast<double>(k) - static_cast<double>(kernel.reach)) * step_s - shift_s;
+    kernel.taps[k] = step_s * KernelValue(-offsets_s[k], sigma_s, derivative);
   }
-  // What the cut tails leave out: a constant has to stay one, and to have no derivatives.
-  double sum = 0.0;
-  for (const double tap : kernel.taps) sum += tap;
-  if (derivative == 0) {
-    for (double& tap : kernel.taps) tap /= sum;
-  } else {
-    for (double& tap : kernel.taps) tap -= sum / static_cast<double>(kernel.taps.size());
-  }
+  MakeExactForParabolas(kernel.taps, offsets_s, kWidth * sigma_s, derivative);
   return kernel;
 }
 
