@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/diagnosis/motion/spikes.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
@@ -117,6 +118,27 @@ TEST(MotionJolts, AreNotTakenForSpikesBesideSpikes) {
     ASSERT_FALSE(clean.study->warnings().empty());
     EXPECT_NEAR(std::stod(clean.study->warnings().front()), 24.0, 3.0) << clean.study->warnings().front();
   }
+}
+
+// By its noise such a velocity bends in many a place as a spike of the torque does.
+TEST(MotionJolts, AreNotMadeOfTheNoiseOfAVelocity) {
+  std::mt19937 random(13);
+  std::normal_distribution<double> normal;
+  MotionData record;
+  for (int i = 0; i < 4000; ++i) {
+    const double time_s = 0.002 * i;
+    const double omega = kTwoPi * 0.4;
+    record.time_s.push_back(time_s);
+    record.position.push_back(std::sin(omega * time_s));
+    record.velocity.push_back(omega * std::cos(omega * time_s) + 0.01 * normal(random));
+    record.torque.push_back(-0.07 * omega * omega * std::sin(omega * time_s) + 0.025 * normal(random));
+  }
+  std::size_t spikes = 0;
+  for (std::size_t i = 20; i + 20 < record.torque.size(); i += 41) {
+    record.torque[i] += i % 2 == 0 ? 0.4 : -0.4;
+    ++spikes;
+  }
+  EXPECT_EQ(BridgeSpikes(record, 0.0, {}).size(), spikes);
 }
 
 TEST(MotionJolts, LeaveTheRestOfTheRecordItsPower) {
