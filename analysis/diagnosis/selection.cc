@@ -158,12 +158,14 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
   const auto& rules = judge.study().causes();
   rivals.clear();
   std::optional<ScoredModel> best;
-  double most = kPairAhead;
+  double most = 0.0;
   for (const std::size_t cause : model.fit.causes) {
     if (Contains(given, cause)) continue;
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
     const double own = ScoreOf(judge, model, without, cause);
+    // A description has to be better than causes, not they than it.
+    const double asked = rules[cause].named ? kPairAhead : 0.0;
     std::vector<Candidate> firsts = FitCandidates(judge, without, [&](std::size_t part) {
       return part == cause || !rules[part].named || IsFarBehind(far_behind, cause, part);
     });
@@ -190,10 +192,11 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
           const auto [one, other] = std::minmax(first.cause, second.cause);
           pairs.insert(rules[one].name + " + " + rules[other].name);
         }
-        if (lead < most || !JudgeCause(judge, pair, first.model, second.cause, error).passed) continue;
+        if (lead - asked < most || !JudgeCause(judge, pair, first.model, second.cause, error).passed)
+          continue;
         const ScoredModel other = judge.Fit(Without(pair.fit.causes, first.cause), &pair.fit);
         if (!JudgeCause(judge, pair, other, first.cause, error).passed) continue;
-        most = lead;
+        most = lead - asked;
         best = std::move(pair);
       }
     }

@@ -117,5 +117,18 @@ TEST(Selection, FindsTwoOfWhichOneShowsNothingAlone) {
   EXPECT_EQ(FoundIn(std::move(model)), "large small ");
 }
 
+// Both follow it; the description has a number more, of which it makes nothing.
+TEST(Selection, NamesTwoCausesRatherThanADescriptionThatIsNoBetter) {
+  const Shape one = [](std::size_t i) { return std::cos(0.05 * static_cast<double>(i)); };
+  const Shape other = [](std::size_t i) { return std::sin(0.05 * static_cast<double>(i)); };
+  const Shape sum = [&](std::size_t i) { return 0.1 * (one(i) + other(i)); };
+  SeparableModel model = NoiseAnd(sum);
+  Add(model, {.name = "curve", .named = false},
+      {sum, [](std::size_t i) { return std::cos(0.11 * static_cast<double>(i)); }});
+  Add(model, {.name = "one"}, {one});
+  Add(model, {.name = "other"}, {other});
+  EXPECT_EQ(FoundIn(std::move(model)), "other one ");
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis
