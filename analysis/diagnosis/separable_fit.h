@@ -11,13 +11,14 @@ struct TermSet {
   std::vector<const SeparableTerm*> terms;
   std::size_t samples{};
   FitPurpose purpose{FitPurpose::kCompare};
+  bool it_pays{};  // to move the shapes that are moved only then
 
   std::size_t coefficients() const;
   std::size_t shapes() const;
   bool Moves(const ShapeRange& range) const {
     return range.moved == Moved::kAlways ||
            (range.moved == Moved::kForErrors && purpose != FitPurpose::kCompare) ||
-           (range.moved == Moved::kForReport && purpose == FitPurpose::kReport);
+           (range.moved == Moved::kWhereItPays && (it_pays || purpose == FitPurpose::kReport));
   }
   std::size_t moved_shapes() const;
 };

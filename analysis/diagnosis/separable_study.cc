@@ -121,6 +121,40 @@ double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
                      solution.weighted_square_sum / std::max(samples, 1.0), samples);
 }
 
+// Sets to zero, in the shapes of a set's terms, what is moved only where it pays.
+void Rest(const TermSet& set, std::vector<std::vector<double>>& shapes) {
+  for (std::size_t t = 0; t < shapes.size(); ++t) {
+    for (std::size_t s = 0; s < shapes[t].size(); ++s) {
+      if (set.terms[t]->shapes[s].moved == Moved::kWhereItPays) shapes[t][s] = 0.0;
+    }
+  }
+}
+
+// Moves what is moved only where it pays if the likelihood, as of white noise, pays for it as BIC asks.
+// @param known  where such shapes were before, in the shapes of the first terms
+void MoveWhereItPays(const SeparableModel& model, std::span<const double> weights,
+                     const std::vector<std::vector<double>>& known, TermSet& set,
+                     SeparableSolution& solution) {
+  TermSet all = set;
+  all.it_pays = true;
+  if (all.moved_shapes() == set.moved_shapes()) return;
+  std::vector<std::vector<double>> shapes = solution.shapes;
+  for (std::size_t t = 0; t < known.size(); ++t) {
+    for (std::size_t s = 0; s < known[t].size(); ++s) {
+      if (set.terms[t]->shapes[s].moved == Moved::kWhereItPays) shapes[t][s] = known[t][s];
+    }
+  }
+  const SeparableProblem problem(all, model.measured, weights);
+  SeparableSolution moved = problem.Refine(problem.Solve(std::move(shapes)), kFinalRounds);
+  const auto samples = static_cast<double>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
+  const double uncharged = UnchargedShapes(all, moved, weights) - UnchargedShapes(set, solution, weights);
+  const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;
+  const double ahead = samples * std::log(solution.weighted_square_sum / moved.weighted_square_sum);
+  if (!(ahead > std::max(1.0, charged) * std::log(samples))) return;
+  solution = std::move(moved);
+  set = std::move(all);
+}
+
 // Weighted least squares of a term set over the whole of a record, and what is known of its noise.
 struct Record {
   const SeparableModel& model;
@@ -268,6 +302,8 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
     shapes.push_back(std::move(known));
     order.push_back(cause);
   }
+  const std::vector<std::vector<double>> known_shapes = shapes;
+  if (purpose != FitPurpose::kReport) Rest(set, shapes);
   std::optional<SeparableProblem> problem(std::in_place, set, model_.measured, weights);
   SeparableSolution solution = problem->Solve(std::move(shapes));
   if (!searched.empty()) problem.reset();  // of another set
@@ -282,6 +318,7 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   if (set.shapes() > 0) {
     if (!problem) problem.emplace(set, model_.measured, weights);
     solution = problem->Refine(std::move(solution), kFinalRounds);
+    MoveWhereItPays(model_, weights, known_shapes, set, solution);
   }
 
   // Back into ascending order of the causes.
@@ -289,6 +326,7 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   std::iota(rank.begin(), rank.end(), std::size_t{0});
   std::sort(rank.begin(), rank.end(), [&](std::size_t a, std::size_t b) { return order[a] < order[b]; });
   TermSet sorted_set = NominalTerms(model_, purpose);
+  sorted_set.it_pays = set.it_pays;
   std::vector<std::vector<double>> sorted_shapes(model_.nominal.size());
   ModelFit fit;
   for (const std::size_t i : rank) {
@@ -324,11 +362,11 @@ Eigen::VectorXd SeparableStudy::Predict(std::span<const ParameterValue> nominal,
       const auto match = std::find_if(given.begin(), given.end(), [&](const ParameterValue& value) {
         return value.name == expected.name;
       });
-      if (match == given.end()) {
+      if (match == given.end() && !expected.of_record) {
         throw std::invalid_argument(
             fmt::format("{} has no parameter {} (expected in {})", owner, expected.name, expected.unit));
       }
-      values.push_back(match->value);
+      values.push_back(match == given.end() ? 0.0 : match->value);
     }
     const std::vector<double> numbers = term.restore(values);
     Eigen::MatrixXd columns(samples, static_cast<Eigen::Index>(term.columns));

@@ -8,9 +8,9 @@
 namespace strainwave::analysis::diagnosis {
 
 /// When a fit moves a shape away from where its start put it: always, not while candidates are compared (a
-/// detail that few records know, and that would cost each of them its power), not before what was found is
-/// reported, or never (one of a list).
-enum class Moved { kAlways, kForErrors, kForReport, kNever };
+/// detail that few records know, and that would cost each of them its power), before what was found is
+/// reported only where the likelihood pays for it (zero where it does not), or never (one of a list).
+enum class Moved { kAlways, kForErrors, kWhereItPays, kNever };
 
 /// A number on which a term depends in a curved way: an order, a centre, a time constant. Fits keep it in
 /// [low, high].

@@ -24,6 +24,8 @@ struct ParameterValue {
   std::string unit;  // "arcmin"
   double value{};
   double standard_error{};
+  /// True for what belongs to the record that it was fitted to: taken as zero for another one without it.
+  bool of_record{};
 };
 
 /// What is known of a parameter before the data: a fitted value outside is a wrong number, or another effect.

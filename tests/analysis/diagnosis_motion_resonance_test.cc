@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -14,7 +15,7 @@ constexpr double kFrequency_Hz = 3.0;
 constexpr double kDamping = 0.03;
 
 // A motion of two sines with a second inertia behind a spring, which swings when the record begins.
-MotionData SwingingAtStart(unsigned seed) {
+MotionData SwingingAtStart(unsigned seed, double start_rad = 0.008) {
   constexpr double kStep_s = 1e-4;
   constexpr int kEach = 100;
   constexpr double kDuration_s = 15.0;
@@ -22,7 +23,7 @@ MotionData SwingingAtStart(unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   MotionData record;
-  double twist = 0.008;
+  double twist = start_rad;
   double twist_speed = 0.0;
   for (int i = 0; i * kStep_s < kDuration_s; ++i) {
     const double time_s = i * kStep_s;
@@ -55,6 +56,22 @@ TEST(MotionResonance, MaySwingWhereTheRecordBegins) {
     const ParameterValue damping = found.value("damping_ratio");
     EXPECT_NEAR(damping.value, kDamping, 3.0 * damping.standard_error) << seed;
   }
+}
+
+// The gap hides what set it swinging, and in what phase it comes out of it.
+TEST(MotionResonance, MaySwingWhereAGapEnds) {
+  MotionData record = SwingingAtStart(1, 0.1);
+  const auto at = [&](double time_s) {
+    return std::ranges::lower_bound(record.time_s, time_s) - record.time_s.begin();
+  };
+  const auto first = at(1.0);
+  const auto last = at(1.43);
+  for (std::vector<double>* column : {&record.time_s, &record.position, &record.torque})
+    column->erase(column->begin() + first, column->begin() + last);
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {record});
+  EXPECT_EQ(found.names(), Names{"torsional_resonance"});
+  const ParameterValue damping = found.value("damping_ratio");
+  EXPECT_NEAR(damping.value, kDamping, 3.0 * damping.standard_error);
 }
 
 }  // namespace

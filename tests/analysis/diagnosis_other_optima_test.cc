@@ -6,6 +6,7 @@
 
 #include "analysis/diagnosis/separable_study.h"
 #include "analysis/units.h"
+#include "tests/analysis/toy_terms.h"
 #include "tests/analysis/white_noise.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -16,7 +17,7 @@ constexpr double kOrder = 30.0;
 constexpr double kAlias = 170.0;  // the same on so many even samples a turn
 
 // A wave of unknown order, which is looked for in two places.
-SeparableStudy Wave(double second_start, std::size_t most_starts, ShapeRange range = {1.0, 199.0, 0.2}) {
+SeparableStudy Wave(double second_start, std::size_t most_starts) {
   SeparableTerm offset;
   offset.fill = [](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) { design.setOnes(); };
   DescribeEach(offset, {{"offset", "1", 1.0}});
@@ -25,7 +26,7 @@ SeparableStudy Wave(double second_start, std::size_t most_starts, ShapeRange ran
     for (Eigen::Index i = 0; i < design.rows(); ++i)
       design(i, 0) = std::cos(shapes[0] * kTwoPi * static_cast<double>(i) / kSamples);
   };
-  wave.shapes = {range};
+  wave.shapes = {{1.0, 199.0, 0.2}};
   wave.starts = [=](const Remainder&) {
     return std::vector<std::vector<double>>{{kOrder + 0.1}, {second_start}};
   };
@@ -62,14 +63,44 @@ TEST(OtherOptima, ThatTheRecordExcludesDoNot) {
               OrderOf(study, FitPurpose::kJudge).standard_error, 1e-3);
 }
 
-// What is not counted is not to be taken off either.
-TEST(NumberThatRestsUntilTheReport, IsNotCharged) {
-  const ShapeRange resting{1.0, 199.0, 0.2, true, Moved::kForReport};
+// A wave whose phase is a number that is moved only where it pays, in noise.
+ModelFit FitLeaning(double lean) {
+  SeparableTerm wave;
+  wave.fill = [](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (Eigen::Index i = 0; i < design.rows(); ++i) {
+      const double angle = kOrder * kTwoPi * static_cast<double>(i) / kSamples;
+      design(i, 0) = std::cos(angle) + shapes[0] * std::sin(angle);
+    }
+  };
+  wave.shapes = {{-3.0, 3.0, 0.1, true, Moved::kWhereItPays}};
+  wave.starts = [](const Remainder&) { return std::vector<std::vector<double>>{{0.0}}; };
+  DescribeEach(wave, {{"amplitude", "1", 1.0}, {"lean", "1", 1.0}});
+  SeparableModel model;
+  model.measured = WhiteNoise(kSamples, 0.2, 5);
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const double angle = kOrder * kTwoPi * static_cast<double>(i) / kSamples;
+    model.measured[i] += std::cos(angle) + lean * std::sin(angle);
+  }
+  model.nominal.push_back(TermOf({[](std::size_t) { return 1.0; }}));
+  model.causes.push_back(std::move(wave));
+  model.rules.push_back({.name = "wave"});
   const std::vector<double> ones(kSamples, 1.0);
-  const std::vector<std::size_t> wave{0};
-  const ModelFit fit = Wave(kAlias, 1, resting).Fit(wave, ones, nullptr, FitPurpose::kJudge);
-  EXPECT_EQ(fit.free_parameters, 2);
+  const std::vector<std::size_t> only{0};
+  return SeparableStudy(std::move(model)).Fit(only, ones, nullptr, FitPurpose::kCompare);
+}
+
+TEST(NumberThatIsMovedWhereItPays, RestsUnchargedWhereItDoesNot) {
+  const ModelFit fit = FitLeaning(0.0);
+  EXPECT_EQ(fit.state.back(), 0.0);
+  EXPECT_EQ(fit.free_parameters, 2);  // offset and amplitude
   EXPECT_EQ(fit.known_before, 0.0);
+}
+
+TEST(NumberThatIsMovedWhereItPays, IsMovedAndChargedWhereItDoes) {
+  const ModelFit fit = FitLeaning(0.5);
+  EXPECT_NEAR(fit.state.back(), 0.5, 0.1);
+  EXPECT_EQ(fit.free_parameters, 3);
+  EXPECT_GT(fit.charged_parameters(), 2.0);
 }
 
 // What was known of a number before bounds its error where the record says next to nothing of it.

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
+#include <string_view>
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/backlash.h"
@@ -19,6 +22,10 @@ using Eigen::Index;
 // Below that it is a tone in time and not a structure.
 constexpr double kLeastDamping = 0.004;
 constexpr double kMostShare = 1.5;  // of the inertia, that may swing
+constexpr std::size_t kMostBeginnings = 4;
+constexpr double kShortest = 0.02;      // of all points, that a stretch with a beginning of its own has
+constexpr std::size_t kFirstSwing = 2;  // of the shapes
+constexpr std::ptrdiff_t kFirstSwingValue = 5;
 constexpr double kUnlimited = std::numeric_limits<double>::max();
 
 double DurationOf(const MotionGrid& grid) {
@@ -29,17 +36,33 @@ double DurationOf(const MotionGrid& grid) {
   return duration_s;
 }
 
+// Stretches, in order, that may begin with a swing: what moved it before, or within a gap, nobody recorded.
+std::vector<std::size_t> Beginnings(const MotionGrid& grid) {
+  std::vector<std::size_t> longest(grid.stretches.size());
+  std::iota(longest.begin(), longest.end(), std::size_t{0});
+  const auto count = [&](std::size_t s) { return grid.stretches[s].count; };
+  std::ranges::stable_sort(longest, std::greater<>(), count);
+  if (longest.size() > kMostBeginnings) longest.resize(kMostBeginnings);
+  const double fewest = kShortest * static_cast<double>(grid.time_s.size());
+  while (longest.size() > 1 && static_cast<double>(count(longest.back())) < fewest) longest.pop_back();
+  std::ranges::sort(longest);
+  return longest;
+}
+
+std::string OfBeginning(std::string_view name, std::size_t number) {
+  return number == 0 ? std::string(name) : fmt::format("{}_{}", name, number + 1);
+}
+
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
   // A ring that a jolt started may be faster than the motion.
   const double high_Hz =
       std::min(1.2 * grid->cutoff_rad_per_s(), 4.0 * grid->path_cutoff_rad_per_s()) / kTwoPi;
   if (!(high_Hz > 3.0 * low_Hz)) return;
-  const auto longest = std::ranges::max_element(grid->stretches, {}, &MotionGrid::Stretch::count);
+  const std::vector<std::size_t> beginnings = Beginnings(*grid);
   const double usual = UsualSize(grid->passed_acceleration);
   SeparableTerm term;
-  term.fill = [grid, first = longest->first, count = longest->count, usual](
-                  std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  term.fill = [grid, beginnings, usual](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
     const double natural = kTwoPi * std::exp(shapes[0]);
     const double damping = std::exp(shapes[1]);
     std::vector<double> points(grid->time_s.size());
@@ -49,28 +72,34 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
         points[i] = inertia.Step(grid->passed_acceleration[i]);
       }
     }
-    if (shapes[2] != 0.0 || shapes[3] != 0.0) {
-      for (std::size_t i = first; i < first + count; ++i) {
-        const double turned = natural * (grid->time_s[i] - grid->time_s[first]);
-        points[i] += usual * std::exp(-damping * turned) *
-                     (shapes[2] * std::cos(turned) + shapes[3] * std::sin(turned));
+    for (std::size_t b = 0; b < beginnings.size(); ++b) {
+      const double in_phase = shapes[kFirstSwing + 2 * b];
+      const double late = shapes[kFirstSwing + 2 * b + 1];
+      if (in_phase == 0.0 && late == 0.0) continue;
+      const MotionGrid::Stretch& stretch = grid->stretches[beginnings[b]];
+      const double damped = natural * std::sqrt(1.0 - damping * damping);
+      for (std::size_t i = stretch.first; i < stretch.first + stretch.count; ++i) {
+        const double since_s = grid->time_s[i] - grid->time_s[stretch.first];
+        points[i] += usual * std::exp(-damping * natural * since_s) *
+                     (in_phase * std::cos(damped * since_s) + late * std::sin(damped * since_s));
       }
     }
     design.col(0) = grid->ProjectPassed(points);
   };
-  // It may swing already where the record begins: over the usual acceleration of the motion, in phase and a
-  // quarter of a turn later.
-  const ShapeRange at_start{-3.0, 3.0, 0.1, true, Moved::kForReport};
   term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03},
-                 {std::log(kLeastDamping), std::log(0.8), 0.3, true},
-                 at_start,
-                 at_start};
+                 {std::log(kLeastDamping), std::log(0.8), 0.3, true}};
+  // It may swing already where a stretch begins: over the usual acceleration of the motion, in phase and a
+  // quarter of a turn later.
+  const std::size_t shapes = kFirstSwing + 2 * beginnings.size();
+  term.shapes.resize(shapes, {-3.0, 3.0, 0.1, true, Moved::kWhereItPays});
 
   std::vector<std::vector<double>> tried;  // ln frequency in Hz, ln damping ratio
   for (const auto& [damping, spacing] :
        {std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std::pair{0.3, 0.25}}) {
     for (double log_Hz = std::log(low_Hz) + spacing; log_Hz < std::log(high_Hz); log_Hz += spacing) {
-      tried.push_back({log_Hz, std::log(damping), 0.0, 0.0});
+      tried.emplace_back(shapes, 0.0);
+      tried.back()[0] = log_Hz;
+      tried.back()[1] = std::log(damping);
     }
   }
   const double reference = std::max(grid->prefit(0), 1e-300);
@@ -95,7 +124,8 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     return starts;
   };
   const std::string inertia = units.linear ? "second_mass_kg" : "second_inertia_kgm2";
-  term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
+  term.describe = [inertia, reference, units, count = beginnings.size()](std::span<const double> numbers,
+                                                                         const Eigen::MatrixXd& covariance) {
     const double frequency_Hz = std::exp(numbers[1]);
     const double damping = std::exp(numbers[2]);
     const double error = StandardErrorOf(covariance(0, 0));
@@ -105,18 +135,27 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     const double weight_error =
         StandardErrorOf(slope * slope * covariance(0, 0) + 4.0 * weight * weight * covariance(1, 1) -
                         4.0 * weight * slope * covariance(0, 1));
-    return std::vector<ParameterValue>{
+    std::vector<ParameterValue> values{
         {"frequency_Hz", "Hz", frequency_Hz, frequency_Hz * StandardErrorOf(covariance(1, 1))},
         {"damping_ratio", "1", damping, damping * StandardErrorOf(covariance(2, 2))},
         {"inertia_share", "1", numbers[0] / reference, error / reference},
         {inertia, units.inertia(), numbers[0], error},
-        {inertia + "s2", units.inertia() + " s²", weight, weight_error},
-        {"swing_at_start", "1", numbers[3], StandardErrorOf(covariance(3, 3))},
-        {"swing_at_start_late", "1", numbers[4], StandardErrorOf(covariance(4, 4))}};
+        {inertia + "s2", units.inertia() + " s²", weight, weight_error}};
+    for (std::size_t b = 0; b < count; ++b) {
+      const std::size_t at = 1 + kFirstSwing + 2 * b;
+      const auto error_of = [&](std::size_t k) {
+        return StandardErrorOf(covariance(static_cast<Index>(k), static_cast<Index>(k)));
+      };
+      values.push_back({OfBeginning("swing_at_start", b), "1", numbers[at], error_of(at), true});
+      values.push_back({OfBeginning("swing_at_start_late", b), "1", numbers[at + 1], error_of(at + 1), true});
+    }
+    return values;
   };
   term.restore = [](std::span<const double> values) {
-    return std::vector<double>{values[3], std::log(std::max(values[0], 1e-9)),
-                               std::log(std::max(values[1], 1e-9)), values[5], values[6]};
+    std::vector<double> numbers{values[3], std::log(std::max(values[0], 1e-9)),
+                                std::log(std::max(values[1], 1e-9))};
+    numbers.insert(numbers.end(), values.begin() + kFirstSwingValue, values.end());
+    return numbers;
   };
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = "torsional_resonance",
