@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <random>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "analysis/diagnosis/hysteresis/noise_reversals.h"
+#include "analysis/diagnosis/hysteresis/record.h"
 #include "analysis/diagnosis/hysteresis/signal.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -62,6 +67,59 @@ TEST(LoneSpikes, TakesNoGapForASpike) {
   EXPECT_TRUE(LoneSpikes(time_s, torque_Nm, 0.01).empty());
   torque_Nm[20] += 1.0;
   EXPECT_EQ(LoneSpikes(time_s, torque_Nm, 0.01), std::vector<std::size_t>{20});
+}
+
+constexpr double kTorqueNoise_Nm = 0.02;
+
+// An angle that follows the torque alone, and has no noise.
+struct NoisyLoops {
+  std::vector<double> torque_Nm;  // truth
+  HysteresisData record;
+};
+
+// Three triangles to 34 Nm of 4000 samples.
+NoisyLoops TrianglesAt(const std::vector<double>& taken_s, const std::vector<double>& stamped_s) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0.0, kTorqueNoise_Nm);
+  NoisyLoops loops;
+  loops.record.time_s = stamped_s;
+  for (const double time_s : taken_s) {
+    const double torque_Nm =
+        34.0 * std::asin(std::sin(2.0 * std::numbers::pi * time_s)) * 2.0 / std::numbers::pi;
+    loops.torque_Nm.push_back(torque_Nm);
+    loops.record.torque_Nm.push_back(torque_Nm + normal(random));
+    loops.record.output_angle_rad.push_back(torque_Nm / 2.0e4);
+  }
+  return loops;
+}
+
+double ErrorOfDrivingTorque(const NoisyLoops& loops) {
+  const LoopRecords prepared = PrepareLoopRecords(std::span(&loops.record, 1));
+  double squares = 0.0;
+  for (std::size_t i = 0; i < loops.torque_Nm.size(); ++i) {
+    const double error_Nm = prepared.samples.torque_Nm[i] - loops.torque_Nm[i];
+    squares += error_Nm * error_Nm;
+  }
+  return std::sqrt(squares / static_cast<double>(loops.torque_Nm.size()));
+}
+
+// Where the samples lie unevenly, torque and angle go to and fro beside a straight line by their numbers,
+// both alike, which is no noise that the gear follows.
+TEST(DrivingTorque, LosesItsNoiseWhereSamplesAreUneven) {
+  constexpr std::size_t kSamples = 4000;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> off(-0.35, 0.35);
+  std::vector<double> even_s(kSamples);
+  std::vector<double> uneven_s(kSamples);
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    even_s[i] = 3.0 * static_cast<double>(i) / kSamples;
+    uneven_s[i] = 3.0 * (static_cast<double>(i) + (i == 0 ? 0.0 : off(random))) / kSamples;
+  }
+  constexpr double kMostLeft_Nm = 0.4 * kTorqueNoise_Nm;
+  EXPECT_LT(ErrorOfDrivingTorque(TrianglesAt(even_s, even_s)), kMostLeft_Nm);
+  EXPECT_LT(ErrorOfDrivingTorque(TrianglesAt(uneven_s, uneven_s)), kMostLeft_Nm);
+  // Only the stamps are uneven.
+  EXPECT_LT(ErrorOfDrivingTorque(TrianglesAt(even_s, uneven_s)), kMostLeft_Nm);
 }
 
 }  // namespace

@@ -47,8 +47,9 @@ void RequireTorqueNotSaturated(const HysteresisData& record, double twist_range_
   constexpr double kHump = 0.02;  // of the twist's range
   const std::span<const double> torque = record.torque_Nm;
   const std::span<const double> twist = record.output_angle_rad;
-  const double least_hump_rad = std::max(kHump * twist_range_rad, 4.0 * SampleNoise(twist));
-  const double equal_Nm = 8.0 * SampleNoise(torque);
+  const std::vector<double> times_s = TimesOfSamples(record.time_s, torque);
+  const double least_hump_rad = std::max(kHump * twist_range_rad, 4.0 * SampleNoise(times_s, twist));
+  const double equal_Nm = 8.0 * SampleNoise(times_s, torque);
   const auto [low, high] = std::minmax_element(torque.begin(), torque.end());
   for (const double extreme : {*low, *high}) {
     std::size_t stuck = 0;
@@ -91,7 +92,8 @@ void RequireDiagnosableLoop(const HysteresisData& record) {
   const auto [angle_low, angle_high] =
       std::minmax_element(record.output_angle_rad.begin(), record.output_angle_rad.end());
   const double twist_range_rad = *angle_high - *angle_low;
-  if (!(twist_range_rad > 12.0 * SampleNoise(record.output_angle_rad)) || twist_range_rad == 0.0) {
+  const std::vector<double> times_s = TimesOfSamples(record.time_s, record.torque_Nm);
+  if (!(twist_range_rad > 12.0 * SampleNoise(times_s, record.output_angle_rad)) || twist_range_rad == 0.0) {
     throw std::invalid_argument(fmt::format(
         "output_angle_deg stays within {:.3g} arcmin, which is its noise (expected it to follow the torque)",
         ArcminFromRad(twist_range_rad)));
@@ -103,7 +105,7 @@ void RequireDiagnosableLoop(const HysteresisData& record) {
         fmt::format("torque_Nm stays between {:.4g} and {:.4g} Nm (expected it to go beyond t1_Nm = {:.4g})",
                     *torque_low, *torque_high, record.t1_Nm));
   }
-  const double threshold_Nm = std::max(0.2 * record.t1_Nm, 10.0 * SampleNoise(record.torque_Nm));
+  const double threshold_Nm = std::max(0.2 * record.t1_Nm, 10.0 * SampleNoise(times_s, record.torque_Nm));
   if (SplitBranches(record.torque_Nm, threshold_Nm).size() < 2) {
     throw std::invalid_argument(
         fmt::format("torque_Nm goes from {:.4g} to {:.4g} Nm and never back (expected a loop)",

@@ -41,12 +41,13 @@ std::vector<Branch> BranchesOf(std::span<const double> torque_Nm, double t3_Nm, 
   return SplitBranches(torque_Nm, std::max(0.02 * std::min(t3_Nm, *high - *low), 6.0 * noise_Nm));
 }
 
-std::vector<double> SettledTorque(const HysteresisData& record, double noise_Nm) {
-  CleanSignal torque = WithoutNoise(record.time_s, record.torque_Nm, noise_Nm);
+std::vector<double> SettledTorque(std::span<const double> times_s, std::span<const double> torque_Nm,
+                                  double noise_Nm, double t3_Nm) {
+  CleanSignal torque = WithoutNoise(times_s, torque_Nm, noise_Nm);
   if (!(noise_Nm > 0.0)) return torque.values;
-  KeepStill(FindHolds(record.torque_Nm, noise_Nm), noise_Nm, torque);
+  KeepStill(FindHolds(torque_Nm, noise_Nm), noise_Nm, torque);
   return WithoutNoiseReversals(torque.values, torque.errors, noise_Nm,
-                               BranchesOf(torque.values, record.t3_Nm, noise_Nm));
+                               BranchesOf(torque.values, t3_Nm, noise_Nm));
 }
 
 // The torque that drives the model, and what was taken off for noise.
@@ -55,12 +56,16 @@ struct DrivingTorque {
   std::vector<double> noise_Nm;
 };
 
-DrivingTorque DrivingTorqueOf(HysteresisData record, double compliance_rad_per_Nm) {
-  const double noise_Nm = SampleNoise(record.torque_Nm);
-  InterpolateOver(record.torque_Nm, LoneSpikes(record.time_s, record.torque_Nm, noise_Nm));
-  const double followed = FollowedShare(record.torque_Nm, record.output_angle_rad, compliance_rad_per_Nm);
-  const std::vector<double> clean_Nm = SettledTorque(record, noise_Nm);
-  DrivingTorque driving{std::move(record.torque_Nm), {}};
+DrivingTorque DrivingTorqueOf(std::span<const double> times_s, std::vector<double> torque_Nm,
+                              std::span<const double> angle_rad, double t3_Nm) {
+  const auto [low_Nm, high_Nm] = std::minmax_element(torque_Nm.begin(), torque_Nm.end());
+  const auto [low_rad, high_rad] = std::minmax_element(angle_rad.begin(), angle_rad.end());
+  const double compliance_rad_per_Nm = (*high_rad - *low_rad) / (*high_Nm - *low_Nm);
+  const double noise_Nm = SampleNoise(times_s, torque_Nm);
+  InterpolateOver(torque_Nm, LoneSpikes(times_s, torque_Nm, noise_Nm));
+  const std::vector<double> clean_Nm = SettledTorque(times_s, torque_Nm, noise_Nm, t3_Nm);
+  const double followed = FollowedShare(times_s, torque_Nm, angle_rad, compliance_rad_per_Nm);
+  DrivingTorque driving{std::move(torque_Nm), {}};
   for (std::size_t i = 0; i < clean_Nm.size(); ++i) {
     driving.noise_Nm.push_back((1.0 - followed) * (driving.torque_Nm[i] - clean_Nm[i]));
     driving.torque_Nm[i] -= driving.noise_Nm[i];
@@ -106,7 +111,7 @@ void AppendTemperature(std::span<const HysteresisData> records, LoopGrid& grid) 
   for (const HysteresisData& record : records) {
     if (record.temperature_degC.empty()) return;
     const std::vector<double> clean = WithoutNoise(RisingTimes(record.time_s), record.temperature_degC,
-                                                   SampleNoise(record.temperature_degC))
+                                                   SampleNoise(record.time_s, record.temperature_degC))
                                           .values;
     all.insert(all.end(), clean.begin(), clean.end());
   }
@@ -114,14 +119,16 @@ void AppendTemperature(std::span<const HysteresisData> records, LoopGrid& grid) 
   for (double& value : all) value -= mean;
   const auto [low, high] = std::minmax_element(all.begin(), all.end());
   double noise = 0.0;
-  for (const HysteresisData& record : records) noise = std::max(noise, SampleNoise(record.temperature_degC));
+  for (const HysteresisData& record : records)
+    noise = std::max(noise, SampleNoise(record.time_s, record.temperature_degC));
   constexpr double kStandsStill_K = 0.05;
   if (*high - *low > std::max(kStandsStill_K, 3.0 * noise)) grid.temperature_K = std::move(all);
 }
 
-void AppendBranches(std::span<const double> torque_Nm, double t3_Nm, LoopRecords& prepared) {
+void AppendBranches(std::span<const double> time_s, std::span<const double> torque_Nm, double t3_Nm,
+                    LoopRecords& prepared) {
   const std::size_t base = prepared.samples.direction.size();
-  const std::vector<Branch> branches = BranchesOf(torque_Nm, t3_Nm, SampleNoise(torque_Nm));
+  const std::vector<Branch> branches = BranchesOf(torque_Nm, t3_Nm, SampleNoise(time_s, torque_Nm));
   prepared.samples.direction.resize(base + torque_Nm.size(), 1.0);
   for (const Branch& branch : branches) {
     const std::size_t first = branch.first == 0 ? 0 : branch.first + 1;
@@ -148,7 +155,8 @@ double NoiseFloorOf(const LoopRecords& prepared) {
     // Of an angle that stands on its steps the differences show how often it leaves one.
     constexpr double kMostly = 0.5;
     const double rounding = RoundingNoise(std::span(grid.twist_rad).subspan(first, count), kMostly);
-    const double noise = rounding > 0.0 ? rounding : LastingNoise(angle);
+    const double noise =
+        rounding > 0.0 ? rounding : LastingNoise(std::span(grid.time_s).subspan(first, count), angle);
     square_sum += noise * noise * static_cast<double>(count);
   }
   return std::sqrt(square_sum / static_cast<double>(grid.size()));
@@ -230,13 +238,16 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
           "the angle falls with the torque: the sign of one of them is swapped; torque is taken "
           "with the other sign");
     }
-    const auto [torque_Nm, noise_Nm] = DrivingTorqueOf(turned, range_rad / (*high_Nm - *low_Nm));
-    AppendBranches(torque_Nm, record.t3_Nm, prepared);
-    AppendTurns(turned.time_s, torque_Nm, SampleNoise(turned.torque_Nm), grid);
-    AppendRate(turned.time_s, torque_Nm, prepared.torque_rate_Nm_per_s);
+    const std::vector<double> times_s = TimesOfSamples(turned.time_s, turned.torque_Nm);
+    const auto [torque_Nm, noise_Nm] =
+        DrivingTorqueOf(times_s, turned.torque_Nm, turned.output_angle_rad, record.t3_Nm);
+    AppendBranches(times_s, torque_Nm, record.t3_Nm, prepared);
+    AppendTurns(times_s, torque_Nm, SampleNoise(times_s, turned.torque_Nm), grid);
+    AppendRate(times_s, torque_Nm, prepared.torque_rate_Nm_per_s);
     grid.starts.push_back(grid.size());
     const double centre_rad = 0.5 * (*low + *high);
-    prepared.place_noise_rad = std::max(prepared.place_noise_rad, SampleNoise(record.output_angle_rad));
+    prepared.place_noise_rad =
+        std::max(prepared.place_noise_rad, SampleNoise(times_s, record.output_angle_rad));
     prepared.centre_rad.push_back(centre_rad);
     for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
       grid.time_s.push_back(turned.time_s[i] - turned.time_s[0]);

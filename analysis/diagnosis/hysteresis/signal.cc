@@ -13,13 +13,25 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Variance of 1 −4 6 −4 1 under white noise.
-constexpr double kFourthDifference = 70.0;
-
-std::vector<double> FourthDifferences(std::span<const double> x) {
+// Fourth differences over time, in which cubic pieces vanish wherever their samples lie, as large as white
+// noise itself.
+std::vector<double> FourthDifferences(std::span<const double> t, std::span<const double> x) {
+  constexpr std::size_t kPoints = 5;
   std::vector<double> differences;
-  for (std::size_t i = 4; i < x.size(); ++i) {
-    differences.push_back(x[i] - 4.0 * x[i - 1] + 6.0 * x[i - 2] - 4.0 * x[i - 3] + x[i - 4]);
+  for (std::size_t i = kPoints - 1; i < x.size(); ++i) {
+    const std::size_t first = i + 1 - kPoints;
+    const double scale_s = t[i] - t[first];  // or products of five steps leave the range of numbers
+    double sum = 0.0;
+    double squares = 0.0;
+    for (std::size_t j = first; j <= i; ++j) {
+      double product = 1.0;
+      for (std::size_t k = first; k <= i; ++k) {
+        if (k != j) product *= (t[j] - t[k]) / scale_s;
+      }
+      sum += x[j] / product;
+      squares += 1.0 / (product * product);
+    }
+    if (std::isfinite(sum) && std::isfinite(squares)) differences.push_back(sum / std::sqrt(squares));
   }
   return differences;
 }
@@ -171,11 +183,24 @@ double RoundingNoise(std::span<const double> signal, double share) {
   return stands && std::isfinite(step) ? step / std::sqrt(12.0) : 0.0;
 }
 
-double SampleNoise(std::span<const double> signal) {
+double SampleNoise(std::span<const double> time_s, std::span<const double> signal) {
   if (signal.size() < 6) return 0.0;
   constexpr double kSteps = 0.1;
-  const double white = RobustStandardDeviation(FourthDifferences(signal)) / std::sqrt(kFourthDifference);
+  const double white = RobustStandardDeviation(FourthDifferences(time_s, signal));
   return std::hypot(white, RoundingNoise(signal, kSteps));
+}
+
+std::vector<double> TimesOfSamples(std::span<const double> time_s, std::span<const double> signal) {
+  constexpr double kSmoother = 0.8;
+  std::vector<double> times_s(time_s.begin(), time_s.end());
+  if (time_s.size() < 2) return times_s;
+  std::vector<double> even_s(time_s.size());
+  const double step_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+  for (std::size_t i = 0; i < even_s.size(); ++i) {
+    even_s[i] = time_s.front() + step_s * static_cast<double>(i);
+  }
+  const bool stamps_jitter = SampleNoise(even_s, signal) < kSmoother * SampleNoise(time_s, signal);
+  return stamps_jitter ? even_s : times_s;
 }
 
 CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise) {
@@ -228,9 +253,10 @@ std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<co
   return spikes;
 }
 
-double FollowedShare(std::span<const double> drive, std::span<const double> response, double slope) {
-  const std::vector<double> x = FourthDifferences(drive);
-  const std::vector<double> y = FourthDifferences(response);
+double FollowedShare(std::span<const double> time_s, std::span<const double> drive,
+                     std::span<const double> response, double slope) {
+  const std::vector<double> x = FourthDifferences(time_s, drive);
+  const std::vector<double> y = FourthDifferences(time_s, response);
   const double x_limit = 5.0 * RobustStandardDeviation(x);
   const double y_limit = 5.0 * RobustStandardDeviation(y);
   double xx = 0.0;
@@ -289,7 +315,7 @@ std::vector<Turn> FindTurns(std::span<const double> time_s, std::span<const doub
   return turns;
 }
 
-double LastingNoise(std::span<const double> signal) {
+double LastingNoise(std::span<const double> time_s, std::span<const double> signal) {
   if (signal.size() < 40) return 0.0;
   struct Level {
     double lag;
@@ -300,7 +326,11 @@ double LastingNoise(std::span<const double> signal) {
   for (std::size_t lag = 1; lag <= 16 && 16 * lag < signal.size(); lag *= 2) {
     std::vector<double> differences;
     for (std::size_t i = 2 * lag; i < signal.size(); ++i) {
-      differences.push_back(signal[i] - 2.0 * signal[i - lag] + signal[i - 2 * lag]);
+      // Off the line through the other two, as if the middle one were midway.
+      const double span_s = time_s[i] - time_s[i - 2 * lag];
+      const double share = span_s > 0.0 ? (time_s[i - lag] - time_s[i - 2 * lag]) / span_s : 0.5;
+      const double off = std::lerp(signal[i - 2 * lag], signal[i], share) - signal[i - lag];
+      differences.push_back(off * std::sqrt(6.0 / (1.0 + share * share + (1.0 - share) * (1.0 - share))));
     }
     const double deviation = RobustStandardDeviation(differences);
     if (!(deviation > 0.0)) return 0.0;

@@ -11,9 +11,14 @@ namespace strainwave::analysis::diagnosis {
 /// step/√12, rms; 0 where fewer do.
 double RoundingNoise(std::span<const double> signal, double share);
 
-/// Standard deviation of the white part of a signal from its fourth differences, so that ramps, corners and
-/// smooth curves do not count; rounding included. 0 below 6 values.
-double SampleNoise(std::span<const double> signal);
+/// Standard deviation of the white part of a signal from its fourth differences over time, so that ramps,
+/// corners and smooth curves do not count, evenly sampled or not; rounding included. 0 below 6 values.
+/// @param time_s  never falling.
+double SampleNoise(std::span<const double> time_s, std::span<const double> signal);
+
+/// The times of a record's samples, or, where a signal is a good deal smoother over the samples' numbers,
+/// even ones: then the stamps jitter and the samples did not.
+std::vector<double> TimesOfSamples(std::span<const double> time_s, std::span<const double> signal);
 
 /// A signal with its white noise taken off.
 struct CleanSignal {
@@ -36,8 +41,9 @@ std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<co
                                     double noise);
 
 /// By how much `response` follows the fluctuation of `drive` from sample to sample: the slope between their
-/// fourth differences, as a share of `slope`, 0 to 1. 0 where that cannot be told from nothing.
-double FollowedShare(std::span<const double> drive, std::span<const double> response, double slope);
+/// fourth differences over time, as a share of `slope`, 0 to 1. 0 where that cannot be told from nothing.
+double FollowedShare(std::span<const double> time_s, std::span<const double> drive,
+                     std::span<const double> response, double slope);
 
 /// A place between two samples at which a signal turns from one straight line into another.
 struct Turn {
@@ -52,6 +58,6 @@ std::vector<Turn> FindTurns(std::span<const double> time_s, std::span<const doub
 /// Standard deviation of the noise on a signal of straight pieces, first-order autoregressive noise included:
 /// from its second differences over 1, 2, 4, 8 and 16 samples, which grow with the distance as far as noise
 /// remembers itself. 0 below 40 values.
-double LastingNoise(std::span<const double> signal);
+double LastingNoise(std::span<const double> time_s, std::span<const double> signal);
 
 }  // namespace strainwave::analysis::diagnosis
