@@ -57,6 +57,24 @@ TEST(FindHolds, TakesNoSlowRampAndNoSettlingForAHold) {
   EXPECT_TRUE(FindHolds(std::vector<double>(200, 34.0), 0.0).empty());
 }
 
+// Stairs of six samples and risers of three; a ramp of the noise a sample has none.
+TEST(FindStairs, FindsShortStairsAndNoneOnARamp) {
+  std::vector<double> stairs;
+  std::vector<double> ramp;
+  for (int i = 0; i < 900; ++i) {
+    stairs.push_back(30.0 * kNoise_Nm * (i / 9 + std::max(0, i % 9 - 5) / 4.0));
+    ramp.push_back(kNoise_Nm * i);
+  }
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Hold> found = FindStairs(WithNoise(stairs, seed), kNoise_Nm);
+    EXPECT_GE(found.size(), 80U) << seed;
+    for (const Hold& stair : found)
+      EXPECT_NEAR(stair.level, 30.0 * kNoise_Nm * static_cast<double>(stair.first / 9), 3.0 * kNoise_Nm)
+          << seed;
+    EXPECT_TRUE(FindStairs(WithNoise(ramp, seed), kNoise_Nm).empty()) << seed;
+  }
+}
+
 // Friction remembers the furthest that the torque went: by a ramp that is smoothed past its end, the twist
 // of the whole hold would be wrong.
 TEST(KeepStill, EndsARampAtTheHold) {

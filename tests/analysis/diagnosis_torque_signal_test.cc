@@ -69,6 +69,22 @@ TEST(LoneSpikes, TakesNoGapForASpike) {
   EXPECT_EQ(LoneSpikes(time_s, torque_Nm, 0.01), std::vector<std::size_t>{20});
 }
 
+// The sample half way up a riser of a stair stands off the line through its neighbours, and is none either;
+// one that stands out of a ramp is.
+TEST(LoneSpikes, TakesNoRiserForASpike) {
+  std::vector<double> time_s;
+  std::vector<double> stair_Nm;
+  std::vector<double> ramp_Nm;
+  for (int i = 0; i < 60; ++i) {
+    time_s.push_back(0.1 * i);
+    const int level = i / 6;
+    stair_Nm.push_back(3.0 * level + (i % 6 == 5 ? 0.3 : 0.0));
+    ramp_Nm.push_back(0.5 * i + (i == 30 ? 0.4 : 0.0));
+  }
+  EXPECT_TRUE(LoneSpikes(time_s, stair_Nm, 0.01).empty());
+  EXPECT_EQ(LoneSpikes(time_s, ramp_Nm, 0.01), std::vector<std::size_t>{30});
+}
+
 constexpr double kTorqueNoise_Nm = 0.02;
 
 // An angle that follows the torque alone, and has no noise.
@@ -120,6 +136,76 @@ TEST(DrivingTorque, LosesItsNoiseWhereSamplesAreUneven) {
   EXPECT_LT(ErrorOfDrivingTorque(TrianglesAt(uneven_s, uneven_s)), kMostLeft_Nm);
   // Only the stamps are uneven.
   EXPECT_LT(ErrorOfDrivingTorque(TrianglesAt(even_s, uneven_s)), kMostLeft_Nm);
+}
+
+// A stair of six samples a step, one of them on the riser: of fourth differences most hold one.
+TEST(SampleNoise, OfAStairIsNotItsRisers) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal(0.0, kTorqueNoise_Nm);
+  std::vector<double> time_s;
+  std::vector<double> torque_Nm;
+  for (int i = 0; i < 480; ++i) {
+    time_s.push_back(0.1 * i);
+    torque_Nm.push_back(3.4 * (i / 6 + (i % 6 == 5 ? 0.5 : 0.0)) + normal(random));
+  }
+  // A third of the neighbours differ by half a riser: the median lies where three quarters of the noise do.
+  EXPECT_LT(SampleNoise(time_s, torque_Nm), 1.8 * kTorqueNoise_Nm);
+}
+
+// Two loops of stairs with ramps of 9 samples between them, ten times the noise a sample.
+std::vector<double> RampedStairs(std::size_t stair) {
+  std::vector<double> torque_Nm;
+  const auto level = [](int at) {
+    return 9.0 * kTorqueNoise_Nm * 10.0 * (at <= 10 ? at : at <= 30 ? 20 - at : at - 40);
+  };
+  for (int step = 0; step < 80; ++step) {
+    const double from_Nm = level(step % 40);
+    const double to_Nm = level((step + 1) % 40);
+    torque_Nm.insert(torque_Nm.end(), stair, from_Nm);
+    for (int i = 1; i < 9; ++i) torque_Nm.push_back(from_Nm + (to_Nm - from_Nm) * i / 9.0);
+  }
+  return torque_Nm;
+}
+
+// The angle goes round every corner of a stair as the torque does; of its noise the gear follows nothing, and
+// each stair, however short, is as still as it was.
+TEST(DrivingTorque, StandsStillOnShortStairs) {
+  for (const std::size_t stair : {12U, 35U}) {
+    std::mt19937 random(11);
+    std::normal_distribution<double> normal(0.0, kTorqueNoise_Nm);
+    NoisyLoops loops;
+    loops.torque_Nm = RampedStairs(stair);
+    for (std::size_t i = 0; i < loops.torque_Nm.size(); ++i) {
+      loops.record.time_s.push_back(0.05 * static_cast<double>(i));
+      loops.record.torque_Nm.push_back(loops.torque_Nm[i] + normal(random));
+      loops.record.output_angle_rad.push_back(loops.torque_Nm[i] / 2.0e4);
+    }
+    EXPECT_LT(ErrorOfDrivingTorque(loops), 0.6 * kTorqueNoise_Nm) << stair;
+    const LoopRecords prepared = PrepareLoopRecords(std::span(&loops.record, 1));
+    double to_and_fro_Nm = 0.0;
+    for (std::size_t i = 1; i < loops.torque_Nm.size(); ++i) {
+      if (loops.torque_Nm[i] == loops.torque_Nm[i - 1])
+        to_and_fro_Nm += std::abs(prepared.samples.torque_Nm[i] - prepared.samples.torque_Nm[i - 1]);
+    }
+    // Of 160 stairs: some lose a sample at an end.
+    EXPECT_LT(to_and_fro_Nm, 80.0 * kTorqueNoise_Nm) << stair;
+  }
+}
+
+// A noise that the gear follows is torque.
+TEST(FollowedShare, IsAllWhereTheResponseFollowsAll) {
+  std::mt19937 random(13);
+  std::normal_distribution<double> normal(0.0, kTorqueNoise_Nm);
+  std::vector<double> time_s;
+  std::vector<double> drive_Nm;
+  std::vector<double> response_rad;
+  const std::vector<double> clean_Nm = RampedStairs(35);
+  for (const double clean : clean_Nm) {
+    time_s.push_back(0.05 * static_cast<double>(time_s.size()));
+    drive_Nm.push_back(clean + normal(random));
+    response_rad.push_back(drive_Nm.back() / 2.0e4);
+  }
+  EXPECT_NEAR(FollowedShare(time_s, drive_Nm, clean_Nm, response_rad, 1.0 / 2.0e4), 1.0, 1e-9);
 }
 
 }  // namespace

@@ -38,6 +38,27 @@ bool EndStandsOff(const RunningSums& sums, std::size_t outermost, int inwards, d
   return false;
 }
 
+// What two parts of a stretch differ by in their means, in standard errors.
+double Contrast(double mean, double other_mean, std::size_t count, std::size_t other_count, double noise) {
+  return std::abs(mean - other_mean) /
+         (noise * std::sqrt(1.0 / static_cast<double>(count) + 1.0 / static_cast<double>(other_count)));
+}
+
+// Neither slopes nor bends: both halves have one mean, and so have its middle and its ends. A slow turn is as
+// level as a hold, but for its bend.
+bool HasNoTrend(const RunningSums& sums, std::size_t first, std::size_t end, double most, double noise) {
+  const std::size_t count = end - first;
+  const std::size_t middle = first + count / 2;
+  const double slope =
+      Contrast(MeanOf(sums, first, middle), MeanOf(sums, middle, end), count / 2, count - count / 2, noise);
+  const std::size_t inner = first + count / 4;
+  const std::size_t outer = end - count / 4;
+  const double ends = 0.5 * (MeanOf(sums, first, inner) + MeanOf(sums, outer, end));
+  const double bend =
+      Contrast(MeanOf(sums, inner, outer), ends, outer - inner, count - (outer - inner), noise);
+  return slope <= most && bend <= most;
+}
+
 // Both halves have one mean, and so has each piece.
 bool IsLevel(const RunningSums& sums, std::size_t first, double noise) {
   const std::size_t end = first + kShortest;
@@ -67,6 +88,32 @@ void EndRampAt(std::span<double> values, std::size_t nearest, int outwards, doub
   }
 }
 
+constexpr std::size_t kFewestOfStair = 5;
+constexpr double kOffStair = 3.5;  // standard deviations
+
+bool IsOff(double difference, double noise) { return std::abs(difference) > kOffStair * noise; }
+
+// A stretch without the samples at its ends that belong to the ways up and down, and with its mean.
+Hold WithoutRiser(std::span<const double> signal, const RunningSums& sums, Hold stair, double noise) {
+  constexpr double kBeside = 2.5;
+  const auto stands_off = [&](std::size_t at, std::size_t rest_first, std::size_t rest_end) {
+    return std::abs(signal[at] - MeanOf(sums, rest_first, rest_end)) > kBeside * noise;
+  };
+  while (stair.first + 2 < stair.end && stands_off(stair.first, stair.first + 1, stair.end)) ++stair.first;
+  while (stair.first + 2 < stair.end && stands_off(stair.end - 1, stair.first, stair.end - 1)) --stair.end;
+  stair.level = MeanOf(sums, stair.first, stair.end);
+  return stair;
+}
+
+// A stair is come to and left at a stride, which no slow ramp is.
+bool IsLeft(std::span<const double> signal, const Hold& stair, double noise) {
+  constexpr std::size_t kStride = 2;
+  const auto goes = [&](std::size_t at) { return IsOff(0.5 * (signal[at] - stair.level), noise); };
+  const bool come_to = stair.first < kStride || goes(stair.first - kStride);
+  const bool left = stair.end + kStride > signal.size() || goes(stair.end + kStride - 1);
+  return come_to && left;
+}
+
 }  // namespace
 
 std::vector<Hold> FindHolds(std::span<const double> signal, double noise) {
@@ -88,6 +135,29 @@ std::vector<Hold> FindHolds(std::span<const double> signal, double noise) {
     first = end;
   }
   return holds;
+}
+
+std::vector<Hold> FindStairs(std::span<const double> signal, double noise) {
+  std::vector<Hold> stairs;
+  if (signal.size() < kFewestOfStair || !(noise > 0.0)) return stairs;
+  const RunningSums sums = RunningSumsOf(std::vector<double>(signal.size(), 1.0), signal);
+  for (std::size_t first = 0; first + kFewestOfStair <= signal.size(); ++first) {
+    if (first > 0 && std::abs(signal[first] - signal[first - 1]) <= kOffStair * noise) continue;
+    std::size_t end = first + 1;
+    // One that stands off alone does not end it.
+    while (end < signal.size()) {
+      const double level = MeanOf(sums, first, end);
+      const bool last = end + 1 == signal.size();
+      if (IsOff(signal[end] - level, noise) && (last || IsOff(signal[end + 1] - level, noise))) break;
+      ++end;
+    }
+    const Hold stair = WithoutRiser(signal, sums, {first, end, 0.0}, noise);
+    if (stair.end < stair.first + kFewestOfStair) continue;
+    if (IsLeft(signal, stair, noise) && HasNoTrend(sums, stair.first, stair.end, kBeyondNoise, noise))
+      stairs.push_back(stair);
+    first = stair.end - 1;
+  }
+  return stairs;
 }
 
 void KeepStill(std::span<const Hold> holds, double noise, CleanSignal& clean) {

@@ -21,6 +21,11 @@ struct Hold {
 /// @param noise  standard deviation of a sample; none are found where it is 0.
 std::vector<Hold> FindHolds(std::span<const double> signal, double noise);
 
+/// Stretches of 5 samples and more that a signal comes to and leaves within two samples, and is its mean and
+/// white noise between.
+/// @param noise  standard deviation of a sample; none are found where it is 0.
+std::vector<Hold> FindStairs(std::span<const double> signal, double noise);
+
 /// Puts the signal at each hold's level there, and takes off what the ramps beside it go past that level by
 /// noise: friction would remember it for as long as the hold lasts.
 void KeepStill(std::span<const Hold> holds, double noise, CleanSignal& clean);

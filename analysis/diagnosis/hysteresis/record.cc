@@ -43,9 +43,17 @@ std::vector<Branch> BranchesOf(std::span<const double> torque_Nm, double t3_Nm, 
 
 std::vector<double> SettledTorque(std::span<const double> times_s, std::span<const double> torque_Nm,
                                   double noise_Nm, double t3_Nm) {
-  CleanSignal torque = WithoutNoise(times_s, torque_Nm, noise_Nm);
+  const std::vector<Hold> stairs = FindStairs(torque_Nm, noise_Nm);
+  std::vector<std::size_t> breaks;
+  for (const Hold& stair : stairs) {
+    if (stair.first > 0 && (breaks.empty() || breaks.back() + 1 < stair.first))
+      breaks.push_back(stair.first - 1);
+    breaks.push_back(stair.end - 1);
+  }
+  CleanSignal torque = WithoutNoise(times_s, torque_Nm, noise_Nm, breaks);
   if (!(noise_Nm > 0.0)) return torque.values;
   KeepStill(FindHolds(torque_Nm, noise_Nm), noise_Nm, torque);
+  KeepStill(stairs, noise_Nm, torque);
   return WithoutNoiseReversals(torque.values, torque.errors, noise_Nm,
                                BranchesOf(torque.values, t3_Nm, noise_Nm));
 }
@@ -64,7 +72,7 @@ DrivingTorque DrivingTorqueOf(std::span<const double> times_s, std::vector<doubl
   const double noise_Nm = SampleNoise(times_s, torque_Nm);
   InterpolateOver(torque_Nm, LoneSpikes(times_s, torque_Nm, noise_Nm));
   const std::vector<double> clean_Nm = SettledTorque(times_s, torque_Nm, noise_Nm, t3_Nm);
-  const double followed = FollowedShare(times_s, torque_Nm, angle_rad, compliance_rad_per_Nm);
+  const double followed = FollowedShare(times_s, torque_Nm, clean_Nm, angle_rad, compliance_rad_per_Nm);
   DrivingTorque driving{std::move(torque_Nm), {}};
   for (std::size_t i = 0; i < clean_Nm.size(); ++i) {
     driving.noise_Nm.push_back((1.0 - followed) * (driving.torque_Nm[i] - clean_Nm[i]));

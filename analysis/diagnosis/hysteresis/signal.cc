@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -33,6 +34,12 @@ std::vector<double> FourthDifferences(std::span<const double> t, std::span<const
     }
     if (std::isfinite(sum) && std::isfinite(squares)) differences.push_back(sum / std::sqrt(squares));
   }
+  return differences;
+}
+
+std::vector<double> NeighbourDifferences(std::span<const double> x) {
+  std::vector<double> differences;
+  for (std::size_t i = 1; i < x.size(); ++i) differences.push_back(x[i] - x[i - 1]);
   return differences;
 }
 
@@ -103,6 +110,11 @@ GrowingParabola::Point LongestAgreeing(std::span<const double> t, std::span<cons
   return best;
 }
 
+double SlopeOf(std::span<const double> t, std::span<const double> x, std::size_t from, std::size_t to) {
+  const double span_s = t[to] - t[from];
+  return span_s > 0.0 ? (x[to] - x[from]) / span_s : 0.0;
+}
+
 // Straight line through a few samples.
 struct ShortLine {
   double at_end;  // value at the sample next to the gap
@@ -166,6 +178,21 @@ std::vector<std::size_t> Corners(std::span<const double> t, std::span<const doub
   return corners;
 }
 
+// Corners and breaks in their order; of both at one place the break.
+std::vector<std::size_t> WithBreaks(std::span<const std::size_t> corners,
+                                    std::span<const std::size_t> breaks) {
+  constexpr std::size_t kOnePlace = 4;
+  std::vector<std::size_t> all(breaks.begin(), breaks.end());
+  for (const std::size_t corner : corners) {
+    const auto next = std::ranges::lower_bound(breaks, corner);
+    const bool by_next = next != breaks.end() && *next - corner < kOnePlace;
+    const bool by_last = next != breaks.begin() && corner - *std::prev(next) < kOnePlace;
+    if (!by_next && !by_last) all.push_back(corner);
+  }
+  std::ranges::sort(all);
+  return all;
+}
+
 }  // namespace
 
 double RoundingNoise(std::span<const double> signal, double share) {
@@ -186,7 +213,11 @@ double RoundingNoise(std::span<const double> signal, double share) {
 double SampleNoise(std::span<const double> time_s, std::span<const double> signal) {
   if (signal.size() < 6) return 0.0;
   constexpr double kSteps = 0.1;
-  const double white = RobustStandardDeviation(FourthDifferences(time_s, signal));
+  // Either is too large where the signal moves in its way: a ramp for neighbours, a stair of a few samples a
+  // step for the fourth differences, of which most then hold a riser.
+  double white = RobustStandardDeviation(FourthDifferences(time_s, signal));
+  const double of_neighbours = RobustStandardDeviation(NeighbourDifferences(signal)) / std::sqrt(2.0);
+  if (of_neighbours > 0.0) white = std::min(white, of_neighbours);
   return std::hypot(white, RoundingNoise(signal, kSteps));
 }
 
@@ -203,22 +234,21 @@ std::vector<double> TimesOfSamples(std::span<const double> time_s, std::span<con
   return stamps_jitter ? even_s : times_s;
 }
 
-CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise) {
+CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise,
+                         std::span<const std::size_t> breaks) {
   constexpr double kGap = 4.0;  // of a mean step: what happened within it no parabola tells
   CleanSignal clean{{signal.begin(), signal.end()}, std::vector<double>(signal.size(), noise)};
   const std::size_t n = signal.size();
   if (!(noise > 0.0) || n < 6) return clean;
   const double gap_s = kGap * (time_s[n - 1] - time_s[0]) / static_cast<double>(n - 1);
-  const std::vector<std::size_t> corners = Corners(time_s, signal, noise);
+  const std::vector<std::size_t> corners = WithBreaks(Corners(time_s, signal, noise), breaks);
   auto corner = corners.begin();
   std::size_t first = 0;
   while (first < n) {
     std::size_t end = first + 1;
     while (end < n && time_s[end] - time_s[end - 1] < gap_s) {
-      if (corner != corners.end() && *corner + 1 == end) {
-        ++corner;
-        break;
-      }
+      while (corner != corners.end() && *corner + 1 < end) ++corner;
+      if (corner != corners.end() && *corner + 1 == end) break;
       ++end;
     }
     const auto times = time_s.subspan(first, end - first);
@@ -247,24 +277,34 @@ std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<co
     const double span_s = time_s[i + 1] - time_s[i - 1];
     const double share = span_s > 0.0 ? (time_s[i] - time_s[i - 1]) / span_s : 0.5;
     const double off = std::abs(signal[i] - std::lerp(signal[i - 1], signal[i + 1], share));
-    const double turn = std::abs((signal[i + 2] - signal[i + 1]) - (signal[i - 1] - signal[i - 2]));
+    // On a riser of a stair the way past the sample is steep, and flat before and behind.
+    const double before = SlopeOf(time_s, signal, i - 2, i - 1);
+    const double past = SlopeOf(time_s, signal, i - 1, i + 1);
+    const double behind = SlopeOf(time_s, signal, i + 1, i + 2);
+    const auto [least, most] = std::minmax({before, past, behind});
+    const double turn = 0.5 * span_s * (most - least);
     if (off > kBeyondNoise * noise && off > kBeyondTurn * turn && off > 0.0) spikes.push_back(i);
   }
   return spikes;
 }
 
 double FollowedShare(std::span<const double> time_s, std::span<const double> drive,
-                     std::span<const double> response, double slope) {
+                     std::span<const double> clean_drive, std::span<const double> response, double slope) {
   const std::vector<double> x = FourthDifferences(time_s, drive);
   const std::vector<double> y = FourthDifferences(time_s, response);
-  const double x_limit = 5.0 * RobustStandardDeviation(x);
-  const double y_limit = 5.0 * RobustStandardDeviation(y);
+  const std::vector<double> motion = FourthDifferences(time_s, clean_drive);
+  constexpr double kNoise = 5.0;
+  const double noise = SampleNoise(time_s, drive);
+  const double x_limit = kNoise * noise;
+  const double y_limit = kNoise * SampleNoise(time_s, response);
+  // The response goes round the corners of the drive whether or not it follows the noise.
+  const double motion_limit = 0.5 * noise;
   double xx = 0.0;
   double xy = 0.0;
   double yy = 0.0;
   double count = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (std::abs(x[i]) > x_limit || std::abs(y[i]) > y_limit) continue;
+    if (std::abs(x[i]) > x_limit || std::abs(y[i]) > y_limit || std::abs(motion[i]) > motion_limit) continue;
     xx += slope * slope * x[i] * x[i];
     xy += slope * x[i] * y[i];
     yy += y[i] * y[i];

@@ -31,8 +31,10 @@ struct CleanSignal {
 /// where they are.
 /// @param time_s  rising; the abscissa of the parabolas.
 /// @param noise   standard deviation; 0 returns the signal.
+/// @param breaks  rising; samples after which the signal is known to go on otherwise.
 /// Source: intersection of confidence intervals, Katkovnik, IEEE Trans. Signal Process. 47 (1999) 2567.
-CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise);
+CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise,
+                         std::span<const std::size_t> breaks = {});
 
 /// Single samples that stand off the line through their neighbours by more than noise and by more than the
 /// signal turns there.
@@ -42,8 +44,9 @@ std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<co
 
 /// By how much `response` follows the fluctuation of `drive` from sample to sample: the slope between their
 /// fourth differences over time, as a share of `slope`, 0 to 1. 0 where that cannot be told from nothing.
+/// @param clean_drive  the drive without its noise.
 double FollowedShare(std::span<const double> time_s, std::span<const double> drive,
-                     std::span<const double> response, double slope);
+                     std::span<const double> clean_drive, std::span<const double> response, double slope);
 
 /// A place between two samples at which a signal turns from one straight line into another.
 struct Turn {
