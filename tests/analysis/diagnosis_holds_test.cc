@@ -57,6 +57,19 @@ TEST(FindHolds, TakesNoSlowRampAndNoSettlingForAHold) {
   EXPECT_TRUE(FindHolds(std::vector<double>(200, 34.0), 0.0).empty());
 }
 
+// A sine that turns within the noise of a few samples is no plateau: friction remembers its peak.
+TEST(FindHolds, TakesNoSlowTurnForAHold) {
+  std::vector<double> turn(200);
+  for (std::size_t i = 0; i < turn.size(); ++i) {
+    const double way = (static_cast<double>(i) - 100.0) / 32.0;
+    turn[i] = 34.0 - 2.0 * kNoise_Nm * way * way;
+  }
+  std::size_t taken = 0;
+  for (std::uint32_t seed = 1; seed <= 100; ++seed)
+    taken += FindHolds(WithNoise(turn, seed), kNoise_Nm).size();
+  EXPECT_LE(taken, 10U);
+}
+
 // Stairs of six samples and risers of three; a ramp of the noise a sample has none.
 TEST(FindStairs, FindsShortStairsAndNoneOnARamp) {
   std::vector<double> stairs;

@@ -59,12 +59,10 @@ bool HasNoTrend(const RunningSums& sums, std::size_t first, std::size_t end, dou
   return slope <= most && bend <= most;
 }
 
-// Both halves have one mean, and so has each piece.
+// Without trend, and each piece has the mean of all.
 bool IsLevel(const RunningSums& sums, std::size_t first, double noise) {
   const std::size_t end = first + kShortest;
-  const std::size_t middle = first + kShortest / 2;
-  const double error = 2.0 * noise / std::sqrt(static_cast<double>(kShortest));
-  if (std::abs(MeanOf(sums, first, middle) - MeanOf(sums, middle, end)) > kSlopes * error) return false;
+  if (!HasNoTrend(sums, first, end, kSlopes, noise)) return false;
   for (std::size_t piece = first; piece < end; piece += kPiece) {
     if (!Agrees(sums, piece, first, end, noise)) return false;
   }
@@ -126,7 +124,10 @@ std::vector<Hold> FindHolds(std::span<const double> signal, double noise) {
       continue;
     }
     std::size_t end = first + kShortest;
-    while (end + kPiece <= signal.size() && Agrees(sums, end, first, end, noise)) end += kPiece;
+    while (end + kPiece <= signal.size() && Agrees(sums, end, first, end, noise) &&
+           HasNoTrend(sums, first, end + kPiece, kBeyondNoise, noise)) {
+      end += kPiece;
+    }
     const double level = MeanOf(sums, first, end);
     std::size_t last = end;
     while (first + kPiece < last && EndStandsOff(sums, first, 1, level, noise)) ++first;
