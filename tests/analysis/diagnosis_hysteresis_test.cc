@@ -282,6 +282,12 @@ TEST(HysteresisStudy, NamesAFirstSegmentThatIsStifferOneWay) {
   ExpectNear(found.value("k1_asymmetry_share"), 0.05, 0.1);
 }
 
+TEST(HysteresisStudy, NamesASecondSegmentThatIsStifferOneWay) {
+  const Diagnosed found = Ask({.k2_stiffer_share = 0.03}, {}, 9);
+  EXPECT_EQ(found.names(), Names{"asymmetric_stiffness"});
+  ExpectNear(found.value("k2_asymmetry_share"), 0.03, 0.1);
+}
+
 TEST(HysteresisStudy, CallsAShapeOfNoCauseUnnamed) {
   GeneratedSensors sensors;
   sensors.unlisted_rad = [](double, double torque_Nm, double, bool) {

@@ -27,6 +27,7 @@ struct GeneratedGear {
   double outside_dead_zone_rad{};  // in series with both
   double stiffer_share{};          // (K+ − K−) / (K+ + K−)
   double k1_stiffer_share{};       // of the first segment alone
+  double k2_stiffer_share{};       // of the second
   double rise_with_rate{};         // of the friction's limits: × (1 + rise · ln(1 + |Ṫ| / 1 Nm/s))
   double hardening_Nm_per_rad3{};
   double damper_Nms_per_rad{};
@@ -156,14 +157,14 @@ class SteppedGear {
     const double in_zone = 0.5 * gear_.dead_zone_rad;
     const double size = std::abs(twist_rad) - in_zone;
     const double scale = Scale(twist_rad);
-    const double first_Nm_per_rad =
-        gear_.k1_Nm_per_rad * scale *
-        (twist_rad > 0.0 ? 1.0 + gear_.k1_stiffer_share : 1.0 - gear_.k1_stiffer_share);
+    const double side = twist_rad > 0.0 ? 1.0 : -1.0;
+    const double first_Nm_per_rad = gear_.k1_Nm_per_rad * scale * (1.0 + side * gear_.k1_stiffer_share);
+    const double second_Nm_per_rad = gear_.k2_Nm_per_rad * scale * (1.0 + side * gear_.k2_stiffer_share);
     const double knee1 = gear_.t1_Nm / first_Nm_per_rad;
-    const double knee2 = knee1 + (gear_.t2_Nm - gear_.t1_Nm) / (gear_.k2_Nm_per_rad * scale);
+    const double knee2 = knee1 + (gear_.t2_Nm - gear_.t1_Nm) / second_Nm_per_rad;
     double slope = size < 0.0     ? 0.01 * gear_.k1_Nm_per_rad
                    : size < knee1 ? first_Nm_per_rad
-                   : size < knee2 ? gear_.k2_Nm_per_rad * scale
+                   : size < knee2 ? second_Nm_per_rad
                                   : gear_.k3_Nm_per_rad * scale;
     return slope + 3.0 * gear_.hardening_Nm_per_rad3 * twist_rad * twist_rad;
   }

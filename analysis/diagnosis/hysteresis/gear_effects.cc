@@ -79,16 +79,18 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
       .where = Where::kUnit,
       .effect = "E5",
       .degrees_of_freedom = 1,
-      .trials = 3.0,
+      .trials = 4.0,
       .to_settle = TwoAngles(records)};
   const LawForm of_all{"asymmetry_share", "1", -0.5, 0.5,
                        [](double share, GearLaw& law) { law.asymmetry_share.fill(share); }};
   const LawForm of_first{"k1_asymmetry_share", "1", -0.5, 0.5,
                          [](double share, GearLaw& law) { law.asymmetry_share[0] = share; }};
+  const LawForm of_second{"k2_asymmetry_share", "1", -0.5, 0.5,
+                          [](double share, GearLaw& law) { law.asymmetry_share[1] = share; }};
   const LawForm of_last{"k3_asymmetry_share", "1", -0.5, 0.5,
                         [](double share, GearLaw& law) { law.asymmetry_share[2] = share; }};
   effects.push_back(
-      std::make_unique<LawNumber>(std::move(asymmetry), std::vector{of_all, of_first, of_last}));
+      std::make_unique<LawNumber>(std::move(asymmetry), std::vector{of_all, of_first, of_second, of_last}));
 
   const double hardest = 0.8 * peak_Nm / (half_range_rad * half_range_rad * half_range_rad);
   CauseRule hardening{
