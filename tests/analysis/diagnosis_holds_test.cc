@@ -88,6 +88,19 @@ TEST(FindStairs, FindsShortStairsAndNoneOnARamp) {
   }
 }
 
+// The turn of a ramp that takes no more than a few times the noise a sample.
+TEST(FindStairs, TakesNoSharpTurnForAStair) {
+  std::size_t taken = 0;
+  for (const double noises_a_sample : {1.0, 2.0, 3.0, 4.0}) {
+    std::vector<double> turns;
+    for (int i = 0; i < 4000; ++i) turns.push_back(noises_a_sample * kNoise_Nm * std::abs(i % 200 - 100));
+    for (std::uint32_t seed = 1; seed <= 20; ++seed)
+      taken += FindStairs(WithNoise(turns, seed), kNoise_Nm).size();
+  }
+  // Of 3200 turns.
+  EXPECT_LE(taken, 3U);
+}
+
 // Friction remembers the furthest that the torque went: by a ramp that is smoothed past its end, the twist
 // of the whole hold would be wrong.
 TEST(KeepStill, EndsARampAtTheHold) {

@@ -88,6 +88,7 @@ void EndRampAt(std::span<double> values, std::size_t nearest, int outwards, doub
 
 constexpr std::size_t kFewestOfStair = 5;
 constexpr double kOffStair = 3.5;  // standard deviations
+constexpr double kTrendOfStair = 3.0;
 
 bool IsOff(double difference, double noise) { return std::abs(difference) > kOffStair * noise; }
 
@@ -103,10 +104,11 @@ Hold WithoutRiser(std::span<const double> signal, const RunningSums& sums, Hold 
   return stair;
 }
 
-// A stair is come to and left at a stride, which no slow ramp is.
+// A stair is come to and left at a stride, which no turn of a ramp is.
 bool IsLeft(std::span<const double> signal, const Hold& stair, double noise) {
   constexpr std::size_t kStride = 2;
-  const auto goes = [&](std::size_t at) { return IsOff(0.5 * (signal[at] - stair.level), noise); };
+  constexpr double kFar = 10.0;  // standard deviations
+  const auto goes = [&](std::size_t at) { return std::abs(signal[at] - stair.level) > kFar * noise; };
   const bool come_to = stair.first < kStride || goes(stair.first - kStride);
   const bool left = stair.end + kStride > signal.size() || goes(stair.end + kStride - 1);
   return come_to && left;
@@ -154,7 +156,7 @@ std::vector<Hold> FindStairs(std::span<const double> signal, double noise) {
     }
     const Hold stair = WithoutRiser(signal, sums, {first, end, 0.0}, noise);
     if (stair.end < stair.first + kFewestOfStair) continue;
-    if (IsLeft(signal, stair, noise) && HasNoTrend(sums, stair.first, stair.end, kBeyondNoise, noise))
+    if (IsLeft(signal, stair, noise) && HasNoTrend(sums, stair.first, stair.end, kTrendOfStair, noise))
       stairs.push_back(stair);
     first = stair.end - 1;
   }
