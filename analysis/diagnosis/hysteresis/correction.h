@@ -36,6 +36,8 @@ class Correction : public LoopEffect {
   std::vector<std::string> units_;
 };
 
+/// Appends knees of the spring that lie elsewhere than the record says.
+void AppendKneeCorrection(const LoopRecords& records, LoopEffects& effects);
 /// Appends a jump and a window in time.
 void AppendTimeCorrections(const LoopRecords& records, LoopEffects& effects);
 /// Appends windows over torque and over output angle.

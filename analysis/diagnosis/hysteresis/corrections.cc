@@ -161,6 +161,7 @@ class Line final : public Correction {
 }  // namespace
 
 void AppendCorrections(const LoopRecords& records, LoopEffects& effects) {
+  AppendKneeCorrection(records, effects);
   effects.push_back(std::make_unique<TorquePolynomial>(records, false));
   effects.push_back(std::make_unique<TorquePolynomial>(records, true));
   for (const Over over : {Over::kAngle, Over::kTime, Over::kTorque}) {

@@ -76,8 +76,8 @@ void AppendDistributedFriction(const LoopRecords& records, LoopEffects& effects)
 void AppendRateDependence(const LoopRecords& records, LoopEffects& effects);
 /// Appends the causes that add to the angle: creep, brake slip, thermal drift.
 void AppendAddedEffects(const LoopRecords& records, LoopEffects& effects);
-/// Appends shapes without a physical cause: smooth functions of the torque, lines over output angle, time and
-/// torque, windows over torque and output angle, a jump and a window in time.
+/// Appends shapes without a physical cause: other knees, smooth functions of the torque, lines over output
+/// angle, time and torque, windows over torque and output angle, a jump and a window in time.
 void AppendCorrections(const LoopRecords& records, LoopEffects& effects);
 
 /// Standard errors from a covariance.
