@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/diagnosis/hysteresis/checks.h"
 #include "analysis/diagnosis/hysteresis/noise_reversals.h"
 #include "analysis/diagnosis/hysteresis/record.h"
 #include "analysis/diagnosis/hysteresis/signal.h"
@@ -150,6 +151,23 @@ TEST(SampleNoise, OfAStairIsNotItsRisers) {
   }
   // A third of the neighbours differ by half a riser: the median lies where three quarters of the noise do.
   EXPECT_LT(SampleNoise(time_s, torque_Nm), 1.8 * kTorqueNoise_Nm);
+}
+
+// Of a stair of three samples a step, one of them on the riser, nothing tells the noise; its upper steps are
+// no saturation, over which the angle goes on and comes back.
+TEST(RequireDiagnosableLoop, TakesNoCoarseStairForSaturation) {
+  std::mt19937 random(17);
+  std::normal_distribution<double> normal(0.0, kTorqueNoise_Nm);
+  const auto level = [](int at) { return 2.6 * (at <= 13 ? at : at <= 39 ? 26 - at : at - 52); };
+  HysteresisData record;
+  for (int i = 0; i < 900; ++i) {
+    const int step = i / 3 % 52;
+    const double torque_Nm = i % 3 == 2 ? 0.5 * (level(step) + level(step + 1)) : level(step);
+    record.time_s.push_back(0.1 * i);
+    record.torque_Nm.push_back(torque_Nm + normal(random));
+    record.output_angle_rad.push_back(torque_Nm / 2.0e4);
+  }
+  EXPECT_NO_THROW(RequireDiagnosableLoop(record));
 }
 
 // Two loops of stairs with ramps of 9 samples between them, ten times the noise a sample.
