@@ -17,8 +17,6 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kHighestOrderPerTurn = 1000.0;
-
 // What the residual has that its own past does not foretell; the first samples of each stretch get no weight.
 struct Innovations {
   std::vector<double> values;

@@ -12,6 +12,9 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// Of lines over an angle that are looked for.
+inline constexpr double kHighestOrderPerTurn = 1000.0;
+
 /// A shape that a residual may have, at the best place that a search found.
 struct LeftoverView {
   Eigen::MatrixXd columns;   // samples × coefficients

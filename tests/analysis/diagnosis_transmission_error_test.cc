@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -24,18 +25,29 @@ using Effect = std::function<double(const Place&)>;  // arcmin
 
 constexpr double kNoise_arcmin = 0.02;
 
-// One turn each way in steps of `step_deg` at ratio 80, 0.5 arcmin of second harmonic, and the effect.
-TransmissionErrorData Sweep(unsigned seed, const Effect& effect, double step_deg = 1.0) {
+// Places along the turn in steps of `step_deg`, there and back.
+std::vector<double> EvenPlaces_deg(double step_deg) {
+  const int steps = static_cast<int>(std::lround(360.0 / step_deg));
+  std::vector<double> places_deg;
+  for (int i = 0; i < 2 * steps; ++i) places_deg.push_back(step_deg * (i < steps ? i : 2 * steps - 1 - i));
+  return places_deg;
+}
+
+// One turn each way over such places at ratio 80, 0.5 arcmin of second harmonic, and the effect.
+TransmissionErrorData SweepOver(const std::vector<double>& places_deg, unsigned seed, const Effect& effect) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, RadFromArcmin(kNoise_arcmin));
   std::normal_distribution<double> torque_noise(0.0, 0.5);
   TransmissionErrorData record;
-  const int steps = static_cast<int>(std::lround(360.0 / step_deg));
-  for (int i = 0; i < 2 * steps; ++i) {
-    const bool clockwise = i < steps;
-    const double along_deg = step_deg * (clockwise ? i : 2 * steps - 1 - i);
-    Place place{
-        80.0 * RadFromDeg(along_deg), RadFromDeg(along_deg), clockwise ? 1.0 : -1.0, 2.0 * i, 0.0, 0.0};
+  for (std::size_t i = 0; i < places_deg.size(); ++i) {
+    const bool clockwise = 2 * i < places_deg.size();
+    const double along_deg = places_deg[i];
+    Place place{80.0 * RadFromDeg(along_deg),
+                RadFromDeg(along_deg),
+                clockwise ? 1.0 : -1.0,
+                2.0 * static_cast<double>(i),
+                0.0,
+                0.0};
     place.torque_Nm = 5.0 * std::sin(0.013 * place.time_s) + torque_noise(random);
     place.temperature_degC = 25.0 + 0.002 * place.time_s + 0.3 * std::sin(0.004 * place.time_s);
     const double error =
@@ -48,6 +60,22 @@ TransmissionErrorData Sweep(unsigned seed, const Effect& effect, double step_deg
     record.temperature_degC.push_back(place.temperature_degC);
   }
   return record;
+}
+
+TransmissionErrorData Sweep(unsigned seed, const Effect& effect, double step_deg = 1.0) {
+  return SweepOver(EvenPlaces_deg(step_deg), seed, effect);
+}
+
+// As many places as with even steps, drawn at random.
+TransmissionErrorData UnevenSweep(unsigned seed, const Effect& effect, double step_deg = 1.0) {
+  std::vector<double> places_deg = EvenPlaces_deg(step_deg);
+  std::mt19937 random(seed + 1000);
+  std::uniform_real_distribution<double> anywhere_deg(0.0, 360.0);
+  for (double& place_deg : places_deg) place_deg = anywhere_deg(random);
+  const auto turning = places_deg.begin() + static_cast<std::ptrdiff_t>(places_deg.size() / 2);
+  std::sort(places_deg.begin(), turning);
+  std::sort(turning, places_deg.end(), std::greater<>());
+  return SweepOver(places_deg, seed, effect);
 }
 
 struct Answer {
@@ -151,6 +179,27 @@ TEST(TransmissionErrorStudy, LeavesAnOrderOutsideTheListWithoutAName) {
   const auto& parameters = answer.diagnosis.corrections.front().parameters;
   EXPECT_EQ(parameters.back().name, "order_per_output_turn");
   EXPECT_EQ(parameters.back().value, 7.0);  // the whole order, and not one beside it
+}
+
+// Steps that are drawn at random fold nothing: a harmonic of the input is seen however many samples a turn
+// has.
+TEST(TransmissionErrorStudy, SeesAHarmonicOfTheInputThatUnevenStepsDoNotFold) {
+  for (const double order : {3.0, 8.0}) {
+    const Answer answer =
+        Ask(UnevenSweep(39, [&](const Place& at) { return 0.02 * std::cos(order * at.input_rad); }));
+    EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
+    ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
+    EXPECT_EQ(answer.diagnosis.corrections.front().parameters.back().value, 80.0 * order);
+  }
+}
+
+// So it is with a line between the harmonics.
+TEST(TransmissionErrorStudy, SeesALineAboveThoseOfTheInputsFirstHarmonics) {
+  const Answer answer = Ask(UnevenSweep(
+      40, [](const Place& at) { return 0.03 * std::cos(613.4 * at.output_rad); }, 0.3));
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
+  ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
+  EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.back().value, 613.4, 0.1);
 }
 
 TEST(TransmissionErrorStudy, LeavesARippleInOneStretchOfTheTurnWithoutAName) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "analysis/diagnosis/leftover_views.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/transmission_error/terms.h"
 #include "analysis/harmonic_regression.h"
@@ -20,12 +21,18 @@ constexpr double kArcminPerRad = 10800.0 / kPi;
 
 using Samples = TransmissionErrorSamples;
 
-// Orders per output turn that the samples resolve.
-double HighestOrder(const Samples& samples) {
+// Orders per output turn that a ripple within a stretch may have.
+double HighestOrderInStretch(const Samples& samples) {
   if (samples.samples_per_turn > 0.0) return 0.5 * samples.samples_per_turn;
   const double turns =
       std::max(SpanOf(samples.output_rad), 1e-9) / kTwoPi * static_cast<double>(samples.records);
   return std::min(400.0, 0.4 * static_cast<double>(samples.output_rad.size()) / turns);
+}
+
+// Orders per output turn that a sweep tells apart. Uneven steps fold none, but each order more is one more to
+// look at.
+double HighestOrder(const Samples& samples) {
+  return samples.samples_per_turn > 0.0 ? 0.5 * samples.samples_per_turn : kHighestOrderPerTurn;
 }
 
 SeparableTerm LineTerm(std::shared_ptr<const std::vector<double>> angle, const ShapeRange& order) {
@@ -79,11 +86,14 @@ void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
     orders.push_back(samples.samples_per_turn > 0.0 ? FoldedOrder(per_turn, samples.samples_per_turn)
                                                     : per_turn);
   }
-  std::erase_if(orders, [&](double order) { return order > top || order < 2.5; });
+  std::erase_if(orders, [](double order) { return order < 2.5; });
+  if (orders.empty()) return;
   const double cell = kTwoPi / std::max(SpanOf(samples.output_rad), 1e-9);
   auto angle = std::make_shared<const std::vector<double>>(samples.output_rad);
-  SeparableTerm term =
-      LineTerm(angle, {.low = 1.0, .high = top + 1.0, .step = 0.3 * cell, .moved = Moved::kNever});
+  SeparableTerm term = LineTerm(angle, {.low = 1.0,
+                                        .high = *std::ranges::max_element(orders) + 1.0,
+                                        .step = 0.3 * cell,
+                                        .moved = Moved::kNever});
   term.starts = [angle, orders](const Remainder& remainder) {
     double best_drop = 0.0;
     double best = 0.0;
@@ -179,7 +189,7 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
   for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi);
   const double narrowest = RadFromDeg(8.0);
   const double widest = RadFromDeg(120.0);
-  const double top = HighestOrder(samples);
+  const double top = HighestOrderInStretch(samples);
   SeparableTerm term;
   term.columns = 2;
   term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(4.0)},
