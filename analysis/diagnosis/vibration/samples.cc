@@ -255,10 +255,6 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
     for (VibrationRun& run : samples.runs) run.angle_rad.clear();
     const double speed = samples.runs.size() == 1 ? SpeedFromLines(samples) : 0.0;
     if (speed > 0.0) {
-      samples.warnings.push_back(
-          fmt::format("the record does not say the input speed: {:.4g} rpm was taken from a pair of lines at "
-                      "1 and 2 per turn",
-                      RpmFromRadPerS(speed)));
       TakeSteadySpeed(samples.runs.front(), speed);
     } else {
       samples.warnings.push_back(
@@ -269,7 +265,15 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
   }
   for (VibrationRun& run : samples.runs) FillNominal(run);
   if (!samples.angle_known()) return samples;
-  CorrectSpeed(samples, measured_speed && !any_without_speed);
+  CorrectSpeed(samples, any_without_speed ? SpeedSource::kItsLines
+                        : measured_speed  ? SpeedSource::kMeasured
+                                          : SpeedSource::kStated);
+  if (any_without_speed) {
+    samples.warnings.push_back(
+        fmt::format("the record does not say the input speed: {:.4g} rpm was taken from a pair of lines at "
+                    "1 and 2 per turn",
+                    RpmFromRadPerS(samples.runs.front().mean_speed_rad_per_s)));
+  }
   for (const VibrationRun& run : samples.runs) ExpectSampledTurns(run);
   return samples;
 }

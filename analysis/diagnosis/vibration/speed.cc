@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 
 #include "analysis/diagnosis/vibration/projection.h"
@@ -22,6 +24,7 @@ using Eigen::VectorXd;
 constexpr double kLagWorthSaying = 1.0;     // sampling periods
 constexpr double kLeastSpreadOfLag = 0.02;  // of the mean speed
 constexpr double kClearLag = 3.0;           // standard errors
+constexpr std::size_t kMostPairs = 6;
 constexpr double kClearLine = 9.0;  // −ln p of one line at a known place, beyond what a channel gives
 
 VectorXd Response(const VibrationSamples& samples, const VibrationRun& run, const VibrationStretch& channel) {
@@ -164,7 +167,8 @@ bool LinesAgreeOnLag(const VibrationSamples& samples, const VibrationRun& run) {
          apart < std::max(kClearLag * uncertain, 0.1 * std::max(std::abs(found(1)), std::abs(found(2))));
 }
 
-void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
+void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source) {
+  const bool measured = source == SpeedSource::kMeasured;
   const auto n = static_cast<Index>(run.size());
   const double count = static_cast<double>(run.size() * run.channels.size());
   const PhaseFit given = FitPhase(samples, run, MatrixXd(n, 0));
@@ -202,14 +206,15 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
   const double may_lose = 4.0 * variance + 0.1 * (given.square_sum - best.square_sum);
   const bool either_loses = best.line_energy[0] < given.line_energy[0] - may_lose ||
                             best.line_energy[1] < given.line_energy[1] - may_lose;
-  if (!(score > 20.0) || (either_loses && !change.lag)) return;
+  const bool is_stated = source != SpeedSource::kItsLines;
+  if (is_stated && (!(score > 20.0) || (either_loses && !change.lag))) return;
   const double before = run.mean_speed_rad_per_s;
   const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), n);
   TakeAngle(run, angle + BasisOf(run, change) * best.phase);
   if (change.waves > 0) {
     samples.warnings.push_back(
         "the speed wanders more than the file says: the shaft's own lines were followed");
-  } else if (std::abs(run.mean_speed_rad_per_s / before - 1.0) > 0.002) {
+  } else if (is_stated && std::abs(run.mean_speed_rad_per_s / before - 1.0) > 0.002) {
     samples.warnings.push_back(fmt::format("the shaft's lines stand at {:.5g} rpm, the file says {:.5g}",
                                            RpmFromRadPerS(run.mean_speed_rad_per_s), RpmFromRadPerS(before)));
   }
@@ -219,6 +224,37 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, bool measured) {
                     "say: it was moved by so much",
                     1e3 * std::abs(best.phase(1)), best.phase(1) > 0.0 ? "behind" : "ahead of"));
   }
+}
+
+// Whether one of the shaft's lines stands out where the other was taken out: over few turns a loud line is
+// seen in the spectrum where a weak one would be.
+bool StandsOutAlone(const VibrationSamples& one, Index line) {
+  const VibrationRun& run = one.runs.front();
+  const auto n = static_cast<Index>(run.size());
+  const VectorXd weights = VectorXd::Ones(n);
+  std::vector<double> left(one.measured.size(), 0.0);
+  for (const VibrationStretch& channel : run.channels) {
+    const VectorXd response = Response(one, run, channel);
+    ChannelFit fit = FitChannel(run.nominal, response, weights);
+    fit.coefficients.segment(2 * line - 1, 2).setZero();
+    Eigen::Map<VectorXd>(left.data() + channel.first, n) = response - run.nominal * fit.coefficients;
+  }
+  const VibrationSpectrum spectrum(one, left, std::vector<double>(left.size(), 1.0), SpectrumAxis::kTurns);
+  return ExcessOf(spectrum.At(static_cast<double>(line)), static_cast<double>(spectrum.channels())) >
+         kClearLine;
+}
+
+// What a pair of lines at this speed, which may be a little off, leaves; nothing where one of them is not
+// there.
+std::optional<double> SquareSumOfPair(VibrationSamples samples, double speed_rad_per_s) {
+  VibrationRun& run = samples.runs.front();
+  TakeSteadySpeed(run, speed_rad_per_s);
+  const MatrixXd scale = BasisOf(run, {});
+  const PhaseFit fit = FitPhase(samples, run, scale);
+  const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), static_cast<Index>(run.size()));
+  TakeAngle(run, angle + scale * fit.phase);
+  if (!StandsOutAlone(samples, 1) || !StandsOutAlone(samples, 2)) return std::nullopt;
+  return fit.square_sum;
 }
 
 // A speed in another unit puts the pair of lines far from where it should be.
@@ -245,7 +281,7 @@ void CheckUnit(const VibrationSpectrum& spectrum, double speed_rad_per_s) {
 
 }  // namespace
 
-void CorrectSpeed(VibrationSamples& samples, bool speed_was_measured) {
+void CorrectSpeed(VibrationSamples& samples, SpeedSource source) {
   const std::vector<double> centred = LessMeans(samples);
   const std::vector<double> ones(centred.size(), 1.0);
   for (VibrationRun& run : samples.runs) {
@@ -253,20 +289,20 @@ void CorrectSpeed(VibrationSamples& samples, bool speed_was_measured) {
     one.runs.push_back(run);
     const VibrationSpectrum spectrum(one, centred, ones, SpectrumAxis::kTurns);
     CheckUnit(spectrum, run.mean_speed_rad_per_s);
-    const double best = BestPair(spectrum, 1.0, speed_was_measured ? 0.004 : 0.025);
+    const double best = BestPair(spectrum, 1.0, source == SpeedSource::kMeasured ? 0.004 : 0.025);
     const double cells = std::abs(best - 1.0) / spectrum.cell();
     const double ahead = PairExcess(spectrum, best) - PairExcess(spectrum, 1.0);
     const bool clear = ahead > 20.0 && PairExcess(spectrum, 1.0) < 0.3 * PairExcess(spectrum, best);
     if (clear && (cells < 1.0 || BothLines(spectrum, best))) {
       const double before = run.mean_speed_rad_per_s;
       TakeAngle(run, best * Eigen::Map<const VectorXd>(run.angle_rad.data(), static_cast<Index>(run.size())));
-      if (std::abs(best - 1.0) > 0.002) {
+      if (source != SpeedSource::kItsLines && std::abs(best - 1.0) > 0.002) {
         samples.warnings.push_back(fmt::format("the shaft's lines stand at {:.5g} rpm, the file says {:.5g}",
                                                RpmFromRadPerS(run.mean_speed_rad_per_s),
                                                RpmFromRadPerS(before)));
       }
     }
-    RefineRun(samples, run, speed_was_measured);
+    RefineRun(samples, run, source);
   }
 }
 
@@ -276,14 +312,23 @@ double SpeedFromLines(const VibrationSamples& samples) {
   const VibrationSpectrum spectrum(samples, centred, ones, SpectrumAxis::kSeconds);
   const double lowest = std::max(0.5, 3.0 * spectrum.cell());
   const double highest = std::min(200.0, 0.45 * spectrum.highest());
-  double best = 0.0;
+  std::vector<double> candidates;
   for (const SpectrumPeak& peak : FindPeaks(spectrum, lowest, 2.0 * highest, 6)) {
     for (const double frequency : {peak.order, 0.5 * peak.order}) {
       if (frequency < lowest || frequency > highest) continue;
-      const double refined = BestPair(spectrum, frequency, std::min(0.01, 0.5 * spectrum.cell() / frequency));
-      if (!BothLines(spectrum, refined)) continue;
-      if (best == 0.0 || PairExcess(spectrum, refined) > 1.05 * PairExcess(spectrum, best)) best = refined;
+      candidates.push_back(BestPair(spectrum, frequency, std::min(0.01, 0.5 * spectrum.cell() / frequency)));
     }
+  }
+  std::ranges::sort(candidates, std::greater<>(),
+                    [&](double frequency) { return PairExcess(spectrum, frequency); });
+  candidates.resize(std::min(candidates.size(), kMostPairs));
+  double best = 0.0;
+  double least_square_sum = 0.0;
+  for (const double frequency : candidates) {
+    const std::optional<double> square_sum = SquareSumOfPair(samples, kTwoPi * frequency);
+    if (!square_sum || (best > 0.0 && *square_sum >= least_square_sum)) continue;
+    best = frequency;
+    least_square_sum = *square_sum;
   }
   return kTwoPi * best;
 }
