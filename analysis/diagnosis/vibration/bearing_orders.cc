@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "analysis/diagnosis/vibration/slipping.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of the shaft's to its last one
 constexpr double kPartOfCell = 0.6;        // that tells two orders apart
+constexpr double kSlipRange = 2.5;         // standard errors
 constexpr double kLinePartOfCell = 0.3;    // that tells a strong line's place
 
 // Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
@@ -63,9 +65,10 @@ double HarmonicsOf(const VibrationRemainder& remainder, const VibrationTerm& ter
 
 }  // namespace
 
-bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics) {
+bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics, double slip) {
   const double of_scale = kScaleRange * remainder.samples().order_uncertainty * order;
-  const double sharpness = std::max(of_scale, kPartOfCell * remainder.over_turns().cell() / harmonics);
+  const double sharpness =
+      std::max({of_scale, kPartOfCell * remainder.over_turns().cell() / harmonics, slip});
   const std::array<double, 2> others = OtherOrders(order, model::CrackOrder(remainder.samples().ratio));
   return std::ranges::none_of(others, [&](double other) { return std::abs(order - other) < sharpness; });
 }
@@ -74,6 +77,10 @@ bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term) {
   if (term.form == VibrationForm::kRing) {
     const Heard heard = HeardOf(remainder, term);
     if (heard.decay() < 0.9 * kLeastDecay || IsALineOfTeeth(remainder, heard, term.shapes[0])) return false;
+  }
+  if (!term.slips.empty()) {
+    return IsBearingOrder(remainder, term.shapes[0], kHarmonicsOfSlipping,
+                          kSlipRange * OrderErrorOfSlips(remainder.samples(), term));
   }
   return IsBearingOrder(remainder, term.shapes[0], HarmonicsOf(remainder, term));
 }

@@ -12,8 +12,12 @@ inline constexpr double kScaleRange = 3.0;
 /// Half-widths of a resonance in which harmonics of impulses are heard.
 inline constexpr double kRingReach = 2.0;
 
+/// Of the envelope of a train that slips, as many as are always heard.
+inline constexpr double kHarmonicsOfSlipping = 2.0;
+
 /// Not another's order, as sharply as so many harmonics and the angle's scale say it.
-bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics);
+/// @param slip  by how much the order may be off since impulses slip
+bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics, double slip = 0.0);
 
 /// Whether the order of a train or of a family of lines is a bearing's: none that others have, impulses that
 /// die away, and more to hear than one line at a whole order.

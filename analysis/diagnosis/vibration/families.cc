@@ -11,6 +11,7 @@
 #include "analysis/diagnosis/vibration/combs.h"
 #include "analysis/diagnosis/vibration/impulses.h"
 #include "analysis/diagnosis/vibration/line_sets.h"
+#include "analysis/diagnosis/vibration/slipping.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
 
@@ -167,6 +168,12 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
     if (family && beside > kBesideStrongest && IsBearing(remainder, lines->term))
       Keep(std::move(*lines), best);
   }
+  Best slipping = SearchSlippingTrain(remainder, index, lowest, highest, [&](double order) {
+    return IsBearingOrder(remainder, order, kHarmonicsOfSlipping);
+  });
+  if (slipping && IsBearing(remainder, slipping->term) &&
+      (!best || slipping->bic() + 2.0 * LogPlacesOfSlips(remainder.samples(), slipping->term) < best->bic()))
+    best = std::move(slipping);
   return best;
 }
 

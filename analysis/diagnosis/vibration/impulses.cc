@@ -60,7 +60,8 @@ Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
            const std::vector<double>& modulations) {
   const VibrationRun& run = remainder.samples().runs.front();
   const double top_Hz = 0.97 * remainder.samples().highest_Hz();
-  Look best = LookAt(remainder, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}}, 0.0, start.loudness);
+  Look best =
+      LookAt(remainder, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}, {}}, 0.0, start.loudness);
   const auto take = [&](RingTrain train, double sideband) {
     if (train.ring_Hz > top_Hz || train.damping_ratio < kLeastDamping || train.damping_ratio > kMostDamping)
       return false;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "analysis/diagnosis/fit_covariance.h"
+#include "analysis/diagnosis/vibration/slipping.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
 
@@ -255,10 +256,12 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       break;
     case VibrationForm::kRing:
       add_shape(0, OrderName(cause), "1/turn");
-      values.back().standard_error = WithAngle(values.back().value, values.back().standard_error);
+      values.back().standard_error = std::hypot(WithAngle(values.back().value, values.back().standard_error),
+                                                OrderErrorOfSlips(samples, term));
       add_amplitude(1, AmplitudeName(samples));
       add_shape(1, "ring_Hz", "Hz");
       add_shape(2, "ring_decay_ratio", "1");
+      if (!term.slips.empty()) values.push_back({"slip_share", "1", SlipShareOf(term.slips), 0.0});
       for (std::size_t m = 0; m < term.lines.size(); ++m) {
         values.push_back({"modulated_per_turn", "1/turn", term.lines[m].offset, 0.0});
         add_shape(3 + 2 * m, "modulation_cosine", "1");

@@ -119,15 +119,7 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
          AreLines(remainder, band, SpectrumAxis::kSeconds);
 }
 
-// What a train leaves about its ring, since its impulses are neither quite even nor quite alike, is that ring
-// again.
-bool IsOfATrain(const VibrationRemainder& remainder, double frequency_Hz) {
-  return std::ranges::any_of(remainder.base().terms, [&](const VibrationTerm& term) {
-    if (term.form != VibrationForm::kRing) return false;
-    const double half_width_Hz = term.shapes[1] * term.shapes[2];
-    return std::abs(frequency_Hz - term.shapes[1]) < kRingReach * half_width_Hz;
-  });
-}
+double HalfWidthOf(const VibrationTerm& resonance) { return resonance.shapes[0] * resonance.shapes[1]; }
 
 std::size_t KnockCount(const VibrationTerm& term) { return (term.shapes.size() - 1) / 2; }
 
@@ -275,12 +267,27 @@ void TryDriven(const VibrationRemainder& remainder, std::size_t index, double lo
 
 }  // namespace
 
+bool IsOfATrain(std::span<const VibrationTerm> terms, double frequency_Hz, double half_width_Hz) {
+  return std::ranges::any_of(terms, [&](const VibrationTerm& term) {
+    if (term.form != VibrationForm::kRing) return false;
+    const double half_width_of_ring_Hz = term.shapes[1] * term.shapes[2];
+    return std::abs(frequency_Hz - term.shapes[1]) < kRingReach * (half_width_of_ring_Hz + half_width_Hz);
+  });
+}
+
+bool HasResonanceOfATrain(std::span<const VibrationTerm> terms) {
+  return std::ranges::any_of(terms, [&](const VibrationTerm& term) {
+    const bool rings = term.form == VibrationForm::kNarrowband || term.form == VibrationForm::kKicks;
+    return rings && IsOfATrain(terms, term.shapes[0], HalfWidthOf(term));
+  });
+}
+
 Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, double lowest_Hz,
                      double highest_Hz, bool by_shaft) {
   Best best;
   std::vector<double> frequencies_Hz;
   for (const NoiseBand& band : FindBands(remainder, lowest_Hz, highest_Hz, 2)) {
-    if (IsOfATrain(remainder, band.centre_Hz)) continue;
+    if (IsOfATrain(remainder.base().terms, band.centre_Hz, 0.0)) continue;
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
     TermFit solution = remainder.With(NarrowTerm(remainder, index, band, damping), 12);
@@ -288,11 +295,13 @@ Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, dou
   }
   for (const BurstSpot& spot : FindBursts(remainder, 2)) {
     if (spot.frequency_Hz > lowest_Hz && spot.frequency_Hz < highest_Hz &&
-        !IsOfATrain(remainder, spot.frequency_Hz))
+        !IsOfATrain(remainder.base().terms, spot.frequency_Hz, 0.0))
       frequencies_Hz.push_back(spot.frequency_Hz);
   }
   TryKicks(remainder, index, frequencies_Hz, best);
-  if (best && (IsOfATrain(remainder, best->term.shapes[0]) || AreLines(remainder, *best))) best.reset();
+  if (best && (IsOfATrain(remainder.base().terms, best->term.shapes[0], HalfWidthOf(best->term)) ||
+               AreLines(remainder, *best)))
+    best.reset();
   if (by_shaft) TryDriven(remainder, index, lowest_Hz, highest_Hz, best);
   return best;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "analysis/diagnosis/vibration/starts.h"
 
@@ -12,5 +13,13 @@ namespace strainwave::analysis::diagnosis {
 /// tone explains most.
 std::optional<TermFit> SearchResonance(const VibrationRemainder& remainder, std::size_t index,
                                        double lowest_Hz, double highest_Hz, bool by_shaft);
+
+/// Whether something at this frequency, with this half of its width, is the ring of a train among these
+/// terms: what a train leaves about its ring, since its impulses are neither quite even nor quite alike, is
+/// that ring again.
+bool IsOfATrain(std::span<const VibrationTerm> terms, double frequency_Hz, double half_width_Hz);
+
+/// Whether a resonance among these terms is but the ring of a train that is there, too.
+bool HasResonanceOfATrain(std::span<const VibrationTerm> terms);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -29,6 +29,12 @@ double Impulses(const VibrationRun& run, const RingTrain& train, std::size_t sam
 
 }  // namespace
 
+double RingTrain::SlipOf(double impulse) const {
+  if (slips.empty()) return 0.0;
+  const auto last = static_cast<double>(slips.size() - 1);
+  return slips[static_cast<std::size_t>(std::clamp(impulse + std::floor(0.5 * last), 0.0, last))];
+}
+
 Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
   const std::size_t n = run.size();
   Eigen::VectorXd column(static_cast<Index>(n));
@@ -47,24 +53,27 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
   const double first_speed = std::max(run.speed_rad_per_s.front(), 1e-9);
   const double apart_s = kTwoPi / (train.order * first_speed);
   const double begin = Impulses(run, train, 0);
-  for (int back = 0; back < 200; ++back) {
-    const double since_s = (begin - std::floor(begin) + back) * apart_s;
+  const auto place_of = [&train](double impulse) { return impulse + train.SlipOf(impulse); };
+  double next = std::floor(begin) + 1.0;
+  while (place_of(next) <= begin) next += 1.0;
+  while (place_of(next - 1.0) > begin) next -= 1.0;
+  for (int back = 1; back <= 200; ++back) {
+    const double since_s = (begin - place_of(next - back)) * apart_s;
     const Complex left = std::exp(pole * since_s);
     if (std::norm(left) < 1e-8) break;
     state += weight_at(run.angle_rad.front() - since_s * first_speed) * left;
   }
   const double per_angle = train.order / kTwoPi;
   const double offset = 0.5 * run.angle_rad.back() * per_angle + train.phase;
-  double next = std::floor(begin) + 1.0;
   for (std::size_t i = 0; i < n; ++i) {
     if (i > 0) {
       const double step_s = run.time_s[i] - run.time_s[i - 1];
       const bool even = std::abs(step_s - run.period_s) < 1e-9 * run.period_s;
       state *= even ? even_step : std::exp(pole * step_s);
       const double here = per_angle * run.angle_rad[i] - offset;
-      for (; next <= here; next += 1.0) {
+      for (; place_of(next) <= here; next += 1.0) {
         const double before = per_angle * run.angle_rad[i - 1] - offset;
-        const double share = (next - before) / (here - before);
+        const double share = (place_of(next) - before) / (here - before);
         state += weight_at(run.angle_rad[i - 1] + share * (run.angle_rad[i] - run.angle_rad[i - 1])) *
                  std::exp(pole * ((1.0 - share) * step_s));
       }
@@ -76,7 +85,7 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
 
 void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s, double height,
              Eigen::Ref<Eigen::VectorXd> column) {
-  const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}});
+  const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}, {}});
   const auto first = std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s) - run.time_s.begin();
   const Complex even_step = std::exp(pole * run.period_s);
   Complex state = 1.0;
@@ -90,7 +99,7 @@ void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, doub
 }
 
 Knock OneOf(const Knock& first, const Knock& second, double ring_Hz, double damping_ratio) {
-  const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}});
+  const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}, {}});
   // Size and phase at the start of the first; the sign makes up for half a turn of the phase.
   const Complex sum = first.height + second.height * std::exp(pole * (first.start_s - second.start_s));
   const double sign = sum.real() < 0.0 ? -1.0 : 1.0;
@@ -102,7 +111,7 @@ Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
                  std::span<const double> residual, std::span<const double> weights,
                  std::span<const double> gains) {
   const std::size_t n = run.size();
-  const Complex step = std::exp(PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}}) * run.period_s);
+  const Complex step = std::exp(PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}, {}}) * run.period_s);
   std::vector<double> matched(n, 0.0);
   double gain_square = 0.0;
   for (std::size_t c = 0; c < run.channels.size(); ++c) {

@@ -26,13 +26,19 @@ struct RingModulation {
   double sine{};
 };
 
-/// Impulses at even angles, each of which lets a resonance ring: ∑ⱼ wⱼ exp(−ζω(t − tⱼ)) sin ω(t − tⱼ).
+/// Impulses at even angles, but for what they slip, each of which lets a resonance ring:
+/// ∑ⱼ wⱼ exp(−ζω(t − tⱼ)) sin ω(t − tⱼ).
 struct RingTrain {
   double order{};  // impulses per input turn
   double ring_Hz{};
   double damping_ratio{};
   double phase{};  // impulse where angle from mid-record · order / 2π = integer + phase
   std::vector<RingModulation> modulations{};
+  /// By how much of a period each impulse comes late, the one at mid-record in the middle; those beyond the
+  /// ends as the last ones. Empty where none slips.
+  std::vector<double> slips{};
+
+  double SlipOf(double impulse) const;
 };
 
 /// The train with impulses of about one.

@@ -10,9 +10,11 @@
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/gear_mesh.h"
 #include "analysis/diagnosis/vibration/parameters.h"
+#include "analysis/diagnosis/vibration/resonances.h"
 #include "analysis/diagnosis/vibration/rules.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/searches.h"
+#include "analysis/diagnosis/vibration/slipping.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/starts.h"
 #include "analysis/noise_level.h"
@@ -184,6 +186,7 @@ class VibrationStudy final : public Study {
   ModelFit Describe(std::span<const std::size_t> cause_indices, const VibrationSolver& solver,
                     VibrationSolution solution, FitPurpose purpose) const {
     ModelFit fit = Unusable(cause_indices);
+    if (HasResonanceOfATrain(solution.terms)) return fit;
     Eigen::MatrixXd shapes;
     if (purpose != FitPurpose::kCompare) shapes = solver.ShapeCovariance(solution);
     fit.nominal = DescribeNominal(samples_, solution);
@@ -208,6 +211,7 @@ class VibrationStudy final : public Study {
   double LogPlacesOf(const VibrationTerm& term) const {
     const VibrationCause kind = rules_.kinds[term.cause];
     if (kind == VibrationCause::kGearMesh) return LogChoicesOfMesh(samples_, term);
+    if (kind == VibrationCause::kBearingDefect) return LogPlacesOfSlips(samples_, term);
     if (kind == VibrationCause::kFlexsplineCrack) return LogPlacesOfCrack(samples_, term);
     if (term.form != VibrationForm::kKicks) return 0.0;
     const double further = 0.5 * static_cast<double>(term.shapes.size() - 3);

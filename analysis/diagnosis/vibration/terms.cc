@@ -197,7 +197,7 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
       FillLines(run.time_2pi, term, columns);
       break;
     case VibrationForm::kRing: {
-      RingTrain train{term.shapes[0], term.shapes[1], term.shapes[2], 0.0, {}};
+      RingTrain train{term.shapes[0], term.shapes[1], term.shapes[2], 0.0, {}, term.slips};
       std::size_t s = 3;
       for (const LinePlace& line : term.lines) {
         train.modulations.push_back({line.offset, term.shapes[s], term.shapes[s + 1]});
@@ -288,6 +288,8 @@ std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {
     state.insert(state.end(), term.shapes.begin(), term.shapes.end());
     state.push_back(static_cast<double>(term.heard.size()));
     for (const char heard : term.heard) state.push_back(heard);
+    state.push_back(static_cast<double>(term.slips.size()));
+    state.insert(state.end(), term.slips.begin(), term.slips.end());
   }
   return state;
 }
@@ -308,6 +310,8 @@ std::vector<VibrationTerm> UnpackTerms(const std::vector<double>& state) {
     for (double& shape : term.shapes) shape = next();
     term.heard.resize(static_cast<std::size_t>(next()));
     for (char& heard : term.heard) heard = static_cast<char>(next());
+    term.slips.resize(static_cast<std::size_t>(next()));
+    for (double& slip : term.slips) slip = next();
   }
   return terms;
 }

@@ -45,6 +45,8 @@ struct VibrationTerm {
   std::vector<LinePlace> lines;
   std::vector<double> shapes;
   std::vector<char> heard;  // one a channel of all runs: 0 where the term is left out
+  std::vector<double>
+      slips{};  // kRing: of its impulses, as RingTrain has them; found by a search, not fitted
 };
 
 /// Width of the pulses of a term: few records tell it, and a number that is not fitted costs nothing.

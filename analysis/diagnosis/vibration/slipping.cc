@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/slipping.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "analysis/diagnosis/vibration/bearing_orders.h"
+#include "analysis/diagnosis/vibration/combs.h"
+#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/spectrum.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Best = std::optional<TermFit>;
+using Complex = std::complex<double>;
+using Series = std::vector<Complex>;
+
+constexpr double kLowestRing = 0.04;  // of the sampling rate
+constexpr double kHighestRing = 0.45;
+constexpr double kNextRing = 1.25;      // within a width of what rings
+constexpr double kDamping = 0.08;       // as a bearing's housing has it; what is found is refined
+constexpr double kHarmonics = 4.0;      // of the highest order, in the spectrum of an envelope
+constexpr double kClearExcess = 7.0;    // −ln p of a comb beyond all that were looked at
+constexpr double kLooksPerCell = 30.0;  // ranges of harmonics, and steps finer than a cell
+constexpr std::size_t kMostTried = 3;
+constexpr int kTracks = 3;
+constexpr std::size_t kMostLinesThatBeat = 5;
+
+// Slips are a percent or two of the period; of five times as much nobody has heard.
+constexpr double kUsualSlip = 0.015;
+constexpr double kLargestSlip = 0.1;
+constexpr double kLeastSlip = 1e-3;
+constexpr double kLeastDecayOfEnvelope = 1.0;  // exponent, from one impulse to the next
+constexpr double kHighest = 2.0;               // impulse, of the usual one: the load on the balls changes
+
+// What a ring that starts at a sample has in common with the residual behind it, each channel for itself.
+std::vector<Series> Matched(const VibrationRemainder& remainder, double ring_Hz, double damping) {
+  const VibrationRun& run = remainder.samples().runs.front();
+  const double natural = kTwoPi * ring_Hz * run.period_s;
+  const Complex step = std::exp(Complex{-damping * natural, natural * std::sqrt(1.0 - damping * damping)});
+  std::vector<Series> matched;
+  for (const VibrationStretch& channel : run.channels) {
+    Series own(run.size());
+    Complex common{};
+    for (std::size_t i = run.size(); i-- > 0;) {
+      const std::size_t place = channel.first + i;
+      const bool counts = remainder.solver().weights()[place] > 0.0;
+      common = Product(common, step) + (counts ? remainder.residual()[place] : 0.0);
+      own[i] = common;
+    }
+    matched.push_back(std::move(own));
+  }
+  return matched;
+}
+
+// Energy of a ring of height one, which is a sine that dies away.
+double EnergyOf(const VibrationRun& run, double ring_Hz, double damping) {
+  return 0.5 / -std::expm1(-2.0 * damping * kTwoPi * ring_Hz * run.period_s);
+}
+
+// How loud the ring is, over turns, in as few samples as the highest order needs.
+struct Envelope {
+  VibrationSamples samples;
+  std::vector<double> values;
+};
+
+Envelope EnvelopeOf(const VibrationRun& run, const std::vector<Series>& matched, double highest_order) {
+  const double per_turn = 2.0 * kHarmonics * highest_order;
+  const auto together = std::max<std::size_t>(
+      1, static_cast<std::size_t>(static_cast<double>(run.size()) / (run.turns * per_turn)));
+  Envelope envelope;
+  VibrationRun& thin = envelope.samples.runs.emplace_back();
+  for (std::size_t first = 0; first + together <= run.size(); first += together) {
+    double square = 0.0;
+    for (const Series& channel : matched) {
+      for (std::size_t i = first; i < first + together; ++i) square += std::norm(channel[i]);
+    }
+    envelope.values.push_back(std::sqrt(square));
+    thin.time_s.push_back(run.time_s[first] - run.time_s.front());
+    thin.angle_rad.push_back(run.angle_rad[first] - run.angle_rad.front());
+  }
+  const double mean = std::reduce(envelope.values.begin(), envelope.values.end()) /
+                      static_cast<double>(envelope.values.size());
+  for (double& value : envelope.values) value -= mean;
+  thin.channels.push_back({"envelope", 0, 1.0});
+  thin.turns = thin.angle_rad.back() / kTwoPi;
+  return envelope;
+}
+
+// An order, and the ring that is heard with it.
+struct Heard {
+  double order{};
+  double ring_Hz{};
+  double excess{};
+};
+
+std::vector<Heard> FindHeard(const VibrationRemainder& remainder, double lowest, double highest,
+                             const std::function<bool(double order)>& allowed) {
+  const VibrationRun& run = remainder.samples().runs.front();
+  const double looks = std::log(kHighestRing / kLowestRing) / std::log(kNextRing) * kLooksPerCell *
+                       (highest - lowest) * run.turns;
+  std::vector<Heard> found;
+  for (double ring = kLowestRing; ring < kHighestRing; ring *= kNextRing) {
+    const double ring_Hz = ring / run.period_s;
+    const Envelope envelope = EnvelopeOf(run, Matched(remainder, ring_Hz, kDamping), highest);
+    const std::vector<double> ones(envelope.values.size(), 1.0);
+    const VibrationSpectrum spectrum(envelope.samples, envelope.values, ones, SpectrumAxis::kTurns);
+    for (const class Comb& comb :
+         FindCombs(spectrum, lowest, std::min(highest, 0.45 * spectrum.highest()), 0.0, 1, allowed)) {
+      if (comb.excess > std::log(looks) + kClearExcess)
+        found.push_back({Refined(spectrum, comb).order, ring_Hz, comb.excess});
+    }
+  }
+  std::ranges::sort(found, std::greater<>(), &Heard::excess);
+  found.resize(std::min(found.size(), kMostTried));
+  return found;
+}
+
+// The channels as one: in the proportion in which they ring at these samples.
+Series InStep(const std::vector<Series>& matched, const std::vector<std::size_t>& at) {
+  const auto loudness = [&](const Series& channel) {
+    double sum = 0.0;
+    for (const std::size_t i : at) sum += std::norm(channel[i]);
+    return sum;
+  };
+  const Series& loudest = *std::ranges::max_element(matched, {}, loudness);
+  std::vector<double> gains;
+  double square = 0.0;
+  for (const Series& channel : matched) {
+    double gain = 0.0;
+    for (const std::size_t i : at) gain += (std::conj(loudest[i]) * channel[i]).real();
+    gains.push_back(gain);
+    square += gain * gain;
+  }
+  Series together(loudest.size());
+  for (std::size_t c = 0; c < matched.size(); ++c) {
+    const double gain = gains[c] / std::sqrt(std::max(square, 1e-300));
+    for (std::size_t i = 0; i < together.size(); ++i) together[i] += gain * matched[c][i];
+  }
+  return together;
+}
+
+// The chain of samples, each about a period behind the one before, that holds most: of all chains by dynamic
+// programming.
+// @param score  of an impulse at a sample, in ln of likelihood
+std::vector<std::size_t> BestChain(const VibrationRun& run, double order, const std::vector<double>& score) {
+  const std::size_t n = run.size();
+  std::vector<double> best(score);
+  std::vector<std::size_t> before(n, n);
+  const auto apart_at = [&](std::size_t i) {
+    return kTwoPi / (order * std::max(run.speed_rad_per_s[i], 1e-9) * run.period_s);
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    const double apart = apart_at(i);
+    const auto nearest = static_cast<std::size_t>(std::max(1.0, (1.0 - kLargestSlip) * apart));
+    const auto farthest = static_cast<std::size_t>((1.0 + kLargestSlip) * apart) + 1;
+    if (i < farthest) continue;
+    double most = -1e300;
+    for (std::size_t back = nearest; back <= farthest; ++back) {
+      const double slip = (static_cast<double>(back) / apart - 1.0) / kUsualSlip;
+      const double chain = best[i - back] - 0.5 * slip * slip;
+      if (chain > most) {
+        most = chain;
+        before[i] = i - back;
+      }
+    }
+    best[i] += most;
+  }
+  const auto last = static_cast<std::ptrdiff_t>(std::min<double>(static_cast<double>(n), apart_at(n - 1)));
+  auto at = static_cast<std::size_t>(std::max_element(best.end() - last, best.end()) - best.begin());
+  std::vector<std::size_t> chain;
+  for (; at < n; at = before[at]) chain.push_back(at);
+  std::ranges::reverse(chain);
+  return chain;
+}
+
+// Where in between the samples the impulses are: order, place and slips of the term from times.
+bool TakeImpulses(const VibrationRun& run, const std::vector<double>& angles_rad, VibrationTerm& term) {
+  const std::size_t count = angles_rad.size();
+  if (count < 8) return false;
+  const double middle = 0.5 * static_cast<double>(count - 1);
+  double numbers = 0.0;
+  double both = 0.0;
+  double mean = 0.0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const double number = static_cast<double>(j) - middle;
+    numbers += number * number;
+    both += number * angles_rad[j];
+    mean += angles_rad[j] / static_cast<double>(count);
+  }
+  const double order = kTwoPi * numbers / both;
+  const double at_middle = (mean - 0.5 * run.angle_rad.back()) * order / kTwoPi;
+  const double first = std::round(at_middle - middle);
+  const double place = at_middle - middle - first;
+  const auto half =
+      static_cast<std::size_t>(std::max(std::abs(first), std::abs(first + static_cast<double>(count)))) + 1;
+  term.slips.assign(2 * half + 1, 0.0);
+  std::vector<double> slips;
+  for (std::size_t j = 0; j < count; ++j) {
+    const double at = (angles_rad[j] - 0.5 * run.angle_rad.back()) * order / kTwoPi;
+    slips.push_back(at - (first + static_cast<double>(j) + place));
+  }
+  for (std::size_t s = 0; s < term.slips.size(); ++s) {
+    const double number = static_cast<double>(s) - static_cast<double>(half) - first;
+    term.slips[s] = slips[static_cast<std::size_t>(std::clamp(number, 0.0, static_cast<double>(count - 1)))];
+  }
+  term.shapes[0] = order;
+  term.shapes[3 + 2 * term.lines.size()] = place;
+  return true;
+}
+
+// Impulses of one sign, none much higher than the usual one, as the matched residual shows them.
+// @param height  of the usual one
+// @param sign  of the rings
+VibrationTerm Tracked(const VibrationRun& run, const Series& together, double height, double variance,
+                      double sign, VibrationTerm term) {
+  const double energy = EnergyOf(run, term.shapes[1], term.shapes[2]);
+  const double turn = kTwoPi * term.shapes[1] * run.period_s;  // of the ring, in a sample
+  const auto off_phase = [&](std::size_t i) { return std::arg(sign * together[i] * Complex{0.0, -1.0}); };
+  std::vector<double> score;
+  for (std::size_t i = 0; i < together.size(); ++i) {
+    // Within half a sample the impulse may be where it is in step.
+    const double out = std::max(0.0, std::abs(off_phase(i)) - 0.5 * turn);
+    const double common = std::abs(together[i]) * std::cos(out);
+    const double own = std::clamp(common / energy, 0.0, kHighest * height);
+    score.push_back((own * common - 0.5 * own * own * energy) / variance);
+  }
+  std::vector<double> angles_rad;
+  for (const std::size_t i : BestChain(run, term.shapes[0], score)) {
+    const double later = std::clamp(off_phase(i) / turn, -0.5, 0.5);
+    angles_rad.push_back(run.angle_rad[i] + later * run.period_s * run.speed_rad_per_s[i]);
+  }
+  if (!TakeImpulses(run, angles_rad, term)) term.slips.clear();
+  return term;
+}
+
+double CostOf(const VibrationRemainder& remainder, const TermFit& fit) {
+  return fit.bic() + 2.0 * LogPlacesOfSlips(remainder.samples(), fit.term);
+}
+
+// The impulses of a term, found anew with each better ring.
+Best Follow(const VibrationRemainder& remainder, VibrationTerm term) {
+  const VibrationRun& run = remainder.samples().runs.front();
+  const double variance = remainder.base().variance();
+  Best best;
+  for (int round = 0; round < kTracks; ++round) {
+    const std::vector<Series> matched = Matched(remainder, term.shapes[1], term.shapes[2]);
+    const double energy = EnergyOf(run, term.shapes[1], term.shapes[2]);
+    std::vector<double> loud(run.size(), 0.0);
+    for (const Series& channel : matched) {
+      for (std::size_t i = 0; i < loud.size(); ++i)
+        loud[i] += 0.5 * std::norm(channel[i]) / (energy * variance);
+    }
+    const std::vector<std::size_t> chain = BestChain(run, term.shapes[0], loud);
+    if (chain.size() < 8) return best;
+    const Series together = InStep(matched, chain);
+    std::vector<double> heights;
+    for (const std::size_t i : chain) heights.push_back(std::abs(together[i]) / energy);
+    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+    std::nth_element(heights.begin(), middle, heights.end());
+    Best better;
+    for (const double sign : {-1.0, 1.0}) {
+      VibrationTerm tracked = Tracked(run, together, *middle, variance, sign, term);
+      if (tracked.slips.empty()) continue;
+      TermFit fit = remainder.With(std::move(tracked), 4);
+      if (!better || CostOf(remainder, fit) < CostOf(remainder, *better)) better = std::move(fit);
+    }
+    if (!better || (best && CostOf(remainder, *better) > CostOf(remainder, *best) - 1.0)) break;
+    best = std::move(better);
+    term = best->term;
+    term.heard.assign(term.heard.size(), 1);
+  }
+  return best;
+}
+
+// What still rings when the next impulse comes is no train of impulses to an envelope: to follow its phase is
+// to follow any resonance that noise drives.
+bool DiesAway(const VibrationRemainder& remainder, const VibrationTerm& ring) {
+  const VibrationRun& run = remainder.samples().runs.front();
+  const double apart_s = kTwoPi / (ring.shapes[0] * run.mean_speed_rad_per_s);
+  return ring.shapes[2] * kTwoPi * ring.shapes[1] * apart_s > kLeastDecayOfEnvelope;
+}
+
+VibrationTerm TermOf(const VibrationRemainder& remainder, std::size_t index, const Heard& heard) {
+  VibrationTerm term;
+  term.cause = index;
+  term.form = VibrationForm::kRing;
+  term.heard.assign(remainder.samples().channels(), 1);
+  term.shapes = {heard.order, heard.ring_Hz, kDamping, 0.0};
+  return term;
+}
+
+// The same with impulses that change with the load on the balls.
+Best WithChange(const VibrationRemainder& remainder, TermFit even) {
+  Best best = even;
+  for (const double order : {1.0, 2.0}) {
+    VibrationTerm term = even.term;
+    term.lines = {{0.0, order}};
+    term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
+    TermFit fit = remainder.With(std::move(term), 6);
+    if (fit.bic() < best->bic()) best = std::move(fit);
+  }
+  return best;
+}
+
+// Lines a few orders apart beat, so that together they are loud so many times a turn: a few of them explain
+// as much. What slips has no lines.
+bool AreLines(const VibrationRemainder& remainder, const TermFit& train, SpectrumAxis axis) {
+  const bool over_turns = axis == SpectrumAxis::kTurns;
+  const VibrationSpectrum& spectrum = over_turns ? remainder.over_turns() : remainder.over_seconds();
+  const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+  const double unit_Hz = over_turns ? turn_Hz : 1.0;
+  const double centre_Hz = train.term.shapes[1];
+  const double reach_Hz = kRingReach * train.term.shapes[2] * centre_Hz + train.term.shapes[0] * turn_Hz;
+  VibrationTerm lines;
+  lines.cause = train.term.cause;
+  lines.form = over_turns ? VibrationForm::kLines : VibrationForm::kTones;
+  lines.heard.assign(remainder.samples().channels(), 1);
+  for (const SpectrumPeak& peak :
+       FindPeaks(spectrum, std::max(spectrum.cell(), (centre_Hz - reach_Hz) / unit_Hz),
+                 (centre_Hz + reach_Hz) / unit_Hz, kMostLinesThatBeat)) {
+    if (lines.shapes.empty()) lines.shapes = {peak.order};
+    lines.lines.push_back({1.0, peak.order - lines.shapes[0]});
+    if (remainder.With(lines, 3).bic() < CostOf(remainder, train)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+double SlipShareOf(std::span<const double> slips) {
+  double square = 0.0;
+  double count = 0.0;
+  for (std::size_t s = 1; s < slips.size(); ++s) {
+    const double slip = slips[s] - slips[s - 1];
+    square += slip * slip;
+    count += slip != 0.0 ? 1.0 : 0.0;
+  }
+  return std::sqrt(square / std::max(1.0, count));
+}
+
+double OrderErrorOfSlips(const VibrationSamples& samples, const VibrationTerm& ring) {
+  if (ring.slips.empty()) return 0.0;
+  const double impulses = ring.shapes[0] * samples.runs.front().turns;
+  return SlipShareOf(ring.slips) * ring.shapes[0] / std::sqrt(std::max(1.0, impulses));
+}
+
+double LogPlacesOfSlips(const VibrationSamples& samples, const VibrationTerm& ring) {
+  if (ring.slips.empty()) return 0.0;
+  const VibrationRun& run = samples.runs.front();
+  const double harmonic = kTwoPi * ring.shapes[1] / (ring.shapes[0] * run.mean_speed_rad_per_s);
+  // A normal spread is as wide as √(2πe) of its deviation.
+  const double spread = std::sqrt(kTwoPi * std::numbers::e) * std::max(kLeastSlip, SlipShareOf(ring.slips));
+  return ring.shapes[0] * run.turns * std::log1p(spread * 2.0 * harmonic);
+}
+
+Best SearchSlippingTrain(const VibrationRemainder& remainder, std::size_t index, double lowest,
+                         double highest, const std::function<bool(double order)>& allowed) {
+  Best best;
+  if (remainder.samples().runs.size() != 1) return best;
+  for (const Heard& heard : FindHeard(remainder, lowest, highest, allowed)) {
+    Best fit = Follow(remainder, TermOf(remainder, index, heard));
+    if (fit && DiesAway(remainder, fit->term) &&
+        (!best || CostOf(remainder, *fit) < CostOf(remainder, *best)))
+      best = std::move(fit);
+  }
+  if (!best || AreLines(remainder, *best, SpectrumAxis::kTurns) ||
+      AreLines(remainder, *best, SpectrumAxis::kSeconds))
+    return std::nullopt;
+  best = WithChange(remainder, std::move(*best));
+  Best again = Follow(remainder, best->term);
+  return again && CostOf(remainder, *again) < CostOf(remainder, *best) ? again : best;
+}
+
+}  // namespace strainwave::analysis::diagnosis
