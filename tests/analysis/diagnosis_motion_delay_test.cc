@@ -53,6 +53,18 @@ TEST(MotionDelay, IsKnownByInertiaWhereSamplesComeLate) {
   }
 }
 
+// Of two clocks either may be ahead, and a filter makes the torque's signal late.
+TEST(MotionDelay, IsNamedAlsoWhereTheTorqueIsRecordedLate) {
+  for (const double delay_s : {-0.004, -0.03}) {
+    const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {Record(4, delay_s, 0.02)});
+    ASSERT_EQ(found.names(), Names{"time_delay"}) << delay_s;
+    const ParameterValue delay = found.value("delay_s");
+    EXPECT_NEAR(delay.value, delay_s, 4.0 * delay.standard_error);
+    const CauseRule& rule = found.study->causes()[found.diagnosis.causes.front().index];
+    EXPECT_TRUE(rule.sentence.starts_with("the torque is recorded later than it acts")) << rule.sentence;
+  }
+}
+
 // Without the drag a viscous friction stands in for it, and what a delay does to that one is not what it
 // does.
 TEST(MotionDelay, IsTakenBesideWhatElseMovesWithIt) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "analysis/decompositions.h"
 #include "analysis/diagnosis/fit_covariance.h"
@@ -44,6 +45,15 @@ Eigen::MatrixXd BesideMotion(const MotionGrid& grid) {
   return OrthonormalBasis(beside);
 }
 
+std::string SentenceFor(double delay_s, const std::string& torque) {
+  if (delay_s > 0.0)
+    return "the " + torque +
+           " acts later than it is recorded: a slow current loop, a bus cycle, or two clocks";
+  if (delay_s < 0.0)
+    return "the " + torque + " is recorded later than it acts: a filter of its signal, or two clocks";
+  return torque + " and motion are not recorded for the same time: a bus cycle, or two clocks";
+}
+
 }  // namespace
 
 DelayEstimate EstimateDelay(const MotionGrid& grid) {
@@ -60,13 +70,12 @@ DelayEstimate EstimateDelay(const MotionGrid& grid) {
   double best_s = 0.0;
   double least = without;
   const double step_s = LongestDelay_s(grid) / kSteps;
-  for (int k = 1; k <= kSteps; ++k) {
+  for (int k = -kSteps; k <= kSteps; ++k) {
     const double value = left(k * step_s);
     if (value < least) least = value, best_s = k * step_s;
   }
   for (double half_s = 0.5 * step_s; half_s > 0.01 * step_s; half_s *= 0.5) {
     for (const double delay_s : {best_s - half_s, best_s + half_s}) {
-      if (delay_s < 0.0) continue;
       const double value = left(delay_s);
       if (value < least) least = value, best_s = delay_s;
     }
@@ -78,7 +87,7 @@ DelayEstimate EstimateDelay(const MotionGrid& grid) {
 void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& units, SeparableModel& model) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid->measured.data(), grid->nominal.rows());
   // Where the nominal model fits best when it is moved: there the term is linearised.
-  const double about_s = std::max(delay_s, 0.1 * grid->row_spacing_s);
+  const double about_s = std::copysign(std::max(std::abs(delay_s), 0.1 * grid->row_spacing_s), delay_s);
   // With all that may be there: a drag is moved as well, and what stands in for it is not moved like it.
   const std::vector<double> orders = StrongestOrders(*grid);
   const auto moved = [&](const Eigen::MatrixXd& nominal, double shift_s) {
@@ -106,17 +115,17 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
   };
   term.restore = [](std::span<const double> values) { return std::vector<double>{values[0]}; };
   model.causes.push_back(std::move(term));
+  // Far from where it was linearised the term is not a delay.
+  const double most_s = std::max(std::abs(delay_s) * kFar, grid->row_spacing_s);
+  const double least_s = delay_s == 0.0 ? -most_s : std::abs(delay_s) / kFar;
+  const bool late = delay_s >= 0.0;
   model.rules.push_back(
       {.name = "time_delay",
-       .sentence =
-           units.linear
-               ? "the force acts later than it is recorded: a slow current loop, a bus cycle, or two clocks"
-               : "the torque acts later than it is recorded: a slow current loop, a bus cycle, or two clocks",
+       .sentence = SentenceFor(delay_s, units.linear ? "force" : "torque"),
        .where = Where::kBench,
        .effect = "E20",
-       // Far from where it was linearised the term is not a delay.
-       .parameters = {{"delay_s", "s", delay_s / kFar, std::max(delay_s * kFar, grid->row_spacing_s), true}},
-       .trials = 3.0});
+       .parameters = {{"delay_s", "s", late ? least_s : -most_s, late ? most_s : -least_s, true}},
+       .trials = 6.0});
 }
 
 }  // namespace strainwave::analysis::diagnosis

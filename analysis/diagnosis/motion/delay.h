@@ -14,9 +14,9 @@ struct DelayEstimate {
   double square_sum{};  // torque or force, squared
 };
 
-/// How much later than it was recorded the torque acts: the delay at which the nominal terms, moved, leave
-/// least beside the usual effects and the strongest lines over position; 0 where none of them leaves clearly
-/// less.
+/// How much later than it was recorded the torque acts, negative where it was recorded later than it acts:
+/// the delay at which the nominal terms, moved, leave least beside the usual effects and the strongest lines
+/// over position; 0 where none of them leaves clearly less.
 DelayEstimate EstimateDelay(const MotionGrid& grid);
 
 /// @param delay_s  as EstimateDelay has it of this grid

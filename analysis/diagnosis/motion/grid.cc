@@ -95,7 +95,7 @@ void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque, double del
   const auto left_by = [&](double width) {
     SetDirection(grid, width);
     const Eigen::VectorXd column =
-        delay_s > 0.0 ? grid.Project(grid.DirectionOf(later)) : Eigen::VectorXd(grid.nominal.col(2));
+        delay_s != 0.0 ? grid.Project(grid.DirectionOf(later)) : Eigen::VectorXd(grid.nominal.col(2));
     const Eigen::VectorXd beside = column - basis * (basis.transpose() * column);
     const double along = beside.dot(rest);
     return rest.squaredNorm() - along * along / std::max(beside.squaredNorm(), 1e-300);

@@ -91,8 +91,8 @@ struct MotionGrid {
   Eigen::MatrixXd BesideNominal(const Eigen::MatrixXd& columns) const;
 };
 
-/// @param expected_delay_s  by which the torque acts late: reversals show in it that much earlier; 0 where it
-///   does not.
+/// @param expected_delay_s  by which the torque acts late: reversals show in it that much earlier; negative
+///   where it was recorded late, 0 where neither.
 /// @param passage_delay_s  the same, for choosing over which speed the sign of velocity changes.
 /// @throws std::invalid_argument where too little motion is left.
 MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& bandwidth,

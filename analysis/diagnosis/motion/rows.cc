@@ -122,13 +122,16 @@ std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBan
                      std::max(kAlikeEachTime * 0.5 * (spell.end - spell.begin) * stretch.step_s,
                               kBlurredReversal * grid.path_sigma_s));
       const auto reach =
-          envelope.size() + static_cast<std::size_t>((uncertain_s + expected_delay_s) / stretch.step_s) + 1;
+          envelope.size() +
+          static_cast<std::size_t>((uncertain_s + std::abs(expected_delay_s)) / stretch.step_s) + 1;
       const auto centre = static_cast<std::size_t>(middle);
       for (std::size_t k = centre > stretch.first + reach ? centre - reach : stretch.first;
            k < std::min(centre + reach + 1, end); ++k) {
-        // Where the torque acts late, the reversal shows in it before it shows in the motion.
+        // Where the torque acts late, the reversal shows in it before it shows in the motion; where it is
+        // recorded late, afterwards.
         const double after_s = (static_cast<double>(k) - middle) * stretch.step_s;
-        const double away_s = std::max({after_s, -after_s - expected_delay_s, 0.0});
+        const double away_s = std::max(
+            {after_s - std::max(-expected_delay_s, 0.0), -after_s - std::max(expected_delay_s, 0.0), 0.0});
         const auto tap = static_cast<std::size_t>(std::max(0.0, away_s - uncertain_s) / stretch.step_s);
         if (tap < envelope.size()) errors[k] += 2.0 * bandwidth.coulomb * uncertain_s * envelope[tap];
       }

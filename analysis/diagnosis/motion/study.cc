@@ -74,7 +74,7 @@ SettledGrid MakeSettledGrid(const MotionSamples& samples) {
   };
   SettledGrid first = make(0.0, 0.0);
   const double delay_s = first.delay.delay_s;
-  if (!(delay_s > 0.0)) return first;
+  if (delay_s == 0.0) return first;
   SettledGrid wide = make(delay_s, 0.0);
   SettledGrid sharp = make(delay_s, delay_s);
   return sharp.delay.square_sum < wide.delay.square_sum ? sharp : wide;
