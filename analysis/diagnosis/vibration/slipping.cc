@@ -112,7 +112,7 @@ std::vector<Heard> FindHeard(const VibrationRemainder& remainder, double lowest,
     const Envelope envelope = EnvelopeOf(run, Matched(remainder, ring_Hz, kDamping), highest);
     const std::vector<double> ones(envelope.values.size(), 1.0);
     const VibrationSpectrum spectrum(envelope.samples, envelope.values, ones, SpectrumAxis::kTurns);
-    for (const class Comb& comb :
+    for (const Comb& comb :
          FindCombs(spectrum, lowest, std::min(highest, 0.45 * spectrum.highest()), 0.0, 1, allowed)) {
       if (comb.excess > std::log(looks) + kClearExcess)
         found.push_back({Refined(spectrum, comb).order, ring_Hz, comb.excess});
