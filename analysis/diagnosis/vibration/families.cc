@@ -172,7 +172,7 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
     return IsBearingOrder(remainder, order, kHarmonicsOfSlipping);
   });
   if (slipping && IsBearing(remainder, slipping->term) &&
-      (!best || slipping->bic() + 2.0 * LogPlacesOfSlips(remainder.samples(), slipping->term) < best->bic()))
+      (!best || BicWithSlips(remainder.samples(), *slipping) < best->bic()))
     best = std::move(slipping);
   return best;
 }

@@ -17,17 +17,18 @@ using Eigen::Index;
 constexpr double kBinsPerDecay = 4.0;
 constexpr double kLeastOverlap = 0.05;
 
-Complex PoleOf(const RingTrain& train) {
-  const double natural = kTwoPi * train.ring_Hz;
-  return {-train.damping_ratio * natural,
-          natural * std::sqrt(std::max(0.0, 1.0 - train.damping_ratio * train.damping_ratio))};
-}
+Complex PoleOf(const RingTrain& train) { return RingPole(train.ring_Hz, train.damping_ratio); }
 
 double Impulses(const VibrationRun& run, const RingTrain& train, std::size_t sample) {
   return (run.angle_rad[sample] - 0.5 * run.angle_rad.back()) * train.order / kTwoPi - train.phase;
 }
 
 }  // namespace
+
+Complex RingPole(double ring_Hz, double damping_ratio) {
+  const double natural = kTwoPi * ring_Hz;
+  return {-damping_ratio * natural, natural * std::sqrt(std::max(0.0, 1.0 - damping_ratio * damping_ratio))};
+}
 
 double RingTrain::SlipOf(double impulse) const {
   if (slips.empty()) return 0.0;
@@ -85,7 +86,7 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
 
 void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s, double height,
              Eigen::Ref<Eigen::VectorXd> column) {
-  const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}, {}});
+  const Complex pole = RingPole(ring_Hz, damping_ratio);
   const auto first = std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s) - run.time_s.begin();
   const Complex even_step = std::exp(pole * run.period_s);
   Complex state = 1.0;
@@ -99,7 +100,7 @@ void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, doub
 }
 
 Knock OneOf(const Knock& first, const Knock& second, double ring_Hz, double damping_ratio) {
-  const Complex pole = PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}, {}});
+  const Complex pole = RingPole(ring_Hz, damping_ratio);
   // Size and phase at the start of the first; the sign makes up for half a turn of the phase.
   const Complex sum = first.height + second.height * std::exp(pole * (first.start_s - second.start_s));
   const double sign = sum.real() < 0.0 ? -1.0 : 1.0;
@@ -111,7 +112,7 @@ Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
                  std::span<const double> residual, std::span<const double> weights,
                  std::span<const double> gains) {
   const std::size_t n = run.size();
-  const Complex step = std::exp(PoleOf({0.0, ring_Hz, damping_ratio, 0.0, {}, {}}) * run.period_s);
+  const Complex step = std::exp(RingPole(ring_Hz, damping_ratio) * run.period_s);
   std::vector<double> matched(n, 0.0);
   double gain_square = 0.0;
   for (std::size_t c = 0; c < run.channels.size(); ++c) {

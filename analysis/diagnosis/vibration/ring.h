@@ -19,6 +19,9 @@ inline std::complex<double> Product(std::complex<double> a, std::complex<double>
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
+/// Of a resonance that rings: exp(pole · t) is what is left of it after a time, turned.
+std::complex<double> RingPole(double ring_Hz, double damping_ratio);
+
 /// A change of the impulses with the input angle: 1 + cosine · cos(order θ) + sine · sin(order θ).
 struct RingModulation {
   double order{};

@@ -43,8 +43,7 @@ constexpr double kHighest = 2.0;               // impulse, of the usual one: the
 // What a ring that starts at a sample has in common with the residual behind it, each channel for itself.
 std::vector<Series> Matched(const VibrationRemainder& remainder, double ring_Hz, double damping) {
   const VibrationRun& run = remainder.samples().runs.front();
-  const double natural = kTwoPi * ring_Hz * run.period_s;
-  const Complex step = std::exp(Complex{-damping * natural, natural * std::sqrt(1.0 - damping * damping)});
+  const Complex step = std::exp(RingPole(ring_Hz, damping) * run.period_s);
   std::vector<Series> matched;
   for (const VibrationStretch& channel : run.channels) {
     Series own(run.size());
@@ -241,10 +240,6 @@ VibrationTerm Tracked(const VibrationRun& run, const Series& together, double he
   return term;
 }
 
-double CostOf(const VibrationRemainder& remainder, const TermFit& fit) {
-  return fit.bic() + 2.0 * LogPlacesOfSlips(remainder.samples(), fit.term);
-}
-
 // The impulses of a term, found anew with each better ring.
 Best Follow(const VibrationRemainder& remainder, VibrationTerm term) {
   const VibrationRun& run = remainder.samples().runs.front();
@@ -270,9 +265,12 @@ Best Follow(const VibrationRemainder& remainder, VibrationTerm term) {
       VibrationTerm tracked = Tracked(run, together, *middle, variance, sign, term);
       if (tracked.slips.empty()) continue;
       TermFit fit = remainder.With(std::move(tracked), 4);
-      if (!better || CostOf(remainder, fit) < CostOf(remainder, *better)) better = std::move(fit);
+      if (!better || BicWithSlips(remainder.samples(), fit) < BicWithSlips(remainder.samples(), *better))
+        better = std::move(fit);
     }
-    if (!better || (best && CostOf(remainder, *better) > CostOf(remainder, *best) - 1.0)) break;
+    if (!better ||
+        (best && BicWithSlips(remainder.samples(), *better) > BicWithSlips(remainder.samples(), *best) - 1.0))
+      break;
     best = std::move(better);
     term = best->term;
     term.heard.assign(term.heard.size(), 1);
@@ -328,7 +326,7 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& train, Spectru
                  (centre_Hz + reach_Hz) / unit_Hz, kMostLinesThatBeat)) {
     if (lines.shapes.empty()) lines.shapes = {peak.order};
     lines.lines.push_back({1.0, peak.order - lines.shapes[0]});
-    if (remainder.With(lines, 3).bic() < CostOf(remainder, train)) return true;
+    if (remainder.With(lines, 3).bic() < BicWithSlips(remainder.samples(), train)) return true;
   }
   return false;
 }
@@ -361,6 +359,10 @@ double LogPlacesOfSlips(const VibrationSamples& samples, const VibrationTerm& ri
   return ring.shapes[0] * run.turns * std::log1p(spread * 2.0 * harmonic);
 }
 
+double BicWithSlips(const VibrationSamples& samples, const TermFit& train) {
+  return train.bic() + 2.0 * LogPlacesOfSlips(samples, train.term);
+}
+
 Best SearchSlippingTrain(const VibrationRemainder& remainder, std::size_t index, double lowest,
                          double highest, const std::function<bool(double order)>& allowed) {
   Best best;
@@ -368,7 +370,7 @@ Best SearchSlippingTrain(const VibrationRemainder& remainder, std::size_t index,
   for (const Heard& heard : FindHeard(remainder, lowest, highest, allowed)) {
     Best fit = Follow(remainder, TermOf(remainder, index, heard));
     if (fit && DiesAway(remainder, fit->term) &&
-        (!best || CostOf(remainder, *fit) < CostOf(remainder, *best)))
+        (!best || BicWithSlips(remainder.samples(), *fit) < BicWithSlips(remainder.samples(), *best)))
       best = std::move(fit);
   }
   if (!best || AreLines(remainder, *best, SpectrumAxis::kTurns) ||
@@ -376,7 +378,8 @@ Best SearchSlippingTrain(const VibrationRemainder& remainder, std::size_t index,
     return std::nullopt;
   best = WithChange(remainder, std::move(*best));
   Best again = Follow(remainder, best->term);
-  return again && CostOf(remainder, *again) < CostOf(remainder, *best) ? again : best;
+  return again && BicWithSlips(remainder.samples(), *again) < BicWithSlips(remainder.samples(), *best) ? again
+                                                                                                       : best;
 }
 
 }  // namespace strainwave::analysis::diagnosis

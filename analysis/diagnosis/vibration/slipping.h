@@ -31,4 +31,7 @@ double OrderErrorOfSlips(const VibrationSamples& samples, const VibrationTerm& r
 /// ring, as far as they slip. 0 for even impulses.
 double LogPlacesOfSlips(const VibrationSamples& samples, const VibrationTerm& ring);
 
+/// BIC of a train with what these places cost.
+double BicWithSlips(const VibrationSamples& samples, const TermFit& train);
+
 }  // namespace strainwave::analysis::diagnosis
