@@ -258,6 +258,21 @@ TEST(TransmissionErrorStudy, TakesAWrongNumberForNoMissingEffect) {
   EXPECT_NEAR(answer.diagnosis.noise_floor, RadFromArcmin(kNoise_arcmin), RadFromArcmin(0.003));
 }
 
+// As many periods a turn as steps over the measured angle are the error itself, where the steps pass for
+// uneven.
+TEST(TransmissionErrorStudy, TakesALargeErrorForNoFunctionOfItself) {
+  int found = 0;
+  for (unsigned seed = 50; seed < 62; ++seed) {
+    TransmissionErrorData record =
+        Sweep(seed, [](const Place& at) { return 1.5 * std::cos(2.0 * at.input_rad - 0.8); });
+    std::mt19937 random(seed + 100);
+    std::normal_distribution<double> noise(0.0, RadFromArcmin(0.15));
+    for (double& angle_rad : record.output_angle_rad) angle_rad += noise(random);
+    found += Ask(record).diagnosis.verdict == Verdict::kNoEffect ? 0 : 1;
+  }
+  EXPECT_EQ(found, 0);
+}
+
 TEST(TransmissionErrorStudy, JoinsRecordsWithAnOffsetEach) {
   const Effect eccentric = [](const Place& at) { return 0.01 * std::cos(at.output_rad + 2.0); };
   std::vector<TransmissionErrorData> records{Sweep(36, eccentric), Sweep(37, eccentric)};

@@ -58,7 +58,10 @@ TransmissionErrorSamples Join(std::span<const TransmissionErrorData> records) {
     }
     for (std::size_t i = 0; i < record.output_angle_rad.size(); ++i) {
       all.input_rad.push_back(record.input_angle_rad[i]);
-      all.output_rad.push_back(record.output_angle_rad[i]);
+      // Where the output was bound to be, without the error: the measured angle carries the response into all
+      // that is a function of it, and at as many orders a turn as there are samples that is the error itself.
+      all.output_rad.push_back(record.output_angle_rad[0] +
+                               (record.input_angle_rad[i] - record.input_angle_rad[0]) / record.ratio);
       const double input = record.input_angle_rad[i] - (record.absolute ? 0.0 : record.input_angle_rad[0]);
       const double output = record.output_angle_rad[i] - (record.absolute ? 0.0 : record.output_angle_rad[0]);
       all.error_rad.push_back(input / record.ratio - output);

@@ -11,10 +11,10 @@ namespace strainwave::analysis::diagnosis {
 /// Samples of transmission-error records, one after the other, as the terms need them.
 struct TransmissionErrorSamples {
   std::vector<double> input_rad;
-  std::vector<double> output_rad;
-  std::vector<double> error_rad;  // input / ratio − output
-  std::vector<double> direction;  // +1 cw, −1 ccw
-  std::vector<double> time_s;     // the sample's number where the record has no time
+  std::vector<double> output_rad;  // by the input, from the measured angle at the record's first sample
+  std::vector<double> error_rad;   // input / ratio − output
+  std::vector<double> direction;   // +1 cw, −1 ccw
+  std::vector<double> time_s;      // the sample's number where the record has no time
   std::vector<double> torque_Nm;
   std::vector<double> temperature_degC;
   std::vector<std::size_t> record;  // which record a sample belongs to
@@ -28,8 +28,8 @@ struct TransmissionErrorSamples {
 /// the corrections; a cause that the record did not excite is left out, with a warning.
 void AddTransmissionErrorCauses(const TransmissionErrorSamples& samples, SeparableModel& model);
 
-/// Shapes without a cause: free lines over the output angle, a ripple in a window, levels in windows of output
-/// angle and time, curves over time and torque.
+/// Shapes without a cause: free lines over the output angle, a ripple in a window, levels in windows of
+/// output angle and time, curves over time and torque.
 void AddTransmissionErrorCorrections(const TransmissionErrorSamples& samples, SeparableModel& model);
 
 /// Standard deviation of the noise: of the differences between samples of different sweeps at the same output
