@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 namespace strainwave::analysis::model {
 
@@ -11,12 +12,15 @@ namespace strainwave::analysis::model {
 struct Backlash {
   double width_rad{};      // of the whole zone
   double torque_Nm{0.05};  // at its ends, > 0
+  /// Flanks that come to bear little by little: tanh(1), 76 % of the play, is through at ±`torque_Nm`.
+  bool rounded{};
 
   double softness_rad_per_Nm() const noexcept { return 0.5 * width_rad / torque_Nm; }
 };
 
 /// Angle by which the play gives way to a torque: half the width at its ends and beyond.
 inline double BacklashTwist_rad(const Backlash& backlash, double torque_Nm) noexcept {
+  if (backlash.rounded) return 0.5 * backlash.width_rad * std::tanh(torque_Nm / backlash.torque_Nm);
   return std::clamp(torque_Nm, -backlash.torque_Nm, backlash.torque_Nm) * backlash.softness_rad_per_Nm();
 }
 

@@ -157,6 +157,18 @@ TEST(HysteresisStudy, NamesADeadZone) {
   ExpectNear(found.value("backlash_arcmin"), 0.15, 0.1);
 }
 
+// Flanks that meet little by little.
+TEST(HysteresisStudy, NamesADeadZoneWithRoundedEnds) {
+  GeneratedSensors sensors;
+  sensors.unlisted_rad = [](double, double torque_Nm, double, bool) {
+    return 0.5 * RadFromArcmin(0.4) * std::tanh(torque_Nm / 0.6);
+  };
+  const Diagnosed found = Ask({}, sensors);
+  EXPECT_EQ(found.names(), Names{"backlash"});
+  ExpectNear(found.value("backlash_arcmin"), 0.4, 0.1);
+  ExpectNear(found.value("dead_zone_torque_Nm"), 0.6, 0.1);
+}
+
 TEST(HysteresisStudy, NamesASideThatIsStiffer) {
   const Diagnosed found = Ask({.stiffer_share = 0.01});
   EXPECT_EQ(found.names(), Names{"asymmetric_stiffness"});
@@ -208,6 +220,18 @@ TEST(HysteresisStudy, NamesADriftWithTemperature) {
   const Diagnosed found = Ask({}, sensors);
   EXPECT_EQ(found.names(), Names{"thermal_drift"});
   ExpectNear(found.value("drift_arcmin_per_K"), 0.08, 0.1);
+}
+
+// A room by day and night, without a temperature in the record.
+TEST(HysteresisStudy, NamesADriftThatSwingsBack) {
+  GeneratedSensors sensors;
+  sensors.drift_rad = [](double time_s, double) {
+    return RadFromArcmin(0.1) * std::sin(kTwoPi * time_s / 400.0 + 1.0);
+  };
+  const Diagnosed found = Ask({}, sensors);
+  EXPECT_EQ(found.names(), Names{"thermal_drift"});
+  ExpectNear(found.value("drift_swing_arcmin"), 0.1, 0.1);
+  ExpectNear(found.value("period_s"), 400.0, 0.1);
 }
 
 TEST(HysteresisStudy, NamesATorqueSignalThatIsShifted) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/hysteresis/formed_effect.h"
 #include "analysis/diagnosis/hysteresis/phases.h"
 #include "analysis/model/creep_ladder.h"
@@ -123,15 +124,22 @@ class CreepEffect final : public FormedEffect {
   double duration_s_;
 };
 
+// As the temperature goes, in proportion to time, saturating, or up and down about once: a room by day and
+// night, of which nobody kept the temperature.
+enum DriftForm { kOfTemperature, kOfTime, kSaturating, kSwing };
+
+// Further number: of a swing its sine, beside the cosine.
 class ThermalDrift final : public FormedEffect {
  public:
   explicit ThermalDrift(const LoopRecords& records)
       : FormedEffect(records,
                      {{"drift_arcmin_per_K", "arcmin/K", 1.0},
                       {"drift_arcmin_per_min", "arcmin/min", 60.0},
-                      {"drift_arcmin", "arcmin", 1.0}},
+                      {"drift_arcmin", "arcmin", 1.0},
+                      {"drift_swing_arcmin", "arcmin", 1.0}},
                      "drift_rms_arcmin", "time_constant_s", "s"),
         has_temperature_(!records.samples.temperature_K.empty()),
+        may_swing_(records.samples.records() == 1 && records.passes() >= kFewestPasses),
         duration_s_(records.duration_s) {
     const double range_arcmin = ArcminFromRad(records.twist_range_rad);
     rule = {
@@ -143,7 +151,7 @@ class ThermalDrift final : public FormedEffect {
         .effect = "E10",
         .parameters = {{"time_constant_s", "s", 0.0, 3.0 * duration_s_, false}},
         .degrees_of_freedom = 1,
-        .trials = 3.0,
+        .trials = 4.0,
         .to_settle = fmt::format("# after a soak: drift goes with time and temperature, creep with torque\n"
                                  "- {{kind: soak, below_temperature: 25 degC, at_most: 2 h}}\n{}",
                                  PhaseText(records, {.name = "after-soak", .loops = 4}))};
@@ -151,39 +159,91 @@ class ThermalDrift final : public FormedEffect {
       rule.parameters.push_back({form.name, form.unit, -100.0 * range_arcmin, 100.0 * range_arcmin, false});
     }
     rule.parameters.push_back({size_name_, "arcmin", 0.0, 3.0 * range_arcmin, true});
-    numbers = {{0.0, 2.0, 0.0, true, false},
+    numbers = {{kOfTemperature, kSwing, 0.0, true, false},
                {-100.0 * range_arcmin, 100.0 * range_arcmin, 1e-6 * range_arcmin, false, true},
-               {std::log(0.1 * duration_s_), std::log(2.0 * duration_s_), 1e-4, false, false}};
+               {std::log(0.1 * duration_s_), std::log(2.0 * duration_s_), 1e-4, false, false},
+               {-100.0 * range_arcmin, 100.0 * range_arcmin, 1e-6 * range_arcmin, false, true}};
   }
 
   void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd&,
            Eigen::VectorXd& total_rad) const override {
     const double amount_rad = RadFromArcmin(v[1]);
-    const auto form = std::lround(v[0]);
-    const double time_constant_s = std::exp(v[2]);
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-      double shape = 0.0;
-      if (form == 0) {
-        shape = grid.temperature_K.empty() ? 0.0 : grid.temperature_K[i];
-      } else {
-        shape = form == 1 ? grid.time_s[i] : -std::expm1(-grid.time_s[i] / time_constant_s);
+    const double sine_rad = RadFromArcmin(v[3]);
+    const auto form = static_cast<DriftForm>(std::lround(v[0]));
+    const double shape_s = std::exp(v[2]);
+    const auto at = [&](std::size_t i) {
+      switch (form) {
+        case kOfTemperature:
+          return grid.temperature_K.empty() ? 0.0 : amount_rad * grid.temperature_K[i];
+        case kOfTime:
+          return amount_rad * grid.time_s[i];
+        case kSaturating:
+          return amount_rad * -std::expm1(-grid.time_s[i] / shape_s);
+        case kSwing: {
+          const double phase = kTwoPi * grid.time_s[i] / (kPeriodPerShape * shape_s);
+          return amount_rad * std::cos(phase) + sine_rad * std::sin(phase);
+        }
       }
-      total_rad(static_cast<Eigen::Index>(i)) += amount_rad * shape;
+      return 0.0;
+    };
+    for (std::size_t i = 0; i < grid.size(); ++i) total_rad(static_cast<Eigen::Index>(i)) += at(i);
+  }
+
+  bool IsHeld(std::span<const double> v, std::size_t k) const override {
+    return FormedEffect::IsHeld(v, k) || (k == 3 && std::lround(v[0]) != kSwing);
+  }
+
+  std::vector<ParameterValue> Describe(std::span<const double> v,
+                                       const Eigen::MatrixXd& covariance) const override {
+    std::vector<ParameterValue> described = FormedEffect::Describe(v, covariance);
+    if (std::lround(v[0]) != kSwing) return described;
+    const double amplitude = std::hypot(v[1], v[3]);
+    const Eigen::Vector2d slope = Eigen::Vector2d(v[1], v[3]) / std::max(amplitude, 1e-300);
+    Eigen::Matrix2d errors;
+    errors << covariance(1, 1), covariance(1, 3), covariance(3, 1), covariance(3, 3);
+    described[0].value = amplitude;
+    described[0].standard_error = StandardErrorOf(slope.dot(errors * slope));
+    const double period_s = kPeriodPerShape * std::exp(v[2]);
+    described[1] = {"period_s", "s", period_s, period_s * StandardErrorOf(covariance(2, 2))};
+    described.push_back({"phase_deg", "deg", DegFromRad(std::atan2(v[3], v[1])), 0.0});
+    return described;
+  }
+
+  std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
+    const double* swing = FindParameter(parameters, "drift_swing_arcmin");
+    if (swing == nullptr) {
+      std::vector<double> v = FormedEffect::Restore(parameters);
+      v.push_back(0.0);
+      return v;
     }
+    const double phase = RadFromDeg(RequireParameter(rule, parameters, "phase_deg"));
+    const double period_s = std::max(RequireParameter(rule, parameters, "period_s"), 1e-9);
+    return {kSwing, *swing * std::cos(phase), std::log(period_s / kPeriodPerShape), *swing * std::sin(phase)};
   }
 
   std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
     std::vector<std::vector<double>> starts;
-    if (has_temperature_) starts.push_back({0.0, 0.0, std::log(duration_s_)});
-    starts.push_back({1.0, 0.0, std::log(duration_s_)});
-    for (const double share : {0.15, 0.4, 1.0}) starts.push_back({2.0, 0.0, std::log(share * duration_s_)});
+    const double whole = std::log(duration_s_);
+    if (has_temperature_) starts.push_back({kOfTemperature, 0.0, whole, 0.0});
+    starts.push_back({kOfTime, 0.0, whole, 0.0});
+    for (const double share : {0.15, 0.4, 1.0})
+      starts.push_back({kSaturating, 0.0, std::log(share * duration_s_), 0.0});
+    if (!may_swing_) return starts;
+    for (const double periods : {0.4, 0.8, 1.2})
+      starts.push_back({kSwing, 0.0, std::log(duration_s_ / periods / kPeriodPerShape), 0.0});
     return starts;
   }
 
  private:
+  // A period of 0.7 to 14 records, in the range in which a time constant is looked for.
+  static constexpr double kPeriodPerShape = 7.0;
+  // With fewer loops each torque comes by too seldom: a swing would stand in for any shape of the loop.
+  static constexpr double kFewestPasses = 4.0;
+
   bool HasShape(double form) const override { return form > 1.5; }
 
   bool has_temperature_;
+  bool may_swing_;
   double duration_s_;
 };
 

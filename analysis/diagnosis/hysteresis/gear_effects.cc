@@ -11,7 +11,10 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Numbers: 0 outside of the friction, 1 beside it; width in arcmin; ln of the torque at the zone's ends.
+// Where the play lies, and how its flanks meet.
+enum PlayForm { kOutside, kBesideFriction, kOutsideRounded };
+
+// Numbers: form; width in arcmin; ln of the torque at the zone's ends.
 class BacklashEffect final : public LoopEffect {
  public:
   explicit BacklashEffect(const LoopRecords& records) : start_torque_Nm_(0.02 * records.t1_Nm) {
@@ -29,21 +32,22 @@ class BacklashEffect final : public LoopEffect {
                        {"dead_zone_torque_Nm", "Nm", 0.0, 1.001 * most_Nm, false},
                        {"beside_friction", "1", 0.0, 1.0, false}},
         .degrees_of_freedom = 2,
-        .trials = 4.0,
+        .trials = 6.0,
         .to_settle = TwoAngles(records)};
-    numbers = {{0.0, 1.0, 0.0, true, false},
+    numbers = {{kOutside, kOutsideRounded, 0.0, true, false},
                {0.0, 0.8 * range_arcmin, 1e-5 * range_arcmin, false, true},
                {std::log(least_Nm), std::log(most_Nm), 1e-4, false, false}};
     shapes_gear = true;
   }
 
   void ShapeGear(std::span<const double> v, GearLaw& law) const override {
-    law.backlash_beside_friction = v[0] > 0.5;
-    law.backlash = {RadFromArcmin(v[1]), std::exp(v[2])};
+    const auto form = static_cast<PlayForm>(std::lround(v[0]));
+    law.backlash_beside_friction = form == kBesideFriction;
+    law.backlash = {RadFromArcmin(v[1]), std::exp(v[2]), form == kOutsideRounded};
   }
   std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
     const double start = std::log(start_torque_Nm_);
-    return {{0.0, 0.0, start}, {1.0, 0.0, start}};
+    return {{kOutside, 0.0, start}, {kBesideFriction, 0.0, start}, {kOutsideRounded, 0.0, start}};
   }
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {
@@ -51,12 +55,16 @@ class BacklashEffect final : public LoopEffect {
     const double torque_Nm = std::exp(v[2]);
     return {{"backlash_arcmin", "arcmin", v[1], se[1]},
             {"dead_zone_torque_Nm", "Nm", torque_Nm, torque_Nm * se[2]},
-            {"beside_friction", "1", v[0], 0.0}};
+            {"beside_friction", "1", std::lround(v[0]) == kBesideFriction ? 1.0 : 0.0, 0.0},
+            {"rounded", "1", std::lround(v[0]) == kOutsideRounded ? 1.0 : 0.0, 0.0}};
   }
   std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
     const double* torque_Nm = FindParameter(parameters, "dead_zone_torque_Nm");
     const double* beside = FindParameter(parameters, "beside_friction");
-    return {beside == nullptr ? 0.0 : *beside, RequireParameter(rule, parameters, "backlash_arcmin"),
+    const double* rounded = FindParameter(parameters, "rounded");
+    const auto is_set = [](const double* flag) { return flag != nullptr && *flag > 0.5; };
+    const PlayForm form = is_set(beside) ? kBesideFriction : is_set(rounded) ? kOutsideRounded : kOutside;
+    return {static_cast<double>(form), RequireParameter(rule, parameters, "backlash_arcmin"),
             std::log(torque_Nm == nullptr ? start_torque_Nm_ : std::max(*torque_Nm, 1e-6))};
   }
 
