@@ -115,6 +115,7 @@ TEST(FillTwist, DoesNotHangOnHowFineTheWayIs) {
     }
     grid.turn_Nm.assign(grid.time_s.size(), std::nan(""));
     grid.turn_share.assign(grid.time_s.size(), 0.0);
+    grid.rate_Nm_per_s.assign(grid.time_s.size(), 0.0);
     grid.starts = {0, grid.time_s.size()};
     return grid;
   };
@@ -129,6 +130,7 @@ TEST(FillTwist, DoesNotHangOnHowFineTheWayIs) {
       grid->torque_Nm.insert(grid->torque_Nm.begin(), 0.0);
       grid->turn_Nm.insert(grid->turn_Nm.begin(), std::nan(""));
       grid->turn_share.insert(grid->turn_share.begin(), 0.0);
+      grid->rate_Nm_per_s.insert(grid->rate_Nm_per_s.begin(), 0.0);
       ++grid->starts.back();
     }
     Eigen::VectorXd few;

@@ -43,6 +43,38 @@ TEST(WithoutNoise, LeavesACornerWhereItIs) {
   for (const double error_Nm : mean_error_Nm) EXPECT_NEAR(error_Nm, 0.0, 0.25 * kNoise_Nm);
 }
 
+// A ramp of three times its noise a sample that turns, and one period of a sine.
+TEST(SlopesWithoutNoise, AreThoseOfTheRampsUpToTheirTurnAndOfASine) {
+  constexpr std::size_t kTurn = 400;
+  constexpr double kNoise_Nm = 0.025;
+  constexpr double kStep_s = 0.01;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal(0.0, kNoise_Nm);
+  std::vector<double> time_s;
+  std::vector<double> ramps_Nm;
+  std::vector<double> sine_Nm;
+  for (std::size_t i = 0; i <= 2 * kTurn; ++i) {
+    time_s.push_back(kStep_s * static_cast<double>(i));
+    ramps_Nm.push_back(0.075 * static_cast<double>(std::min(i, 2 * kTurn - i)) + normal(random));
+    sine_Nm.push_back(10.0 * std::sin(std::numbers::pi * static_cast<double>(i) / kTurn) + normal(random));
+  }
+  const std::vector<std::size_t> turn{kTurn};
+  const std::vector<double> ramps = SlopesWithoutNoise(time_s, ramps_Nm, kNoise_Nm, turn);
+  const std::vector<double> sine = SlopesWithoutNoise(time_s, sine_Nm, kNoise_Nm, {});
+  // A twentieth of the usual slope is the error asked for: four of them.
+  constexpr double kMostError = 4.0 * 0.05;
+  constexpr double kSteepest = 10.0 * std::numbers::pi / (kTurn * kStep_s);
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    EXPECT_NEAR(ramps[i], i <= kTurn ? 7.5 : -7.5, kMostError * 7.5) << i;
+    if (i < kTurn / 10 || i + kTurn / 10 > time_s.size()) continue;
+    EXPECT_NEAR(sine[i], kSteepest * std::cos(std::numbers::pi * static_cast<double>(i) / kTurn),
+                kMostError * kSteepest)
+        << i;
+  }
+  EXPECT_EQ(SlopesWithoutNoise(std::vector{0.0, 1.0, 3.0}, std::vector{0.0, 2.0, 4.0}, 0.0, {}),
+            (std::vector{2.0, 2.0, 1.0}));
+}
+
 // A held load neither creeps back nor forth, whatever its noise; a reversal beyond the noise stays.
 TEST(WithoutNoiseReversals, KeepsAHoldWhereItIs) {
   const std::vector<double> values{0.0, 1.0, 2.0, 3.1, 2.95, 3.0, 3.05, 2.92, 2.98, 2.0, 1.0, 0.0};

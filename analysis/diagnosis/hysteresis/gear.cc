@@ -319,23 +319,27 @@ void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_
   for (std::size_t r = 0; r < grid.records(); ++r) {
     for (std::size_t i = grid.starts[r]; i < grid.starts[r + 1]; ++i) {
       const double torque_Nm = grid.torque_Nm[i] - law.torque_offset_Nm;
-      double rate_Nm_per_s = 0.0;
+      double mean_rate_Nm_per_s = 0.0;
       if (i == grid.starts[r]) {
         gear.StartAt(torque_Nm, law.start_share[r]);
       } else {
         const double before_Nm = grid.torque_Nm[i - 1] - law.torque_offset_Nm;
         const double step_s = grid.time_s[i] - grid.time_s[i - 1];
-        if (step_s > 0.0) rate_Nm_per_s = (torque_Nm - before_Nm) / step_s;
-        gear.SetRate(rate_Nm_per_s);
+        mean_rate_Nm_per_s = grid.rate_Nm_per_s[i];
         if (std::isnan(grid.turn_Nm[i])) {
+          gear.SetRate(grid.rate_Nm_per_s[i]);
           gear.GoTo(before_Nm, torque_Nm, step_s);
         } else {
           const double turn_Nm = grid.turn_Nm[i] - law.torque_offset_Nm;
-          gear.GoTo(before_Nm, turn_Nm, grid.turn_share[i] * step_s);
-          gear.GoTo(turn_Nm, torque_Nm, (1.0 - grid.turn_share[i]) * step_s);
+          const double share = grid.turn_share[i];
+          mean_rate_Nm_per_s = std::lerp(grid.rate_Nm_per_s[i], grid.rate_Nm_per_s[i - 1], share);
+          gear.SetRate(grid.rate_Nm_per_s[i - 1]);
+          gear.GoTo(before_Nm, turn_Nm, share * step_s);
+          gear.SetRate(grid.rate_Nm_per_s[i]);
+          gear.GoTo(turn_Nm, torque_Nm, (1.0 - share) * step_s);
         }
       }
-      double twist = gear.twist_rad() - law.lag_rad_s_per_Nm * rate_Nm_per_s;
+      double twist = gear.twist_rad() - law.lag_rad_s_per_Nm * mean_rate_Nm_per_s;
       if (outside) twist += model::BacklashTwist_rad(law.backlash, torque_Nm);
       twist_rad(static_cast<Eigen::Index>(i)) = twist;
     }

@@ -41,16 +41,21 @@ std::vector<Branch> BranchesOf(std::span<const double> torque_Nm, double t3_Nm, 
   return SplitBranches(torque_Nm, std::max(0.02 * std::min(t3_Nm, *high - *low), 6.0 * noise_Nm));
 }
 
-std::vector<double> SettledTorque(std::span<const double> times_s, std::span<const double> torque_Nm,
-                                  double noise_Nm, double t3_Nm) {
-  const std::vector<Hold> stairs = FindStairs(torque_Nm, noise_Nm);
+// Samples after which a torque comes to one of these stairs or leaves it.
+std::vector<std::size_t> EndsOf(std::span<const Hold> stairs) {
   std::vector<std::size_t> breaks;
   for (const Hold& stair : stairs) {
     if (stair.first > 0 && (breaks.empty() || breaks.back() + 1 < stair.first))
       breaks.push_back(stair.first - 1);
     breaks.push_back(stair.end - 1);
   }
-  CleanSignal torque = WithoutNoise(times_s, torque_Nm, noise_Nm, breaks);
+  return breaks;
+}
+
+std::vector<double> SettledTorque(std::span<const double> times_s, std::span<const double> torque_Nm,
+                                  double noise_Nm, double t3_Nm) {
+  const std::vector<Hold> stairs = FindStairs(torque_Nm, noise_Nm);
+  CleanSignal torque = WithoutNoise(times_s, torque_Nm, noise_Nm, EndsOf(stairs));
   if (!(noise_Nm > 0.0)) return torque.values;
   KeepStill(FindHolds(torque_Nm, noise_Nm), noise_Nm, torque);
   KeepStill(stairs, noise_Nm, torque);
@@ -197,6 +202,26 @@ void AppendTurns(std::span<const double> time_s, std::span<const double> torque_
   }
 }
 
+// Between neighbouring samples the rate has the noise that smoothing of the torque leaves, a good deal of a
+// slow ramp's, and what hangs on the rate would follow it.
+void AppendStepRates(std::span<const double> times_s, std::span<const double> torque_Nm,
+                     std::span<const double> taken_off_Nm, double noise_Nm, LoopGrid& grid) {
+  const std::size_t base = grid.rate_Nm_per_s.size();
+  std::vector<double> measured_Nm(torque_Nm.begin(), torque_Nm.end());
+  for (std::size_t i = 0; i < measured_Nm.size(); ++i) measured_Nm[i] += taken_off_Nm[i];
+  std::vector<std::size_t> breaks = EndsOf(FindStairs(measured_Nm, noise_Nm));
+  for (std::size_t i = 1; i < torque_Nm.size(); ++i) {
+    if (!std::isnan(grid.turn_Nm[base + i])) breaks.push_back(i - 1);
+  }
+  std::ranges::sort(breaks);
+  breaks.erase(std::ranges::unique(breaks).begin(), breaks.end());
+  std::vector<double> rates = SlopesWithoutNoise(times_s, torque_Nm, noise_Nm, breaks);
+  for (std::size_t i = 1; i + 1 < rates.size(); ++i) {
+    if (!std::isnan(grid.turn_Nm[base + i])) rates[i] = rates[i + 1];
+  }
+  grid.rate_Nm_per_s.insert(grid.rate_Nm_per_s.end(), rates.begin(), rates.end());
+}
+
 std::size_t BlockLengthOf(const LoopRecords& prepared) {
   const std::size_t n = prepared.samples.size();
   const std::size_t loops = (prepared.branches.size() - 1) / 2 / prepared.samples.records();
@@ -250,7 +275,9 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
     const auto [torque_Nm, noise_Nm] =
         DrivingTorqueOf(times_s, turned.torque_Nm, turned.output_angle_rad, record.t3_Nm);
     AppendBranches(times_s, torque_Nm, record.t3_Nm, prepared);
-    AppendTurns(times_s, torque_Nm, SampleNoise(times_s, turned.torque_Nm), grid);
+    const double torque_noise_Nm = SampleNoise(times_s, turned.torque_Nm);
+    AppendTurns(times_s, torque_Nm, torque_noise_Nm, grid);
+    AppendStepRates(times_s, torque_Nm, noise_Nm, torque_noise_Nm, grid);
     AppendRate(times_s, torque_Nm, prepared.torque_rate_Nm_per_s);
     grid.starts.push_back(grid.size());
     const double centre_rad = 0.5 * (*low + *high);
@@ -308,6 +335,7 @@ LoopGrid Condense(const LoopRecords& records, std::span<const double> weights, s
     grid.direction.push_back(all.direction[first]);
     grid.turn_Nm.push_back(all.turn_Nm[first]);
     grid.turn_share.push_back(all.turn_share[first]);
+    grid.rate_Nm_per_s.push_back(mean(all.rate_Nm_per_s));
   };
   std::size_t record = 0;
   for (std::size_t b = 0; b + 1 < records.branches.size(); ++b) {

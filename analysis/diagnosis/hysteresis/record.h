@@ -24,6 +24,8 @@ struct LoopGrid {
   /// did not.
   std::vector<double> turn_Nm;
   std::vector<double> turn_share;
+  /// Rate of the torque on the way from the point before, behind a turn on it, without the torque's noise.
+  std::vector<double> rate_Nm_per_s;
   std::vector<std::size_t> starts;  // of the records, and behind them the number of points
 
   std::size_t size() const { return torque_Nm.size(); }

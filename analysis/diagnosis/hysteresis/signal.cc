@@ -161,25 +161,35 @@ std::vector<std::size_t> WithBreaks(std::span<const std::size_t> corners,
   return all;
 }
 
+// First samples of the pieces between gaps, corners and breaks, and the number of samples.
+std::vector<std::size_t> PiecesOf(std::span<const double> time_s, std::span<const double> signal,
+                                  double noise, std::span<const std::size_t> breaks) {
+  constexpr double kGap = 4.0;  // of a mean step: what happened within it nothing beside it tells
+  const std::size_t n = signal.size();
+  const double gap_s = kGap * (time_s[n - 1] - time_s[0]) / static_cast<double>(n - 1);
+  const std::vector<std::size_t> corners = WithBreaks(Corners(time_s, signal, noise), breaks);
+  auto corner = corners.begin();
+  std::vector<std::size_t> pieces{0};
+  for (std::size_t i = 1; i < n; ++i) {
+    while (corner != corners.end() && *corner + 1 < i) ++corner;
+    if (time_s[i] - time_s[i - 1] >= gap_s || (corner != corners.end() && *corner + 1 == i))
+      pieces.push_back(i);
+  }
+  pieces.push_back(n);
+  return pieces;
+}
+
 }  // namespace
 
 CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise,
                          std::span<const std::size_t> breaks) {
-  constexpr double kGap = 4.0;  // of a mean step: what happened within it no parabola tells
   CleanSignal clean{{signal.begin(), signal.end()}, std::vector<double>(signal.size(), noise)};
   const std::size_t n = signal.size();
   if (!(noise > 0.0) || n < 6) return clean;
-  const double gap_s = kGap * (time_s[n - 1] - time_s[0]) / static_cast<double>(n - 1);
-  const std::vector<std::size_t> corners = WithBreaks(Corners(time_s, signal, noise), breaks);
-  auto corner = corners.begin();
-  std::size_t first = 0;
-  while (first < n) {
-    std::size_t end = first + 1;
-    while (end < n && time_s[end] - time_s[end - 1] < gap_s) {
-      while (corner != corners.end() && *corner + 1 < end) ++corner;
-      if (corner != corners.end() && *corner + 1 == end) break;
-      ++end;
-    }
+  const std::vector<std::size_t> pieces = PiecesOf(time_s, signal, noise, breaks);
+  for (std::size_t piece = 0; piece + 1 < pieces.size(); ++piece) {
+    const std::size_t first = pieces[piece];
+    const std::size_t end = pieces[piece + 1];
     const auto times = time_s.subspan(first, end - first);
     const auto values = signal.subspan(first, end - first);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -191,9 +201,44 @@ CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double>
       clean.values[first + i] = best.value;
       clean.errors[first + i] = noise * std::sqrt(best.variance);
     }
-    first = end;
   }
   return clean;
+}
+
+std::vector<double> SlopesWithoutNoise(std::span<const double> time_s, std::span<const double> signal,
+                                       double noise, std::span<const std::size_t> breaks) {
+  constexpr double kError = 0.05;  // of the usual slope
+  constexpr double kLongest = 200.0;
+  const std::size_t n = signal.size();
+  std::vector<double> slopes(n, 0.0);
+  if (n < 2) return slopes;
+  constexpr std::size_t kApart = 16;  // samples over which a ramp shows above its noise
+  double square_sum = 0.0;
+  for (std::size_t i = kApart; i < n; ++i)
+    square_sum += std::pow((signal[i] - signal[i - kApart]) / static_cast<double>(kApart), 2.0);
+  // Root mean square: of a signal that stands still for the most part it is still that of its ramps.
+  const double usual_step = n > kApart ? std::sqrt(square_sum / static_cast<double>(n - kApart)) : 0.0;
+  // Error of a line's slope through w samples: √12 / w^1.5 of the noise over a step.
+  const double asked = std::cbrt(12.0 * std::pow(noise / (kError * std::max(usual_step, 1e-300)), 2.0));
+  const auto window = static_cast<std::size_t>(std::clamp(std::ceil(asked), 2.0, kLongest));
+  const std::vector<std::size_t> pieces = PiecesOf(time_s, signal, noise, breaks);
+  for (std::size_t piece = 0; piece + 1 < pieces.size(); ++piece) {
+    const std::size_t first = pieces[piece];
+    const std::size_t end = pieces[piece + 1];
+    const std::size_t inside = std::min(window, end - first);
+    for (std::size_t i = first; i < end && inside > 1; ++i) {
+      const std::size_t begin = std::clamp(i, first + inside / 2, end - inside + inside / 2) - inside / 2;
+      slopes[i] = LineThrough(time_s.subspan(begin, inside), signal.subspan(begin, inside), 0.0).slope;
+    }
+  }
+  // The way over a break is partly of either side; a piece of one sample has no slope of its own.
+  for (std::size_t piece = 1; piece + 1 < pieces.size(); ++piece) {
+    const std::size_t first = pieces[piece];
+    const double own = SlopeOf(time_s, signal, first - 1, first);
+    const auto [least, most] = std::minmax({slopes[first - 1], slopes[first]});
+    slopes[first] = pieces[piece + 1] - first > 1 ? std::clamp(own, least, most) : own;
+  }
+  return slopes;
 }
 
 std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<const double> signal,

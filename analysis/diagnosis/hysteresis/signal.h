@@ -36,6 +36,15 @@ struct CleanSignal {
 CleanSignal WithoutNoise(std::span<const double> time_s, std::span<const double> signal, double noise,
                          std::span<const std::size_t> breaks = {});
 
+/// Slope of the signal on the way to each sample from the one before, from lines through as many samples as
+/// it takes for noise to be a twentieth of the usual slope, on one side of corners, breaks and gaps; of the
+/// first sample the slope behind it.
+/// @param time_s  never falling.
+/// @param noise   standard deviation; 0 takes the two samples alone.
+/// @param breaks  rising; samples after which the signal is known to go on otherwise.
+std::vector<double> SlopesWithoutNoise(std::span<const double> time_s, std::span<const double> signal,
+                                       double noise, std::span<const std::size_t> breaks);
+
 /// Single samples that stand off the line through their neighbours by more than noise and by more than the
 /// signal turns there.
 /// @param time_s  rising.
