@@ -156,6 +156,7 @@ struct Extent {
 
 struct Choice {
   double sigma_s{};
+  double calm_sigma_s{};  // where the noise is nothing any more
   Trial trial;
 };
 
@@ -173,7 +174,7 @@ Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narr
     if (IsClear(trial)) kept = std::max(kept, trial.acceleration_signal);
     if (IsClear(trial) && trial.acceleration_signal < kSeesMotion * kept) break;
     inertia = trial.inertia;
-    choices.push_back({sigma_s, trial});
+    choices.push_back({sigma_s, sigma_s, trial});
   }
   const double noise_per_s =
       std::pow(NoiseGain(MakeKernel(narrowest, extent.step_s, 0)) * samples.torque_noise, 2) * kRowSpacing *
@@ -192,7 +193,14 @@ Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narr
     const Band band = MeasureBand(samples, choice.sigma_s, by_velocity);
     if (HoldsMotion(band, inertia, noise_per_s, wildness)) break;
   }
-  return {chosen->sigma_s, {inertia, chosen->trial.coulomb, chosen->trial.acceleration_noise, 0.0}};
+  double calm_sigma_s = chosen->sigma_s;
+  for (double noise = inertia * chosen->trial.acceleration_noise;
+       noise * noise * extent.duration_s > kImmaterial * noise_per_s && calm_sigma_s < widest;
+       noise /= std::pow(kHalfOctave, by_velocity ? 1.5 : 2.5))
+    calm_sigma_s *= kHalfOctave;
+  return {chosen->sigma_s,
+          calm_sigma_s / kHalfOctave,
+          {inertia, chosen->trial.coulomb, chosen->trial.acceleration_noise, 0.0}};
 }
 
 }  // namespace
@@ -213,13 +221,15 @@ MotionBandwidth ChooseBandwidth(const MotionSamples& samples, std::size_t most_r
   double quietest = std::numeric_limits<double>::max();
   for (const bool by_velocity : {false, true}) {
     if (by_velocity && !has_velocity) continue;
-    const auto [sigma_s, trial] = WidestFor(samples, extent, bandwidth.sigma_s, widest, by_velocity);
+    const auto [sigma_s, calm_sigma_s, trial] =
+        WidestFor(samples, extent, bandwidth.sigma_s, widest, by_velocity);
     // The column that shows more of the motion; of two that show the same, the quieter one.
     const bool shows_more = sigma_s < 0.99 * bandwidth.path_sigma_s;
     const bool shows_less = by_velocity && sigma_s > 1.01 * bandwidth.path_sigma_s;
     if (by_velocity && (shows_less || (!shows_more && trial.acceleration_noise >= quietest))) continue;
     quietest = trial.acceleration_noise;
     bandwidth.path_sigma_s = sigma_s;
+    bandwidth.calm_sigma_s = calm_sigma_s;
     bandwidth.by_velocity = by_velocity;
     bandwidth.inertia = trial.inertia;
     bandwidth.coulomb = std::abs(trial.coulomb);

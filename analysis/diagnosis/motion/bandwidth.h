@@ -12,6 +12,7 @@ struct MotionBandwidth {
   double sigma_s{};       // of the low-pass of torque and terms: as little as `most_rows` lets
   bool passes_all{};      // no low-pass: torque and terms sample by sample
   double path_sigma_s{};  // of position, velocity and acceleration
+  double calm_sigma_s{};  // of an acceleration whose noise is nothing beside the torque's over the record
   bool by_velocity{};     // derivatives from the velocity column, which shows more of the motion
   double velocity_noise{};
   double inertia{};  // about

@@ -24,7 +24,7 @@ Eigen::MatrixXd MotionLater(const MotionGrid& grid, double shift_s) {
   const std::vector<double> velocity = grid.Later(grid.velocity, shift_s);
   later.col(1) = grid.ProjectPassed(velocity);
   // The sign of the velocity at that time: between two points it turns faster than points can be shifted.
-  later.col(2) = grid.Project(grid.DirectionOf(velocity));
+  later.col(2) = grid.Project(grid.passage.SignsOf(velocity));
   return later;
 }
 
@@ -36,13 +36,13 @@ double LongestDelay_s(const MotionGrid& grid) {
   return std::min(std::max(0.06, 8.0 * grid.row_spacing_s), 0.02 * duration_s);
 }
 
-// Orthonormal columns of what may be in the record beside the nominal terms of motion.
+// Orthonormal columns, weighted, of what may be in the record beside the nominal terms of motion.
 Eigen::MatrixXd BesideMotion(const MotionGrid& grid) {
   const Eigen::MatrixXd usual = UsualEffectsAndLines(grid, StrongestOrders(grid));
   const Index records = grid.nominal.cols() - 3;
   Eigen::MatrixXd beside(grid.nominal.rows(), records + usual.cols());
   beside << grid.nominal.rightCols(records), usual;
-  return OrthonormalBasis(beside);
+  return OrthonormalBasis(grid.Weighted(beside));
 }
 
 std::string SentenceFor(double delay_s, const std::string& torque) {
@@ -59,9 +59,10 @@ std::string SentenceFor(double delay_s, const std::string& torque) {
 DelayEstimate EstimateDelay(const MotionGrid& grid) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
   const Eigen::MatrixXd basis = BesideMotion(grid);
-  const Eigen::VectorXd rest = measured - basis * (basis.transpose() * measured);
+  const Eigen::VectorXd weighted = grid.Weighted(measured);
+  const Eigen::VectorXd rest = weighted - basis * (basis.transpose() * weighted);
   const auto left = [&](double delay_s) {
-    Eigen::MatrixXd later = MotionLater(grid, delay_s);
+    Eigen::MatrixXd later = grid.Weighted(MotionLater(grid, delay_s));
     later -= basis * (basis.transpose() * later);
     return (rest - later * LeastSquares(later, rest)).squaredNorm();
   };
@@ -99,7 +100,7 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
   Eigen::MatrixXd nominal_later = grid->nominal;
   nominal_later.leftCols(3) = MotionLater(*grid, about_s);
   const Eigen::MatrixXd later = moved(nominal_later, about_s);
-  const Eigen::VectorXd numbers = LeastSquares(later, measured);
+  const Eigen::VectorXd numbers = LeastSquares(grid->Weighted(later), grid->Weighted(measured));
   const Eigen::VectorXd shift = (later - moved(grid->nominal, 0.0)) * numbers;
   SeparableTerm term = FixedTerm(shift / about_s);
   // Each reversal of a resampled torque is off by a part of a step of its own, which no residual's noise

@@ -28,7 +28,7 @@ void Add(SeparableModel& model, SeparableTerm term, CauseRule rule) {
 void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double fast = QuantileOfMagnitude(grid->velocity, 0.95);
   const double slow = QuantileOfMagnitude(grid->velocity, kFewestShare);
-  const double low = std::max({slow, 3.0 * grid->sign_width, 0.005 * fast});
+  const double low = std::max({slow, 3.0 * grid->passage.width, 0.005 * fast});
   const double high = 0.5 * fast;
   if (!(high > 3.0 * low)) {
     NotExcited(model, "stribeck_friction",

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "analysis/decompositions.h"
@@ -18,7 +19,6 @@ using Eigen::Index;
 constexpr std::size_t kFewestRows = 60;
 constexpr double kPointsPerSigma = 2.5;  // steps of the points in a σ of the low-pass, at least
 constexpr double kUnknownInertia = 3.0;  // standard errors
-constexpr double kClearly = 12.0;  // in −2 log-likelihood: what a detail of the nominal model has to bring
 
 // Goes on beyond both ends as the cubic through what is next to them does, so that what remembers the motion
 // (a second inertia that swings) knows it from the record's first sample.
@@ -75,67 +75,28 @@ void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, con
   }
 }
 
-void SetDirection(MotionGrid& grid, double width) {
-  grid.sign_width = width;
-  grid.direction = grid.DirectionOf(grid.velocity);
-  grid.nominal.col(2) = grid.Project(grid.direction);
-}
-
-// The sign of velocity may change over a small speed instead of at once: a detail, as long as it is small.
-// Where the torque acts late it is judged by the motion at that time: a lag passes for a wide passage.
-void ChooseSignWidth(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s) {
-  // What no width changes is projected out once.
-  const Eigen::MatrixXd usual = UsualEffects(grid);
-  Eigen::MatrixXd others(grid.nominal.rows(), grid.nominal.cols() - 1 + usual.cols());
-  const std::vector<double> later = grid.Later(grid.velocity, delay_s);
-  others << grid.ProjectPassed(grid.Later(grid.passed_acceleration, delay_s)), grid.ProjectPassed(later),
-      grid.nominal.rightCols(grid.nominal.cols() - 3), usual;
-  const Eigen::MatrixXd basis = OrthonormalBasis(others);
-  const Eigen::VectorXd rest = torque - basis * (basis.transpose() * torque);
-  const auto left_by = [&](double width) {
-    SetDirection(grid, width);
-    const Eigen::VectorXd column =
-        delay_s != 0.0 ? grid.Project(grid.DirectionOf(later)) : Eigen::VectorXd(grid.nominal.col(2));
-    const Eigen::VectorXd beside = column - basis * (basis.transpose() * column);
-    const double along = beside.dot(rest);
-    return rest.squaredNorm() - along * along / std::max(beside.squaredNorm(), 1e-300);
-  };
-  double width = grid.velocity_noise;
-  double least = left_by(width);
-  const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
-  const auto try_width = [&](double other, double clearly) {
-    if (other <= grid.velocity_noise) return;
-    const double now = left_by(other);
-    if (static_cast<double>(grid.rows()) * std::log(least / now) > clearly) {
-      least = now;
-      width = other;
-    }
-  };
-  const double narrowest = 2e-4 * speed;
-  for (double share = 1.0; share < 130.0; share *= 2.0) try_width(share * narrowest, kClearly);
-  if (width > grid.velocity_noise) {
-    for (double ratio = std::sqrt(2.0); ratio > 1.02; ratio = std::sqrt(ratio)) {
-      const double centre = width;
-      try_width(centre * ratio, 0.0);
-      try_width(centre / ratio, 0.0);
-    }
-  }
-  SetDirection(grid, width);
-}
-
 // Rows count by how well their acceleration is known. What is wrong with it around a jolt is no chance: all
-// its rows are wrong together, and are worth no more than one that is.
+// its rows are wrong together, and are worth no more than one that is; its noise is alike over the
+// smoothing's width.
 std::vector<double> WeightsOf(const MotionGrid& grid, double inertia) {
   std::vector<double> weights(grid.rows(), 1.0);
   const double noise = std::max(grid.noise_floor, 1e-300);
   const auto error = [&](std::size_t row) {
     return inertia / noise * grid.acceleration_error[grid.point_of_row[row]];
   };
+  // As many rows as the smoothing of the path makes wrong alike.
+  const double correlated = std::max(kRowSpacing * grid.path_sigma_s / grid.row_spacing_s, 1.0);
+  const auto more_noise = [&](std::size_t row) {
+    const double own = grid.noise_of_acceleration[grid.point_of_row[row]];
+    const double more = own * own - grid.acceleration_noise * grid.acceleration_noise;
+    return correlated * std::max(inertia * inertia * more, 0.0) / (noise * noise);
+  };
   for (std::size_t row = 0; row < weights.size();) {
     std::size_t next = row + 1;
     while (next < weights.size() && error(row) != 0.0 && error(next) != 0.0) ++next;
     const auto together = static_cast<double>(next - row);
-    for (; row < next; ++row) weights[row] = 1.0 / (1.0 + together * error(row) * error(row));
+    for (; row < next; ++row)
+      weights[row] = 1.0 / (1.0 + more_noise(row) + together * error(row) * error(row));
   }
   return weights;
 }
@@ -143,10 +104,11 @@ std::vector<double> WeightsOf(const MotionGrid& grid, double inertia) {
 // Standard error of the inertia, of the nominal model alone.
 double InertiaError(const MotionGrid& grid) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
-  const double left =
-      (measured - grid.nominal * grid.prefit).squaredNorm() / static_cast<double>(grid.rows());
-  const Eigen::MatrixXd others = grid.nominal.rightCols(grid.nominal.cols() - 1);
-  const Eigen::VectorXd acceleration = grid.nominal.col(0);
+  const Eigen::MatrixXd nominal = grid.Weighted(grid.nominal);
+  const double left = (grid.Weighted(measured) - nominal * grid.prefit).squaredNorm() /
+                      std::accumulate(grid.weights.begin(), grid.weights.end(), 0.0);
+  const Eigen::MatrixXd others = nominal.rightCols(nominal.cols() - 1);
+  const Eigen::VectorXd acceleration = nominal.col(0);
   const double own = (acceleration - others * LeastSquares(others, acceleration)).squaredNorm();
   return std::sqrt(left / std::max(own, 1e-300));
 }
@@ -193,15 +155,6 @@ Eigen::VectorXd MotionGrid::ProjectPassed(std::span<const double> points) const 
     values(static_cast<Index>(row)) = points[point_of_row[row]];
   }
   return values;
-}
-
-std::vector<double> MotionGrid::DirectionOf(std::span<const double> velocities) const {
-  std::vector<double> directions(velocities.size());
-  for (std::size_t i = 0; i < velocities.size(); ++i) {
-    directions[i] = sign_width > 0.0 ? std::erf(velocities[i] / (std::sqrt(2.0) * sign_width))
-                                     : static_cast<double>((velocities[i] > 0.0) - (velocities[i] < 0.0));
-  }
-  return directions;
 }
 
 std::vector<double> MotionGrid::Later(std::span<const double> passed_points, double shift_s) const {
@@ -261,6 +214,11 @@ Eigen::MatrixXd UsualEffects(const MotionGrid& grid, const PathPoints& path) {
   return usual;
 }
 
+Eigen::MatrixXd MotionGrid::Weighted(const Eigen::MatrixXd& columns) const {
+  const Eigen::Map<const Eigen::ArrayXd> all(weights.data(), static_cast<Index>(weights.size()));
+  return all.sqrt().matrix().asDiagonal() * columns;
+}
+
 Eigen::MatrixXd MotionGrid::BesideNominal(const Eigen::MatrixXd& columns) const {
   return columns - nominal_basis * (nominal_basis.transpose() * columns).eval();
 }
@@ -304,6 +262,8 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   grid.filtered_out_variance = (1.0 - gain(0) * gain(0)) * samples.torque_noise * samples.torque_noise;
   grid.acceleration_noise =
       bandwidth.by_velocity ? gain(1) * samples.velocity_noise : gain(2) * samples.position_noise;
+  grid.noise_of_acceleration = CalmAcceleration(samples, bandwidth, layouts, grid);
+  grid.acceleration_noise = QuantileOfMagnitude(grid.noise_of_acceleration, 0.5);
   grid.noise_floor = std::hypot(gain(0) * samples.torque_noise, bandwidth.inertia * grid.acceleration_noise);
   grid.acceleration_error = AddJolts(samples, bandwidth, layouts, grid);
   ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, grid);
@@ -323,16 +283,15 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
     grid.nominal(row, 3 + static_cast<Index>(record)) = 1.0;
   }
   const Eigen::VectorXd torque = grid.ProjectPassed(grid.passed_torque);
-  SetDirection(grid, grid.velocity_noise);
-  ChooseSignWidth(grid, torque, passage_delay_s);
   grid.weights = WeightsOf(grid, bandwidth.inertia);
+  ChooseSignPassage(grid, torque, passage_delay_s);
   grid.measured.assign(torque.data(), torque.data() + rows);
-  grid.prefit = LeastSquares(grid.nominal, torque);
+  grid.prefit = LeastSquares(grid.Weighted(grid.nominal), grid.Weighted(torque));
   grid.inertia_error = InertiaError(grid);
   if (std::abs(grid.prefit(0)) < kUnknownInertia * grid.inertia_error) {
     // What is left of the acceleration is noise: a number for it would only blow up where it is not fitted.
     grid.nominal.col(0).setZero();
-    grid.prefit = ShortestLeastSquares(grid.nominal, torque);
+    grid.prefit = ShortestLeastSquares(grid.Weighted(grid.nominal), grid.Weighted(torque));
   }
   grid.nominal_basis = OrthonormalBasis(grid.nominal);
   return grid;

@@ -8,6 +8,7 @@
 
 #include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/kernel.h"
+#include "analysis/diagnosis/motion/passage.h"
 #include "analysis/diagnosis/motion/samples.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -41,8 +42,8 @@ struct MotionGrid {
   double path_sigma_s{};    // of position, velocity and acceleration
   double velocity_noise{};  // of the points
   double position_noise{};
-  double acceleration_noise{};  // of the rows
-  double sign_width{};          // speed over which the sign of velocity changes
+  double acceleration_noise{};  // of most points
+  SignPassage passage;          // how the sign of velocity changes
   double reversal_error_s{};    // standard deviation of each reversal's time in a torque that is resampled
 
   // Points.
@@ -53,6 +54,7 @@ struct MotionGrid {
   std::vector<double> temperature_degC;  // empty: none; as smooth as temperatures are
   std::vector<double> passed_acceleration;
   std::vector<double> passed_torque;
+  std::vector<double> noise_of_acceleration;  // more where an axis is not calm
   std::vector<double> acceleration_error;  // around jolts (motion/jolts.h): how wrong the acceleration may be
 
   // Rows.
@@ -85,8 +87,8 @@ struct MotionGrid {
   Eigen::VectorXd ProjectPassed(std::span<const double> points) const;
   /// A passed quantity a time later, at the points.
   std::vector<double> Later(std::span<const double> passed_points, double shift_s) const;
-  /// Smooth sign of velocities, as `direction` is of the points'.
-  std::vector<double> DirectionOf(std::span<const double> velocities) const;
+  /// Columns of the rows, each row by the root of its weight.
+  Eigen::MatrixXd Weighted(const Eigen::MatrixXd& columns) const;
   /// What least squares by the nominal terms leaves of columns.
   Eigen::MatrixXd BesideNominal(const Eigen::MatrixXd& columns) const;
 };

@@ -11,17 +11,24 @@ namespace {
 
 constexpr double kStandsOut = 2.5;       // times the noise of a band, from which on a jolt shows in it
 constexpr double kStandsOutAlone = 6.0;  // the same of a band that no other bears out
-constexpr double kFast = 0.5;    // of the 95 % quantile of the speed: where noise that goes with it shows
-constexpr double kAround = 2.0;  // σ to either side, over which a band's size at a place is taken
-constexpr double kBeyond = 0.3;  // of the last band: what lies beyond it and folds back into the torque
+constexpr double kFast = 0.5;      // of the 95 % quantile of the speed: where noise that goes with it shows
+constexpr double kCalm = 0.3;      // of the time that an axis is fast, from which on it is calm then
+constexpr double kNoMore = 1.2;    // times the noise expected, which is no more than that
+constexpr double kAround = 2.0;    // σ to either side, over which a band's size at a place is taken
+constexpr double kFollowed = 0.3;  // of the inertia, from which on the torque follows a calm band
+constexpr double kBeyond = 0.3;    // of the last band: what lies beyond it and folds back into the torque
 // A band over the one half an octave lower, at most: a kink in the acceleration.
 const double kSlowestDecay = 1.0 / std::numbers::sqrt2;
+
+// The same, above which it is one.
+constexpr double kKink = 0.5;
 
 // Half an octave of the acceleration, at the points.
 struct Band {
   std::vector<double> values;
   std::vector<double> mean_squares;  // around each
   std::vector<double> noise;         // standard deviations
+  double white{};                    // of the part that the path's noise makes
 };
 
 // Mean squares over `half` points to either side.
@@ -43,14 +50,13 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
   std::vector<double> moving;
   std::vector<double> fast;
   std::vector<double> by_speed;
-  double white = 0.0;
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const EvenStretch& raw = samples.stretches[s];
     const std::vector<double>& moved = bandwidth.by_velocity ? raw.velocity : raw.position;
     const KernelTaps kernel = MakeBandKernel(sigma_s, raw.step_s, bandwidth.by_velocity ? 1 : 2);
     const double of_path = bandwidth.by_velocity ? samples.velocity_noise : samples.position_noise;
-    white = std::max(white, NoiseGain(kernel) * of_path);
+    band.white = std::max(band.white, NoiseGain(kernel) * of_path);
     for (std::size_t i = 0; i < stretch.count; ++i) {
       const std::size_t sample = layouts[s].SampleOf(i);
       if (sample < kernel.reach || sample + kernel.reach >= moved.size()) continue;
@@ -66,8 +72,24 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
     const auto half = static_cast<std::size_t>(kAround * sigma_s / stretch.step_s);
     AddMeanSquares({band.values.data() + stretch.first, stretch.count}, half, band.mean_squares);
   }
+  // Where a fast axis is calm there is no other noise.
+  std::size_t calm = 0;
+  std::size_t seen = 0;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < grid.time_s.size(); ++i) {
+    if (std::abs(grid.velocity[i]) < kFast * top_speed) continue;
+    ++seen;
+    if (std::sqrt(band.mean_squares[i]) > kStandsOut * band.white) continue;
+    ++calm;
+    squares += band.values[i] * band.values[i];
+  }
+  if (static_cast<double>(calm) > kCalm * static_cast<double>(seen) &&
+      squares < std::pow(kNoMore * band.white, 2) * static_cast<double>(calm)) {
+    band.noise.assign(grid.time_s.size(), band.white);
+    return band;
+  }
   // An axis that turns often has its jolts where it is slow, one that is struck has them anywhere.
-  const double everywhere = std::max(white, std::min(UsualSize(moving), UsualSize(fast)));
+  const double everywhere = std::max(band.white, std::min(UsualSize(moving), UsualSize(fast)));
   const double with_speed = UsualSize(by_speed);
   for (const double velocity : grid.velocity)
     band.noise.push_back(std::max(everywhere, with_speed * std::abs(velocity)));
@@ -76,35 +98,76 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
 
 // What the bands have shown of a jolt at a point so far.
 struct Trace {
-  bool shows{true};
+  bool shows{};
   double size{};   // in the last band
   double decay{};  // from band to band
 };
 
 }  // namespace
 
+std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                                     std::span<const PointLayout> layouts, MotionGrid& grid) {
+  std::vector<double> variances(grid.time_s.size(), grid.acceleration_noise * grid.acceleration_noise);
+  for (double sigma_s = bandwidth.path_sigma_s; sigma_s < 1.01 * bandwidth.calm_sigma_s;
+       sigma_s *= std::numbers::sqrt2) {
+    const Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
+    double xx = 0.0;
+    double xy = 0.0;
+    std::vector<bool> calm(grid.time_s.size(), false);
+    for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
+      const MotionGrid::Stretch& stretch = grid.stretches[s];
+      const EvenStretch& raw = samples.stretches[s];
+      const KernelTaps of_torque = MakeBandKernel(sigma_s, raw.step_s, 0);
+      for (std::size_t i = 0; i < stretch.count; ++i) {
+        const std::size_t sample = layouts[s].SampleOf(i);
+        if (sample < of_torque.reach || sample + of_torque.reach >= raw.torque.size()) continue;
+        const std::size_t point = stretch.first + i;
+        calm[point] = std::sqrt(band.mean_squares[point]) < kStandsOut * band.white;
+        if (!calm[point]) continue;
+        const double x = band.values[point];
+        xx += x * x;
+        xy += x * of_torque.At(raw.torque, sample);
+      }
+    }
+    if (std::abs(xy) > kFollowed * std::abs(bandwidth.inertia) * xx) break;
+    for (std::size_t i = 0; i < calm.size(); ++i) {
+      if (!calm[i]) continue;
+      grid.passed_acceleration[i] -= band.values[i];
+      variances[i] = std::max(variances[i] - band.white * band.white, 0.0);
+    }
+  }
+  for (double& variance : variances) variance = std::sqrt(variance);
+  return variances;
+}
+
 std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                              std::span<const PointLayout> layouts, MotionGrid& grid) {
   std::vector<Trace> traces(grid.time_s.size());
   std::vector<double> variances(grid.time_s.size(), 0.0);
-  // From two bands that the smoothing has left, which show how a jolt goes on, to the end of the low-pass.
-  for (double sigma_s = bandwidth.path_sigma_s * std::numbers::sqrt2; sigma_s > 0.99 * bandwidth.sigma_s;
-       sigma_s /= std::numbers::sqrt2) {
+  // From four bands that the smoothing has left, which show how a jolt goes on, to the end of the low-pass.
+  for (double sigma_s = 2.0 * std::numbers::sqrt2 * bandwidth.path_sigma_s;
+       sigma_s > 0.99 * bandwidth.sigma_s; sigma_s /= std::numbers::sqrt2) {
     const bool left = sigma_s > 0.99 * bandwidth.path_sigma_s;
     const bool last = sigma_s < 1.01 * bandwidth.sigma_s;
     const Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
     for (std::size_t i = 0; i < traces.size(); ++i) {
       Trace& trace = traces[i];
       const double size = std::sqrt(band.mean_squares[i]);
-      // Where an axis turns every few samples, jolts are what is usual in the wider bands.
-      trace.shows = trace.shows || ((last || !left) && size > kStandsOutAlone * band.noise[i]);
-      if (!trace.shows) continue;
       const double usual = kStandsOut * band.noise[i];
       const double share = usual * usual / std::max(band.mean_squares[i], 1e-300);
+      // Where an axis turns every few samples, jolts are what is usual in the wider bands.
+      trace.shows =
+          trace.shows || (left && share < 1.0) || ((last || !left) && size > kStandsOutAlone * band.noise[i]);
+      if (!trace.shows) continue;
       if (left) {
-        trace.shows = share < 1.0;
-        trace.decay = trace.size > 0.0 ? std::min(size / trace.size, kSlowestDecay) : kSlowestDecay;
-        trace.size = size;
+        // A kink of the acceleration goes on below the noise that hides it, a gentle end does not.
+        const bool hidden = share > 1.0;
+        if (hidden && trace.decay < kKink) {
+          trace = {};
+          continue;
+        }
+        if (!hidden) trace.decay = trace.size > 0.0 ? std::min(size / trace.size, kSlowestDecay) : 0.0;
+        trace.size = hidden ? trace.decay * trace.size : size;
       } else if (share < 1.0 && std::abs(bandwidth.inertia) * band.noise[i] < grid.noise_floor) {
         grid.passed_acceleration[i] += (1.0 - share) * band.values[i];
         variances[i] += std::pow(share * size, 2) + std::pow((1.0 - share) * band.noise[i], 2);

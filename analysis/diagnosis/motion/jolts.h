@@ -21,4 +21,12 @@ namespace strainwave::analysis::diagnosis {
 std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                              std::span<const PointLayout> layouts, MotionGrid& grid);
 
+/// Takes out of the points' acceleration what is nothing but noise: half an octave at a time from the
+/// smoothing upwards, where a band stays at its noise and the torque does not follow it. Motion that is fast
+/// only for moments keeps the smoothing narrow for the whole record otherwise, and the noise of the long calm
+/// between them shows in the torque.
+/// @return standard deviation of the noise that is left at each point
+std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                                     std::span<const PointLayout> layouts, MotionGrid& grid);
+
 }  // namespace strainwave::analysis::diagnosis

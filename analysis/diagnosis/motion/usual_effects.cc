@@ -24,16 +24,16 @@ std::vector<double> StrongestOrders(const MotionGrid& grid) {
   const Eigen::MatrixXd usual = UsualEffects(grid);
   Eigen::MatrixXd known(grid.nominal.rows(), grid.nominal.cols() + usual.cols());
   known << grid.nominal, usual;
-  const Eigen::VectorXd residual = measured - known * LeastSquares(known, measured);
+  const Eigen::VectorXd residual =
+      measured - known * LeastSquares(grid.Weighted(known), grid.Weighted(measured));
   const double per_unit = grid.linear ? kTwoPi : 1.0;
   std::vector<double> angle;
   for (const std::size_t point : grid.point_of_row) angle.push_back(grid.position[point] * per_unit);
   const auto [first, last] = std::minmax_element(angle.begin(), angle.end());
   const double turns = (*last - *first) / kTwoPi;
-  const std::vector<double> weights(angle.size(), 1.0);
   std::vector<double> orders;
   for (const LinePeak& line :
-       FindLines(angle, {residual.data(), grid.rows()}, weights, 1.5 / turns,
+       FindLines(angle, {residual.data(), grid.rows()}, grid.weights, 1.5 / turns,
                  std::min(1200.0, 0.25 * static_cast<double>(grid.rows()) / turns), kLines)) {
     orders.push_back(line.order * per_unit);
   }
@@ -42,7 +42,7 @@ std::vector<double> StrongestOrders(const MotionGrid& grid) {
 
 Eigen::MatrixXd UsualEffectsAndLines(const MotionGrid& grid, std::span<const double> orders, double shift_s) {
   const PathPoints path = PathLater(grid, shift_s);
-  const std::vector<double> direction = grid.DirectionOf(path.velocity);
+  const std::vector<double> direction = grid.passage.SignsOf(path.velocity);
   const Eigen::MatrixXd usual = UsualEffects(grid, path);
   const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
   Eigen::MatrixXd columns(grid.nominal.rows(), usual.cols() + 2 + 2 * static_cast<Index>(orders.size()));

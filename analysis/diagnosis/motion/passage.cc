@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/motion/passage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/decompositions.h"
+#include "analysis/diagnosis/motion/grid.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kClearly = 12.0;  // in −2 log-likelihood: what a detail of the nominal model has to bring
+constexpr double kNarrowest = 2e-4;  // of the 95 % quantile of the speed
+constexpr double kWidest = 0.026;    // of it
+
+void SetPassage(MotionGrid& grid, const SignPassage& passage) {
+  grid.passage = passage;
+  grid.direction = passage.SignsOf(grid.velocity);
+  grid.nominal.col(2) = grid.Project(grid.direction);
+}
+
+}  // namespace
+
+std::vector<double> SignPassage::SignsOf(std::span<const double> velocities) const {
+  std::vector<double> signs(velocities.size());
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    const double v = velocities[i];
+    if (!(width > 0.0)) {
+      signs[i] = static_cast<double>((v > 0.0) - (v < 0.0));
+    } else {
+      // Of one width where they are as steep at rest.
+      signs[i] = hyperbolic ? std::tanh(std::sqrt(2.0 / std::numbers::pi) * v / width)
+                            : std::erf(v / (std::sqrt(2.0) * width));
+    }
+  }
+  return signs;
+}
+
+void ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s) {
+  // What no width changes is projected out once.
+  const Eigen::MatrixXd usual = UsualEffects(grid);
+  Eigen::MatrixXd others(grid.nominal.rows(), grid.nominal.cols() - 1 + usual.cols());
+  const std::vector<double> later = grid.Later(grid.velocity, delay_s);
+  others << grid.ProjectPassed(grid.Later(grid.passed_acceleration, delay_s)), grid.ProjectPassed(later),
+      grid.nominal.rightCols(grid.nominal.cols() - 3), usual;
+  const Eigen::MatrixXd basis = OrthonormalBasis(grid.Weighted(others));
+  const Eigen::VectorXd measured = grid.Weighted(torque);
+  const Eigen::VectorXd rest = measured - basis * (basis.transpose() * measured);
+  const auto left_by = [&](const SignPassage& passage) {
+    const Eigen::VectorXd column = grid.Weighted(grid.Project(passage.SignsOf(later)));
+    const Eigen::VectorXd beside = column - basis * (basis.transpose() * column);
+    const double along = beside.dot(rest);
+    return rest.squaredNorm() - along * along / std::max(beside.squaredNorm(), 1e-300);
+  };
+  SignPassage best{.width = grid.velocity_noise};
+  double least = left_by(best);
+  const auto try_passage = [&](const SignPassage& other, double clearly) {
+    if (other.width <= grid.velocity_noise) return;
+    const double now = left_by(other);
+    if (static_cast<double>(grid.rows()) * std::log(least / now) > clearly) {
+      least = now;
+      best = other;
+    }
+  };
+  const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
+  for (double share = kNarrowest; share < kWidest; share *= 2.0) {
+    for (const bool hyperbolic : {false, true})
+      try_passage({.width = share * speed, .hyperbolic = hyperbolic},
+                  best.width > grid.velocity_noise ? 0.0 : kClearly);
+  }
+  if (best.width > grid.velocity_noise) {
+    for (double ratio = std::sqrt(2.0); ratio > 1.02; ratio = std::sqrt(ratio)) {
+      const SignPassage centre = best;
+      for (const bool hyperbolic : {false, true}) {
+        for (const double width : {centre.width * ratio, centre.width, centre.width / ratio})
+          try_passage({.width = width, .hyperbolic = hyperbolic}, 0.0);
+      }
+    }
+  }
+  SetPassage(grid, best);
+}
+
+}  // namespace strainwave::analysis::diagnosis

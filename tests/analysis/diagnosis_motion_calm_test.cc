@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "analysis/units.h"
+#include "tests/analysis/diagnosed.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr double kInertia_kgm2 = 0.1;
+constexpr double kViscous_Nms_per_rad = 0.1;
+constexpr double kSpell_s = 2.1;
+
+// Constant speed for 2.1 s, then the other way around within 90 ms as a half cosine: nothing accelerates but
+// for a twentieth of the time, and there it matters.
+struct Turns {
+  double rate_Hz{200.0};
+  double path_noise_rad{1.3e-4};
+  double torque_noise_Nm{0.12};
+  double coulomb_Nm{0.6};
+  double width_rad_per_s{0.01};  // of the passage of Coulomb friction through zero speed
+  double turn_s{0.09};
+  double late_s{};  // by which the torque is recorded late
+};
+
+struct State {
+  double position_rad{}, speed_rad_per_s{}, acceleration_rad_per_s2{};
+};
+
+State At(double time_s, double turn_s) {
+  State state;
+  double speed = 1.0;
+  double start_s = 0.0;
+  for (int k = 0; k < 40; ++k) {
+    const double since_s = time_s - (start_s + kSpell_s);
+    if (since_s < 0.0) break;
+    const double change = (k % 2 == 0 ? -1.0 : 1.0) * (2.2 + std::sin(2.3 * k));
+    const double u = std::min(since_s / turn_s, 1.0);
+    state.position_rad +=
+        change * (0.5 * turn_s * (u - std::sin(kPi * u) / kPi) + std::max(since_s - turn_s, 0.0));
+    state.speed_rad_per_s += change * 0.5 * (1.0 - std::cos(kPi * u));
+    if (u < 1.0) state.acceleration_rad_per_s2 += change * 0.5 * kPi / turn_s * std::sin(kPi * u);
+    start_s += kSpell_s;
+  }
+  state.position_rad += speed * time_s;
+  state.speed_rad_per_s += speed;
+  return state;
+}
+
+MotionData Record(unsigned seed, const Turns& turns) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  MotionData record;
+  for (int i = 0; i < static_cast<int>(40.0 * turns.rate_Hz); ++i) {
+    const double time_s = i / turns.rate_Hz;
+    const State then = At(time_s - turns.late_s, turns.turn_s);
+    record.time_s.push_back(time_s);
+    record.position.push_back(At(time_s, turns.turn_s).position_rad + turns.path_noise_rad * normal(random));
+    record.torque.push_back(kInertia_kgm2 * then.acceleration_rad_per_s2 +
+                            kViscous_Nms_per_rad * then.speed_rad_per_s +
+                            turns.coulomb_Nm * std::tanh(then.speed_rad_per_s / turns.width_rad_per_s) +
+                            turns.torque_noise_Nm * normal(random));
+  }
+  return record;
+}
+
+Diagnosed Ask(const MotionData& record) { return DiagnoseRecords(&MakeMotionStudy, {record}); }
+
+// Kept narrow for the turns, the smoothing lets the path's noise through all the time between them: the
+// inertia comes out a third too small, and what that leaves at the turns passes for more than the nominal
+// model.
+TEST(MotionCalm, DoesNotShowThePathsNoiseAsAcceleration) {
+  for (const unsigned seed : {2U, 3U}) {
+    const Diagnosed clean = Ask(Record(seed, {}));
+    EXPECT_EQ(clean.names(), Names());
+    EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
+    const ParameterValue inertia = clean.nominal("inertia_kgm2");
+    EXPECT_NEAR(inertia.value, kInertia_kgm2, 4.0 * inertia.standard_error) << seed;
+  }
+}
+
+TEST(MotionCalm, LetsADelayBeTold) {
+  const Diagnosed late =
+      Ask(Record(4, {.path_noise_rad = 2e-5, .torque_noise_Nm = 0.03, .turn_s = 0.02, .late_s = 0.004}));
+  EXPECT_EQ(late.names(), Names{"time_delay"});
+  const ParameterValue delay = late.value("delay_s");
+  EXPECT_NEAR(delay.value, -0.004, 4.0 * delay.standard_error);
+}
+
+// Coulomb friction as many a simulation has it, tanh(v/v₀), seen only where it is nearly all there.
+TEST(MotionCalm, TakesAPassageForNothingElse) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  MotionData record;
+  for (int i = 0; i < 20000; ++i) {
+    const double time_s = 0.0005 * i;
+    const double slow = 2.0 * kTwoPi * 0.3;
+    const double fast = 0.6 * kTwoPi * 1.1;
+    const double speed =
+        slow * std::cos(kTwoPi * 0.3 * time_s) + fast * std::cos(kTwoPi * 1.1 * time_s + 0.7);
+    record.time_s.push_back(time_s);
+    record.position.push_back(2.0 * std::sin(kTwoPi * 0.3 * time_s) +
+                              0.6 * std::sin(kTwoPi * 1.1 * time_s + 0.7) + 2e-6 * normal(random));
+    record.torque.push_back(-0.2 * (slow * kTwoPi * 0.3 * std::sin(kTwoPi * 0.3 * time_s) +
+                                    fast * kTwoPi * 1.1 * std::sin(kTwoPi * 1.1 * time_s + 0.7)) +
+                            0.3 * speed + 2.0 * std::tanh(speed / 0.06) + 0.02 * normal(random));
+  }
+  const Diagnosed clean = Ask(record);
+  EXPECT_EQ(clean.names(), Names());
+  EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect);
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
