@@ -11,16 +11,12 @@
 #include <utility>
 
 #include "analysis/diagnosis/fit_covariance.h"
-#include "analysis/diagnosis/known_before.h"
 #include "analysis/diagnosis/noise_likelihood.h"
-#include "analysis/diagnosis/separable_fit.h"
+#include "analysis/diagnosis/separable_search.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-constexpr int kSearchRounds = 6;  // for each start of a new cause
-constexpr int kFinalRounds = 12;
 
 // Numbers of a solution in the order of TermSet: coefficients, then shapes, term after term.
 std::vector<double> NumbersOf(const SeparableSolution& solution) {
@@ -56,103 +52,6 @@ std::vector<double> KnownShapes(const SeparableModel& model, const ModelFit* fit
     at += term.columns + term.shapes.size();
   }
   return shapes;
-}
-
-// Whether what people read of a solution's last term lies where its rule expects it.
-bool IsAsExpected(const TermSet& set, const CauseRule& rule, const SeparableSolution& solution) {
-  std::vector<double> numbers = solution.coefficients.back();
-  numbers.insert(numbers.end(), solution.shapes.back().begin(), solution.shapes.back().end());
-  const auto width = static_cast<Eigen::Index>(numbers.size());
-  const std::vector<ParameterValue> values =
-      set.terms.back()->describe(numbers, Eigen::MatrixXd::Zero(width, width));
-  return std::ranges::all_of(rule.parameters, [&](const ParameterRule& expected) {
-    const auto value = std::ranges::find(values, expected.name, &ParameterValue::name);
-    return value == values.end() || (value->value >= expected.low && value->value <= expected.high);
-  });
-}
-
-// The best solution with the last term of the set, whose shapes `before` does not have yet, and among several
-// one whose numbers are as the rule expects them; nothing if the record gives no place to start from.
-std::optional<SeparableSolution> SearchShapes(const SeparableModel& model, const TermSet& set,
-                                              const CauseRule& rule, std::span<const double> weights,
-                                              const SeparableSolution& before) {
-  std::vector<double> residual(model.measured);
-  for (std::size_t i = 0; i < residual.size(); ++i)
-    residual[i] -= before.predicted(static_cast<Eigen::Index>(i));
-  const SeparableProblem problem(set, model.measured, weights);
-  std::optional<SeparableSolution> best;
-  bool best_expected = false;
-  std::vector<std::vector<double>> starts = set.terms.back()->starts({residual, weights});
-  starts.resize(std::min(starts.size(), set.terms.back()->most_starts));
-  for (std::vector<double>& start : starts) {
-    std::vector<std::vector<double>> joined = before.shapes;
-    joined.push_back(std::move(start));
-    SeparableSolution candidate = problem.Refine(problem.Solve(std::move(joined)), kSearchRounds);
-    const bool expected = IsAsExpected(set, rule, candidate);
-    if (!best || (expected && !best_expected) ||
-        (expected == best_expected && candidate.weighted_square_sum < best->weighted_square_sum)) {
-      best = std::move(candidate);
-      best_expected = expected;
-    }
-  }
-  return best;
-}
-
-// How many of the shapes with a known range need not be charged for.
-double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
-                       std::span<const double> weights) {
-  std::vector<Eigen::Index> known;
-  std::vector<Eigen::Index> others;
-  std::vector<double> ranges;
-  Eigen::Index next = 0;
-  for (const SeparableTerm* term : set.terms) {
-    for (std::size_t c = 0; c < term->columns; ++c) others.push_back(next++);
-    for (const ShapeRange& range : term->shapes) {
-      const bool uncharged = range.known && set.Moves(range);
-      (uncharged ? known : others).push_back(next++);
-      if (uncharged) ranges.push_back(range.high - range.low);
-    }
-  }
-  if (known.empty()) return 0.0;
-  const Eigen::Map<const Eigen::VectorXd> weight(weights.data(), static_cast<Eigen::Index>(weights.size()));
-  const auto samples = static_cast<double>((weight.array() > 0.0).count());
-  const Eigen::MatrixXd rows = weight.cwiseSqrt().asDiagonal() * Sensitivities(set, solution);
-  return KnownBefore(rows(Eigen::all, known), rows(Eigen::all, others), ranges,
-                     solution.weighted_square_sum / std::max(samples, 1.0), samples);
-}
-
-// Sets to zero, in the shapes of a set's terms, what is moved only where it pays.
-void Rest(const TermSet& set, std::vector<std::vector<double>>& shapes) {
-  for (std::size_t t = 0; t < shapes.size(); ++t) {
-    for (std::size_t s = 0; s < shapes[t].size(); ++s) {
-      if (set.terms[t]->shapes[s].moved == Moved::kWhereItPays) shapes[t][s] = 0.0;
-    }
-  }
-}
-
-// Moves what is moved only where it pays if the likelihood, as of white noise, pays for it as BIC asks.
-// @param known  where such shapes were before, in the shapes of the first terms
-void MoveWhereItPays(const SeparableModel& model, std::span<const double> weights,
-                     const std::vector<std::vector<double>>& known, TermSet& set,
-                     SeparableSolution& solution) {
-  TermSet all = set;
-  all.it_pays = true;
-  if (all.moved_shapes() == set.moved_shapes()) return;
-  std::vector<std::vector<double>> shapes = solution.shapes;
-  for (std::size_t t = 0; t < known.size(); ++t) {
-    for (std::size_t s = 0; s < known[t].size(); ++s) {
-      if (set.terms[t]->shapes[s].moved == Moved::kWhereItPays) shapes[t][s] = known[t][s];
-    }
-  }
-  const SeparableProblem problem(all, model.measured, weights);
-  SeparableSolution moved = problem.Refine(problem.Solve(std::move(shapes)), kFinalRounds);
-  const auto samples = static_cast<double>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
-  const double uncharged = UnchargedShapes(all, moved, weights) - UnchargedShapes(set, solution, weights);
-  const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;
-  const double ahead = samples * std::log(solution.weighted_square_sum / moved.weighted_square_sum);
-  if (!(ahead > std::max(1.0, charged) * std::log(samples))) return;
-  solution = std::move(moved);
-  set = std::move(all);
 }
 
 // Weighted least squares of a term set over the whole of a record, and what is known of its noise.
@@ -307,18 +206,20 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   std::optional<SeparableProblem> problem(std::in_place, set, model_.measured, weights);
   SeparableSolution solution = problem->Solve(std::move(shapes));
   if (!searched.empty()) problem.reset();  // of another set
+  std::vector<SeparableSolution> others;   // of the last search
   for (const std::size_t cause : searched) {
     set.terms.push_back(&model_.causes[cause]);
     order.push_back(cause);
-    std::optional<SeparableSolution> found =
-        SearchShapes(model_, set, model_.rules[cause], weights, solution);
-    if (!found) return {};
-    solution = std::move(*found);
+    others = SearchShapes(model_, set, model_.rules[cause], weights, solution);
+    if (others.empty()) return {};
+    solution = std::move(others.front());
+    others.erase(others.begin());
   }
   if (set.shapes() > 0) {
     if (!problem) problem.emplace(set, model_.measured, weights);
     solution = problem->Refine(std::move(solution), kFinalRounds);
-    MoveWhereItPays(model_, weights, known_shapes, set, solution);
+    if (MoveWhereItPays(model_, weights, known_shapes, set, solution) && !others.empty())
+      solution = BestOf(model_, weights, set, model_.rules[searched.back()], std::move(solution), others);
   }
 
   // Back into ascending order of the causes.

@@ -84,7 +84,7 @@ TEST(MotionCalm, DoesNotShowThePathsNoiseAsAcceleration) {
 
 TEST(MotionCalm, LetsADelayBeTold) {
   const Diagnosed late =
-      Ask(Record(4, {.path_noise_rad = 2e-5, .torque_noise_Nm = 0.03, .turn_s = 0.02, .late_s = 0.004}));
+      Ask(Record(4, {.path_noise_rad = 2e-5, .torque_noise_Nm = 0.03, .turn_s = 0.04, .late_s = 0.004}));
   EXPECT_EQ(late.names(), Names{"time_delay"});
   const ParameterValue delay = late.value("delay_s");
   EXPECT_NEAR(delay.value, -0.004, 4.0 * delay.standard_error);

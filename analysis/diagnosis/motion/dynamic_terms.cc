@@ -23,6 +23,8 @@ using Eigen::Index;
 constexpr double kLeastDamping = 0.004;
 constexpr double kMostShare = 1.5;  // of the inertia, that may swing
 constexpr std::size_t kMostBeginnings = 4;
+constexpr double kApart = 0.15;         // of ln frequency, that tells two starts apart
+constexpr double kMostSwing = 10.0;     // times the usual acceleration, where a stretch begins
 constexpr double kShortest = 0.02;      // of all points, that a stretch with a beginning of its own has
 constexpr std::size_t kFirstSwing = 2;  // of the shapes
 constexpr std::ptrdiff_t kFirstSwingValue = 5;
@@ -91,7 +93,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   // It may swing already where a stretch begins: over the usual acceleration of the motion, in phase and a
   // quarter of a turn later.
   const std::size_t shapes = kFirstSwing + 2 * beginnings.size();
-  term.shapes.resize(shapes, {-3.0, 3.0, 0.1, true, Moved::kWhereItPays});
+  term.shapes.resize(shapes, {-kMostSwing, kMostSwing, 0.1, true, Moved::kWhereItPays});
 
   std::vector<std::vector<double>> tried;  // ln frequency in Hz, ln damping ratio
   for (const auto& [damping, spacing] :
@@ -112,13 +114,12 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     for (Index k = 0; k < left.size(); ++k) {
       if (map->Coefficient(k, static_cast<double>(left(k))) > kMostShare * reference) left(k) = 0.0F;
     }
-    while (starts.size() < 3) {
-      Index best = 0;
-      if (!(left.maxCoeff(&best) > 0.0F)) break;
-      const std::vector<double>& shape = map->shapes()[static_cast<std::size_t>(best)];
-      starts.push_back(shape);
+    // One of each damping: a blunt one fits half of everything that swings, and would leave no other.
+    for (Index best = 0; left.maxCoeff(&best) > 0.0F;) {
+      starts.push_back(map->shapes()[static_cast<std::size_t>(best)]);
       for (Index k = 0; k < left.size(); ++k) {
-        if (std::abs(map->shapes()[static_cast<std::size_t>(k)][0] - shape[0]) < 0.15) left(k) = 0.0F;
+        const std::vector<double>& other = map->shapes()[static_cast<std::size_t>(k)];
+        if (other[1] == starts.back()[1] || std::abs(other[0] - starts.back()[0]) < kApart) left(k) = 0.0F;
       }
     }
     return starts;

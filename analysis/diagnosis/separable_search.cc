@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/separable_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "analysis/diagnosis/known_before.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// Whether what people read of a solution's last term lies where its rule expects it.
+bool IsAsExpected(const TermSet& set, const CauseRule& rule, const SeparableSolution& solution) {
+  std::vector<double> numbers = solution.coefficients.back();
+  numbers.insert(numbers.end(), solution.shapes.back().begin(), solution.shapes.back().end());
+  const auto width = static_cast<Eigen::Index>(numbers.size());
+  const std::vector<ParameterValue> values =
+      set.terms.back()->describe(numbers, Eigen::MatrixXd::Zero(width, width));
+  return std::ranges::all_of(rule.parameters, [&](const ParameterRule& expected) {
+    const auto value = std::ranges::find(values, expected.name, &ParameterValue::name);
+    return value == values.end() || (value->value >= expected.low && value->value <= expected.high);
+  });
+}
+
+}  // namespace
+
+std::vector<SeparableSolution> SearchShapes(const SeparableModel& model, const TermSet& set,
+                                            const CauseRule& rule, std::span<const double> weights,
+                                            const SeparableSolution& before) {
+  std::vector<double> residual(model.measured);
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    residual[i] -= before.predicted(static_cast<Eigen::Index>(i));
+  const SeparableProblem problem(set, model.measured, weights);
+  std::vector<SeparableSolution> found;
+  std::vector<std::vector<double>> starts = set.terms.back()->starts({residual, weights});
+  starts.resize(std::min(starts.size(), set.terms.back()->most_starts));
+  for (std::vector<double>& start : starts) {
+    std::vector<std::vector<double>> joined = before.shapes;
+    joined.push_back(std::move(start));
+    found.push_back(problem.Refine(problem.Solve(std::move(joined)), kSearchRounds));
+  }
+  std::ranges::stable_sort(found, {}, [&](const SeparableSolution& solution) {
+    return std::pair(!IsAsExpected(set, rule, solution), solution.weighted_square_sum);
+  });
+  return found;
+}
+
+double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
+                       std::span<const double> weights) {
+  std::vector<Eigen::Index> known;
+  std::vector<Eigen::Index> others;
+  std::vector<double> ranges;
+  Eigen::Index next = 0;
+  for (const SeparableTerm* term : set.terms) {
+    for (std::size_t c = 0; c < term->columns; ++c) others.push_back(next++);
+    for (const ShapeRange& range : term->shapes) {
+      const bool uncharged = range.known && set.Moves(range);
+      (uncharged ? known : others).push_back(next++);
+      if (uncharged) ranges.push_back(range.high - range.low);
+    }
+  }
+  if (known.empty()) return 0.0;
+  const Eigen::Map<const Eigen::VectorXd> weight(weights.data(), static_cast<Eigen::Index>(weights.size()));
+  const auto samples = static_cast<double>((weight.array() > 0.0).count());
+  const Eigen::MatrixXd rows = weight.cwiseSqrt().asDiagonal() * Sensitivities(set, solution);
+  return KnownBefore(rows(Eigen::all, known), rows(Eigen::all, others), ranges,
+                     solution.weighted_square_sum / std::max(samples, 1.0), samples);
+}
+
+void Rest(const TermSet& set, std::vector<std::vector<double>>& shapes) {
+  for (std::size_t t = 0; t < shapes.size(); ++t) {
+    for (std::size_t s = 0; s < shapes[t].size(); ++s) {
+      if (set.terms[t]->shapes[s].moved == Moved::kWhereItPays) shapes[t][s] = 0.0;
+    }
+  }
+}
+
+bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weights,
+                     const std::vector<std::vector<double>>& known, TermSet& set,
+                     SeparableSolution& solution) {
+  TermSet all = set;
+  all.it_pays = true;
+  if (all.moved_shapes() == set.moved_shapes()) return false;
+  std::vector<std::vector<double>> shapes = solution.shapes;
+  for (std::size_t t = 0; t < known.size(); ++t) {
+    for (std::size_t s = 0; s < known[t].size(); ++s) {
+      if (set.terms[t]->shapes[s].moved == Moved::kWhereItPays) shapes[t][s] = known[t][s];
+    }
+  }
+  const SeparableProblem problem(all, model.measured, weights);
+  SeparableSolution moved = problem.Refine(problem.Solve(std::move(shapes)), kFinalRounds);
+  const auto samples = static_cast<double>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
+  const double uncharged = UnchargedShapes(all, moved, weights) - UnchargedShapes(set, solution, weights);
+  const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;
+  const double ahead = samples * std::log(solution.weighted_square_sum / moved.weighted_square_sum);
+  if (!(ahead > std::max(1.0, charged) * std::log(samples))) return false;
+  solution = std::move(moved);
+  set = std::move(all);
+  return true;
+}
+
+SeparableSolution BestOf(const SeparableModel& model, std::span<const double> weights, const TermSet& set,
+                         const CauseRule& rule, SeparableSolution best,
+                         std::span<const SeparableSolution> others) {
+  const SeparableProblem problem(set, model.measured, weights);
+  const auto rank = [&](const SeparableSolution& solution) {
+    return std::pair(!IsAsExpected(set, rule, solution), solution.weighted_square_sum);
+  };
+  for (const SeparableSolution& other : others) {
+    SeparableSolution refined = problem.Refine(problem.Solve(other.shapes), kFinalRounds);
+    if (rank(refined) < rank(best)) best = std::move(refined);
+  }
+  return best;
+}
+
+}  // namespace strainwave::analysis::diagnosis
