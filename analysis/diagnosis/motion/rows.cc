@@ -11,6 +11,8 @@ constexpr std::size_t kShortestRun = 4;  // rows between two gaps that are of us
 constexpr double kTolerated = 0.4;       // error by a reversal's time, over the noise
 constexpr double kAlikeEachTime = 1.5;   // harm of an error that is no chance, over one that is
 constexpr double kMostAtRest = 0.05;     // of a row's low-pass
+constexpr double kShortestRest = 8.0;    // samples
+constexpr double kNoiseBand = 6.0;       // of the position's noise, in which it stays
 constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
 constexpr double kBlurredReversal = 0.015;
@@ -20,10 +22,46 @@ constexpr double kBlurredReversal = 0.015;
 constexpr double kFoldedOfVelocity = 2.0 * 2.0 / 12.0;
 constexpr double kFoldedOfPosition = 2.0 * 4.0 * 0.008;
 
+// Adds the rests that are shorter than the smoothing of the path, which lets the motion beside them in: the
+// samples themselves stay in one place for longer than a reversal takes.
+void AddShortRests(const MotionSamples& samples, std::span<const PointLayout> layouts, const MotionGrid& grid,
+                   double slow, std::vector<double>& rests) {
+  const double reversal_s = slow / std::max(QuantileOfMagnitude(grid.passed_acceleration, 0.95), 1e-300);
+  const double noise = kNoiseBand * samples.position_noise;
+  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
+    const EvenStretch& raw = samples.stretches[s];
+    const MotionGrid::Stretch& stretch = grid.stretches[s];
+    const double shortest_s =
+        std::max({kShortestRest * raw.step_s, 3.0 * grid.sigma_s, 6.0 * reversal_s, noise / slow});
+    const double band = slow * shortest_s + noise;
+    for (std::size_t i = 0; i < raw.position.size();) {
+      double low = raw.position[i];
+      double high = low;
+      std::size_t next = i + 1;
+      for (; next < raw.position.size(); ++next) {
+        low = std::min(low, raw.position[next]);
+        high = std::max(high, raw.position[next]);
+        if (high - low > band) break;
+      }
+      if (static_cast<double>(next - i) * raw.step_s < shortest_s) {
+        ++i;
+        continue;
+      }
+      const std::size_t stride = layouts[s].stride;
+      for (std::size_t k = (i + stride - 1) / stride; k < stretch.count && layouts[s].SampleOf(k) < next; ++k)
+        rests[stretch.first + k] = 1.0;
+      i = next;
+    }
+  }
+}
+
 // One at points of a rest: slower than can be told from standing, for longer than a reversal takes.
-std::vector<double> RestsOf(const MotionGrid& grid) {
-  const double slow = std::max(3.0 * grid.velocity_noise, 2e-3 * QuantileOfMagnitude(grid.velocity, 0.95));
+std::vector<double> RestsOf(const MotionSamples& samples, std::span<const PointLayout> layouts,
+                            const MotionGrid& grid) {
+  const double standing = 2e-3 * QuantileOfMagnitude(grid.velocity, 0.95);
+  const double slow = std::max(3.0 * grid.velocity_noise, standing);
   std::vector<double> rests(grid.velocity.size(), 0.0);
+  if (standing > 0.0) AddShortRests(samples, layouts, grid, standing, rests);
   for (const MotionGrid::Stretch& stretch : grid.stretches) {
     const double shortest_s = std::max(6.0 * grid.path_sigma_s, 3.0 * grid.sigma_s);
     const std::size_t end = stretch.first + stretch.count;
@@ -44,9 +82,10 @@ double ShareUnderKernel(const KernelTaps& kernel, std::span<const double> marks,
   double marked = 0.0;
   double all = 0.0;
   for (std::size_t k = 0; k < kernel.taps.size(); ++k) {
+    if (place + k < kernel.reach || place + k >= kernel.reach + marks.size()) continue;
     const double weight = std::abs(kernel.taps[k]);
     all += weight;
-    marked += weight * marks[place - kernel.reach + k];
+    marked += weight * marks[place + k - kernel.reach];
   }
   return marked / all;
 }
@@ -153,7 +192,7 @@ double ToleratedError(double noise, const std::vector<double>& errors) {
 
 void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
                       const MotionBandwidth& bandwidth, double expected_delay_s, MotionGrid& grid) {
-  const std::vector<double> rests = RestsOf(grid);
+  const std::vector<double> rests = RestsOf(samples, layouts, grid);
   const std::vector<double> errors = ReversalErrors(samples, bandwidth, expected_delay_s, grid);
   const double tolerated = ToleratedError(grid.noise_floor, errors);
   // At rest friction is anything between its two values.
@@ -162,6 +201,7 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const EvenStretch& raw = samples.stretches[s];
+    const KernelTaps path = MakeKernel(grid.path_sigma_s, stretch.step_s, 0);
     const KernelTaps at_samples = bandwidth.passes_all ? PassAll() : MakeKernel(grid.sigma_s, raw.step_s, 0);
     std::vector<double> clipped(raw.clipped.begin(), raw.clipped.end());
     const double apart_s = bandwidth.passes_all ? stretch.step_s : kRowSpacing * grid.sigma_s;
@@ -182,6 +222,8 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
       if (sample < layouts[s].margin || sample + layouts[s].margin >= raw.position.size()) continue;
       if (errors[stretch.first + i] > tolerated ||
           ShareUnderKernel(stretch.low_pass, rests, stretch.first + i) > most_at_rest ||
+          // Where an axis stops or starts, its acceleration jumps.
+          ShareUnderKernel(path, rests, stretch.first + i) > kMostAtRest ||
           ShareUnderKernel(at_samples, clipped, sample) > 1e-3) {
         end_run();
         continue;

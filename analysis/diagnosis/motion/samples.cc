@@ -44,17 +44,8 @@ std::vector<bool> FindClipped(std::span<const double> torque) {
   return clipped;
 }
 
-// Step of a quantised signal: the smallest change, if nearly all changes are whole multiples of it.
-double QuantisationStep(std::span<const double> samples) {
-  std::vector<double> changes;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double change = std::abs(samples[i] - samples[i - 1]);
-    if (change > 0.0) changes.push_back(change);
-  }
-  if (changes.size() < 8) return 0.0;
-  std::vector<double> sorted = changes;
-  std::sort(sorted.begin(), sorted.end());
-  const double step = sorted[sorted.size() / 50];
+// Whether nearly all changes are whole multiples of a step.
+bool IsStepOf(std::span<const double> changes, double step) {
   std::size_t whole = 0;
   std::size_t small = 0;
   for (const double change : changes) {
@@ -63,7 +54,39 @@ double QuantisationStep(std::span<const double> samples) {
     ++small;
     if (std::abs(multiple - std::round(multiple)) < 0.05) ++whole;
   }
-  return small > 20 && static_cast<double>(whole) > 0.9 * static_cast<double>(small) ? step : 0.0;
+  return small > 20 && static_cast<double>(whole) > 0.9 * static_cast<double>(small);
+}
+
+// Step of a quantised signal: the smallest change, if nearly all changes are whole multiples of it. Of an
+// axis that is fast nearly always few changes are that small.
+double QuantisationStep(std::span<const double> samples) {
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double change = std::abs(samples[i] - samples[i - 1]);
+    if (change > 0.0) changes.push_back(change);
+  }
+  if (changes.size() < 8) return 0.0;
+  std::sort(changes.begin(), changes.end());
+  for (const std::size_t share : {50, 200, 1000}) {
+    const double step = changes[changes.size() / share];
+    if (IsStepOf(changes, step)) return step;
+  }
+  return 0.0;
+}
+
+// An axis at rest shows no noise of a signal that is quantised.
+std::vector<double> WithoutRests(std::span<const double> samples) {
+  constexpr std::size_t kRest = 8;
+  std::vector<double> moving;
+  for (std::size_t i = 0; i < samples.size();) {
+    std::size_t next = i;
+    while (next < samples.size() && samples[next] == samples[i]) ++next;
+    if (next - i < kRest)
+      moving.insert(moving.end(), samples.begin() + static_cast<std::ptrdiff_t>(i),
+                    samples.begin() + static_cast<std::ptrdiff_t>(next));
+    i = next;
+  }
+  return moving;
 }
 
 void CheckTravel(const MotionData& record, const std::string& name) {
@@ -152,9 +175,9 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
                                               name, record.linear ? "force" : "torque", *low,
                                               record.linear ? "N" : "Nm"));
     }
-    const std::vector<bool> clipped = FindClipped(record.torque);
-    const double share = static_cast<double>(std::count(clipped.begin(), clipped.end(), true)) /
-                         static_cast<double>(clipped.size());
+    std::vector<bool> unknown = FindClipped(record.torque);
+    const double share = static_cast<double>(std::count(unknown.begin(), unknown.end(), true)) /
+                         static_cast<double>(unknown.size());
     if (share > kClippedWarning) {
       const std::string text = fmt::format(
           "{}{:.0f} % of the samples stand at the end of the {}'s range ({:.4g} to {:.4g} "
@@ -165,18 +188,20 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
     }
     samples.spikes.push_back(LeaveOutSpikes(record, kept.empty() ? std::span<const std::size_t>{} : kept[r],
                                             name, samples.warnings));
+    // What bridges the top of a jolt is not the torque.
+    for (const std::size_t spike : samples.spikes.back()) unknown[spike] = true;
     SettleUnits(record, name, samples.warnings);
     const double step = QuantisationStep(record.position);
     samples.position_step = std::max(samples.position_step, step);
     // Of the samples as they came: bringing them onto even steps smooths them.
     torque_noise.push_back(
         std::max(WhiteNoise(record.torque), QuantisationStep(record.torque) / std::sqrt(12.0)));
-    for (EvenStretch& stretch : EvenStretches(record, clipped, name, samples.warnings)) {
+    for (EvenStretch& stretch : EvenStretches(record, unknown, name, samples.warnings)) {
       stretch.record = r;
-      position_noise.push_back(std::max(WhiteNoise(stretch.position), step / std::sqrt(12.0)));
+      position_noise.push_back(std::max(WhiteNoise(WithoutRests(stretch.position)), step / std::sqrt(12.0)));
       if (!stretch.velocity.empty()) {
-        velocity_noise.push_back(
-            std::max(WhiteNoise(stretch.velocity), QuantisationStep(stretch.velocity) / std::sqrt(12.0)));
+        velocity_noise.push_back(std::max(WhiteNoise(WithoutRests(stretch.velocity)),
+                                          QuantisationStep(stretch.velocity) / std::sqrt(12.0)));
       }
       samples.stretches.push_back(std::move(stretch));
     }

@@ -21,7 +21,7 @@ struct EvenStretch {
   std::vector<double> torque;
   std::vector<double> velocity;          // empty: none, or none that can be used
   std::vector<double> temperature_degC;  // empty: none
-  std::vector<bool> clipped;             // torque at the end of its range
+  std::vector<bool> clipped;             // torque at the end of its range, or a spike that was bridged
 };
 
 /// Motion records made ready: even steps, one unit for position, what was noticed.
