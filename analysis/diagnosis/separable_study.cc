@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/noise_likelihood.h"
+#include "analysis/diagnosis/recent.h"
 #include "analysis/diagnosis/separable_search.h"
 #include "analysis/units.h"
 
@@ -154,6 +156,25 @@ void Describe(const Record& record, const SeparableSolution& solution, ModelFit&
   }
 }
 
+// Candidates are fitted one after the other beside the same known terms, whose columns are the same each
+// time.
+void RememberColumns(SeparableTerm& term, std::size_t samples) {
+  constexpr std::size_t kMostNumbers = std::size_t{1} << 20;  // 8 MB a term
+  constexpr std::size_t kMostFills = 64;
+  const std::size_t most =
+      std::min(kMostFills, kMostNumbers / std::max<std::size_t>(1, samples * term.columns));
+  if (term.shapes.empty() || most < 2 * term.shapes.size() + 1) return;
+  using Filled = Recent<std::vector<double>, Eigen::MatrixXd>;
+  term.fill = [fill = std::move(term.fill), recent = std::make_shared<Filled>(most)](
+                  std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    design = recent->Get({shapes.begin(), shapes.end()}, [&] {
+      Eigen::MatrixXd columns(design.rows(), design.cols());
+      fill(shapes, columns);
+      return columns;
+    });
+  };
+}
+
 }  // namespace
 
 double Remainder::MeanSquare() const {
@@ -178,6 +199,7 @@ SeparableStudy::SeparableStudy(SeparableModel model) : model_(std::move(model)) 
                       regressor.values.size(), model_.measured.size()));
     }
   }
+  for (SeparableTerm& term : model_.causes) RememberColumns(term, model_.measured.size());
 }
 
 std::vector<UserQuantity> SeparableStudy::Quantities(const Eigen::VectorXd& predicted) const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -26,6 +27,7 @@ constexpr std::size_t kMostBeginnings = 4;
 constexpr double kApart = 0.15;         // of ln frequency, that tells two starts apart
 constexpr double kMostSwing = 10.0;     // times the usual acceleration, where a stretch begins
 constexpr double kShortest = 0.02;      // of all points, that a stretch with a beginning of its own has
+constexpr double kDiedAway = 1e-20;     // of a swing's square
 constexpr std::size_t kFirstSwing = 2;  // of the shapes
 constexpr std::ptrdiff_t kFirstSwingValue = 5;
 constexpr double kUnlimited = std::numeric_limits<double>::max();
@@ -79,11 +81,16 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
       const double late = shapes[kFirstSwing + 2 * b + 1];
       if (in_phase == 0.0 && late == 0.0) continue;
       const MotionGrid::Stretch& stretch = grid->stretches[beginnings[b]];
+      // Turned on from point to point, which are at even steps, until it has died away.
       const double damped = natural * std::sqrt(1.0 - damping * damping);
-      for (std::size_t i = stretch.first; i < stretch.first + stretch.count; ++i) {
-        const double since_s = grid->time_s[i] - grid->time_s[stretch.first];
-        points[i] += usual * std::exp(-damping * natural * since_s) *
-                     (in_phase * std::cos(damped * since_s) + late * std::sin(damped * since_s));
+      const std::complex<double> turn =
+          std::polar(std::exp(-damping * natural * stretch.step_s), damped * stretch.step_s);
+      std::complex<double> swing = usual * std::complex<double>(in_phase, -late);
+      const double nothing = kDiedAway * std::norm(swing);
+      for (std::size_t i = stretch.first; i < stretch.first + stretch.count && std::norm(swing) > nothing;
+           ++i) {
+        points[i] += swing.real();
+        swing *= turn;
       }
     }
     design.col(0) = grid->ProjectPassed(points);
