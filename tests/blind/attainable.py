@@ -16,6 +16,7 @@ import math
 import numpy
 
 import draw
+from effect import foretold_sigma
 
 FOUND_BY_CHANCE, WRONG_NAMES = 0.005, 0.01
 # A train may have the line that is seen as any of its harmonics, with any ring and change that leaves the others as weak.
@@ -31,15 +32,6 @@ def probability(nats, asked):
     return normal(math.sqrt(2.0 * nats) - math.sqrt(2.0 * asked)) if nats > 0.0 else 0.0
 
 
-def nats_of_swing(values, rate_hz, natural_hz, damping_ratio):
-    """Gain by the best level of a resonance's spectrum; `values` in sigmas of white noise, which is added on average."""
-    power = numpy.abs(numpy.fft.rfft(values)) ** 2 / len(values)
-    hertz = numpy.fft.rfftfreq(len(values), 1.0 / rate_hz)
-    line = 1.0 / ((hertz ** 2 - natural_hz ** 2) ** 2 + (2.0 * damping_ratio * natural_hz * hertz) ** 2)
-    levels = [level * line * power.sum() / line.sum() for level in numpy.geomspace(0.1, 10.0, 9)]
-    return max(float(((1.0 + power) * level / (1.0 + level) - numpy.log1p(level)).sum()) for level in levels)
-
-
 def strongest_line(signal, angle_rad):
     """Half the square of the size of the strongest line over angle in whitened channels."""
     even = numpy.linspace(angle_rad[0], angle_rad[-1], len(angle_rad))
@@ -50,13 +42,7 @@ def strongest_line(signal, angle_rad):
 
 def probability_of_name(attempt, causes):
     effect, signal, experiment = attempt.effects[0], attempt.signals[0], attempt.experiment
-    nats = 0.5 * float((signal ** 2).sum())
-    if effect.foretold:
-        template = attempt.ruler.left_over(effect.foretold(1.0)[:, attempt.keep])
-        nats = 0.5 * float((signal * template).sum()) ** 2 / float((template ** 2).sum())
-    elif effect.swing:
-        together = experiment.gains @ signal / numpy.linalg.norm(experiment.gains)
-        nats = nats_of_swing(together, experiment.rate_hz, *effect.swing)
+    nats = 0.5 * foretold_sigma(attempt, effect, signal) ** 2
     found = probability(nats, effect.ln_places + math.log(causes / FOUND_BY_CHANCE))
     if effect.foretold:
         line = strongest_line(signal, experiment.angle_rad[attempt.keep])

@@ -7,7 +7,8 @@ import unittest
 import numpy
 
 import draw
-from attainable import nats_of_swing, probability, probability_of_name, strongest_line
+from attainable import probability, probability_of_name, strongest_line
+from effect import nats_of_swing
 
 
 class Attainable(unittest.TestCase):

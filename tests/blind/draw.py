@@ -11,7 +11,7 @@ import nuisance
 import rivals
 import transmission_error
 import vibration
-from effect import Ruler, scale_for
+from effect import Ruler, foretold_sigma, scale_for
 
 EXPERIMENTS = {"transmission_error": (transmission_error.TransmissionError, transmission_error.CAUSES, 0.28),
                "hysteresis": (hysteresis.Hysteresis, hysteresis.CAUSES, 0.27),
@@ -121,7 +121,7 @@ class Attempt:
         self.signals = []
         nominal = self.respond([])
         for effect, wanted in zip(self.effects, self.wanted_sigma):
-            scale = scale_for(self, self.ruler, effect, wanted)
+            scale = scale_for(self, effect, wanted)
             if scale is None:
                 self.possible = False
                 return
@@ -156,8 +156,8 @@ def _truth(attempt, seed, number, situation):
     experiment = attempt.experiment
     causes = []
     for effect, scale, signal in zip(attempt.effects, attempt.scales, attempt.signals if attempt.effects else []):
-        sigma = float(numpy.linalg.norm(signal))
-        causes.append({"name": effect.name, "sigma": sigma, "parameters": _listed(effect.describe(scale))})
+        causes.append({"name": effect.name, "sigma": foretold_sigma(attempt, effect, signal),
+                       "energy_sigma": float(numpy.linalg.norm(signal)), "parameters": _listed(effect.describe(scale))})
     truth = {"seed": seed, "case": number, "kind": experiment.kind, "situation": situation,
              "causes": [] if situation == "outside" else causes,
              "nominal": _listed(experiment.nominal_parameters()),

@@ -18,8 +18,9 @@ class Effect:
     signature: typing.Optional[dict] = None  # only effects outside the list: how a good program would point at them
     tolerance: float = 0.005  # of the size that is asked for
     least_scale: float = 0.0  # below it the effect is not physically plausible either
-    # What the best analyst can do with it, for attainable.py alone.
-    ln_places: float = 0.0  # independent places (orders, times, resonances) of which it may have any
+    # Independent places (orders, times, resonances) of which it may have any, for attainable.py alone.
+    ln_places: float = 0.0
+    # What of it is no chance, and has a size to a matched filter.
     foretold: typing.Optional[typing.Callable] = None  # act() without what is chance, where not all of it can be foretold
     swing: typing.Optional[tuple] = None  # (Hz, damping ratio) of what noise drives: its spectrum is all that is known
 
@@ -69,12 +70,34 @@ class Ruler:
         return self.sigma(signal) / raw if raw > 0.0 else 0.0
 
 
-def scale_for(experiment, ruler, effect, wanted_sigma):
+def nats_of_swing(values, rate_hz, natural_hz, damping_ratio):
+    """Gain by the best level of a resonance's spectrum; `values` in sigmas of white noise, which is added on average."""
+    power = numpy.abs(numpy.fft.rfft(values)) ** 2 / len(values)
+    hertz = numpy.fft.rfftfreq(len(values), 1.0 / rate_hz)
+    line = 1.0 / ((hertz ** 2 - natural_hz ** 2) ** 2 + (2.0 * damping_ratio * natural_hz * hertz) ** 2)
+    levels = [level * line * power.sum() / line.sum() for level in numpy.geomspace(0.1, 10.0, 9)]
+    return max(float(((1.0 + power) * level / (1.0 + level) - numpy.log1p(level)).sum()) for level in levels)
+
+
+def foretold_sigma(attempt, effect, signal):
+    """Size of a whitened `signal` to a filter that is matched to all of the effect that is no chance: its even impulses,
+    its spectrum, or (most effects) all of it."""
+    if effect.foretold:
+        template = attempt.ruler.left_over(effect.foretold(1.0)[:, attempt.keep])
+        return abs(float((signal * template).sum())) / float(numpy.linalg.norm(template))
+    if effect.swing:
+        gains = attempt.experiment.gains
+        nats = nats_of_swing(gains @ signal / numpy.linalg.norm(gains), attempt.experiment.rate_hz, *effect.swing)
+        return math.sqrt(max(0.0, 2.0 * nats))
+    return float(numpy.linalg.norm(signal))
+
+
+def scale_for(attempt, effect, wanted_sigma):
     """The scale at which `effect`, alone, has `wanted_sigma`; None where no plausible scale reaches it."""
-    nominal = experiment.respond([])
+    nominal = attempt.respond([])
 
     def sigma_at(scale):
-        return ruler.sigma(experiment.respond([(effect, scale)]) - nominal)
+        return foretold_sigma(attempt, effect, attempt.ruler.left_over(attempt.respond([(effect, scale)]) - nominal))
 
     low, high = 0.0, effect.most_scale
     scale = min(effect.first_scale, effect.most_scale)

@@ -74,6 +74,11 @@ class Generator(unittest.TestCase):
                 self.assertEqual([found["name"] for found in truth["causes"]], [cause])
                 self.assertLess(abs(truth["causes"][0]["sigma"] / truth["wanted_sigma"][0] - 1.0), 0.02, cause)
 
+    def test_what_is_chance_counts_for_nothing_in_a_size(self):
+        for cause, most in (("bearing_defect", 0.99), ("torsional_resonance", 0.8)):
+            found = draw_case(6, 1, Request(kind="vibration", cause=cause, situation="one")).truth["causes"][0]
+            self.assertLess(found["sigma"], most * found["energy_sigma"], cause)
+
     def test_situations_hold_what_they_say(self):
         for kind in CONTRACT:
             for situation, count in (("null", 0), ("wrong_number", 0), ("outside", 0), ("two", 2)):
