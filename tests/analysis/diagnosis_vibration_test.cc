@@ -138,6 +138,14 @@ TEST(VibrationStudy, TellsTeethWhoseHarmonicsAreInStepFromACrack) {
 }
 
 // Load that comes and goes with the output turn gives teeth sidebands, and no pulses.
+TEST(VibrationStudy, TellsTeethWithAWeakThirdHarmonicFromACrack) {
+  const Effect teeth = [](const Turning& run) {
+    return Line(run, 2.025, 0.1) + Line(run, 4.05, 0.042) + Line(run, 6.075, 0.017);
+  };
+  const Diagnosed answer = Ask({Record(Turning(3000.0, 2.0, 0.0), 12, teeth, {1.0, -0.7})});
+  EXPECT_EQ(answer.names(), Names{"gear_mesh"});
+}
+
 TEST(VibrationStudy, TellsTeethThatMeetHarderOncePerOutputTurnFromACrack) {
   const Effect teeth = [](const Turning& run) {
     Signal signal = Line(run, 2.025, 0.06) + Line(run, 4.05, 0.03);

@@ -2,6 +2,7 @@
 #include "analysis/diagnosis/vibration/families.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -21,6 +22,7 @@ namespace {
 using Best = std::optional<TermFit>;
 
 constexpr int kMostLineHarmonics = 12;
+constexpr int kTeethHarmonics = 3;
 constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
 constexpr int kPulseHarmonic = 2;          // from which on a record has to tell pulses from whole orders
@@ -72,17 +74,20 @@ constexpr double kTeethSideband = 2.0;  // orders
 constexpr double kRingsOfCrack = 45.0;  // resonances a width apart
 
 // A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
-constexpr double kLoud = 400.0;  // gain in BIC of the harmonics themselves
+constexpr double kLoud = 400.0;        // gain in BIC of the harmonics themselves
+constexpr double kMostOfThird = 0.04;  // of the power of the first, that teeth have, too
 bool IsLoudAndSmooth(const TermFit& fit, double order) {
   const std::vector<double> gains = LineGains(fit);
-  double loudness = 0.0;
+  std::array<double, kTeethHarmonics> of_harmonics{};
   for (std::size_t l = 0; l < gains.size(); ++l) {
     const LinePlace& line = fit.term.lines[l];
     const double harmonic = line.harmonic + line.offset / order;
-    if (harmonic > 2.5) return false;
-    if (std::abs(harmonic - std::round(harmonic)) < 1e-9) loudness += gains[l];
+    if (harmonic > kTeethHarmonics + 0.5) return false;
+    if (std::abs(harmonic - std::round(harmonic)) < 1e-9)
+      of_harmonics[static_cast<std::size_t>(std::lround(harmonic)) - 1] += gains[l];
   }
-  return loudness > kLoud;
+  return of_harmonics[2] <= kMostOfThird * of_harmonics[0] &&
+         std::accumulate(of_harmonics.begin(), of_harmonics.end(), 0.0) > kLoud;
 }
 
 // The same where the first two harmonics happen to be in step, as if they were a pulse's.
@@ -178,7 +183,7 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
 }
 
 Best SearchToothEngagement(const VibrationRemainder& remainder, std::size_t index) {
-  CrackLines lines = CrackLinesOf(remainder, index, 2);
+  CrackLines lines = CrackLinesOf(remainder, index, kTeethHarmonics);
   return FitPayingLines(remainder, std::move(lines.term), std::move(lines.places), 1);
 }
 
