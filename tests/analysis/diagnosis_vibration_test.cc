@@ -137,7 +137,7 @@ TEST(VibrationStudy, TellsTeethWhoseHarmonicsAreInStepFromACrack) {
   EXPECT_EQ(answer.names(), Names{"gear_mesh"});
 }
 
-// Load that comes and goes with the output turn gives teeth sidebands, and no pulses.
+// A pulse narrow enough for a crack has a stronger third harmonic.
 TEST(VibrationStudy, TellsTeethWithAWeakThirdHarmonicFromACrack) {
   const Effect teeth = [](const Turning& run) {
     return Line(run, 2.025, 0.1) + Line(run, 4.05, 0.042) + Line(run, 6.075, 0.017);
@@ -146,6 +146,7 @@ TEST(VibrationStudy, TellsTeethWithAWeakThirdHarmonicFromACrack) {
   EXPECT_EQ(answer.names(), Names{"gear_mesh"});
 }
 
+// Load that comes and goes with the output turn gives teeth sidebands, and no pulses.
 TEST(VibrationStudy, TellsTeethThatMeetHarderOncePerOutputTurnFromACrack) {
   const Effect teeth = [](const Turning& run) {
     Signal signal = Line(run, 2.025, 0.06) + Line(run, 4.05, 0.03);
