@@ -98,17 +98,22 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   if (more > 0.0 && freedom > 2.0) {
     const double f = std::expm1(std::min(700.0, comparison.likelihood_ratio / samples_)) * freedom / more;
     const boost::math::fisher_f distribution(more, freedom);
-    const double places = std::exp(std::max(0.0, richer.fit.log_places - poorer.fit.log_places));
-    comparison.p_value = std::min(1.0, places * boost::math::cdf(boost::math::complement(distribution, f)));
+    comparison.log_places = richer.fit.log_places - poorer.fit.log_places;
+    comparison.p_value = std::min(
+        1.0, std::exp(comparison.log_places) * boost::math::cdf(boost::math::complement(distribution, f)));
   }
   return comparison;
 }
 
 double Judge::Score(const Comparison& comparison, const CauseRule& rule) const {
-  const double places = std::min<double>(rule.places, comparison.more_parameters);
-  return comparison.likelihood_ratio - (comparison.more_parameters - places) * std::log(samples_) -
+  const double more = comparison.more_parameters;
+  const double places = std::min<double>(rule.places, std::max<double>(more, rule.degrees_of_freedom));
+  // Places that the search chooses and the fit leaves alone are none of its numbers, but cost as much.
+  const double left_alone = std::max(0.0, rule.degrees_of_freedom - more);
+  const double amounts = more - std::max(0.0, places - left_alone);
+  return comparison.likelihood_ratio - amounts * std::log(samples_) -
          places * std::log(std::clamp(comparison.likelihood_ratio, 1.0, samples_)) -
-         2.0 * std::log(std::max(1.0, rule.trials));
+         2.0 * (comparison.log_places + std::log(std::max(1.0, rule.trials)));
 }
 
 double Judge::Corrected(double p_value, const CauseRule& rule) const {

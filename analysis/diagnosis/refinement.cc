@@ -13,8 +13,8 @@ namespace {
 
 // A shape without a cause has to explain this much more than the best cause to take its place: our formulae
 // are not nature's, and a free curve always follows the last few percent better.
-constexpr double kCorrectionLead = 10.0;
-constexpr double kCorrectionShare = 0.15;
+constexpr double kCorrectionLead = 6.0;
+constexpr double kCorrectionShare = 0.1;
 constexpr double kHalfAsGood = 0.5;
 constexpr double kManyNumbers = 6.0;  // of a cause that comes again and again, with a size each time
 

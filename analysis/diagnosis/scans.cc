@@ -292,4 +292,9 @@ std::vector<WindowPeak> FindSharpWindows(std::span<const double> place, std::spa
   return peaks;
 }
 
+double LogPlacesOfWidth(double width, double narrowest, double widest) {
+  const double octaves = std::max(2.0, std::log2(widest / narrowest));
+  return std::log(0.5 * octaves * narrowest / std::clamp(width, 0.5 * narrowest, widest));
+}
+
 }  // namespace strainwave::analysis::diagnosis

@@ -50,4 +50,11 @@ std::vector<WindowPeak> FindSharpWindows(std::span<const double> place, std::spa
                                          std::span<const double> weights, double narrowest, double widest,
                                          std::size_t count);
 
+/// Logarithm of the places that there are for windows as wide as this one, over those for the narrowest: a
+/// wide window has few places, and pays for few. Each octave of widths has the same share of what may be
+/// found by chance, so that the narrowest pay for the octaves; half of them, since a neighbouring octave sees
+/// much the same. Source: Dümbgen & Spokoiny, Ann. Statist. 29 (2001) 124 (a bound for each scale instead of
+/// one).
+double LogPlacesOfWidth(double width, double narrowest, double widest);
+
 }  // namespace strainwave::analysis::diagnosis

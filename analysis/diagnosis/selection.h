@@ -25,7 +25,8 @@ struct ScoredModel {
 struct Comparison {
   double likelihood_ratio{};  // 2 Δ log-likelihood, never below 0
   double delta_bic{};
-  double p_value{1.0};       // of one look, not yet corrected
+  double log_places{};       // of the places searched, over those that the richer model's rules count
+  double p_value{1.0};       // of so many looks more, not yet corrected by the rule's
   double more_parameters{};  // as they are charged for
 };
 

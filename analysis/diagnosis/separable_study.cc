@@ -255,6 +255,8 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   for (const std::size_t i : rank) {
     sorted_set.terms.push_back(set.terms[model_.nominal.size() + i]);
     sorted_shapes.push_back(solution.shapes[model_.nominal.size() + i]);
+    const SeparableTerm& term = *sorted_set.terms.back();
+    if (term.log_places) fit.log_places += term.log_places(sorted_shapes.back());
     fit.causes.push_back(order[i]);
   }
   if (!std::is_sorted(order.begin(), order.end())) {

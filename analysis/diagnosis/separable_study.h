@@ -46,6 +46,8 @@ struct SeparableTerm {
   /// errors are those over all that the record does not exclude.
   std::function<std::vector<std::vector<double>>(const Remainder& remainder)> starts;
   std::size_t most_starts{static_cast<std::size_t>(-1)};
+  /// As ModelFit::log_places, of these shapes; empty for 0.
+  std::function<double(std::span<const double> shapes)> log_places;
   /// Coefficients (then shapes) as people read them; `covariance` is of both together.
   std::function<std::vector<ParameterValue>(std::span<const double> numbers,
                                             const Eigen::MatrixXd& covariance)>

@@ -51,7 +51,8 @@ struct CauseRule {
   /// (judge.cc).
   int repeated{};
   /// How many of these are places that the search looked for (an order, a window's two ends): they are
-  /// charged by the places there are, not by the samples.
+  /// charged by the places there are, not by the samples. Of the ordinates of a curve all but one: they have
+  /// one size in common, and each is known as sharply as the curve is strong.
   int places{};
   /// How many independent places its search looks at (orders, windows): multiplies the p-value. Where they
   /// overlap or the likelihood ratio is no χ², as many as make p < 0.05 in one of twenty clean records
@@ -96,8 +97,8 @@ struct ModelFit {
   int free_parameters{};
   /// Of these, as many as are not charged for: what the record says of them is no more than was known before.
   double known_before{};
-  /// Logarithm of how many places the fit chose from beyond those that the rules of its causes count: of each
-  /// further one of several knocks, its time.
+  /// Logarithm of how many places the fit chose from over those that the rules of its causes count: of each
+  /// further one of several knocks, its time; below 0 for a window that is wider than the narrowest.
   double log_places{};
   std::vector<double> state;  // the fit's own numbers, to start the next one from; its layout is the study's
   bool usable{};              // false: no solution inside the hard bounds; everything else is then void

@@ -110,6 +110,16 @@ TEST(FindLines, SeesALineInColouredNoiseBesideTheNoisesOwnSwell) {
   EXPECT_NEAR(peaks[0].order, 300.0, 0.3);
 }
 
+TEST(LogPlacesOfWidth, AWideWindowHasFewPlacesAndTheNarrowestPayForTheOctaves) {
+  // Five octaves from 1 to 32: the narrowest have half of these times their own, and 32 times fewer are as
+  // wide.
+  EXPECT_NEAR(LogPlacesOfWidth(1.0, 1.0, 32.0), std::log(2.5), 1e-12);
+  EXPECT_NEAR(LogPlacesOfWidth(32.0, 1.0, 32.0), std::log(2.5 / 32.0), 1e-12);
+  // A fit may leave the range that was searched.
+  EXPECT_EQ(LogPlacesOfWidth(1e-6, 1.0, 32.0), LogPlacesOfWidth(0.5, 1.0, 32.0));
+  EXPECT_EQ(LogPlacesOfWidth(1e6, 1.0, 32.0), LogPlacesOfWidth(32.0, 1.0, 32.0));
+}
+
 TEST(FindWindows, FindsWhereTheMeanIsRaised) {
   std::vector<double> place;
   std::vector<double> residual = WhiteNoise(500, 0.2, 6);

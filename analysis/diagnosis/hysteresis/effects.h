@@ -50,6 +50,8 @@ class LoopEffect {
   /// Place of a number on which the effect depends in a way of its own (a level, a time constant) and which a
   /// record may leave open over a wide range; −1 for none.
   virtual int Shape() const { return -1; }
+  /// As ModelFit::log_places, of these numbers.
+  virtual double LogPlaces(std::span<const double> /*numbers*/) const { return 0.0; }
   /// Numbers to start from, amounts zero: forms and shapes that are worth trying.
   virtual std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const = 0;
   /// Richer forms of the effect as fitted, amounts zero that are new; each is kept only if it pays. Empty for

@@ -57,6 +57,11 @@ class Place final : public LoopEffect {
     }
   }
 
+  double LogPlaces(std::span<const double> v) const override {
+    // However sharp, a step divides the way in two.
+    return LogPlacesOfWidth(v[0] > 0.5 ? kWidest * span_ : v[3], kNarrowest * span_, kWidest * span_);
+  }
+
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {
     const std::vector<double> se = ErrorsOf(covariance);

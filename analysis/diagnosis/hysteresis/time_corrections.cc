@@ -145,6 +145,10 @@ class Window final : public LoopEffect {
     }
   }
 
+  double LogPlaces(std::span<const double> v) const override {
+    return LogPlacesOfWidth(v[3], narrowest_s_, widest_s_);
+  }
+
   // A level by its two edges; of a bell these are where it has half its height.
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {

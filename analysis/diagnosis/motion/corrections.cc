@@ -65,6 +65,7 @@ void AddSmooth(const SharedGrid& grid, const MotionUnits& units, std::string nam
   model.rules.push_back({.name = std::move(name),
                          .sentence = std::move(sentence),
                          .degrees_of_freedom = static_cast<int>(kept),
+                         .places = static_cast<int>(kept) - 1,
                          .named = false});
 }
 
@@ -156,6 +157,9 @@ void AddPositionWindow(const SharedGrid& grid, const MotionUnits& units, Separab
       starts.push_back({peak.centre, std::log(peak.width)});
     }
     return starts;
+  };
+  term.log_places = [narrowest, widest](std::span<const double> shapes) {
+    return LogPlacesOfWidth(std::exp(shapes[1]), narrowest, widest);
   };
   const std::string unit = units.position();
   const std::string height = "height_" + units.torque();

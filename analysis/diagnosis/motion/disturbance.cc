@@ -143,6 +143,12 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
     for (std::size_t k = 0; k < starts.size(); ++k) starts[k] = search.Polish(starts[k], steps[k]);
     return starts;
   };
+  term.log_places = [scan, windows](std::span<const double> shapes) {
+    double sum = 0.0;
+    for (std::size_t w = 0; w < windows; ++w)
+      sum += LogPlacesOfWidth(std::exp(shapes[2 * w + 1]), scan.shortest_s, scan.widest_s);
+    return sum;
+  };
   // Reported in the order of strength.
   const auto name = [](const char* what, std::size_t window, const std::string& unit) {
     return window == 0 ? fmt::format("{}_{}", what, unit) : fmt::format("{}_{}_{}", what, window + 1, unit);

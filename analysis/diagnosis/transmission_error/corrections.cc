@@ -246,6 +246,9 @@ void AddLevelInWindow(SeparableModel& model, const std::vector<double>& values, 
       starts.push_back({peak.centre - 0.5 * peak.width, peak.centre + 0.5 * peak.width});
     return starts;
   };
+  term.log_places = [narrowest, span](std::span<const double> shapes) {
+    return LogPlacesOfWidth(shapes[1] - shapes[0], narrowest, kWidest * span);
+  };
   DescribeEach(term, {{"level_arcmin", "arcmin", kArcminPerRad}, std::move(from), std::move(to)});
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = std::move(name),
