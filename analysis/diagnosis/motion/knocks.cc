@@ -15,7 +15,7 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr double kSlowLogger = 1.3;  // steps of the logger in the low-pass, at most
-constexpr std::size_t kFewest = 2;   // one alone is anything's
+constexpr std::size_t kFewest = 2;   // spikes that are knocks: one alone is anything's
 constexpr double kExplained = 0.5;   // of a spike's height, that may be left of a knock
 // Of −2 log-likelihood, what a sample costs that is called a spike: one of 300, anywhere within 30 standard
 // deviations of the noise to either side. Nothing costs more.
@@ -49,6 +49,12 @@ double CostOf(std::span<const double> left, double noise) {
   return cost;
 }
 
+std::size_t CountOf(const std::vector<std::vector<std::size_t>>& of_each_record) {
+  std::size_t count = 0;
+  for (const std::vector<std::size_t>& samples : of_each_record) count += samples.size();
+  return count;
+}
+
 // Of the spikes of each record, those of which the loose load leaves little.
 std::vector<std::vector<std::size_t>> Explained(std::span<const MotionData> records,
                                                 const std::vector<std::vector<std::size_t>>& spikes,
@@ -73,9 +79,7 @@ std::vector<std::vector<std::size_t>> Explained(std::span<const MotionData> reco
 }  // namespace
 
 MotionSamples KeepKnocks(std::span<const MotionData> records, MotionSamples samples) {
-  std::size_t spikes = 0;
-  for (const std::vector<std::size_t>& list : samples.spikes) spikes += list.size();
-  if (spikes < kFewest) return samples;
+  if (CountOf(samples.spikes) < kFewest) return samples;
   const MotionSamples all = PrepareMotion(records, samples.spikes);
   MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
   for (const EvenStretch& stretch : all.stretches) {
@@ -101,7 +105,8 @@ MotionSamples KeepKnocks(std::span<const MotionData> records, MotionSamples samp
   const double noise = RobustStandardDeviation(after);
   const double gain = CostOf(before, noise) - CostOf(after, noise);
   if (!(gain > numbers * std::log(static_cast<double>(after.size())))) return samples;
-  return PrepareMotion(records, Explained(records, samples.spikes, *grid, before, after));
+  const auto knocks = Explained(records, samples.spikes, *grid, before, after);
+  return CountOf(knocks) < kFewest ? samples : PrepareMotion(records, knocks);
 }
 
 }  // namespace strainwave::analysis::diagnosis
