@@ -142,6 +142,13 @@ TEST(MotionBacklash, LeavesOutTheSpikesThatNoLooseLoadForetells) {
   EXPECT_TRUE(LeavesOut(*tight.study, "7"));
 }
 
+// Of eight samples that stand off one is a knock. An outlier beside a turn would look the same.
+TEST(MotionBacklash, TakesNoSpikeForAKnockThatStandsAlone) {
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(4, 0.002, 7)});
+  EXPECT_EQ(found.names(), Names{"backlash"});
+  EXPECT_TRUE(LeavesOut(*found.study, "8"));
+}
+
 // Its six numbers pay for what chance can do with them, not once more for each sample of the record.
 TEST(MotionBacklash, IsNamedWhereItIsBeyondChanceThoughItBringsNoBic) {
   const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.0008, 0)});
