@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "analysis/diagnosis/scans.h"
+#include "analysis/units.h"
+#include "tests/analysis/white_noise.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+TEST(FindLines, FindsAnOrderAmongUnevenSamplesAndRefinesIt) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0.0, 4.0 * kPi);
+  std::vector<double> angle;
+  std::vector<double> residual;
+  const std::vector<double> noise = WhiteNoise(900, 0.5, 4);
+  for (std::size_t i = 0; i < 900; ++i) {
+    angle.push_back(uniform(random));
+    residual.push_back(1.7 + 0.3 * std::cos(37.4 * angle.back() - 1.0) + noise[i]);
+  }
+  const std::vector<double> weights(900, 1.0);
+  const auto peaks = FindLines(angle, residual, weights, 0.5, 200.0, 2);
+  ASSERT_EQ(peaks.size(), 2u);
+  // Three standard deviations of the order: sqrt(24 / n) · sd / amplitude / span = 0.022.
+  EXPECT_NEAR(peaks[0].order, 37.4, 0.065);
+  // Half the amplitude squared a sample.
+  EXPECT_NEAR(peaks[0].drop, 900 * 0.045, 15.0);
+  EXPECT_GT(peaks[0].drop, 3.0 * peaks[1].drop);
+}
+
+TEST(FindLines, SeesALineInColouredNoiseBesideTheNoisesOwnSwell) {
+  std::vector<double> angle;
+  std::vector<double> residual;
+  const std::vector<double> white = WhiteNoise(2000, 1.0, 5);
+  double state = 0.0;
+  for (std::size_t i = 0; i < 2000; ++i) {
+    angle.push_back(kTwoPi * static_cast<double>(i) / 1000.0);
+    state = 0.95 * state + white[i];
+    residual.push_back(state + 0.25 * std::cos(300.0 * angle.back()));
+  }
+  const auto peaks = FindLines(angle, residual, std::vector<double>(2000, 1.0), 0.5, 450.0, 1);
+  ASSERT_EQ(peaks.size(), 1u);
+  EXPECT_NEAR(peaks[0].order, 300.0, 0.3);
+}
+
+TEST(LogPlacesOfWidth, AWideWindowHasFewPlacesAndTheNarrowestPayForTheOctaves) {
+  // Five octaves from 1 to 32: the narrowest have half of these times their own, and 32 times fewer are as
+  // wide.
+  EXPECT_NEAR(LogPlacesOfWidth(1.0, 1.0, 32.0), std::log(2.5), 1e-12);
+  EXPECT_NEAR(LogPlacesOfWidth(32.0, 1.0, 32.0), std::log(2.5 / 32.0), 1e-12);
+  // A fit may leave the range that was searched.
+  EXPECT_EQ(LogPlacesOfWidth(1e-6, 1.0, 32.0), LogPlacesOfWidth(0.5, 1.0, 32.0));
+  EXPECT_EQ(LogPlacesOfWidth(1e6, 1.0, 32.0), LogPlacesOfWidth(32.0, 1.0, 32.0));
+}
+
+TEST(FindWindows, FindsWhereTheMeanIsRaised) {
+  std::vector<double> place;
+  std::vector<double> residual = WhiteNoise(500, 0.2, 6);
+  for (std::size_t i = 0; i < 500; ++i) {
+    place.push_back(static_cast<double>(i));
+    if (i >= 210 && i < 240) residual[i] += 0.4;
+  }
+  const auto windows = FindWindows(place, residual, std::vector<double>(500, 1.0), 5.0, 100.0, 1);
+  ASSERT_EQ(windows.size(), 1u);
+  EXPECT_NEAR(windows[0].centre, 225.0, 5.0);
+  EXPECT_NEAR(windows[0].width, 30.0, 10.0);
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
