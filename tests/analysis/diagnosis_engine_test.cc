@@ -171,6 +171,17 @@ TEST(Judge, MultipliesChanceByThePlacesThatAFitChoseFrom) {
   EXPECT_EQ(judge.Compare(richer, poorer).p_value, 1.0);
 }
 
+// Two ends that the search chooses cost the same whether the fit moves them or leaves them alone.
+TEST(Judge, ChargesPlacesThatNoFitMoves) {
+  const ToyRecord record(400);
+  const SeparableStudy study(ToyModel(record, WhiteNoise(400, 0.1, 3)));
+  const Judge judge(study, std::vector<double>(400, 1.0), {});
+  const CauseRule window{.name = "window", .degrees_of_freedom = 3, .places = 2};
+  const double expected = 40.0 - std::log(400.0) - 2.0 * std::log(40.0);
+  EXPECT_NEAR(judge.Score({.likelihood_ratio = 40.0, .more_parameters = 3.0}, window), expected, 1e-9);
+  EXPECT_NEAR(judge.Score({.likelihood_ratio = 40.0, .more_parameters = 1.0}, window), expected, 1e-9);
+}
+
 TEST(Diagnose, FindsNothingInCleanRecords) {
   const ToyRecord record(400);
   int alarms = 0;
