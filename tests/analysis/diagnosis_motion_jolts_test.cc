@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/diagnosis/motion/samples.h"
 #include "analysis/diagnosis/motion/spikes.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
@@ -70,6 +71,31 @@ MotionData Record(unsigned seed, const Moves& moves, const Logger& logger, doubl
 }
 
 Diagnosed Ask(const MotionData& record) { return DiagnoseRecords(&MakeMotionStudy, {record}); }
+
+// A stamp that is wrong puts the sample elsewhere, by its speed times that.
+TEST(MotionJolts, StampsAreAsWrongAsThePositionInMotionSays) {
+  constexpr double kRate_Hz = 50.0;
+  const Moves moves{0.3};
+  const auto error_s = [&](const Logger& logger) {
+    const MotionData record = Record(3, moves, logger);
+    return StampError_s(record.time_s, record.position);
+  };
+  EXPECT_NEAR(error_s({.rate_Hz = kRate_Hz, .late_share = 0.2, .stamp_error = 0.002}), 0.002 / kRate_Hz,
+              0.0004 / kRate_Hz);
+  EXPECT_LT(error_s({.rate_Hz = kRate_Hz, .late_share = 0.2}), 0.0002 / kRate_Hz);
+}
+
+TEST(MotionJolts, StampsThatAreWrongMakeNoPlay) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const Diagnosed clean = Ask(Record(seed, {0.2},
+                                       {.rate_Hz = 50.0,
+                                        .duration_s = 17.0,
+                                        .noise_Nm = 0.001,
+                                        .late_share = 0.25,
+                                        .stamp_error = 0.002}));
+    EXPECT_EQ(clean.names(), Names()) << seed;
+  }
+}
 
 // Ramps of four samples and more: what they leave between the samples is nobody's effect.
 TEST(MotionJolts, AreNotTakenForASwingNorForPlay) {

@@ -9,8 +9,9 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kStandsOut = 2.5;       // times the noise of a band, from which on a jolt shows in it
-constexpr double kStandsOutAlone = 6.0;  // the same of a band that no other bears out
+constexpr double kStandsOut = 2.5;         // times the noise of a band, from which on a jolt shows in it
+constexpr double kStandsOutAtLeast = 1.5;  // the same where what hides in the noise shows in the torque
+constexpr double kStandsOutAlone = 6.0;    // the same of a band that no other bears out
 constexpr double kFast = 0.5;      // of the 95 % quantile of the speed: where noise that goes with it shows
 constexpr double kCalm = 0.5;      // of the time that an axis is fast, from which on it is calm then
 constexpr double kNoMore = 1.2;    // times the noise expected, which is no more than that
@@ -28,7 +29,7 @@ struct Band {
   std::vector<double> values;
   std::vector<double> mean_squares;  // around each
   std::vector<double> noise;         // standard deviations
-  double white{};                    // of the part that the path's noise makes
+  std::vector<double> white;         // of the part that the path's noise makes
 };
 
 // Mean squares over `half` points to either side.
@@ -55,13 +56,14 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
     const EvenStretch& raw = samples.stretches[s];
     const std::vector<double>& moved = bandwidth.by_velocity ? raw.velocity : raw.position;
     const KernelTaps kernel = MakeBandKernel(sigma_s, raw.step_s, bandwidth.by_velocity ? 1 : 2);
-    const double of_path = bandwidth.by_velocity ? samples.velocity_noise : samples.position_noise;
-    band.white = std::max(band.white, NoiseGain(kernel) * of_path);
+    const double gain = NoiseGain(kernel);
     for (std::size_t i = 0; i < stretch.count; ++i) {
       const std::size_t sample = layouts[s].SampleOf(i);
+      const double speed = std::abs(grid.velocity[stretch.first + i]);
+      band.white.push_back(gain *
+                           (bandwidth.by_velocity ? samples.velocity_noise : samples.PositionNoise(speed)));
       if (sample < kernel.reach || sample + kernel.reach >= moved.size()) continue;
       const double value = kernel.At(moved, sample);
-      const double speed = std::abs(grid.velocity[stretch.first + i]);
       band.values[stretch.first + i] = value;
       if (speed > kMoving * top_speed) moving.push_back(value);
       if (speed > kFast * top_speed) {
@@ -76,23 +78,25 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
   std::size_t calm = 0;
   std::size_t seen = 0;
   double squares = 0.0;
+  double squares_of_white = 0.0;
   for (std::size_t i = 0; i < grid.time_s.size(); ++i) {
     if (std::abs(grid.velocity[i]) < kFast * top_speed) continue;
     ++seen;
-    if (std::sqrt(band.mean_squares[i]) > kStandsOut * band.white) continue;
+    if (std::sqrt(band.mean_squares[i]) > kStandsOut * band.white[i]) continue;
     ++calm;
+    squares_of_white += band.white[i] * band.white[i];
     squares += band.values[i] * band.values[i];
   }
   if (static_cast<double>(calm) > kCalm * static_cast<double>(seen) &&
-      squares < std::pow(kNoMore * band.white, 2) * static_cast<double>(calm)) {
-    band.noise.assign(grid.time_s.size(), band.white);
+      squares < kNoMore * kNoMore * squares_of_white) {
+    band.noise = band.white;
     return band;
   }
   // An axis that turns often has its jolts where it is slow, one that is struck has them anywhere.
-  const double everywhere = std::max(band.white, std::min(UsualSize(moving), UsualSize(fast)));
+  const double everywhere = std::min(UsualSize(moving), UsualSize(fast));
   const double with_speed = UsualSize(by_speed);
-  for (const double velocity : grid.velocity)
-    band.noise.push_back(std::max(everywhere, with_speed * std::abs(velocity)));
+  for (std::size_t i = 0; i < grid.time_s.size(); ++i)
+    band.noise.push_back(std::max({band.white[i], everywhere, with_speed * std::abs(grid.velocity[i])}));
   return band;
 }
 
@@ -107,7 +111,13 @@ struct Trace {
 
 std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                                      std::span<const PointLayout> layouts, MotionGrid& grid) {
-  std::vector<double> variances(grid.time_s.size(), grid.acceleration_noise * grid.acceleration_noise);
+  std::vector<double> variances;
+  for (const double velocity : grid.velocity) {
+    const double more = bandwidth.by_velocity || !(samples.position_noise > 0.0)
+                            ? 1.0
+                            : samples.PositionNoise(velocity) / samples.position_noise;
+    variances.push_back(std::pow(more * grid.acceleration_noise, 2));
+  }
   for (double sigma_s = bandwidth.path_sigma_s; sigma_s < 1.01 * bandwidth.calm_sigma_s;
        sigma_s *= std::numbers::sqrt2) {
     const Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
@@ -122,7 +132,7 @@ std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionB
         const std::size_t sample = layouts[s].SampleOf(i);
         if (sample < of_torque.reach || sample + of_torque.reach >= raw.torque.size()) continue;
         const std::size_t point = stretch.first + i;
-        calm[point] = std::sqrt(band.mean_squares[point]) < kStandsOut * band.white;
+        calm[point] = std::sqrt(band.mean_squares[point]) < kStandsOut * band.white[point];
         if (!calm[point]) continue;
         const double x = band.values[point];
         xx += x * x;
@@ -133,7 +143,7 @@ std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionB
     for (std::size_t i = 0; i < calm.size(); ++i) {
       if (!calm[i]) continue;
       grid.passed_acceleration[i] -= band.values[i];
-      variances[i] = std::max(variances[i] - band.white * band.white, 0.0);
+      variances[i] = std::max(variances[i] - band.white[i] * band.white[i], 0.0);
     }
   }
   for (double& variance : variances) variance = std::sqrt(variance);
@@ -153,7 +163,12 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
     for (std::size_t i = 0; i < traces.size(); ++i) {
       Trace& trace = traces[i];
       const double size = std::sqrt(band.mean_squares[i]);
-      const double usual = kStandsOut * band.noise[i];
+      // What does not stand out, but would show in the torque, is not to be taken for known.
+      const double hidden_torque = std::abs(bandwidth.inertia) * band.noise[i];
+      const double stands_out =
+          left ? std::clamp(grid.noise_floor / std::max(hidden_torque, 1e-300), kStandsOutAtLeast, kStandsOut)
+               : kStandsOut;
+      const double usual = stands_out * band.noise[i];
       const double share = usual * usual / std::max(band.mean_squares[i], 1e-300);
       // Where an axis turns every few samples, jolts are what is usual in the wider bands.
       trace.shows =

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -111,6 +112,22 @@ std::vector<std::size_t> LeaveOutSpikes(MotionData& record, std::span<const std:
   return spikes;
 }
 
+// Divided difference of uneven samples, in units in which white noise keeps its standard deviation.
+double NormalisedDifference(std::span<const double> time_s, std::span<const double> values) {
+  const double span_s = time_s.back() - time_s.front();
+  double difference = 0.0;
+  double squares = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    double weight = 1.0;
+    for (std::size_t j = 0; j < values.size(); ++j) {
+      if (j != k) weight *= span_s / (time_s[k] - time_s[j]);
+    }
+    difference += weight * values[k];
+    squares += weight * weight;
+  }
+  return difference / std::sqrt(squares);
+}
+
 }  // namespace
 
 double WhiteNoise(std::span<const double> samples) {
@@ -127,6 +144,44 @@ double WhiteNoise(std::span<const double> samples) {
     if (order == 1 || noise < least) least = noise;
   }
   return least;
+}
+
+double StampError_s(std::span<const double> time_s, std::span<const double> position) {
+  constexpr std::size_t kFewest = 64;
+  constexpr double kClearlyMore = 2.0;  // times the variance of a slow axis
+  if (position.size() < kFewest) return 0.0;
+  std::vector<double> speeds(position.size(), 0.0);
+  for (std::size_t i = 1; i + 1 < position.size(); ++i)
+    speeds[i] = std::abs(position[i + 1] - position[i - 1]) / (time_s[i + 1] - time_s[i - 1]);
+  const double fastest = QuantileOfMagnitude(speeds, 0.95);
+  // The order that leaves least of the fast part: what is left of its motion is no more than that.
+  double least = std::numeric_limits<double>::max();
+  double stamp_error_s = 0.0;
+  for (std::size_t order = 1; order <= 8; ++order) {
+    std::vector<double> of_slow;
+    std::vector<double> of_fast;
+    double squared_speed_of_slow = 0.0;
+    double squared_speed_of_fast = 0.0;
+    for (std::size_t i = 0; i + order < position.size(); ++i) {
+      const double difference =
+          NormalisedDifference(time_s.subspan(i, order + 1), position.subspan(i, order + 1));
+      const double speed = speeds[i + order / 2];
+      const bool fast = speed > 0.5 * fastest;
+      (fast ? of_fast : of_slow).push_back(difference);
+      (fast ? squared_speed_of_fast : squared_speed_of_slow) += speed * speed;
+    }
+    if (of_slow.size() < kFewest / 4 || of_fast.size() < kFewest / 4) return 0.0;
+    squared_speed_of_fast /= static_cast<double>(of_fast.size());
+    squared_speed_of_slow /= static_cast<double>(of_slow.size());
+    const double in_motion = std::pow(RobustStandardDeviation(of_fast), 2);
+    const double slow = std::pow(RobustStandardDeviation(of_slow), 2);
+    if (in_motion > least) continue;
+    least = in_motion;
+    stamp_error_s = in_motion > kClearlyMore * slow
+                        ? std::sqrt((in_motion - slow) / (squared_speed_of_fast - squared_speed_of_slow))
+                        : 0.0;
+  }
+  return stamp_error_s;
 }
 
 double QuantileOfMagnitude(std::span<const double> values, double share) {
@@ -151,6 +206,7 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
   if (records.empty()) throw std::invalid_argument("no motion record (expected at least one)");
   samples.linear = records.front().linear;
   std::vector<double> position_noise;
+  std::vector<double> stamp_error_s;
   std::vector<double> velocity_noise;
   std::vector<double> torque_noise;
   for (std::size_t r = 0; r < records.size(); ++r) {
@@ -199,6 +255,7 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
     for (EvenStretch& stretch : EvenStretches(record, unknown, name, samples.warnings)) {
       stretch.record = r;
       position_noise.push_back(std::max(WhiteNoise(WithoutRests(stretch.position)), step / std::sqrt(12.0)));
+      stamp_error_s.push_back(stretch.stamp_error_s);
       if (!stretch.velocity.empty()) {
         velocity_noise.push_back(std::max(WhiteNoise(WithoutRests(stretch.velocity)),
                                           QuantisationStep(stretch.velocity) / std::sqrt(12.0)));
@@ -210,6 +267,7 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
     throw std::invalid_argument("no stretch without a gap is long enough (expected 40 samples and more)");
   }
   samples.position_noise = Median(position_noise);
+  samples.stamp_error_s = Median(stamp_error_s);
   samples.velocity_noise = Median(velocity_noise);
   samples.torque_noise = Median(torque_noise);
   return samples;
