@@ -91,6 +91,7 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   // What is added has an amount at least.
   if (more > 0.0) more = std::max(1.0, richer.fit.charged_parameters() - poorer.fit.charged_parameters());
   comparison.more_parameters = more;
+  comparison.log_places = richer.fit.log_places - poorer.fit.log_places;
   comparison.likelihood_ratio = LikelihoodRatio(richer.noise, poorer.noise);
   comparison.delta_bic = comparison.likelihood_ratio - more * std::log(samples_);
   comparison.likelihood_ratio = std::max(0.0, comparison.likelihood_ratio);
@@ -98,7 +99,6 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   if (more > 0.0 && freedom > 2.0) {
     const double f = std::expm1(std::min(700.0, comparison.likelihood_ratio / samples_)) * freedom / more;
     const boost::math::fisher_f distribution(more, freedom);
-    comparison.log_places = richer.fit.log_places - poorer.fit.log_places;
     comparison.p_value = std::min(
         1.0, std::exp(comparison.log_places) * boost::math::cdf(boost::math::complement(distribution, f)));
   }

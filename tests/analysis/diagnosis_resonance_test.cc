@@ -18,11 +18,11 @@ constexpr double kFrequency_Hz = 200.0;
 constexpr double kDamping = 0.012;
 
 // A resonance that noise keeps swinging.
-Effect Swing(double deviation_m_per_s2) {
+Effect Swing(double deviation_m_per_s2, unsigned seed = 77) {
   return [=](const Turning& run) {
     const double angle = kTwoPi * kFrequency_Hz / kRate_Hz;
     const double radius = std::exp(-kDamping * angle);
-    std::mt19937 random(77);
+    std::mt19937 random(seed);
     std::normal_distribution<double> unrest;
     Signal signal;
     double before = 0.0;
@@ -49,6 +49,30 @@ TEST(VibrationResonance, NamesAResonanceThatTheChannelsShowTogether) {
   const Diagnosed answer = Ask({Record(run, 31, swing, {1.0, 0.9, -1.0, 1.0})});
   EXPECT_EQ(answer.names(), Names{"torsional_resonance"});
   EXPECT_NEAR(answer.value("frequency_Hz").value, kFrequency_Hz, 3.0);
+}
+
+// A few cells of the spectrum hold it all, and one of them most: it looks like a tone, and less damped than it
+// is.
+TEST(VibrationResonance, NamesWhatSwingsInAShortRecord) {
+  for (const unsigned seed : {1U, 2U, 24U, 30U, 37U, 38U}) {
+    const Effect swing = Swing(0.2 * kNoise_m_per_s2, seed + 70);
+    EXPECT_EQ(Ask({Record(Turning(1430.0, 0.7, 0.0), seed, swing)}).names(), Names{"torsional_resonance"})
+        << seed;
+  }
+}
+
+// No band shows them, the loudest bursts are chance, and so is what a line takes of them.
+TEST(VibrationResonance, NamesAFewKnocks) {
+  const Effect knocks = [](const Turning& run) {
+    Signal signal = Silence(run);
+    AddRing(run, 0.313, 0.09, 211.9, 0.0157, signal);
+    AddRing(run, 0.952, -0.08, 211.9, 0.0157, signal);
+    return signal;
+  };
+  for (const unsigned seed : {1U, 2U, 3U, 17U, 18U, 22U}) {
+    EXPECT_EQ(Ask({Record(Turning(1500.0, 1.2, 0.0), seed, knocks)}).names(), Names{"torsional_resonance"})
+        << seed;
+  }
 }
 
 TEST(FindBands, SaysHowTheChannelsMove) {

@@ -15,7 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // A tone that holds this share of a band's power is what the band is.
-constexpr double kToneShare = 0.5;
+constexpr double kToneShare = 0.8;
 constexpr double kLeastExcess = 11.0;
 constexpr int kTurnings = 8;  // towards the best direction
 

@@ -26,10 +26,11 @@ constexpr double kMostDamping = 0.6;
 constexpr int kClimbs = 4;
 // −ln p of what a train has to explain beyond its strongest line: one in a hundred lines may pass for one of
 // some two hundred trains that have it among their harmonics. And more than a line that is no pure sine
-// leaves.
+// leaves: where the speed breathes with the shaft, it has lines of its own at one order to either side.
 constexpr double kBeyondLine = 7.0;
-constexpr double kBeyondLineShare = 0.05;
-constexpr double kPartOfFirst = 0.5;  // of that, for a first look
+constexpr double kBeyondLineShare = 0.01;
+constexpr double kBesideLineShare = 0.05;
+constexpr double kPartOfFirst = 0.3;  // of that, for a first look
 // Depth of a change: an impulse does not pull. With what noise adds to it.
 constexpr double kDeepest = 1.3;
 
@@ -153,8 +154,9 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, dou
   const TermFit alone = remainder.With(std::move(line), 3);
   const double variance = VarianceAbout(remainder, solution);
   const double by_line = (remainder.base().square_sum - alone.square_sum) / variance;
-  const double beyond =
-      (alone.square_sum - solution.square_sum) / variance - part * kBeyondLineShare * by_line;
+  const bool breathes = !ring.lines.empty() && ring.lines[0].offset == 1.0;
+  const double share = breathes ? kBesideLineShare : kBeyondLineShare;
+  const double beyond = (alone.square_sum - solution.square_sum) / variance - part * share * by_line;
   // A line has a phase in each channel: it may have more numbers, each of which takes its part of the noise.
   const double more = solution.free_parameters - alone.free_parameters;
   const double numbers = std::max(1.0, more);

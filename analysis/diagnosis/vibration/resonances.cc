@@ -11,6 +11,7 @@
 #include "analysis/diagnosis/vibration/bearing_orders.h"
 #include "analysis/diagnosis/vibration/bursts.h"
 #include "analysis/diagnosis/vibration/families.h"
+#include "analysis/diagnosis/vibration/kicks.h"
 #include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/units.h"
 
@@ -21,11 +22,10 @@ using Best = std::optional<TermFit>;
 
 constexpr double kBandReach = 12.0;  // half-widths of a band in which its lines are
 constexpr std::size_t kMostLinesOfBand = 3;
-constexpr double kAsGood = 5.0;      // of ln p
-constexpr double kLeastKick = 32.0;  // drop of the sum of squares, in variances of the noise
-constexpr double kLeastFurtherKick = 22.0;
-constexpr std::size_t kMostKicks = 10;
-constexpr std::size_t kMostFirstKicks = 5;
+constexpr std::size_t kMostKicked = 2;
+constexpr double kSameFrequency = 0.02;
+constexpr double kAsGood = 5.0;   // of ln p
+constexpr double kIsThere = 3.0;  // −ln p of a line, wherever it might have been
 
 VibrationTerm NarrowTerm(const VibrationRemainder& remainder, std::size_t index, const NoiseBand& band,
                          double damping) {
@@ -81,6 +81,8 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band, Spectrum
   const double turn_Hz = over_turns ? samples.runs.front().mean_speed_rad_per_s / kTwoPi : 1.0;
   const double centre = band.term.shapes[0] / turn_Hz;
   const double reach = kBandReach * band.term.shapes[1] * centre + 2.0 * spectrum.cell();
+  const double log_all_places =
+      std::log(2.0 * samples.runs.front().span_s() * std::min(samples.highest_Hz(), kHighestTorsional_Hz));
   const double of_band = remainder.RatioOf(band);
   const double numbers_of_band = NumbersOf(remainder, band);
   VibrationTerm lines;
@@ -106,8 +108,11 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band, Spectrum
     } else {
       ahead = 0.5 * (ratio - of_band - (numbers + others - numbers_of_band) * std::log(fit.weight_sum));
     }
-    // One line is the simpler thing; several are where the shaft makes them, or have to be the better one.
-    const bool simpler = count == 1 || (over_turns && AreOfShaft(lines, spectrum.cell()));
+    // One line is the simpler thing, unless it is chance itself; several are where the shaft makes them, or
+    // have to be the better one.
+    const bool of_shaft = over_turns && AreOfShaft(lines, spectrum.cell());
+    const bool is_there = UnlikelinessOf(ratio, numbers, log_all_places) > kIsThere;
+    const bool simpler = of_shaft || (count == 1 && is_there);
     if (ahead > (simpler ? -kAsGood : 0.0)) return true;
   }
   return false;
@@ -121,118 +126,12 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
 
 double HalfWidthOf(const VibrationTerm& resonance) { return resonance.shapes[0] * resonance.shapes[1]; }
 
-std::size_t KnockCount(const VibrationTerm& term) { return (term.shapes.size() - 1) / 2; }
-
-std::vector<Knock> KnocksOf(const VibrationTerm& term) {
-  std::vector<Knock> knocks{{term.shapes[2], 1.0}};
-  for (std::size_t s = 3; s + 1 < term.shapes.size(); s += 2)
-    knocks.push_back({term.shapes[s], term.shapes[s + 1]});
-  return knocks;
+// A line's damping is no gear's, and would hide one that is.
+void KeepDamped(TermFit fit, const ResonanceRange& range, Best& best) {
+  if (fit.term.shapes[1] >= range.least_damping) Keep(std::move(fit), best);
 }
 
-// The term with other knocks; the height of the first is its unit.
-VibrationTerm WithKnocks(VibrationTerm term, const std::vector<Knock>& knocks) {
-  term.shapes.resize(2);
-  term.shapes.push_back(knocks[0].start_s);
-  for (std::size_t k = 1; k < knocks.size(); ++k) {
-    term.shapes.insert(term.shapes.end(), {knocks[k].start_s, knocks[k].height / knocks[0].height});
-  }
-  return term;
-}
-
-// Adds knocks, loudest first, as long as they pay; refines for so many rounds after each.
-TermFit AddKicks(const VibrationRemainder& remainder, TermFit solution, int rounds) {
-  const VibrationRun& run = remainder.samples().runs.front();
-  while (KnockCount(solution.term) < kMostKicks) {
-    const Eigen::VectorXd left = remainder.ResidualOf(solution);
-    const double frequency_Hz = solution.term.shapes[0];
-    const double damping = solution.term.shapes[1];
-    // The mode moves all channels in the proportion that the knocks so far show.
-    std::vector<double> gains;
-    for (const TermFit::Channel& channel : solution.channels) {
-      gains.push_back(channel.coefficients.size() == 0 ? 0.0 : channel.coefficients(0));
-    }
-    const Kick kick =
-        LoudestKick(run, frequency_Hz, damping, {left.data(), static_cast<std::size_t>(left.size())},
-                    remainder.solver().weights(), gains);
-    if (!(kick.drop > kLeastFurtherKick * solution.variance())) break;
-    const Knock more{run.time_s[kick.sample], kick.height};
-    std::vector<Knock> knocks = KnocksOf(solution.term);
-    const auto nearest = std::ranges::min_element(
-        knocks, {}, [&](const Knock& knock) { return std::abs(knock.start_s - more.start_s); });
-    std::optional<TermFit> moved;
-    // Within half a period of one that is there it says that this one stands elsewhere.
-    if (std::abs(nearest->start_s - more.start_s) < 0.5 / frequency_Hz) {
-      std::vector<Knock> others = knocks;
-      Knock& own = others[static_cast<std::size_t>(nearest - knocks.begin())];
-      own = OneOf(own, more, frequency_Hz, damping);
-      moved = remainder.With(WithKnocks(solution.term, others), rounds);
-    }
-    knocks.push_back(more);
-    TermFit richer = remainder.With(WithKnocks(solution.term, knocks), rounds);
-    if (moved && moved->bic() < richer.bic()) richer = std::move(*moved);
-    if (richer.bic() > solution.bic() - 2.0) break;
-    solution = std::move(richer);
-  }
-  return solution;
-}
-
-// Takes out knocks that do not pay any more with the others refined.
-TermFit DropKicks(const VibrationRemainder& remainder, TermFit solution) {
-  for (std::size_t k = 0; k < KnockCount(solution.term) && KnockCount(solution.term) > 1;) {
-    std::vector<Knock> fewer = KnocksOf(solution.term);
-    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
-    TermFit without = remainder.With(WithKnocks(solution.term, fewer), 0);
-    // What is far behind does not catch up.
-    if (without.bic() < solution.bic() + 40.0) without = remainder.Refine(std::move(without), 4);
-    if (without.bic() > solution.bic() + 2.0) {
-      ++k;
-      continue;
-    }
-    solution = std::move(without);
-    k = 0;
-  }
-  return solution;
-}
-
-// A resonance that is heard after a few knocks only.
-void TryKicks(const VibrationRemainder& remainder, std::size_t index,
-              const std::vector<double>& frequencies_Hz, Best& best) {
-  const VibrationSamples& samples = remainder.samples();
-  if (samples.runs.size() != 1) return;
-  const VibrationRun& run = samples.runs.front();
-  for (const double frequency_Hz : frequencies_Hz) {
-    std::vector<std::pair<double, VibrationTerm>> firsts;  // drop, one knock
-    for (const double share : {0.97, 0.985, 1.0, 1.015, 1.03}) {
-      for (const double damping : {0.005, 0.015, 0.05}) {
-        VibrationTerm term;
-        term.cause = index;
-        term.form = VibrationForm::kKicks;
-        term.heard.assign(samples.channels(), 1);
-        const Kick kick = LoudestKick(run, share * frequency_Hz, damping, remainder.residual(),
-                                      remainder.solver().weights());
-        if (kick.drop < kLeastKick * remainder.base().variance()) continue;
-        term.shapes = {share * frequency_Hz, damping, run.time_s[kick.sample]};
-        firsts.emplace_back(kick.drop, std::move(term));
-      }
-    }
-    std::sort(firsts.begin(), firsts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    firsts.resize(std::min(firsts.size(), kMostFirstKicks));
-    // One knock alone, refined, bends frequency and damping until it stands for a second one as well: all
-    // are found first.
-    Best start;
-    for (const auto& [drop, term] : firsts) {
-      TermFit own = AddKicks(remainder, remainder.With(term, 0), 0);
-      // So many that there would be more: what drives it never stops.
-      if (KnockCount(own.term) == kMostKicks) break;
-      Keep(std::move(own), start);
-    }
-    if (!start) continue;
-    Keep(DropKicks(remainder, AddKicks(remainder, remainder.With(start->term, 10), 4)), best);
-  }
-}
-
-void TryDriven(const VibrationRemainder& remainder, std::size_t index, double lowest_Hz, double highest_Hz,
+void TryDriven(const VibrationRemainder& remainder, std::size_t index, const ResonanceRange& range,
                Best& best) {
   const VibrationSamples& samples = remainder.samples();
   double slowest = 1e300;
@@ -245,8 +144,8 @@ void TryDriven(const VibrationRemainder& remainder, std::size_t index, double lo
   if (fastest < (1.0 + kLeastSpeedSpread) * slowest) return;
   for (const double harmonic : {2.0, 1.0}) {
     Best own;
-    const double from = std::max(lowest_Hz, 0.9 * harmonic * slowest);
-    const double to = std::min(highest_Hz, 1.15 * harmonic * fastest);
+    const double from = std::max(range.lowest_Hz, 0.9 * harmonic * slowest);
+    const double to = std::min(range.highest_Hz, 1.15 * harmonic * fastest);
     for (double natural = from; natural < to; natural *= 1.06) {
       VibrationTerm term;
       term.cause = index;
@@ -282,27 +181,37 @@ bool HasResonanceOfATrain(std::span<const VibrationTerm> terms) {
   });
 }
 
-Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, double lowest_Hz,
-                     double highest_Hz, bool by_shaft) {
+Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, const ResonanceRange& range) {
   Best best;
   std::vector<double> frequencies_Hz;
-  for (const NoiseBand& band : FindBands(remainder, lowest_Hz, highest_Hz, 2)) {
+  for (const NoiseBand& band : FindBands(remainder, range.lowest_Hz, range.highest_Hz, 2)) {
     if (IsOfATrain(remainder.base().terms, band.centre_Hz, 0.0)) continue;
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
-    TermFit solution = remainder.With(NarrowTerm(remainder, index, band, damping), 12);
-    Keep(DropDeaf(remainder, std::move(solution)), best);
+    TermFit solution = DropDeaf(remainder, remainder.With(NarrowTerm(remainder, index, band, damping), 12));
+    KeepDamped(std::move(solution), range, best);
   }
   for (const BurstSpot& spot : FindBursts(remainder, 2)) {
-    if (spot.frequency_Hz > lowest_Hz && spot.frequency_Hz < highest_Hz &&
+    if (spot.frequency_Hz > range.lowest_Hz && spot.frequency_Hz < range.highest_Hz &&
         !IsOfATrain(remainder.base().terms, spot.frequency_Hz, 0.0))
       frequencies_Hz.push_back(spot.frequency_Hz);
   }
-  TryKicks(remainder, index, frequencies_Hz, best);
+  for (const double frequency_Hz :
+       FindKickedFrequencies(remainder, range.lowest_Hz, range.highest_Hz, kMostKicked)) {
+    const bool known = std::ranges::any_of(frequencies_Hz, [&](double other_Hz) {
+      return std::abs(other_Hz - frequency_Hz) < kSameFrequency * frequency_Hz;
+    });
+    if (!known && !IsOfATrain(remainder.base().terms, frequency_Hz, 0.0))
+      frequencies_Hz.push_back(frequency_Hz);
+  }
+  for (const double frequency_Hz : frequencies_Hz) {
+    if (Best knocked = SearchKicks(remainder, index, frequency_Hz))
+      KeepDamped(std::move(*knocked), range, best);
+  }
   if (best && (IsOfATrain(remainder.base().terms, best->term.shapes[0], HalfWidthOf(best->term)) ||
                AreLines(remainder, *best)))
     best.reset();
-  if (by_shaft) TryDriven(remainder, index, lowest_Hz, highest_Hz, best);
+  if (range.by_shaft) TryDriven(remainder, index, range, best);
   return best;
 }
 

@@ -8,11 +8,18 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A lightly damped resonance between two frequencies: driven by noise, ringing after knocks, or (where the
-/// speed changes, and `by_shaft` is set) by lines of the shaft that sweep across it. Nothing where a single
-/// tone explains most.
+/// Where a resonance is looked for.
+struct ResonanceRange {
+  double lowest_Hz{};
+  double highest_Hz{};
+  double least_damping{};
+  bool by_shaft{};  // lines of the shaft may sweep across it
+};
+
+/// A lightly damped resonance within a range: driven by noise, ringing after knocks, or, where the speed
+/// changes, by lines of the shaft. Nothing where a single tone explains most.
 std::optional<TermFit> SearchResonance(const VibrationRemainder& remainder, std::size_t index,
-                                       double lowest_Hz, double highest_Hz, bool by_shaft);
+                                       const ResonanceRange& range);
 
 /// Whether something at this frequency, with this half of its width, is the ring of a train among these
 /// terms: what a train leaves about its ring, since its impulses are neither quite even nor quite alike, is

@@ -108,31 +108,59 @@ Knock OneOf(const Knock& first, const Knock& second, double ring_Hz, double damp
   return {first.start_s + later_s, sign * std::abs(sum) * std::exp(pole.real() * later_s)};
 }
 
+namespace {
+
+// What a ring that starts at each sample has in common with a residual: squares, summed over the channels, or
+// where their gains are known the common amplitude.
+std::vector<double> MatchRing(const VibrationRun& run, Complex step, std::span<const double> residual,
+                              std::span<const double> weights, std::span<const double> gains) {
+  std::vector<double> matched(run.size(), 0.0);
+  for (std::size_t c = 0; c < run.channels.size(); ++c) {
+    Complex common{};
+    for (std::size_t i = run.size(); i-- > 0;) {
+      const std::size_t place = run.channels[c].first + i;
+      common = Product(common, step) + (weights[place] > 0.0 ? residual[place] : 0.0);
+      matched[i] += gains.empty() ? common.imag() * common.imag() : gains[c] * common.imag();
+    }
+  }
+  return matched;
+}
+
+// A ring's sine has half of the energy 1 / (1 − |step|²).
+double RingEnergy(Complex step) { return 0.5 / (1.0 - std::norm(step)); }
+
+}  // namespace
+
 Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
                  std::span<const double> residual, std::span<const double> weights,
                  std::span<const double> gains) {
-  const std::size_t n = run.size();
   const Complex step = std::exp(RingPole(ring_Hz, damping_ratio) * run.period_s);
-  std::vector<double> matched(n, 0.0);
-  double gain_square = 0.0;
-  for (std::size_t c = 0; c < run.channels.size(); ++c) {
-    Complex common{};
-    const double gain = gains.empty() ? 1.0 : gains[c];
-    gain_square += gain * gain;
-    for (std::size_t i = n; i-- > 0;) {
-      const std::size_t place = run.channels[c].first + i;
-      common = Product(common, step) + (weights[place] > 0.0 ? residual[place] : 0.0);
-      matched[i] += gains.empty() ? common.imag() * common.imag() : gain * common.imag();
-    }
-  }
-  // A ring's sine has half of the energy 1 / (1 − |step|²).
-  const double energy = 0.5 / (1.0 - std::norm(step));
+  const std::vector<double> matched = MatchRing(run, step, residual, weights, gains);
+  const double energy = RingEnergy(step);
   const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
   const auto best = std::max_element(matched.begin(), matched.end(), size);
   const auto sample = static_cast<std::size_t>(best - matched.begin());
   if (gains.empty()) return {sample, *best / energy, 1.0};
+  double gain_square = 0.0;
+  for (const double gain : gains) gain_square += gain * gain;
   const double height = *best / (energy * gain_square);
   return {sample, height * *best, height};
+}
+
+double KickPower(const VibrationRun& run, double ring_Hz, double damping_ratio,
+                 std::span<const double> residual, std::span<const double> weights, double least) {
+  const Complex pole = RingPole(ring_Hz, damping_ratio);
+  const Complex step = std::exp(pole * run.period_s);
+  const std::vector<double> matched = MatchRing(run, step, residual, weights, {});
+  const double energy = RingEnergy(step);
+  const auto window = static_cast<std::size_t>(std::max(1.0, -1.0 / (pole.real() * run.period_s)));
+  double power = 0.0;
+  for (std::size_t from = 0; from < matched.size(); from += window) {
+    const auto first = matched.begin() + static_cast<std::ptrdiff_t>(from);
+    const auto last = matched.begin() + static_cast<std::ptrdiff_t>(std::min(from + window, matched.size()));
+    power += std::max(0.0, *std::max_element(first, last) / energy - least);
+  }
+  return power;
 }
 
 Complex Direction(double turns) {

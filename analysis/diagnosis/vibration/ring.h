@@ -73,6 +73,11 @@ Kick LoudestKick(const VibrationRun& run, double ring_Hz, double damping_ratio,
                  std::span<const double> residual, std::span<const double> weights,
                  std::span<const double> gains = {});
 
+/// How far the drops that rings of this frequency and damping bring exceed one, added up: the largest in each
+/// time in which a ring dies away.
+double KickPower(const VibrationRun& run, double ring_Hz, double damping_ratio,
+                 std::span<const double> residual, std::span<const double> weights, double least);
+
 /// A train at its best place.
 struct TrainMatch {
   double power{};   // half the drop of the sum of squares that it brings, in variances of the noise

@@ -125,9 +125,12 @@ std::optional<TermFit> SearchCause(const VibrationRemainder& remainder, Vibratio
     case VibrationCause::kImbalance:
       return angle_known ? SearchGrowth(remainder, index) : std::nullopt;
     case VibrationCause::kTorsionalResonance:
-      return SearchResonance(remainder, index, kLowestTorsional_Hz, kHighestTorsional_Hz, angle_known);
+      return SearchResonance(
+          remainder, index, {kLowestTorsional_Hz, kHighestTorsional_Hz, kLeastTorsionalDamping, angle_known});
     case VibrationCause::kHighResonance:
-      return SearchResonance(remainder, index, kHighestTorsional_Hz, remainder.samples().highest_Hz(), false);
+      return SearchResonance(
+          remainder, index,
+          {kHighestTorsional_Hz, remainder.samples().highest_Hz(), kLeastStructureDamping, false});
     case VibrationCause::kLineOverAngle:
       return angle_known ? SearchLine(remainder, index, false) : std::nullopt;
     case VibrationCause::kLineOverTime:

@@ -37,6 +37,9 @@ inline constexpr double kLowestBearingOrder =
 inline constexpr double kHighestBearingOrder = 20.0;
 inline constexpr double kLowestTorsional_Hz = 3.0;
 inline constexpr double kHighestTorsional_Hz = 2000.0;
+/// Less is a line of the shaft's at constant speed: grease and teeth damp a gear more.
+inline constexpr double kLeastTorsionalDamping = 1e-3;
+inline constexpr double kLeastStructureDamping = 6e-4;
 inline constexpr double kLeastSpeedSpread =
     0.08;  // of the mean speed, to tell growth with speed from a level
 

@@ -23,7 +23,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kKnocksInACell = 6.0;  // as many as make p < 0.004 in four of a thousand clean records
+constexpr double kKnocksInACell = 20.0;  // as many as make p < 0.004 in four of a thousand clean records
 
 /// Accelerations over time and shaft angle. The response is all channels one after the other, scaled to equal
 /// noise; the nominal model has a constant and the shaft's lines at 1 and 2 per turn in each. Lines and
