@@ -130,5 +130,24 @@ TEST(Selection, NamesTwoCausesRatherThanADescriptionThatIsNoBetter) {
   EXPECT_EQ(FoundIn(std::move(model)), "other one ");
 }
 
+// Of eight numbers one is the size; as little as it is away from zero, chance does not make all eight. BIC
+// asks too much of so many: for such a cause the p-value says that there is no doubt.
+TEST(Selection, AsksLessOfTheSizeOfWhatChanceDoesNotMake) {
+  constexpr double kSize = 0.1;
+  const auto bell = [](int k) {
+    return [k](std::size_t i) { return Bell(PlaceOf(i), 0.1 + 0.1 * k, 0.02); };
+  };
+  SeparableModel model = NoiseAnd([&](std::size_t i) {
+    double sum = 0.0;
+    for (int k = 0; k < 8; ++k) sum += (k == 0 ? 0.08 : kSize) * bell(k)(i);
+    return sum;
+  });
+  std::vector<Shape> shapes;
+  for (int k = 0; k < 8; ++k) shapes.push_back(bell(k));
+  Add(model, {.name = "bells", .parameters = {{"size_0", "1", -10.0, 10.0, true}}, .least_bic = -1e9},
+      std::move(shapes));
+  EXPECT_EQ(FoundIn(std::move(model)), "bells ");
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

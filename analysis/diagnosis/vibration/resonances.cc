@@ -25,7 +25,7 @@ constexpr std::size_t kMostLinesOfBand = 3;
 constexpr std::size_t kMostKicked = 2;
 constexpr double kSameFrequency = 0.02;
 constexpr double kAsGood = 5.0;   // of ln p
-constexpr double kIsThere = 3.0;  // −ln p of a line, wherever it might have been
+constexpr double kIsThere = 7.0;     // −ln p of a line, wherever it might have been, from which on it would be named
 
 VibrationTerm NarrowTerm(const VibrationRemainder& remainder, std::size_t index, const NoiseBand& band,
                          double damping) {

@@ -99,6 +99,7 @@ void AddBearing(Table& table) {
        .parameters = {{"defect_order", "1/turn", kLowestBearingOrder, kHighestBearingOrder, false},
                       table.amplitude},
        .degrees_of_freedom = 5,
+       .places = 4,  // order, ring, its decay, where the impulses stand
        // Orders, at each some tens of resonances that may ring, with each change of the impulses, in any of
        // the channels. A sixteenth of 112 clean records had p < 0.004 with a tenth of these.
        .trials = 3200.0 * table.cells,
@@ -152,6 +153,7 @@ void AddResonances(Table& table) {
              .parameters = parameters,
              .degrees_of_freedom = 3,
              .repeated = table.further,
+             .places = 1,  // its frequency
              .trials = std::max(50.0, 1.5 * share * table.cells),
              .local = true,  // a knock rings for a small part of a turn
              .to_settle = kOtherSpeed});
@@ -160,6 +162,7 @@ void AddResonances(Table& table) {
               {.name = "resonance of the structure",
                .parameters = {{"damping_ratio", "1", kLeastStructureDamping, 0.25, false}, table.amplitude},
                .degrees_of_freedom = 3,
+               .places = 1,
                .trials = std::max(50.0, 1.5 * (1.0 - share) * table.cells),
                .local = true,
                .named = false});
@@ -207,6 +210,7 @@ void AddCorrections(Table& table) {
       table.Add(VibrationCause::kLineOverAngle, {.name = name,
                                                  .parameters = amplitude,
                                                  .degrees_of_freedom = 3,
+                                                 .places = 1,
                                                  .trials = table.cells,
                                                  .named = false});
     }
@@ -216,6 +220,7 @@ void AddCorrections(Table& table) {
       table.Add(VibrationCause::kLineOverTime, {.name = name,
                                                 .parameters = amplitude,
                                                 .degrees_of_freedom = 3,
+                                                .places = 1,
                                                 .trials = table.cells,
                                                 .named = false});
     }
