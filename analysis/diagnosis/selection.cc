@@ -227,8 +227,8 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kJudge);
   // Of a cause whose p-value says all, that one.
   const bool by_p_value = rule.least_bic.value_or(0.0) < 0.0;
-  const bool no_doubt = comparison.delta_bic > kNoDoubt ||
-                        (by_p_value && result.evidence.p_value < std::exp(-0.5 * kNoDoubt));
+  const bool no_doubt =
+      comparison.delta_bic > kNoDoubt || (by_p_value && result.evidence.p_value < std::exp(-0.5 * kNoDoubt));
   result.objection =
       no_doubt ? judge.Objection(reported.fit, cause, kNotExcluded) : judge.Objection(reported.fit, cause);
   if (result.objection.empty() && !(result.evidence.heldout_gain > 0.0)) {

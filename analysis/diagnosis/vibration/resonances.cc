@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <utility>
 #include <vector>
 
@@ -12,7 +11,6 @@
 #include "analysis/diagnosis/vibration/bursts.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/kicks.h"
-#include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -25,7 +23,7 @@ constexpr std::size_t kMostLinesOfBand = 3;
 constexpr std::size_t kMostKicked = 2;
 constexpr double kSameFrequency = 0.02;
 constexpr double kAsGood = 5.0;   // of ln p
-constexpr double kIsThere = 7.0;     // −ln p of a line, wherever it might have been, from which on it would be named
+constexpr double kIsThere = 7.0;  // −ln p of a line, wherever it might have been, that would be named
 
 VibrationTerm NarrowTerm(const VibrationRemainder& remainder, std::size_t index, const NoiseBand& band,
                          double damping) {
