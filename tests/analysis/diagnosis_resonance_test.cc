@@ -51,8 +51,8 @@ TEST(VibrationResonance, NamesAResonanceThatTheChannelsShowTogether) {
   EXPECT_NEAR(answer.value("frequency_Hz").value, kFrequency_Hz, 3.0);
 }
 
-// A few cells of the spectrum hold it all, and one of them most: it looks like a tone, and less damped than it
-// is.
+// A few cells of the spectrum hold it all, and one of them most: it looks like a tone, and less damped than
+// it is.
 TEST(VibrationResonance, NamesWhatSwingsInAShortRecord) {
   for (const unsigned seed : {1U, 2U, 24U, 30U, 37U, 38U}) {
     const Effect swing = Swing(0.2 * kNoise_m_per_s2, seed + 70);
@@ -63,12 +63,7 @@ TEST(VibrationResonance, NamesWhatSwingsInAShortRecord) {
 
 // No band shows them, the loudest bursts are chance, and so is what a line takes of them.
 TEST(VibrationResonance, NamesAFewKnocks) {
-  const Effect knocks = [](const Turning& run) {
-    Signal signal = Silence(run);
-    AddRing(run, 0.313, 0.09, 211.9, 0.0157, signal);
-    AddRing(run, 0.952, -0.08, 211.9, 0.0157, signal);
-    return signal;
-  };
+  const Effect knocks = Ringing(211.9, 0.0157, {{0.313, 0.09}, {0.952, -0.08}});
   for (const unsigned seed : {1U, 2U, 3U, 17U, 18U, 22U}) {
     EXPECT_EQ(Ask({Record(Turning(1500.0, 1.2, 0.0), seed, knocks)}).names(), Names{"torsional_resonance"})
         << seed;
@@ -108,14 +103,8 @@ TEST(VibrationResonance, CallsAHumThatMovesAllChannelsInStepUnnamed) {
 
 // Two knocks within half a period of each other ring as one: told apart, neither would have a height.
 TEST(VibrationResonance, NamesKnocksThatOverlap) {
-  const Effect knocks = [](const Turning& run) {
-    Signal signal = Silence(run);
-    AddRing(run, 0.61832, 0.10, 126.9, 0.0125, signal);
-    AddRing(run, 0.64205, 0.144, 126.9, 0.0125, signal);
-    AddRing(run, 0.64318, -0.1225, 126.9, 0.0125, signal);
-    AddRing(run, 0.72612, -0.164, 126.9, 0.0125, signal);
-    return signal;
-  };
+  const Effect knocks =
+      Ringing(126.9, 0.0125, {{0.61832, 0.10}, {0.64205, 0.144}, {0.64318, -0.1225}, {0.72612, -0.164}});
   for (const unsigned seed : {35U, 36U, 43U}) {
     const Diagnosed answer = Ask({Record(Turning(330.0, 2.254, 0.0), seed, knocks, {0.54, 1.0, 0.39})});
     EXPECT_EQ(answer.names(), Names{"torsional_resonance"}) << seed;

@@ -62,12 +62,7 @@ TEST(VibrationStudy, CannotJudgeAnImbalanceAtOneSpeed) {
 }
 
 TEST(VibrationStudy, NamesAResonanceThatKnocksRing) {
-  const Effect knocks = [](const Turning& run) {
-    Signal signal = Silence(run);
-    AddRing(run, 0.2111, 0.35, 140.0, 0.015, signal);
-    AddRing(run, 0.7037, -0.3, 140.0, 0.015, signal);
-    return signal;
-  };
+  const Effect knocks = Ringing(140.0, 0.015, {{0.2111, 0.35}, {0.7037, -0.3}});
   const Diagnosed answer = Ask({Record(Turning(1100.0, 1.2, 0.0), 8, knocks)});
   EXPECT_EQ(answer.names(), Names{"torsional_resonance"});
   EXPECT_NEAR(answer.value("frequency_Hz").value, 140.0, 0.8);

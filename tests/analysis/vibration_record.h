@@ -57,6 +57,21 @@ inline void AddRing(const Turning& run, double start_s, double height, double fr
   }
 }
 
+/// A start of a ring and its height.
+struct Blow {
+  double start_s{};
+  double height{};
+};
+
+/// A resonance that a few blows let ring.
+inline Effect Ringing(double frequency_Hz, double damping, std::vector<Blow> blows) {
+  return [=, blows = std::move(blows)](const Turning& run) {
+    Signal signal = Silence(run);
+    for (const Blow& blow : blows) AddRing(run, blow.start_s, blow.height, frequency_Hz, damping, signal);
+    return signal;
+  };
+}
+
 inline Signal operator+(Signal a, const Signal& b) {
   std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());
   return a;

@@ -43,6 +43,11 @@ void AddMeanSquares(std::span<const double> values, std::size_t half, std::vecto
   }
 }
 
+// Of what the path is smoothed from, at a speed.
+double PathNoise(const MotionSamples& samples, const MotionBandwidth& bandwidth, double speed) {
+  return bandwidth.by_velocity ? samples.velocity_noise : samples.PositionNoise(speed);
+}
+
 Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                  std::span<const PointLayout> layouts, const MotionGrid& grid, double sigma_s) {
   Band band;
@@ -60,8 +65,7 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
     for (std::size_t i = 0; i < stretch.count; ++i) {
       const std::size_t sample = layouts[s].SampleOf(i);
       const double speed = std::abs(grid.velocity[stretch.first + i]);
-      band.white.push_back(gain *
-                           (bandwidth.by_velocity ? samples.velocity_noise : samples.PositionNoise(speed)));
+      band.white.push_back(gain * PathNoise(samples, bandwidth, speed));
       if (sample < kernel.reach || sample + kernel.reach >= moved.size()) continue;
       const double value = kernel.At(moved, sample);
       band.values[stretch.first + i] = value;
@@ -112,10 +116,9 @@ struct Trace {
 std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                                      std::span<const PointLayout> layouts, MotionGrid& grid) {
   std::vector<double> variances;
+  const double at_rest = PathNoise(samples, bandwidth, 0.0);
   for (const double velocity : grid.velocity) {
-    const double more = bandwidth.by_velocity || !(samples.position_noise > 0.0)
-                            ? 1.0
-                            : samples.PositionNoise(velocity) / samples.position_noise;
+    const double more = at_rest > 0.0 ? PathNoise(samples, bandwidth, velocity) / at_rest : 1.0;
     variances.push_back(std::pow(more * grid.acceleration_noise, 2));
   }
   for (double sigma_s = bandwidth.path_sigma_s; sigma_s < 1.01 * bandwidth.calm_sigma_s;

@@ -216,10 +216,13 @@ std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vect
         return as_they_are || values.empty() ? values : Resample(time, values, step_s);
       };
       stretch.position = even(record.position);
-      std::vector<double> as_taken(time.begin(), time.end());
-      for (std::size_t i = 0; as_they_are && i < count; ++i)
-        as_taken[i] = static_cast<double>(i) * stretch.step_s;
-      stretch.stamp_error_s = StampError_s(as_taken, Pick(record.position, picked));
+      if (as_they_are) {
+        std::vector<double> even_s;
+        for (std::size_t i = 0; i < count; ++i) even_s.push_back(static_cast<double>(i) * stretch.step_s);
+        stretch.stamp_error_s = StampError_s(even_s, stretch.position);
+      } else {
+        stretch.stamp_error_s = StampError_s(time, Pick(record.position, picked));
+      }
       stretch.torque = even(record.torque);
       stretch.velocity = even(record.velocity);
       stretch.temperature_degC = even(record.temperature_degC);

@@ -17,11 +17,11 @@ using Best = std::optional<TermFit>;
 constexpr double kLeastKick = 22.0;  // drop of the sum of squares, in variances of the noise
 constexpr std::size_t kMostKicks = 10;
 constexpr std::size_t kMostFirstKicks = 5;
+// What dies away within two periods is a spike, which any frequency makes as well.
+constexpr double kMostDamping = 0.08;
 // Of a scan of frequencies: a width of the resonance apart.
 constexpr double kScanDamping = 0.012;
 constexpr double kNextFrequency = 1.015;
-// What dies away within two periods is a spike, which any frequency makes as well.
-constexpr double kMostDamping = 0.08;
 constexpr double kNoticed = 12.0;  // drop of a kick that counts, in variances of the noise
 constexpr double kApart = 1.1;     // of two frequencies
 

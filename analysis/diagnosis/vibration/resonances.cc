@@ -182,8 +182,11 @@ bool HasResonanceOfATrain(std::span<const VibrationTerm> terms) {
 Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, const ResonanceRange& range) {
   Best best;
   std::vector<double> frequencies_Hz;
+  const auto is_of_a_train = [&](double frequency_Hz) {
+    return IsOfATrain(remainder.base().terms, frequency_Hz, 0.0);
+  };
   for (const NoiseBand& band : FindBands(remainder, range.lowest_Hz, range.highest_Hz, 2)) {
-    if (IsOfATrain(remainder.base().terms, band.centre_Hz, 0.0)) continue;
+    if (is_of_a_train(band.centre_Hz)) continue;
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
     TermFit solution = DropDeaf(remainder, remainder.With(NarrowTerm(remainder, index, band, damping), 12));
@@ -191,7 +194,7 @@ Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, con
   }
   for (const BurstSpot& spot : FindBursts(remainder, 2)) {
     if (spot.frequency_Hz > range.lowest_Hz && spot.frequency_Hz < range.highest_Hz &&
-        !IsOfATrain(remainder.base().terms, spot.frequency_Hz, 0.0))
+        !is_of_a_train(spot.frequency_Hz))
       frequencies_Hz.push_back(spot.frequency_Hz);
   }
   for (const double frequency_Hz :
@@ -199,8 +202,7 @@ Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, con
     const bool known = std::ranges::any_of(frequencies_Hz, [&](double other_Hz) {
       return std::abs(other_Hz - frequency_Hz) < kSameFrequency * frequency_Hz;
     });
-    if (!known && !IsOfATrain(remainder.base().terms, frequency_Hz, 0.0))
-      frequencies_Hz.push_back(frequency_Hz);
+    if (!known && !is_of_a_train(frequency_Hz)) frequencies_Hz.push_back(frequency_Hz);
   }
   for (const double frequency_Hz : frequencies_Hz) {
     if (Best knocked = SearchKicks(remainder, index, frequency_Hz))

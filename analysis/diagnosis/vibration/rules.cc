@@ -101,7 +101,8 @@ void AddBearing(Table& table) {
        .degrees_of_freedom = 5,
        .places = 4,  // order, ring, its decay, where the impulses stand
        // Orders, at each some tens of resonances that may ring, with each change of the impulses, in any of
-       // the channels. A sixteenth of 112 clean records had p < 0.004 with a tenth of these.
+       // the channels. A sixteenth of 112 clean records had p < 0.05 with a tenth of these, where a
+       // two-hundred-and-fortieth should.
        .trials = 3200.0 * table.cells,
        .least_bic = kAnyBic,
        .misfit_share = kRingMisfit,
@@ -128,7 +129,7 @@ void AddCrack(Table& table) {
                       table.amplitude},
        .degrees_of_freedom = 2,
        // Widths and places of a pulse, changes, rings and lines, in any of the channels. A seventeenth of 136
-       // clean records had p < 0.004 with a tenth of these.
+       // clean records had p < 0.05 with a tenth of these, where a two-hundred-and-fortieth should.
        .trials = 100.0,
        .least_bic = kAnyBic,
        .to_settle = "# a whole turn of the output or more: the impulses come back once per output turn\n"

@@ -37,7 +37,8 @@ inline constexpr double kLowestBearingOrder =
 inline constexpr double kHighestBearingOrder = 20.0;
 inline constexpr double kLowestTorsional_Hz = 3.0;
 inline constexpr double kHighestTorsional_Hz = 2000.0;
-/// Less is a line of the shaft's at constant speed: grease and teeth damp a gear more.
+/// Less is a line of the shaft's at constant speed: grease and teeth damp a gear more, by some times this,
+/// but a short record of what swings looks less damped than it is.
 inline constexpr double kLeastTorsionalDamping = 1e-3;
 inline constexpr double kLeastStructureDamping = 6e-4;
 inline constexpr double kLeastSpeedSpread =
