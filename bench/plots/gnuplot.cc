@@ -78,7 +78,9 @@ void RunScript(const std::string& program, const std::string& script) {
   actions.Redirect(fileno(complaints.get()), STDOUT_FILENO);
   actions.Redirect(fileno(complaints.get()), STDERR_FILENO);
   std::string name = program;
-  char* arguments[] = {name.data(), nullptr};
+  // As a file by name: what it is merely fed, gnuplot reads a byte at a time.
+  std::string script_file = "/dev/stdin";
+  char* arguments[] = {name.data(), script_file.data(), nullptr};
   pid_t child = 0;
   if (const int error = posix_spawnp(&child, program.c_str(), actions.get(), nullptr, arguments, environ);
       error != 0) {
