@@ -187,6 +187,24 @@ TEST(SampleNoise, OfAStairIsNotItsRisers) {
 
 // Of a stair of three samples a step, one of them on the riser, nothing tells the noise; its upper steps are
 // no saturation, over which the angle goes on and comes back.
+// Stamps to the microsecond of a torque that has no noise: even steps are smoother. A tenth of a second is
+// missing all the same, and the torque's peak in it.
+TEST(TimesOfSamples, KeepAGapWhereStampsAreRounded) {
+  std::vector<double> time_s;
+  std::vector<double> torque_Nm;
+  for (int i = 0; i < 4000; ++i) {
+    const double at_s = 1.2345678e-3 * i;
+    if (at_s > 1.9 && at_s < 2.0) continue;
+    time_s.push_back(1e-6 * std::round(1e6 * at_s));
+    torque_Nm.push_back(1e-5 * std::round(1e5 * 17.0 * std::min(at_s, 3.9 - at_s)));
+  }
+  const std::vector<double> times_s = TimesOfSamples(time_s, torque_Nm);
+  for (std::size_t i = 0; i < times_s.size(); ++i) ASSERT_NEAR(times_s[i], time_s[i], 2e-6) << i;
+  const std::vector<Turn> turns = FindTurns(times_s, torque_Nm, 1e-5);
+  ASSERT_EQ(turns.size(), 1U);
+  EXPECT_NEAR(turns.front().value, 17.0 * 1.95, 1e-3);
+}
+
 TEST(RequireDiagnosableLoop, TakesNoCoarseStairForSaturation) {
   std::mt19937 random(17);
   std::normal_distribution<double> normal(0.0, kTorqueNoise_Nm);

@@ -39,6 +39,35 @@ std::vector<double> NeighbourDifferences(std::span<const double> x) {
   return differences;
 }
 
+// First samples behind the gaps of a record, between the first and the number of samples: steps of many, of
+// which there are few. Stamps that come in bunches have many.
+std::vector<std::size_t> Runs(std::span<const double> time_s) {
+  constexpr double kGap = 8.0;  // of a mean step
+  constexpr double kFew = 0.01;
+  const double gap_s = kGap * (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+  std::vector<std::size_t> runs{0};
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    if (time_s[i] - time_s[i - 1] > gap_s) runs.push_back(i);
+  }
+  if (static_cast<double>(runs.size() - 1) > kFew * static_cast<double>(time_s.size())) runs.resize(1);
+  runs.push_back(time_s.size());
+  return runs;
+}
+
+// The same stretches of time in even steps.
+std::vector<double> EvenTimes(std::span<const double> time_s) {
+  std::vector<double> even_s;
+  const std::vector<std::size_t> runs = Runs(time_s);
+  for (std::size_t r = 0; r + 1 < runs.size(); ++r) {
+    const std::size_t last = runs[r + 1] - 1;
+    const double begin_s = time_s[runs[r]];
+    const double steps = std::max(1.0, static_cast<double>(last - runs[r]));
+    for (std::size_t i = runs[r]; i <= last; ++i)
+      even_s.push_back(begin_s + (time_s[last] - begin_s) * static_cast<double>(i - runs[r]) / steps);
+  }
+  return even_s;
+}
+
 }  // namespace
 
 double RoundingNoise(std::span<const double> signal, double share) {
@@ -71,11 +100,7 @@ std::vector<double> TimesOfSamples(std::span<const double> time_s, std::span<con
   constexpr double kSmoother = 0.8;
   std::vector<double> times_s(time_s.begin(), time_s.end());
   if (time_s.size() < 2) return times_s;
-  std::vector<double> even_s(time_s.size());
-  const double step_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
-  for (std::size_t i = 0; i < even_s.size(); ++i) {
-    even_s[i] = time_s.front() + step_s * static_cast<double>(i);
-  }
+  std::vector<double> even_s = EvenTimes(time_s);
   const bool stamps_jitter = SampleNoise(even_s, signal) < kSmoother * SampleNoise(time_s, signal);
   return stamps_jitter ? even_s : times_s;
 }
