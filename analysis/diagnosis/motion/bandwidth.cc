@@ -17,9 +17,10 @@ constexpr double kKeptSignal = 0.9;     // of the acceleration's variance
 constexpr double kCorrelated = 4.5;     // standard errors of a correlation coefficient
 constexpr double kFewestInBand = 30.0;  // samples
 constexpr double kMostlyNoise = 0.3;    // share of the acceleration that the torque shows
-constexpr double kImmaterial = 2.0;     // of −2 log-likelihood, over the whole record
-constexpr double kClear = 4.0;          // times the noise expected
-constexpr double kSeesMotion = 0.3;     // of the acceleration's variance, enough to know the inertia by
+constexpr double kMostlyMotion = 0.8;
+constexpr double kImmaterial = 2.0;  // of −2 log-likelihood, over the whole record
+constexpr double kClear = 4.0;       // times the noise expected
+constexpr double kSeesMotion = 0.3;  // of the acceleration's variance, enough to know the inertia by
 const double kHalfOctave = std::sqrt(2.0);
 
 const std::vector<double>& Moved(const EvenStretch& stretch, bool by_velocity) {
@@ -88,15 +89,16 @@ double WildnessOf(const MotionSamples& samples, double sigma_s, bool by_velocity
   return std::max(1.0, std::pow(UsualSize(values), 2));
 }
 
-// Whether motion would be lost with the band. The path has to stand clear of its noise there; where the
-// torque has nothing but noise, correlation has to say as well that it follows.
+// Whether motion would be lost with the band. The path has to stand clear of its noise there, or the torque
+// to follow nearly all of it; where the torque has nothing but noise, correlation has to say as well that it
+// follows.
 bool HoldsMotion(const Band& band, double inertia, double noise_per_s, double wildness) {
   if (band.count < kFewestInBand) return true;
   if (inertia * inertia * band.xx * band.spacing_s < kImmaterial * noise_per_s) return false;
-  if (band.xx < kClear * wildness * band.motion_noise) return false;
-  if (band.yy > kClear * band.torque_noise) return true;
   const bool correlated = band.xy * band.xy * band.count > kCorrelated * kCorrelated * band.xx * band.yy;
-  return correlated && std::abs(band.xy) > kMostlyNoise * std::abs(inertia) * band.xx;
+  const double followed = correlated ? std::abs(band.xy) / (std::abs(inertia) * band.xx) : 0.0;
+  if (band.xx < kClear * wildness * band.motion_noise && followed < kMostlyMotion) return false;
+  return band.yy > kClear * band.torque_noise || followed > kMostlyNoise;
 }
 
 // One width of the low-pass that was tried.
