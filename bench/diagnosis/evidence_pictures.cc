@@ -36,6 +36,7 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
   std::size_t longest_name = 0;
   double longest = Squeezed(20.0);
   double shortest = 0.0;
+  bool by_p_value = false;  // one has passed by that alone
   for (std::size_t k = 0; k < shown; ++k) {
     const diagnosis::CandidateResult& candidate = candidates[k];
     const double y = -static_cast<double>(k);
@@ -48,6 +49,7 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
     edges[3].push_back(y + 0.36);
     longest = std::max(longest, x);
     shortest = std::min(shortest, x);
+    by_p_value = by_p_value || (candidate.passed && x < 0.0);
     const std::string name = CandidateName(*report.input.study, candidate.index);
     longest_name = std::max(longest_name, name.size());
     names += fmt::format("{}{} {:g}", k == 0 ? "" : ", ", Quoted(name), y);
@@ -74,8 +76,9 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
       fmt::format("set xrange [{:.5g}:{:.5g}]\nset yrange [{:.5g}:0.6]\nset xtics ({})\n", shortest - 0.1,
                   longest + 0.75 * (longest - shortest), -static_cast<double>(shown) + 0.4, tics);
   script += fmt::format("set ytics ({}) scale 0\nunset key\nunset grid\n", names);
-  script +=
-      "set xlabel 'evidence: BIC without it - BIC with it (above 10: strong; in brackets: not a cause)'\n";
+  script += fmt::format(
+      "set xlabel 'evidence: BIC without it - BIC with it (above 10: strong; {}in brackets: not a cause)'\n",
+      by_p_value ? "or a low p; " : "");
   script +=
       "set arrow from first 0, graph 0 to first 0, graph 1 nohead linewidth 1 linecolor rgb '#444444' "
       "front\n";

@@ -100,6 +100,21 @@ Axis AxisOf(const DiagnosisReport& report) {
   return axis;
 }
 
+// Turns of the axis' angle a second.
+double TurnsPerSecond(const DiagnosisReport& report, const Axis& axis) {
+  const diagnosis::Study& study = *report.input.study;
+  const auto time = std::ranges::find(study.regressors(), "time", &Regressor::name);
+  if (time == study.regressors().end()) return 0.0;
+  double turns = 0.0;
+  double seconds = 0.0;
+  for (std::size_t i = 1; i < axis.angle_rad.size(); ++i) {
+    if (std::ranges::binary_search(study.stretches(), i)) continue;
+    turns += std::abs(axis.angle_rad[i] - axis.angle_rad[i - 1]) / kTwoPi;
+    seconds += time->values[i] - time->values[i - 1];
+  }
+  return seconds > 0.0 ? turns / seconds : 0.0;
+}
+
 // An order with a name, for the list beside the spectrum.
 struct NamedOrder {
   double order{};
@@ -113,12 +128,33 @@ void AddFoundOrders(const DiagnosisReport& report, const Axis& axis, std::vector
       for (const diagnosis::ParameterValue& parameter : finding.parameters) {
         const bool is_order = axis.over != nullptr && axis.over->angle &&
                               (parameter.name.starts_with("order") || parameter.name.ends_with("_order"));
+        const std::string& cause = report.input.study->causes()[finding.index].name;
+        if (axis.over != nullptr && axis.over->angle && parameter.name == "ring_Hz") {
+          const double turns_per_s = TurnsPerSecond(report, axis);
+          if (!(turns_per_s > 0.0)) continue;
+          const auto own = std::ranges::find_if(
+              finding.parameters, [](const auto& other) { return other.name.ends_with("_order"); });
+          const std::string every =
+              own != finding.parameters.end() ? fmt::format(", a line every {:.4g}", own->value) : "";
+          const double order = parameter.value / turns_per_s;
+          orders.push_back({order, axis.Seen(order), cause + " rings" + every});
+        }
         if (!is_order && !(axis.unit == "Hz" && parameter.name == "frequency_Hz")) continue;
-        orders.push_back({parameter.value, axis.Seen(parameter.value),
-                          report.input.study->causes()[finding.index].name + " (found)"});
+        orders.push_back({parameter.value, axis.Seen(parameter.value), cause + " (found)"});
       }
     }
   }
+}
+
+// Of a long record not all orders can be had: what was found, or the ring in which it is heard, is to be
+// among them.
+void MoveToFound(const DiagnosisReport& report, Axis& axis) {
+  constexpr double kRoom = 1.15;
+  std::vector<NamedOrder> found;
+  AddFoundOrders(report, axis, found);
+  if (found.empty()) return;
+  const double needed = kRoom * std::ranges::max(found, {}, &NamedOrder::seen).seen;
+  if (needed > axis.highest()) axis.lowest += needed - axis.highest();
 }
 
 std::vector<NamedOrder> NamedOrdersOf(const DiagnosisReport& report, const Axis& axis) {
@@ -134,7 +170,9 @@ std::vector<NamedOrder> NamedOrdersOf(const DiagnosisReport& report, const Axis&
   }
   AddFoundOrders(report, axis, orders);
   // What is off the picture needs no mark.
-  std::erase_if(orders, [&](const NamedOrder& order) { return order.seen > axis.highest(); });
+  std::erase_if(orders, [&](const NamedOrder& order) {
+    return order.seen > axis.highest() || order.seen < axis.lowest - 0.5 * axis.step;
+  });
   std::ranges::stable_sort(orders, {}, &NamedOrder::seen);
   if (orders.size() > kOrdersListed) orders.resize(kOrdersListed);
   return orders;
@@ -156,7 +194,8 @@ std::string ListEntry(const std::string& text, double x, double y, std::string_v
 }
 
 // Numbers above the marks; neighbours that would overprint each other share one.
-std::string Marks(const std::vector<NamedOrder>& orders, double range, double top) {
+std::string Marks(const std::vector<NamedOrder>& orders, double left, double right, double top) {
+  const double range = right - left;
   std::string commands;
   for (std::size_t i = 0; i < orders.size();) {
     std::string text;
@@ -171,7 +210,7 @@ std::string Marks(const std::vector<NamedOrder>& orders, double range, double to
           to);
     }
     commands += fmt::format("set label {} at first {:.6g},{:.6g} {} offset 0,0.6 font ',13'\n", Quoted(text),
-                            0.5 * (from + to), top, from < 0.03 * range ? "left" : "center");
+                            0.5 * (from + to), top, from - left < 0.03 * range ? "left" : "center");
   }
   return commands;
 }
@@ -225,7 +264,9 @@ std::size_t CountThatMatters(std::span<const double> before, std::span<const dou
 
 void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::path& stem) {
   constexpr double kHeight = 560.0;
+  constexpr int kFromZero = 40;  // steps from zero that are shown, too
   Axis axis = AxisOf(report);
+  MoveToFound(report, axis);
   const bool extended = IsExtended(report);
   const std::vector<double> before = Spectrum(report, report.result.nominal, axis);
   const std::vector<double> after = Spectrum(report, report.result.extended, axis);
@@ -243,13 +284,14 @@ void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::
       "set lmargin at screen {}\nset rmargin at screen {}\nset tmargin at screen {:.5f}\nset bmargin at "
       "screen {:.5f}\n",
       kPanelLeft, named.empty() ? 0.975 : 0.62, 1.0 - 118.0 / kHeight, 75.0 / kHeight);
-  script += fmt::format("set xrange [0:{:.6g}]\nset yrange [0:{:.6g}]\nset xlabel {}\nset ylabel {}\n",
-                        axis.highest(), top, Quoted(axis.title),
+  const double left = axis.lowest > axis.step * static_cast<double>(kFromZero) ? axis.lowest : 0.0;
+  script += fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [0:{:.6g}]\nset xlabel {}\nset ylabel {}\n",
+                        left, axis.highest(), top, Quoted(axis.title),
                         Quoted(fmt::format("amplitude ({})", report.input.study->unit())));
   std::vector<LegendEntry> legend{{kLastColour.plain, NominalName(report)}};
   if (extended) legend.push_back({kFirstColour.plain, ExtendedName(report)});
   script += "unset key\n" + Legend(legend, {1.0 - 118.0 / kHeight, 75.0 / kHeight}, kHeight, 48.0);
-  script += Marks(named, axis.highest(), top);
+  script += Marks(named, left, axis.highest(), top);
   if (!named.empty()) {
     script += List(named, axis, before, after, extended, report.input.study->unit(), kHeight);
   }
