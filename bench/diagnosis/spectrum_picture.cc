@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -37,6 +38,8 @@ struct Axis {
   double step{};
   std::size_t count{};
   double folding{};  // orders this far apart look the same; 0: they do not
+  double end{};      // beyond it the samples tell nothing
+  double left{};     // where the picture begins
 
   double OrderAt(std::size_t k) const { return lowest + step * static_cast<double>(k); }
   double highest() const { return OrderAt(count - 1); }
@@ -91,12 +94,12 @@ Axis AxisOf(const DiagnosisReport& report) {
   const auto [low, high] = std::ranges::minmax(axis.angle_rad);
   const double cell = kTwoPi / std::max(high - low, 1e-12);
   const double step = MedianStep(axis.angle_rad, study.stretches());
-  const double nyquist = (step > 0.0 ? kPi / step : 100.0 * cell) - 0.5 * cell;
+  axis.end = (step > 0.0 ? kPi / step : 100.0 * cell) - 0.5 * cell;
   axis.lowest = 0.5 * cell;
   axis.step = 0.25 * cell;
   const double affordable = kMostWork / static_cast<double>(axis.angle_rad.size());
   axis.count = static_cast<std::size_t>(
-      std::clamp((nyquist - axis.lowest) / axis.step + 1.0, 8.0, std::min(kMostOrders, affordable)));
+      std::clamp((axis.end - axis.lowest) / axis.step + 1.0, 8.0, std::min(kMostOrders, affordable)));
   return axis;
 }
 
@@ -122,43 +125,47 @@ struct NamedOrder {
   std::string name;
 };
 
-void AddFoundOrders(const DiagnosisReport& report, const Axis& axis, std::vector<NamedOrder>& orders) {
+std::vector<NamedOrder> FoundOrders(const DiagnosisReport& report, const Axis& axis) {
+  const bool over_angle = axis.over != nullptr && axis.over->angle;
+  std::vector<NamedOrder> orders;
+  const auto add = [&](double order, std::string name) {
+    orders.push_back({order, axis.Seen(order), std::move(name)});
+  };
   for (const auto* findings : {&report.result.causes, &report.result.corrections}) {
     for (const diagnosis::Finding& finding : *findings) {
+      const std::string& cause = report.input.study->causes()[finding.index].name;
+      std::string every;  // what rings has its lines an order apart
       for (const diagnosis::ParameterValue& parameter : finding.parameters) {
-        const bool is_order = axis.over != nullptr && axis.over->angle &&
-                              (parameter.name.starts_with("order") || parameter.name.ends_with("_order"));
-        const std::string& cause = report.input.study->causes()[finding.index].name;
-        if (axis.over != nullptr && axis.over->angle && parameter.name == "ring_Hz") {
+        if (over_angle && (parameter.name.starts_with("order") || parameter.name.ends_with("_order"))) {
+          add(parameter.value, cause + " (found)");
+          every = fmt::format(", a line every {:.4g}", parameter.value);
+        } else if (over_angle && parameter.name == "ring_Hz") {
           const double turns_per_s = TurnsPerSecond(report, axis);
-          if (!(turns_per_s > 0.0)) continue;
-          const auto own = std::ranges::find_if(
-              finding.parameters, [](const auto& other) { return other.name.ends_with("_order"); });
-          const std::string every =
-              own != finding.parameters.end() ? fmt::format(", a line every {:.4g}", own->value) : "";
-          const double order = parameter.value / turns_per_s;
-          orders.push_back({order, axis.Seen(order), cause + " rings" + every});
+          if (turns_per_s > 0.0) add(parameter.value / turns_per_s, cause + " rings" + every);
+        } else if (axis.unit == "Hz" && parameter.name == "frequency_Hz") {
+          add(parameter.value, cause + " (found)");
         }
-        if (!is_order && !(axis.unit == "Hz" && parameter.name == "frequency_Hz")) continue;
-        orders.push_back({parameter.value, axis.Seen(parameter.value), cause + " (found)"});
       }
     }
   }
+  return orders;
 }
 
 // Of a long record not all orders can be had: what was found, or the ring in which it is heard, is to be
 // among them.
-void MoveToFound(const DiagnosisReport& report, Axis& axis) {
+void MoveTo(const std::vector<NamedOrder>& found, Axis& axis) {
   constexpr double kRoom = 1.15;
-  std::vector<NamedOrder> found;
-  AddFoundOrders(report, axis, found);
-  if (found.empty()) return;
-  const double needed = kRoom * std::ranges::max(found, {}, &NamedOrder::seen).seen;
-  if (needed > axis.highest()) axis.lowest += needed - axis.highest();
+  double furthest = 0.0;
+  for (const NamedOrder& order : found) {
+    if (order.seen < axis.end) furthest = std::max(furthest, order.seen);
+  }
+  if (furthest <= axis.highest()) return;
+  axis.lowest += std::min(kRoom * furthest, axis.end) - axis.highest();
+  axis.left = axis.lowest;
 }
 
-std::vector<NamedOrder> NamedOrdersOf(const DiagnosisReport& report, const Axis& axis) {
-  std::vector<NamedOrder> orders;
+std::vector<NamedOrder> NamedOrdersOf(const DiagnosisReport& report, const Axis& axis,
+                                      std::vector<NamedOrder> orders) {
   if (report.input.kind == "transmission_error" && axis.over != nullptr) {
     for (const auto& known : analysis::KnownOrders(report.input.mapping.ratio)) {
       orders.push_back({known.order, axis.Seen(known.order), known.name});
@@ -168,11 +175,9 @@ std::vector<NamedOrder> NamedOrdersOf(const DiagnosisReport& report, const Axis&
     orders.push_back({1.0, axis.Seen(1.0), "shaft"});
     orders.push_back({2.0, axis.Seen(2.0), "shaft, twice"});
   }
-  AddFoundOrders(report, axis, orders);
   // What is off the picture needs no mark.
-  std::erase_if(orders, [&](const NamedOrder& order) {
-    return order.seen > axis.highest() || order.seen < axis.lowest - 0.5 * axis.step;
-  });
+  std::erase_if(
+      orders, [&](const NamedOrder& order) { return order.seen > axis.highest() || order.seen < axis.left; });
   std::ranges::stable_sort(orders, {}, &NamedOrder::seen);
   if (orders.size() > kOrdersListed) orders.resize(kOrdersListed);
   return orders;
@@ -264,9 +269,9 @@ std::size_t CountThatMatters(std::span<const double> before, std::span<const dou
 
 void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::path& stem) {
   constexpr double kHeight = 560.0;
-  constexpr int kFromZero = 40;  // steps from zero that are shown, too
   Axis axis = AxisOf(report);
-  MoveToFound(report, axis);
+  const std::vector<NamedOrder> found = FoundOrders(report, axis);
+  MoveTo(found, axis);
   const bool extended = IsExtended(report);
   const std::vector<double> before = Spectrum(report, report.result.nominal, axis);
   const std::vector<double> after = Spectrum(report, report.result.extended, axis);
@@ -274,7 +279,7 @@ void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::
   std::vector<double> orders(axis.count);
   for (std::size_t k = 0; k < axis.count; ++k) orders[k] = axis.OrderAt(k);
   const double top = std::max(1e-12, 1.05 * std::max(std::ranges::max(before), std::ranges::max(after)));
-  const std::vector<NamedOrder> named = NamedOrdersOf(report, axis);
+  const std::vector<NamedOrder> named = NamedOrdersOf(report, axis, found);
   const auto shown = [&](const std::vector<double>& amplitude) {
     return std::span<const double>(amplitude).first(axis.count);
   };
@@ -284,14 +289,13 @@ void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::
       "set lmargin at screen {}\nset rmargin at screen {}\nset tmargin at screen {:.5f}\nset bmargin at "
       "screen {:.5f}\n",
       kPanelLeft, named.empty() ? 0.975 : 0.62, 1.0 - 118.0 / kHeight, 75.0 / kHeight);
-  const double left = axis.lowest > axis.step * static_cast<double>(kFromZero) ? axis.lowest : 0.0;
   script += fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [0:{:.6g}]\nset xlabel {}\nset ylabel {}\n",
-                        left, axis.highest(), top, Quoted(axis.title),
+                        axis.left, axis.highest(), top, Quoted(axis.title),
                         Quoted(fmt::format("amplitude ({})", report.input.study->unit())));
   std::vector<LegendEntry> legend{{kLastColour.plain, NominalName(report)}};
   if (extended) legend.push_back({kFirstColour.plain, ExtendedName(report)});
   script += "unset key\n" + Legend(legend, {1.0 - 118.0 / kHeight, 75.0 / kHeight}, kHeight, 48.0);
-  script += Marks(named, left, axis.highest(), top);
+  script += Marks(named, axis.left, axis.highest(), top);
   if (!named.empty()) {
     script += List(named, axis, before, after, extended, report.input.study->unit(), kHeight);
   }

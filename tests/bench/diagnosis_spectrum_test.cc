@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/diagnosis/records.h"
@@ -62,8 +63,7 @@ class RingingStudy final : public diagnosis::Study {
   std::vector<std::string> warnings_;
 };
 
-// 2360 Hz at 20 turns a second is order 118; the spectrum of so long a record would end at 25.
-TEST(DiagnosisSpectrum, ShowsTheOrdersAtWhichABearingRings) {
+std::string SpectrumWith(std::vector<diagnosis::ParameterValue> parameters) {
   const daq::ScratchFolder folder;
   StudyInput input;
   input.kind = "vibration";
@@ -72,15 +72,23 @@ TEST(DiagnosisSpectrum, ShowsTheOrdersAtWhichABearingRings) {
   result.weights.assign(kSamples, 1.0);
   result.nominal.predicted = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(kSamples));
   result.extended = result.nominal;
-  result.causes.push_back({0,
-                           {{"defect_order", "1/turn", 9.231, 0.001}, {"ring_Hz", "Hz", 2360.0, 5.0}},
-                           {812.5, 0.0, 400.0},
-                           0.99,
-                           {}});
+  result.causes.push_back({0, std::move(parameters), {812.5, 0.0, 400.0}, 0.99, {}});
   DrawResidualSpectrum({input, result, "", {}, {}}, folder / "spectrum");
-  const std::string svg = daq::BytesOf(folder / "spectrum.svg");
+  return daq::BytesOf(folder / "spectrum.svg");
+}
+
+// 2360 Hz at 20 turns a second is order 118; the spectrum of so long a record would end at 25.
+TEST(DiagnosisSpectrum, ShowsTheOrdersAtWhichABearingRings) {
+  const std::string svg =
+      SpectrumWith({{"defect_order", "1/turn", 9.231, 0.001}, {"ring_Hz", "Hz", 2360.0, 5.0}});
   EXPECT_NE(svg.find("bearing_defect rings, a line every 9.231"), std::string::npos);
   EXPECT_NE(svg.find(" 120</"), std::string::npos) << "of the axis";
+}
+
+TEST(DiagnosisSpectrum, StaysWhereAnOrderIsJustInView) {
+  const std::string svg = SpectrumWith({{"defect_order", "1/turn", 24.3, 0.001}});
+  EXPECT_NE(svg.find("bearing_defect (found)"), std::string::npos);
+  EXPECT_NE(svg.find("shaft, twice"), std::string::npos);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ def _draw(folder, name, width, height, commands):
                              ("pngcairo size %d,%d font 'Sans,10'" % (width, height), "png")):
         script = ("set terminal %s\nset output '%s.%s'\nset datafile separator ','\n%s\n"
                   % (terminal, name, ending, commands))
-        subprocess.run(["gnuplot"], input=script, text=True, cwd=folder, check=False, stderr=subprocess.DEVNULL)
+        subprocess.run(["gnuplot", "/dev/stdin"], input=script, text=True, cwd=folder, check=False, stderr=subprocess.DEVNULL)
 
 
 def _binomial_error(hits, of):
