@@ -49,6 +49,8 @@ struct Logger {
   double noise_Nm{};
   double late_share{};   // of a step, by which a sample comes late at most
   double stamp_error{};  // of a step: what the time stamps are wrong by
+  double path_noise_rad{2e-8};
+  double delay_s{};  // by which the torque acts later than it is recorded
 };
 
 MotionData Record(unsigned seed, const Moves& moves, const Logger& logger, double weight_Nm = 0.0) {
@@ -61,11 +63,12 @@ MotionData Record(unsigned seed, const Moves& moves, const Logger& logger, doubl
     const double time_s = (static_cast<double>(i) + uniform(random)) / logger.rate_Hz;
     const State now = moves.At(time_s);
     record.time_s.push_back(time_s + logger.stamp_error / logger.rate_Hz * normal(random));
-    record.position.push_back(now.position_rad + 2e-8 * normal(random));
-    record.torque.push_back(kInertia_kgm2 * now.acceleration_rad_per_s2 +
-                            kViscous_Nms_per_rad * now.speed_rad_per_s +
-                            kCoulomb_Nm * std::tanh(now.speed_rad_per_s / 0.002) +
-                            weight_Nm * std::cos(now.position_rad) + logger.noise_Nm * normal(random));
+    record.position.push_back(now.position_rad + logger.path_noise_rad * normal(random));
+    const State then = moves.At(time_s + logger.delay_s);
+    record.torque.push_back(kInertia_kgm2 * then.acceleration_rad_per_s2 +
+                            kViscous_Nms_per_rad * then.speed_rad_per_s +
+                            kCoulomb_Nm * std::tanh(then.speed_rad_per_s / 0.002) +
+                            weight_Nm * std::cos(then.position_rad) + logger.noise_Nm * normal(random));
   }
   return record;
 }
@@ -87,12 +90,9 @@ TEST(MotionJolts, StampsAreAsWrongAsThePositionInMotionSays) {
 
 TEST(MotionJolts, StampsThatAreWrongMakeNoPlay) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    const Diagnosed clean = Ask(Record(seed, {0.2},
-                                       {.rate_Hz = 50.0,
-                                        .duration_s = 17.0,
-                                        .noise_Nm = 0.001,
-                                        .late_share = 0.25,
-                                        .stamp_error = 0.002}));
+    const Diagnosed clean = Ask(Record(
+        seed, {0.2},
+        {.rate_Hz = 50.0, .duration_s = 17.0, .noise_Nm = 0.001, .late_share = 0.25, .stamp_error = 0.002}));
     EXPECT_EQ(clean.names(), Names()) << seed;
   }
 }
@@ -165,6 +165,17 @@ TEST(MotionJolts, AreNotMadeOfTheNoiseOfAVelocity) {
     ++spikes;
   }
   EXPECT_EQ(BridgeSpikes(record, 0.0, {}).size(), spikes);
+}
+
+// Noise of the path hides what is fast about a ramp, and not when it came.
+TEST(MotionJolts, TellHowLateATorqueIs) {
+  const Logger logger{.rate_Hz = 200.0, .noise_Nm = 0.002, .path_noise_rad = 1e-5, .delay_s = 0.0003};
+  for (const unsigned seed : {21U, 22U, 23U}) {
+    const Diagnosed found = Ask(Record(seed, {0.1}, logger));
+    ASSERT_EQ(found.names(), Names{"time_delay"}) << seed;
+    const ParameterValue delay = found.value("delay_s");
+    EXPECT_NEAR(delay.value, logger.delay_s, 4.0 * delay.standard_error) << seed;
+  }
 }
 
 TEST(MotionJolts, LeaveTheRestOfTheRecordItsPower) {

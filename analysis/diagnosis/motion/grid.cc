@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 
@@ -19,6 +20,14 @@ using Eigen::Index;
 constexpr std::size_t kFewestRows = 60;
 constexpr double kPointsPerSigma = 2.5;  // steps of the points in a σ of the low-pass, at least
 constexpr double kUnknownInertia = 3.0;  // standard errors
+constexpr double kShows = 0.5;           // of the noise, from which on what is wrong with a row does
+// Over the smoothing of the path, which takes next to nothing of what a low-pass half an octave lower lets
+// through.
+const double kWider = std::numbers::sqrt2;
+constexpr double kMuchSmoother = 1.9;  // than the low-pass: an octave
+// Part of what is wrong with a jolt's acceleration that comes from above half the sampling rate, and so lies
+// in all that is below it.
+constexpr double kFoldedBack = 0.3;
 
 // Goes on beyond both ends as the cubic through what is next to them does, so that what remembers the motion
 // (a second inertia that swings) knows it from the record's first sample.
@@ -72,6 +81,21 @@ void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, con
     grid.passed_acceleration.push_back(passed_acceleration.At(moved, at));
     grid.passed_torque.push_back(passed_torque.At(torque, at));
     if (!temperature_degC.empty()) grid.temperature_degC.push_back(temperature_degC[i]);
+  }
+}
+
+// Where the low-pass lets more of a jolt through than is known of its acceleration, torque and terms pass one
+// that is wider than the smoothing of the path: what is slow about a jolt is known all the same, and of a
+// motion that turns in short ramps it is all that tells how late the torque acts. Neighbours of such rows are
+// alike, and the noise in them is as much less: each counts as one.
+void WidenRowsAroundJolts(double inertia, MotionGrid& grid) {
+  grid.wide.assign(grid.time_s.size(), false);
+  if (grid.path_sigma_s < kMuchSmoother * grid.sigma_s) return;
+  const double left = kFoldedBack * std::sqrt(grid.sigma_s / grid.path_sigma_s);
+  for (std::size_t i = 0; i < grid.wide.size(); ++i) {
+    if (std::abs(inertia) * grid.acceleration_error[i] < kShows * grid.noise_floor) continue;
+    grid.wide[i] = true;
+    grid.acceleration_error[i] *= left;
   }
 }
 
@@ -130,7 +154,8 @@ std::size_t MotionGrid::Reversals() const {
 Eigen::VectorXd MotionGrid::Project(std::span<const double> points) const {
   Eigen::VectorXd values(static_cast<Index>(rows()));
   for (std::size_t row = 0; row < rows(); ++row) {
-    values(static_cast<Index>(row)) = stretches[stretch_of_row[row]].low_pass.At(points, point_of_row[row]);
+    values(static_cast<Index>(row)) =
+        LowPassAt(stretches[stretch_of_row[row]], point_of_row[row]).At(points, point_of_row[row]);
   }
   return values;
 }
@@ -139,12 +164,12 @@ void MotionGrid::AddProjected(std::span<const double> points, std::size_t first,
                               Eigen::Ref<Eigen::VectorXd> values) const {
   if (first >= last) return;
   const auto after = std::ranges::upper_bound(stretches, first, {}, &Stretch::first);
-  const KernelTaps& kernel = std::prev(after)->low_pass;
-  auto row = std::ranges::lower_bound(point_of_row, first > kernel.reach ? first - kernel.reach : 0);
-  for (; row != point_of_row.end() && *row < last + kernel.reach; ++row) {
+  const std::size_t reach = std::max(std::prev(after)->low_pass.reach, std::prev(after)->wide_low_pass.reach);
+  auto row = std::ranges::lower_bound(point_of_row, first > reach ? first - reach : 0);
+  for (; row != point_of_row.end() && *row < last + reach; ++row) {
     const auto at = static_cast<std::size_t>(row - point_of_row.begin());
     if (stretch_of_row[at] == static_cast<std::size_t>(std::prev(after) - stretches.begin())) {
-      values(static_cast<Index>(at)) += kernel.At(points, *row);
+      values(static_cast<Index>(at)) += LowPassAt(*std::prev(after), *row).At(points, *row);
     }
   }
 }
@@ -152,7 +177,9 @@ void MotionGrid::AddProjected(std::span<const double> points, std::size_t first,
 Eigen::VectorXd MotionGrid::ProjectPassed(std::span<const double> points) const {
   Eigen::VectorXd values(static_cast<Index>(rows()));
   for (std::size_t row = 0; row < rows(); ++row) {
-    values(static_cast<Index>(row)) = points[point_of_row[row]];
+    const std::size_t point = point_of_row[row];
+    values(static_cast<Index>(row)) =
+        wide[point] ? stretches[stretch_of_row[row]].wide_low_pass.At(points, point) : points[point];
   }
   return values;
 }
@@ -247,6 +274,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
     stretch.first = grid.time_s.size();
     stretch.step_s = raw.step_s * static_cast<double>(layout.stride);
     stretch.low_pass = bandwidth.passes_all ? PassAll() : MakeKernel(bandwidth.sigma_s, stretch.step_s, 0);
+    stretch.wide_low_pass = MakeKernel(kWider * bandwidth.path_sigma_s, stretch.step_s, 0);
     AddPoints(raw, bandwidth, layout, grid);
     stretch.count = grid.time_s.size() - stretch.first;
     grid.stretches.push_back(std::move(stretch));
@@ -266,6 +294,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   grid.acceleration_noise = QuantileOfMagnitude(grid.noise_of_acceleration, 0.5);
   grid.noise_floor = std::hypot(gain(0) * samples.torque_noise, bandwidth.inertia * grid.acceleration_noise);
   grid.acceleration_error = AddJolts(samples, bandwidth, layouts, grid);
+  WidenRowsAroundJolts(bandwidth.inertia, grid);
   ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, grid);
   const auto rows = static_cast<Index>(grid.rows());
   if (grid.rows() < kFewestRows) {

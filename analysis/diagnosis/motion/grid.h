@@ -23,7 +23,7 @@ inline constexpr std::size_t kMostRows = 16000;
 ///
 /// Rows: the response. Torque and all terms pass one and the same low-pass (motion/kernel.h) and are taken at
 /// a spacing that leaves white noise white, so that noise of the acceleration does not shrink the inertia
-/// (parallel filtering; Gautier, ICRA 1997).
+/// (parallel filtering; Gautier, ICRA 1997). Around jolts that the path is too noisy for it is a wider one.
 ///
 /// Left out of the rows: what lies within a low-pass's length of a gap, of clipped torque, or of a rest,
 /// where Coulomb friction may take any value below its limit; and what motion/rows.h says of reversals.
@@ -35,6 +35,7 @@ struct MotionGrid {
     std::size_t count{};
     double step_s{};
     KernelTaps low_pass;
+    KernelTaps wide_low_pass;  // around jolts
   };
   std::vector<Stretch> stretches;
   bool linear{};
@@ -55,6 +56,7 @@ struct MotionGrid {
   std::vector<double> passed_acceleration;
   std::vector<double> passed_torque;
   std::vector<double> noise_of_acceleration;  // more where an axis is not calm
+  std::vector<bool> wide;                     // where rows pass the wider low-pass
   std::vector<double> acceleration_error;  // around jolts (motion/jolts.h): how wrong the acceleration may be
 
   // Rows.
@@ -77,13 +79,17 @@ struct MotionGrid {
   std::size_t rows() const { return point_of_row.size(); }
   /// How often the velocity changes its sign for certain.
   std::size_t Reversals() const;
+  /// That a row at a point passes.
+  const KernelTaps& LowPassAt(const Stretch& stretch, std::size_t point) const {
+    return wide[point] ? stretch.wide_low_pass : stretch.low_pass;
+  }
   double RowTime_s(std::size_t row) const { return time_s[point_of_row[row]]; }
   /// Low-pass of a quantity of the points, at the rows.
   Eigen::VectorXd Project(std::span<const double> points) const;
   /// The same of a quantity that is zero but at the points [first, last) of a stretch.
   void AddProjected(std::span<const double> points, std::size_t first, std::size_t last,
                     Eigen::Ref<Eigen::VectorXd> values) const;
-  /// A quantity that has passed the low-pass already, at the rows.
+  /// A quantity that has passed the low-pass already, but for the wider one, at the rows.
   Eigen::VectorXd ProjectPassed(std::span<const double> points) const;
   /// A passed quantity a time later, at the points.
   std::vector<double> Later(std::span<const double> passed_points, double shift_s) const;

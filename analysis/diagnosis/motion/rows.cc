@@ -91,13 +91,12 @@ double ShareUnderKernel(const KernelTaps& kernel, std::span<const double> marks,
 }
 
 // Largest magnitude of the filter from each tap outwards, by the second: what a step of 1 a second long does.
-std::vector<double> EnvelopeOf(const MotionGrid::Stretch& stretch) {
-  const KernelTaps& kernel = stretch.low_pass;
+std::vector<double> EnvelopeOf(const KernelTaps& kernel, double step_s) {
   std::vector<double> envelope(kernel.reach + 1);
   double largest = 0.0;
   for (std::size_t k = kernel.reach + 1; k-- > 0;) {
     largest = std::max(largest, std::abs(kernel.taps[kernel.reach + k]));
-    envelope[k] = largest / stretch.step_s;
+    envelope[k] = largest / step_s;
   }
   return envelope;
 }
@@ -139,7 +138,8 @@ std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBan
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const double folded_s = FoldedKink_s(bandwidth, samples.stretches[s].step_s);
-    const std::vector<double> envelope = EnvelopeOf(stretch);
+    const std::vector<double> narrow = EnvelopeOf(stretch.low_pass, stretch.step_s);
+    const std::vector<double> wide = EnvelopeOf(stretch.wide_low_pass, stretch.step_s);
     const auto half = std::max<std::size_t>(
         1, static_cast<std::size_t>(std::lround(2.0 * grid.path_sigma_s / stretch.step_s)));
     const std::size_t end = stretch.first + stretch.count;
@@ -161,7 +161,7 @@ std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBan
                      std::max(kAlikeEachTime * 0.5 * (spell.end - spell.begin) * stretch.step_s,
                               kBlurredReversal * grid.path_sigma_s));
       const auto reach =
-          envelope.size() +
+          std::max(narrow.size(), wide.size()) +
           static_cast<std::size_t>((uncertain_s + std::abs(expected_delay_s)) / stretch.step_s) + 1;
       const auto centre = static_cast<std::size_t>(middle);
       for (std::size_t k = centre > stretch.first + reach ? centre - reach : stretch.first;
@@ -172,6 +172,7 @@ std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBan
         const double away_s = std::max(
             {after_s - std::max(-expected_delay_s, 0.0), -after_s - std::max(expected_delay_s, 0.0), 0.0});
         const auto tap = static_cast<std::size_t>(std::max(0.0, away_s - uncertain_s) / stretch.step_s);
+        const std::vector<double>& envelope = grid.wide[k] ? wide : narrow;
         if (tap < envelope.size()) errors[k] += 2.0 * bandwidth.coulomb * uncertain_s * envelope[tap];
       }
     }
@@ -219,9 +220,11 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
     };
     for (std::size_t i = stretch.low_pass.reach; i + stretch.low_pass.reach < stretch.count; i += spacing) {
       const std::size_t sample = layouts[s].SampleOf(i);
+      const KernelTaps& low_pass = grid.LowPassAt(stretch, stretch.first + i);
+      if (i < low_pass.reach || i + low_pass.reach >= stretch.count) continue;
       if (sample < layouts[s].margin || sample + layouts[s].margin >= raw.position.size()) continue;
       if (errors[stretch.first + i] > tolerated ||
-          ShareUnderKernel(stretch.low_pass, rests, stretch.first + i) > most_at_rest ||
+          ShareUnderKernel(low_pass, rests, stretch.first + i) > most_at_rest ||
           // Where an axis stops or starts, its acceleration jumps.
           ShareUnderKernel(path, rests, stretch.first + i) > kMostAtRest ||
           ShareUnderKernel(at_samples, clipped, sample) > 1e-3) {
