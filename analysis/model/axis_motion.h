@@ -54,11 +54,13 @@ class LooseLoad {
                         u * u * ((1.0 + 2.0 * v) * near - v * step_s * near_speed);
       const double at_speed =
           u * v * way_speed + v * (v - 2.0 * u) * near_speed_ + u * (u - 2.0 * v) * near_speed;
+      // Places at a step's ends, speeds between them (leapfrog): else the contact gives the load back some of
+      // what its damping takes.
+      place_ += h * speed_;
       push = PushBy(at - place_, at_speed - speed_);
       // Friction stops, it does not turn round.
       const double free = speed_ + h * push;
       speed_ = free - std::clamp(free, -h * friction_, h * friction_);
-      place_ += h * speed_;
     }
     near_ = near;
     near_speed_ = near_speed;
@@ -66,7 +68,7 @@ class LooseLoad {
   }
 
  private:
-  static constexpr double kFine = 0.25;  // of a step, in radians of the contact's own swing
+  static constexpr double kFine = 0.5;  // of a step, in radians of the contact's own swing
 
   double PushBy(double lead, double closing) const noexcept {
     if (lead > half_) return std::max(stiffness_ * (lead - half_) + drag_ * closing, 0.0);

@@ -65,6 +65,30 @@ TEST(LooseLoad, IsPushedAtTheEndsOfItsGapAlone) {
   }
 }
 
+// A quarter of a radian of the contact's swing is one step. What is left over are knocks a part of it too
+// late.
+TEST(LooseLoad, IsPushedTheSameOverLongSteps) {
+  constexpr double kStep_s = 0.002;
+  constexpr std::size_t kCount = 1500;
+  const auto near = [](double time_s) { return std::sin(4.0 * time_s) + 0.3 * std::sin(9.0 * time_s + 1.0); };
+  const auto speed = [](double time_s) {
+    return 4.0 * std::cos(4.0 * time_s) + 2.7 * std::cos(9.0 * time_s + 1.0);
+  };
+  constexpr std::size_t kFiner = 100;
+  const std::vector<double> finely = PushesOver(0.02, 1.0, kStep_s / kFiner, kCount * kFiner, near);
+  LooseLoad load({.gap = 0.02, .friction = kLoadFriction, .contact_rad_per_s = kContact}, near(0.0),
+                 speed(0.0));
+  double square = 0.0;
+  double off_square = 0.0;
+  for (std::size_t i = 1; i < kCount; ++i) {
+    const double time_s = kStep_s * static_cast<double>(i);
+    const double push = load.Follow(near(time_s), speed(time_s), kStep_s);
+    square += finely[i * kFiner] * finely[i * kFiner];
+    off_square += std::pow(push - finely[i * kFiner], 2);
+  }
+  EXPECT_LT(std::sqrt(off_square / square), 0.12);
+}
+
 TEST(LooseLoad, IsPushedLikeARigidOneWithoutAGap) {
   LooseLoad load({.gap = 0.0, .friction = kLoadFriction, .contact_rad_per_s = kContact}, 0.0, 1.0);
   for (int i = 1; i < 700; ++i) {
