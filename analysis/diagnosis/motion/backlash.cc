@@ -42,7 +42,7 @@ const std::vector<double> kFineSteps{0.02, 0.03, 0.1, -0.05, 0.1};
 constexpr int kWider = 20;           // times the step to either side
 constexpr double kWiderStep = 0.01;  // in ln gap
 constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
-constexpr double kBegins[] = {-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0};
+constexpr int kBegins = 10;             // to either side of the middle
 constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
 
 // Deceleration by the nominal Coulomb friction of an axis that coasts.
@@ -123,19 +123,25 @@ std::vector<double> BestOf(StartSearch& search, const std::vector<double>& shape
   return best;
 }
 
+// Where in the gap the load begins moves the first knock alone, which is too sharp to be found downhill.
+std::vector<double> BestBegin(StartSearch& search, const std::vector<double>& shapes) {
+  std::vector<std::vector<double>> places;
+  for (int k = -kBegins; k <= kBegins; ++k) {
+    places.push_back(shapes);
+    places.back()[4] = static_cast<double>(k) / kBegins;
+  }
+  return BestOf(search, shapes, places);
+}
+
 // The best nearby. A gap that is crossed in the same time is wider with less friction: along that the ground
-// is too ragged to be walked. Where in the gap the load begins moves the first knock alone, which is too
-// sharp to be found downhill, too.
+// is too ragged to be walked.
 std::vector<double> Nearby(StartSearch& search, const std::vector<double>& shapes) {
   std::vector<std::vector<double>> places;
   for (const double friction : kFrictions) {
     for (int wider = -kWider; wider <= kWider; ++wider)
       places.push_back({shapes[0] + wider * kWiderStep, friction, shapes[2], shapes[3], shapes[4]});
   }
-  const std::vector<double> best = BestOf(search, shapes, places);
-  places.clear();
-  for (const double begin : kBegins) places.push_back({best[0], best[1], best[2], best[3], begin});
-  return BestOf(search, best, places);
+  return BestBegin(search, BestOf(search, shapes, places));
 }
 
 // Polished once more from a new simplex: on ragged ground the first one shrinks before its time. From the
@@ -145,7 +151,7 @@ std::vector<double> PolishedAgain(StartSearch& search, const std::vector<double>
   const std::vector<double> nearby = Nearby(search, polished);
   if (nearby == polished) return polished;
   std::vector<double> other = search.Polish(nearby, kFineSteps);
-  return search.Drop(other) > search.Drop(polished) ? other : polished;
+  return BestBegin(search, search.Drop(other) > search.Drop(polished) ? other : polished);
 }
 
 }  // namespace

@@ -163,7 +163,7 @@ std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const
     moved[k] += moved[k] + steps[k] <= term_.shapes[k].high ? steps[k] : -steps[k];
     corners.push_back(corner_at(std::move(moved)));
   }
-  for (std::size_t round = 0; round < 30 * n; ++round) {
+  for (std::size_t round = 0; round < 10 * n; ++round) {
     std::ranges::sort(corners, std::greater<>(), &Corner::drop);
     Corner& worst = corners.back();
     if (corners.front().drop - worst.drop <= kSettled * corners.front().drop) break;
