@@ -20,8 +20,9 @@ constexpr double kPairAhead = 8.0;     // of two causes, to take the place of on
 constexpr double kErrorBeside = 0.15;  // of the error allowed, for what comes on top of something found
 // Standard errors from zero: a rival need not be proven, only not be excluded.
 constexpr double kNotExcluded = 2.0;
-// Of BIC. The errors of one fit are too large next to another cause that can take its shape: where the
-// likelihood leaves no doubt, they are asked for less (Hauck & Donner, J. Am. Stat. Assoc. 72 (1977) 851).
+// Of BIC, or as much of a p-value that is corrected. The errors of one fit are too large next to another
+// cause that can take its shape: where the likelihood leaves no doubt, they are asked for less (Hauck &
+// Donner, J. Am. Stat. Assoc. 72 (1977) 851).
 constexpr double kNoDoubt = 20.0;
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
@@ -222,13 +223,12 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const bool local = std::ranges::any_of(
       with.fit.causes, [&](std::size_t other) { return judge.study().causes()[other].local; });
   result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, local);
-  if (!local && judge.HasFewBlocks() && !(result.evidence.heldout_gain > 0.0))
+  const bool no_doubt =
+      comparison.delta_bic > kNoDoubt || result.evidence.p_value < std::exp(-0.5 * kNoDoubt);
+  // A block that alone has the highest speeds is nothing that the others could foretell.
+  if (!local && (judge.HasFewBlocks() || no_doubt) && !(result.evidence.heldout_gain > 0.0))
     result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, true);
   const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kJudge);
-  // Of a cause whose p-value says all, that one.
-  const bool by_p_value = rule.least_bic.value_or(0.0) < 0.0;
-  const bool no_doubt =
-      comparison.delta_bic > kNoDoubt || (by_p_value && result.evidence.p_value < std::exp(-0.5 * kNoDoubt));
   result.objection =
       no_doubt ? judge.Objection(reported.fit, cause, kNotExcluded) : judge.Objection(reported.fit, cause);
   if (result.objection.empty() && !(result.evidence.heldout_gain > 0.0)) {

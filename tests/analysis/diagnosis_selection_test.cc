@@ -149,5 +149,17 @@ TEST(Selection, AsksLessOfTheSizeOfWhatChanceDoesNotMake) {
   EXPECT_EQ(FoundIn(std::move(model)), "bells ");
 }
 
+// One block holds nearly all that there is of it: without that the rest can but extrapolate.
+TEST(Selection, ForetellsWithinABlockWhatNoOtherBlockShows) {
+  constexpr std::size_t kOfBlock = 30;
+  const Shape shape = [](std::size_t i) {
+    return i / kOfBlock == 17 ? 1.0 : 0.004 * std::sin(0.7 * static_cast<double>(i));
+  };
+  SeparableModel model = NoiseAnd([&](std::size_t i) { return 0.25 * shape(i); });
+  model.block_length = kOfBlock;
+  Add(model, {.name = "drag"}, {shape});
+  EXPECT_EQ(FoundIn(std::move(model)), "drag ");
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

@@ -260,7 +260,9 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
        .where = Where::kUndecided,
        .effect = "E4",
        .parameters = {{gap_name, units.position(), 1.05 * low, 0.95 * high, true},
-                      {inertia_name, units.inertia(), 0.0, kUnlimited, true}},
+                      // How heavy the load is, and how it knocks, stand for each other: whether there is one
+                      // the likelihood says.
+                      {inertia_name, units.inertia(), 0.0, kUnlimited}},
        .degrees_of_freedom = 6,
        .trials = kPlaces,
        .misfit_share = kContactMisfit,
