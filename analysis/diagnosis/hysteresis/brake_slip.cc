@@ -13,6 +13,7 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr double kJumpSpread = 0.01;  // of the level
+constexpr double kLeastShare = 0.3;   // of the peak: where a brake may begin to slip
 
 // The ways in which a brake lets the input move, as the record's torque (beyond what it holds) drives it.
 enum SlipForm { kOneSpeed, kSpeedOfExcess, kEachTime, kOnlyFurther, kOneJump };
@@ -38,7 +39,9 @@ class BrakeSlip final : public FormedEffect {
                 "mark or a second encoder on the motor shaft; adjust or replace the brake)",
             .where = Where::kBench,
             .effect = "E17",
-            .parameters = {{"slip_torque_Nm", "Nm", 0.3 * peak_Nm_, peak_Nm_, false},
+            // A level at which a fit stops since its range begins there is within it, however its logarithm
+            // was rounded.
+            .parameters = {{"slip_torque_Nm", "Nm", 0.999 * kLeastShare * peak_Nm_, peak_Nm_, false},
                            {"slip_balance", "1", -1.0, 1.0, false}},
             .degrees_of_freedom = 2,
             .trials = 15.0,
@@ -51,7 +54,7 @@ class BrakeSlip final : public FormedEffect {
     rule.parameters.push_back({size_name_, "arcmin", 0.0, 3.0 * range_arcmin, true});
     numbers = {{0.0, 4.0, 0.0, true, false},
                {0.0, 100.0 * range_arcmin, 1e-6 * range_arcmin, false, true},
-               {std::log(0.3 * peak_Nm_), std::log(0.998 * peak_Nm_), 1e-4, false, false},
+               {std::log(kLeastShare * peak_Nm_), std::log(0.998 * peak_Nm_), 1e-4, false, false},
                {-1.0, 1.0, 1e-5, false, false},
                {0.0, 1.0, 0.0, true, false}};
   }
@@ -170,7 +173,7 @@ class BrakeSlip final : public FormedEffect {
         if (!(torque_Nm > furthest_Nm)) continue;
         const double level_Nm = std::max(furthest_Nm, torque_Nm / (1.0 + 0.5 * kJumpSpread));
         furthest_Nm = torque_Nm;
-        if (level_Nm < 0.3 * peak_Nm_ || level_Nm > 0.998 * peak_Nm_) continue;
+        if (level_Nm < kLeastShare * peak_Nm_ || level_Nm > 0.998 * peak_Nm_) continue;
         const double of_all = gain_of(0, i, count);
         const double of_next = gain_of(i - std::min(i, reach), i, std::min(i + reach, count));
         if (of_all > far.gain) far = {of_all, level_Nm};

@@ -16,6 +16,10 @@ constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of
 constexpr double kPartOfCell = 0.6;        // that tells two orders apart
 constexpr double kSlipRange = 2.5;         // standard errors
 constexpr double kLinePartOfCell = 0.3;    // that tells a strong line's place
+// Of what stands at the harmonics beside a line: −ln p that nobody takes for noise, and beyond the part of
+// the line's power that a ring lets through there.
+constexpr double kPlainlyHeard = 10.0;
+constexpr double kPartBesideLine = 0.01;
 
 // Orders that other things have: a multiple of the half turn, as looseness and misalignment make them, and
 // one of a crack's. The nearest of each.
@@ -39,11 +43,17 @@ Heard HeardOf(const VibrationRemainder& remainder, const VibrationTerm& ring) {
 }
 
 // One harmonic alone, at a whole order: any order that divides it may be meant, and teeth make such lines.
+// But they have none at the harmonics beside it, which stand at no whole orders: a ring that is narrow lets
+// little of these through, and where the impulses are loud enough they are seen all the same.
 bool IsALineOfTeeth(const VibrationRemainder& remainder, const Heard& heard, double order) {
   const double loudest = std::max(1.0, std::round(heard.centre));
   if (std::abs(heard.centre - loudest) + heard.reach() >= 1.0) return false;
+  const VibrationSpectrum& spectrum = remainder.over_turns();
   const double line = loudest * order;
-  return std::abs(line - std::round(line)) < kLinePartOfCell * remainder.over_turns().cell();
+  if (std::abs(line - std::round(line)) >= kLinePartOfCell * spectrum.cell()) return false;
+  const double beside = spectrum.At(line - order) + spectrum.At(line + order);
+  const double cells = 2.0 * static_cast<double>(spectrum.channels());
+  return ExcessOf(beside - kPartBesideLine * spectrum.At(line), cells) < kPlainlyHeard;
 }
 
 // How many harmonics of its order say where it is. Lines that are as near to each other as sidebands of whole

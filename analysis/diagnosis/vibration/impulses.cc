@@ -101,11 +101,11 @@ double VarianceAbout(const VibrationRemainder& remainder, const TermFit& ring) {
 }
 
 // −ln p of what a train explains, by its numbers. BIC charges all of them by the length of the record, and
-// would rather have a train without its change, or another one, than what is least likely to be chance.
+// would rather have a train without its change, or another one, than what is least likely to be chance. The
+// likelihood knows the noise's colour all over a broad ring, not only at its centre.
 double UnlikelinessOf(const VibrationRemainder& remainder, const TermFit& fit) {
-  const VibrationSolution& base = remainder.base();
-  const double explained = (base.square_sum - fit.square_sum) / VarianceAbout(remainder, fit);
-  return ExcessOf(0.5 * explained, 0.5 * (fit.free_parameters - base.free_parameters));
+  const double numbers = static_cast<double>(fit.free_parameters - remainder.base().free_parameters);
+  return ImprobabilityOf(remainder.RatioOf(fit), numbers);
 }
 
 bool IsTooDeep(const VibrationTerm& ring) {
@@ -120,6 +120,14 @@ void KeepUnlikelier(const VibrationRemainder& remainder, TermFit fit, Best& best
   if (!best || UnlikelinessOf(remainder, fit) > UnlikelinessOf(remainder, *best)) best = std::move(fit);
 }
 
+// The same train with impulses that come so many periods of its ring later.
+VibrationTerm Later(const VibrationRemainder& remainder, VibrationTerm ring, double periods) {
+  for (std::size_t r = 3 + 2 * ring.lines.size(); r < ring.shapes.size(); ++r)
+    ring.shapes[r] += periods * ring.shapes[0] * TurnHz(remainder) / ring.shapes[1];
+  return ring;
+}
+
+// The steps of a look's ring and damping leave open in which half period of the ring the impulses begin.
 TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Look& look) {
   const VibrationSamples& samples = remainder.samples();
   VibrationTerm term;
@@ -138,7 +146,10 @@ TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Lo
                                              remainder.solver().weights(), remainder.base().variance())
                                       .phase);
   }
-  return remainder.With(std::move(term), 0);
+  Best best;
+  for (const double periods : {0.0, -1.0, -0.5, 0.5, 1.0})
+    KeepUnlikelier(remainder, remainder.With(Later(remainder, term, periods), 0), best);
+  return best ? std::move(*best) : remainder.With(std::move(term), 0);
 }
 
 // A train that lets one of its harmonics ring is a line with too many numbers.
@@ -168,15 +179,9 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, dou
 void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
              Best& best) {
   Best own = remainder.Refine(std::move(look), 12);
-  const std::size_t first_phase = 3 + 2 * own->term.lines.size();
   Best beside;
-  for (const double periods : {-1.0, -0.5, 0.5, 1.0}) {
-    VibrationTerm moved = own->term;
-    for (std::size_t r = first_phase; r < moved.shapes.size(); ++r) {
-      moved.shapes[r] += periods * moved.shapes[0] * TurnHz(remainder) / moved.shapes[1];
-    }
-    Keep(remainder.With(std::move(moved), 2), beside);
-  }
+  for (const double periods : {-1.0, -0.5, 0.5, 1.0})
+    Keep(remainder.With(Later(remainder, own->term, periods), 2), beside);
   Keep(remainder.Refine(std::move(*beside), 4), own);
   VibrationTerm simple = own->term;
   KeepUnlikelier(remainder, std::move(*own), best);
