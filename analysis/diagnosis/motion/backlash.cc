@@ -150,8 +150,7 @@ std::vector<double> PolishedAgain(StartSearch& search, const std::vector<double>
   std::vector<double> polished = search.Polish(shapes, kFineSteps);
   const std::vector<double> nearby = Nearby(search, polished);
   if (nearby == polished) return polished;
-  std::vector<double> other = search.Polish(nearby, kFineSteps);
-  return BestBegin(search, search.Drop(other) > search.Drop(polished) ? other : polished);
+  return BestBegin(search, BestOf(search, polished, {search.Polish(nearby, kFineSteps)}));
 }
 
 }  // namespace

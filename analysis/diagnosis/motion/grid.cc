@@ -91,6 +91,8 @@ void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, con
 void WidenRowsAroundJolts(double inertia, MotionGrid& grid) {
   grid.wide.assign(grid.time_s.size(), false);
   if (grid.path_sigma_s < kMuchSmoother * grid.sigma_s) return;
+  for (MotionGrid::Stretch& stretch : grid.stretches)
+    stretch.wide_low_pass = MakeKernel(kWider * grid.path_sigma_s, stretch.step_s, 0);
   const double left = kFoldedBack * std::sqrt(grid.sigma_s / grid.path_sigma_s);
   for (std::size_t i = 0; i < grid.wide.size(); ++i) {
     if (std::abs(inertia) * grid.acceleration_error[i] < kShows * grid.noise_floor) continue;
@@ -274,7 +276,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
     stretch.first = grid.time_s.size();
     stretch.step_s = raw.step_s * static_cast<double>(layout.stride);
     stretch.low_pass = bandwidth.passes_all ? PassAll() : MakeKernel(bandwidth.sigma_s, stretch.step_s, 0);
-    stretch.wide_low_pass = MakeKernel(kWider * bandwidth.path_sigma_s, stretch.step_s, 0);
+    stretch.wide_low_pass = stretch.low_pass;
     AddPoints(raw, bandwidth, layout, grid);
     stretch.count = grid.time_s.size() - stretch.first;
     grid.stretches.push_back(std::move(stretch));

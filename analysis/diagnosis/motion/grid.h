@@ -35,7 +35,7 @@ struct MotionGrid {
     std::size_t count{};
     double step_s{};
     KernelTaps low_pass;
-    KernelTaps wide_low_pass;  // around jolts
+    KernelTaps wide_low_pass;  // around jolts; the same where no row needs a wider one
   };
   std::vector<Stretch> stretches;
   bool linear{};

@@ -144,7 +144,8 @@ double StartSearch::Drop(std::span<const double> shapes) {
 }
 
 std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const std::vector<double>& steps) {
-  constexpr double kSettled = 5e-3;  // of the drop, between the best corner and the worst
+  constexpr double kSettled = 5e-3;        // of the drop, between the best corner and the worst
+  constexpr std::size_t kRoundsEach = 10;  // for each shape, at most: on ragged ground it never settles
   const std::size_t n = shapes.size();
   struct Corner {
     double drop{};
@@ -163,7 +164,7 @@ std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const
     moved[k] += moved[k] + steps[k] <= term_.shapes[k].high ? steps[k] : -steps[k];
     corners.push_back(corner_at(std::move(moved)));
   }
-  for (std::size_t round = 0; round < 10 * n; ++round) {
+  for (std::size_t round = 0; round < kRoundsEach * n; ++round) {
     std::ranges::sort(corners, std::greater<>(), &Corner::drop);
     Corner& worst = corners.back();
     if (corners.front().drop - worst.drop <= kSettled * corners.front().drop) break;
