@@ -193,6 +193,12 @@ class ThermalDrift final : public FormedEffect {
     return FormedEffect::IsHeld(v, k) || (k == 3 && std::lround(v[0]) != kSwing);
   }
 
+  // What warms up follows the temperature, where that was recorded: a drift that does not is likelier to be
+  // something else.
+  double LogPlaces(std::span<const double> v) const override {
+    return has_temperature_ && std::lround(v[0]) != kOfTemperature ? std::log(kLessLikely) : 0.0;
+  }
+
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {
     std::vector<ParameterValue> described = FormedEffect::Describe(v, covariance);
@@ -237,6 +243,7 @@ class ThermalDrift final : public FormedEffect {
  private:
   // A period of 0.7 to 14 records, in the range in which a time constant is looked for.
   static constexpr double kPeriodPerShape = 7.0;
+  static constexpr double kLessLikely = 10.0;
   // With fewer loops each torque comes by too seldom: a swing would stand in for any shape of the loop.
   static constexpr double kFewestPasses = 4.0;
 

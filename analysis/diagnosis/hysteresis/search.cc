@@ -42,6 +42,7 @@ struct RankedStart {
   Eigen::VectorXd numbers;
   double gain{};      // drop of the sum of squares, to first order
   double promised{};  // likelihood ratio that this would be
+  double merit{};     // that, less what the form costs
 };
 
 // Puts the amounts where they bring most, to first order, and says how much.
@@ -67,6 +68,7 @@ RankedStart RankStart(const LoopModel& model, std::size_t effect, const LoopGrid
   }
   ranked.gain = 2.0 * sizes.dot(drive) - sizes.dot(normal * sizes);
   ranked.promised = static_cast<double>(grid.size()) * ranked.gain / std::max(residual.squaredNorm(), 1e-300);
+  ranked.merit = ranked.promised - 2.0 * model.effects()[effect]->LogPlaces(model.Of(effect, ranked.numbers));
   return ranked;
 }
 
@@ -99,7 +101,7 @@ class Surroundings {
           RankStart(model, effect, grid, std::move(start), followed_, weighted, roots_, gear_rad_));
     }
     std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const RankedStart& a, const RankedStart& b) { return a.gain > b.gain; });
+                     [](const RankedStart& a, const RankedStart& b) { return a.merit > b.merit; });
     return ranked;
   }
 
@@ -111,10 +113,15 @@ class Surroundings {
   Eigen::VectorXd gear_rad_;
 };
 
-// n ln(cost) + k ln(n): what a better fit has to pay for further numbers.
+// n ln(cost) + k ln(n) + 2 ln(places): what a better fit has to pay for further numbers, or for a form that
+// is less likely.
 double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSolution& solution) {
   const auto n = static_cast<double>(grid.size());
-  return n * std::log(std::max(solution.cost, 1e-300)) + model.FreeParameters(solution.numbers) * std::log(n);
+  double log_places = 0.0;
+  for (std::size_t e = 0; e < model.effects().size(); ++e)
+    log_places += model.effects()[e]->LogPlaces(model.Of(e, solution.numbers));
+  return n * std::log(std::max(solution.cost, 1e-300)) +
+         model.FreeParameters(solution.numbers) * std::log(n) + 2.0 * log_places;
 }
 
 // Fits the most promising start of each form, up to a few of them.
@@ -132,7 +139,7 @@ void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std
     if (has_forms) {
       if (std::ranges::find(forms, form) != forms.end()) continue;
       forms.push_back(form);
-      if (last_gain && *last_gain - start.gain <= kTheSame * *last_gain) continue;
+      if (last_gain && std::abs(*last_gain - start.gain) <= kTheSame * *last_gain) continue;
       last_gain = start.gain;
     }
     LoopSolution solution = SolveLoop(model, grid, start.numbers,
