@@ -174,8 +174,8 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, dou
   return ExcessOf(0.5 * (beyond + numbers - more), 0.5 * numbers) < part * kBeyondLine;
 }
 
-// Refines a first look, half a period of the ring and a whole one to both sides; without its modulation, or
-// with each.
+// Refines a first look, half a period of the ring and a whole one to both sides; without a modulation and with
+// each: the look's may be the wrong one.
 void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
              Best& best) {
   Best own = remainder.Refine(std::move(look), 12);
@@ -183,17 +183,17 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
   for (const double periods : {-1.0, -0.5, 0.5, 1.0})
     Keep(remainder.With(Later(remainder, own->term, periods), 2), beside);
   Keep(remainder.Refine(std::move(*beside), 4), own);
-  VibrationTerm simple = own->term;
+  VibrationTerm even = own->term;
+  const double change = even.lines.empty() ? 0.0 : even.lines[0].offset;
   KeepUnlikelier(remainder, std::move(*own), best);
-  if (!simple.lines.empty()) {
-    simple.lines.clear();
-    simple.shapes.erase(simple.shapes.begin() + 3, simple.shapes.begin() + 5);
-    KeepUnlikelier(remainder, remainder.With(std::move(simple), 6), best);
-    return;
+  if (change > 0.0) {
+    even.lines.clear();
+    even.shapes.erase(even.shapes.begin() + 3, even.shapes.begin() + 5);
+    KeepUnlikelier(remainder, remainder.With(even, 6), best);
   }
   for (const double modulation : modulations) {
-    if (modulation > kLargestSideband * simple.shapes[0]) continue;
-    VibrationTerm term = simple;
+    if (modulation == change || modulation > kLargestSideband * even.shapes[0]) continue;
+    VibrationTerm term = even;
     term.lines = {{0.0, modulation}};
     // A channel that the even impulses did not pay for may pay now.
     term.heard.assign(term.heard.size(), 1);
