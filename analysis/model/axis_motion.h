@@ -44,37 +44,42 @@ class LooseLoad {
     const int steps = std::max(1, static_cast<int>(std::ceil(step_s * contact_rad_per_s_ / kFine)));
     const double share = 1.0 / steps;
     const double h = step_s * share;
-    const double way_speed = 6.0 * (near - near_) / step_s;
-    double push = 0.0;
+    // Cubic between the ends, by position and speed: near + u (first + u (second + u third)).
+    const double way = near - near_;
+    const double first = step_s * near_speed_;
+    const double second = 3.0 * way - step_s * (2.0 * near_speed_ + near_speed);
+    const double third = step_s * (near_speed_ + near_speed) - 2.0 * way;
+    // All in ways over one short step: what waits for the step before is then a sum or two.
+    const double stiffness = h * h * stiffness_;
+    const double drag = h * drag_;
+    const double friction = h * h * friction_;
+    double load_way = h * speed_;
+    double kick = 0.0;  // of the push
     for (int k = 1; k <= steps; ++k) {
-      // Cubic between the ends, by position and speed.
       const double u = static_cast<double>(k) * share;
-      const double v = 1.0 - u;
-      const double at = v * v * ((1.0 + 2.0 * u) * near_ + u * step_s * near_speed_) +
-                        u * u * ((1.0 + 2.0 * v) * near - v * step_s * near_speed);
-      const double at_speed =
-          u * v * way_speed + v * (v - 2.0 * u) * near_speed_ + u * (u - 2.0 * v) * near_speed;
+      const double at = near_ + u * (first + u * (second + u * third));
+      const double at_way = share * (first + u * (2.0 * second + 3.0 * u * third));
       // Places at a step's ends, speeds between them (leapfrog): else the contact gives the load back some of
       // what its damping takes.
-      place_ += h * speed_;
-      push = PushBy(at - place_, at_speed - speed_);
+      place_ += load_way;
+      const double dragged = drag * (at_way - load_way);
+      kick = 0.0;
+      if (const double pressed = (at - half_) - place_; pressed > 0.0)
+        kick = std::max(stiffness * pressed + dragged, 0.0);
+      else if (const double pulled = (at + half_) - place_; pulled < 0.0)
+        kick = std::min(stiffness * pulled + dragged, 0.0);
       // Friction stops, it does not turn round.
-      const double free = speed_ + h * push;
-      speed_ = free - std::clamp(free, -h * friction_, h * friction_);
+      const double free = load_way + kick;
+      load_way = free > friction ? free - friction : free < -friction ? free + friction : 0.0;
     }
+    speed_ = load_way / h;
     near_ = near;
     near_speed_ = near_speed;
-    return push;
+    return kick / (h * h);
   }
 
  private:
   static constexpr double kFine = 0.5;  // of a step, in radians of the contact's own swing
-
-  double PushBy(double lead, double closing) const noexcept {
-    if (lead > half_) return std::max(stiffness_ * (lead - half_) + drag_ * closing, 0.0);
-    if (lead < -half_) return std::min(stiffness_ * (lead + half_) + drag_ * closing, 0.0);
-    return 0.0;
-  }
 
   double half_, friction_, contact_rad_per_s_, stiffness_, drag_;
   double near_, near_speed_;
