@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "analysis/diagnosis/known_before.h"
@@ -32,17 +33,22 @@ std::vector<SeparableSolution> SearchShapes(const SeparableModel& model, const T
   for (std::size_t i = 0; i < residual.size(); ++i)
     residual[i] -= before.predicted(static_cast<Eigen::Index>(i));
   const SeparableProblem problem(set, model.measured, weights);
-  std::vector<SeparableSolution> found;
-  std::vector<std::vector<double>> starts = set.terms.back()->starts({residual, weights});
-  starts.resize(std::min(starts.size(), set.terms.back()->most_starts));
-  for (std::vector<double>& start : starts) {
+  const SeparableTerm& searched = *set.terms.back();
+  const auto from = [&](const std::vector<double>& start) {
     std::vector<std::vector<double>> joined = before.shapes;
-    joined.push_back(std::move(start));
-    found.push_back(problem.Refine(problem.Solve(std::move(joined)), kSearchRounds));
-  }
+    joined.push_back(start);
+    return problem.Solve(std::move(joined));
+  };
+  const std::vector<std::vector<double>> starts = searched.starts({residual, weights});
+  std::vector<SeparableSolution> found;
+  for (std::size_t k = 0; k < std::min(searched.most_starts, starts.size()); ++k)
+    found.push_back(problem.Refine(from(starts[k]), kSearchRounds));
   std::ranges::stable_sort(found, {}, [&](const SeparableSolution& solution) {
     return std::pair(!IsAsExpected(set, rule, solution), solution.weighted_square_sum);
   });
+  const auto where_it_pays = [](const ShapeRange& range) { return range.moved == Moved::kWhereItPays; };
+  if (!found.empty() && std::ranges::any_of(searched.shapes, where_it_pays))
+    std::ranges::transform(starts, std::back_inserter(found), from);
   return found;
 }
 
@@ -82,14 +88,13 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
   TermSet all = set;
   all.it_pays = true;
   if (all.moved_shapes() == set.moved_shapes()) return false;
-  std::vector<std::vector<double>> shapes = solution.shapes;
-  for (std::size_t t = 0; t < known.size(); ++t) {
-    for (std::size_t s = 0; s < known[t].size(); ++s) {
-      if (set.terms[t]->shapes[s].moved == Moved::kWhereItPays) shapes[t][s] = known[t][s];
-    }
-  }
   const SeparableProblem problem(all, model.measured, weights);
-  SeparableSolution moved = problem.Refine(problem.Solve(std::move(shapes)), kFinalRounds);
+  SeparableSolution moved = problem.Refine(problem.Solve(solution.shapes), kFinalRounds);
+  // Without such shapes the others have left the place where these pay.
+  std::vector<std::vector<double>> before = solution.shapes;
+  std::ranges::copy(known, before.begin());
+  SeparableSolution again = problem.Refine(problem.Solve(std::move(before)), kFinalRounds);
+  if (again.weighted_square_sum < moved.weighted_square_sum) moved = std::move(again);
   const auto samples = static_cast<double>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
   const double uncharged = UnchargedShapes(all, moved, weights) - UnchargedShapes(set, solution, weights);
   const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;

@@ -12,7 +12,9 @@ constexpr int kSearchRounds = 6;  // for each start of a new cause
 constexpr int kFinalRounds = 12;
 
 /// Solutions with the last term of the set, whose shapes `before` does not have yet, one of each start and
-/// the best one first; before all others those whose numbers are as the rule expects them.
+/// the best one first; before all others those whose numbers are as the rule expects them. Behind them, where
+/// there are shapes that are moved only where it pays, the starts themselves: without those shapes a search
+/// leaves the place where they pay.
 /// @return none if the record gives no place to start from
 std::vector<SeparableSolution> SearchShapes(const SeparableModel& model, const TermSet& set,
                                             const CauseRule& rule, std::span<const double> weights,

@@ -107,5 +107,29 @@ TEST(MotionFriction, OfASingleFastMoveIsNotHeldOutAtOnce) {
   EXPECT_LE(3 * study->BlockLength(), study->measured().size() / once_fast.speeds_rad_per_s.size());
 }
 
+// An axis that turns fast: what friction does at low speed is over within two samples of a reversal.
+TEST(MotionFriction, OfLowSpeedShowsWhereAnAxisTurnsFast) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    MotionData record;
+    for (int i = 0; i < 3500; ++i) {
+      const double time_s = i / 200.0;
+      double position = 0.0, speed = 0.0, acceleration = 0.0;
+      for (const auto& [size, rad_per_s] : {std::pair{2.2, 11.6}, std::pair{1.1, 4.3}, std::pair{0.8, 2.3}}) {
+        position += size * std::sin(rad_per_s * time_s);
+        speed += size * rad_per_s * std::cos(rad_per_s * time_s);
+        acceleration -= size * rad_per_s * rad_per_s * std::sin(rad_per_s * time_s);
+      }
+      record.time_s.push_back(time_s);
+      record.position.push_back(position + 2e-7 * normal(random));
+      record.torque.push_back(0.5 * acceleration + 2.6 * speed +
+                              std::tanh(speed / 0.01) * (42.0 + 6.0 * std::exp(-std::abs(speed / 1.3))) +
+                              3.2 * normal(random));
+    }
+    EXPECT_EQ(Ask(record).names(), Names{"stribeck_friction"}) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <functional>
@@ -32,6 +33,9 @@ constexpr std::size_t kFirstSwing = 2;  // of the shapes
 constexpr std::ptrdiff_t kFirstSwingValue = 5;
 constexpr double kUnlimited = std::numeric_limits<double>::max();
 
+// Damping ratios of which a search starts, and their spacing in ln frequency.
+constexpr std::array kDampings{std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std::pair{0.3, 0.25}};
+
 double DurationOf(const MotionGrid& grid) {
   double duration_s = 0.0;
   for (const MotionGrid::Stretch& stretch : grid.stretches) {
@@ -55,6 +59,35 @@ std::vector<std::size_t> Beginnings(const MotionGrid& grid) {
 
 std::string OfBeginning(std::string_view name, std::size_t number) {
   return number == 0 ? std::string(name) : fmt::format("{}_{}", name, number + 1);
+}
+
+// What swings of one frequency that begin with the stretches, in whatever phase, take from the remainder's
+// weighted sum of squares, about.
+double FreeSwingDrop(const MotionGrid& grid, const Remainder& remainder,
+                     std::span<const std::size_t> beginnings, double natural, double damping) {
+  const std::complex<double> exponent = natural * std::complex<double>(-damping, 1.0);
+  const std::complex<double> usual_turn = std::exp(exponent * grid.row_spacing_s);
+  double drop = 0.0;
+  for (std::size_t b = 0; b < beginnings.size(); ++b) {
+    const auto rows = std::ranges::equal_range(grid.stretch_of_row, beginnings[b]);
+    const double start_s = grid.time_s[grid.stretches[beginnings[b]].first];
+    std::complex<double> swing = 1.0;
+    std::complex<double> along = 0.0;
+    double squares = 0.0;
+    double before_s = start_s;
+    for (auto it = rows.begin(); it != rows.end(); ++it) {
+      const auto row = static_cast<std::size_t>(it - grid.stretch_of_row.begin());
+      const double step_s = grid.RowTime_s(row) - before_s;
+      before_s += step_s;
+      swing *= std::abs(step_s - grid.row_spacing_s) < 1e-9 * grid.row_spacing_s
+                   ? usual_turn
+                   : std::exp(exponent * step_s);
+      along += remainder.weights[row] * remainder.residual[row] * swing;
+      squares += remainder.weights[row] * std::norm(swing);
+    }
+    if (squares > 0.0) drop += 2.0 * std::norm(along) / squares;
+  }
+  return drop;
 }
 
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
@@ -103,18 +136,18 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   term.shapes.resize(shapes, {-kMostSwing, kMostSwing, 0.1, true, Moved::kWhereItPays});
 
   std::vector<std::vector<double>> tried;  // ln frequency in Hz, ln damping ratio
-  for (const auto& [damping, spacing] :
-       {std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std::pair{0.3, 0.25}}) {
+  for (const auto& [damping, spacing] : kDampings) {
     for (double log_Hz = std::log(low_Hz) + spacing; log_Hz < std::log(high_Hz); log_Hz += spacing) {
       tried.emplace_back(shapes, 0.0);
       tried.back()[0] = log_Hz;
       tried.back()[1] = std::log(damping);
     }
   }
+  term.most_starts = kDampings.size();
   const double reference = std::max(grid->prefit(0), 1e-300);
   const auto map = std::make_shared<ShapeMap>(*grid, std::move(tried));
   FillMaps(term, grid->rows(), {map.get()});
-  term.starts = [map, reference](const Remainder& remainder) {
+  term.starts = [grid, beginnings, map, reference](const Remainder& remainder) {
     std::vector<std::vector<double>> starts;
     Eigen::VectorXf left = map->Roots(remainder);
     // Far above the motion a swing of any inertia looks alike, up to what no axis carries.
@@ -129,6 +162,18 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
         if (other[1] == starts.back()[1] || std::abs(other[0] - starts.back()[0]) < kApart) left(k) = 0.0F;
       }
     }
+    // What a stretch begins with may be most of the swing, and in any phase to what the motion drives.
+    if (starts.empty()) return starts;
+    std::vector<double> free = starts.front();
+    double most = 0.0;
+    for (const std::vector<double>& sharp : map->shapes()) {
+      if (sharp[1] != map->shapes().front()[1]) break;
+      const double drop =
+          FreeSwingDrop(*grid, remainder, beginnings, kTwoPi * std::exp(sharp[0]), std::exp(sharp[1]));
+      if (drop > most) free = sharp;
+      most = std::max(most, drop);
+    }
+    starts.push_back(std::move(free));
     return starts;
   };
   const std::string inertia = units.linear ? "second_mass_kg" : "second_inertia_kgm2";

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -199,6 +200,14 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
   }
   for (double& variance : variances) variance = std::sqrt(variance);
   return variances;
+}
+
+std::vector<double> LastBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                             std::span<const PointLayout> layouts, const MotionGrid& grid) {
+  std::vector<double> sizes =
+      MeasureBand(samples, bandwidth, layouts, grid, bandwidth.path_sigma_s).mean_squares;
+  for (double& size : sizes) size = size > 0.0 ? std::sqrt(size) : std::numeric_limits<double>::infinity();
+  return sizes;
 }
 
 }  // namespace strainwave::analysis::diagnosis

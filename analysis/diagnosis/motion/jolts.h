@@ -29,4 +29,9 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
 std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                                      std::span<const PointLayout> layouts, MotionGrid& grid);
 
+/// Size of the acceleration around each point in the last half octave that the smoothing of the path leaves:
+/// its noise, and more where the acceleration jumps. Infinite next to a stretch's ends, where nobody knows.
+std::vector<double> LastBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                             std::span<const PointLayout> layouts, const MotionGrid& grid);
+
 }  // namespace strainwave::analysis::diagnosis

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/diagnosis/motion/jolts.h"
+
 namespace strainwave::analysis::diagnosis {
 namespace {
 
@@ -16,6 +18,10 @@ constexpr double kNoiseBand = 6.0;       // of the position's noise, in which it
 constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
 constexpr double kBlurredReversal = 0.015;
+// Of the 95 % quantile of the speed, in which friction may turn to its other sign.
+constexpr double kPassage = 5e-4;
+// Part of the acceleration that shows in the last band where an axis sticks for as long as that.
+constexpr double kShowsWhereItSticks = 0.0015;
 // A kink of the velocity between two samples is known to Bernoulli's B₂/2 of a step² in the velocity's sum,
 // to B₃/6 of a step³ in the position's (Euler and Maclaurin), of which the low-pass makes 2/σ a derivative.
 // An axis that sticks has two.
@@ -132,9 +138,12 @@ double FoldedKink_s(const MotionBandwidth& bandwidth, double step_s) {
 }
 
 // At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
-std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBandwidth& bandwidth,
-                                   double expected_delay_s, const MotionGrid& grid) {
+std::vector<double> ReversalErrors(const MotionSamples& samples, std::span<const PointLayout> layouts,
+                                   const MotionBandwidth& bandwidth, double expected_delay_s,
+                                   const MotionGrid& grid) {
   std::vector<double> errors(grid.velocity.size(), 0.0);
+  const double passage = kPassage * QuantileOfMagnitude(grid.velocity, 0.95);
+  const std::vector<double> last_band = LastBand(samples, bandwidth, layouts, grid);
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const double folded_s = FoldedKink_s(bandwidth, samples.stretches[s].step_s);
@@ -149,17 +158,20 @@ std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBan
       if (grid.velocity[i - 1] * grid.velocity[i] > 0.0 || static_cast<double>(i) < told) continue;
       const std::size_t from = i > stretch.first + half ? i - half : stretch.first;
       const std::size_t to = std::min(i + half, end - 1);
-      const double change = std::abs(grid.velocity[to] - grid.velocity[from]);
-      const double blurred =
-          kBlurredReversal * change * grid.path_sigma_s / (static_cast<double>(to - from) * stretch.step_s);
-      const Spell spell = SlowSpell(grid, stretch, i, grid.velocity_noise + blurred);
+      const double acceleration = std::abs(grid.velocity[to] - grid.velocity[from]) /
+                                  (static_cast<double>(to - from) * stretch.step_s);
+      const double blurred_s = kBlurredReversal * grid.path_sigma_s;
+      // Of an axis that turns smoothly there is no kink, and friction turns round within a passage.
+      const double share = std::clamp(
+          std::max(last_band[i] / kShowsWhereItSticks, passage / blurred_s) / std::max(acceleration, 1e-300),
+          0.0, 1.0);
+      const Spell spell = SlowSpell(grid, stretch, i, grid.velocity_noise + share * blurred_s * acceleration);
       told = spell.end;
       const double middle = 0.5 * (spell.begin + spell.end);
       // Between which samples a resampled torque jumped is known, not where.
-      const double uncertain_s =
-          std::hypot(std::max(grid.reversal_error_s, folded_s),
-                     std::max(kAlikeEachTime * 0.5 * (spell.end - spell.begin) * stretch.step_s,
-                              kBlurredReversal * grid.path_sigma_s));
+      const double uncertain_s = std::hypot(
+          std::max(grid.reversal_error_s, share * folded_s),
+          std::max(kAlikeEachTime * 0.5 * (spell.end - spell.begin) * stretch.step_s, share * blurred_s));
       const auto reach =
           std::max(narrow.size(), wide.size()) +
           static_cast<std::size_t>((uncertain_s + std::abs(expected_delay_s)) / stretch.step_s) + 1;
@@ -194,7 +206,7 @@ double ToleratedError(double noise, const std::vector<double>& errors) {
 void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
                       const MotionBandwidth& bandwidth, double expected_delay_s, MotionGrid& grid) {
   const std::vector<double> rests = RestsOf(samples, layouts, grid);
-  const std::vector<double> errors = ReversalErrors(samples, bandwidth, expected_delay_s, grid);
+  const std::vector<double> errors = ReversalErrors(samples, layouts, bandwidth, expected_delay_s, grid);
   const double tolerated = ToleratedError(grid.noise_floor, errors);
   // At rest friction is anything between its two values.
   const double most_at_rest =
