@@ -49,27 +49,31 @@ class LooseLoad {
     const double first = step_s * near_speed_;
     const double second = 3.0 * way - step_s * (2.0 * near_speed_ + near_speed);
     const double third = step_s * (near_speed_ + near_speed) - 2.0 * way;
-    // All in ways over one short step: what waits for the step before is then a sum or two.
+    // All in ways over one short step: what waits for the step before is then a product, two sums and a
+    // choice.
     const double stiffness = h * h * stiffness_;
     const double drag = h * drag_;
     const double friction = h * h * friction_;
+    const double kept = 1.0 - stiffness - drag;  // of the load's way, by a contact
+    const double edge = stiffness * half_;
     double load_way = h * speed_;
     double kick = 0.0;  // of the push
     for (int k = 1; k <= steps; ++k) {
       const double u = static_cast<double>(k) * share;
       const double at = near_ + u * (first + u * (second + u * third));
       const double at_way = share * (first + u * (2.0 * second + 3.0 * u * third));
-      // Places at a step's ends, speeds between them (leapfrog): else the contact gives the load back some of
+      // Places at a step's ends, ways between them (leapfrog): else the contact gives the load back some of
       // what its damping takes.
+      const double led = stiffness * (at - place_) + drag * at_way;
       place_ += load_way;
-      const double dragged = drag * (at_way - load_way);
-      kick = 0.0;
-      if (const double pressed = (at - half_) - place_; pressed > 0.0)
-        kick = std::max(stiffness * pressed + dragged, 0.0);
-      else if (const double pulled = (at + half_) - place_; pulled < 0.0)
-        kick = std::min(stiffness * pulled + dragged, 0.0);
+      const double lead = at - place_;
+      double free = load_way;
+      if (lead > half_)
+        free = std::max(led - edge + kept * load_way, load_way);
+      else if (lead < -half_)
+        free = std::min(led + edge + kept * load_way, load_way);
+      kick = free - load_way;
       // Friction stops, it does not turn round.
-      const double free = load_way + kick;
       load_way = free > friction ? free - friction : free < -friction ? free + friction : 0.0;
     }
     speed_ = load_way / h;
