@@ -92,6 +92,7 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   if (more > 0.0) more = std::max(1.0, richer.fit.charged_parameters() - poorer.fit.charged_parameters());
   comparison.more_parameters = more;
   comparison.log_places = richer.fit.log_places - poorer.fit.log_places;
+  comparison.more_placed = std::max(0, richer.fit.placed_parameters - poorer.fit.placed_parameters);
   comparison.likelihood_ratio = LikelihoodRatio(richer.noise, poorer.noise);
   comparison.delta_bic = comparison.likelihood_ratio - more * std::log(samples_);
   comparison.likelihood_ratio = std::max(0.0, comparison.likelihood_ratio);
@@ -107,7 +108,8 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
 
 double Judge::Score(const Comparison& comparison, const CauseRule& rule) const {
   const double more = comparison.more_parameters;
-  const double places = std::min<double>(rule.places, std::max<double>(more, rule.degrees_of_freedom));
+  const double places =
+      std::min<double>(rule.places + comparison.more_placed, std::max<double>(more, rule.degrees_of_freedom));
   // Places that the search chooses and the fit leaves alone are none of its numbers, but cost as much.
   const double left_alone = std::max(0.0, rule.degrees_of_freedom - more);
   const double amounts = more - std::max(0.0, places - left_alone);

@@ -43,8 +43,8 @@ double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer) {
 double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
 
 double LeadAsked(double explained, const Comparison& description, const Comparison& cause) {
-  const bool simpler =
-      cause.more_parameters >= kManyNumbers && 2.0 * description.more_parameters <= cause.more_parameters;
+  const double amounts = cause.more_parameters - cause.more_placed;
+  const bool simpler = amounts >= kManyNumbers && 2.0 * description.more_parameters <= amounts;
   return LeadAsked(simpler ? 0.0 : explained);
 }
 

@@ -28,6 +28,7 @@ struct Comparison {
   double log_places{};       // of the places searched, over those that the richer model's rules count
   double p_value{1.0};       // of so many looks more, not yet corrected by the rule's
   double more_parameters{};  // as they are charged for
+  double more_placed{};      // of these, those that `log_places` charges for
 };
 
 /// Whether what the richer model has more is no play of chance: by the p-value, corrected for all that was

@@ -100,6 +100,8 @@ struct ModelFit {
   /// Logarithm of how many places the fit chose from over those that the rules of its causes count: of each
   /// further one of several knocks, its time; below 0 for a window that is wider than the narrowest.
   double log_places{};
+  /// Of the free parameters, those that say where such a place is: `log_places` charges for them.
+  int placed_parameters{};
   std::vector<double> state;  // the fit's own numbers, to start the next one from; its layout is the study's
   bool usable{};              // false: no solution inside the hard bounds; everything else is then void
 

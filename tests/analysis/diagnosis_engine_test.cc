@@ -182,6 +182,22 @@ TEST(Judge, ChargesPlacesThatNoFitMoves) {
   EXPECT_NEAR(judge.Score({.likelihood_ratio = 40.0, .more_parameters = 1.0}, window), expected, 1e-9);
 }
 
+// When a further knock came is one of so many places: charged as such, and not by the samples as well.
+TEST(Judge, ChargesAPlaceOfItsOwnOnce) {
+  const ToyRecord record(400);
+  const SeparableStudy study(ToyModel(record, WhiteNoise(400, 0.1, 3)));
+  const Judge judge(study, std::vector<double>(400, 1.0), {});
+  ScoredModel poorer = judge.Fit({}, nullptr);
+  ScoredModel richer = poorer;
+  richer.fit.free_parameters += 8;
+  richer.fit.log_places = 13.0;
+  richer.fit.placed_parameters = 3;
+  for (double& likelihood : richer.noise.log_likelihood) likelihood += 50.0;
+  const CauseRule knocks{.name = "knocks", .degrees_of_freedom = 3, .places = 1};
+  EXPECT_NEAR(judge.Score(judge.Compare(richer, poorer), knocks),
+              100.0 - 4.0 * std::log(400.0) - 4.0 * std::log(100.0) - 2.0 * 13.0, 1e-9);
+}
+
 TEST(Diagnose, FindsNothingInCleanRecords) {
   const ToyRecord record(400);
   int alarms = 0;

@@ -25,8 +25,6 @@ constexpr double kNextFrequency = 1.015;
 constexpr double kNoticed = 12.0;  // drop of a kick that counts, in variances of the noise
 constexpr double kApart = 1.1;     // of two frequencies
 
-std::size_t KnockCount(const VibrationTerm& term) { return (term.shapes.size() - 1) / 2; }
-
 std::vector<Knock> KnocksOf(const VibrationTerm& term) {
   std::vector<Knock> knocks{{term.shapes[2], 1.0}};
   for (std::size_t s = 3; s + 1 < term.shapes.size(); s += 2)
@@ -100,6 +98,10 @@ TermFit DropKicks(const VibrationRemainder& remainder, TermFit solution) {
 }
 
 }  // namespace
+
+std::size_t KnockCount(const VibrationTerm& term) {
+  return term.form == VibrationForm::kKicks ? (term.shapes.size() - 1) / 2 : 0;
+}
 
 std::vector<double> FindKickedFrequencies(const VibrationRemainder& remainder, double lowest_Hz,
                                           double highest_Hz, std::size_t count) {

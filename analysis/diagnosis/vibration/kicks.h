@@ -10,6 +10,9 @@
 /// A resonance that is heard after a few knocks only.
 namespace strainwave::analysis::diagnosis {
 
+/// 0 for a term that is no knocks.
+std::size_t KnockCount(const VibrationTerm& term);
+
 /// Frequencies between two at which knocks ring loudest, all that there are in a record together; the loudest
 /// first. One record only.
 std::vector<double> FindKickedFrequencies(const VibrationRemainder& remainder, double lowest_Hz,

@@ -9,6 +9,7 @@
 #include "analysis/diagnosis/records.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/gear_mesh.h"
+#include "analysis/diagnosis/vibration/kicks.h"
 #include "analysis/diagnosis/vibration/parameters.h"
 #include "analysis/diagnosis/vibration/resonances.h"
 #include "analysis/diagnosis/vibration/rules.h"
@@ -199,7 +200,10 @@ class VibrationStudy final : public Study {
                                                      static_cast<Eigen::Index>(samples_.measured.size()));
     fit.predicted = measured - solver.Residual(solution);
     fit.free_parameters = solution.free_parameters;
-    for (const VibrationTerm& term : solution.terms) fit.log_places += LogPlacesOf(term);
+    for (const VibrationTerm& term : solution.terms) {
+      fit.log_places += LogPlacesOf(term);
+      fit.placed_parameters += static_cast<int>(KnockCount(term));
+    }
     fit.state = PackTerms(solution.terms);
     fit.usable = fit.predicted.allFinite();
     return fit;
@@ -214,7 +218,7 @@ class VibrationStudy final : public Study {
     if (kind == VibrationCause::kBearingDefect) return LogPlacesOfSlips(samples_, term);
     if (kind == VibrationCause::kFlexsplineCrack) return LogPlacesOfCrack(samples_, term);
     if (term.form != VibrationForm::kKicks) return 0.0;
-    const double further = 0.5 * static_cast<double>(term.shapes.size() - 3);
+    const double further = static_cast<double>(KnockCount(term)) - 1.0;
     const double times = 2.0 * term.shapes[0] * samples_.runs.front().span_s();
     return std::log(kKnocksInACell) +
            std::max(0.0, further * std::log(std::max(1.0, times)) - std::lgamma(further + 1.0));
