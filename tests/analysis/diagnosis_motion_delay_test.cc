@@ -75,5 +75,27 @@ TEST(MotionDelay, IsTakenBesideWhatElseMovesWithIt) {
   EXPECT_NEAR(found.diagnosis.extended_heldout_rmse, kNoise_Nm, 0.1 * kNoise_Nm);
 }
 
+// What a delay does to a single tone other inertia and friction do as well: only where it turns does the
+// friction come too early. There it is slow for some ten samples, and at rest in none of them.
+TEST(MotionDelay, ShowsInTheTurnsOfASmoothMotion) {
+  constexpr double kFast_Hz = 1000.0;
+  constexpr double kTone_rad_per_s = 1.8;
+  for (const unsigned seed : {1U, 2U}) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    MotionData record;
+    for (std::size_t i = 0; i < 20000; ++i) {
+      const double time_s = static_cast<double>(i) / kFast_Hz;
+      const double phase = kTone_rad_per_s * time_s;
+      const double later = phase + kTone_rad_per_s * 0.003;
+      record.time_s.push_back(time_s);
+      record.position.push_back(0.37 * std::sin(phase) + 1e-8 * normal(random));
+      record.torque.push_back(-0.4 * std::sin(later) + 0.05 * std::cos(later) +
+                              0.022 * std::tanh(std::cos(later) / 0.003) + 0.0025 * normal(random));
+    }
+    EXPECT_EQ(DiagnoseRecords(&MakeMotionStudy, {record}).names(), Names{"time_delay"}) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

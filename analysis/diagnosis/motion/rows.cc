@@ -14,6 +14,7 @@ constexpr double kTolerated = 0.4;       // error by a reversal's time, over the
 constexpr double kAlikeEachTime = 1.5;   // harm of an error that is no chance, over one that is
 constexpr double kMostAtRest = 0.05;     // of a row's low-pass
 constexpr double kShortestRest = 8.0;    // samples
+constexpr double kLonger = 1.3;          // than a reversal as smooth as the acceleration there says
 constexpr double kNoiseBand = 6.0;       // of the position's noise, in which it stays
 constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
@@ -49,11 +50,14 @@ void AddShortRests(const MotionSamples& samples, std::span<const PointLayout> la
         high = std::max(high, raw.position[next]);
         if (high - low > band) break;
       }
-      if (static_cast<double>(next - i) * raw.step_s < shortest_s) {
+      const std::size_t stride = layouts[s].stride;
+      const std::size_t middle = std::min((i + next) / 2 / stride, stretch.count - 1);
+      const double acceleration = std::abs(grid.passed_acceleration[stretch.first + middle]);
+      const double reversal_here_s = std::sqrt(8.0 * band / std::max(acceleration, 1e-300));
+      if (static_cast<double>(next - i) * raw.step_s < std::max(shortest_s, kLonger * reversal_here_s)) {
         ++i;
         continue;
       }
-      const std::size_t stride = layouts[s].stride;
       for (std::size_t k = (i + stride - 1) / stride; k < stretch.count && layouts[s].SampleOf(k) < next; ++k)
         rests[stretch.first + k] = 1.0;
       i = next;
