@@ -197,5 +197,20 @@ TEST(HysteresisPair, LetsASlipChangeItsFormBesideADrift) {
   }
 }
 
+// A single element is seen at its own time constant alone, wherever that is.
+TEST(HysteresisHolds, ShowTheTimeConstantOfASingleElement) {
+  const std::vector<PathLeg> path{{34.0, 2.0, 6.0}, {-34.0, 2.0, 6.0}, {34.0, 2.0, 6.0}, {0.0, 2.0}};
+  for (const double creep_s : {5.0, 8.0, 10.0, 12.0}) {
+    const Diagnosed found = DiagnoseRecords(
+        &MakeHysteresisStudy,
+        std::vector<HysteresisData>{GenerateLoop(
+            {.friction_Nm = {3.0}, .yield_rad = {0.7e-4}, .creep_s = creep_s, .creep_rad_per_Nm = 5e-7},
+            {.torque_noise_Nm = 0.016, .angle_noise_rad = RadFromArcmin(0.006)}, path, 4000, 1)});
+    EXPECT_EQ(found.names(), Names{"creep"}) << creep_s;
+    const ParameterValue time_constant = found.value("time_constant_s");
+    EXPECT_NEAR(time_constant.value, creep_s, 0.15 * creep_s);
+  }
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis
