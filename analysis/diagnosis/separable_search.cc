@@ -26,30 +26,31 @@ bool IsAsExpected(const TermSet& set, const CauseRule& rule, const SeparableSolu
 
 }  // namespace
 
-std::vector<SeparableSolution> SearchShapes(const SeparableModel& model, const TermSet& set,
-                                            const CauseRule& rule, std::span<const double> weights,
-                                            const SeparableSolution& before) {
+SearchedShapes SearchShapes(const SeparableModel& model, const TermSet& set, const CauseRule& rule,
+                            std::span<const double> weights, const SeparableSolution& before) {
   std::vector<double> residual(model.measured);
   for (std::size_t i = 0; i < residual.size(); ++i)
     residual[i] -= before.predicted(static_cast<Eigen::Index>(i));
   const SeparableProblem problem(set, model.measured, weights);
   const SeparableTerm& searched = *set.terms.back();
-  const auto from = [&](const std::vector<double>& start) {
-    std::vector<std::vector<double>> joined = before.shapes;
-    joined.push_back(start);
-    return problem.Solve(std::move(joined));
-  };
-  const std::vector<std::vector<double>> starts = searched.starts({residual, weights});
+  std::vector<std::vector<std::vector<double>>> starts;
+  for (std::vector<double>& start : searched.starts({residual, weights})) {
+    starts.push_back(before.shapes);
+    starts.back().push_back(std::move(start));
+  }
   std::vector<SeparableSolution> found;
   for (std::size_t k = 0; k < std::min(searched.most_starts, starts.size()); ++k)
-    found.push_back(problem.Refine(from(starts[k]), kSearchRounds));
+    found.push_back(problem.Refine(problem.Solve(starts[k]), kSearchRounds));
+  if (found.empty()) return {};
   std::ranges::stable_sort(found, {}, [&](const SeparableSolution& solution) {
     return std::pair(!IsAsExpected(set, rule, solution), solution.weighted_square_sum);
   });
+  SearchedShapes result{std::move(found.front()), {}};
+  for (std::size_t k = 1; k < found.size(); ++k) result.others.push_back(std::move(found[k].shapes));
   const auto where_it_pays = [](const ShapeRange& range) { return range.moved == Moved::kWhereItPays; };
-  if (!found.empty() && std::ranges::any_of(searched.shapes, where_it_pays))
-    std::ranges::transform(starts, std::back_inserter(found), from);
-  return found;
+  if (std::ranges::any_of(searched.shapes, where_it_pays))
+    std::ranges::move(starts, std::back_inserter(result.others));
+  return result;
 }
 
 double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
@@ -93,8 +94,10 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
   // Without such shapes the others have left the place where these pay.
   std::vector<std::vector<double>> before = solution.shapes;
   std::ranges::copy(known, before.begin());
-  SeparableSolution again = problem.Refine(problem.Solve(std::move(before)), kFinalRounds);
-  if (again.weighted_square_sum < moved.weighted_square_sum) moved = std::move(again);
+  if (before != solution.shapes) {
+    SeparableSolution again = problem.Refine(problem.Solve(std::move(before)), kFinalRounds);
+    if (again.weighted_square_sum < moved.weighted_square_sum) moved = std::move(again);
+  }
   const auto samples = static_cast<double>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
   const double uncharged = UnchargedShapes(all, moved, weights) - UnchargedShapes(set, solution, weights);
   const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;
@@ -107,13 +110,13 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
 
 SeparableSolution BestOf(const SeparableModel& model, std::span<const double> weights, const TermSet& set,
                          const CauseRule& rule, SeparableSolution best,
-                         std::span<const SeparableSolution> others) {
+                         std::span<const std::vector<std::vector<double>>> others) {
   const SeparableProblem problem(set, model.measured, weights);
   const auto rank = [&](const SeparableSolution& solution) {
     return std::pair(!IsAsExpected(set, rule, solution), solution.weighted_square_sum);
   };
-  for (const SeparableSolution& other : others) {
-    SeparableSolution refined = problem.Refine(problem.Solve(other.shapes), kFinalRounds);
+  for (const std::vector<std::vector<double>>& other : others) {
+    SeparableSolution refined = problem.Refine(problem.Solve(other), kFinalRounds);
     if (rank(refined) < rank(best)) best = std::move(refined);
   }
   return best;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,14 +12,18 @@ namespace strainwave::analysis::diagnosis {
 constexpr int kSearchRounds = 6;  // for each start of a new cause
 constexpr int kFinalRounds = 12;
 
-/// Solutions with the last term of the set, whose shapes `before` does not have yet, one of each start and
-/// the best one first; before all others those whose numbers are as the rule expects them. Behind them, where
-/// there are shapes that are moved only where it pays, the starts themselves: without those shapes a search
-/// leaves the place where they pay.
-/// @return none if the record gives no place to start from
-std::vector<SeparableSolution> SearchShapes(const SeparableModel& model, const TermSet& set,
-                                            const CauseRule& rule, std::span<const double> weights,
-                                            const SeparableSolution& before);
+/// What a search for shapes found.
+struct SearchedShapes {
+  std::optional<SeparableSolution> best;  // none if the record gives no place to start from
+  /// Shapes of all terms where other starts ended; and, where there are shapes that are moved only where it
+  /// pays, of the starts themselves: without those shapes a search leaves the place where they pay.
+  std::vector<std::vector<std::vector<double>>> others;
+};
+
+/// Searches for shapes of the last term of the set, which `before` does not have yet. Best is what has
+/// numbers as the rule expects them and leaves least.
+SearchedShapes SearchShapes(const SeparableModel& model, const TermSet& set, const CauseRule& rule,
+                            std::span<const double> weights, const SeparableSolution& before);
 
 /// How many of the shapes with a known range need not be charged for.
 double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
@@ -34,10 +39,10 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
                      const std::vector<std::vector<double>>& known, TermSet& set,
                      SeparableSolution& solution);
 
-/// The best of solutions of the same terms once each has moved all that the set moves: what paid may pay more
-/// for another start than for the one that was best without.
+/// The best of a solution and those from other shapes once each has moved all that the set moves: what paid
+/// may pay more for another start than for the one that was best without.
 SeparableSolution BestOf(const SeparableModel& model, std::span<const double> weights, const TermSet& set,
                          const CauseRule& rule, SeparableSolution best,
-                         std::span<const SeparableSolution> others);
+                         std::span<const std::vector<std::vector<double>>> others);
 
 }  // namespace strainwave::analysis::diagnosis

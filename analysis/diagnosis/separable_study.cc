@@ -227,15 +227,15 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   if (purpose != FitPurpose::kReport) Rest(set, shapes);
   std::optional<SeparableProblem> problem(std::in_place, set, model_.measured, weights);
   SeparableSolution solution = problem->Solve(std::move(shapes));
-  if (!searched.empty()) problem.reset();  // of another set
-  std::vector<SeparableSolution> others;   // of the last search
+  if (!searched.empty()) problem.reset();                // of another set
+  std::vector<std::vector<std::vector<double>>> others;  // of the last search
   for (const std::size_t cause : searched) {
     set.terms.push_back(&model_.causes[cause]);
     order.push_back(cause);
-    others = SearchShapes(model_, set, model_.rules[cause], weights, solution);
-    if (others.empty()) return {};
-    solution = std::move(others.front());
-    others.erase(others.begin());
+    SearchedShapes found = SearchShapes(model_, set, model_.rules[cause], weights, solution);
+    if (!found.best) return {};
+    solution = std::move(*found.best);
+    others = std::move(found.others);
   }
   if (set.shapes() > 0) {
     if (!problem) problem.emplace(set, model_.measured, weights);

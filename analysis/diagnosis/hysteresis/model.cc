@@ -77,6 +77,12 @@ int LoopModel::FreeParameters(const Eigen::VectorXd& x) const {
   return free;
 }
 
+double LoopModel::LogPlaces(const Eigen::VectorXd& x) const {
+  double sum = 0.0;
+  for (std::size_t e = 0; e < effects_.size(); ++e) sum += effects_[e]->LogPlaces(Of(e, x));
+  return sum;
+}
+
 GearLaw LoopModel::LawOf(const Eigen::VectorXd& x) const {
   GearLaw law;
   law.spring = {std::exp(x[kLnK1]), std::exp(x[kLnK2]), std::exp(x[numbers_[kLnK3].held ? kLnK2 : kLnK3]),

@@ -40,8 +40,7 @@ Eigen::MatrixXd OrthonormalColumns(const Eigen::MatrixXd& derivatives) {
 
 struct RankedStart {
   Eigen::VectorXd numbers;
-  double gain{};      // drop of the sum of squares, to first order
-  double promised{};  // likelihood ratio that this would be
+  double promised{};  // likelihood ratio, to first order
   double merit{};     // that, less what the form costs
 };
 
@@ -66,8 +65,8 @@ RankedStart RankStart(const LoopModel& model, std::size_t effect, const LoopGrid
     value = std::isfinite(size) ? std::clamp(before + size, number.low, number.high) : before;
     sizes(static_cast<Index>(j)) = value - before;
   }
-  ranked.gain = 2.0 * sizes.dot(drive) - sizes.dot(normal * sizes);
-  ranked.promised = static_cast<double>(grid.size()) * ranked.gain / std::max(residual.squaredNorm(), 1e-300);
+  const double drop = 2.0 * sizes.dot(drive) - sizes.dot(normal * sizes);
+  ranked.promised = static_cast<double>(grid.size()) * drop / std::max(residual.squaredNorm(), 1e-300);
   ranked.merit = ranked.promised - 2.0 * model.effects()[effect]->LogPlaces(model.Of(effect, ranked.numbers));
   return ranked;
 }
@@ -117,11 +116,8 @@ class Surroundings {
 // is less likely.
 double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSolution& solution) {
   const auto n = static_cast<double>(grid.size());
-  double log_places = 0.0;
-  for (std::size_t e = 0; e < model.effects().size(); ++e)
-    log_places += model.effects()[e]->LogPlaces(model.Of(e, solution.numbers));
   return n * std::log(std::max(solution.cost, 1e-300)) +
-         model.FreeParameters(solution.numbers) * std::log(n) + 2.0 * log_places;
+         model.FreeParameters(solution.numbers) * std::log(n) + 2.0 * model.LogPlaces(solution.numbers);
 }
 
 // Fits the most promising start of each form, up to a few of them.
@@ -130,17 +126,18 @@ void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std
   // What promises next to nothing where its amounts are put first is not worth following to its end.
   constexpr double kNextToNothing = 4.0;  // of the likelihood ratio
   const bool has_forms = model.effects()[effect]->numbers.front().held;
-  constexpr double kTheSame = 1e-9;  // of the gain: forms that differ in what this record does not have
+  constexpr double kTheSame =
+      1e-9;  // of what is promised: forms that differ in what this record does not have
   std::vector<double> forms;
-  std::optional<double> last_gain;
+  std::optional<double> last;
   int fits = 0;
   for (const RankedStart& start : ranked) {
     const double form = model.Of(effect, start.numbers)[0];
     if (has_forms) {
       if (std::ranges::find(forms, form) != forms.end()) continue;
       forms.push_back(form);
-      if (last_gain && std::abs(*last_gain - start.gain) <= kTheSame * *last_gain) continue;
-      last_gain = start.gain;
+      if (last && std::abs(*last - start.promised) <= kTheSame * *last) continue;
+      last = start.promised;
     }
     LoopSolution solution = SolveLoop(model, grid, start.numbers,
                                       start.promised < kNextToNothing ? kFewIterations : kMostIterations);

@@ -198,8 +198,8 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
     fit.cause_parameters.push_back(DescribeEffect(model, e, solution.numbers, covariance));
     if (purpose == FitPurpose::kReport)
       WidenByAlternatives(model, e, solution.numbers, all, covariance, fit.cause_parameters.back());
-    fit.log_places += model.effects()[e]->LogPlaces(model.Of(e, solution.numbers));
   }
+  fit.log_places = model.LogPlaces(solution.numbers);
   fit.free_parameters = model.FreeParameters(solution.numbers);
   fit.known_before = UnchargedShapes(model, solution, judges ? all : GridOf(model, weights));
   fit.state.assign(solution.numbers.data(), solution.numbers.data() + solution.numbers.size());

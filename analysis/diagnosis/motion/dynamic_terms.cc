@@ -68,13 +68,12 @@ double FreeSwingDrop(const MotionGrid& grid, const Remainder& remainder,
   const std::complex<double> exponent = natural * std::complex<double>(-damping, 1.0);
   const std::complex<double> usual_turn = std::exp(exponent * grid.row_spacing_s);
   double drop = 0.0;
-  for (std::size_t b = 0; b < beginnings.size(); ++b) {
-    const auto rows = std::ranges::equal_range(grid.stretch_of_row, beginnings[b]);
-    const double start_s = grid.time_s[grid.stretches[beginnings[b]].first];
+  for (const std::size_t stretch : beginnings) {
+    const auto rows = std::ranges::equal_range(grid.stretch_of_row, stretch);
+    double before_s = grid.time_s[grid.stretches[stretch].first];
     std::complex<double> swing = 1.0;
     std::complex<double> along = 0.0;
     double squares = 0.0;
-    double before_s = start_s;
     for (auto it = rows.begin(); it != rows.end(); ++it) {
       const auto row = static_cast<std::size_t>(it - grid.stretch_of_row.begin());
       const double step_s = grid.RowTime_s(row) - before_s;
