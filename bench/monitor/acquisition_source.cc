@@ -53,6 +53,23 @@ std::int64_t UtcNanoseconds() {
   return nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
+// UTC less the steady clock. A thread that is held up between its two readings would be wrong by that time:
+// UTC is read between two steady times, and the narrowest of a few such readings holds.
+nanoseconds UtcOfSteady() {
+  constexpr int kReadings = 3;
+  nanoseconds narrowest = nanoseconds::max();
+  nanoseconds utc_of_steady{};
+  for (int reading = 0; reading < kReadings; ++reading) {
+    const nanoseconds before = steady_clock::now().time_since_epoch();
+    const nanoseconds utc = std::chrono::system_clock::now().time_since_epoch();
+    const nanoseconds after = steady_clock::now().time_since_epoch();
+    if (after - before >= narrowest) continue;
+    narrowest = after - before;
+    utc_of_steady = utc - before - narrowest / 2;
+  }
+  return utc_of_steady;
+}
+
 std::int64_t Nanoseconds(double samples, double rate_hz) { return std::llround(samples * 1e9 / rate_hz); }
 
 // What is missing before a block, in words; empty where nothing is.
@@ -138,12 +155,10 @@ std::int64_t AcquisitionSource::TimeOf(const BlockHeader& header) {
   if (stream_.pace) return stream_.start_ns + counted(header.first_sample);
   // The sample counter is the device's clock: even, and off the nominal rate by as little as its quartz.
   clock_.Add(nanoseconds(counted(header.first_sample + header.samples)), header.arrival);
-  const std::int64_t utc_of_steady_ns =
-      UtcNanoseconds() - nanoseconds(steady_clock::now().time_since_epoch()).count();
   const nanoseconds first = clock_.estimate()
                                 ? clock_.estimate()->ToHost(nanoseconds(counted(header.first_sample)))
                                 : header.arrival - nanoseconds(counted(header.samples));
-  return utc_of_steady_ns + first.count();
+  return (UtcOfSteady() + first).count();
 }
 
 AcquisitionSource::Got AcquisitionSource::Take(VibrationChunk& chunk) {
