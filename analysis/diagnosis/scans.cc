@@ -277,6 +277,11 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
   return peaks;
 }
 
+double LogPlacesOfLine(double order, double lowest_order, double highest_order) {
+  const double within = std::clamp(order, lowest_order, highest_order);
+  return std::log(within * std::log(highest_order / lowest_order) / (highest_order - lowest_order));
+}
+
 std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,
                                     std::span<const double> weights, double narrowest, double widest,
                                     std::size_t count) {

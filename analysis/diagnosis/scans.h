@@ -31,6 +31,12 @@ double LineDrop(std::span<const double> angle_rad, std::span<const double> resid
 /// Independent orders in that range: the number of trials of the search.
 double IndependentOrders(std::span<const double> angle_rad, double lowest_order, double highest_order);
 
+/// Logarithm of the places that there are for a line of about this order, over those of all orders in the
+/// range: what repeats has no scale, so that each octave of orders has the same share of what may be found by
+/// chance. A line at a low order, where an octave has few places, pays for few; one at the end of the range
+/// pays for the octaves. Source: Dümbgen & Spokoiny, Ann. Statist. 29 (2001) 124, as for windows below.
+double LogPlacesOfLine(double order, double lowest_order, double highest_order);
+
 /// A stretch of a regressor in which the residual's mean differs from zero.
 struct WindowPeak {
   double centre{};

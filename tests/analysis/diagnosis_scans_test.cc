@@ -47,6 +47,26 @@ TEST(FindLines, SeesALineInColouredNoiseBesideTheNoisesOwnSwell) {
   EXPECT_NEAR(peaks[0].order, 300.0, 0.3);
 }
 
+TEST(LogPlacesOfLine, SpreadsWhatChanceMayFindEvenlyOverOctaves) {
+  constexpr double kLowest = 0.5;
+  constexpr double kHighest = 128.0;
+  // Shares of the error that small ranges of orders get, which are one over their places.
+  const auto share = [&](double from, double to) {
+    constexpr int kParts = 20000;
+    const double step = (to - from) / kParts;
+    double sum = 0.0;
+    for (int i = 0; i < kParts; ++i)
+      sum += step / std::exp(LogPlacesOfLine(from + (i + 0.5) * step, kLowest, kHighest));
+    return sum / (kHighest - kLowest);
+  };
+  EXPECT_NEAR(share(kLowest, kHighest), 1.0, 1e-4);
+  EXPECT_NEAR(share(0.5, 1.0), 1.0 / 8.0, 1e-4);
+  EXPECT_NEAR(share(64.0, 128.0), 1.0 / 8.0, 1e-4);
+  // A fit may leave the range that was searched.
+  EXPECT_EQ(LogPlacesOfLine(0.1, kLowest, kHighest), LogPlacesOfLine(kLowest, kLowest, kHighest));
+  EXPECT_EQ(LogPlacesOfLine(140.0, kLowest, kHighest), LogPlacesOfLine(kHighest, kLowest, kHighest));
+}
+
 TEST(LogPlacesOfWidth, AWideWindowHasFewPlacesAndTheNarrowestPayForTheOctaves) {
   // Five octaves from 1 to 32: the narrowest have half of these times their own, and 32 times fewer are as
   // wide.

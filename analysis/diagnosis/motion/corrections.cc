@@ -122,6 +122,9 @@ void AddTimeLine(const SharedGrid& grid, const MotionUnits& units, SeparableMode
     }
     return starts;
   };
+  term.log_places = [low, high](std::span<const double> shapes) {
+    return LogPlacesOfLine(kTwoPi * shapes[0], low, high);
+  };
   DescribeAsHarmonic(term, "amplitude_" + units.torque(), units.torque(), 1.0, {{"frequency_Hz", "Hz", 1.0}});
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = "line over time",

@@ -91,7 +91,8 @@ void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableMod
        .effect = "E9",
        .parameters = {{"load_coefficient", "1", 0.0, 0.95, true}},
        .degrees_of_freedom = 3,
-       // What counts as load is open by two shapes: of 260 clean records 6 had p < 0.05 with a sixth of these.
+       // What counts as load is open by two shapes: of 260 clean records 6 had p < 0.05 with a sixth of
+       // these.
        .trials = 12.0,
        .to_settle = units.linear
                         ? ""

@@ -71,6 +71,9 @@ void AddRipple(const SharedGrid& grid, const MotionUnits& units, SeparableModel&
     }
     return starts;
   };
+  term.log_places = [low, high](std::span<const double> shapes) {
+    return LogPlacesOfLine(shapes[0], low, high);
+  };
   const std::string name = units.linear ? "periods_per_m" : "order_per_turn";
   DescribeAsHarmonic(term, "amplitude_" + units.torque(), units.torque(), 1.0,
                      {{name, units.linear ? "1/m" : "1", 1.0}});

@@ -64,6 +64,9 @@ void AddFreeLine(const Samples& samples, SeparableModel& model, const std::strin
     }
     return starts;
   };
+  term.log_places = [lowest, top](std::span<const double> shapes) {
+    return LogPlacesOfLine(shapes[0], lowest, top);
+  };
   DescribeAsHarmonic(term, "amplitude_arcmin", "arcmin", kArcminPerRad,
                      {{"order_per_output_turn", "1", 1.0}});
   model.causes.push_back(std::move(term));

@@ -174,8 +174,8 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, dou
   return ExcessOf(0.5 * (beyond + numbers - more), 0.5 * numbers) < part * kBeyondLine;
 }
 
-// Refines a first look, half a period of the ring and a whole one to both sides; without a modulation and with
-// each: the look's may be the wrong one.
+// Refines a first look, half a period of the ring and a whole one to both sides; without a modulation and
+// with each: the look's may be the wrong one.
 void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
              Best& best) {
   Best own = remainder.Refine(std::move(look), 12);

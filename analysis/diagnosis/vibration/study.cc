@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "analysis/diagnosis/records.h"
+#include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/gear_mesh.h"
 #include "analysis/diagnosis/vibration/kicks.h"
@@ -217,6 +218,10 @@ class VibrationStudy final : public Study {
     if (kind == VibrationCause::kGearMesh) return LogChoicesOfMesh(samples_, term);
     if (kind == VibrationCause::kBearingDefect) return LogPlacesOfSlips(samples_, term);
     if (kind == VibrationCause::kFlexsplineCrack) return LogPlacesOfCrack(samples_, term);
+    if (kind == VibrationCause::kLineOverAngle)
+      return LogPlacesOfLine(term.shapes[0], 1.0 / samples_.shortest_turns(), samples_.highest_order());
+    if (kind == VibrationCause::kLineOverTime)
+      return LogPlacesOfLine(term.shapes[0], 1.0 / samples_.runs.front().span_s(), samples_.highest_Hz());
     if (term.form != VibrationForm::kKicks) return 0.0;
     const double further = static_cast<double>(KnockCount(term)) - 1.0;
     const double times = 2.0 * term.shapes[0] * samples_.runs.front().span_s();
