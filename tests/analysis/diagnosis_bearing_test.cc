@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "analysis/diagnosis/vibration/bearing_orders.h"
+#include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/starts.h"
@@ -187,6 +188,36 @@ bool IsBearingIn(const Effect& effect, double order, double ring_order, double d
                      .shapes = {order, ring_order * kTurn_Hz, decay},
                      .heard = {}};
   return IsBearing(remainder, ring);
+}
+
+// Of a record at 10 kHz. Chance finds trains with the density f² / (order² ζ); over orders, octaves of rings
+// and octaves of dampings its mean is what the rule counts.
+TEST(LogPlacesOfTrain, SharesWhatChanceMayFindEvenlyAmongOrdersAndOctaves) {
+  VibrationSamples samples;
+  samples.runs.emplace_back().period_s = 1e-4;
+  const auto log_places = [&](double order, double ring_Hz, double damping) {
+    VibrationTerm train;
+    train.form = VibrationForm::kRing;
+    train.shapes = {order, ring_Hz, damping, 0.0};
+    return LogPlacesOfTrain(samples, train);
+  };
+  constexpr int kSteps = 60;
+  double mean = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      for (int k = 0; k < kSteps; ++k) {
+        const auto at = [](int step) { return (step + 0.5) / kSteps; };
+        const double order = kLowestBearingOrder + at(i) * (kHighestBearingOrder - kLowestBearingOrder);
+        const double ring_Hz = 300.0 * std::pow(4800.0 / 300.0, at(j));
+        const double damping = 0.008 * std::pow(0.6 / 0.008, at(k));
+        mean += std::exp(log_places(order, ring_Hz, damping)) / (kSteps * kSteps * kSteps);
+      }
+    }
+  }
+  EXPECT_NEAR(mean, 1.0, 0.01);
+  EXPECT_NEAR(log_places(6.0, 2000.0, 0.03) - log_places(6.0, 1000.0, 0.03), std::log(4.0), 1e-9);
+  EXPECT_NEAR(log_places(6.0, 2000.0, 0.03) - log_places(12.0, 2000.0, 0.03), std::log(4.0), 1e-9);
+  EXPECT_NEAR(log_places(6.0, 2000.0, 0.03) - log_places(6.0, 2000.0, 0.06), std::log(2.0), 1e-9);
 }
 
 // Of a train that rings on so long one harmonic is heard, and 9 of 17.778 are order 160: of teeth.

@@ -73,6 +73,17 @@ CrackLines CrackLinesOf(const VibrationRemainder& remainder, std::size_t index, 
 constexpr double kTeethSideband = 2.0;  // orders
 constexpr double kRingsOfCrack = 45.0;  // resonances a width apart
 
+// What is searched for trains of a bearing.
+constexpr double kLowestRing = 0.03;  // of the sampling rate
+constexpr double kHighestRing = 0.48;
+constexpr double kLeastDampingOfTrain = 0.008;
+constexpr double kMostDampingOfTrain = 0.6;
+
+// Mean of xⁿ where ln x is even between two limits.
+double MeanOfPower(double n, double low, double high) {
+  return (std::pow(high, n) - std::pow(low, n)) / (n * std::log(high / low));
+}
+
 // A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
 constexpr double kLoud = 400.0;        // gain in BIC of the harmonics themselves
 constexpr double kMostOfThird = 0.04;  // of the power of the first, that teeth have, too
@@ -114,6 +125,20 @@ double LogPlacesOfCrack(const VibrationSamples& samples, const VibrationTerm& cr
   const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
   const double harmonic = std::max(1.0, crack.shapes[1] / (crack.shapes[0] * turn_Hz));
   return std::log(kRingsOfCrack * 2.0 * harmonic);
+}
+
+double LogPlacesOfTrain(const VibrationSamples& samples, const VibrationTerm& train) {
+  if (train.form != VibrationForm::kRing || !train.slips.empty()) return 0.0;
+  // A cell in order and one in time are as wide as a period of the ring, 1 / f, one in ln f or in ln ζ as the
+  // ring's width, ζ: there are f² / order² of the former and 1 / ζ of the latter (the square root of the
+  // determinant of Fisher's information).
+  const double ring = train.shapes[1] * samples.runs.front().period_s;
+  const double order = train.shapes[0];
+  const double damping = std::clamp(train.shapes[2], kLeastDampingOfTrain, kMostDampingOfTrain);
+  const double mean_of_orders = 1.0 / (kLowestBearingOrder * kHighestBearingOrder);
+  return std::log(ring * ring / MeanOfPower(2.0, kLowestRing, kHighestRing)) -
+         std::log(order * order * mean_of_orders) -
+         std::log(damping * MeanOfPower(-1.0, kLeastDampingOfTrain, kMostDampingOfTrain));
 }
 
 Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {

@@ -23,6 +23,13 @@ std::optional<TermFit> SearchCrack(const VibrationRemainder& remainder, std::siz
 /// from.
 double LogPlacesOfCrack(const VibrationSamples& samples, const VibrationTerm& crack);
 
+/// Logarithm of the places that there are for even impulses of this order, ring and damping, over those that
+/// the rule of a bearing counts; 0 for lines and for impulses that slip. A place in order, time, ring and
+/// damping is as wide as a train must move to be another one: the higher its harmonics and the longer its
+/// rings, the more places there are. Equal orders, and octaves of rings and dampings, have the same share of
+/// what chance may find, so that a train of low harmonics pays for the few places it might have had.
+double LogPlacesOfTrain(const VibrationSamples& samples, const VibrationTerm& train);
+
 /// Takes the solution if its BIC is the best so far.
 void Keep(TermFit solution, std::optional<TermFit>& best);
 

@@ -216,7 +216,9 @@ class VibrationStudy final : public Study {
   double LogPlacesOf(const VibrationTerm& term) const {
     const VibrationCause kind = rules_.kinds[term.cause];
     if (kind == VibrationCause::kGearMesh) return LogChoicesOfMesh(samples_, term);
-    if (kind == VibrationCause::kBearingDefect) return LogPlacesOfSlips(samples_, term);
+    if (kind == VibrationCause::kBearingDefect) {
+      return LogPlacesOfTrain(samples_, term) + LogPlacesOfSlips(samples_, term);
+    }
     if (kind == VibrationCause::kFlexsplineCrack) return LogPlacesOfCrack(samples_, term);
     if (kind == VibrationCause::kLineOverAngle)
       return LogPlacesOfLine(term.shapes[0], 1.0 / samples_.shortest_turns(), samples_.highest_order());
