@@ -5,6 +5,7 @@
 #include <random>
 #include <utility>
 
+#include "analysis/diagnosis/selection.h"
 #include "analysis/diagnosis/vibration/one_term.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
@@ -47,6 +48,19 @@ TEST(VibrationStudy, NamesAnImbalanceThatGrowsWithTheSquareOfTheSpeed) {
   const ParameterValue amplitude = answer.value("amplitude_at_1000_rpm_m_per_s2");
   EXPECT_NEAR(amplitude.value, 0.03, 4.0 * amplitude.standard_error);
   EXPECT_LT(amplitude.standard_error, 0.005);
+}
+
+// What 8 numbers in four channels of 38400 samples bring: BIC would charge each by all samples of all of
+// them.
+TEST(VibrationStudy, JudgesAnImbalanceInManyChannelsByItsChance) {
+  const VibrationData record = Record(Turning(2000.0, 1.0, 0.5), 7, Silence);
+  const auto study = MakeVibrationStudy({&record, 1});
+  const auto rule = std::ranges::find(study->causes(), "imbalance", &CauseRule::name);
+  ASSERT_NE(rule, study->causes().end());
+  const Comparison weak{
+      .likelihood_ratio = 47.1, .delta_bic = -48.4, .p_value = 1.5e-7, .more_parameters = 8.0};
+  EXPECT_TRUE(IsBeyondChance(weak, *rule, 1e-5, 0.005));
+  EXPECT_FALSE(IsBeyondChance(weak, *rule, 0.01, 0.005));
 }
 
 TEST(VibrationStudy, CannotJudgeAnImbalanceAtOneSpeed) {
