@@ -70,7 +70,7 @@ struct Diagnosis {
 };
 
 struct DiagnoseOptions {
-  double family_error{0.008};  // share of clean records in which anything at all may be found
+  double family_error{0.006};  // share of clean records in which anything at all may be found
   std::size_t max_effects{8};
   /// Causes that the model has already: in the nominal model of this run, refitted, not reported as found.
   std::vector<std::size_t> given_causes;
