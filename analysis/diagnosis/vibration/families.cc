@@ -73,11 +73,7 @@ CrackLines CrackLinesOf(const VibrationRemainder& remainder, std::size_t index, 
 constexpr double kTeethSideband = 2.0;  // orders
 constexpr double kRingsOfCrack = 45.0;  // resonances a width apart
 
-// What is searched for trains of a bearing.
-constexpr double kLowestRing = 0.03;  // of the sampling rate
-constexpr double kHighestRing = 0.48;
-constexpr double kLeastDampingOfTrain = 0.008;
-constexpr double kMostDampingOfTrain = 0.6;
+constexpr double kHighestRing = 0.48;  // of the sampling rate; a fit leaves what was searched for a start
 
 // Mean of xⁿ where ln x is even between two limits.
 double MeanOfPower(double n, double low, double high) {
@@ -134,11 +130,11 @@ double LogPlacesOfTrain(const VibrationSamples& samples, const VibrationTerm& tr
   // determinant of Fisher's information).
   const double ring = train.shapes[1] * samples.runs.front().period_s;
   const double order = train.shapes[0];
-  const double damping = std::clamp(train.shapes[2], kLeastDampingOfTrain, kMostDampingOfTrain);
+  const double damping = std::clamp(train.shapes[2], kLeastTrainDamping, kMostTrainDamping);
   const double mean_of_orders = 1.0 / (kLowestBearingOrder * kHighestBearingOrder);
-  return std::log(ring * ring / MeanOfPower(2.0, kLowestRing, kHighestRing)) -
+  return std::log(ring * ring / MeanOfPower(2.0, kLowestTrainRing, kHighestRing)) -
          std::log(order * order * mean_of_orders) -
-         std::log(damping * MeanOfPower(-1.0, kLeastDampingOfTrain, kMostDampingOfTrain));
+         std::log(damping * MeanOfPower(-1.0, kLeastTrainDamping, kMostTrainDamping));
 }
 
 Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {

@@ -21,8 +21,6 @@ constexpr std::size_t kMostStarts = 24;
 constexpr std::size_t kMostFitted = 8;
 constexpr std::size_t kMostRefined = 3;
 constexpr double kFirstDamping = 0.03;
-constexpr double kLeastDamping = 0.008;
-constexpr double kMostDamping = 0.6;
 constexpr int kClimbs = 4;
 // −ln p of what a train has to explain beyond its strongest line: one in a hundred lines may pass for one of
 // some two hundred trains that have it among their harmonics. And more than a line that is no pure sine
@@ -64,7 +62,8 @@ Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
   Look best =
       LookAt(remainder, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}, {}}, 0.0, start.loudness);
   const auto take = [&](RingTrain train, double sideband) {
-    if (train.ring_Hz > top_Hz || train.damping_ratio < kLeastDamping || train.damping_ratio > kMostDamping)
+    if (train.ring_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
+        train.damping_ratio > kMostTrainDamping)
       return false;
     Look next = LookAt(remainder, std::move(train), sideband, start.loudness);
     if (next.excess <= best.excess) return false;

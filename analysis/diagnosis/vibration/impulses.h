@@ -10,6 +10,10 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// Damping ratios of the resonances that a search for trains tries.
+inline constexpr double kLeastTrainDamping = 0.008;
+inline constexpr double kMostTrainDamping = 0.6;
+
 /// The harmonic of an order that is the loudest line.
 int StrongestHarmonic(const VibrationRemainder& remainder, double order);
 

@@ -22,7 +22,6 @@ using Complex = std::complex<double>;
 
 constexpr double kOtherRing = 0.25;    // ln of how far apart rings are that one train may have
 constexpr double kNextRing = 1.055;    // within a width of the resonance
-constexpr double kLowestRing = 0.03;   // of the sampling rate
 constexpr double kHighestRing = 0.45;  // of the sampling rate
 constexpr double kLeastOverlap = 0.1;  // of a train's harmonics with the resonance
 // Far below what the number of places searched makes of noise: what is weaker is never among the strongest.
@@ -285,7 +284,7 @@ std::vector<TrainStart> Strongest(std::vector<TrainStart> trains, double turns, 
 std::vector<double> RingsOf(const VibrationRun& run) {
   std::vector<double> rings_Hz;
   const double turn_Hz = run.mean_speed_rad_per_s / kTwoPi;
-  for (double ring = kLowestRing; ring < kHighestRing; ring *= kNextRing) {
+  for (double ring = kLowestTrainRing; ring < kHighestRing; ring *= kNextRing) {
     const double ring_Hz = ring / run.period_s;
     if (ring_Hz >= 3.0 * turn_Hz) rings_Hz.push_back(ring_Hz);
   }

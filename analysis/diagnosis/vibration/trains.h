@@ -12,6 +12,9 @@ namespace strainwave::analysis::diagnosis {
 /// Of the order: impulses that come more seldom than this do not show a change.
 inline constexpr double kLargestSideband = 0.45;
 
+/// Of the sampling rate: the lowest resonance that trains are looked for with.
+inline constexpr double kLowestTrainRing = 0.03;
+
 /// Where a train of impulses may be: an order, and the resonance that it rings.
 struct TrainStart {
   double order{};
