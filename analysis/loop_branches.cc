@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "analysis/isotonic.h"
 #include "analysis/linear_regression.h"
@@ -76,20 +77,29 @@ std::optional<Estimate> TwistAtTorque(std::span<const double> torque_Nm, std::sp
                                       const Branch& branch, double level_Nm, double window_Nm,
                                       double reach_Nm) {
   constexpr std::size_t kMinSamples = 4;
+  // Of the window: samples that stand closer together, as those of a hold do, have no slope of their own.
+  constexpr double kLeastSpread = 0.2;
   const auto [low, high] = std::minmax(torque_Nm[branch.first], torque_Nm[branch.last]);
-  if (level_Nm < low - reach_Nm || level_Nm > high + reach_Nm ||
-      branch.last - branch.first + 1 < kMinSamples) {
+  const std::size_t all = branch.last - branch.first + 1;
+  if (level_Nm < low - reach_Nm || level_Nm > high + reach_Nm || all < kMinSamples) {
     return std::nullopt;
   }
   std::vector<std::size_t> near;
-  for (double window = window_Nm; near.size() < kMinSamples; window *= 1.5) {
+  double spread_Nm = 0.0;
+  const auto have_slope = [&] { return near.size() >= kMinSamples && spread_Nm >= kLeastSpread * window_Nm; };
+  for (double window = window_Nm; near.size() < all && !have_slope(); window *= 1.5) {
     near.clear();
+    double least_Nm = std::numeric_limits<double>::infinity();
+    double most_Nm = -least_Nm;
     for (std::size_t i = branch.first; i <= branch.last; ++i) {
-      if (std::abs(torque_Nm[i] - level_Nm) <= window) {
-        near.push_back(i);
-      }
+      if (std::abs(torque_Nm[i] - level_Nm) > window) continue;
+      near.push_back(i);
+      least_Nm = std::min(least_Nm, torque_Nm[i]);
+      most_Nm = std::max(most_Nm, torque_Nm[i]);
     }
+    spread_Nm = most_Nm - least_Nm;
   }
+  if (!have_slope()) return std::nullopt;
   const auto n = static_cast<Eigen::Index>(near.size());
   Eigen::MatrixXd design(n, 2);
   Eigen::VectorXd twist(n);

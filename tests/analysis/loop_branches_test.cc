@@ -52,6 +52,24 @@ TEST(TwistAtTorque, ReadsAStraightBranchExactlyAndKnowsItsEnds) {
   EXPECT_NEAR(TwistAtTorque(torque_Nm, twist_rad, branch, 10.2, 0.5, 0.3)->value, 2.0 + 0.3 * 10.2, 1e-12);
 }
 
+TEST(TwistAtTorque, TakesTheSlopeOfAStaircaseFromItsNextSteps) {
+  // Holds of five samples, 6 Nm apart, at torques that are not quite the same.
+  std::vector<double> torque_Nm;
+  std::vector<double> twist_rad;
+  for (int step = -3; step <= 3; ++step) {
+    for (int i = 0; i < 5; ++i) {
+      torque_Nm.push_back(6.0 * step + 0.004 + 1e-9 * i);
+      twist_rad.push_back(2.0 + 0.3 * torque_Nm.back() + (i % 2 == 0 ? 1e-3 : -1e-3));
+    }
+  }
+  const Branch branch{0, torque_Nm.size() - 1, true};
+  const auto twist = TwistAtTorque(torque_Nm, twist_rad, branch, 0.0, 0.5, 0.0);
+  EXPECT_NEAR(twist->value, 2.0, 1e-3);
+  EXPECT_LT(twist->standard_error, 1e-3);
+  // One hold alone says nothing of other torques.
+  EXPECT_FALSE(TwistAtTorque(torque_Nm, twist_rad, Branch{15, 19, true}, 0.0, 0.5, 1.0));
+}
+
 TEST(EstimateNoise, SeesTheNoiseOnARampAndNotTheRamp) {
   std::mt19937 engine(1);
   std::normal_distribution<double> normal(0.0, 0.5);
