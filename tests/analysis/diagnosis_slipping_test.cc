@@ -50,6 +50,21 @@ TEST(SlippingBearing, IsNamedWithItsOrderAndNoResonanceBesideIt) {
   }
 }
 
+// A gap of four impulses: those that nobody heard are counted, or the order would be another one.
+TEST(SlippingBearing, IsNamedWithItsOrderOverAGap) {
+  const Effect bearing = SlippingBearing(89, 0.01, 0.7);
+  VibrationData record = Record(Turning(1500.0, 1.0, 0.0), 89, bearing, {1.0, -0.6});
+  const auto cut_out = [](std::vector<double>& values) {
+    values.erase(values.begin() + 2000, values.begin() + 2110);
+  };
+  cut_out(record.time_s);
+  for (VibrationChannel& channel : record.channels) cut_out(channel.values);
+  const Diagnosed answer = Ask({record});
+  ASSERT_EQ(answer.names(), Names{"bearing_defect"});
+  const ParameterValue order = answer.value("defect_order");
+  EXPECT_NEAR(order.value, kOrder, 4.0 * order.standard_error);
+}
+
 TEST(SlippingBearing, IsNamedWhereItsImpulsesChangeWithTheLoad) {
   const Effect bearing = SlippingBearing(84, 0.02, 0.8, 0.8);
   const Diagnosed answer = Ask({Record(Turning(1500.0, 1.0, 0.0), 84, bearing)});

@@ -167,6 +167,20 @@ TEST(VibrationStudy, TellsTeethThatMeetHarderOncePerOutputTurnFromACrack) {
   EXPECT_EQ(answer.names(), Names{"gear_mesh"});
 }
 
+// The shaft's own lines that come and go with the output turn: one of theirs is where teeth have a sideband,
+// but nothing is where these would meet.
+TEST(VibrationStudy, TakesNoSidebandOfTheShaftForTeethThatMeet) {
+  const Effect changing = [](const Turning& run) {
+    Signal signal;
+    for (const double angle : run.angle_rad)
+      signal.push_back(0.08 * std::cos(angle / 80.0 + 0.4) * std::cos(2.0 * angle + 0.9));
+    return signal;
+  };
+  const Diagnosed answer = Ask({Record(Turning(3000.0, 4.0, 0.0), 11, changing, {1.0, -0.7})});
+  EXPECT_EQ(answer.names(), Names());
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
+}
+
 TEST(VibrationStudy, CallsALineOfNoCauseUnnamed) {
   const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
   const Diagnosed answer = Ask({Record(Turning(1500.0, 1.2, 0.0), 10, line)});

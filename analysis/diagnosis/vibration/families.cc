@@ -80,6 +80,16 @@ double MeanOfPower(double n, double low, double high) {
   return (std::pow(high, n) - std::pow(low, n)) / (n * std::log(high / low));
 }
 
+// Of a known order; what is none of its multiples is a sideband.
+double HarmonicOf(const LinePlace& line, double order) { return line.harmonic + line.offset / order; }
+bool IsWhole(double harmonic) { return std::abs(harmonic - std::round(harmonic)) < 1e-9; }
+
+// One line alone that is not the order itself may be anything that happens to be there: of whole orders a
+// short record tells high multiples only.
+bool IsALineBeside(const std::vector<LinePlace>& lines, double order) {
+  return lines.size() == 1 && std::abs(HarmonicOf(lines[0], order) - 1.0) > 1e-9;
+}
+
 // A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
 constexpr double kLoud = 400.0;        // gain in BIC of the harmonics themselves
 constexpr double kMostOfThird = 0.04;  // of the power of the first, that teeth have, too
@@ -88,10 +98,9 @@ bool IsLoudAndSmooth(const TermFit& fit, double order) {
   std::array<double, kTeethHarmonics> of_harmonics{};
   for (std::size_t l = 0; l < gains.size(); ++l) {
     const LinePlace& line = fit.term.lines[l];
-    const double harmonic = line.harmonic + line.offset / order;
+    const double harmonic = HarmonicOf(line, order);
     if (harmonic > kTeethHarmonics + 0.5) return false;
-    if (std::abs(harmonic - std::round(harmonic)) < 1e-9)
-      of_harmonics[static_cast<std::size_t>(std::lround(harmonic)) - 1] += gains[l];
+    if (IsWhole(harmonic)) of_harmonics[static_cast<std::size_t>(std::lround(harmonic)) - 1] += gains[l];
   }
   return of_harmonics[2] <= kMostOfThird * of_harmonics[0] &&
          std::accumulate(of_harmonics.begin(), of_harmonics.end(), 0.0) > kLoud;
@@ -205,7 +214,14 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
 
 Best SearchToothEngagement(const VibrationRemainder& remainder, std::size_t index) {
   CrackLines lines = CrackLinesOf(remainder, index, kTeethHarmonics);
-  return FitPayingLines(remainder, std::move(lines.term), std::move(lines.places), 1);
+  Best best = FitPayingLines(remainder, std::move(lines.term), std::move(lines.places), 1);
+  // A line beside an order that is not there belongs to something else: the shaft's own lines that change
+  // once per output turn have one where the lower sideband of the teeth's would be.
+  if (best && std::ranges::none_of(best->term.lines, [&](const LinePlace& line) {
+        return IsWhole(HarmonicOf(line, lines.order));
+      }))
+    best.reset();
+  return best;
 }
 
 Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
@@ -217,7 +233,7 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
   const double order = lines.order;
   LeastLikelyChance best(remainder);
   if (Best of_lines = FitPayingLines(remainder, std::move(lines.term), lines.places, 1);
-      of_lines && !IsLoudAndSmooth(*of_lines, order)) {
+      of_lines && !IsLoudAndSmooth(*of_lines, order) && !IsALineBeside(of_lines->term.lines, order)) {
     const double log_choices = LogChoices(of_lines->term.lines.size(), lines.places.size());
     best.Take(std::move(*of_lines), log_choices);
   }

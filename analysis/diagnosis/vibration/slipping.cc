@@ -11,6 +11,7 @@
 
 #include "analysis/diagnosis/vibration/bearing_orders.h"
 #include "analysis/diagnosis/vibration/combs.h"
+#include "analysis/diagnosis/vibration/impulse_chain.h"
 #include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/units.h"
@@ -33,9 +34,6 @@ constexpr std::size_t kMostTried = 3;
 constexpr int kTracks = 3;
 constexpr std::size_t kMostLinesThatBeat = 5;
 
-// Slips are a percent or two of the period; of five times as much nobody has heard.
-constexpr double kUsualSlip = 0.015;
-constexpr double kLargestSlip = 0.1;
 constexpr double kLeastSlip = 1e-3;
 constexpr double kLeastDecayOfEnvelope = 1.0;  // exponent, from one impulse to the next
 constexpr double kHighest = 2.0;               // impulse, of the usual one: the load on the balls changes
@@ -144,75 +142,6 @@ Series InStep(const std::vector<Series>& matched, const std::vector<std::size_t>
     for (std::size_t i = 0; i < together.size(); ++i) together[i] += gain * matched[c][i];
   }
   return together;
-}
-
-// The chain of samples, each about a period behind the one before, that holds most: of all chains by dynamic
-// programming.
-// @param score  of an impulse at a sample, in ln of likelihood
-std::vector<std::size_t> BestChain(const VibrationRun& run, double order, const std::vector<double>& score) {
-  const std::size_t n = run.size();
-  std::vector<double> best(score);
-  std::vector<std::size_t> before(n, n);
-  const auto apart_at = [&](std::size_t i) {
-    return kTwoPi / (order * std::max(run.speed_rad_per_s[i], 1e-9) * run.period_s);
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    const double apart = apart_at(i);
-    const auto nearest = static_cast<std::size_t>(std::max(1.0, (1.0 - kLargestSlip) * apart));
-    const auto farthest = static_cast<std::size_t>((1.0 + kLargestSlip) * apart) + 1;
-    if (i < farthest) continue;
-    double most = -1e300;
-    for (std::size_t back = nearest; back <= farthest; ++back) {
-      const double slip = (static_cast<double>(back) / apart - 1.0) / kUsualSlip;
-      const double chain = best[i - back] - 0.5 * slip * slip;
-      if (chain > most) {
-        most = chain;
-        before[i] = i - back;
-      }
-    }
-    best[i] += most;
-  }
-  const auto last = static_cast<std::ptrdiff_t>(std::min<double>(static_cast<double>(n), apart_at(n - 1)));
-  auto at = static_cast<std::size_t>(std::max_element(best.end() - last, best.end()) - best.begin());
-  std::vector<std::size_t> chain;
-  for (; at < n; at = before[at]) chain.push_back(at);
-  std::ranges::reverse(chain);
-  return chain;
-}
-
-// Where in between the samples the impulses are: order, place and slips of the term from times.
-bool TakeImpulses(const VibrationRun& run, const std::vector<double>& angles_rad, VibrationTerm& term) {
-  const std::size_t count = angles_rad.size();
-  if (count < 8) return false;
-  const double middle = 0.5 * static_cast<double>(count - 1);
-  double numbers = 0.0;
-  double both = 0.0;
-  double mean = 0.0;
-  for (std::size_t j = 0; j < count; ++j) {
-    const double number = static_cast<double>(j) - middle;
-    numbers += number * number;
-    both += number * angles_rad[j];
-    mean += angles_rad[j] / static_cast<double>(count);
-  }
-  const double order = kTwoPi * numbers / both;
-  const double at_middle = (mean - 0.5 * run.angle_rad.back()) * order / kTwoPi;
-  const double first = std::round(at_middle - middle);
-  const double place = at_middle - middle - first;
-  const auto half =
-      static_cast<std::size_t>(std::max(std::abs(first), std::abs(first + static_cast<double>(count)))) + 1;
-  term.slips.assign(2 * half + 1, 0.0);
-  std::vector<double> slips;
-  for (std::size_t j = 0; j < count; ++j) {
-    const double at = (angles_rad[j] - 0.5 * run.angle_rad.back()) * order / kTwoPi;
-    slips.push_back(at - (first + static_cast<double>(j) + place));
-  }
-  for (std::size_t s = 0; s < term.slips.size(); ++s) {
-    const double number = static_cast<double>(s) - static_cast<double>(half) - first;
-    term.slips[s] = slips[static_cast<std::size_t>(std::clamp(number, 0.0, static_cast<double>(count - 1)))];
-  }
-  term.shapes[0] = order;
-  term.shapes[3 + 2 * term.lines.size()] = place;
-  return true;
 }
 
 // Impulses of one sign, none much higher than the usual one, as the matched residual shows them.

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/impulse_chain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "analysis/units.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+// Slips are a percent or two of the period; of five times as much nobody has heard.
+constexpr double kUsualSlip = 0.015;
+constexpr double kLargestSlip = 0.1;
+constexpr double kGap = 1.5;  // sampling periods
+
+// Periods of an order from one sample to a later one.
+double PeriodsBetween(const VibrationRun& run, double order, std::size_t before, std::size_t after) {
+  return (run.angle_rad[after] - run.angle_rad[before]) * order / kTwoPi;
+}
+
+// Numbers of impulses about an order, the first one's 0: those in a gap have theirs, too.
+std::vector<double> NumbersOf(const std::vector<double>& angles_rad, double order) {
+  std::vector<double> numbers{0.0};
+  for (std::size_t j = 1; j < angles_rad.size(); ++j) {
+    const double periods = (angles_rad[j] - angles_rad[j - 1]) * order / kTwoPi;
+    numbers.push_back(numbers.back() + std::max(1.0, std::round(periods)));
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<std::size_t> BestChain(const VibrationRun& run, double order, const std::vector<double>& score) {
+  const std::size_t n = run.size();
+  std::vector<double> best(score);
+  std::vector<std::size_t> before(n, n);
+  const auto apart_at = [&](std::size_t i) {
+    return kTwoPi / (order * std::max(run.speed_rad_per_s[i], 1e-9) * run.period_s);
+  };
+  std::size_t stretch = 0;  // where the last gap ends
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0 && run.time_s[i] - run.time_s[i - 1] > kGap * run.period_s) stretch = i;
+    const double apart = apart_at(i);
+    auto nearest = static_cast<std::size_t>(std::max(1.0, (1.0 - kLargestSlip) * apart));
+    auto farthest = static_cast<std::size_t>((1.0 + kLargestSlip) * apart) + 1;
+    const bool over_gap = stretch > 0 && i < stretch + farthest;
+    if (over_gap) {
+      nearest = i - stretch + 1;
+      farthest += nearest;
+    }
+    if (i < farthest) continue;
+    double most = -1e300;
+    for (std::size_t back = nearest; back <= farthest; ++back) {
+      double off = static_cast<double>(back) / apart - 1.0;
+      if (over_gap) {
+        const double periods = PeriodsBetween(run, order, i - back, i);
+        const double whole = std::max(1.0, std::round(periods));
+        off = (periods - whole) / std::sqrt(whole);
+      }
+      const double slip = off / kUsualSlip;
+      const double chain = best[i - back] - 0.5 * slip * slip;
+      if (chain > most) {
+        most = chain;
+        before[i] = i - back;
+      }
+    }
+    best[i] += most;
+  }
+  const auto last = static_cast<std::ptrdiff_t>(std::min<double>(static_cast<double>(n), apart_at(n - 1)));
+  auto at = static_cast<std::size_t>(std::max_element(best.end() - last, best.end()) - best.begin());
+  std::vector<std::size_t> chain;
+  for (; at < n; at = before[at]) chain.push_back(at);
+  std::ranges::reverse(chain);
+  return chain;
+}
+
+bool TakeImpulses(const VibrationRun& run, const std::vector<double>& angles_rad, VibrationTerm& term) {
+  const std::size_t count = angles_rad.size();
+  if (count < 8) return false;
+  const std::vector<double> numbers = NumbersOf(angles_rad, term.shapes[0]);
+  const double middle = std::reduce(numbers.begin(), numbers.end()) / static_cast<double>(count);
+  double squares = 0.0;
+  double both = 0.0;
+  double mean = 0.0;
+  for (std::size_t j = 0; j < count; ++j) {
+    const double number = numbers[j] - middle;
+    squares += number * number;
+    both += number * angles_rad[j];
+    mean += angles_rad[j] / static_cast<double>(count);
+  }
+  const double order = kTwoPi * squares / both;
+  const double at_middle = (mean - 0.5 * run.angle_rad.back()) * order / kTwoPi;
+  const double first = std::round(at_middle - middle);
+  const double place = at_middle - middle - first;
+  const double last = first + numbers.back();
+  const auto half = static_cast<std::size_t>(std::max(std::abs(first), std::abs(last) + 1.0)) + 1;
+  term.slips.assign(2 * half + 1, 0.0);
+  // Where no impulse was heard the last slip goes on.
+  std::size_t j = 0;
+  for (std::size_t s = 0; s < term.slips.size(); ++s) {
+    const double number = static_cast<double>(s) - static_cast<double>(half) - first;
+    while (j + 1 < count && numbers[j + 1] <= number) ++j;
+    const double at = (angles_rad[j] - 0.5 * run.angle_rad.back()) * order / kTwoPi;
+    term.slips[s] = at - (first + numbers[j] + place);
+  }
+  term.shapes[0] = order;
+  term.shapes[3 + 2 * term.lines.size()] = place;
+  return true;
+}
+
+}  // namespace strainwave::analysis::diagnosis
