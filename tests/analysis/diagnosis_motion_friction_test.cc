@@ -131,5 +131,25 @@ TEST(MotionFriction, OfLowSpeedShowsWhereAnAxisTurnsFast) {
   }
 }
 
+// Three speeds each way leave a drag little beside Coulomb and viscous friction, but so much that nobody
+// would overlook it.
+TEST(MotionFriction, MayBeADragThatThreeSpeedsShow) {
+  const Diagnosed answer =
+      Ask(Record(7,
+                 {.speeds_rad_per_s = {1.0, -1.0, 0.8, -0.8, 0.6, -0.6, 1.0, -1.0, 0.8, -0.8, 0.6, -0.6},
+                  .rate_Hz = 200.0,
+                  .spell_s = 4.0,
+                  .turn_s = 0.05,
+                  .inertia_kgm2 = 0.1,
+                  .noise_Nm = 0.01},
+                 [](double, double, double speed) {
+                   const double direction = std::tanh(speed / 1e-3);
+                   return 0.7 * direction + 0.4 * speed + 0.3 * speed * std::abs(speed);
+                 }));
+  ASSERT_EQ(answer.names(), Names{"quadratic_drag"});
+  const ParameterValue drag = answer.value("drag_Nms2_per_rad2");
+  EXPECT_NEAR(drag.value, 0.3, 4.0 * drag.standard_error);
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

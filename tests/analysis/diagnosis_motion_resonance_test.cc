@@ -79,6 +79,13 @@ TEST(MotionResonance, MaySwingWhereTheRecordBegins) {
   for (const unsigned seed : {1U, 2U, 3U}) ExpectResonance(Swinging(seed, {}), 3.0);
 }
 
+// Nearly all of the swing is what the record began with: how heavy it is nobody can tell, that it is there is
+// plain.
+TEST(MotionResonance, MayBeginAndBeLittleElse) {
+  for (const unsigned seed : {1U, 2U, 3U})
+    ExpectResonance(Swinging(seed, {.frequency_Hz = 10.5, .start_rad = 0.0016}), 10.5);
+}
+
 // The gap hides what set it swinging, and in what phase it comes out of it.
 TEST(MotionResonance, MaySwingWhereAGapEnds) {
   MotionData record = Swinging(1, {.start_rad = 0.1});

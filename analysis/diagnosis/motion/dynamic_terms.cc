@@ -176,23 +176,29 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     return starts;
   };
   const std::string inertia = units.linear ? "second_mass_kg" : "second_inertia_kgm2";
-  term.describe = [inertia, reference, units, count = beginnings.size()](std::span<const double> numbers,
-                                                                         const Eigen::MatrixXd& covariance) {
+  const std::string swinging = "swinging_" + inertia;
+  const double usual_rad_per_s = usual / std::max(UsualSize(grid->velocity), 1e-300);
+  term.describe = [=, count = beginnings.size()](std::span<const double> numbers,
+                                                 const Eigen::MatrixXd& covariance) {
     const double frequency_Hz = std::exp(numbers[1]);
     const double damping = std::exp(numbers[2]);
     const double error = StandardErrorOf(covariance(0, 0));
-    // What the swing adds below its frequency, J₂/ω², is known even where frequency and inertia are not.
-    const double weight = numbers[0] / std::pow(kTwoPi * frequency_Hz, 2);
-    const double slope = std::abs(weight) / std::max(std::abs(numbers[0]), 1e-300);
-    const double weight_error =
-        StandardErrorOf(slope * slope * covariance(0, 0) + 4.0 * weight * weight * covariance(1, 1) -
-                        4.0 * weight * slope * covariance(0, 1));
+    // How much swings is known even where inertia and frequency are not, or inertia and a swing that the
+    // record begins with: J₂ √(w² + s²), w what the motion drives, as far below the frequency.
+    const double driven = std::pow(usual_rad_per_s / (kTwoPi * frequency_Hz), 2);
+    const Eigen::Map<const Eigen::VectorXd> begun(numbers.data() + 1 + kFirstSwing,
+                                                  static_cast<Index>(2 * count));
+    const double root = std::hypot(driven, begun.norm());
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(covariance.rows());
+    slope(0) = root;
+    slope(1) = -2.0 * numbers[0] * driven * driven / root;
+    slope.tail(begun.size()) = numbers[0] / root * begun;
     std::vector<ParameterValue> values{
         {"frequency_Hz", "Hz", frequency_Hz, frequency_Hz * StandardErrorOf(covariance(1, 1))},
         {"damping_ratio", "1", damping, damping * StandardErrorOf(covariance(2, 2))},
         {"inertia_share", "1", numbers[0] / reference, error / reference},
         {inertia, units.inertia(), numbers[0], error},
-        {inertia + "s2", units.inertia() + " s²", weight, weight_error}};
+        {swinging, units.inertia(), numbers[0] * root, StandardErrorOf(slope.dot(covariance * slope))}};
     for (std::size_t b = 0; b < count; ++b) {
       const std::size_t at = 1 + kFirstSwing + 2 * b;
       const auto error_of = [&](std::size_t k) {
@@ -216,7 +222,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                          .where = Where::kUndecided,
                          .effect = "E15",
                          .parameters = {{"inertia_share", "1", 0.0, kMostShare, false},
-                                        {inertia + "s2", units.inertia() + " s²", 0.0, kUnlimited, true},
+                                        {swinging, units.inertia(), 0.0, kUnlimited, true},
                                         {"frequency_Hz", "Hz", 1.02 * low_Hz, 0.98 * high_Hz, false},
                                         {"damping_ratio", "1", 1.1 * kLeastDamping, 0.4, false}},
                          .degrees_of_freedom = 3,

@@ -13,7 +13,7 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::max();
-constexpr double kExcited = 0.002;     // of a column's variance that has to lie beside the nominal terms
+constexpr double kExcited = 0.0005;    // of a column's variance that has to lie beside the nominal terms
 constexpr double kFewestShare = 0.01;  // of the motion that a regime of speed has to make up
 
 void NotExcited(SeparableModel& model, const char* cause, const std::string& why) {
