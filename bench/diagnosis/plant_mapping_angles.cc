@@ -121,24 +121,35 @@ double MeanStiffness_Nm_per_rad(Parameters nominal, const MappingContext& contex
 
 // The plant's gear is stiffer one way in all of its segments or in none.
 void MapAsymmetry(const NamedCause& cause, PlantTerms& plant) {
-  if (const auto share = Find(cause.parameters, "asymmetry_share")) {
+  auto share = Find(cause.parameters, "asymmetry_share");
+  // Its knees are at the same torque on both sides.
+  if (!share) share = Find(cause.parameters, "law_asymmetry_share");
+  if (share) {
     plant.Set("asymmetric_stiffness", {{"asymmetry_share", *share}});
   } else {
     SayUnknown(cause, plant);
   }
 }
 
-// The plant has a damper beside the spring. A lag of the twist is that of one over the mean stiffness;
-// friction that rises with the rate holds back as much as one does at the usual rate.
+// The plant has a damper beside the spring. A lag of the twist, or of the torque that is felt, is that of one
+// over the mean stiffness; friction that rises with the rate holds back as much as one does at the usual
+// rate.
 void MapRateDependence(const NamedCause& cause, Parameters nominal, const MappingContext& context,
                        PlantTerms& plant) {
   const double stiffness = MeanStiffness_Nm_per_rad(nominal, context);
+  const auto damper_for = [&](double rise_share) {
+    return rise_share * Find(nominal, "friction_torque_Nm").value_or(0.0) * stiffness /
+           Require(cause, "usual_rate_Nm_per_s");
+  };
   double viscous = 0.0;
   if (const auto lag = Find(cause.parameters, "lag_rad_s_per_Nm")) {
     viscous = *lag * stiffness * stiffness;
+  } else if (const auto lag_s = Find(cause.parameters, "torque_lag_s")) {
+    viscous = *lag_s * stiffness;
   } else if (const auto rise = Find(cause.parameters, "friction_rise_share")) {
-    const double held_back_Nm = *rise * std::log(2.0) * Find(nominal, "friction_torque_Nm").value_or(0.0);
-    viscous = held_back_Nm * stiffness / Require(cause, "usual_rate_Nm_per_s");
+    viscous = damper_for(*rise * std::log(2.0));
+  } else if (const auto straight = Find(cause.parameters, "linear_friction_rise_share")) {
+    viscous = damper_for(*straight);
   } else {
     viscous = Require(cause, "viscous_Nms_per_rad");
   }

@@ -20,5 +20,32 @@ TEST(RateDependence, IsNoneOfTheTorquesNoise) {
   }
 }
 
+// Three loops, each three times as fast as the one before.
+Diagnosed AskAtThreeRates(const GeneratedGear& gear) {
+  std::vector<PathLeg> path;
+  for (const double rate_Nm_per_s : {0.5, 1.5, 4.5}) {
+    for (const double to_Nm : {34.0, -34.0, 0.0}) path.push_back({to_Nm, rate_Nm_per_s});
+  }
+  return DiagnoseRecords(&MakeHysteresisStudy,
+                         std::vector<HysteresisData>{
+                             GenerateLoop(gear, {.angle_noise_rad = RadFromArcmin(0.02)}, path, 4000, 3)});
+}
+
+TEST(RateDependence, OfFrictionInProportionIsNotAnotherCauseBesideIt) {
+  const Diagnosed answer = AskAtThreeRates({.linear_rise_with_rate = 0.06});
+  ASSERT_EQ(answer.names(), Names{"rate_dependence"});
+  const double per_rate =
+      answer.value("linear_friction_rise_share").value / answer.value("usual_rate_Nm_per_s").value;
+  EXPECT_NEAR(per_rate, 0.06, 0.012);
+}
+
+TEST(RateDependence, OfTheTorqueThatIsFeltIsNotAnotherCauseBesideIt) {
+  const Diagnosed answer = AskAtThreeRates({.torque_lag_s = 0.15});
+  ASSERT_EQ(answer.names(), Names{"rate_dependence"});
+  const ParameterValue lag = answer.value("torque_lag_s");
+  EXPECT_NEAR(lag.value, 0.15, 4.0 * lag.standard_error);
+  EXPECT_LT(lag.standard_error, 0.02);
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

@@ -28,7 +28,10 @@ struct GeneratedGear {
   double stiffer_share{};          // (K+ − K−) / (K+ + K−)
   double k1_stiffer_share{};       // of the first segment alone
   double k2_stiffer_share{};       // of the second
+  double law_stiffer_share{};      // of all of them, with the knees at the same twist on both sides
   double rise_with_rate{};         // of the friction's limits: × (1 + rise · ln(1 + |Ṫ| / 1 Nm/s))
+  double linear_rise_with_rate{};  // × (1 + rise · |Ṫ| / 1 Nm/s)
+  double torque_lag_s{};           // what turns the gear is the torque less its rate times that
   double hardening_Nm_per_rad3{};
   double damper_Nms_per_rad{};
   double creep_share_per_decade{};  // three Kelvin-Voigt elements, one a decade, from `creep_s` on
@@ -76,9 +79,13 @@ class SteppedGear {
       : gear_(gear), element_Nm_(gear.friction_Nm.size(), 0.0), creep_(gear.creep_share > 0.0 ? 1 : 3, 0.0) {}
 
   void Step(double torque_Nm, double step_s) {
-    double change_Nm = torque_Nm - torque_Nm_;
+    const double rate_Nm_per_s = (torque_Nm - torque_Nm_) / step_s;
     torque_Nm_ = torque_Nm;
-    limit_scale_ = 1.0 + gear_.rise_with_rate * std::log1p(std::abs(change_Nm) / step_s);
+    limit_scale_ = 1.0 + gear_.rise_with_rate * std::log1p(std::abs(rate_Nm_per_s)) +
+                   gear_.linear_rise_with_rate * std::abs(rate_Nm_per_s);
+    const double felt_Nm = torque_Nm - gear_.torque_lag_s * rate_Nm_per_s;
+    double change_Nm = felt_Nm - felt_Nm_;
+    felt_Nm_ = felt_Nm;
     // What an element can no longer carry the others take over.
     for (std::size_t j = 0; j < element_Nm_.size(); ++j) {
       const double limit_Nm = limit_scale_ * gear_.friction_Nm[j];
@@ -166,6 +173,7 @@ class SteppedGear {
                    : size < knee1 ? first_Nm_per_rad
                    : size < knee2 ? second_Nm_per_rad
                                   : gear_.k3_Nm_per_rad * scale;
+    slope *= 1.0 + side * gear_.law_stiffer_share;
     return slope + 3.0 * gear_.hardening_Nm_per_rad3 * twist_rad * twist_rad;
   }
 
@@ -178,6 +186,7 @@ class SteppedGear {
 
   GeneratedGear gear_;
   double torque_Nm_{};
+  double felt_Nm_{};
   double limit_scale_{1.0};
   bool slipped_{};
   double twist_rad_{};

@@ -54,8 +54,8 @@ class LoopEffect {
   virtual double LogPlaces(std::span<const double> /*numbers*/) const { return 0.0; }
   /// Numbers to start from, amounts zero: forms and shapes that are worth trying.
   virtual std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const = 0;
-  /// Richer forms of the effect as fitted, amounts zero that are new; each is kept only if it pays. Empty for
-  /// most.
+  /// Richer forms of the effect as fitted, amounts zero that are new, or the same in another valley; each is
+  /// kept only if it pays. Empty for most.
   virtual std::vector<std::vector<double>> RicherForms(std::span<const double> /*numbers*/,
                                                        const LoopRemainder& /*remainder*/) const {
     return {};

@@ -45,8 +45,8 @@ struct Side {
 
 Side MakeSide(const GearLaw& law, double sign) {
   const model::TorsionSpring& spring = law.spring;
-  const auto on_side = [&](double stiffness_Nm_per_rad, std::size_t segment) {
-    return stiffness_Nm_per_rad * model::StiffnessOnSide(law.asymmetry_share[segment], sign);
+  const auto on_side = [&](double usual, std::size_t segment) {
+    return usual * model::StiffnessOnSide(law.asymmetry_share[segment], sign);
   };
   Side side{};
   side.slope = {on_side(spring.k1_Nm_per_rad, 0), on_side(spring.k1_Nm_per_rad, 0),
@@ -57,10 +57,13 @@ Side MakeSide(const GearLaw& law, double sign) {
     side.start_rad[1] = edge_Nm / side.slope[1] + model::BacklashTwist_rad(law.backlash, edge_Nm);
     side.slope[0] = edge_Nm / side.start_rad[1];
   }
-  side.start_Nm[2] = spring.t1_Nm;
-  side.start_rad[2] = side.start_rad[1] + (spring.t1_Nm - side.start_Nm[1]) / side.slope[1];
-  side.start_Nm[3] = spring.t2_Nm;
-  side.start_rad[3] = side.start_rad[2] + (spring.t2_Nm - spring.t1_Nm) / side.slope[2];
+  const auto knee_Nm = [&](double torque_Nm) {
+    return law.knees_at_twist ? on_side(torque_Nm, 0) : torque_Nm;
+  };
+  side.start_Nm[2] = knee_Nm(spring.t1_Nm);
+  side.start_rad[2] = side.start_rad[1] + (side.start_Nm[2] - side.start_Nm[1]) / side.slope[1];
+  side.start_Nm[3] = knee_Nm(spring.t2_Nm);
+  side.start_rad[3] = side.start_rad[2] + (side.start_Nm[3] - side.start_Nm[2]) / side.slope[2];
   return side;
 }
 
@@ -134,8 +137,9 @@ class Gear {
       return;
     rate_Nm_per_s_ = rate_Nm_per_s;
     LeaveStraight();
-    const double scale =
-        1.0 + law_.friction_rise_share * std::log1p(std::abs(rate_Nm_per_s) / law_.usual_rate_Nm_per_s);
+    const double usual_rates = std::abs(rate_Nm_per_s) / law_.usual_rate_Nm_per_s;
+    const double scale = 1.0 + law_.friction_rise_share *
+                                   (law_.friction_rises_linearly ? usual_rates : std::log1p(usual_rates));
     for (std::size_t j = 0; j < law_.friction_elements; ++j) {
       friction_[j] = {scale * law_.friction[j].limit_Nm, scale * law_.friction[j].yield_rad};
       anchor_rad_[j] = model::MovedAnchor(friction_[j], twist_rad_, anchor_rad_[j]);
@@ -318,25 +322,27 @@ void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_
   Gear gear(law, std::max(duration_s / static_cast<double>(grid.size()), 1e-300));
   for (std::size_t r = 0; r < grid.records(); ++r) {
     for (std::size_t i = grid.starts[r]; i < grid.starts[r + 1]; ++i) {
-      const double torque_Nm = grid.torque_Nm[i] - law.torque_offset_Nm;
+      const auto felt_Nm = [&](double torque_Nm, std::size_t rate_at) {
+        return torque_Nm - law.torque_offset_Nm - law.torque_lag_s * grid.rate_Nm_per_s[rate_at];
+      };
+      const double torque_Nm = felt_Nm(grid.torque_Nm[i], i);
       double mean_rate_Nm_per_s = 0.0;
       if (i == grid.starts[r]) {
         gear.StartAt(torque_Nm, law.start_share[r]);
       } else {
-        const double before_Nm = grid.torque_Nm[i - 1] - law.torque_offset_Nm;
+        const double before_Nm = felt_Nm(grid.torque_Nm[i - 1], i - 1);
         const double step_s = grid.time_s[i] - grid.time_s[i - 1];
         mean_rate_Nm_per_s = grid.rate_Nm_per_s[i];
         if (std::isnan(grid.turn_Nm[i])) {
           gear.SetRate(grid.rate_Nm_per_s[i]);
           gear.GoTo(before_Nm, torque_Nm, step_s);
         } else {
-          const double turn_Nm = grid.turn_Nm[i] - law.torque_offset_Nm;
           const double share = grid.turn_share[i];
           mean_rate_Nm_per_s = std::lerp(grid.rate_Nm_per_s[i], grid.rate_Nm_per_s[i - 1], share);
           gear.SetRate(grid.rate_Nm_per_s[i - 1]);
-          gear.GoTo(before_Nm, turn_Nm, share * step_s);
+          gear.GoTo(before_Nm, felt_Nm(grid.turn_Nm[i], i - 1), share * step_s);
           gear.SetRate(grid.rate_Nm_per_s[i]);
-          gear.GoTo(turn_Nm, torque_Nm, (1.0 - share) * step_s);
+          gear.GoTo(felt_Nm(grid.turn_Nm[i], i - 1), torque_Nm, (1.0 - share) * step_s);
         }
       }
       double twist = gear.twist_rad() - law.lag_rad_s_per_Nm * mean_rate_Nm_per_s;

@@ -38,6 +38,7 @@ class BacklashEffect final : public LoopEffect {
                {0.0, 0.8 * range_arcmin, 1e-5 * range_arcmin, false, true},
                {std::log(least_Nm), std::log(most_Nm), 1e-4, false, false}};
     shapes_gear = true;
+    needs_all_samples = true;
   }
 
   void ShapeGear(std::span<const double> v, GearLaw& law) const override {
@@ -48,6 +49,11 @@ class BacklashEffect final : public LoopEffect {
   std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
     const double start = std::log(start_torque_Nm_);
     return {{kOutside, 0.0, start}, {kBesideFriction, 0.0, start}, {kOutsideRounded, 0.0, start}};
+  }
+  // A fit does not come from a zone that fades away to one with sharp ends.
+  std::vector<std::vector<double>> RicherForms(std::span<const double> v,
+                                               const LoopRemainder&) const override {
+    return {{v[0], v[1], numbers[2].low}};
   }
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {
@@ -87,7 +93,7 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
       .where = Where::kUnit,
       .effect = "E5",
       .degrees_of_freedom = 1,
-      .trials = 4.0,
+      .trials = 5.0,
       .to_settle = TwoAngles(records)};
   const LawForm of_all{"asymmetry_share", "1", -0.5, 0.5,
                        [](double share, GearLaw& law) { law.asymmetry_share.fill(share); }};
@@ -97,8 +103,12 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
                           [](double share, GearLaw& law) { law.asymmetry_share[1] = share; }};
   const LawForm of_last{"k3_asymmetry_share", "1", -0.5, 0.5,
                         [](double share, GearLaw& law) { law.asymmetry_share[2] = share; }};
-  effects.push_back(
-      std::make_unique<LawNumber>(std::move(asymmetry), std::vector{of_all, of_first, of_second, of_last}));
+  const LawForm of_law{"law_asymmetry_share", "1", -0.5, 0.5, [](double share, GearLaw& law) {
+                         law.asymmetry_share.fill(share);
+                         law.knees_at_twist = true;
+                       }};
+  effects.push_back(std::make_unique<LawNumber>(std::move(asymmetry),
+                                                std::vector{of_all, of_first, of_second, of_last, of_law}));
 
   const double hardest = 0.8 * peak_Nm / (half_range_rad * half_range_rad * half_range_rad);
   CauseRule hardening{

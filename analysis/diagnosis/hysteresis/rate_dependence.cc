@@ -32,15 +32,20 @@ class RateDependence final : public LawNumber {
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {
     std::vector<ParameterValue> described = LawNumber::Describe(v, covariance);
-    if (FindParameter(described, "friction_rise_share") != nullptr)
+    if (FindParameter(described, "friction_rise_share") != nullptr ||
+        FindParameter(described, "linear_friction_rise_share") != nullptr)
       described.push_back({"usual_rate_Nm_per_s", "Nm/s", usual_rate_Nm_per_s_, 0.0});
     return described;
   }
   std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
     std::vector<double> v = LawNumber::Restore(parameters);
     const double* usual = FindParameter(parameters, "usual_rate_Nm_per_s");
+    if (usual == nullptr) return v;
     // Of another record: between the two rates the logarithm is nearly a straight line.
-    if (usual != nullptr) v.back() *= std::log1p(1.0) / std::log1p(*usual / usual_rate_Nm_per_s_);
+    const double rates = *usual / usual_rate_Nm_per_s_;
+    v.back() *= FindParameter(parameters, "friction_rise_share") != nullptr
+                    ? std::log1p(1.0) / std::log1p(rates)
+                    : 1.0 / rates;
     return v;
   }
 
@@ -64,20 +69,30 @@ void AppendRateDependence(const LoopRecords& records, LoopEffects& effects) {
       .where = Where::kUnit,
       .effect = "E22",
       .degrees_of_freedom = 1,
-      .trials = 3.0,
+      .trials = 5.0,
       .to_settle = fmt::format(
           "# the same loop slowly and fast: what is the rate's doing grows ten times\n{}{}",
           PhaseText(records, {.name = "slow", .torque_rate_Nm_per_s = 0.5, .hold_s = 30.0, .loops = 2}),
           PhaseText(records, {.name = "fast", .torque_rate_Nm_per_s = 5.0, .hold_s = 30.0, .loops = 2}))};
-  std::vector<LawForm> forms{
-      {"viscous_Nms_per_rad", "Nm s/rad", 0.0, most_viscous,
-       [](double viscous, GearLaw& law) { law.viscous_Nms_per_rad = viscous; }},
-      {"lag_rad_s_per_Nm", "rad s/Nm", 0.0, most_lag_rad_s_per_Nm,
-       [](double lag, GearLaw& law) { law.lag_rad_s_per_Nm = lag; }},
-      {"friction_rise_share", "1", 0.0, 3.0, [rate_Nm_per_s](double share, GearLaw& law) {
-         law.friction_rise_share = share;
-         law.usual_rate_Nm_per_s = rate_Nm_per_s;
-       }}};
+  std::vector<LawForm> forms{{"viscous_Nms_per_rad", "Nm s/rad", 0.0, most_viscous,
+                              [](double viscous, GearLaw& law) { law.viscous_Nms_per_rad = viscous; }},
+                             {"lag_rad_s_per_Nm", "rad s/Nm", 0.0, most_lag_rad_s_per_Nm,
+                              [](double lag, GearLaw& law) { law.lag_rad_s_per_Nm = lag; }},
+                             {"friction_rise_share", "1", 0.0, 3.0,
+                              [rate_Nm_per_s](double share, GearLaw& law) {
+                                law.friction_rise_share = share;
+                                law.usual_rate_Nm_per_s = rate_Nm_per_s;
+                              }},
+                             {"linear_friction_rise_share", "1", 0.0, 3.0,
+                              [rate_Nm_per_s](double share, GearLaw& law) {
+                                law.friction_rise_share = share;
+                                law.friction_rises_linearly = true;
+                                law.usual_rate_Nm_per_s = rate_Nm_per_s;
+                              }},
+                             // As much as a lag of the twist at its mean stiffness.
+                             {"torque_lag_s", "s", 0.0,
+                              most_lag_rad_s_per_Nm * 2.0 * records.peak_torque_Nm / records.twist_range_rad,
+                              [](double lag_s, GearLaw& law) { law.torque_lag_s = lag_s; }}};
   effects.push_back(std::make_unique<RateDependence>(std::move(rule), std::move(forms), rate_Nm_per_s));
 }
 

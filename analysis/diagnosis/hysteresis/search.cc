@@ -21,7 +21,8 @@ using Eigen::Index;
 constexpr std::size_t kSearchPoints = 1500;
 constexpr int kMostIterations = 25;
 constexpr int kFewIterations = 2;
-constexpr int kFitted = 2;  // of the ranked starts
+constexpr int kFitted = 2;              // of the ranked starts
+constexpr double kAnotherValley = 0.7;  // of ln yield twist
 
 Eigen::VectorXd RootsOf(const std::vector<double>& weights) {
   return Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Index>(weights.size())).cwiseSqrt();
@@ -111,14 +112,6 @@ class Surroundings {
   Eigen::MatrixXd followed_;
   Eigen::VectorXd gear_rad_;
 };
-
-// n ln(cost) + k ln(n) + 2 ln(places): what a better fit has to pay for further numbers, or for a form that
-// is less likely.
-double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSolution& solution) {
-  const auto n = static_cast<double>(grid.size());
-  return n * std::log(std::max(solution.cost, 1e-300)) +
-         model.FreeParameters(solution.numbers) * std::log(n) + 2.0 * model.LogPlaces(solution.numbers);
-}
 
 // Fits the most promising start of each form, up to a few of them.
 void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std::size_t effect,
@@ -222,7 +215,13 @@ Eigen::VectorXd SettlePeaks(LoopRecords& records, const LoopModel& model, const 
 
 }  // namespace
 
-Eigen::VectorXd FindNominal(LoopRecords& records) {
+double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSolution& solution) {
+  const auto n = static_cast<double>(grid.size());
+  return n * std::log(std::max(solution.cost, 1e-300)) +
+         model.FreeParameters(solution.numbers) * std::log(n) + 2.0 * model.LogPlaces(solution.numbers);
+}
+
+NominalValleys FindNominal(LoopRecords& records) {
   const LoopModel model(records, {});
   const LoopGrid grid = Condense(records, records.samples.weight, kSearchPoints);
   std::vector<Eigen::VectorXd> starts;
@@ -243,12 +242,16 @@ Eigen::VectorXd FindNominal(LoopRecords& records) {
     starts.push_back(first);
     starts.back()[kLnYield] += std::log(factor);
   }
-  LoopSolution best{first, std::numeric_limits<double>::infinity()};
-  for (const Eigen::VectorXd& start : starts) {
-    LoopSolution solution = SolveLoop(model, grid, start, kMostIterations);
-    if (solution.cost < best.cost) best = std::move(solution);
-  }
-  return SettlePeaks(records, model, SettleTurns(records, model, best.numbers));
+  std::vector<LoopSolution> valleys;
+  for (const Eigen::VectorXd& start : starts)
+    valleys.push_back(SolveLoop(model, grid, start, kMostIterations));
+  std::ranges::stable_sort(valleys, {}, &LoopSolution::cost);
+  const Eigen::VectorXd& best = valleys.front().numbers;
+  const auto other = std::ranges::find_if(valleys, [&](const LoopSolution& valley) {
+    return std::abs(valley.numbers[kLnYield] - best[kLnYield]) > kAnotherValley;
+  });
+  return {SettlePeaks(records, model, SettleTurns(records, model, best)),
+          other == valleys.end() ? Eigen::VectorXd() : other->numbers};
 }
 
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,

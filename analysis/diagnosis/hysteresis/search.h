@@ -9,9 +9,16 @@
 
 namespace strainwave::analysis::diagnosis {
 
+struct NominalValleys {
+  Eigen::VectorXd best;
+  /// Where the other fits ended best, with another yield twist; empty where all ended alike. An effect that
+  /// the model lacks may make friction of itself: what it is shows from the other valley alone.
+  Eigen::VectorXd other;
+};
+
 /// Numbers of the nominal model fitted to the records from starts that need no fit of the caller's. Turns of
 /// the torque between samples are taken off the records where the angle does not show them.
-Eigen::VectorXd FindNominal(LoopRecords& records);
+NominalValleys FindNominal(LoopRecords& records);
 
 /// Fits a model to a grid where all but one effect have their numbers already, fitted without that one: the
 /// effect's forms and shapes are ranked by what they would take off the residual beside all other numbers
@@ -19,6 +26,10 @@ Eigen::VectorXd FindNominal(LoopRecords& records);
 /// @param x  numbers of the whole model; those of `effect` are not read.
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
                               const LoopGrid& grid, const Eigen::VectorXd& x);
+
+/// n ln(cost) + k ln(n) + 2 ln(places): what a better fit has to pay for further numbers, or for a form that
+/// is less likely.
+double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSolution& solution);
 
 /// A fit of a model that a record may not be able to tell from the best one.
 struct Alternative {

@@ -50,7 +50,9 @@ class HysteresisStudy final : public Study {
     AppendCorrections(records_, effects_);
     for (const auto& effect : effects_) rules_.push_back(effect->rule);
     stretches_.assign(records_.samples.starts.begin(), records_.samples.starts.end() - 1);
-    nominal_start_ = FindNominal(records_);
+    NominalValleys valleys = FindNominal(records_);
+    nominal_start_ = std::move(valleys.best);
+    other_valley_ = std::move(valleys.other);
     TakeFromNominal();
     warnings_ = records_.warnings;
     const GearLaw law = LoopModel(records_, {}).LawOf(nominal_start_);
@@ -100,6 +102,7 @@ class HysteresisStudy final : public Study {
   std::vector<Regressor> regressors_;
   std::vector<std::string> warnings_;
   Eigen::VectorXd nominal_start_;
+  Eigen::VectorXd other_valley_;        // empty where there is none
   Eigen::VectorXd noise_response_rad_;  // what the torque's noise would have turned the gear by
 };
 
@@ -172,7 +175,15 @@ LoopSolution HysteresisStudy::Search(std::span<const std::size_t> causes, std::s
     const auto first = static_cast<Index>(model.Of(effect, std::as_const(wider)).data() - wider.data());
     wider.head(first) = solution.numbers.head(first);
     wider.tail(solution.numbers.size() - first) = solution.numbers.tail(solution.numbers.size() - first);
-    solution = FitWithNewEffect(records_, model, effect, GridOf(model, weights), wider);
+    const LoopGrid grid = GridOf(model, weights);
+    solution = FitWithNewEffect(records_, model, effect, grid, wider);
+    if (present.size() == 1 && other_valley_.size() > 0) {
+      wider.setZero();
+      wider.head(first) = other_valley_;
+      LoopSolution from_other = FitWithNewEffect(records_, model, effect, grid, wider);
+      if (PenalisedCost(model, grid, from_other) < PenalisedCost(model, grid, solution))
+        solution = std::move(from_other);
+    }
     if (!std::isfinite(solution.cost)) return solution;
   }
   return solution;
