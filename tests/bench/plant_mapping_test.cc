@@ -257,6 +257,23 @@ TEST(PlantMapping, TakesWhatTheRateDoesForADamper) {
   const double faster =
       viscous(Cause("rate_dependence", {{"friction_rise_share", 0.2}, {"usual_rate_Nm_per_s", 3.0}}));
   EXPECT_NEAR(faster, 0.5 * usual, 1e-9 * usual);
+  // In proportion to the rate it rises by the share at the usual one, by the logarithm's law by ln 2 of it.
+  const double straight =
+      viscous(Cause("rate_dependence", {{"linear_friction_rise_share", 0.2}, {"usual_rate_Nm_per_s", 1.5}}));
+  EXPECT_NEAR(straight, usual / std::log(2.0), 1e-9 * usual);
+  EXPECT_NEAR(viscous(Cause("rate_dependence", {{"torque_lag_s", 0.1}})), 0.1 * stiffness, 1e-9 * stiffness);
+}
+
+TEST(PlantMapping, TakesAnAsymmetryOfTheWholeLawForOneOfItsSegments) {
+  const PlantMapping mapping = PlantTermsOf(
+      "hysteresis", {}, std::vector{Cause("asymmetric_stiffness", {{"law_asymmetry_share", 0.1}})}, {});
+  EXPECT_TRUE(mapping.not_run.empty());
+  EXPECT_EQ(LoopPlant({Cause("asymmetric_stiffness", {{"law_asymmetry_share", 0.1}})})
+                .law()
+                .deviations.asymmetry_share,
+            LoopPlant({Cause("asymmetric_stiffness", {{"asymmetry_share", 0.1}})})
+                .law()
+                .deviations.asymmetry_share);
 }
 
 TEST(PlantMapping, SaysThatTheBenchIsStifferOneWayInAllSegmentsOnly) {
