@@ -122,7 +122,7 @@ double MeanStiffness_Nm_per_rad(Parameters nominal, const MappingContext& contex
 // The plant's gear is stiffer one way in all of its segments or in none.
 void MapAsymmetry(const NamedCause& cause, PlantTerms& plant) {
   auto share = Find(cause.parameters, "asymmetry_share");
-  // Its knees are at the same torque on both sides.
+  // The plant's knees stay at their torques, also where those of the record are at one twist.
   if (!share) share = Find(cause.parameters, "law_asymmetry_share");
   if (share) {
     plant.Set("asymmetric_stiffness", {{"asymmetry_share", *share}});

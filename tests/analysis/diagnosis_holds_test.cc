@@ -8,6 +8,7 @@
 
 #include "analysis/diagnosis/hysteresis/holds.h"
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -125,11 +126,9 @@ TEST(KeepStill, EndsARampAtTheHold) {
 TEST(HysteresisHolds, NameCreepAlone) {
   const std::vector<PathLeg> path{{34.0, 1.0, 30.0}, {-34.0, 1.0, 30.0}, {34.0, 1.0, 30.0}, {0.0, 1.0}};
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {
-    const Diagnosed found = DiagnoseRecords(
-        &MakeHysteresisStudy,
-        std::vector<HysteresisData>{GenerateLoop(
-            {.friction_Nm = {3.0}, .yield_rad = {0.7e-4}, .creep_s = 4.0, .creep_rad_per_Nm = 3e-7},
-            {.torque_noise_Nm = 0.016, .angle_noise_rad = RadFromArcmin(0.004)}, path, 6000, seed)});
+    const Diagnosed found =
+        DiagnoseLoop({.friction_Nm = {3.0}, .yield_rad = {0.7e-4}, .creep_s = 4.0, .creep_rad_per_Nm = 3e-7},
+                     {.torque_noise_Nm = 0.016, .angle_noise_rad = RadFromArcmin(0.004)}, path, 6000, seed);
     EXPECT_EQ(found.names(), Names{"creep"}) << seed;
   }
 }
@@ -137,8 +136,7 @@ TEST(HysteresisHolds, NameCreepAlone) {
 // Readings of a hold differ by their noise alone: no shape over the output angle.
 TEST(HysteresisHolds, LeaveNoShapeOverTheAngle) {
   const std::vector<PathLeg> path{{34.0, 1.0, 30.0}, {-34.0, 1.0, 30.0}, {0.0, 1.0}};
-  const Diagnosed clean =
-      DiagnoseRecords(&MakeHysteresisStudy, std::vector<HysteresisData>{GenerateLoop({}, {}, path, 4000, 3)});
+  const Diagnosed clean = DiagnoseLoop({}, {}, path, 4000, 3);
   EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect);
   EXPECT_EQ(clean.diagnosis.leftover.signature, "");
 }
@@ -151,8 +149,7 @@ TEST(HysteresisOneLoop, LeavesADentWithoutAName) {
     sensors.unlisted_rad = [&](double, double torque_Nm, double, bool) {
       return RadFromArcmin(0.04) * std::exp(-0.5 * std::pow((torque_Nm - middle_Nm) / 0.7, 2));
     };
-    const Diagnosed found = DiagnoseRecords(
-        &MakeHysteresisStudy, std::vector<HysteresisData>{GenerateLoop({}, sensors, path, 6000, 5)});
+    const Diagnosed found = DiagnoseLoop({}, sensors, path, 6000, 5);
     EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure) << middle_Nm;
     EXPECT_EQ(found.names(), Names()) << middle_Nm;
   }
@@ -188,9 +185,7 @@ TEST(HysteresisPair, LetsASlipChangeItsFormBesideADrift) {
       return -RadFromArcmin(0.03) * -std::expm1(-time_s / 100.0);
     };
     const Diagnosed found =
-        DiagnoseRecords(&MakeHysteresisStudy,
-                        std::vector<HysteresisData>{GenerateLoop(
-                            {.slip_from_Nm = 20.5, .slip_rad_per_Nms = 4.3e-7}, sensors, path, 4500, seed)});
+        DiagnoseLoop({.slip_from_Nm = 20.5, .slip_rad_per_Nms = 4.3e-7}, sensors, path, 4500, seed);
     Names names = found.names();
     std::ranges::sort(names);
     EXPECT_EQ(names, (Names{"brake_slip", "thermal_drift"})) << seed;
@@ -201,11 +196,9 @@ TEST(HysteresisPair, LetsASlipChangeItsFormBesideADrift) {
 TEST(HysteresisHolds, ShowTheTimeConstantOfASingleElement) {
   const std::vector<PathLeg> path{{34.0, 2.0, 6.0}, {-34.0, 2.0, 6.0}, {34.0, 2.0, 6.0}, {0.0, 2.0}};
   for (const double creep_s : {5.0, 8.0, 10.0, 12.0}) {
-    const Diagnosed found = DiagnoseRecords(
-        &MakeHysteresisStudy,
-        std::vector<HysteresisData>{GenerateLoop(
-            {.friction_Nm = {3.0}, .yield_rad = {0.7e-4}, .creep_s = creep_s, .creep_rad_per_Nm = 5e-7},
-            {.torque_noise_Nm = 0.016, .angle_noise_rad = RadFromArcmin(0.006)}, path, 4000, 1)});
+    const Diagnosed found = DiagnoseLoop(
+        {.friction_Nm = {3.0}, .yield_rad = {0.7e-4}, .creep_s = creep_s, .creep_rad_per_Nm = 5e-7},
+        {.torque_noise_Nm = 0.016, .angle_noise_rad = RadFromArcmin(0.006)}, path, 4000, 1);
     EXPECT_EQ(found.names(), Names{"creep"}) << creep_s;
     const ParameterValue time_constant = found.value("time_constant_s");
     EXPECT_NEAR(time_constant.value, creep_s, 0.15 * creep_s);

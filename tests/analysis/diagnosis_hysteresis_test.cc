@@ -8,6 +8,7 @@
 #include "analysis/diagnosis/hysteresis/gear.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 #include "tests/analysis/message_of.h"
 
@@ -27,8 +28,7 @@ std::vector<PathLeg> Loops(double peak_Nm = 34.0, double hold_s = 10.0) {
 
 Diagnosed Ask(const GeneratedGear& gear, const GeneratedSensors& sensors = {}, std::uint32_t seed = 5,
               const std::vector<PathLeg>& path = Loops()) {
-  return DiagnoseRecords(&MakeHysteresisStudy,
-                         std::vector<HysteresisData>{GenerateLoop(gear, sensors, path, 4000, seed)});
+  return DiagnoseLoop(gear, sensors, path, 4000, seed);
 }
 
 void ExpectNear(const ParameterValue& parameter, double truth, double most_relative_error) {

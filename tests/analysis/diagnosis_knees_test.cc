@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -15,9 +16,7 @@ Diagnosed AskWithOtherKnees(GeneratedGear gear) {
   gear.t1_Nm = kT1_Nm;
   gear.t2_Nm = kT2_Nm;
   const auto path = Loops(3, {{.to_Nm = 34.0, .rate_Nm_per_s = 1.0, .hold_s = 4.0}});
-  return DiagnoseRecords(&MakeHysteresisStudy,
-                         std::vector<HysteresisData>{
-                             GenerateLoop(gear, {.angle_noise_rad = RadFromArcmin(0.003)}, path, 4000, 5)});
+  return DiagnoseLoop(gear, {.angle_noise_rad = RadFromArcmin(0.003)}, path, 4000, 5);
 }
 
 void ExpectTheKnees(const Diagnosed& found) {

@@ -3,6 +3,7 @@
 
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -12,10 +13,8 @@ namespace {
 TEST(RateDependence, IsNoneOfTheTorquesNoise) {
   const std::vector<PathLeg> path{{34.0, 7.2}, {-34.0, 7.2}, {0.0, 7.2}};
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
-    const Diagnosed clean = DiagnoseRecords(
-        &MakeHysteresisStudy,
-        std::vector<HysteresisData>{GenerateLoop(
-            {}, {.torque_noise_Nm = 0.02, .angle_noise_rad = RadFromArcmin(0.003)}, path, 2400, seed)});
+    const Diagnosed clean = DiagnoseLoop(
+        {}, {.torque_noise_Nm = 0.02, .angle_noise_rad = RadFromArcmin(0.003)}, path, 2400, seed);
     EXPECT_EQ(clean.names(), Names()) << seed;
   }
 }
@@ -26,9 +25,7 @@ Diagnosed AskAtThreeRates(const GeneratedGear& gear) {
   for (const double rate_Nm_per_s : {0.5, 1.5, 4.5}) {
     for (const double to_Nm : {34.0, -34.0, 0.0}) path.push_back({to_Nm, rate_Nm_per_s});
   }
-  return DiagnoseRecords(&MakeHysteresisStudy,
-                         std::vector<HysteresisData>{
-                             GenerateLoop(gear, {.angle_noise_rad = RadFromArcmin(0.02)}, path, 4000, 3)});
+  return DiagnoseLoop(gear, {.angle_noise_rad = RadFromArcmin(0.02)}, path, 4000, 3);
 }
 
 TEST(RateDependence, OfFrictionInProportionIsNotAnotherCauseBesideIt) {

@@ -7,6 +7,7 @@
 
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 
 // Under torque of one sign a brake that slips leaves the angle behind in steps, which over a loop or two go
@@ -20,8 +21,7 @@ Diagnosed Ask(GeneratedSensors sensors, int loops, std::uint32_t seed) {
   sensors.torque_noise_Nm = 0.0;
   std::vector<PathLeg> path = Loops(loops, {{.to_Nm = kPeak_Nm, .rate_Nm_per_s = 1.5}});
   path.push_back({.to_Nm = kPeak_Nm, .rate_Nm_per_s = 1.5});
-  return DiagnoseRecords(&MakeHysteresisStudy,
-                         std::vector<HysteresisData>{GenerateLoop({}, sensors, path, 3000, seed)});
+  return DiagnoseLoop({}, sensors, path, 3000, seed);
 }
 
 // Slips under positive torque alone, the faster the more it is loaded beyond a level.

@@ -320,11 +320,11 @@ void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_
   for (std::size_t r = 0; r < grid.records(); ++r)
     duration_s += grid.time_s[grid.starts[r + 1] - 1] - grid.time_s[grid.starts[r]];
   Gear gear(law, std::max(duration_s / static_cast<double>(grid.size()), 1e-300));
+  const auto felt_Nm = [&](double torque_Nm, std::size_t rate_at) {
+    return torque_Nm - law.torque_offset_Nm - law.torque_lag_s * grid.rate_Nm_per_s[rate_at];
+  };
   for (std::size_t r = 0; r < grid.records(); ++r) {
     for (std::size_t i = grid.starts[r]; i < grid.starts[r + 1]; ++i) {
-      const auto felt_Nm = [&](double torque_Nm, std::size_t rate_at) {
-        return torque_Nm - law.torque_offset_Nm - law.torque_lag_s * grid.rate_Nm_per_s[rate_at];
-      };
       const double torque_Nm = felt_Nm(grid.torque_Nm[i], i);
       double mean_rate_Nm_per_s = 0.0;
       if (i == grid.starts[r]) {
@@ -337,12 +337,13 @@ void FillTwist(const GearLaw& law, const LoopGrid& grid, Eigen::VectorXd& twist_
           gear.SetRate(grid.rate_Nm_per_s[i]);
           gear.GoTo(before_Nm, torque_Nm, step_s);
         } else {
+          const double turn_Nm = felt_Nm(grid.turn_Nm[i], i - 1);
           const double share = grid.turn_share[i];
           mean_rate_Nm_per_s = std::lerp(grid.rate_Nm_per_s[i], grid.rate_Nm_per_s[i - 1], share);
           gear.SetRate(grid.rate_Nm_per_s[i - 1]);
-          gear.GoTo(before_Nm, felt_Nm(grid.turn_Nm[i], i - 1), share * step_s);
+          gear.GoTo(before_Nm, turn_Nm, share * step_s);
           gear.SetRate(grid.rate_Nm_per_s[i]);
-          gear.GoTo(felt_Nm(grid.turn_Nm[i], i - 1), torque_Nm, (1.0 - share) * step_s);
+          gear.GoTo(turn_Nm, torque_Nm, (1.0 - share) * step_s);
         }
       }
       double twist = gear.twist_rad() - law.lag_rad_s_per_Nm * mean_rate_Nm_per_s;

@@ -74,25 +74,23 @@ void AppendRateDependence(const LoopRecords& records, LoopEffects& effects) {
           "# the same loop slowly and fast: what is the rate's doing grows ten times\n{}{}",
           PhaseText(records, {.name = "slow", .torque_rate_Nm_per_s = 0.5, .hold_s = 30.0, .loops = 2}),
           PhaseText(records, {.name = "fast", .torque_rate_Nm_per_s = 5.0, .hold_s = 30.0, .loops = 2}))};
-  std::vector<LawForm> forms{{"viscous_Nms_per_rad", "Nm s/rad", 0.0, most_viscous,
-                              [](double viscous, GearLaw& law) { law.viscous_Nms_per_rad = viscous; }},
-                             {"lag_rad_s_per_Nm", "rad s/Nm", 0.0, most_lag_rad_s_per_Nm,
-                              [](double lag, GearLaw& law) { law.lag_rad_s_per_Nm = lag; }},
-                             {"friction_rise_share", "1", 0.0, 3.0,
-                              [rate_Nm_per_s](double share, GearLaw& law) {
-                                law.friction_rise_share = share;
-                                law.usual_rate_Nm_per_s = rate_Nm_per_s;
-                              }},
-                             {"linear_friction_rise_share", "1", 0.0, 3.0,
-                              [rate_Nm_per_s](double share, GearLaw& law) {
-                                law.friction_rise_share = share;
-                                law.friction_rises_linearly = true;
-                                law.usual_rate_Nm_per_s = rate_Nm_per_s;
-                              }},
-                             // As much as a lag of the twist at its mean stiffness.
-                             {"torque_lag_s", "s", 0.0,
-                              most_lag_rad_s_per_Nm * 2.0 * records.peak_torque_Nm / records.twist_range_rad,
-                              [](double lag_s, GearLaw& law) { law.torque_lag_s = lag_s; }}};
+  const auto friction_rise = [rate_Nm_per_s](bool linearly) {
+    return [=](double share, GearLaw& law) {
+      law.friction_rise_share = share;
+      law.friction_rises_linearly = linearly;
+      law.usual_rate_Nm_per_s = rate_Nm_per_s;
+    };
+  };
+  // As much as a lag of the twist at its mean stiffness.
+  const double most_lag_s = most_lag_rad_s_per_Nm * 2.0 * records.peak_torque_Nm / records.twist_range_rad;
+  std::vector<LawForm> forms{
+      {"viscous_Nms_per_rad", "Nm s/rad", 0.0, most_viscous,
+       [](double viscous, GearLaw& law) { law.viscous_Nms_per_rad = viscous; }},
+      {"lag_rad_s_per_Nm", "rad s/Nm", 0.0, most_lag_rad_s_per_Nm,
+       [](double lag, GearLaw& law) { law.lag_rad_s_per_Nm = lag; }},
+      {"friction_rise_share", "1", 0.0, 3.0, friction_rise(false)},
+      {"linear_friction_rise_share", "1", 0.0, 3.0, friction_rise(true)},
+      {"torque_lag_s", "s", 0.0, most_lag_s, [](double lag_s, GearLaw& law) { law.torque_lag_s = lag_s; }}};
   effects.push_back(std::make_unique<RateDependence>(std::move(rule), std::move(forms), rate_Nm_per_s));
 }
 

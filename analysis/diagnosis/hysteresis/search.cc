@@ -243,10 +243,12 @@ NominalValleys FindNominal(LoopRecords& records) {
     starts.back()[kLnYield] += std::log(factor);
   }
   std::vector<LoopSolution> valleys;
-  for (const Eigen::VectorXd& start : starts)
-    valleys.push_back(SolveLoop(model, grid, start, kMostIterations));
+  for (const Eigen::VectorXd& start : starts) {
+    LoopSolution solution = SolveLoop(model, grid, start, kMostIterations);
+    if (std::isfinite(solution.cost)) valleys.push_back(std::move(solution));
+  }
   std::ranges::stable_sort(valleys, {}, &LoopSolution::cost);
-  const Eigen::VectorXd& best = valleys.front().numbers;
+  const Eigen::VectorXd& best = valleys.empty() ? first : valleys.front().numbers;
   const auto other = std::ranges::find_if(valleys, [&](const LoopSolution& valley) {
     return std::abs(valley.numbers[kLnYield] - best[kLnYield]) > kAnotherValley;
   });

@@ -184,7 +184,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     const double damping = std::exp(numbers[2]);
     const double error = StandardErrorOf(covariance(0, 0));
     // How much swings is known even where inertia and frequency are not, or inertia and a swing that the
-    // record begins with: J₂ √(w² + s²), w what the motion drives, as far below the frequency.
+    // record begins with: J₂ √(w² + s²), w = (Ω / ω)² what a motion of frequency Ω drives below its own.
     const double driven = std::pow(usual_rad_per_s / (kTwoPi * frequency_Hz), 2);
     const Eigen::Map<const Eigen::VectorXd> begun(numbers.data() + 1 + kFirstSwing,
                                                   static_cast<Index>(2 * count));

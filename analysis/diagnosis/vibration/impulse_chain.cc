@@ -13,20 +13,16 @@ namespace {
 // Slips are a percent or two of the period; of five times as much nobody has heard.
 constexpr double kUsualSlip = 0.015;
 constexpr double kLargestSlip = 0.1;
-constexpr double kGap = 1.5;  // sampling periods
 
-// Periods of an order from one sample to a later one.
-double PeriodsBetween(const VibrationRun& run, double order, std::size_t before, std::size_t after) {
-  return (run.angle_rad[after] - run.angle_rad[before]) * order / kTwoPi;
-}
+// Periods of an order from one impulse to the next, and how many of them there are: one at least.
+double PeriodsOf(double angle_rad, double order) { return angle_rad * order / kTwoPi; }
+double WholePeriods(double periods) { return std::max(1.0, std::round(periods)); }
 
 // Numbers of impulses about an order, the first one's 0: those in a gap have theirs, too.
 std::vector<double> NumbersOf(const std::vector<double>& angles_rad, double order) {
   std::vector<double> numbers{0.0};
-  for (std::size_t j = 1; j < angles_rad.size(); ++j) {
-    const double periods = (angles_rad[j] - angles_rad[j - 1]) * order / kTwoPi;
-    numbers.push_back(numbers.back() + std::max(1.0, std::round(periods)));
-  }
+  for (std::size_t j = 1; j < angles_rad.size(); ++j)
+    numbers.push_back(numbers.back() + WholePeriods(PeriodsOf(angles_rad[j] - angles_rad[j - 1], order)));
   return numbers;
 }
 
@@ -41,7 +37,7 @@ std::vector<std::size_t> BestChain(const VibrationRun& run, double order, const 
   };
   std::size_t stretch = 0;  // where the last gap ends
   for (std::size_t i = 0; i < n; ++i) {
-    if (i > 0 && run.time_s[i] - run.time_s[i - 1] > kGap * run.period_s) stretch = i;
+    if (run.FollowsAGap(i)) stretch = i;
     const double apart = apart_at(i);
     auto nearest = static_cast<std::size_t>(std::max(1.0, (1.0 - kLargestSlip) * apart));
     auto farthest = static_cast<std::size_t>((1.0 + kLargestSlip) * apart) + 1;
@@ -55,8 +51,8 @@ std::vector<std::size_t> BestChain(const VibrationRun& run, double order, const 
     for (std::size_t back = nearest; back <= farthest; ++back) {
       double off = static_cast<double>(back) / apart - 1.0;
       if (over_gap) {
-        const double periods = PeriodsBetween(run, order, i - back, i);
-        const double whole = std::max(1.0, std::round(periods));
+        const double periods = PeriodsOf(run.angle_rad[i] - run.angle_rad[i - back], order);
+        const double whole = WholePeriods(periods);
         off = (periods - whole) / std::sqrt(whole);
       }
       const double slip = off / kUsualSlip;

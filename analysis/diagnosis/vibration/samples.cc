@@ -243,8 +243,7 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
       channel.scale = samples.noise_floor / noise[c];
       if (samples.runs.size() > 1) channel.name += fmt::format("_{}", r + 1);
       for (std::size_t i = 0; i < run.size(); ++i) {
-        const bool gap = i > 0 && run.time_s[i] - run.time_s[i - 1] > 1.6 * run.period_s;
-        if (i == 0 || gap) samples.stretches.push_back(samples.measured.size());
+        if (i == 0 || run.FollowsAGap(i)) samples.stretches.push_back(samples.measured.size());
         samples.measured.push_back(channel.scale * values[c][i]);
       }
       ++c;

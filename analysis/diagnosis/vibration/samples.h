@@ -33,6 +33,7 @@ struct VibrationRun {
 
   std::size_t size() const { return time_s.size(); }
   double span_s() const { return time_s.back(); }
+  bool FollowsAGap(std::size_t i) const { return i > 0 && time_s[i] - time_s[i - 1] > 1.6 * period_s; }
 };
 
 /// All records, ready to be fitted. The response is the channels one after the other, each scaled so that all
