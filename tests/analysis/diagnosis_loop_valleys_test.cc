@@ -39,6 +39,16 @@ TEST(LoopValleys, OfKneesAtOneTwistAreNoOffsetOfTheTorque) {
   EXPECT_EQ(answer.names(), Names{"asymmetric_stiffness"});
 }
 
+// Stiffer one way from the first knee on; with all three segments alike a shelf would be named beside it.
+TEST(LoopAsymmetry, MayBeginBeyondTheFirstSegment) {
+  const Diagnosed answer = DiagnoseLoop({.k2_stiffer_share = 0.011, .k3_stiffer_share = 0.011},
+                                        {.angle_noise_rad = RadFromArcmin(0.036), .autoregression = 0.22},
+                                        Loops(4, {{42.0, 0.42}, {0.0, 0.42}}), 8000, 7);
+  EXPECT_EQ(answer.names(), Names{"asymmetric_stiffness"});
+  const ParameterValue share = answer.value("k2_k3_asymmetry_share");
+  EXPECT_NEAR(share.value, 0.011, 4.0 * share.standard_error);
+}
+
 // A zone beside the friction with sharp ends, in a loop of so many samples that a fit would rather take means
 // of several: these see a zone that fades away.
 TEST(LoopValleys, OfAZoneThatFadesAwayHideNoneWithSharpEnds) {

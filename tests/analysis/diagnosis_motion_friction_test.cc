@@ -131,6 +131,26 @@ TEST(MotionFriction, OfLowSpeedShowsWhereAnAxisTurnsFast) {
   }
 }
 
+// An axis that never turns: a friction that falls from the slowest speed on is no passage from one direction
+// to the other that the nominal model could have.
+TEST(MotionFriction, OfLowSpeedShowsWhereAnAxisNeverTurns) {
+  const Diagnosed found =
+      Ask(Record(8,
+                 {.speeds_rad_per_s = {0.006, 0.012, 0.018, 0.024, 0.03, 0.036, 0.042, 0.048, 0.054, 0.06,
+                                       0.066, 0.072, 0.078, 0.085},
+                  .rate_Hz = 50.0,
+                  .spell_s = 7.0,
+                  .turn_s = 0.2,
+                  .inertia_kgm2 = 1.7,
+                  .noise_Nm = 0.023},
+                 [](double, double, double speed) {
+                   return 2.0 + 14.4 * speed + 0.104 * std::exp(-std::pow(speed / 0.0113, 2.0));
+                 }));
+  ASSERT_EQ(found.names(), Names{"stribeck_friction"});
+  const ParameterValue speed = found.value("stribeck_speed_rad_per_s");
+  EXPECT_NEAR(speed.value, 0.0113, 4.0 * speed.standard_error);
+}
+
 // Three speeds each way leave a drag little beside Coulomb and viscous friction, but so much that nobody
 // would overlook it.
 TEST(MotionFriction, MayBeADragThatThreeSpeedsShow) {

@@ -64,6 +64,36 @@ TEST(BandWithin, LeavesOutTheSlowTurnsOfARunUp) {
   EXPECT_EQ(BandWithin(run, 1e5 / RadPerSFromRpm(1400.0), orders).turns, 0.0);
 }
 
+bool SaysThatItWanders(const VibrationData& record) {
+  return std::ranges::any_of(PrepareVibration({&record, 1}).warnings, [](const std::string& warning) {
+    return warning.starts_with("the speed wanders more than the file says");
+  });
+}
+
+TEST(VibrationShaft, FollowsASpeedThatWandersMoreThanTheFileSays) {
+  Turning run(1500.0, 3.0, 0.0);
+  for (std::size_t i = 0; i < run.time_s.size(); ++i)
+    run.angle_rad[i] += 0.15 * std::sin(kTwoPi * 0.7 * run.time_s[i]);
+  const VibrationData record = Record(run, 71, Silence);
+  EXPECT_TRUE(SaysThatItWanders(record));
+  EXPECT_EQ(Ask({record}).diagnosis.verdict, Verdict::kNoEffect);
+}
+
+// A crack's lines beside the shaft's are a wander of the second one that the first one does not join in.
+TEST(VibrationShaft, FollowsNoLinesOfACrack) {
+  const Effect crack = [](const Turning& run) {
+    Signal signal;
+    for (const double angle : run.angle_rad) {
+      const double passings = 2.025 * angle / kTwoPi + 0.2;
+      const double off = (passings - std::round(passings)) / 0.04;
+      signal.push_back(0.3 * std::exp(-0.5 * off * off) * (1.0 + 0.45 * std::cos(angle / 80.0 + 5.7)));
+    }
+    return signal;
+  };
+  for (double duration_s = 3.0; duration_s < 4.5; duration_s += 0.1)
+    EXPECT_FALSE(SaysThatItWanders(Record(Turning(3000.0, duration_s, 0.0), 72, crack))) << duration_s;
+}
+
 TEST(VibrationShaft, TakesAngleAndSpeedFromAColumnOfAngles) {
   const Turning turning(1200.0, 1.0, 0.8);
   const VibrationRun by_speed = RunOf(Record(turning, 65, Silence));

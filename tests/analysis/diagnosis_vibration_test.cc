@@ -169,7 +169,8 @@ TEST(VibrationStudy, TellsTeethThatMeetHarderOncePerOutputTurnFromACrack) {
 
 // The shaft's own lines that come and go with the output turn: one of theirs is where teeth have a sideband,
 // but nothing is where these would meet.
-TEST(VibrationStudy, TakesNoSidebandOfTheShaftForTeethThatMeet) {
+// A place of the flexspline comes by once per output turn, and nothing is heard at the order of its impulses.
+TEST(VibrationStudy, NamesACrackThatChangesTheShaftsLineOncePerOutputTurn) {
   const Effect changing = [](const Turning& run) {
     Signal signal;
     for (const double angle : run.angle_rad)
@@ -177,6 +178,14 @@ TEST(VibrationStudy, TakesNoSidebandOfTheShaftForTeethThatMeet) {
     return signal;
   };
   const Diagnosed answer = Ask({Record(Turning(3000.0, 4.0, 0.0), 11, changing, {1.0, -0.7})});
+  EXPECT_EQ(answer.names(), Names{"flexspline_crack"});
+  EXPECT_NEAR(answer.value("line_1").value, 2.0 - 1.0 / 80.0, 1e-6);
+  EXPECT_NEAR(answer.value("line_2").value, 2.0 + 1.0 / 80.0, 1e-6);
+}
+
+TEST(VibrationStudy, TakesOneSidebandOfTheShaftForNoCrackAndForNoTeethThatMeet) {
+  const Effect line = [](const Turning& run) { return Line(run, 2.0 + 1.0 / 80.0, 0.06); };
+  const Diagnosed answer = Ask({Record(Turning(3000.0, 4.0, 0.0), 11, line, {1.0, -0.7})});
   EXPECT_EQ(answer.names(), Names());
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
 }

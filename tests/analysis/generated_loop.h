@@ -28,6 +28,7 @@ struct GeneratedGear {
   double stiffer_share{};          // (K+ − K−) / (K+ + K−)
   double k1_stiffer_share{};       // of the first segment alone
   double k2_stiffer_share{};       // of the second
+  double k3_stiffer_share{};       // of the third
   double law_stiffer_share{};      // of all of them, with the knees at the same twist on both sides
   double rise_with_rate{};         // of the friction's limits: × (1 + rise · ln(1 + |Ṫ| / 1 Nm/s))
   double linear_rise_with_rate{};  // × (1 + rise · |Ṫ| / 1 Nm/s)
@@ -167,12 +168,13 @@ class SteppedGear {
     const double side = twist_rad > 0.0 ? 1.0 : -1.0;
     const double first_Nm_per_rad = gear_.k1_Nm_per_rad * scale * (1.0 + side * gear_.k1_stiffer_share);
     const double second_Nm_per_rad = gear_.k2_Nm_per_rad * scale * (1.0 + side * gear_.k2_stiffer_share);
+    const double third_Nm_per_rad = gear_.k3_Nm_per_rad * scale * (1.0 + side * gear_.k3_stiffer_share);
     const double knee1 = gear_.t1_Nm / first_Nm_per_rad;
     const double knee2 = knee1 + (gear_.t2_Nm - gear_.t1_Nm) / second_Nm_per_rad;
     double slope = size < 0.0     ? 0.01 * gear_.k1_Nm_per_rad
                    : size < knee1 ? first_Nm_per_rad
                    : size < knee2 ? second_Nm_per_rad
-                                  : gear_.k3_Nm_per_rad * scale;
+                                  : third_Nm_per_rad;
     slope *= 1.0 + side * gear_.law_stiffer_share;
     return slope + 3.0 * gear_.hardening_Nm_per_rad3 * twist_rad * twist_rad;
   }

@@ -93,7 +93,7 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
       .where = Where::kUnit,
       .effect = "E5",
       .degrees_of_freedom = 1,
-      .trials = 5.0,
+      .trials = 6.0,
       .to_settle = TwoAngles(records)};
   const LawForm of_all{"asymmetry_share", "1", -0.5, 0.5,
                        [](double share, GearLaw& law) { law.asymmetry_share.fill(share); }};
@@ -103,12 +103,15 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
                           [](double share, GearLaw& law) { law.asymmetry_share[1] = share; }};
   const LawForm of_last{"k3_asymmetry_share", "1", -0.5, 0.5,
                         [](double share, GearLaw& law) { law.asymmetry_share[2] = share; }};
+  const LawForm beyond_first{"k2_k3_asymmetry_share", "1", -0.5, 0.5, [](double share, GearLaw& law) {
+                               law.asymmetry_share[1] = law.asymmetry_share[2] = share;
+                             }};
   const LawForm of_law{"law_asymmetry_share", "1", -0.5, 0.5, [](double share, GearLaw& law) {
                          law.asymmetry_share.fill(share);
                          law.knees_at_twist = true;
                        }};
-  effects.push_back(std::make_unique<LawNumber>(std::move(asymmetry),
-                                                std::vector{of_all, of_first, of_second, of_last, of_law}));
+  effects.push_back(std::make_unique<LawNumber>(
+      std::move(asymmetry), std::vector{of_all, of_first, of_second, of_last, beyond_first, of_law}));
 
   const double hardest = 0.8 * peak_Nm / (half_range_rad * half_range_rad * half_range_rad);
   CauseRule hardening{

@@ -39,6 +39,8 @@ std::vector<double> SignPassage::SignsOf(std::span<const double> velocities) con
 }
 
 void ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s) {
+  // An axis that never turns shows none: friction that falls with speed would pass for one.
+  if (grid.Reversals() == 0) return SetPassage(grid, {.width = grid.velocity_noise});
   // What no width changes is projected out once.
   const Eigen::MatrixXd usual = UsualEffects(grid);
   Eigen::MatrixXd others(grid.nominal.rows(), grid.nominal.cols() - 1 + usual.cols());

@@ -25,6 +25,7 @@ constexpr int kMostLineHarmonics = 12;
 constexpr int kTeethHarmonics = 3;
 constexpr double kModulations[] = {0.0, 1.0, 2.0};
 constexpr double kBesideStrongest = 14.0;  // of BIC
+constexpr double kWholeOutputTurn = 0.8;   // from which on lines an output turn apart are told apart
 constexpr int kPulseHarmonic = 2;          // from which on a record has to tell pulses from whole orders
 
 TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
@@ -58,7 +59,7 @@ CrackLines CrackLinesOf(const VibrationRemainder& remainder, std::size_t index, 
     orders.push_back(k * order);
     const LinePlace centre = open ? LinePlace{static_cast<double>(k), 0.0} : LinePlace{0.0, k * order};
     lines.places.push_back(centre);
-    if (turns * output < 0.8) continue;
+    if (turns * output < kWholeOutputTurn) continue;
     for (const double sideband : {-output, output, -2.0 * output, 2.0 * output}) {
       // What falls onto a whole order is not the crack's own.
       const double beside = k * order + sideband;
@@ -88,6 +89,21 @@ bool IsWhole(double harmonic) { return std::abs(harmonic - std::round(harmonic))
 // short record tells high multiples only.
 bool IsALineBeside(const std::vector<LinePlace>& lines, double order) {
   return lines.size() == 1 && std::abs(HarmonicOf(lines[0], order) - 1.0) > 1e-9;
+}
+
+// The shaft's line at 2 per turn, changed by a place that comes by once per output turn: a line to either
+// side of it, and nothing at the crack's own order. Both have to be there: the lower one of the teeth's
+// sidebands is the upper one of these.
+constexpr double kLeastOfWeaker = 0.15;  // of the power of the stronger
+constexpr double kLobes = 2.0;
+Best SidebandsOfShaft(const VibrationRemainder& remainder, std::size_t index) {
+  const double output = 1.0 / std::abs(remainder.samples().ratio);
+  const double lower = PowerAt(remainder, kLobes - output);
+  const double upper = PowerAt(remainder, kLobes + output);
+  if (std::min(lower, upper) < kLeastOfWeaker * std::max(lower, upper)) return std::nullopt;
+  VibrationTerm term = LinesTerm(remainder, index);
+  term.lines = {{0.0, kLobes - output}, {0.0, kLobes + output}};
+  return remainder.WithAllChannels(std::move(term), 0);
 }
 
 // A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
@@ -242,7 +258,7 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
   for (const double sideband : {0.0, output}) {
     const Comb comb = Refined(spectrum, CombNear(spectrum, order, range, sideband));
     if (comb.excess > 6.0 && comb.last >= lines.first) starts.push_back(StartOf(remainder, comb));
-    if (turns * output < 0.8) break;
+    if (turns * output < kWholeOutputTurn) break;
   }
   std::vector<double> modulations;
   if (turns * output > 0.5) modulations = {output};
@@ -254,6 +270,10 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
       rings && !RingsAmongTeeth(samples, rings->term)) {
     const double log_places = LogPlacesOfCrack(samples, rings->term);
     best.Take(std::move(*rings), log_places);
+  }
+  if (turns * output > kWholeOutputTurn) {
+    if (Best sidebands = SidebandsOfShaft(remainder, index))
+      best.TakeWithAndWithoutDeaf(std::move(*sidebands), 0.0);
   }
   return std::move(best).fit();
 }

@@ -15,8 +15,9 @@ std::optional<TermFit> SearchToothEngagement(const VibrationRemainder& remainder
 /// or as impulses that ring.
 std::optional<TermFit> SearchBearing(const VibrationRemainder& remainder, std::size_t index);
 
-/// 2 (1 + 1/N) per turn and its harmonics: as lines, or as impulses that ring. One or two lines alone that
-/// are so loud that a pulse would show a third are none.
+/// 2 (1 + 1/N) per turn and its harmonics: as lines, or as impulses that ring; or 2 ± 1/N, what a place of
+/// the flexspline that comes by once per output turn makes of the shaft's own line. One or two lines alone
+/// that are so loud that a pulse would show a third are none.
 std::optional<TermFit> SearchCrack(const VibrationRemainder& remainder, std::size_t index);
 
 /// Logarithm of how many rings, and places in their period at which one begins, a crack that rings was chosen

@@ -117,10 +117,11 @@ void AddCrack(Table& table) {
   table.Add(
       VibrationCause::kFlexsplineCrack,
       {.name = "flexspline_crack",
-       .sentence =
-           fmt::format("impulses at {:.4g} per input turn: a place of the flexspline meets the two lobes "
-                       "of the wave generator, as a crack does",
-                       order),
+       .sentence = fmt::format(
+           "impulses at {:.4g} per input turn, or a line of the shaft that changes once per output "
+           "turn: a place of the flexspline meets the two lobes of the wave generator, as a crack "
+           "does",
+           order),
        .where = Where::kUnit,
        .effect = "E23",
        // Nearer to 2 it is what looseness and misalignment make of the shaft.

@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 
 constexpr double kLagWorthSaying = 1.0;     // sampling periods
 constexpr double kLeastSpreadOfLag = 0.02;  // of the mean speed
-constexpr double kClearLag = 3.0;           // standard errors
+constexpr double kClearly = 3.0;            // standard errors
 constexpr std::size_t kMostPairs = 6;
 constexpr double kClearLine = 9.0;  // −ln p of one line at a known place, beyond what a channel gives
 
@@ -160,11 +160,45 @@ bool LinesAgreeOnLag(const VibrationSamples& samples, const VibrationRun& run) {
   const MatrixXd covariance =
       square_sum / static_cast<double>(run.size() * run.channels.size()) * PseudoInverse(step.normal);
   const VectorXd found = PseudoInverse(step.normal) * step.gradient;
-  const auto clear = [&](Index k) { return std::abs(found(k)) > kClearLag * std::sqrt(covariance(k, k)); };
+  const auto clear = [&](Index k) { return std::abs(found(k)) > kClearly * std::sqrt(covariance(k, k)); };
   const double apart = std::abs(found(1) - found(2));
   const double uncertain = std::sqrt(covariance(1, 1) + covariance(2, 2) - 2.0 * covariance(1, 2));
   return clear(1) && clear(2) &&
-         apart < std::max(kClearLag * uncertain, 0.1 * std::max(std::abs(found(1)), std::abs(found(2))));
+         apart < std::max(kClearly * uncertain, 0.1 * std::max(std::abs(found(1)), std::abs(found(2))));
+}
+
+// Whether each line, taken for itself, follows as much of a wander as the other.
+bool LinesAgreeOnWander(const VibrationSamples& samples, const VibrationRun& run, Index waves,
+                        const VectorXd& phase) {
+  const auto n = static_cast<Index>(run.size());
+  const VectorXd weights = VectorXd::Ones(n);
+  const MatrixXd basis = BasisOf(run, {waves});
+  // Waves and scale may stand for each other: what is no scale is wander.
+  VectorXd wander = basis * phase;
+  wander -= basis.col(0) * (basis.col(0).dot(wander) / basis.col(0).squaredNorm());
+  VibrationRun changed;
+  changed.time_s = run.time_s;
+  const VectorXd moved = Eigen::Map<const VectorXd>(run.angle_rad.data(), n) + basis * phase;
+  changed.angle_rad.assign(moved.data(), moved.data() + n);
+  FillNominal(changed);
+  SharedStep step(2);
+  double square_sum = 0.0;
+  for (const VibrationStretch& channel : run.channels) {
+    const ChannelFit fit = FitChannel(changed.nominal, Response(samples, run, channel), weights);
+    MatrixXd derivatives(n, 2);
+    for (const Index line : {1, 2})
+      derivatives.col(line - 1) = SlopeOf(changed.nominal, fit, line).cwiseProduct(wander);
+    step.Add(changed.nominal, derivatives, fit, weights);
+    square_sum += fit.square_sum;
+  }
+  const MatrixXd covariance =
+      square_sum / static_cast<double>(run.size() * run.channels.size()) * PseudoInverse(step.normal);
+  const VectorXd more = PseudoInverse(step.normal) * step.gradient;
+  const auto follows = [&](Index k) {
+    const double error = std::sqrt(covariance(k, k));
+    return 1.0 + more(k) > kClearly * error && std::abs(more(k)) < kClearly * error + 0.1;
+  };
+  return follows(0) && follows(1);
 }
 
 void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source) {
@@ -195,7 +229,8 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source)
     PhaseFit wandering = FitPhase(samples, run, BasisOf(run, {waves}));
     // A wander of the shaft sharpens both lines; a foreign line beside one of them does not.
     if (wandering.line_energy[0] > best.line_energy[0] + 10.0 * variance &&
-        wandering.line_energy[1] > best.line_energy[1] + 10.0 * variance)
+        wandering.line_energy[1] > best.line_energy[1] + 10.0 * variance &&
+        LinesAgreeOnWander(samples, run, waves, wandering.phase))
       take(std::move(wandering), {waves}, static_cast<double>(1 + waves));
   }
   if (measured && run.speed_spread > kLeastSpreadOfLag && LinesAgreeOnLag(samples, run))
