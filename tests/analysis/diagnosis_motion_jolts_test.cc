@@ -106,6 +106,55 @@ TEST(MotionJolts, AreNotTakenForASwingNorForPlay) {
   }
 }
 
+// Picks and places: moves of different lengths with one acceleration and short stops, whose corners come as
+// often as the smoothing is wide. What is usual in the acceleration is then the corners', not its noise.
+TEST(MotionJolts, ThatComeEveryFewSamplesAreNoPlay) {
+  constexpr double kAcceleration = 2100.0;
+  constexpr double kLoad_kgm2 = 4.7e-5;
+  for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> length(6.0, 28.0);
+    MotionData record;
+    double begun_s = 0.05;
+    double from_rad = 0.0;
+    double way_rad = length(random);
+    for (int i = 0; i < 1340; ++i) {
+      const double time_s = i / 200.0;
+      // A tenth of a second up, as long down, and what is left between.
+      const double most_speed = 0.1 * kAcceleration;
+      const double ramp_s = std::min(0.1, std::sqrt(std::abs(way_rad) / kAcceleration));
+      const double top_speed = std::min(most_speed, kAcceleration * ramp_s);
+      const double steady_s = std::abs(way_rad) / top_speed - ramp_s;
+      const double end_s = begun_s + 2.0 * ramp_s + steady_s;
+      if (time_s > end_s + 0.05) {
+        from_rad += way_rad;
+        begun_s = end_s + 0.05;
+        way_rad = (from_rad > 0.0 ? -1.0 : 1.0) * length(random);
+        --i;
+        continue;
+      }
+      const double sign = way_rad > 0.0 ? 1.0 : -1.0;
+      const double up_s = std::clamp(time_s - begun_s, 0.0, ramp_s);
+      const double down_s = std::clamp(time_s - begun_s - ramp_s - steady_s, 0.0, ramp_s);
+      const double straight_s = std::clamp(time_s - begun_s - ramp_s, 0.0, steady_s + ramp_s);
+      const double speed = sign * kAcceleration * (up_s - down_s);
+      const double position =
+          from_rad + sign * (kAcceleration * 0.5 * (up_s * up_s - down_s * down_s) + top_speed * straight_s);
+      const bool accelerates = up_s > 0.0 && up_s < ramp_s;
+      const bool brakes = down_s > 0.0 && down_s < ramp_s;
+      const double acceleration = sign * kAcceleration * ((accelerates ? 1.0 : 0.0) - (brakes ? 1.0 : 0.0));
+      record.time_s.push_back(time_s);
+      record.position.push_back(1e-5 * std::round(1e5 * position));
+      record.velocity.push_back(speed + 0.05 * normal(random));
+      record.torque.push_back(kLoad_kgm2 * acceleration + 1.3e-4 * speed +
+                              0.04 * (speed == 0.0 ? 0.0 : std::copysign(1.0, speed)) - 0.014 +
+                              0.0033 * normal(random));
+    }
+    EXPECT_EQ(Ask(record).names(), Names()) << seed;
+  }
+}
+
 // Where stamps jitter the path has to be smoothed beyond what the torque follows.
 TEST(MotionJolts, AreNotTakenForThatWhereTimeStampsJitter) {
   const Logger logger{.rate_Hz = 200.0, .noise_Nm = 0.01, .late_share = 0.3, .stamp_error = 0.002};

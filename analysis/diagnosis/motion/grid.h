@@ -58,6 +58,7 @@ struct MotionGrid {
   std::vector<double> noise_of_acceleration;  // more where an axis is not calm
   std::vector<bool> wide;                     // where rows pass the wider low-pass
   std::vector<double> acceleration_error;  // around jolts (motion/jolts.h): how wrong the acceleration may be
+  std::vector<double> jump_error;          // the same where it jumps: of the torque's samples, that fold it
 
   // Rows.
   std::vector<std::size_t> point_of_row;

@@ -19,6 +19,12 @@ constexpr double kNoMore = 1.2;    // times the noise expected, which is no more
 constexpr double kAround = 2.0;    // σ to either side, over which a band's size at a place is taken
 constexpr double kFollowed = 0.3;  // of the inertia, from which on the torque follows a calm band
 constexpr double kBeyond = 0.3;    // of the last band: what lies beyond it and folds back into the torque
+// A band over the one half an octave lower: of a fast swing, and the most of a jump.
+constexpr double kFastSwing = 1.5;
+constexpr double kUneven = 1.15;
+// Shares of the jolts that are jumps.
+constexpr double kFewJumps = 0.45;
+constexpr double kMostlyJumps = 0.65;
 // A band over the one half an octave lower, at most: a kink in the acceleration.
 const double kSlowestDecay = 1.0 / std::numbers::sqrt2;
 
@@ -57,11 +63,15 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
   std::vector<double> moving;
   std::vector<double> fast;
   std::vector<double> by_speed;
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const EvenStretch& raw = samples.stretches[s];
     const std::vector<double>& moved = bandwidth.by_velocity ? raw.velocity : raw.position;
     const KernelTaps kernel = MakeBandKernel(sigma_s, raw.step_s, bandwidth.by_velocity ? 1 : 2);
+    const KernelTaps of_torque = MakeBandKernel(sigma_s, raw.step_s, 0);
     const double gain = NoiseGain(kernel);
     for (std::size_t i = 0; i < stretch.count; ++i) {
       const std::size_t sample = layouts[s].SampleOf(i);
@@ -75,6 +85,11 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
         fast.push_back(value);
         by_speed.push_back(value / speed);
       }
+      if (sample < of_torque.reach || sample + of_torque.reach >= raw.torque.size()) continue;
+      const double torque = of_torque.At(raw.torque, sample);
+      xx += value * value;
+      xy += value * torque;
+      yy += torque * torque;
     }
     const auto half = static_cast<std::size_t>(kAround * sigma_s / stretch.step_s);
     AddMeanSquares({band.values.data() + stretch.first, stretch.count}, half, band.mean_squares);
@@ -100,8 +115,14 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
   // An axis that turns often has its jolts where it is slow, one that is struck has them anywhere.
   const double everywhere = std::min(UsualSize(moving), UsualSize(fast));
   const double with_speed = UsualSize(by_speed);
-  for (std::size_t i = 0; i < grid.time_s.size(); ++i)
-    band.noise.push_back(std::max({band.white[i], everywhere, with_speed * std::abs(grid.velocity[i])}));
+  // What the torque follows is motion, however usual it is.
+  const double followed = xx > 0.0 && yy > 0.0 ? xy * xy / (xx * yy) : 0.0;
+  const double unfollowed =
+      std::sqrt((1.0 - followed) * xx / static_cast<double>(std::max<std::size_t>(grid.time_s.size(), 1)));
+  for (std::size_t i = 0; i < grid.time_s.size(); ++i) {
+    const double usual = std::max(everywhere, with_speed * std::abs(grid.velocity[i]));
+    band.noise.push_back(std::max(band.white[i], std::min(usual, unfollowed)));
+  }
   return band;
 }
 
@@ -110,7 +131,43 @@ struct Trace {
   bool shows{};
   double size{};   // in the last band
   double decay{};  // from band to band
+  double sharp{};  // 0: a kink of the acceleration, or gentler; 1: a jump
 };
+
+// By what a band has over the one before. A fast swing has more.
+double SharpnessOf(double decay) {
+  if (decay > 1.0) return std::clamp((kFastSwing - decay) / (kFastSwing - kUneven), 0.0, 1.0);
+  return std::clamp((decay - kSlowestDecay) / (1.0 - kSlowestDecay), 0.0, 1.0);
+}
+
+// Whether the large jolts are jumps: 1, or 0 where there are none. Those that come close together spoil each
+// other's course from band to band, but where the largest are jumps all are.
+double ShareOfJumps(std::span<const Trace> traces) {
+  double all = 0.0;
+  double sharp = 0.0;
+  for (const Trace& trace : traces) {
+    if (!trace.shows) continue;
+    const double weight = std::pow(trace.size, 4);
+    all += weight;
+    sharp += weight * trace.sharp;
+  }
+  return std::clamp((sharp / std::max(all, 1e-300) - kFewJumps) / (kMostlyJumps - kFewJumps), 0.0, 1.0);
+}
+
+// An acceleration that jumps does so between two samples, and so does the torque. The path says where between
+// them; what is sampled of the torque does not, and may have it half a step earlier or later.
+std::vector<double> JumpErrors(const MotionSamples& samples, const MotionGrid& grid, double share) {
+  std::vector<double> errors(grid.time_s.size(), 0.0);
+  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
+    const MotionGrid::Stretch& stretch = grid.stretches[s];
+    const double late_s = share * samples.stretches[s].step_s / std::sqrt(12.0);
+    for (std::size_t i = stretch.first + 1; i + 1 < stretch.first + stretch.count; ++i) {
+      const double rise = grid.passed_acceleration[i + 1] - grid.passed_acceleration[i - 1];
+      errors[i] = late_s * std::abs(rise) / (2.0 * stretch.step_s);
+    }
+  }
+  return errors;
+}
 
 }  // namespace
 
@@ -185,7 +242,11 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
           trace = {};
           continue;
         }
-        if (!hidden) trace.decay = trace.size > 0.0 ? std::min(size / trace.size, kSlowestDecay) : 0.0;
+        if (!hidden) {
+          const double decay = trace.size > 0.0 ? size / trace.size : 0.0;
+          trace.decay = std::min(decay, kSlowestDecay);
+          trace.sharp = SharpnessOf(decay);
+        }
         trace.size = hidden ? trace.decay * trace.size : size;
       } else if (share < 1.0 && std::abs(bandwidth.inertia) * band.noise[i] < grid.noise_floor) {
         grid.passed_acceleration[i] += (1.0 - share) * band.values[i];
@@ -195,10 +256,11 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
         trace.size = share < 1.0 ? size : std::min(trace.decay * trace.size, usual);
         variances[i] += trace.size * trace.size;
       }
-      if (last) variances[i] += std::pow(kBeyond * trace.size, 2);
     }
   }
-  for (double& variance : variances) variance = std::sqrt(variance);
+  for (std::size_t i = 0; i < traces.size(); ++i)
+    variances[i] = std::sqrt(variances[i] + std::pow(kBeyond * traces[i].size, 2));
+  grid.jump_error = JumpErrors(samples, grid, ShareOfJumps(traces));
   return variances;
 }
 

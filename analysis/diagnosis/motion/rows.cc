@@ -212,6 +212,9 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
   const std::vector<double> rests = RestsOf(samples, layouts, grid);
   const std::vector<double> errors = ReversalErrors(samples, layouts, bandwidth, expected_delay_s, grid);
   const double tolerated = ToleratedError(grid.noise_floor, errors);
+  std::vector<double> jumps = grid.jump_error;
+  for (double& jump : jumps) jump *= std::abs(bandwidth.inertia);
+  const double tolerated_of_jumps = ToleratedError(grid.noise_floor, jumps);
   // At rest friction is anything between its two values.
   const double most_at_rest =
       std::min(kMostAtRest, kTolerated * grid.noise_floor / std::max(2.0 * bandwidth.coulomb, 1e-300));
@@ -239,7 +242,7 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
       const KernelTaps& low_pass = grid.LowPassAt(stretch, stretch.first + i);
       if (i < low_pass.reach || i + low_pass.reach >= stretch.count) continue;
       if (sample < layouts[s].margin || sample + layouts[s].margin >= raw.position.size()) continue;
-      if (errors[stretch.first + i] > tolerated ||
+      if (errors[stretch.first + i] > tolerated || jumps[stretch.first + i] > tolerated_of_jumps ||
           ShareUnderKernel(low_pass, rests, stretch.first + i) > most_at_rest ||
           // Where an axis stops or starts, its acceleration jumps.
           ShareUnderKernel(path, rests, stretch.first + i) > kMostAtRest ||
