@@ -23,8 +23,8 @@ constexpr double kBeyond = 0.3;    // of the last band: what lies beyond it and 
 constexpr double kFastSwing = 1.5;
 constexpr double kUneven = 1.15;
 // Shares of the jolts that are jumps.
-constexpr double kFewJumps = 0.45;
-constexpr double kMostlyJumps = 0.65;
+constexpr double kFewJumps = 0.35;
+constexpr double kMostlyJumps = 0.5;
 // A band over the one half an octave lower, at most: a kink in the acceleration.
 const double kSlowestDecay = 1.0 / std::numbers::sqrt2;
 
