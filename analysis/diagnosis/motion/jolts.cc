@@ -25,6 +25,7 @@ constexpr double kUneven = 1.15;
 // Shares of the jolts that are jumps.
 constexpr double kFewJumps = 0.35;
 constexpr double kMostlyJumps = 0.5;
+constexpr double kManySamples = 2.0;  // in the smoothing of the path
 // A band over the one half an octave lower, at most: a kink in the acceleration.
 const double kSlowestDecay = 1.0 / std::numbers::sqrt2;
 
@@ -155,12 +156,15 @@ double ShareOfJumps(std::span<const Trace> traces) {
 }
 
 // An acceleration that jumps does so between two samples, and so does the torque. The path says where between
-// them; what is sampled of the torque does not, and may have it half a step earlier or later.
+// them; what is sampled of the torque does not, and may have it half a step earlier or later. What is no jump
+// but beside a path smoothed over many samples the torque's samples see in full.
 std::vector<double> JumpErrors(const MotionSamples& samples, const MotionGrid& grid, double share) {
   std::vector<double> errors(grid.time_s.size(), 0.0);
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
-    const double late_s = share * samples.stretches[s].step_s / std::sqrt(12.0);
+    const double step_s = samples.stretches[s].step_s;
+    if (grid.path_sigma_s > kManySamples * step_s) continue;
+    const double late_s = share * step_s / std::sqrt(12.0);
     for (std::size_t i = stretch.first + 1; i + 1 < stretch.first + stretch.count; ++i) {
       const double rise = grid.passed_acceleration[i + 1] - grid.passed_acceleration[i - 1];
       errors[i] = late_s * std::abs(rise) / (2.0 * stretch.step_s);
