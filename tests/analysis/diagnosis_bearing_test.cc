@@ -192,6 +192,20 @@ bool IsBearingIn(const Effect& effect, double order, double ring_order, double d
 
 // Of a record at 10 kHz. Chance finds trains with the density f² / (order² ζ); over orders, octaves of rings
 // and octaves of dampings its mean is what the rule counts.
+// Sixteen orders are sampled: of a defect at 13.43 the first line is there and what the two load zones make
+// of it, nothing more.
+TEST(BearingSearch, NamesABearingByItsFirstLineAndTheLoadZonesSidebands) {
+  const Effect tones = [](const Turning& run) {
+    Signal signal;
+    for (const double angle : run.angle_rad)
+      signal.push_back(0.06 * (1.0 + 0.8 * std::cos(2.0 * angle + 0.3)) * std::cos(13.43 * angle));
+    return signal;
+  };
+  const Diagnosed answer = Ask({Record(Turning(9300.0, 1.6, 0.0), 91, tones, {1.0, 0.4})});
+  EXPECT_EQ(answer.names(), Names{"bearing_defect"});
+  EXPECT_NEAR(answer.value("defect_order").value, 13.43, 0.002);
+}
+
 TEST(LogPlacesOfTrain, SharesWhatChanceMayFindEvenlyAmongOrdersAndOctaves) {
   VibrationSamples samples;
   samples.runs.emplace_back().period_s = 1e-4;

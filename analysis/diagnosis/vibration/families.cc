@@ -188,11 +188,13 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   if (best && !IsBearing(remainder, best->term)) best.reset();
   std::vector<double> bases;
   for (std::size_t c = 0; c < std::min<std::size_t>(3, combs.size()); ++c) bases.push_back(combs[c].order);
-  // A few low harmonics need no search of their own: the strongest lines say where they may be.
+  // A few low harmonics need no search of their own: the strongest lines say where they may be. Of a slow
+  // logger the first one with its sidebands may be all there is.
+  const double highest_first = std::min(kHighestBearingOrder, spectrum.highest() - 1.0);
   for (const SpectrumPeak& peak : FindPeaks(spectrum, lowest, spectrum.highest(), 3)) {
     for (int k = 1; k <= 3; ++k) {
       const double base = peak.order / k;
-      if (base > lowest && base < highest && allowed(base)) bases.push_back(base);
+      if (base > lowest && base < highest_first && allowed(base)) bases.push_back(base);
     }
   }
   for (const double base : bases) {
