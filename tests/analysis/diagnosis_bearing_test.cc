@@ -190,8 +190,6 @@ bool IsBearingIn(const Effect& effect, double order, double ring_order, double d
   return IsBearing(remainder, ring);
 }
 
-// Of a record at 10 kHz. Chance finds trains with the density f² / (order² ζ); over orders, octaves of rings
-// and octaves of dampings its mean is what the rule counts.
 // Sixteen orders are sampled: of a defect at 13.43 the first line is there and what the two load zones make
 // of it, nothing more.
 TEST(BearingSearch, NamesABearingByItsFirstLineAndTheLoadZonesSidebands) {
@@ -206,6 +204,8 @@ TEST(BearingSearch, NamesABearingByItsFirstLineAndTheLoadZonesSidebands) {
   EXPECT_NEAR(answer.value("defect_order").value, 13.43, 0.002);
 }
 
+// Of a record at 10 kHz. Chance finds trains with the density f² / (order² ζ); over orders, octaves of rings
+// and octaves of dampings its mean is what the rule counts.
 TEST(LogPlacesOfTrain, SharesWhatChanceMayFindEvenlyAmongOrdersAndOctaves) {
   VibrationSamples samples;
   samples.runs.emplace_back().period_s = 1e-4;

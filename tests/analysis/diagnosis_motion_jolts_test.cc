@@ -127,7 +127,7 @@ TEST(MotionJolts, ThatComeEveryFewSamplesAreNoPlay) {
       const double top_speed = std::min(most_speed, kAcceleration * ramp_s);
       const double steady_s = std::abs(way_rad) / top_speed - ramp_s;
       const double end_s = begun_s + 2.0 * ramp_s + steady_s;
-      if (time_s > end_s + 0.05) {
+      if (time_s > end_s + 0.05) {  // the next move, and this sample again
         from_rad += way_rad;
         begun_s = end_s + 0.05;
         way_rad = (from_rad > 0.0 ? -1.0 : 1.0) * length(random);

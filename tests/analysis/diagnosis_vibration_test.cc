@@ -167,8 +167,6 @@ TEST(VibrationStudy, TellsTeethThatMeetHarderOncePerOutputTurnFromACrack) {
   EXPECT_EQ(answer.names(), Names{"gear_mesh"});
 }
 
-// The shaft's own lines that come and go with the output turn: one of theirs is where teeth have a sideband,
-// but nothing is where these would meet.
 // A place of the flexspline comes by once per output turn, and nothing is heard at the order of its impulses.
 TEST(VibrationStudy, NamesACrackThatChangesTheShaftsLineOncePerOutputTurn) {
   const Effect changing = [](const Turning& run) {
@@ -183,6 +181,7 @@ TEST(VibrationStudy, NamesACrackThatChangesTheShaftsLineOncePerOutputTurn) {
   EXPECT_NEAR(answer.value("line_2").value, 2.0 + 1.0 / 80.0, 1e-6);
 }
 
+// Where teeth have a sideband as well, but nothing is where these would meet.
 TEST(VibrationStudy, TakesOneSidebandOfTheShaftForNoCrackAndForNoTeethThatMeet) {
   const Effect line = [](const Turning& run) { return Line(run, 2.0 + 1.0 / 80.0, 0.06); };
   const Diagnosed answer = Ask({Record(Turning(3000.0, 4.0, 0.0), 11, line, {1.0, -0.7})});

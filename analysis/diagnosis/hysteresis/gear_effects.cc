@@ -95,23 +95,20 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
       .degrees_of_freedom = 1,
       .trials = 6.0,
       .to_settle = TwoAngles(records)};
-  const LawForm of_all{"asymmetry_share", "1", -0.5, 0.5,
-                       [](double share, GearLaw& law) { law.asymmetry_share.fill(share); }};
-  const LawForm of_first{"k1_asymmetry_share", "1", -0.5, 0.5,
-                         [](double share, GearLaw& law) { law.asymmetry_share[0] = share; }};
-  const LawForm of_second{"k2_asymmetry_share", "1", -0.5, 0.5,
-                          [](double share, GearLaw& law) { law.asymmetry_share[1] = share; }};
-  const LawForm of_last{"k3_asymmetry_share", "1", -0.5, 0.5,
-                        [](double share, GearLaw& law) { law.asymmetry_share[2] = share; }};
-  const LawForm beyond_first{"k2_k3_asymmetry_share", "1", -0.5, 0.5, [](double share, GearLaw& law) {
-                               law.asymmetry_share[1] = law.asymmetry_share[2] = share;
-                             }};
+  const auto of_segments = [](const char* name, std::vector<std::size_t> segments) {
+    return LawForm{name, "1", -0.5, 0.5, [segments = std::move(segments)](double share, GearLaw& law) {
+                     for (const std::size_t segment : segments) law.asymmetry_share[segment] = share;
+                   }};
+  };
   const LawForm of_law{"law_asymmetry_share", "1", -0.5, 0.5, [](double share, GearLaw& law) {
                          law.asymmetry_share.fill(share);
                          law.knees_at_twist = true;
                        }};
-  effects.push_back(std::make_unique<LawNumber>(
-      std::move(asymmetry), std::vector{of_all, of_first, of_second, of_last, beyond_first, of_law}));
+  std::vector<LawForm> asymmetries{
+      of_segments("asymmetry_share", {0, 1, 2}),    of_segments("k1_asymmetry_share", {0}),
+      of_segments("k2_asymmetry_share", {1}),       of_segments("k3_asymmetry_share", {2}),
+      of_segments("k2_k3_asymmetry_share", {1, 2}), of_law};
+  effects.push_back(std::make_unique<LawNumber>(std::move(asymmetry), std::move(asymmetries)));
 
   const double hardest = 0.8 * peak_Nm / (half_range_rad * half_range_rad * half_range_rad);
   CauseRule hardening{

@@ -64,15 +64,11 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
   std::vector<double> moving;
   std::vector<double> fast;
   std::vector<double> by_speed;
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const EvenStretch& raw = samples.stretches[s];
     const std::vector<double>& moved = bandwidth.by_velocity ? raw.velocity : raw.position;
     const KernelTaps kernel = MakeBandKernel(sigma_s, raw.step_s, bandwidth.by_velocity ? 1 : 2);
-    const KernelTaps of_torque = MakeBandKernel(sigma_s, raw.step_s, 0);
     const double gain = NoiseGain(kernel);
     for (std::size_t i = 0; i < stretch.count; ++i) {
       const std::size_t sample = layouts[s].SampleOf(i);
@@ -86,11 +82,6 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
         fast.push_back(value);
         by_speed.push_back(value / speed);
       }
-      if (sample < of_torque.reach || sample + of_torque.reach >= raw.torque.size()) continue;
-      const double torque = of_torque.At(raw.torque, sample);
-      xx += value * value;
-      xy += value * torque;
-      yy += torque * torque;
     }
     const auto half = static_cast<std::size_t>(kAround * sigma_s / stretch.step_s);
     AddMeanSquares({band.values.data() + stretch.first, stretch.count}, half, band.mean_squares);
@@ -116,15 +107,50 @@ Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
   // An axis that turns often has its jolts where it is slow, one that is struck has them anywhere.
   const double everywhere = std::min(UsualSize(moving), UsualSize(fast));
   const double with_speed = UsualSize(by_speed);
-  // What the torque follows is motion, however usual it is.
-  const double followed = xx > 0.0 && yy > 0.0 ? xy * xy / (xx * yy) : 0.0;
-  const double unfollowed =
-      std::sqrt((1.0 - followed) * xx / static_cast<double>(std::max<std::size_t>(grid.time_s.size(), 1)));
-  for (std::size_t i = 0; i < grid.time_s.size(); ++i) {
-    const double usual = std::max(everywhere, with_speed * std::abs(grid.velocity[i]));
-    band.noise.push_back(std::max(band.white[i], std::min(usual, unfollowed)));
-  }
+  for (std::size_t i = 0; i < grid.time_s.size(); ++i)
+    band.noise.push_back(std::max({band.white[i], everywhere, with_speed * std::abs(grid.velocity[i])}));
   return band;
+}
+
+// Sums over points of a band of the acceleration x and the same band of the torque y.
+struct TorqueBand {
+  double xx{};
+  double xy{};
+  double yy{};
+};
+
+// @param counts  of a point; asked where the band of the torque is known
+template <typename Predicate>
+TorqueBand MeasureTorqueBand(const MotionSamples& samples, std::span<const PointLayout> layouts,
+                             const MotionGrid& grid, double sigma_s, const Band& band,
+                             const Predicate& counts) {
+  TorqueBand sums;
+  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
+    const MotionGrid::Stretch& stretch = grid.stretches[s];
+    const EvenStretch& raw = samples.stretches[s];
+    const KernelTaps kernel = MakeBandKernel(sigma_s, raw.step_s, 0);
+    for (std::size_t i = 0; i < stretch.count; ++i) {
+      const std::size_t sample = layouts[s].SampleOf(i);
+      const std::size_t point = stretch.first + i;
+      if (sample < kernel.reach || sample + kernel.reach >= raw.torque.size() || !counts(point)) continue;
+      const double x = band.values[point];
+      const double y = kernel.At(raw.torque, sample);
+      sums.xx += x * x;
+      sums.xy += x * y;
+      sums.yy += y * y;
+    }
+  }
+  return sums;
+}
+
+// What the torque follows is motion, however usual it is.
+void TakeFollowedForMotion(const TorqueBand& torque, Band& band) {
+  const double followed =
+      torque.xx > 0.0 && torque.yy > 0.0 ? torque.xy * torque.xy / (torque.xx * torque.yy) : 0.0;
+  const double unfollowed = std::sqrt((1.0 - followed) * torque.xx /
+                                      static_cast<double>(std::max<std::size_t>(band.values.size(), 1)));
+  for (std::size_t i = 0; i < band.noise.size(); ++i)
+    band.noise[i] = std::max(band.white[i], std::min(band.noise[i], unfollowed));
 }
 
 // What the bands have shown of a jolt at a point so far.
@@ -156,8 +182,9 @@ double ShareOfJumps(std::span<const Trace> traces) {
 }
 
 // An acceleration that jumps does so between two samples, and so does the torque. The path says where between
-// them; what is sampled of the torque does not, and may have it half a step earlier or later. What is no jump
-// but beside a path smoothed over many samples the torque's samples see in full.
+// them; what is sampled of the torque does not, and may have it half a step earlier or later. Where the path
+// is smoothed over many samples, what looks like a jump lasts for several of them, and the torque shows it in
+// full.
 std::vector<double> JumpErrors(const MotionSamples& samples, const MotionGrid& grid, double share) {
   std::vector<double> errors(grid.time_s.size(), 0.0);
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
@@ -186,25 +213,13 @@ std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionB
   for (double sigma_s = bandwidth.path_sigma_s; sigma_s < 1.01 * bandwidth.calm_sigma_s;
        sigma_s *= std::numbers::sqrt2) {
     const Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
-    double xx = 0.0;
-    double xy = 0.0;
     std::vector<bool> calm(grid.time_s.size(), false);
-    for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
-      const MotionGrid::Stretch& stretch = grid.stretches[s];
-      const EvenStretch& raw = samples.stretches[s];
-      const KernelTaps of_torque = MakeBandKernel(sigma_s, raw.step_s, 0);
-      for (std::size_t i = 0; i < stretch.count; ++i) {
-        const std::size_t sample = layouts[s].SampleOf(i);
-        if (sample < of_torque.reach || sample + of_torque.reach >= raw.torque.size()) continue;
-        const std::size_t point = stretch.first + i;
-        calm[point] = std::sqrt(band.mean_squares[point]) < kStandsOut * band.white[point];
-        if (!calm[point]) continue;
-        const double x = band.values[point];
-        xx += x * x;
-        xy += x * of_torque.At(raw.torque, sample);
-      }
-    }
-    if (std::abs(xy) > kFollowed * std::abs(bandwidth.inertia) * xx) break;
+    const auto is_calm = [&](std::size_t point) {
+      calm[point] = std::sqrt(band.mean_squares[point]) < kStandsOut * band.white[point];
+      return calm[point];
+    };
+    const TorqueBand torque = MeasureTorqueBand(samples, layouts, grid, sigma_s, band, is_calm);
+    if (std::abs(torque.xy) > kFollowed * std::abs(bandwidth.inertia) * torque.xx) break;
     for (std::size_t i = 0; i < calm.size(); ++i) {
       if (!calm[i]) continue;
       grid.passed_acceleration[i] -= band.values[i];
@@ -224,7 +239,9 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
        sigma_s > 0.99 * bandwidth.sigma_s; sigma_s /= std::numbers::sqrt2) {
     const bool left = sigma_s > 0.99 * bandwidth.path_sigma_s;
     const bool last = sigma_s < 1.01 * bandwidth.sigma_s;
-    const Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
+    Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
+    const auto all = [](std::size_t) { return true; };
+    TakeFollowedForMotion(MeasureTorqueBand(samples, layouts, grid, sigma_s, band, all), band);
     for (std::size_t i = 0; i < traces.size(); ++i) {
       Trace& trace = traces[i];
       const double size = std::sqrt(band.mean_squares[i]);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "analysis/diagnosis/vibration/projection.h"
 #include "analysis/diagnosis/vibration/shaft.h"
@@ -83,6 +84,15 @@ VectorXd SlopeOf(const MatrixXd& columns, const ChannelFit& fit, Index line) {
          (fit.coefficients(c + 1) * columns.col(c) - fit.coefficients(c) * columns.col(c + 1));
 }
 
+// The shaft's columns of a record with another angle.
+MatrixXd NominalAt(const VibrationRun& run, const VectorXd& angle) {
+  VibrationRun changed;
+  changed.time_s = run.time_s;
+  changed.angle_rad.assign(angle.data(), angle.data() + angle.size());
+  FillNominal(changed);
+  return std::move(changed.nominal);
+}
+
 // One record with its angle changed by basis · phase: Gauss–Newton from zero.
 PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, const MatrixXd& basis) {
   const auto n = static_cast<Index>(run.size());
@@ -92,12 +102,7 @@ PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, cons
   best.phase = VectorXd::Zero(basis.cols());
   VectorXd phase = best.phase;
   for (int round = 0; round < 8; ++round) {
-    VibrationRun changed;
-    changed.time_s = run.time_s;
-    const VectorXd moved = angle + basis * phase;
-    changed.angle_rad.assign(moved.data(), moved.data() + n);
-    FillNominal(changed);
-    const MatrixXd& columns = changed.nominal;
+    const MatrixXd columns = NominalAt(run, angle + basis * phase);
     PhaseFit now;
     now.phase = phase;
     SharedStep step(basis.cols());
@@ -140,27 +145,45 @@ MatrixXd BasisOf(const VibrationRun& run, const Change& change) {
   return basis;
 }
 
+// Numbers by which the angle may be changed, each of the two lines for itself.
+struct Step {
+  VectorXd found;
+  MatrixXd covariance;
+};
+
+// One step from the columns that a record has now.
+// @param derivatives  of both lines, by their slopes over the angle: samples × numbers
+template <typename Derivatives>
+Step StepOf(const VibrationSamples& samples, const VibrationRun& run, const MatrixXd& columns, Index numbers,
+            const Derivatives& derivatives) {
+  const VectorXd weights = VectorXd::Ones(columns.rows());
+  SharedStep step(numbers);
+  double square_sum = 0.0;
+  for (const VibrationStretch& channel : run.channels) {
+    const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights);
+    const VectorXd slopes[] = {SlopeOf(columns, fit, 1), SlopeOf(columns, fit, 2)};
+    step.Add(columns, derivatives(slopes), fit, weights);
+    square_sum += fit.square_sum;
+  }
+  const MatrixXd inverse = PseudoInverse(step.normal);
+  const double variance = square_sum / static_cast<double>(run.size() * run.channels.size());
+  return {inverse * step.gradient, variance * inverse};
+}
+
 // A lag turns both lines by as much time: each says so for itself. An imbalance or a resonance turns one of
 // them.
 bool LinesAgreeOnLag(const VibrationSamples& samples, const VibrationRun& run) {
-  const auto n = static_cast<Index>(run.size());
-  const VectorXd weights = VectorXd::Ones(n);
   const MatrixXd basis = BasisOf(run, {0, true});
-  SharedStep step(3);  // the scale, and a lag a line
-  double square_sum = 0.0;
-  for (const VibrationStretch& channel : run.channels) {
-    const ChannelFit fit = FitChannel(run.nominal, Response(samples, run, channel), weights);
-    const VectorXd slopes[] = {SlopeOf(run.nominal, fit, 1), SlopeOf(run.nominal, fit, 2)};
-    MatrixXd derivatives(n, 3);
+  // The scale, and a lag a line.
+  const auto [found, covariance] = StepOf(samples, run, run.nominal, 3, [&](const VectorXd(&slopes)[2]) {
+    MatrixXd derivatives(basis.rows(), 3);
     derivatives.col(0) = (slopes[0] + slopes[1]).cwiseProduct(basis.col(0));
     for (const Index line : {0, 1}) derivatives.col(1 + line) = slopes[line].cwiseProduct(basis.col(1));
-    step.Add(run.nominal, derivatives, fit, weights);
-    square_sum += fit.square_sum;
-  }
-  const MatrixXd covariance =
-      square_sum / static_cast<double>(run.size() * run.channels.size()) * PseudoInverse(step.normal);
-  const VectorXd found = PseudoInverse(step.normal) * step.gradient;
-  const auto clear = [&](Index k) { return std::abs(found(k)) > kClearly * std::sqrt(covariance(k, k)); };
+    return derivatives;
+  });
+  const auto clear = [&found = found, &covariance = covariance](Index k) {
+    return std::abs(found(k)) > kClearly * std::sqrt(covariance(k, k));
+  };
   const double apart = std::abs(found(1) - found(2));
   const double uncertain = std::sqrt(covariance(1, 1) + covariance(2, 2) - 2.0 * covariance(1, 2));
   return clear(1) && clear(2) &&
@@ -170,31 +193,18 @@ bool LinesAgreeOnLag(const VibrationSamples& samples, const VibrationRun& run) {
 // Whether each line, taken for itself, follows as much of a wander as the other.
 bool LinesAgreeOnWander(const VibrationSamples& samples, const VibrationRun& run, Index waves,
                         const VectorXd& phase) {
-  const auto n = static_cast<Index>(run.size());
-  const VectorXd weights = VectorXd::Ones(n);
   const MatrixXd basis = BasisOf(run, {waves});
+  const VectorXd change = basis * phase;
+  const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), change.size());
   // Waves and scale may stand for each other: what is no scale is wander.
-  VectorXd wander = basis * phase;
-  wander -= basis.col(0) * (basis.col(0).dot(wander) / basis.col(0).squaredNorm());
-  VibrationRun changed;
-  changed.time_s = run.time_s;
-  const VectorXd moved = Eigen::Map<const VectorXd>(run.angle_rad.data(), n) + basis * phase;
-  changed.angle_rad.assign(moved.data(), moved.data() + n);
-  FillNominal(changed);
-  SharedStep step(2);
-  double square_sum = 0.0;
-  for (const VibrationStretch& channel : run.channels) {
-    const ChannelFit fit = FitChannel(changed.nominal, Response(samples, run, channel), weights);
-    MatrixXd derivatives(n, 2);
-    for (const Index line : {1, 2})
-      derivatives.col(line - 1) = SlopeOf(changed.nominal, fit, line).cwiseProduct(wander);
-    step.Add(changed.nominal, derivatives, fit, weights);
-    square_sum += fit.square_sum;
-  }
-  const MatrixXd covariance =
-      square_sum / static_cast<double>(run.size() * run.channels.size()) * PseudoInverse(step.normal);
-  const VectorXd more = PseudoInverse(step.normal) * step.gradient;
-  const auto follows = [&](Index k) {
+  const VectorXd wander = change - basis.col(0) * (basis.col(0).dot(change) / basis.col(0).squaredNorm());
+  const auto [more, covariance] =
+      StepOf(samples, run, NominalAt(run, angle + change), 2, [&](const VectorXd(&slopes)[2]) {
+        MatrixXd derivatives(wander.size(), 2);
+        for (const Index line : {0, 1}) derivatives.col(line) = slopes[line].cwiseProduct(wander);
+        return derivatives;
+      });
+  const auto follows = [&more = more, &covariance = covariance](Index k) {
     const double error = std::sqrt(covariance(k, k));
     return 1.0 + more(k) > kClearly * error && std::abs(more(k)) < kClearly * error + 0.1;
   };
