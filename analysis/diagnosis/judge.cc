@@ -30,6 +30,8 @@ constexpr double kLeastBic = -12.0;
 constexpr double kLeastBicEach = -5.0;
 constexpr double kLeastBicOfMany = -40.0;
 
+constexpr double kOpen = 0.5;  // of a number's range: a standard error that leaves all of it possible
+
 }  // namespace
 
 double BicOfRepeats(const Comparison& comparison, const CauseRule& rule) {
@@ -148,7 +150,9 @@ std::string Judge::Objection(const ModelFit& fit, std::size_t cause, double away
     const auto found = std::find_if(parameters.begin(), parameters.end(),
                                     [&](const ParameterValue& value) { return value.name == expected.name; });
     if (found == parameters.end()) continue;
-    if (!(found->value >= expected.low && found->value <= expected.high)) {
+    // Of a number that may be anywhere in its range the record does not say that it is outside.
+    const bool open = found->standard_error > kOpen * (expected.high - expected.low);
+    if (!open && !(found->value >= expected.low && found->value <= expected.high)) {
       return fmt::format("{} = {:.4g} {} is outside {:.4g} to {:.4g}", expected.name, found->value,
                          expected.unit, expected.low, expected.high);
     }

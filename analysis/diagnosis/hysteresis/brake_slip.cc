@@ -13,6 +13,7 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr double kJumpSpread = 0.01;  // of the level
+constexpr double kRarer = 10.0;       // forms than the usual one
 constexpr double kLeastShare = 0.3;   // of the peak: where a brake may begin to slip
 
 // The ways in which a brake lets the input move, as the record's torque (beyond what it holds) drives it.
@@ -44,7 +45,7 @@ class BrakeSlip final : public FormedEffect {
             .parameters = {{"slip_torque_Nm", "Nm", 0.999 * kLeastShare * peak_Nm_, peak_Nm_, false},
                            {"slip_balance", "1", -1.0, 1.0, false}},
             .degrees_of_freedom = 2,
-            .trials = 15.0,
+            .trials = 6.0,
             .to_settle = fmt::format(
                 "# loops below the torque at which the angle stayed behind, then beyond it\n{}{}",
                 PhaseText(records, {.name = "below"}),
@@ -79,6 +80,12 @@ class BrakeSlip final : public FormedEffect {
         total_rad(static_cast<Eigen::Index>(i)) += amount_rad * slip;
       }
     }
+  }
+
+  // A brake that is loaded beyond what it holds turns the faster the more it is: its friction grows with
+  // speed. The other forms are rarer.
+  double LogPlaces(std::span<const double> v) const override {
+    return std::lround(v[0]) == kSpeedOfExcess ? 0.0 : std::log(kRarer);
   }
 
   bool IsHeld(std::span<const double> v, std::size_t k) const override {
