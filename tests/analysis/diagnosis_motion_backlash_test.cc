@@ -151,7 +151,7 @@ TEST(MotionBacklash, TakesNoSpikeForAKnockThatStandsAlone) {
 
 // Its six numbers pay for what chance can do with them, not once more for each sample of the record.
 TEST(MotionBacklash, IsNamedWhereItIsBeyondChanceThoughItBringsNoBic) {
-  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.0008, 0)});
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.00072, 0)});
   ASSERT_EQ(found.names(), Names{"backlash"});
   EXPECT_LT(found.diagnosis.causes.front().evidence.delta_bic, 0.0);
 }

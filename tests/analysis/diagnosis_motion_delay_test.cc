@@ -97,5 +97,27 @@ TEST(MotionDelay, ShowsInTheTurnsOfASmoothMotion) {
   }
 }
 
+// Friction that turns round within a sample or two says by how much it does so early, as soon as all
+// reversals together have told over which speed it turns.
+TEST(MotionDelay, ShowsInTheOneSampleOfAReversal) {
+  for (const unsigned seed : {1U, 2U}) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    MotionData record;
+    for (std::size_t i = 0; i < 6500; ++i) {
+      const double time_s = static_cast<double>(i) / kRate_Hz;
+      const auto speed = [](double at_s) { return 6.0 * std::cos(2.0 * at_s) + 5.0 * std::sin(0.9 * at_s); };
+      const double then_s = time_s + 0.001;
+      const double acceleration = -12.0 * std::sin(2.0 * then_s) + 4.5 * std::cos(0.9 * then_s);
+      record.time_s.push_back(time_s);
+      record.position.push_back(3.0 * std::sin(2.0 * time_s) - 5.0 / 0.9 * std::cos(0.9 * time_s) +
+                                1e-7 * normal(random));
+      record.torque.push_back(0.3 * acceleration + 0.24 * speed(then_s) +
+                              0.34 * std::tanh(speed(then_s) / 0.02) + 0.06 * normal(random));
+    }
+    EXPECT_EQ(DiagnoseRecords(&MakeMotionStudy, {record}).names(), Names{"time_delay"}) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis

@@ -43,7 +43,9 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
           points[i] = grid->direction[i] * model::StribeckShare(grid->velocity[i], speed, shapes[1]);
         }
       });
-  term.shapes = {{std::log(low), std::log(high), 0.3, true}, {0.5, 2.5, 0.2, true}};
+  // Exponents from 0.5 on have been measured; but below this the fall begins at once and goes on so long that
+  // it passes for Coulomb friction and any speed.
+  term.shapes = {{std::log(low), std::log(high), 0.3, true}, {0.75, 2.5, 0.2, true}};
   term.starts = [grid, term, low, high](const Remainder& remainder) {
     std::vector<std::vector<double>> candidates;
     for (const double speed : GeometricSteps(1.1 * low, 0.9 * high, 8))

@@ -127,6 +127,45 @@ std::vector<double> WeightsOf(const MotionGrid& grid, double inertia) {
   return weights;
 }
 
+// Rows and what they are of, but for the nominal model's friction.
+void FillRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
+              const MotionBandwidth& bandwidth, double expected_delay_s,
+              std::span<const double> passage_error, MotionGrid& grid) {
+  ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, passage_error, grid);
+  const auto rows = static_cast<Index>(grid.rows());
+  if (grid.rows() < kFewestRows) {
+    throw std::invalid_argument(
+        "too little of the record moves to hold any of it out (expected an axis that is in motion for some "
+        "150 "
+        "samples and more)");
+  }
+  grid.nominal.setZero(rows, 3 + static_cast<Index>(samples.records));
+  grid.nominal.col(0) = grid.ProjectPassed(grid.passed_acceleration);
+  grid.nominal.col(1) = grid.ProjectPassed(grid.velocity);
+  for (Index row = 0; row < rows; ++row) {
+    const std::size_t record = grid.stretches[grid.stretch_of_row[static_cast<std::size_t>(row)]].record;
+    grid.nominal(row, 3 + static_cast<Index>(record)) = 1.0;
+  }
+  grid.weights = WeightsOf(grid, bandwidth.inertia);
+}
+
+// At each point, by how much the passages that are left open differ there.
+std::vector<double> PassageErrors(const MotionGrid& grid, std::span<const SignPassage> open, double coulomb) {
+  std::vector<double> errors(grid.velocity.size(), 0.0);
+  std::vector<double> difference(grid.velocity.size());
+  for (const SignPassage& passage : open) {
+    const std::vector<double> signs = passage.SignsOf(grid.velocity);
+    for (std::size_t i = 0; i < signs.size(); ++i) difference[i] = signs[i] - grid.direction[i];
+    for (const MotionGrid::Stretch& stretch : grid.stretches) {
+      for (std::size_t i = stretch.low_pass.reach; i + stretch.low_pass.reach < stretch.count; ++i) {
+        double& error = errors[stretch.first + i];
+        error = std::max(error, coulomb * std::abs(stretch.low_pass.At(difference, stretch.first + i)));
+      }
+    }
+  }
+  return errors;
+}
+
 // Standard error of the inertia, of the nominal model alone.
 double InertiaError(const MotionGrid& grid) {
   const Eigen::Map<const Eigen::VectorXd> measured(grid.measured.data(), grid.nominal.rows());
@@ -297,25 +336,15 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   grid.noise_floor = std::hypot(gain(0) * samples.torque_noise, bandwidth.inertia * grid.acceleration_noise);
   grid.acceleration_error = AddJolts(samples, bandwidth, layouts, grid);
   WidenRowsAroundJolts(bandwidth.inertia, grid);
-  ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, grid);
-  const auto rows = static_cast<Index>(grid.rows());
-  if (grid.rows() < kFewestRows) {
-    throw std::invalid_argument(
-        "too little of the record moves to hold any of it out (expected an axis that is in motion for some "
-        "150 "
-        "samples and more)");
-  }
-
-  grid.nominal.setZero(rows, 3 + static_cast<Index>(samples.records));
-  grid.nominal.col(0) = grid.ProjectPassed(grid.passed_acceleration);
-  grid.nominal.col(1) = grid.ProjectPassed(grid.velocity);
-  for (Index row = 0; row < rows; ++row) {
-    const std::size_t record = grid.stretches[grid.stretch_of_row[static_cast<std::size_t>(row)]].record;
-    grid.nominal(row, 3 + static_cast<Index>(record)) = 1.0;
-  }
+  // First with the rows beside reversals, which tell over which speed friction turns round; then without
+  // those of which they do not.
+  FillRows(samples, layouts, bandwidth, expected_delay_s, std::vector<double>(grid.time_s.size(), 0.0), grid);
+  const std::vector<SignPassage> open =
+      ChooseSignPassage(grid, grid.ProjectPassed(grid.passed_torque), passage_delay_s);
+  FillRows(samples, layouts, bandwidth, expected_delay_s, PassageErrors(grid, open, bandwidth.coulomb), grid);
   const Eigen::VectorXd torque = grid.ProjectPassed(grid.passed_torque);
-  grid.weights = WeightsOf(grid, bandwidth.inertia);
   ChooseSignPassage(grid, torque, passage_delay_s);
+  const auto rows = static_cast<Index>(grid.rows());
   grid.measured.assign(torque.data(), torque.data() + rows);
   grid.prefit = LeastSquares(grid.Weighted(grid.nominal), grid.Weighted(torque));
   grid.inertia_error = InertiaError(grid);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "analysis/decompositions.h"
 #include "analysis/diagnosis/motion/grid.h"
@@ -38,9 +39,12 @@ std::vector<double> SignPassage::SignsOf(std::span<const double> velocities) con
   return signs;
 }
 
-void ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s) {
+std::vector<SignPassage> ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s) {
   // An axis that never turns shows none: friction that falls with speed would pass for one.
-  if (grid.Reversals() == 0) return SetPassage(grid, {.width = grid.velocity_noise});
+  if (grid.Reversals() == 0) {
+    SetPassage(grid, {.width = grid.velocity_noise});
+    return {};
+  }
   // What no width changes is projected out once.
   const Eigen::MatrixXd usual = UsualEffects(grid);
   Eigen::MatrixXd others(grid.nominal.rows(), grid.nominal.cols() - 1 + usual.cols());
@@ -58,9 +62,11 @@ void ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double d
   };
   SignPassage best{.width = grid.velocity_noise};
   double least = left_by(best);
+  std::vector<std::pair<double, SignPassage>> tried{{least, best}};
   const auto try_passage = [&](const SignPassage& other, double clearly) {
     if (other.width <= grid.velocity_noise) return;
     const double now = left_by(other);
+    tried.emplace_back(now, other);
     if (static_cast<double>(grid.rows()) * std::log(least / now) > clearly) {
       least = now;
       best = other;
@@ -82,6 +88,11 @@ void ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double d
     }
   }
   SetPassage(grid, best);
+  std::vector<SignPassage> open;
+  for (const auto& [left, passage] : tried) {
+    if (static_cast<double>(grid.rows()) * std::log(left / least) < kClearly) open.push_back(passage);
+  }
+  return open;
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -23,6 +23,8 @@ struct SignPassage {
 /// @param torque  of the rows
 /// @param delay_s  by which the torque acts late: a lag passes for a wide passage, so the motion at that time
 ///   counts
-void ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s);
+/// @returns the passages that the rows leave open, the chosen one among them; empty where an axis never
+///   turns.
+std::vector<SignPassage> ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -141,12 +141,15 @@ double FoldedKink_s(const MotionBandwidth& bandwidth, double step_s) {
   return step_s * narrow * (bandwidth.by_velocity ? kFoldedOfVelocity : kFoldedOfPosition * narrow);
 }
 
+// Over which speed friction turns round: so far as nobody knows, that is a time as well.
+enum class Passage { kKnown, kUnknown };
+
 // At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
 std::vector<double> ReversalErrors(const MotionSamples& samples, std::span<const PointLayout> layouts,
-                                   const MotionBandwidth& bandwidth, double expected_delay_s,
+                                   const MotionBandwidth& bandwidth, double expected_delay_s, Passage how,
                                    const MotionGrid& grid) {
   std::vector<double> errors(grid.velocity.size(), 0.0);
-  const double passage = kPassage * QuantileOfMagnitude(grid.velocity, 0.95);
+  const double passage = how == Passage::kUnknown ? kPassage * QuantileOfMagnitude(grid.velocity, 0.95) : 0.0;
   const std::vector<double> last_band = LastBand(samples, bandwidth, layouts, grid);
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
@@ -208,9 +211,17 @@ double ToleratedError(double noise, const std::vector<double>& errors) {
 }  // namespace
 
 void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
-                      const MotionBandwidth& bandwidth, double expected_delay_s, MotionGrid& grid) {
+                      const MotionBandwidth& bandwidth, double expected_delay_s,
+                      std::span<const double> passage_error, MotionGrid& grid) {
+  grid.point_of_row.clear();
+  grid.stretch_of_row.clear();
+  grid.response_stretches.clear();
   const std::vector<double> rests = RestsOf(samples, layouts, grid);
-  const std::vector<double> errors = ReversalErrors(samples, layouts, bandwidth, expected_delay_s, grid);
+  std::vector<double> errors =
+      ReversalErrors(samples, layouts, bandwidth, expected_delay_s, Passage::kKnown, grid);
+  const std::vector<double> most =
+      ReversalErrors(samples, layouts, bandwidth, expected_delay_s, Passage::kUnknown, grid);
+  for (std::size_t i = 0; i < errors.size(); ++i) errors[i] = std::min(most[i], errors[i] + passage_error[i]);
   const double tolerated = ToleratedError(grid.noise_floor, errors);
   std::vector<double> jumps = grid.jump_error;
   for (double& jump : jumps) jump *= std::abs(bandwidth.inertia);

@@ -20,7 +20,9 @@ struct PointLayout {
 /// reversal is known no better than velocity noise and smoothing let it; rows in which Coulomb friction makes
 /// more of that than noise are left out, too, unless reversals are so frequent that little would be left.
 /// @param bandwidth  its Coulomb friction, about, is compared with `grid.noise_floor`
+/// @param passage_error  of the friction at each point, where nobody knows over which speed it turns round
 void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
-                      const MotionBandwidth& bandwidth, double expected_delay_s, MotionGrid& grid);
+                      const MotionBandwidth& bandwidth, double expected_delay_s,
+                      std::span<const double> passage_error, MotionGrid& grid);
 
 }  // namespace strainwave::analysis::diagnosis
