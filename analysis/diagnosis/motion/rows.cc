@@ -141,16 +141,12 @@ double FoldedKink_s(const MotionBandwidth& bandwidth, double step_s) {
   return step_s * narrow * (bandwidth.by_velocity ? kFoldedOfVelocity : kFoldedOfPosition * narrow);
 }
 
-// Over which speed friction turns round: so far as nobody knows, that is a time as well.
-enum class Passage { kKnown, kUnknown };
-
 // At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
-std::vector<double> ReversalErrors(const MotionSamples& samples, std::span<const PointLayout> layouts,
-                                   const MotionBandwidth& bandwidth, double expected_delay_s, Passage how,
+// @param passage  speed over which friction may turn round, nobody knows how
+std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                                   std::span<const double> last_band, double expected_delay_s, double passage,
                                    const MotionGrid& grid) {
   std::vector<double> errors(grid.velocity.size(), 0.0);
-  const double passage = how == Passage::kUnknown ? kPassage * QuantileOfMagnitude(grid.velocity, 0.95) : 0.0;
-  const std::vector<double> last_band = LastBand(samples, bandwidth, layouts, grid);
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const double folded_s = FoldedKink_s(bandwidth, samples.stretches[s].step_s);
@@ -217,10 +213,10 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
   grid.stretch_of_row.clear();
   grid.response_stretches.clear();
   const std::vector<double> rests = RestsOf(samples, layouts, grid);
-  std::vector<double> errors =
-      ReversalErrors(samples, layouts, bandwidth, expected_delay_s, Passage::kKnown, grid);
-  const std::vector<double> most =
-      ReversalErrors(samples, layouts, bandwidth, expected_delay_s, Passage::kUnknown, grid);
+  const std::vector<double> last_band = LastBand(samples, bandwidth, layouts, grid);
+  std::vector<double> errors = ReversalErrors(samples, bandwidth, last_band, expected_delay_s, 0.0, grid);
+  const std::vector<double> most = ReversalErrors(samples, bandwidth, last_band, expected_delay_s,
+                                                  kPassage * QuantileOfMagnitude(grid.velocity, 0.95), grid);
   for (std::size_t i = 0; i < errors.size(); ++i) errors[i] = std::min(most[i], errors[i] + passage_error[i]);
   const double tolerated = ToleratedError(grid.noise_floor, errors);
   std::vector<double> jumps = grid.jump_error;
