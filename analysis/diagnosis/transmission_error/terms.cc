@@ -257,7 +257,7 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
   const double narrowest = std::max(RadFromDeg(0.5), 2.5 / density);
   const double widest = RadFromDeg(12.0);
   // What one sample shows may be an outlier, but not where other passes show it again.
-  const double least = TurnsTravelled(samples) > 1.5 ? 0.0 : 0.8 * narrowest;
+  const double least = TurnsTravelled(samples) > 1.5 ? 0.0 : 0.7 * narrowest;
   SeparableTerm term;
   constexpr double kMostSkew = 0.7;
   term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(1.0)},
