@@ -254,7 +254,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
       no_doubt ? judge.Objection(reported.fit, cause, kNotExcluded) : judge.Objection(reported.fit, cause);
   const bool foretold =
       result.evidence.heldout_gain > 0.0 ||
-      (rule.named && rule.local && BlocksCovered(judge, with.fit, without.fit) < kBlocksToForetell);
+      (rule.of_few_samples && BlocksCovered(judge, with.fit, without.fit) < kBlocksToForetell);
   if (result.objection.empty() && !foretold) {
     result.objection = "does not predict held-out data better";
   }

@@ -68,6 +68,9 @@ struct CauseRule {
   std::optional<double> misfit_share{};
   /// Stays within a short stretch of the record, so that it is held out in short blocks.
   bool local{};
+  /// May lie within a few samples that were taken one by one: where it does, those of one block cannot be
+  /// foretold from the others, and that they are not is nothing against it.
+  bool of_few_samples{};
   /// False for a correction: a shape without a physical cause, which competes with the causes so that none
   /// of them has to stand in for it. Never reported as a cause.
   bool named{true};

@@ -90,7 +90,7 @@ void AddRipple(const SharedGrid& grid, const MotionUnits& units, SeparableModel&
        .parameters = {{"amplitude_" + units.torque(), units.torque(), 0.0, kUnlimited, true},
                       {name, units.linear ? "1/m" : "1", low, high, false}},
        .degrees_of_freedom = 3,
-       .trials = std::max(1.0, 0.4 * IndependentOrders(angle_at_rows, low, high)),
+       .trials = IndependentOrders(angle_at_rows, low, high),
        .to_settle = units.linear
                         ? ""
                         : "# without the gear cogging stays, with it and at another speed the gear's own "

@@ -299,7 +299,8 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
        .degrees_of_freedom = 3,
        .places = 2,
        .trials = std::max(1.0, 0.5 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
-       .local = true});
+       .local = true,
+       .of_few_samples = true});
 }
 
 void AddWindup(const Samples& samples, SeparableModel& model) {
