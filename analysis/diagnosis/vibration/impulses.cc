@@ -114,10 +114,19 @@ bool IsTooDeep(const VibrationTerm& ring) {
   return false;
 }
 
-void KeepUnlikelier(const VibrationRemainder& remainder, TermFit fit, Best& best) {
-  if (IsTooDeep(fit.term)) return;
-  if (!best || UnlikelinessOf(remainder, fit) > UnlikelinessOf(remainder, *best)) best = std::move(fit);
-}
+// The least likely of some trains; its likelihood is that of all samples, and worked out once.
+struct LeastLikely {
+  Best fit;
+  double unlikeliness{};
+
+  void Take(const VibrationRemainder& remainder, TermFit next) {
+    if (IsTooDeep(next.term)) return;
+    const double own = UnlikelinessOf(remainder, next);
+    if (fit && !(own > unlikeliness)) return;
+    fit = std::move(next);
+    unlikeliness = own;
+  }
+};
 
 // The same train with impulses that come so many periods of its ring later.
 VibrationTerm Later(const VibrationRemainder& remainder, VibrationTerm ring, double periods) {
@@ -145,10 +154,10 @@ TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Lo
                                              remainder.solver().weights(), remainder.base().variance())
                                       .phase);
   }
-  Best best;
+  LeastLikely best;
   for (const double periods : {0.0, -1.0, -0.5, 0.5, 1.0})
-    KeepUnlikelier(remainder, remainder.With(Later(remainder, term, periods), 0), best);
-  return best ? std::move(*best) : remainder.With(std::move(term), 0);
+    best.Take(remainder, remainder.With(Later(remainder, term, periods), 0));
+  return best.fit ? std::move(*best.fit) : remainder.With(std::move(term), 0);
 }
 
 // A train that lets one of its harmonics ring is a line with too many numbers.
@@ -176,7 +185,7 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, dou
 // Refines a first look, half a period of the ring and a whole one to both sides; without a modulation and
 // with each: the look's may be the wrong one.
 void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
-             Best& best) {
+             LeastLikely& best) {
   Best own = remainder.Refine(std::move(look), 12);
   Best beside;
   for (const double periods : {-1.0, -0.5, 0.5, 1.0})
@@ -184,11 +193,11 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
   Keep(remainder.Refine(std::move(*beside), 4), own);
   VibrationTerm even = own->term;
   const double change = even.lines.empty() ? 0.0 : even.lines[0].offset;
-  KeepUnlikelier(remainder, std::move(*own), best);
+  best.Take(remainder, std::move(*own));
   if (change > 0.0) {
     even.lines.clear();
     even.shapes.erase(even.shapes.begin() + 3, even.shapes.begin() + 5);
-    KeepUnlikelier(remainder, remainder.With(even, 6), best);
+    best.Take(remainder, remainder.With(even, 6));
   }
   for (const double modulation : modulations) {
     if (modulation == change || modulation > kLargestSideband * even.shapes[0]) continue;
@@ -197,7 +206,7 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
     // A channel that the even impulses did not pay for may pay now.
     term.heard.assign(term.heard.size(), 1);
     term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
-    KeepUnlikelier(remainder, remainder.With(std::move(term), 8), best);
+    best.Take(remainder, remainder.With(std::move(term), 8));
   }
 }
 
@@ -223,35 +232,38 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
   }
   std::sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.excess > b.excess; });
   looks.resize(std::min(looks.size(), kMostFitted));
-  std::vector<TermFit> fits;
-  for (const Look& look : looks) fits.push_back(remainder.Refine(FitLook(remainder, index, look), 3));
-  std::ranges::sort(fits, std::greater<>(),
-                    [&](const TermFit& fit) { return UnlikelinessOf(remainder, fit); });
-  Best best;
+  std::vector<std::pair<double, TermFit>> fits;  // unlikeliness
+  for (const Look& look : looks) {
+    TermFit fit = remainder.Refine(FitLook(remainder, index, look), 3);
+    const double unlikeliness = UnlikelinessOf(remainder, fit);
+    fits.emplace_back(unlikeliness, std::move(fit));
+  }
+  std::ranges::sort(fits, std::greater<>(), &std::pair<double, TermFit>::first);
+  LeastLikely best;
   std::size_t refined = 0;
-  for (TermFit& fit : fits) {
+  for (auto& [unlikeliness, fit] : fits) {
     if (refined == kMostRefined) break;
     // A line is every train that has it among its harmonics: these are not to hide another train.
     if (IsOneLine(remainder, fit, kPartOfFirst)) continue;
-    Best improved;
+    LeastLikely improved;
     Improve(remainder, std::move(fit), modulations, improved);
     ++refined;
-    if (improved && !IsOneLine(remainder, *improved, 1.0))
-      KeepUnlikelier(remainder, std::move(*improved), best);
+    if (improved.fit && !IsOneLine(remainder, *improved.fit, 1.0))
+      best.Take(remainder, std::move(*improved.fit));
   }
-  if (!best) return best;
+  if (!best.fit) return std::nullopt;
   // Every second impulse, or each twice: the same harmonics, or half of them.
-  const VibrationTerm found = best->term;
+  const VibrationTerm found = best.fit->term;
   for (const double multiple : {0.5, 2.0, 3.0}) {
     const double order = multiple * found.shapes[0];
     if (!allowed(order)) continue;
     TermFit fit =
         FitLook(remainder, index, Climb(remainder, {order, found.shapes[1], 0.0, 0.0, 1.0}, modulations));
     // A look that is far behind does not catch up.
-    if (fit.bic() < best->bic() + 60.0) Improve(remainder, std::move(fit), modulations, best);
+    if (fit.bic() < best.fit->bic() + 60.0) Improve(remainder, std::move(fit), modulations, best);
   }
-  if (IsOneLine(remainder, *best, 1.0)) return std::nullopt;
-  return best;
+  if (IsOneLine(remainder, *best.fit, 1.0)) return std::nullopt;
+  return std::move(best.fit);
 }
 
 TermFit SearchPulses(const VibrationRemainder& remainder, std::size_t index, double order,
