@@ -13,6 +13,7 @@
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/backlash.h"
 #include "analysis/diagnosis/motion/terms.h"
+#include "analysis/diagnosis/recent.h"
 #include "analysis/model/axis_motion.h"
 #include "analysis/units.h"
 
@@ -30,6 +31,7 @@ constexpr double kMostSwing = 10.0;     // times the usual acceleration, where a
 constexpr double kShortest = 0.02;      // of all points, that a stretch with a beginning of its own has
 constexpr double kDiedAway = 1e-20;     // of a swing's square
 constexpr std::size_t kFirstSwing = 2;  // of the shapes
+constexpr std::size_t kSwingsRemembered = 8;
 constexpr std::ptrdiff_t kFirstSwingValue = 5;
 constexpr double kUnlimited = std::numeric_limits<double>::max();
 
@@ -89,6 +91,17 @@ double FreeSwingDrop(const MotionGrid& grid, const Remainder& remainder,
   return drop;
 }
 
+// What swings as the motion drives it, at the points.
+std::vector<double> DrivenSwing(const MotionGrid& grid, double natural, double damping) {
+  std::vector<double> points(grid.time_s.size());
+  for (const MotionGrid::Stretch& stretch : grid.stretches) {
+    model::SecondInertia inertia(natural, damping, stretch.step_s);
+    for (std::size_t i = stretch.first; i < stretch.first + stretch.count; ++i)
+      points[i] = inertia.Step(grid.passed_acceleration[i]);
+  }
+  return points;
+}
+
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
   // A ring that a jolt started may be faster than the motion.
@@ -98,16 +111,15 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   const std::vector<std::size_t> beginnings = Beginnings(*grid);
   const double usual = UsualSize(grid->passed_acceleration);
   SeparableTerm term;
-  term.fill = [grid, beginnings, usual](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  // Slopes by what a stretch begins with are taken at one frequency and damping.
+  using Swings = Recent<std::pair<double, double>, std::vector<double>>;
+  const auto swings = std::make_shared<Swings>(kSwingsRemembered);
+  term.fill = [grid, beginnings, usual, swings](std::span<const double> shapes,
+                                                Eigen::Ref<Eigen::MatrixXd> design) {
     const double natural = kTwoPi * std::exp(shapes[0]);
     const double damping = std::exp(shapes[1]);
-    std::vector<double> points(grid->time_s.size());
-    for (const MotionGrid::Stretch& stretch : grid->stretches) {
-      model::SecondInertia inertia(natural, damping, stretch.step_s);
-      for (std::size_t i = stretch.first; i < stretch.first + stretch.count; ++i) {
-        points[i] = inertia.Step(grid->passed_acceleration[i]);
-      }
-    }
+    std::vector<double> points =
+        swings->Get({shapes[0], shapes[1]}, [&] { return DrivenSwing(*grid, natural, damping); });
     for (std::size_t b = 0; b < beginnings.size(); ++b) {
       const double in_phase = shapes[kFirstSwing + 2 * b];
       const double late = shapes[kFirstSwing + 2 * b + 1];
