@@ -114,19 +114,9 @@ bool IsTooDeep(const VibrationTerm& ring) {
   return false;
 }
 
-// The least likely of some trains; its likelihood is that of all samples, and worked out once.
-struct LeastLikely {
-  Best fit;
-  double unlikeliness{};
-
-  void Take(const VibrationRemainder& remainder, TermFit next) {
-    if (IsTooDeep(next.term)) return;
-    const double own = UnlikelinessOf(remainder, next);
-    if (fit && !(own > unlikeliness)) return;
-    fit = std::move(next);
-    unlikeliness = own;
-  }
-};
+void Take(LeastLikelyChance& best, TermFit fit) {
+  if (!IsTooDeep(fit.term)) best.Take(std::move(fit), 0.0);
+}
 
 // The same train with impulses that come so many periods of its ring later.
 VibrationTerm Later(const VibrationRemainder& remainder, VibrationTerm ring, double periods) {
@@ -154,10 +144,10 @@ TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Lo
                                              remainder.solver().weights(), remainder.base().variance())
                                       .phase);
   }
-  LeastLikely best;
+  LeastLikelyChance best(remainder);
   for (const double periods : {0.0, -1.0, -0.5, 0.5, 1.0})
-    best.Take(remainder, remainder.With(Later(remainder, term, periods), 0));
-  return best.fit ? std::move(*best.fit) : remainder.With(std::move(term), 0);
+    Take(best, remainder.With(Later(remainder, term, periods), 0));
+  return best.fit() ? *std::move(best).fit() : remainder.With(std::move(term), 0);
 }
 
 // A train that lets one of its harmonics ring is a line with too many numbers.
@@ -185,7 +175,7 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, dou
 // Refines a first look, half a period of the ring and a whole one to both sides; without a modulation and
 // with each: the look's may be the wrong one.
 void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
-             LeastLikely& best) {
+             LeastLikelyChance& best) {
   Best own = remainder.Refine(std::move(look), 12);
   Best beside;
   for (const double periods : {-1.0, -0.5, 0.5, 1.0})
@@ -193,11 +183,11 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
   Keep(remainder.Refine(std::move(*beside), 4), own);
   VibrationTerm even = own->term;
   const double change = even.lines.empty() ? 0.0 : even.lines[0].offset;
-  best.Take(remainder, std::move(*own));
+  Take(best, std::move(*own));
   if (change > 0.0) {
     even.lines.clear();
     even.shapes.erase(even.shapes.begin() + 3, even.shapes.begin() + 5);
-    best.Take(remainder, remainder.With(even, 6));
+    Take(best, remainder.With(even, 6));
   }
   for (const double modulation : modulations) {
     if (modulation == change || modulation > kLargestSideband * even.shapes[0]) continue;
@@ -206,7 +196,7 @@ void Improve(const VibrationRemainder& remainder, TermFit look, const std::vecto
     // A channel that the even impulses did not pay for may pay now.
     term.heard.assign(term.heard.size(), 1);
     term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
-    best.Take(remainder, remainder.With(std::move(term), 8));
+    Take(best, remainder.With(std::move(term), 8));
   }
 }
 
@@ -239,31 +229,30 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
     fits.emplace_back(unlikeliness, std::move(fit));
   }
   std::ranges::sort(fits, std::greater<>(), &std::pair<double, TermFit>::first);
-  LeastLikely best;
+  LeastLikelyChance best(remainder);
   std::size_t refined = 0;
   for (auto& [unlikeliness, fit] : fits) {
     if (refined == kMostRefined) break;
     // A line is every train that has it among its harmonics: these are not to hide another train.
     if (IsOneLine(remainder, fit, kPartOfFirst)) continue;
-    LeastLikely improved;
+    LeastLikelyChance improved(remainder);
     Improve(remainder, std::move(fit), modulations, improved);
     ++refined;
-    if (improved.fit && !IsOneLine(remainder, *improved.fit, 1.0))
-      best.Take(remainder, std::move(*improved.fit));
+    if (improved.fit() && !IsOneLine(remainder, *improved.fit(), 1.0)) Take(best, *std::move(improved).fit());
   }
-  if (!best.fit) return std::nullopt;
+  if (!best.fit()) return std::nullopt;
   // Every second impulse, or each twice: the same harmonics, or half of them.
-  const VibrationTerm found = best.fit->term;
+  const VibrationTerm found = best.fit()->term;
   for (const double multiple : {0.5, 2.0, 3.0}) {
     const double order = multiple * found.shapes[0];
     if (!allowed(order)) continue;
     TermFit fit =
         FitLook(remainder, index, Climb(remainder, {order, found.shapes[1], 0.0, 0.0, 1.0}, modulations));
     // A look that is far behind does not catch up.
-    if (fit.bic() < best.fit->bic() + 60.0) Improve(remainder, std::move(fit), modulations, best);
+    if (fit.bic() < best.fit()->bic() + 60.0) Improve(remainder, std::move(fit), modulations, best);
   }
-  if (IsOneLine(remainder, *best.fit, 1.0)) return std::nullopt;
-  return std::move(best.fit);
+  if (IsOneLine(remainder, *best.fit(), 1.0)) return std::nullopt;
+  return std::move(best).fit();
 }
 
 TermFit SearchPulses(const VibrationRemainder& remainder, std::size_t index, double order,
