@@ -21,6 +21,11 @@ double ImprobabilityOf(double likelihood_ratio, double numbers) {
   return x - (half - 1.0) * std::log(x) + std::lgamma(half);
 }
 
+double ImprobabilityOf(const VibrationRemainder& remainder, const TermFit& fit) {
+  const double numbers = static_cast<double>(fit.free_parameters - remainder.base().free_parameters);
+  return ImprobabilityOf(remainder.RatioOf(fit), numbers);
+}
+
 double LogChoices(std::size_t chosen, std::size_t of) {
   const auto k = static_cast<double>(chosen);
   const auto n = static_cast<double>(of);
@@ -28,8 +33,7 @@ double LogChoices(std::size_t chosen, std::size_t of) {
 }
 
 void LeastLikelyChance::Take(TermFit fit, double log_places) {
-  const double numbers = static_cast<double>(fit.free_parameters - remainder_.base().free_parameters);
-  const double improbability = ImprobabilityOf(remainder_.RatioOf(fit), numbers) - log_places;
+  const double improbability = ImprobabilityOf(remainder_, fit) - log_places;
   if (best_ && improbability <= improbability_) return;
   improbability_ = improbability;
   best_ = std::move(fit);

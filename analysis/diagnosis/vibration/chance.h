@@ -11,6 +11,11 @@ namespace strainwave::analysis::diagnosis {
 /// of a normal variate.
 double ImprobabilityOf(double likelihood_ratio, double numbers);
 
+/// The same of what a term explains beside a model, by its numbers. BIC charges all of them by the length of
+/// the record, and would rather have a train without its change, or another one, than what is least likely to
+/// be chance. The likelihood knows the noise's colour all over a broad ring, not only at its centre.
+double ImprobabilityOf(const VibrationRemainder& remainder, const TermFit& fit);
+
 /// Logarithm of how many choices of so many out of so many there are.
 double LogChoices(std::size_t chosen, std::size_t of);
 

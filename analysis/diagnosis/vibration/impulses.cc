@@ -99,14 +99,6 @@ double VarianceAbout(const VibrationRemainder& remainder, const TermFit& ring) {
   return ring.variance() * remainder.LoudnessAt(ring.term.shapes[1]);
 }
 
-// −ln p of what a train explains, by its numbers. BIC charges all of them by the length of the record, and
-// would rather have a train without its change, or another one, than what is least likely to be chance. The
-// likelihood knows the noise's colour all over a broad ring, not only at its centre.
-double UnlikelinessOf(const VibrationRemainder& remainder, const TermFit& fit) {
-  const double numbers = static_cast<double>(fit.free_parameters - remainder.base().free_parameters);
-  return ImprobabilityOf(remainder.RatioOf(fit), numbers);
-}
-
 bool IsTooDeep(const VibrationTerm& ring) {
   for (std::size_t m = 0; m < ring.lines.size(); ++m) {
     if (std::hypot(ring.shapes[3 + 2 * m], ring.shapes[4 + 2 * m]) > kDeepest) return true;
@@ -222,16 +214,16 @@ Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
   }
   std::sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.excess > b.excess; });
   looks.resize(std::min(looks.size(), kMostFitted));
-  std::vector<std::pair<double, TermFit>> fits;  // unlikeliness
+  std::vector<std::pair<double, TermFit>> fits;  // by improbability
   for (const Look& look : looks) {
     TermFit fit = remainder.Refine(FitLook(remainder, index, look), 3);
-    const double unlikeliness = UnlikelinessOf(remainder, fit);
-    fits.emplace_back(unlikeliness, std::move(fit));
+    const double improbability = ImprobabilityOf(remainder, fit);
+    fits.emplace_back(improbability, std::move(fit));
   }
   std::ranges::sort(fits, std::greater<>(), &std::pair<double, TermFit>::first);
   LeastLikelyChance best(remainder);
   std::size_t refined = 0;
-  for (auto& [unlikeliness, fit] : fits) {
+  for (auto& [improbability, fit] : fits) {
     if (refined == kMostRefined) break;
     // A line is every train that has it among its harmonics: these are not to hide another train.
     if (IsOneLine(remainder, fit, kPartOfFirst)) continue;
