@@ -33,6 +33,9 @@ constexpr double kLeastShareOfDescription = 0.01;  // of a further one
 constexpr double kNowhereNear = 0.2;
 // Blocks over which an effect has to lie for what the others show of it to foretell each.
 constexpr double kBlocksToForetell = 4.0;
+// Of the likelihood ratio, that an effect in fewer blocks may lose on held-out data: they were foretold three
+// times as high as they are. What is foretold worse than that is a shape between the samples.
+constexpr double kLossUnforetold = 1.5;
 
 struct Candidate {
   std::size_t cause{};
@@ -254,7 +257,8 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
       no_doubt ? judge.Objection(reported.fit, cause, kNotExcluded) : judge.Objection(reported.fit, cause);
   const bool foretold =
       result.evidence.heldout_gain > 0.0 ||
-      (rule.of_few_samples && BlocksCovered(judge, with.fit, without.fit) < kBlocksToForetell);
+      (rule.of_few_samples && result.evidence.heldout_gain > -kLossUnforetold * comparison.likelihood_ratio &&
+       BlocksCovered(judge, with.fit, without.fit) < kBlocksToForetell);
   if (result.objection.empty() && !foretold) {
     result.objection = "does not predict held-out data better";
   }
