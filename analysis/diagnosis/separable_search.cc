@@ -11,6 +11,10 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+// Of moving what is moved only where it pays: rounds before it is given up, where it is that far from paying.
+constexpr int kFirstRounds = 4;
+constexpr double kNearlyPays = 0.5;  // of one number's price
+
 // Whether what people read of a solution's last term lies where its rule expects it.
 bool IsAsExpected(const TermSet& set, const CauseRule& rule, const SeparableSolution& solution) {
   std::vector<double> numbers = solution.coefficients.back();
@@ -90,22 +94,31 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
   all.it_pays = true;
   if (all.moved_shapes() == set.moved_shapes()) return false;
   const SeparableProblem problem(all, model.measured, weights);
-  SeparableSolution moved = problem.Refine(problem.Solve(solution.shapes), kFinalRounds);
-  // Without such shapes the others have left the place where these pay.
+  const auto samples = static_cast<double>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
+  const auto ahead = [&](const SeparableSolution& moved) {
+    return samples * std::log(solution.weighted_square_sum / moved.weighted_square_sum);
+  };
+  const double uncharged_before = UnchargedShapes(set, solution, weights);
+  const auto pays = [&](const SeparableSolution& moved) {
+    const double uncharged = UnchargedShapes(all, moved, weights) - uncharged_before;
+    const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;
+    return ahead(moved) > std::max(1.0, charged) * std::log(samples);
+  };
+  const auto take = [&](std::vector<std::vector<double>> shapes) {
+    SeparableSolution moved = problem.Refine(problem.Solve(std::move(shapes)), kFirstRounds);
+    // What is far from paying by now, of shapes most of which are straight, does not come to it any more.
+    if (ahead(moved) < kNearlyPays * std::log(samples)) return false;
+    moved = problem.Refine(std::move(moved), kFinalRounds - kFirstRounds);
+    if (!pays(moved)) return false;
+    solution = std::move(moved);
+    return true;
+  };
+  // Where they paid before comes first: without such shapes the others have left that place.
   std::vector<std::vector<double>> before = solution.shapes;
   std::ranges::copy(known, before.begin());
-  if (before != solution.shapes) {
-    SeparableSolution again = problem.Refine(problem.Solve(std::move(before)), kFinalRounds);
-    if (again.weighted_square_sum < moved.weighted_square_sum) moved = std::move(again);
-  }
-  const auto samples = static_cast<double>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
-  const double uncharged = UnchargedShapes(all, moved, weights) - UnchargedShapes(set, solution, weights);
-  const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;
-  const double ahead = samples * std::log(solution.weighted_square_sum / moved.weighted_square_sum);
-  if (!(ahead > std::max(1.0, charged) * std::log(samples))) return false;
-  solution = std::move(moved);
-  set = std::move(all);
-  return true;
+  const bool paid = (before != solution.shapes && take(std::move(before))) || take(solution.shapes);
+  if (paid) set = std::move(all);
+  return paid;
 }
 
 SeparableSolution BestOf(const SeparableModel& model, std::span<const double> weights, const TermSet& set,
