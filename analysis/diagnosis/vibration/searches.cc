@@ -12,6 +12,12 @@ namespace {
 // Each holds its columns and spectra: some megabytes for a long record.
 constexpr std::size_t kMostBases = 4;
 
+// Of BIC. A further term that brings less hides nothing; and what brings that much, and as much of it beside
+// a further term, is there and was found.
+constexpr double kHidesNothing = 100.0;
+constexpr double kIsThere = 200.0;
+constexpr double kAsMuch = 0.9;
+
 VibrationSolution FitTerms(const VibrationSolver& solver, const std::vector<VibrationTerm>& terms) {
   VibrationSolution solution = solver.Solve(terms);
   return terms.empty() ? solution : solver.Refine(std::move(solution), 1);
@@ -30,21 +36,36 @@ VibrationSolution Together(const VibrationRemainder& remainder, VibrationTerm te
   return alone ? solution : remainder.solver().Refine(std::move(solution), 2);
 }
 
-// The same terms, but for what a fit moves them by when another term comes or goes: what is found beside the
-// one is found beside the other.
+// The same term, but for what a fit moves it by when another one comes or goes.
+bool IsNear(const VibrationSamples& samples, const VibrationTerm& x, const VibrationTerm& y) {
+  if (x.cause != y.cause || x.form != y.form || x.shapes.size() != y.shapes.size() ||
+      x.lines.size() != y.lines.size() || x.heard != y.heard) {
+    return false;
+  }
+  const std::vector<VibrationShape> shapes = ShapesOf(samples, x);
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    if (std::abs(x.shapes[s] - y.shapes[s]) > shapes[s].step) return false;
+  }
+  return true;
+}
+
+// What is found beside the one set is found beside the other.
 bool AreNear(const VibrationSamples& samples, const std::vector<VibrationTerm>& a,
              const std::vector<VibrationTerm>& b) {
-  return std::ranges::equal(a, b, [&](const VibrationTerm& x, const VibrationTerm& y) {
-    if (x.cause != y.cause || x.form != y.form || x.shapes.size() != y.shapes.size() ||
-        x.lines.size() != y.lines.size() || x.heard != y.heard) {
-      return false;
-    }
-    const std::vector<VibrationShape> shapes = ShapesOf(samples, x);
-    for (std::size_t s = 0; s < shapes.size(); ++s) {
-      if (std::abs(x.shapes[s] - y.shapes[s]) > shapes[s].step) return false;
-    }
-    return true;
+  return std::ranges::equal(
+      a, b, [&](const VibrationTerm& x, const VibrationTerm& y) { return IsNear(samples, x, y); });
+}
+
+bool IsNearlyWithin(const VibrationSamples& samples, const std::vector<VibrationTerm>& fewer,
+                    const std::vector<VibrationTerm>& terms) {
+  return std::ranges::all_of(fewer, [&](const VibrationTerm& x) {
+    return std::ranges::any_of(terms, [&](const VibrationTerm& y) { return IsNear(samples, x, y); });
   });
+}
+
+VibrationSolution WithFound(const VibrationBase& base, VibrationTerm term, std::size_t cause) {
+  term.cause = cause;  // there may be two of a kind
+  return Together(base.remainder, std::move(term));
 }
 
 }  // namespace
@@ -61,13 +82,15 @@ VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const do
     : searched(remembered),
       solver(samples, weights),
       solution(FitTerms(solver, terms)),
-      remainder(samples, solver, solution) {}
+      remainder(samples, solver, solution) {
+  searched.bic = solution.bic();
+}
 
 VibrationSearched& VibrationSearches::SearchedBeside(const VibrationSamples& samples,
                                                      std::size_t weights_hash,
                                                      const std::vector<VibrationTerm>& terms) {
   const std::vector<double> state = PackTerms(terms);
-  VibrationSearched searched{weights_hash, state, {}};
+  VibrationSearched searched{weights_hash, state, 0.0, {}};
   // The last ones first.
   for (VibrationSearched& other : searched_) {
     if (other.weights_hash != weights_hash) continue;
@@ -92,19 +115,40 @@ VibrationBase& VibrationSearches::BaseOf(const VibrationSamples& samples, std::s
   return bases_.front();
 }
 
+std::optional<VibrationFound> VibrationSearches::FoundBesideFewer(const VibrationBase& base,
+                                                                  VibrationCause kind,
+                                                                  std::size_t cause) const {
+  const std::vector<VibrationTerm>& terms = base.solution.terms;
+  for (const VibrationSearched& other : searched_) {
+    const auto found = other.found.find(kind);
+    if (other.weights_hash != base.searched.weights_hash || found == other.found.end()) continue;
+    const std::vector<VibrationTerm> fewer = UnpackTerms(other.state);
+    if (fewer.size() + 1 != terms.size() || !IsNearlyWithin(base.remainder.samples(), fewer, terms)) continue;
+    const auto& [term, gain] = found->second;
+    if (gain <= 0.0 && other.bic - base.searched.bic < kHidesNothing) return found->second;
+    if (!term || gain < kIsThere) continue;
+    const double gain_now = base.searched.bic - WithFound(base, *term, cause).bic();
+    if (gain_now > kAsMuch * gain) return VibrationFound{term, gain_now};
+  }
+  return std::nullopt;
+}
+
 std::optional<VibrationSolution> VibrationSearches::Find(VibrationBase& base, VibrationCause kind,
                                                          std::size_t cause) const {
-  const auto known = base.searched.found.find(kind);
-  if (known == base.searched.found.end()) {
-    std::optional<VibrationSolution> solution = Beside(base.remainder, kind, cause);
-    auto& remembered = base.searched.found[kind];
-    if (solution) remembered = solution->terms.back();
-    return solution;
+  auto& found = base.searched.found;
+  if (!found.contains(kind)) {
+    if (std::optional<VibrationFound> known = FoundBesideFewer(base, kind, cause)) {
+      found[kind] = std::move(*known);
+    } else {
+      std::optional<VibrationSolution> solution = Beside(base.remainder, kind, cause);
+      found[kind] = solution ? VibrationFound{solution->terms.back(), base.searched.bic - solution->bic()}
+                             : VibrationFound{};
+      return solution;
+    }
   }
-  if (!known->second) return std::nullopt;
-  VibrationTerm term = *known->second;
-  term.cause = cause;  // there may be two of a kind
-  return Together(base.remainder, std::move(term));
+  const std::optional<VibrationTerm>& term = found[kind].term;
+  if (!term) return std::nullopt;
+  return WithFound(base, *term, cause);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -13,12 +13,18 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// What a search came to.
+struct VibrationFound {
+  std::optional<VibrationTerm> term;  // nothing where it found none
+  double gain{};                      // in BIC
+};
+
 /// A set of terms under one set of weights, and what was looked for beside it.
 struct VibrationSearched {
   std::size_t weights_hash;
   std::vector<double> state;  // of the terms
-  /// Term that a search came to; nothing where it found none.
-  std::map<VibrationCause, std::optional<VibrationTerm>> found;
+  double bic{};               // of their fit
+  std::map<VibrationCause, VibrationFound> found;
 };
 
 /// That set, fitted, and what it leaves.
@@ -53,6 +59,8 @@ class VibrationSearches {
  private:
   VibrationSearched& SearchedBeside(const VibrationSamples& samples, std::size_t weights_hash,
                                     const std::vector<VibrationTerm>& terms);
+  std::optional<VibrationFound> FoundBesideFewer(const VibrationBase& base, VibrationCause kind,
+                                                 std::size_t cause) const;
 
   std::list<VibrationSearched> searched_;  // all
   std::list<VibrationBase> bases_;         // a few, the last used first
