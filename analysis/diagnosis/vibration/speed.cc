@@ -23,6 +23,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kLagWorthSaying = 1.0;     // sampling periods
+constexpr double kMostLag_s = 0.1;          // of a drive's filters and its bus
 constexpr double kLeastSpreadOfLag = 0.02;  // of the mean speed
 constexpr double kClearly = 3.0;            // standard errors
 constexpr std::size_t kMostPairs = 6;
@@ -190,18 +191,14 @@ bool LinesAgreeOnLag(const VibrationSamples& samples, const VibrationRun& run) {
          apart < std::max(kClearly * uncertain, 0.1 * std::max(std::abs(found(1)), std::abs(found(2))));
 }
 
-// Whether each line, taken for itself, follows as much of a wander as the other.
-bool LinesAgreeOnWander(const VibrationSamples& samples, const VibrationRun& run, Index waves,
-                        const VectorXd& phase) {
-  const MatrixXd basis = BasisOf(run, {waves});
-  const VectorXd change = basis * phase;
+// Whether each line, taken for itself, follows as much of a change of the angle as the other.
+bool LinesAgree(const VibrationSamples& samples, const VibrationRun& run, const VectorXd& change,
+                const VectorXd& part) {
   const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), change.size());
-  // Waves and scale may stand for each other: what is no scale is wander.
-  const VectorXd wander = change - basis.col(0) * (basis.col(0).dot(change) / basis.col(0).squaredNorm());
   const auto [more, covariance] =
       StepOf(samples, run, NominalAt(run, angle + change), 2, [&](const VectorXd(&slopes)[2]) {
-        MatrixXd derivatives(wander.size(), 2);
-        for (const Index line : {0, 1}) derivatives.col(line) = slopes[line].cwiseProduct(wander);
+        MatrixXd derivatives(part.size(), 2);
+        for (const Index line : {0, 1}) derivatives.col(line) = slopes[line].cwiseProduct(part);
         return derivatives;
       });
   const auto follows = [&more = more, &covariance = covariance](Index k) {
@@ -209,6 +206,15 @@ bool LinesAgreeOnWander(const VibrationSamples& samples, const VibrationRun& run
     return 1.0 + more(k) > kClearly * error && std::abs(more(k)) < kClearly * error + 0.1;
   };
   return follows(0) && follows(1);
+}
+
+bool LinesAgreeOnWander(const VibrationSamples& samples, const VibrationRun& run, Index waves,
+                        const VectorXd& phase) {
+  const MatrixXd basis = BasisOf(run, {waves});
+  const VectorXd change = basis * phase;
+  // Waves and scale may stand for each other: what is no scale is wander.
+  return LinesAgree(samples, run, change,
+                    change - basis.col(0) * (basis.col(0).dot(change) / basis.col(0).squaredNorm()));
 }
 
 void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source) {
@@ -243,8 +249,11 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source)
         LinesAgreeOnWander(samples, run, waves, wandering.phase))
       take(std::move(wandering), {waves}, static_cast<double>(1 + waves));
   }
-  if (measured && run.speed_spread > kLeastSpreadOfLag && LinesAgreeOnLag(samples, run))
-    take(FitPhase(samples, run, BasisOf(run, {0, true})), {0, true}, 2.0);
+  if (measured && run.speed_spread > kLeastSpreadOfLag && LinesAgreeOnLag(samples, run)) {
+    PhaseFit late = FitPhase(samples, run, BasisOf(run, {0, true}));
+    // A loud line beside one of the shaft's is met somewhere if the angle may go far enough.
+    if (std::abs(late.phase(1)) < kMostLag_s) take(std::move(late), {0, true}, 2.0);
+  }
   // A foreign line nearby pulls at the scale a little, and an imbalance turns the phase of the first line
   // while the speed changes: what is stated counts until it is clearly wrong, and neither line likes it
   // better. Over few turns the lines are not quite apart: a little of what is won may be lost at one of them.
@@ -253,9 +262,12 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source)
                             best.line_energy[1] < given.line_energy[1] - may_lose;
   const bool is_stated = source != SpeedSource::kItsLines;
   if (is_stated && (!(score > 20.0) || (either_loses && !change.lag))) return;
+  const VectorXd moved = BasisOf(run, change) * best.phase;
+  const bool scaled = change.waves == 0 && !change.lag;
+  if (is_stated && scaled && !LinesAgree(samples, run, moved, moved)) return;
   const double before = run.mean_speed_rad_per_s;
   const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), n);
-  TakeAngle(run, angle + BasisOf(run, change) * best.phase);
+  TakeAngle(run, angle + moved);
   if (change.waves > 0) {
     samples.warnings.push_back(
         "the speed wanders more than the file says: the shaft's own lines were followed");
