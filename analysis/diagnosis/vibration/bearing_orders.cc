@@ -56,6 +56,16 @@ bool IsALineOfTeeth(const VibrationRemainder& remainder, const Heard& heard, dou
   return ExcessOf(beside - kPartBesideLine * spectrum.At(line), cells) < kPlainlyHeard;
 }
 
+// Harmonics and sidebands of an order may all be at whole ones, as those of 14/3 are: it is the shaft that
+// knocks.
+bool AreOfTheShaft(const VibrationRemainder& remainder, const VibrationTerm& lines) {
+  const double sharpness = kLinePartOfCell * remainder.over_turns().cell();
+  return std::ranges::all_of(lines.lines, [&](const LinePlace& line) {
+    const double order = line.harmonic * lines.shapes[0] + line.offset;
+    return std::abs(order - std::round(order)) < sharpness;
+  });
+}
+
 // How many harmonics of its order say where it is. Lines that are as near to each other as sidebands of whole
 // orders say by what they span how far apart they are, and by where they stand nothing: sidebands stand
 // anywhere. Those farther apart are harmonics, counted from zero.
@@ -84,6 +94,7 @@ bool IsBearingOrder(const VibrationRemainder& remainder, double order, double ha
 }
 
 bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term) {
+  if (term.form == VibrationForm::kLines && AreOfTheShaft(remainder, term)) return false;
   if (term.form == VibrationForm::kRing) {
     const Heard heard = HeardOf(remainder, term);
     if (heard.decay() < 0.9 * kLeastDecay || IsALineOfTeeth(remainder, heard, term.shapes[0])) return false;

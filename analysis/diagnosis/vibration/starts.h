@@ -36,7 +36,7 @@ inline constexpr double kLowestBearingOrder =
     2.3;  // below are what shafts and a crack make, and no bearing's
 inline constexpr double kHighestBearingOrder = 20.0;
 inline constexpr double kLowestTorsional_Hz = 3.0;
-inline constexpr double kHighestTorsional_Hz = 2000.0;
+inline constexpr double kHighestTorsional_Hz = 1000.0;  // above, a structure's
 /// Less is a line of the shaft's at constant speed: grease and teeth damp a gear more, by some times this,
 /// but a short record of what swings looks less damped than it is.
 inline constexpr double kLeastTorsionalDamping = 1e-3;
