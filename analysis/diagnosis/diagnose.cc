@@ -157,9 +157,12 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   if (found)
     diagnosis.gain = EstimateGain(before, after, diagnosis.weights, folds, filtered_out, options.seed);
 
-  diagnosis.verdict = !diagnosis.causes.empty()        ? Verdict::kEffectFound
-                      : !diagnosis.corrections.empty() ? Verdict::kUnnamedStructure
-                                                       : Verdict::kNoEffect;
+  const bool described = std::ranges::any_of(diagnosis.corrections, [&](const Finding& correction) {
+    return IsDescription(study.causes()[correction.index]);
+  });
+  diagnosis.verdict = !diagnosis.causes.empty() ? Verdict::kEffectFound
+                      : described               ? Verdict::kUnnamedStructure
+                                                : Verdict::kNoEffect;
   const std::vector<double> left = ResidualsOf(study, extended.fit);
   const double nominal_variance = diagnosis.nominal_heldout_rmse * diagnosis.nominal_heldout_rmse;
   const double extended_variance = diagnosis.extended_heldout_rmse * diagnosis.extended_heldout_rmse;

@@ -115,8 +115,8 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const Diag
       const double p = judge.Corrected(its.p_value, rules[other]);
       if (!IsBeyondChance(its, rules[other], p, options.family_error)) continue;
       double lead = judge.Score(its, rules[other]) - own_score;
-      if (rules[cause].named && !rules[other].named) lead -= LeadAsked(explained, its, own);
-      if (!rules[cause].named && rules[other].named) lead += LeadAsked(own_score, own, its);
+      if (!IsDescription(rules[cause]) && IsDescription(rules[other])) lead -= LeadAsked(explained, its, own);
+      if (IsDescription(rules[cause]) && !IsDescription(rules[other])) lead += LeadAsked(own_score, own, its);
       if (lead < kClearlyBetter) continue;
       exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kJudge);
       if (!judge.Objection(exchanged.fit, other).empty()) continue;

@@ -74,6 +74,9 @@ struct CauseRule {
   /// False for a correction: a shape without a physical cause, which competes with the causes so that none
   /// of them has to stand in for it. Never reported as a cause.
   bool named{true};
+  /// Of those: a number that the record itself states and that may be wrong. It competes with the causes as
+  /// an equal, and where nothing else is found nothing is missing in the simulation.
+  bool stated_number{};
   /// What the record cannot tell from it although it is no cause of the list ("line at 40.00 per output
   /// turn").
   std::vector<std::string> aliases{};
@@ -81,6 +84,9 @@ struct CauseRule {
   /// it phases of a schedule as `run` takes them (YAML). Empty where there is none.
   std::string to_settle{};
 };
+
+/// A shape that explains anything that looks like it, and so has to explain more than a cause does.
+inline bool IsDescription(const CauseRule& rule) { return !rule.named && !rule.stated_number; }
 
 /// One quantity that the response may depend on, sample by sample, in SI; for the residual's views and tests.
 struct Regressor {

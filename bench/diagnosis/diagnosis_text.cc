@@ -241,6 +241,11 @@ std::string NextText(const DiagnosisReport& report) {
 
 std::string VerdictSentence(const DiagnosisReport& report) {
   const diagnosis::Diagnosis& result = report.result;
+  if (result.verdict == diagnosis::Verdict::kNoEffect && !result.corrections.empty()) {
+    const CauseRule& rule = report.input.study->causes()[result.corrections.front().index];
+    return fmt::format("Nothing is missing in the simulation, but a number of the record is wrong: {}.",
+                       rule.sentence);
+  }
   if (result.verdict == diagnosis::Verdict::kNoEffect) {
     const double excess = result.noise_floor > 0.0 ? result.nominal_heldout_rmse / result.noise_floor : 1.0;
     if (excess < kCloseToNoise) {

@@ -12,9 +12,9 @@ namespace {
 constexpr double kT1_Nm = 7.5;
 constexpr double kT2_Nm = 24.0;
 
-Diagnosed AskWithOtherKnees(GeneratedGear gear) {
-  gear.t1_Nm = kT1_Nm;
-  gear.t2_Nm = kT2_Nm;
+Diagnosed AskWithOtherKnees(GeneratedGear gear, double t1_Nm = kT1_Nm, double t2_Nm = kT2_Nm) {
+  gear.t1_Nm = t1_Nm;
+  gear.t2_Nm = t2_Nm;
   const auto path = Loops(3, {{.to_Nm = 34.0, .rate_Nm_per_s = 1.0, .hold_s = 4.0}});
   return DiagnoseLoop(gear, {.angle_noise_rad = RadFromArcmin(0.003)}, path, 4000, 5);
 }
@@ -28,11 +28,21 @@ void ExpectTheKnees(const Diagnosed& found) {
   EXPECT_NEAR(knees.parameters[1].value, kT2_Nm - 25.0, 4.0 * knees.parameters[1].standard_error);
 }
 
+// A wrong number of the record is no missing effect.
 TEST(HysteresisKnees, BesideTheRecordsOwnAreNoCause) {
   const Diagnosed found = AskWithOtherKnees({});
   EXPECT_EQ(found.names(), Names());
-  EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure);
+  EXPECT_EQ(found.diagnosis.verdict, Verdict::kNoEffect);
   ExpectTheKnees(found);
+}
+
+// A second element of friction that yields only at the knees does the same as knees that lie higher.
+TEST(HysteresisKnees, ThatLieHigherAreNoFriction) {
+  for (const double higher : {1.05, 1.08, 1.14}) {
+    const Diagnosed found = AskWithOtherKnees({}, 7.0 * higher, 25.0 * higher);
+    EXPECT_EQ(found.names(), Names()) << higher;
+    EXPECT_EQ(found.diagnosis.verdict, Verdict::kNoEffect) << higher;
+  }
 }
 
 TEST(HysteresisKnees, BesideTheRecordsOwnHideNoCause) {

@@ -203,6 +203,11 @@ TEST(DiagnosisText, OpensWithTheVerdict) {
       DiagnosisText(nothing.Report())
           .starts_with("Nothing is missing in the simulation: it explains these records down to their "
                        "noise.\n"));
+  MadeUp stated = Unnamed();
+  stated.result.verdict = diagnosis::Verdict::kNoEffect;
+  EXPECT_TRUE(
+      VerdictSentence(stated.Report())
+          .starts_with("Nothing is missing in the simulation, but a number of the record is wrong: "));
   EXPECT_TRUE(
       DiagnosisText(Found().Report())
           .starts_with("One effect is missing in the simulation: output_eccentricity or backlash (bench "

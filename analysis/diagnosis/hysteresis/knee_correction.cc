@@ -29,10 +29,10 @@ class Knees final : public Correction {
     rule = {.name = "other knees",
             .sentence =
                 "the stiffness changes at other torques than the record's t1_Nm and t2_Nm say (put the "
-                "numbers of "
-                "this unit there)",
+                "numbers of this unit there)",
             .degrees_of_freedom = static_cast<int>(numbers.size()),
-            .named = false};
+            .named = false,
+            .stated_number = true};
   }
 
   void ShapeGear(std::span<const double> v, GearLaw& law) const override {
