@@ -67,15 +67,17 @@ double BlocksCovered(const Judge& judge, const ModelFit& with, const ModelFit& w
 // one has its turn where the first does not pass.
 void Rank(const Study& study, std::vector<Candidate>& candidates) {
   if (candidates.empty()) return;
-  const auto is_named = [&](const Candidate& candidate) { return study.causes()[candidate.cause].named; };
+  const auto describes = [&](const Candidate& candidate) {
+    return IsDescription(study.causes()[candidate.cause]);
+  };
   const auto of_causes = [&](const Candidate& candidate) {
-    return is_named(candidate) ? candidate.score : -std::numeric_limits<double>::infinity();
+    return describes(candidate) ? -std::numeric_limits<double>::infinity() : candidate.score;
   };
   const double explained =
       std::ranges::max_element(candidates, {}, &Candidate::score)->against.likelihood_ratio;
   const Comparison cause = std::ranges::max_element(candidates, {}, of_causes)->against;
   const auto rank = [&](const Candidate& candidate) {
-    if (is_named(candidate)) return candidate.score;
+    if (!describes(candidate)) return candidate.score;
     return candidate.score - LeadAsked(explained, candidate.against, cause);
   };
   std::ranges::stable_sort(candidates, std::greater<>(), rank);
@@ -136,7 +138,7 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& m
     const int more = candidate.model.fit.free_parameters - poorer.fit.free_parameters;
     // Without a discount for places: noise with a memory has lines and windows anywhere.
     return ahead - 2.0 * std::log(std::max(1.0, rule.trials)) - more * std::log(judge.samples()) -
-           (rule.named ? 0.0 : LeadAsked(ahead));
+           (IsDescription(rule) ? LeadAsked(ahead) : 0.0);
   };
   constexpr std::size_t kMostTogether = 3;
   ScoredModel all = model;
@@ -194,7 +196,9 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
     std::vector<Candidate> firsts = FitCandidates(judge, without, [&](std::size_t part) {
       return part == cause || !rules[part].named || IsFarBehind(far_behind, cause, part);
     });
-    std::erase_if(firsts, [&](const Candidate& part) { return !LooksPossible(judge, part, error); });
+    // What neither of two explains alone may pass for the noise's memory: a description holds both.
+    if (!IsDescription(rules[cause]))
+      std::erase_if(firsts, [&](const Candidate& part) { return !LooksPossible(judge, part, error); });
     constexpr std::size_t kMostParts = 3;
     std::ranges::sort(firsts, std::greater<>(),
                       [&](const Candidate& part) { return WhiteRatio(part.model, without); });
@@ -272,12 +276,21 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
   const ScoredModel first = selection.model;
   std::map<std::size_t, CandidateResult> judged;
   std::set<std::vector<std::size_t>> seen;
-  while (seen.insert(selection.model.fit.causes).second) {  // a set that comes again goes in circles
+  bool circling = false;
+  while (true) {
+    // What was found and dropped again would be found again: of a set that comes again only what passes
+    // together is looked for.
+    const bool known = !seen.insert(selection.model.fit.causes).second;
+    if (known && circling) break;
+    circling = known;
     const ScoredModel& model = selection.model;
     const double explained = judge.Compare(model, first).likelihood_ratio;
-    std::vector<Candidate> candidates = FitCandidates(judge, model);
-    Rank(judge.study(), candidates);
-    judged.clear();
+    std::vector<Candidate> candidates;
+    if (!circling) {
+      candidates = FitCandidates(judge, model);
+      Rank(judge.study(), candidates);
+      judged.clear();
+    }
     const Candidate* chosen = nullptr;
     const double error = ErrorAllowed(model, given.size(), options);
     const bool lacks = std::ranges::any_of(model.fit.causes, [&](std::size_t cause) {
@@ -325,9 +338,13 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
       selection.model = ScoredModel(chosen->model);
     } else {
       const std::size_t most = given.size() + options.max_effects - model.fit.causes.size();
-      std::optional<ScoredModel> together = full ? std::nullopt : FindTogether(judge, model, most, error);
-      if (!together && !full)
-        together = FindPair(judge, given, model, error, selection.far_behind, selection.pair_rivals);
+      const auto find_pair = [&] {
+        return FindPair(judge, given, model, error, selection.far_behind, selection.pair_rivals);
+      };
+      std::optional<ScoredModel> together;
+      if (!full && circling) together = find_pair();
+      if (!full && !together) together = FindTogether(judge, model, most, error);
+      if (!full && !together && !circling) together = find_pair();
       if (!together) break;
       brought = judge.Compare(*together, model).likelihood_ratio;
       selection.model = std::move(*together);

@@ -181,6 +181,28 @@ TEST(TransmissionErrorStudy, NamesADamageOfAFewSamplesThatOnePassHas) {
   EXPECT_GE(named, 7);
 }
 
+// Over little more than a turn a free curve over time does what both do, and comes first.
+TEST(TransmissionErrorStudy, NamesADriftAndAnEccentricityThatATurnOneWayHas) {
+  std::vector<double> places_deg(900);
+  std::iota(places_deg.begin(), places_deg.end(), 0.0);
+  const auto warmer_K = [](double time_s) { return 9.0 * std::sqrt(time_s / 720.0); };
+  int named = 0;
+  for (unsigned seed = 95; seed < 100; ++seed) {
+    TransmissionErrorData record = SweepOver(places_deg, seed, [&](const Place& at) {
+      return 0.0117 * warmer_K(at.time_s) + 0.0965 * std::cos(at.output_rad + 2.1);
+    });
+    KeepFirst(record, 450);
+    for (std::size_t i = 0; i < record.time_s.size(); ++i)
+      record.temperature_degC[i] = 25.0 + warmer_K(record.time_s[i]);
+    std::vector<std::string> names;
+    const Answer answer = Ask(record);
+    for (const auto& cause : answer.diagnosis.causes)
+      names.push_back(answer.study->causes()[cause.index].name);
+    named += names == std::vector<std::string>{"output_eccentricity", "thermal_drift"} ? 1 : 0;
+  }
+  EXPECT_GE(named, 4);
+}
+
 TEST(TransmissionErrorStudy, SaysWhatTheStepsFoldTheFourthHarmonicOnto) {
   const Effect fourth = [](const Place& at) { return 0.05 * std::cos(4.0 * at.input_rad); };
   const Answer folded = Ask(Sweep(32, fourth));
