@@ -175,19 +175,22 @@ TEST(BearingSearch, NamesABearingWhoseImpulsesRingIntoEachOther) {
 
 constexpr double kTurn_Hz = 25.0;
 
-// Whether a train may be a bearing's in a record of 25 turns a second.
-bool IsBearingIn(const Effect& effect, double order, double ring_order, double decay) {
+// Whether a term may be a bearing's in a record of 25 turns a second.
+bool IsBearingIn(const Effect& effect, const VibrationTerm& term) {
   const VibrationData record = Record(Turning(60.0 * kTurn_Hz, 3.0, 0.0), 12, effect);
   const VibrationSamples samples = PrepareVibration({&record, 1});
   const std::vector<double> weights(samples.measured.size(), 1.0);
   const VibrationSolver solver(samples, weights);
   const VibrationSolution base = solver.Solve({});
   const VibrationRemainder remainder(samples, solver, base);
-  VibrationTerm ring{.form = VibrationForm::kRing,
-                     .lines = {},
-                     .shapes = {order, ring_order * kTurn_Hz, decay},
-                     .heard = {}};
-  return IsBearing(remainder, ring);
+  return IsBearing(remainder, term);
+}
+
+bool IsBearingIn(const Effect& effect, double order, double ring_order, double decay) {
+  return IsBearingIn(effect, {.form = VibrationForm::kRing,
+                              .lines = {},
+                              .shapes = {order, ring_order * kTurn_Hz, decay},
+                              .heard = {}});
 }
 
 // Sixteen orders are sampled: of a defect at 13.43 the first line is there and what the two load zones make
@@ -251,6 +254,17 @@ TEST(IsBearing, TakesTheHarmonicsBesideALineAtAWholeOrderForATrain) {
     return Line(run, 80.0, 1.0) + Line(run, 78.0, 0.3) + Line(run, 81.0, 0.2);
   };
   EXPECT_FALSE(IsBearingIn(teeth, kOrder, 80.1, kDamping));
+}
+
+// A shaft that knocks twice a turn has all even orders: 6, 9 and 12 of 14/3 with what stands 2 beside them.
+TEST(IsBearing, TakesNoLinesAtWholeOrdersForABearing) {
+  VibrationTerm lines{.form = VibrationForm::kLines,
+                      .lines = {{6.0, 0.0}, {9.0, 0.0}, {12.0, 0.0}, {12.0, 2.0}, {12.0, -2.0}},
+                      .shapes = {14.0 / 3.0},
+                      .heard = {1}};
+  EXPECT_FALSE(IsBearingIn(Silence, lines));
+  lines.lines.push_back({7.0, 0.0});
+  EXPECT_TRUE(IsBearingIn(Silence, lines));
 }
 
 }  // namespace

@@ -37,6 +37,11 @@ class Hysteresis:
         self._draw_profile(rng, wants, nuisances)
         self._round_knees(rng)
         self._draw_surroundings(rng, wants, nuisances)
+        # Of wrong numbers half are the knees that the record itself states.
+        self.stated_Nm = list(self.limits_Nm)
+        if wrong_number and rng.random() < 0.5:
+            share = rng.choice([-1.0, 1.0]) * rng.uniform(0.04, 0.15)
+            self.stated_Nm[:2] = [round(knee_Nm * (1.0 + share * rng.uniform(0.6, 1.0)), 2) for knee_Nm in self.limits_Nm[:2]]
 
     def _draw_profile(self, rng, wants, nuisances):
         peak_Nm = self.limits_Nm[2]
@@ -137,7 +142,7 @@ class Hysteresis:
         if self.has_temperature:
             measured_degC = self.fine_degC[::SUBSTEPS] + rng.normal(0.0, 0.02, len(self.time_s))
             columns["temperature_degC"] = (measured_degC[keep], "%.2f")
-        t1_Nm, t2_Nm, t3_Nm = self.limits_Nm
+        t1_Nm, t2_Nm, t3_Nm = self.stated_Nm
         return {"kind": self.kind, "t1_Nm": "%g" % t1_Nm, "t2_Nm": "%g" % t2_Nm, "t3_Nm": "%g" % t3_Nm}, columns
 
     def response_noise_sd(self):
