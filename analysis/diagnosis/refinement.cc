@@ -33,12 +33,6 @@ bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t o
   return found != far_behind.end() && found->second.contains(other);
 }
 
-bool HardlyReplaces(const Judge& judge, const FarBehindOf& far_behind, std::size_t cause, std::size_t other) {
-  const auto& rules = judge.study().causes();
-  const bool in_place_of_description = IsDescription(rules[cause]) && rules[other].named;
-  return !in_place_of_description && IsFarBehind(far_behind, cause, other);
-}
-
 double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause) {
   return judge.Score(judge.Compare(with, without), judge.study().causes()[cause]);
 }
@@ -111,7 +105,7 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const Diag
     for (std::size_t other = 0; other < rules.size(); ++other) {
       // For itself as well: beside what came later another of its forms may be the better one.
       if (other != cause && Contains(model.fit.causes, other)) continue;
-      if (HardlyReplaces(judge, far_behind, cause, other)) continue;
+      if (IsFarBehind(far_behind, cause, other)) continue;
       ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
       if (!exchanged.fit.usable) continue;
       if (ahead > kClearlyAhead && WhiteRatio(exchanged, without) < kHalfAsGood * ahead)

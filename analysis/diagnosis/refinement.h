@@ -14,10 +14,6 @@ inline constexpr double kClearlyBetter = 2.0;
 /// Whether a cause came nowhere near another one when that was chosen.
 bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other);
 
-/// The same, so that it will hardly do in the other's place. In a description's it may: what was found since
-/// may be what the cause lacked.
-bool HardlyReplaces(const Judge& judge, const FarBehindOf& far_behind, std::size_t cause, std::size_t other);
-
 /// Of a model with this cause, ahead of the one without: BIC less what the places searched cost.
 double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause);
 

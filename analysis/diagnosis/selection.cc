@@ -194,7 +194,7 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
     // A description has to be better than causes, not they than it.
     const double asked = rules[cause].named ? kPairAhead : 0.0;
     std::vector<Candidate> firsts = FitCandidates(judge, without, [&](std::size_t part) {
-      return part == cause || !rules[part].named || HardlyReplaces(judge, far_behind, cause, part);
+      return part == cause || !rules[part].named || IsFarBehind(far_behind, cause, part);
     });
     // What neither of two explains alone may pass for the noise's memory: a description holds both.
     if (!IsDescription(rules[cause]))
