@@ -9,14 +9,16 @@ namespace strainwave::analysis::model {
 inline constexpr int kCreepElements = 3;
 
 /// Creep under torque (E22): φ goes on as ln(1 + t/t₀). A ladder of Kelvin-Voigt elements, one a decade,
-/// stands for the logarithm; each adds `share` of the wind-up that stiffness `reference_Nm_per_rad` gives.
+/// stands for the logarithm, or for a part of it with a smaller ratio; a decade of them adds
+/// `share_per_decade` of the wind-up that stiffness `reference_Nm_per_rad` gives.
 ///
 /// The literature's 1 to 3 % of wind-up (E22 [K]) is over hours; the default is that of a gear that creeps
 /// little, so that ramps of 1 to 3 Nm/s see K lower by less than 0.1 %.
 struct Creep {
   double share_per_decade{0.0004};
   double reference_Nm_per_rad{2.2e4};
-  double fastest_s{4.0};  // time constants: this, 10 times and 100 times this
+  double fastest_s{4.0};  // time constants: this, and `ratio` times the last
+  double ratio{10.0};
 };
 
 using CreepState = std::array<double, kCreepElements>;  // twist of each element, rad
@@ -31,9 +33,9 @@ inline CreepStep MakeCreepStep(const Creep& creep, double step_s) noexcept {
   double time_constant_s = creep.fastest_s;
   for (double& factor : step.factor) {
     factor = -std::expm1(-step_s / time_constant_s);
-    time_constant_s *= 10.0;
+    time_constant_s *= creep.ratio;
   }
-  step.compliance_rad_per_Nm = creep.share_per_decade / creep.reference_Nm_per_rad;
+  step.compliance_rad_per_Nm = creep.share_per_decade * std::log10(creep.ratio) / creep.reference_Nm_per_rad;
   return step;
 }
 

@@ -33,7 +33,7 @@ void AddGear(PlantParameters& p, std::vector<BoundTerm>& terms) {
                    "E22",
                    {Amount("share_per_decade", "1", p.creep.share_per_decade),
                     Scale("reference_Nm_per_rad", "Nm/rad", p.creep.reference_Nm_per_rad),
-                    Scale("fastest_s", "s", p.creep.fastest_s)}});
+                    Scale("fastest_s", "s", p.creep.fastest_s), Scale("ratio", "1", p.creep.ratio)}});
 }
 
 void AddGearCauses(PlantParameters& p, std::vector<BoundTerm>& terms) {

@@ -171,11 +171,21 @@ void MapCreep(const NamedCause& cause, Parameters nominal, const MappingContext&
     constexpr double kFastestOverOnset = 5.632;
     plant.Set("creep", {{"share_per_decade", *per_decade},
                         {"reference_Nm_per_rad", stiffness},
-                        {"fastest_s", kFastestOverOnset * constant_s}});
+                        {"fastest_s", kFastestOverOnset * constant_s},
+                        {"ratio", 10.0}});
     return;
   }
   const auto share = share_of("creep_share", "creep_arcmin_per_Nm");
   const double all = share ? *share : Require(cause, "creep_share");
+  if (const auto longest_s = Find(cause.parameters, "longest_time_constant_s")) {
+    // A third of the band's octaves for each element, which stands in the middle of them.
+    const double ratio = std::cbrt(*longest_s / constant_s);
+    plant.Set("creep", {{"share_per_decade", all / 3.0 / std::log10(ratio)},
+                        {"reference_Nm_per_rad", stiffness},
+                        {"fastest_s", constant_s * std::sqrt(ratio)},
+                        {"ratio", ratio}});
+    return;
+  }
   plant.Set("exponential_creep",
             {{"compliance_rad_per_Nm", all / stiffness}, {"time_constant_s", constant_s}});
 }

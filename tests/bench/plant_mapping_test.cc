@@ -311,6 +311,27 @@ TEST(PlantMapping, CreepsAsTheModelDoes) {
   EXPECT_NEAR(of_torque.state().output_rad - without, all_rad * (1.0 - std::exp(-1.0)), 0.02 * all_rad);
 }
 
+TEST(PlantMapping, CreepsOverABandAsTheModelDoes) {
+  GearPlant plant = LoopPlant(
+      {Cause("creep",
+             {{"creep_arcmin_per_Nm", 0.002}, {"time_constant_s", 2.0}, {"longest_time_constant_s", 30.0}})});
+  Hold(plant, Locked(20.0), 0.1);
+  const double start_rad = plant.state().output_rad;
+  double until_s = 0.0;
+  for (const double hold_s : {5.0, 15.0, 180.0}) {
+    Hold(plant, Locked(20.0), hold_s);
+    until_s += hold_s;
+    // The mean of 1 − e^(−t/τ) over ln τ, by a sum of its own.
+    double share = 0.0;
+    constexpr int kParts = 200;
+    for (int k = 0; k < kParts; ++k)
+      share -= std::expm1(-until_s / (2.0 * std::pow(15.0, (k + 0.5) / kParts))) / kParts;
+    EXPECT_NEAR(plant.state().output_rad - start_rad, RadFromArcmin(0.002 * 20.0) * share,
+                0.04 * RadFromArcmin(0.002 * 20.0))
+        << until_s;
+  }
+}
+
 TEST(PlantMapping, SlipsAtTheBrakeByWhatTheOutputShows) {
   // Held up to 20 Nm, loaded to 30 Nm for two seconds: arcmin at the output.
   const auto slip_arcmin = [](const char* form, double value) {

@@ -82,15 +82,14 @@ class Loop:
 
     def _branch_by_branch(self, torque_Nm, reversals):
         levels, stiffness = self.elements()
-        held = numpy.zeros_like(levels)
         reach_rad = self._reach_rad(float(numpy.max(numpy.abs(torque_Nm))))
         grid = numpy.linspace(-reach_rad, reach_rad, 2 * GRID_POINTS + 1)
         spring = self.spring_Nm(grid)
-        twist = numpy.zeros_like(torque_Nm)
-        here_rad = 0.0
-        for first, last in zip(reversals[:-1], reversals[1:]):
-            stretch = slice(first, last + 1)
-            up = torque_Nm[last] >= torque_Nm[first]
+        state = [0.0, numpy.zeros_like(levels)]
+
+        def go(torques):
+            here_rad, held = state
+            up = torques[-1] >= torques[0]
             # Exact knots at the reversal and where an element yields keep interpolation from blurring the corners.
             knots = here_rad + (numpy.where(up, levels, -levels) - held) / stiffness.clip(1e-9)
             line = numpy.unique(numpy.concatenate([grid, [here_rad], knots]))
@@ -103,9 +102,15 @@ class Loop:
             sign = 1.0 if up else -1.0
             total = numpy.maximum.accumulate(sign * total)
             total = total + 1e-12 * numpy.arange(len(total))
-            twist[stretch] = numpy.interp(sign * torque_Nm[stretch], total, line)
-            held = numpy.clip(held + stiffness * (twist[last] - here_rad), -levels, levels)
-            here_rad = float(twist[last])
+            twist = numpy.interp(sign * torques, total, line)
+            state[:] = [float(twist[-1]), numpy.clip(held + stiffness * (twist[-1] - here_rad), -levels, levels)]
+            return twist
+
+        # The record begins at rest under its first torque, which came up before.
+        go(numpy.array([0.0, torque_Nm[0]]))
+        twist = numpy.zeros_like(torque_Nm)
+        for first, last in zip(reversals[:-1], reversals[1:]):
+            twist[first:last + 1] = go(torque_Nm[first:last + 1])
         return twist
 
     def _step_in_time(self, time_s, torque_Nm):
@@ -116,11 +121,12 @@ class Loop:
         table = self.spring_Nm(numpy.linspace(-reach_rad, reach_rad, cells + 1)).tolist()
         cell_rad = 2.0 * reach_rad / cells
         held = [0.0] * len(levels)
-        twist = [0.0]
+        twist = []
         here = 0.0
         times, torques = time_s.tolist(), torque_Nm.tolist()
-        for k in range(1, len(times)):
-            damping = self.viscous_Nm_s_per_rad / (times[k] - times[k - 1])
+        for k in range(len(times)):
+            # Before its first sample the record was at rest.
+            damping = self.viscous_Nm_s_per_rad / (times[k] - times[k - 1]) if k > 0 else 0.0
             guess = here
             for _ in range(12):
                 at = min(max((guess + reach_rad) / cell_rad, 0.0), cells - 1e-6)

@@ -14,11 +14,21 @@ namespace {
 
 // What settles in less of a loop's time is the torque rate's doing, as any record without a hold shows it.
 constexpr double kShortestShare = 0.01;
-// A logarithmic law begins where its parts are as short as that: its onset is earlier by as much.
+// A logarithmic law, or a band, begins where its parts are as short as that: its onset is earlier by as much.
 constexpr double kOnset = 0.1;
 
 // Logarithmic or exponential, of the gear's wind-up with all its bends and friction (E22) or of a part that
-// yields in proportion to the torque (a glued joint, the mount).
+// yields in proportion to the torque (a glued joint, the mount). A band lies between: a box spectrum of time
+// constants (Neubert, Aeronaut. Q. 14 (1963) 187).
+enum CreepForm { kLogOfTwist, kOneOfTwist, kLogOfTorque, kOneOfTorque, kBandOfTwist, kBandOfTorque };
+
+bool IsLogarithmic(CreepForm form) { return form == kLogOfTwist || form == kLogOfTorque; }
+bool IsBand(CreepForm form) { return form == kBandOfTwist || form == kBandOfTorque; }
+bool IsOfTorque(CreepForm form) {
+  return form == kLogOfTorque || form == kOneOfTorque || form == kBandOfTorque;
+}
+
+// Further number: ln of a band's longest time constant; its shape is that of the shortest.
 class CreepEffect final : public FormedEffect {
  public:
   explicit CreepEffect(const LoopRecords& records)
@@ -49,20 +59,22 @@ class CreepEffect final : public FormedEffect {
         .to_settle = fmt::format(
             "# long holds at each end\n{}",
             PhaseText(records, {.name = "holds", .torque_rate_Nm_per_s = 3.0, .hold_s = 120.0, .loops = 2}))};
-    numbers = {{0.0, 3.0, 0.0, true, false},
+    numbers = {{kLogOfTwist, kBandOfTorque, 0.0, true, false},
                {0.0, 1.0, 1e-6, false, true},
-               {std::log(shortest_s_), std::log(longest_s_), 1e-4, false, false}};
+               {std::log(shortest_s_), std::log(longest_s_), 1e-4, false, false},
+               {std::log(shortest_s_), std::log(kLongestOfBand * duration_s_), 1e-4, false, false}};
     follows_gear = true;
   }
 
   void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd& gear_rad,
            Eigen::VectorXd& total_rad) const override {
     if (v[1] == 0.0) return;
-    const auto form = std::lround(v[0]);
-    const double time_s = forms_[static_cast<std::size_t>(form)].shape_per_number * std::exp(v[2]);
-    const model::CreepLadder ladder =
-        form % 2 == 0 ? model::LogarithmicCreep(time_s, duration_s_) : model::ExponentialCreep(time_s);
-    const bool of_torque = form >= 2;
+    const CreepForm form = FormOf(v);
+    const double time_s = forms_[form].shape_per_number * std::exp(v[2]);
+    const model::CreepLadder ladder = IsBand(form)          ? model::BandOfCreep(time_s, std::exp(v[3]))
+                                      : IsLogarithmic(form) ? model::LogarithmicCreep(time_s, duration_s_)
+                                                            : model::ExponentialCreep(time_s);
+    const bool of_torque = IsOfTorque(form);
     const double straight_rad_per_Nm = records_.compliance_rad_per_Nm();
     const auto driver_rad = [&](std::size_t i) {
       return of_torque ? straight_rad_per_Nm * grid.torque_Nm[i] : gear_rad(static_cast<Eigen::Index>(i));
@@ -97,27 +109,75 @@ class CreepEffect final : public FormedEffect {
 
   std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
     std::vector<std::vector<double>> starts;
-    for (const double form : {0.0, 1.0, 2.0, 3.0}) {
+    for (const CreepForm form : {kLogOfTwist, kOneOfTwist, kLogOfTorque, kOneOfTorque}) {
       // One time constant alone is sharper than a whole ladder of them.
-      const int places = std::lround(form) % 2 == 0 ? 5 : 15;
+      const int places = IsLogarithmic(form) ? 5 : 15;
       for (int k = 0; k < places; ++k) {
         const double place = (k + 0.5) / places;
-        starts.push_back({form, 0.0, std::log(shortest_s_) + place * std::log(longest_s_ / shortest_s_)});
+        starts.push_back({static_cast<double>(form), 0.0,
+                          std::log(shortest_s_) + place * std::log(longest_s_ / shortest_s_), longest()});
       }
     }
     return starts;
   }
 
+  // The band that goes as what was fitted does.
+  std::vector<std::vector<double>> RicherForms(std::span<const double> v,
+                                               const LoopRemainder&) const override {
+    const CreepForm form = FormOf(v);
+    if (IsBand(form)) return {};
+    const double time_s = forms_[form].shape_per_number * std::exp(v[2]);
+    // Of a logarithmic law ln(1 + t/t₀), that late is as ln(t/τ) + 0.577.
+    const double from_s = IsLogarithmic(form) ? kBandOverOnset * time_s : time_s / kNarrowBand;
+    const double to_s = IsLogarithmic(form) ? kLongestOfBand * duration_s_ : time_s * kNarrowBand;
+    const double amount = IsLogarithmic(form) ? v[1] * std::log10(to_s / from_s) : v[1];
+    const double band = IsOfTorque(form) ? kBandOfTorque : kBandOfTwist;
+    return {{band, amount, std::log(from_s / kOnset), std::log(to_s)}};
+  }
+
+  bool IsHeld(std::span<const double> v, std::size_t k) const override {
+    return FormedEffect::IsHeld(v, k) || (k == 3 && !IsBand(FormOf(v)));
+  }
+
+  std::vector<ParameterValue> Describe(std::span<const double> v,
+                                       const Eigen::MatrixXd& covariance) const override {
+    std::vector<ParameterValue> described = FormedEffect::Describe(v, covariance);
+    if (!IsBand(FormOf(v))) return described;
+    const double to_s = std::exp(v[3]);
+    described.insert(described.begin() + 2, {kLongest, "s", to_s, to_s * StandardErrorOf(covariance(3, 3))});
+    return described;
+  }
+
+  std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
+    std::vector<double> v = FormedEffect::Restore(parameters);
+    v.push_back(longest());
+    if (const double* to_s = FindParameter(parameters, kLongest)) {
+      v[0] = IsOfTorque(FormOf(v)) ? kBandOfTorque : kBandOfTwist;
+      v[2] -= std::log(kOnset);
+      v[3] = std::log(std::max(*to_s, 1e-9));
+    }
+    return v;
+  }
+
  private:
   static constexpr double kMostPerDecade = 0.2;  // of the wind-up
   static constexpr double kMost = 0.5;
+  static constexpr double kLongestOfBand = 3.0;  // of the record: slower is a straight line
+  static constexpr double kNarrowBand = 1.5;
+  static constexpr double kBandOverOnset = 1.78;  // e^0.577
+  static constexpr const char* kLongest = "longest_time_constant_s";
+
+  static CreepForm FormOf(std::span<const double> v) { return static_cast<CreepForm>(std::lround(v[0])); }
+  double longest() const { return std::log(longest_s_); }
 
   static std::vector<Form> FormsOf(const LoopRecords& records) {
     const double arcmin_per_Nm = ArcminFromRad(records.compliance_rad_per_Nm());
     return {{"creep_share_per_decade", "1", 1.0, kOnset},
             {"creep_share", "1", 1.0},
             {"creep_arcmin_per_Nm_per_decade", "arcmin/Nm", arcmin_per_Nm, kOnset},
-            {"creep_arcmin_per_Nm", "arcmin/Nm", arcmin_per_Nm}};
+            {"creep_arcmin_per_Nm", "arcmin/Nm", arcmin_per_Nm},
+            {"creep_share", "1", 1.0, kOnset},
+            {"creep_arcmin_per_Nm", "arcmin/Nm", arcmin_per_Nm, kOnset}};
   }
 
   double shortest_s_;

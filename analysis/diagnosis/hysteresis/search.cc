@@ -113,11 +113,12 @@ class Surroundings {
   Eigen::VectorXd gear_rad_;
 };
 
+// What promises next to nothing where its amounts are put first is not worth following to its end.
+constexpr double kNextToNothing = 4.0;  // of the likelihood ratio
+
 // Fits the most promising start of each form, up to a few of them.
 void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std::size_t effect,
-             const LoopGrid& grid, LoopSolution& best) {
-  // What promises next to nothing where its amounts are put first is not worth following to its end.
-  constexpr double kNextToNothing = 4.0;  // of the likelihood ratio
+             const LoopGrid& grid, double worth_following, LoopSolution& best) {
   const bool has_forms = model.effects()[effect]->numbers.front().held;
   constexpr double kTheSame =
       1e-9;  // of what is promised: forms that differ in what this record does not have
@@ -133,7 +134,7 @@ void FitBest(const std::vector<RankedStart>& ranked, const LoopModel& model, std
       last = start.promised;
     }
     LoopSolution solution = SolveLoop(model, grid, start.numbers,
-                                      start.promised < kNextToNothing ? kFewIterations : kMostIterations);
+                                      start.promised < worth_following ? kFewIterations : kMostIterations);
     if (!std::isfinite(best.cost) ||
         PenalisedCost(model, grid, solution) < PenalisedCost(model, grid, best)) {
       best = std::move(solution);
@@ -259,7 +260,7 @@ NominalValleys FindNominal(LoopRecords& records) {
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
                               const LoopGrid& grid, const Eigen::VectorXd& x) {
   LoopSolution best{x, std::numeric_limits<double>::infinity()};
-  FitBest(RankStarts(records, model, effect, grid, x), model, effect, grid, best);
+  FitBest(RankStarts(records, model, effect, grid, x), model, effect, grid, kNextToNothing, best);
   if (!std::isfinite(best.cost)) return best;
 
   const Surroundings with(model, best.numbers, grid);
@@ -267,7 +268,8 @@ LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model
       model.effects()[effect]->RicherForms(model.Of(effect, best.numbers), with.Remainder(records, grid));
   if (!forms.empty()) {
     LoopSolution richer{best.numbers, std::numeric_limits<double>::infinity()};
-    FitBest(with.Rank(model, effect, grid, forms, best.numbers), model, effect, grid, richer);
+    // A form that begins as what it comes from shows in none of its amounts what it will bring.
+    FitBest(with.Rank(model, effect, grid, forms, best.numbers), model, effect, grid, 0.0, richer);
     constexpr double kClearly = 10.0;
     if (PenalisedCost(model, grid, richer) < PenalisedCost(model, grid, best) - kClearly)
       best = std::move(richer);

@@ -12,6 +12,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+constexpr double kMisfitOfFriction = 0.001;  // of squares; its laws are fits to what was measured
 constexpr double kUnlimited = std::numeric_limits<double>::max();
 constexpr double kExcited = 0.0005;    // of a column's variance that has to lie beside the nominal terms
 constexpr double kFewestShare = 0.01;  // of the motion that a regime of speed has to make up
@@ -75,6 +76,7 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                       {speed, units.speed(), 1.01 * low, 0.99 * high, false}},
        .degrees_of_freedom = 3,
        .trials = 4.0,
+       .misfit_share = kMisfitOfFriction,
        .to_settle =
            units.linear
                ? ""
@@ -125,7 +127,8 @@ void AddDrag(const SharedGrid& grid, const MotionUnits& units, SeparableModel& m
       {.name = "quadratic_drag",
        .sentence = "a resistance that rises with the square of speed: churning of grease or oil, or air",
        .where = Where::kUnit,
-       .parameters = {{name, unit, 0.0, kUnlimited, true}}});
+       .parameters = {{name, unit, 0.0, kUnlimited, true}},
+       .misfit_share = kMisfitOfFriction});
 }
 
 void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <set>
+#include <vector>
+
+#include "analysis/diagnosis/selection.h"
+
+namespace strainwave::analysis::diagnosis {
+
+/// A cause, or a description, fitted beside a model.
+struct Candidate {
+  std::size_t cause{};
+  ScoredModel model;
+  Comparison against;
+  double score{};  // BIC less what the places searched cost
+};
+
+/// Up to so many effects each description is looked at again for causes in its place: beside more of them it
+/// follows what all their formulae leave.
+inline constexpr std::size_t kFewEffects = 3;
+/// Of BIC, within which two are as good: odds of 20 to 1.
+inline constexpr double kAsGood = 6.0;
+/// Standard errors from zero: a rival need not be proven, only not be excluded.
+inline constexpr double kNotExcluded = 2.0;
+
+/// @returns it fitted beside a model; its own model is not usable where that fails.
+Candidate FitCandidate(const Judge& judge, const ScoredModel& model, std::size_t cause);
+
+/// All of a model, each fitted with it, but for those that `is_out` names.
+std::vector<Candidate> FitCandidates(
+    const Judge& judge, const ScoredModel& model,
+    const std::function<bool(std::size_t)>& is_out = [](std::size_t) { return false; });
+
+/// The strongest first; causes stand before a correction that does not lead them by enough, so that the next
+/// one has its turn where the first does not pass.
+void Rank(const Study& study, std::vector<Candidate>& candidates);
+
+/// What came nowhere near the chosen one will hardly do in its place later.
+std::set<std::size_t> FarBehind(const std::vector<Candidate>& candidates, const Candidate& chosen,
+                                const ScoredModel& poorer);
+
+/// Whether what it brings is beyond chance, which is cheap to say.
+bool LooksPossible(const Judge& judge, const Candidate& candidate, double error);
+
+}  // namespace strainwave::analysis::diagnosis
