@@ -127,8 +127,10 @@ std::string FoundText(const DiagnosisReport& report) {
     }
   }
   for (const diagnosis::Finding& finding : report.result.corrections) {
-    text += Section("left over", fmt::format("{} (a description, not a cause)",
-                                             report.input.study->causes()[finding.index].name));
+    const CauseRule& rule = report.input.study->causes()[finding.index];
+    text += rule.stated_number
+                ? Section("to correct", fmt::format("{}: {}", rule.name, rule.sentence))
+                : Section("left over", fmt::format("{} (a description, not a cause)", rule.name));
     text += ParametersText(TellingParameters(finding), {});
   }
   if (!report.formula.formula.empty()) {
@@ -221,9 +223,12 @@ std::string LooksText(const DiagnosisReport& report) {
 std::string NextText(const DiagnosisReport& report) {
   const std::vector<std::string> entries = MeasurementsToSettle(report);
   if (entries.empty()) {
-    return report.result.verdict == diagnosis::Verdict::kNoEffect
-               ? Section("next", "nothing that this diagnosis can name")
-               : Section("next", "run extended_model.yaml (diagnose --out) in place of the nominal model");
+    if (report.result.verdict != diagnosis::Verdict::kNoEffect)
+      return Section("next", "run extended_model.yaml (diagnose --out) in place of the nominal model");
+    return report.result.corrections.empty() ? Section("next", "nothing that this diagnosis can name")
+                                             : Section("next",
+                                                       "put what stands under \"to correct\" into the head "
+                                                       "of the record, or look which unit it is of");
   }
   std::string text = Section("next", "measure what these records cannot tell:");
   for (const std::string& entry : entries) {
@@ -241,12 +246,12 @@ std::string NextText(const DiagnosisReport& report) {
 
 std::string VerdictSentence(const DiagnosisReport& report) {
   const diagnosis::Diagnosis& result = report.result;
-  if (result.verdict == diagnosis::Verdict::kNoEffect && !result.corrections.empty()) {
-    const CauseRule& rule = report.input.study->causes()[result.corrections.front().index];
-    return fmt::format("Nothing is missing in the simulation, but a number of the record is wrong: {}.",
-                       rule.sentence);
-  }
   if (result.verdict == diagnosis::Verdict::kNoEffect) {
+    if (!result.corrections.empty()) {
+      const CauseRule& rule = report.input.study->causes()[result.corrections.front().index];
+      return fmt::format("Nothing is missing in the simulation, but a number of the record is wrong: {}.",
+                         rule.sentence);
+    }
     const double excess = result.noise_floor > 0.0 ? result.nominal_heldout_rmse / result.noise_floor : 1.0;
     if (excess < kCloseToNoise) {
       return "Nothing is missing in the simulation: it explains these records down to their noise.";

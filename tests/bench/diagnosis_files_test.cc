@@ -208,6 +208,8 @@ TEST(DiagnosisText, OpensWithTheVerdict) {
   EXPECT_TRUE(
       VerdictSentence(stated.Report())
           .starts_with("Nothing is missing in the simulation, but a number of the record is wrong: "));
+  EXPECT_NE(DiagnosisText(stated.Report()).find("\nnext         put what stands under \"to correct\""),
+            std::string::npos);
   EXPECT_TRUE(
       DiagnosisText(Found().Report())
           .starts_with("One effect is missing in the simulation: output_eccentricity or backlash (bench "

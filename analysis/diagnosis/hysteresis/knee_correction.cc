@@ -22,10 +22,10 @@ class Knees final : public Correction {
   explicit Knees(const LoopRecords& records) : t1_Nm_(records.t1_Nm), t2_Nm_(records.t2_Nm) {
     const double most = FurthestShare(records);
     shapes_gear = true;
-    Number("t1_shift_Nm", "Nm", {-most * t1_Nm_, most * t1_Nm_, 1e-4 * t1_Nm_, false, true});
+    Number("t1_Nm", "Nm", {-most * t1_Nm_, most * t1_Nm_, 1e-4 * t1_Nm_, false, true});
     // Beyond the peak the second one does nothing.
     if (records.peak_torque_Nm > (1.0 + most) * t2_Nm_)
-      Number("t2_shift_Nm", "Nm", {-most * t2_Nm_, most * t2_Nm_, 1e-4 * t2_Nm_, false, true});
+      Number("t2_Nm", "Nm", {-most * t2_Nm_, most * t2_Nm_, 1e-4 * t2_Nm_, false, true});
     rule = {.name = "other knees",
             .sentence =
                 "the stiffness changes at other torques than the record's t1_Nm and t2_Nm say (put the "
@@ -44,7 +44,22 @@ class Knees final : public Correction {
     return {std::vector<double>(numbers.size(), 0.0)};
   }
 
+  // The knees themselves, as the record would have to state them.
+  std::vector<ParameterValue> Describe(std::span<const double> v,
+                                       const Eigen::MatrixXd& covariance) const override {
+    std::vector<ParameterValue> described = Correction::Describe(v, covariance);
+    for (std::size_t k = 0; k < described.size(); ++k) described[k].value += Stated_Nm(k);
+    return described;
+  }
+  std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
+    std::vector<double> v = Correction::Restore(parameters);
+    for (std::size_t k = 0; k < v.size(); ++k) v[k] -= Stated_Nm(k);
+    return v;
+  }
+
  private:
+  double Stated_Nm(std::size_t k) const { return k == 0 ? t1_Nm_ : t2_Nm_; }
+
   double t1_Nm_;
   double t2_Nm_;
 };

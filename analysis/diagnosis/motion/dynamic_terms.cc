@@ -20,6 +20,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+constexpr double kMisfitOfSwing = 0.001;  // of squares; more than one inertia may swing
+
 using Eigen::Index;
 
 // Below that it is a tone in time and not a structure.
@@ -239,6 +241,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                         {"damping_ratio", "1", 1.1 * kLeastDamping, 0.4, false}},
                          .degrees_of_freedom = 3,
                          .trials = std::max(10.0, 10.0 * std::log(high_Hz / low_Hz)),
+                         .misfit_share = kMisfitOfSwing,
                          // What tells its frequency may be one short jolt.
                          .local = true,
                          .to_settle = units.linear ? ""

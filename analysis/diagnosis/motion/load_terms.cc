@@ -10,6 +10,9 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+// A drive that locks itself loses more than it passes on.
+constexpr double kMostCoefficient = 3.0;
+
 // Torque that passes the axis and torque that friction takes, at the points, as a fit with weight has them.
 struct Passing {
   std::vector<double> load;
@@ -89,7 +92,7 @@ void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableMod
            "friction rises with the torque that is transmitted: sliding of the teeth and of the flexspline",
        .where = Where::kUnit,
        .effect = "E9",
-       .parameters = {{"load_coefficient", "1", 0.0, 0.95, true}},
+       .parameters = {{"load_coefficient", "1", 0.0, kMostCoefficient, true}},
        .degrees_of_freedom = 3,
        // What counts as load is open by two shapes: of 260 clean records 6 had p < 0.05 with a sixth of
        // these.
