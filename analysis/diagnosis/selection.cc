@@ -17,7 +17,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kErrorBeside = 0.3;       // of the error allowed, for what comes on top of something found
+constexpr double kErrorBeside = 0.15;      // of the error allowed, for what comes on top of something found
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
 constexpr double kLeastShare = 0.004;              // of the likelihood ratio
