@@ -2,9 +2,6 @@
 #include "analysis/diagnosis/selection.h"
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <map>
 #include <set>
 #include <utility>
