@@ -20,6 +20,11 @@ constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between t
 constexpr double kLeastShare = 0.004;              // of the likelihood ratio
 constexpr double kLeastShareOfDescription = 0.01;  // of a further one
 
+bool HasDescription(const Judge& judge, const ScoredModel& model) {
+  return std::ranges::any_of(model.fit.causes,
+                             [&](std::size_t cause) { return IsDescription(judge.study().causes()[cause]); });
+}
+
 // What was far behind a description while nothing else was known may do in its place beside what came later.
 // @returns whether there is any such.
 bool ForgetWhatIsBehindDescriptions(const Judge& judge, std::span<const std::size_t> given,
@@ -97,7 +102,9 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     const double explained = judge.Compare(model, first).likelihood_ratio;
     const double error = ErrorAllowed(model, given.size(), options);
     const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
-    std::vector<Candidate> candidates = FitCandidates(judge, model);
+    // In a round that goes in circles they are asked for beside a description alone.
+    std::vector<Candidate> candidates;
+    if (!circling || HasDescription(judge, model)) candidates = FitCandidates(judge, model);
     Rank(judge.study(), candidates);
     const Candidate* chosen = nullptr;
     if (!circling) {
