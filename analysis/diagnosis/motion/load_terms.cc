@@ -10,8 +10,9 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// A drive that locks itself loses more than it passes on.
-constexpr double kMostCoefficient = 3.0;
+// At 1, and with a friction on the way that is larger than the load, direction · |load + friction| is the
+// load itself: gravity would have a second name.
+constexpr double kMostCoefficient = 0.95;
 
 // Torque that passes the axis and torque that friction takes, at the points, as a fit with weight has them.
 struct Passing {
