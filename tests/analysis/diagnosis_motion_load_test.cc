@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <random>
-#include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -47,7 +45,7 @@ TEST(MotionLoad, CallsGravityByItsNameWhereFrictionIsMoreThanTheLoad) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(seed);
     const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {Wrist(seed, kGravity_Nm)});
-    EXPECT_EQ(found.names(), std::vector<std::string>{"gravity_load"});
+    EXPECT_EQ(found.names(), Names{"gravity_load"});
   }
 }
 
