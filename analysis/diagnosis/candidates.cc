@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "analysis/diagnosis/cause_sets.h"
+#include "analysis/diagnosis/doubt.h"
 #include "analysis/diagnosis/refinement.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -129,6 +130,8 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   if (result.objection.empty() && !foretold) {
     result.objection = "does not predict held-out data better";
   }
+  if (result.objection.empty() && IsInDoubt(judge, with, without, cause, error_allowed))
+    result.objection = kMisfitObjection;
   result.passed = result.objection.empty();
   return result;
 }

@@ -10,6 +10,10 @@
 
 namespace strainwave::analysis::diagnosis {
 
+/// Objection to a further effect that may be what the formulae of those found before leave.
+inline constexpr const char* kMisfitObjection =
+    "too small beside what was found already to be told from a misfit of its formula";
+
 /// A cause, or a description, fitted beside a model.
 struct Candidate {
   std::size_t cause{};

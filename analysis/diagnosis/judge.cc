@@ -90,8 +90,10 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   Comparison comparison;
   if (!richer.fit.usable || !poorer.fit.usable) return comparison;
   double more = richer.fit.free_parameters - poorer.fit.free_parameters;
-  // What is added has an amount at least.
-  if (more > 0.0) more = std::max(1.0, richer.fit.charged_parameters() - poorer.fit.charged_parameters());
+  // What is added has an amount at least, also where the poorer model needs the more numbers for it (a swing
+  // at the start that stands in for a drag).
+  if (more > 0.0 || richer.fit.causes.size() > poorer.fit.causes.size())
+    more = std::max(1.0, richer.fit.charged_parameters() - poorer.fit.charged_parameters());
   comparison.more_parameters = more;
   comparison.log_places = richer.fit.log_places - poorer.fit.log_places;
   comparison.more_placed = std::max(0, richer.fit.placed_parameters - poorer.fit.placed_parameters);

@@ -271,6 +271,24 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   return fit;
 }
 
+std::vector<double> SeparableStudy::Doubt(const ModelFit& fit) const {
+  Eigen::ArrayXd variance;
+  const std::span<const double> numbers(fit.state);
+  std::size_t at = 0;
+  const auto add = [&](const SeparableTerm& term) {
+    const std::size_t width = term.columns + term.shapes.size();
+    if (term.doubt) {
+      if (variance.size() == 0) variance.setZero(fit.predicted.size());
+      variance += term.doubt(numbers.subspan(at, width)).array().square();
+    }
+    at += width;
+  };
+  for (const SeparableTerm& term : model_.nominal) add(term);
+  for (const std::size_t cause : fit.causes) add(model_.causes[cause]);
+  const Eigen::ArrayXd doubt = variance.sqrt();
+  return {doubt.begin(), doubt.end()};
+}
+
 Eigen::VectorXd SeparableStudy::Predict(std::span<const ParameterValue> nominal,
                                         std::span<const NamedCause> causes) const {
   const auto samples = static_cast<Eigen::Index>(model_.measured.size());

@@ -46,6 +46,8 @@ struct SeparableTerm {
   /// errors are those over all that the record does not exclude.
   std::function<std::vector<std::vector<double>>(const Remainder& remainder)> starts;
   std::size_t most_starts{static_cast<std::size_t>(-1)};
+  /// As Study::Doubt, of these coefficients and shapes; empty for none.
+  std::function<Eigen::VectorXd(std::span<const double> numbers)> doubt;
   /// As ModelFit::log_places, of these shapes; empty for 0.
   std::function<double(std::span<const double> shapes)> log_places;
   /// Coefficients (then shapes) as people read them; `covariance` is of both together.
@@ -102,6 +104,7 @@ class SeparableStudy final : public Study {
   std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override;
   ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                const ModelFit* start, FitPurpose purpose) const override;
+  std::vector<double> Doubt(const ModelFit& fit) const override;
   Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
                           std::span<const NamedCause> causes) const override;
 

@@ -156,6 +156,11 @@ class Study {
   /// comes to may hang on what was asked for before it.
   virtual bool RemembersSearches() const { return false; }
 
+  /// What the response that a fit foretells may be wrong by, sample by sample (SI, a standard deviation up to
+  /// a common factor), where it hangs on more than any fit can know: when a loose load knocks after several
+  /// knocks. Empty: nowhere.
+  virtual std::vector<double> Doubt(const ModelFit& /*fit*/) const { return {}; }
+
   /// Standard deviation of the noise without a model, SI: from repeats at equal position where the record has
   /// them, else from what changes fastest. 0 where the record cannot tell.
   virtual double NoiseFloor() const = 0;

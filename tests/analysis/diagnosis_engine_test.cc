@@ -171,6 +171,22 @@ TEST(Judge, MultipliesChanceByThePlacesThatAFitChoseFrom) {
   EXPECT_EQ(judge.Compare(richer, poorer).p_value, 1.0);
 }
 
+// What stands in for a cause may need more numbers than the cause itself: that is no reason to call it
+// chance.
+TEST(Judge, ChargesACauseAtLeastOneNumberWhereTheModelWithoutItNeedsMore) {
+  const ToyRecord record(400);
+  const SeparableStudy study(ToyModel(record, WhiteNoise(400, 0.1, 3)));
+  const Judge judge(study, std::vector<double>(400, 1.0), {});
+  ScoredModel poorer = judge.Fit({}, nullptr);
+  ScoredModel richer = poorer;
+  richer.fit.causes = {0};
+  poorer.fit.free_parameters += 2;
+  for (double& likelihood : richer.noise.log_likelihood) likelihood += 20.0;
+  const Comparison comparison = judge.Compare(richer, poorer);
+  EXPECT_EQ(comparison.more_parameters, 1.0);
+  EXPECT_LT(comparison.p_value, 1e-8);
+}
+
 // Two ends that the search chooses cost the same whether the fit moves them or leaves them alone.
 TEST(Judge, ChargesPlacesThatNoFitMoves) {
   const ToyRecord record(400);

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "analysis/diagnosis/fit_covariance.h"
+#include "analysis/diagnosis/recent.h"
 #include "analysis/model/axis_motion.h"
 #include "analysis/units.h"
 
@@ -41,6 +42,9 @@ const std::vector<double> kFineSteps{0.02, 0.03, 0.1, -0.05, 0.1};
 // Tried around what was found.
 constexpr int kWider = 20;           // times the step to either side
 constexpr double kWiderStep = 0.01;  // in ln gap
+// In ln gap, to see how far knocks may go astray.
+constexpr double kAstray[] = {-0.15, -0.06, -0.02, 0.02, 0.06, 0.15};
+constexpr std::size_t kRecentDoubts = 8;
 constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
 constexpr int kBegins = 10;             // to either side of the middle
 constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
@@ -153,6 +157,26 @@ std::vector<double> PolishedAgain(StartSearch& search, const std::vector<double>
   return BestBegin(search, BestOf(search, polished, {search.Polish(nearby, kFineSteps)}));
 }
 
+// How far the load's push goes astray, row by row, if the gap and what happens in it are a little different:
+// each knock comes at another time, and what comes after a knock hangs on when and how hard that was.
+Eigen::VectorXd SpreadOfKnocks(
+    const std::function<void(std::span<const double>, Eigen::Ref<Eigen::MatrixXd>)>& fill,
+    const std::vector<double>& shapes, Index rows) {
+  Eigen::MatrixXd own(rows, 1);
+  fill(shapes, own);
+  Eigen::MatrixXd other(rows, 1);
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(rows);
+  double count = 0.0;
+  for (const double wider : kAstray) {
+    for (const double friction : {0.7, 1.0, 1.4}) {
+      fill(std::vector{shapes[0] + wider, shapes[1] * friction, shapes[2], shapes[3], shapes[4]}, other);
+      squares += (other - own).array().square();
+      count += 1.0;
+    }
+  }
+  return (squares / count).sqrt().matrix();
+}
+
 }  // namespace
 
 std::vector<double> LooseLoadAtPoints(const MotionGrid& grid, std::span<const double> shapes) {
@@ -223,6 +247,12 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
     for (auto& [drop, shapes] : found)
       starts.push_back(starts.size() < kStarts ? PolishedAgain(search, shapes) : std::move(shapes));
     return starts;
+  };
+  term.doubt = [fill = term.fill, rows = static_cast<Index>(grid->rows()),
+                recent = std::make_shared<Recent<std::vector<double>, Eigen::VectorXd>>(kRecentDoubts)](
+                   std::span<const double> numbers) -> Eigen::VectorXd {
+    const std::vector<double> shapes(numbers.begin() + 1, numbers.end());
+    return std::abs(numbers[0]) * recent->Get(shapes, [&] { return SpreadOfKnocks(fill, shapes, rows); });
   };
   const std::string gap_name = units.linear ? "backlash_m" : "backlash_rad";
   const std::string inertia_name = units.linear ? "load_mass_kg" : "load_inertia_kgm2";

@@ -12,6 +12,24 @@ namespace strainwave::analysis::diagnosis {
 
 using Eigen::Index;
 
+namespace {
+
+constexpr double kUnknownReversal = 3.0;  // steps of the points
+
+// Row by row, how much of a change is friction that turns round a little earlier or later than the motion
+// does: an axis that sticks for a moment has any friction below its limit.
+Eigen::VectorXd SpreadOfReversals(const MotionGrid& grid) {
+  const double shift_s = kUnknownReversal * grid.stretches.front().step_s;
+  Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(grid.nominal.rows());
+  for (const double by_s : {-shift_s, shift_s})
+    squares += (grid.Project(grid.passage.SignsOf(grid.Later(grid.velocity, by_s))) - grid.nominal.col(2))
+                   .array()
+                   .square();
+  return (0.5 * squares).sqrt().matrix();
+}
+
+}  // namespace
+
 SeparableTerm FixedTerm(Eigen::MatrixXd columns) {
   SeparableTerm term;
   term.columns = static_cast<std::size_t>(columns.cols());
@@ -32,6 +50,9 @@ void AddNominalMotion(const SharedGrid& grid, const MotionUnits& units, Separabl
          units.torque(), 1.0});
   }
   DescribeEach(term, std::move(numbers));
+  term.doubt = [spread = SpreadOfReversals(*grid)](std::span<const double> fitted) -> Eigen::VectorXd {
+    return std::abs(fitted[2]) * spread;
+  };
   model.nominal.push_back(std::move(term));
 }
 

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/doubt.h"
+
+#include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "analysis/diagnosis/separable_study.h"
+#include "analysis/units.h"
+#include "tests/analysis/diagnosed.h"
+#include "tests/analysis/white_noise.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+constexpr std::size_t kSamples = 1000;
+constexpr double kNoise = 0.1;
+constexpr double kAllowed = 0.01;
+
+// Knocks for ten samples of every hundred.
+bool Knocks(std::size_t sample) { return sample % 100 < 10; }
+
+SeparableTerm Column(const std::vector<double>& values) {
+  SeparableTerm term;
+  term.fill = [values](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < values.size(); ++i) design(static_cast<Eigen::Index>(i), 0) = values[i];
+  };
+  DescribeEach(term, {{"size", "1", 1.0}});
+  return term;
+}
+
+// A mean; knocks of one height, of which each may be wrong by all of it; and something else.
+SeparableStudy Toy(std::vector<double> measured, std::vector<double> else_values) {
+  std::vector<double> knocks;
+  for (std::size_t i = 0; i < kSamples; ++i) knocks.push_back(Knocks(i) ? 1.0 : 0.0);
+  SeparableModel model;
+  model.nominal.push_back(Column(std::vector<double>(kSamples, 1.0)));
+  model.causes.push_back(Column(knocks));
+  model.causes.back().doubt = [knocks](std::span<const double> numbers) -> Eigen::VectorXd {
+    return std::abs(numbers[0]) * Eigen::Map<const Eigen::VectorXd>(knocks.data(), kSamples);
+  };
+  model.rules.push_back({.name = "knocks", .parameters = {{"size", "1", -10.0, 10.0, true}}});
+  model.causes.push_back(Column(std::move(else_values)));
+  model.rules.push_back({.name = "else", .parameters = {{"size", "1", -10.0, 10.0, true}}});
+  model.measured = std::move(measured);
+  model.block_length = kSamples / 20;
+  model.noise_floor = kNoise;
+  return SeparableStudy(std::move(model));
+}
+
+// Whether what is found beside the knocks is in doubt.
+bool IsElseInDoubt(const SeparableStudy& study) {
+  const Judge judge(study, std::vector<double>(kSamples, 1.0), {});
+  const std::vector<std::size_t> knocks{0};
+  const std::vector<std::size_t> both{0, 1};
+  const ScoredModel without = judge.Fit(knocks, nullptr);
+  const ScoredModel with = judge.Fit(both, &without.fit);
+  EXPECT_GT(judge.Compare(with, without).likelihood_ratio, 30.0);
+  return IsInDoubt(judge, with, without, 1, kAllowed);
+}
+
+// One knock of ten is what else there is.
+std::vector<double> OneKnock() {
+  std::vector<double> one(kSamples, 0.0);
+  for (std::size_t i = 400; i < 410; ++i) one[i] = 1.0;
+  return one;
+}
+
+TEST(Doubt, LeavesNothingOfWhatIsBuiltOnOneKnockWhereAllAreOffByChance) {
+  std::vector<double> measured = WhiteNoise(kSamples, kNoise, 1);
+  const std::vector<double> astray = WhiteNoise(kSamples, 0.6, 2);
+  for (std::size_t i = 0; i < kSamples; ++i) measured[i] += Knocks(i) ? 1.5 + astray[i] : 0.0;
+  for (std::size_t i = 400; i < 410; ++i) measured[i] += 0.5;
+  EXPECT_TRUE(IsElseInDoubt(Toy(std::move(measured), OneKnock())));
+}
+
+TEST(Doubt, TakesNothingFromWhatIsThereBetweenTheKnocks) {
+  std::vector<double> measured = WhiteNoise(kSamples, kNoise, 3);
+  const std::vector<double> astray = WhiteNoise(kSamples, 0.6, 4);
+  std::vector<double> wave;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    wave.push_back(std::sin(kTwoPi * static_cast<double>(i) / 25.0));
+    measured[i] += (Knocks(i) ? 1.5 + astray[i] : 0.0) + 0.1 * wave[i];
+  }
+  EXPECT_FALSE(IsElseInDoubt(Toy(std::move(measured), wave)));
+}
+
+TEST(Doubt, SaysNothingWhereTheKnocksAreAsForetold) {
+  std::vector<double> measured = WhiteNoise(kSamples, kNoise, 5);
+  for (std::size_t i = 0; i < kSamples; ++i) measured[i] += Knocks(i) ? 1.5 : 0.0;
+  for (std::size_t i = 400; i < 410; ++i) measured[i] += 0.5;
+  EXPECT_FALSE(IsElseInDoubt(Toy(std::move(measured), OneKnock())));
+}
+
+// An axis of 0.29 kg m² that is led to and fro, with a light load in a gap so wide that the load strikes
+// several times on its way; when hangs on when it struck before. A contact of 28 Hz.
+MotionData WideGap(unsigned seed) {
+  constexpr double kStep_s = 2e-5;
+  constexpr int kEach = 200;
+  constexpr double kContact_rad_per_s = kTwoPi * 28.5;
+  constexpr double kDamping = 0.38;
+  constexpr double kLoadFriction_per_s2 = 0.3;
+  constexpr double kHalfGap_rad = 0.155;
+  constexpr double kLoad_kgm2 = 0.0153;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  MotionData record;
+  double load = 0.0, load_speed = 0.0;
+  for (int i = 0; i * kStep_s < 27.0; ++i) {
+    const double time_s = i * kStep_s;
+    double place = 0.0, speed = 0.0, acceleration = 0.0;
+    for (const auto& [size, rad_per_s] :
+         {std::pair{1.2, kTwoPi * 0.11}, std::pair{0.5, kTwoPi * 0.29}, std::pair{0.05, kTwoPi * 1.3}}) {
+      place += size * std::sin(rad_per_s * time_s);
+      speed += size * rad_per_s * std::cos(rad_per_s * time_s);
+      acceleration -= size * rad_per_s * rad_per_s * std::sin(rad_per_s * time_s);
+    }
+    if (i == 0) {
+      load = place - kHalfGap_rad;
+      load_speed = speed;
+    }
+    const double lead = place - load;
+    const double sense = std::copysign(1.0, lead);
+    const double into = std::abs(lead) - kHalfGap_rad;
+    const double drag = 2.0 * kDamping * kContact_rad_per_s * (speed - load_speed);
+    const double push =
+        into > 0.0 ? sense * std::max(0.0, kContact_rad_per_s * kContact_rad_per_s * into + sense * drag)
+                   : 0.0;
+    if (i % kEach == 0) {
+      record.time_s.push_back(time_s);
+      record.position.push_back(place + 2e-7 * normal(random));
+      record.torque.push_back(0.29 * acceleration + 0.175 * speed + std::copysign(0.164, speed) +
+                              kLoad_kgm2 * push + 0.0387 * normal(random));
+    }
+    const double free = load_speed + kStep_s * push;
+    load_speed = free - std::clamp(free, -kStep_s * kLoadFriction_per_s2, kStep_s * kLoadFriction_per_s2);
+    load += kStep_s * load_speed;
+  }
+  return record;
+}
+
+TEST(Doubt, NamesNoDisturbanceAtKnocksThatComeAtAnotherTime) {
+  for (const unsigned seed : {1U, 2U}) {
+    const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {WideGap(seed)});
+    EXPECT_EQ(found.names(), Names{"backlash"}) << seed;
+  }
+}
+
+// Friction of 19 Nm that turns round at all reversals with the motion, and at one of them 13 ms before it, as
+// where an axis sticks for a moment.
+TEST(Doubt, TakesOneReversalForNoDelay) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  MotionData record;
+  int direction = 1;
+  int reversals = 0;
+  for (int i = 0; i < 4300; ++i) {
+    const double time_s = 0.01 * i;
+    const auto speed = [](double at_s) {
+      return 1.2 * std::cos(kTwoPi * 0.13 * at_s) + 0.4 * std::cos(kTwoPi * 0.41 * at_s);
+    };
+    const double place = 1.2 / (kTwoPi * 0.13) * std::sin(kTwoPi * 0.13 * time_s) +
+                         0.4 / (kTwoPi * 0.41) * std::sin(kTwoPi * 0.41 * time_s);
+    const double acceleration = -1.2 * kTwoPi * 0.13 * std::sin(kTwoPi * 0.13 * time_s) -
+                                0.4 * kTwoPi * 0.41 * std::sin(kTwoPi * 0.41 * time_s);
+    const int now = speed(time_s) < 0.0 ? -1 : 1;
+    if (now != direction) ++reversals;
+    direction = now;
+    const double early_s = reversals == 2 && speed(time_s + 0.013) * speed(time_s) < 0.0 ? 0.013 : 0.0;
+    record.time_s.push_back(time_s);
+    record.position.push_back(place + 3e-6 * normal(random));
+    record.torque.push_back(0.58 * acceleration + 5.7 * speed(time_s) +
+                            std::copysign(19.0, speed(time_s + early_s)) + 0.27 * normal(random));
+  }
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {record});
+  EXPECT_EQ(found.names(), Names());
+}
+
+}  // namespace
+}  // namespace strainwave::analysis::diagnosis
