@@ -167,13 +167,16 @@ Eigen::VectorXd SpreadOfKnocks(
   Eigen::MatrixXd other(rows, 1);
   Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(rows);
   double count = 0.0;
+  const auto add = [&](double wider, double friction, double start) {
+    fill(std::vector{shapes[0] + wider, friction, shapes[2], shapes[3], start}, other);
+    squares += (other - own).array().square();
+    count += 1.0;
+  };
   for (const double wider : kAstray) {
-    for (const double friction : {0.7, 1.0, 1.4}) {
-      fill(std::vector{shapes[0] + wider, shapes[1] * friction, shapes[2], shapes[3], shapes[4]}, other);
-      squares += (other - own).array().square();
-      count += 1.0;
-    }
+    for (const double friction : {0.7 * shapes[1], shapes[1], 1.4 * shapes[1] + 0.1})
+      add(wider, friction, shapes[4]);
   }
+  for (const double start : {-1.0, 0.0, 1.0}) add(0.0, shapes[1], start);
   return (squares / count).sqrt().matrix();
 }
 
