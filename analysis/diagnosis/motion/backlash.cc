@@ -45,6 +45,8 @@ constexpr double kWiderStep = 0.01;  // in ln gap
 // In ln gap, to see how far knocks may go astray.
 constexpr double kAstray[] = {-0.15, -0.06, -0.02, 0.02, 0.06, 0.15};
 constexpr std::size_t kRecentDoubts = 8;
+constexpr std::size_t kRecentSearches = 16;
+constexpr double kSame = 1e-4;  // of what is left
 constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
 constexpr int kBegins = 10;             // to either side of the middle
 constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
@@ -180,6 +182,16 @@ Eigen::VectorXd SpreadOfKnocks(
   return (squares / count).sqrt().matrix();
 }
 
+// What a search was for. A set of causes leaves the same but for rounding, whichever of them came last.
+struct Left {
+  std::vector<double> weighted{};
+  double same{};  // difference that is none
+  bool operator==(const Left& other) const {
+    return std::ranges::equal(weighted, other.weighted,
+                              [&](double a, double b) { return std::abs(a - b) < same; });
+  }
+};
+
 }  // namespace
 
 std::vector<double> LooseLoadAtPoints(const MotionGrid& grid, std::span<const double> shapes) {
@@ -232,7 +244,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const auto map = std::make_shared<ShapeMap>(*grid, tried);
   const auto coarse_map = std::make_shared<ShapeMap>(*grid, std::move(tried), kKnock_s);
   FillMaps(term, grid->rows(), {map.get(), coarse_map.get()});
-  term.starts = [grid, term, map, coarse_map](const Remainder& remainder) {
+  const auto search_for = [grid, term, map, coarse_map](const Remainder& remainder) {
     using Start = std::pair<double, std::vector<double>>;  // drop, shapes
     std::vector<Start> found;
     StartSearch search(*grid, term, remainder, StartSearch::Sign::kPositive);
@@ -250,6 +262,14 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
     for (auto& [drop, shapes] : found)
       starts.push_back(starts.size() < kStarts ? PolishedAgain(search, shapes) : std::move(shapes));
     return starts;
+  };
+  using Searched = Recent<Left, std::vector<std::vector<double>>>;
+  term.starts = [search_for,
+                 recent = std::make_shared<Searched>(kRecentSearches)](const Remainder& remainder) {
+    Left left{.same = kSame * std::sqrt(remainder.MeanSquare())};
+    for (std::size_t i = 0; i < remainder.residual.size(); ++i)
+      left.weighted.push_back(std::sqrt(remainder.weights[i]) * remainder.residual[i]);
+    return recent->Get(left, [&] { return search_for(remainder); });
   };
   term.doubt = [fill = term.fill, rows = static_cast<Index>(grid->rows()),
                 recent = std::make_shared<Recent<std::vector<double>, Eigen::VectorXd>>(kRecentDoubts)](
