@@ -13,12 +13,40 @@ namespace {
 // Multiples of the doubt's variance that are tried, in that of the noise: each half the last.
 constexpr double kMostShare = 16.0;
 constexpr int kShares = 24;
+constexpr std::size_t kApart = 2;     // samples between two events
+constexpr std::size_t kEvents = 10;   // of which one may be all that tells
 constexpr double kStandsOff = 6.0;    // variances of the noise
+constexpr double kEnough = 0.5;       // of a likelihood ratio, that is left
 constexpr double kLeastRatio = 12.0;  // of the likelihood, that doubt has to be ahead of none
 
 std::vector<double> Weighted(std::vector<double> values, std::span<const double> weights) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] *= std::sqrt(weights[i]);
   return values;
+}
+
+// Of the events in which the doubt is more than the noise, those few that tell most for the richer model.
+std::vector<bool> MostTelling(std::span<const double> doubt, std::span<const double> left,
+                              std::span<const double> left_without, std::span<const double> weights,
+                              double variance) {
+  struct Event {
+    double gain{};
+    std::size_t first{};
+    std::size_t end{};
+  };
+  std::vector<Event> events;
+  for (std::size_t i = 0; i < doubt.size(); ++i) {
+    if (!(weights[i] * doubt[i] * doubt[i] > variance)) continue;
+    if (events.empty() || events.back().end + kApart < i) events.push_back({0.0, i, i + 1});
+    events.back().end = i + 1;
+    events.back().gain += weights[i] * (left_without[i] * left_without[i] - left[i] * left[i]);
+  }
+  std::ranges::sort(events, std::ranges::greater(), &Event::gain);
+  events.resize(events.size() / kEvents);
+  std::vector<bool> telling(doubt.size(), false);
+  for (const Event& event : events)
+    std::fill(telling.begin() + static_cast<std::ptrdiff_t>(event.first),
+              telling.begin() + static_cast<std::ptrdiff_t>(event.end), true);
+  return telling;
 }
 
 }  // namespace
@@ -51,12 +79,16 @@ std::vector<double> WeightsInDoubt(const Judge& judge, const ScoredModel& model,
     least = at;
     best = share;
   }
+  const std::vector<bool> telling =
+      MostTelling(doubt, left, ResidualsOf(judge.study(), without.fit), weights, variance);
   bool some = best > 0.0;
   std::vector<double> less(weights.begin(), weights.end());
   for (std::size_t i = 0; i < less.size(); ++i) {
     const double all = weights[i] * doubt[i] * doubt[i];
     // That one alone may be as wrong as that.
-    const double own = std::min(all, weights[i] * left[i] * left[i] - kStandsOff * variance) / variance;
+    const double own = telling[i]
+                           ? all / variance
+                           : std::min(all, weights[i] * left[i] * left[i] - kStandsOff * variance) / variance;
     some = some || own > 1.0;
     less[i] /= 1.0 + std::max({best * all, own, 0.0});
   }
@@ -73,6 +105,7 @@ bool IsInDoubt(const Judge& judge, const ScoredModel& model, const ScoredModel& 
   const ScoredModel rest = doubtful.Fit(without.fit.causes, &without.fit);
   if (!with.fit.usable || !rest.fit.usable) return false;
   const Comparison comparison = doubtful.Compare(with, rest);
+  if (comparison.likelihood_ratio > kEnough * judge.Compare(model, without).likelihood_ratio) return false;
   const CauseRule& rule = judge.study().causes()[cause];
   return !IsBeyondChance(comparison, rule, doubtful.Corrected(comparison.p_value, rule), error_allowed);
 }
