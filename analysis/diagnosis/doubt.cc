@@ -16,7 +16,7 @@ constexpr int kShares = 24;
 constexpr std::size_t kApart = 2;     // samples between two events
 constexpr std::size_t kEvents = 10;   // of which one may be all that tells
 constexpr double kStandsOff = 6.0;    // variances of the noise
-constexpr double kEnough = 0.5;       // of a likelihood ratio, that is left
+constexpr double kEnough = 0.25;      // of a likelihood ratio, that is left
 constexpr double kLeastRatio = 12.0;  // of the likelihood, that doubt has to be ahead of none
 
 std::vector<double> Weighted(std::vector<double> values, std::span<const double> weights) {
