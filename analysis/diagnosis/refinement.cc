@@ -54,8 +54,9 @@ bool IsMisfit(const Judge& judge, std::span<const std::size_t> given, const Scor
   if (!judge.study().causes()[cause].named) return false;
   double share = 0.0;
   for (const std::size_t other : model.fit.causes) {
-    if (other != cause && !Contains(given, other))
-      share = std::max(share, MisfitShareOf(judge.study().causes()[other]));
+    if (other == cause || Contains(given, other)) continue;
+    share = std::max(
+        {share, judge.study().causes()[cause].least_share, MisfitShareOf(judge.study().causes()[other])});
   }
   if (share == 0.0) return false;
   // Of squares, in units of what the model leaves: a likelihood ratio grows with the logarithm of an effect's

@@ -26,7 +26,8 @@ double LeadAsked(double explained);
 double LeadAsked(double explained, const Comparison& description, const Comparison& cause);
 
 /// Whether what a cause of a model brings may be the misfit of another one beside it
-/// (CauseRule::misfit_share). False for a description, which says no more than that something is there.
+/// (CauseRule::misfit_share, and its own least_share). False for a description, which says no more than that
+/// something is there.
 /// @param without  the model without the cause.
 bool IsMisfit(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
               const ScoredModel& without, std::size_t cause);

@@ -66,6 +66,9 @@ struct CauseRule {
   /// else is found beside it has to be more. By default nothing for a cause, and for a correction what a
   /// rough description may leave (refinement.cc).
   std::optional<double> misfit_share{};
+  /// Of the sum of squares that all causes take away together, what it has to bring beside another one: for a
+  /// shape that takes whatever is left somewhere, which may be the misfit of the others' formulae.
+  double least_share{};
   /// Stays within a short stretch of the record, so that it is held out in short blocks.
   bool local{};
   /// May lie within a few samples that were taken one by one: where it does, those of one block cannot be

@@ -70,12 +70,13 @@ TEST(Selection, TakesOnePlaceForSimplerThanACauseAtEachPass) {
 
 // A bell that its description has too narrow, beside a cause that is like what this leaves.
 SeparableModel RoughlyDescribed(double size_of_cause,
-                                const CauseRule& roughly = {.name = "roughly", .named = false}) {
+                                const CauseRule& roughly = {.name = "roughly", .named = false},
+                                const CauseRule& beside = {.name = "cause"}) {
   const Shape cause = [](std::size_t i) { return Bell(PlaceOf(i), 0.3, 0.03) - Bell(PlaceOf(i), 0.5, 0.03); };
   SeparableModel model =
       NoiseAnd([&](std::size_t i) { return 3.0 * Bell(PlaceOf(i), 0.39, 0.1) + size_of_cause * cause(i); });
   Add(model, roughly, {[](std::size_t i) { return Bell(PlaceOf(i), 0.4, 0.1); }});
-  Add(model, {.name = "cause"}, {cause});
+  Add(model, beside, {cause});
   return model;
 }
 
@@ -86,6 +87,13 @@ TEST(Selection, NamesNothingForWhatARoughDescriptionLeaves) {
 TEST(Selection, NamesNothingForWhatACauseOfRoughShapeLeaves) {
   EXPECT_EQ(FoundIn(RoughlyDescribed(0.0, {.name = "exactly"})), "exactly cause ");
   EXPECT_EQ(FoundIn(RoughlyDescribed(0.0, {.name = "contact", .misfit_share = 0.02})), "contact ");
+}
+
+// What takes anything that is left somewhere has to bring a share of what others do, beside them.
+TEST(Selection, NamesNoShapelessCauseForLessThanItsShareBesideAnother) {
+  const CauseRule shapeless{.name = "push", .least_share = 0.02};
+  EXPECT_EQ(FoundIn(RoughlyDescribed(0.0, {.name = "exactly"}, shapeless)), "exactly ");
+  EXPECT_EQ(FoundIn(RoughlyDescribed(1.0, {.name = "exactly"}, shapeless)), "exactly push ");
 }
 
 TEST(Selection, NamesACauseThatIsLargeBesideADescription) {

@@ -17,6 +17,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+constexpr double kLeastShare = 0.001;  // of squares: less is what a formula of something else leaves
 constexpr double kUnlimited = std::numeric_limits<double>::max();
 constexpr std::size_t kMostWindows = 3;
 constexpr double kClearly = 25.0;      // noise variances that a window has to take
@@ -213,6 +214,7 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
       // and how long is fitted.
       .trials = std::pow(2.0 * longest_s / scan.shortest_s, static_cast<double>(windows)) /
                 std::tgamma(static_cast<double>(windows) + 1.0),
+      .least_share = kLeastShare,
       .local = true};
   rule.parameters = {{name("torque", 0, units.torque()), units.torque(), -kUnlimited, kUnlimited, true}};
   for (std::size_t w = 0; w < windows; ++w) {
