@@ -131,7 +131,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
     result.objection = "does not predict held-out data better";
   }
   if (result.objection.empty() && IsInDoubt(judge, with, without, cause, error_allowed))
-    result.objection = kMisfitObjection;
+    result.objection = kDoubtObjection;
   result.passed = result.objection.empty();
   return result;
 }

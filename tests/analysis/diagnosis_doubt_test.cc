@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/diagnosis/doubt.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -196,7 +197,12 @@ MotionData OneEarlyReversal(unsigned seed, int which, double early_s) {
 }
 
 TEST(Doubt, NamesNothingForOneReversalThatComesEarly) {
-  EXPECT_EQ(DiagnoseRecords(&MakeMotionStudy, {OneEarlyReversal(4, 3, 0.01)}).names(), Names());
+  const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {OneEarlyReversal(4, 3, 0.01)});
+  EXPECT_EQ(found.names(), Names());
+  EXPECT_TRUE(std::ranges::any_of(found.diagnosis.candidates, [](const CandidateResult& candidate) {
+    return candidate.objection ==
+           "shown by a few moments alone, in which the model may be wrong by chance (a reversal, a knock)";
+  }));
   EXPECT_EQ(DiagnoseRecords(&MakeMotionStudy, {OneEarlyReversal(5, 4, 0.014)}).names(), Names());
 }
 
