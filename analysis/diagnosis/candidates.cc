@@ -130,8 +130,10 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   if (result.objection.empty() && !foretold) {
     result.objection = "does not predict held-out data better";
   }
-  if (result.objection.empty() && IsInDoubt(judge, with, without, cause, error_allowed))
-    result.objection = kDoubtObjection;
+  if (result.objection.empty() && IsInDoubt(judge, with, without, cause, error_allowed)) {
+    result.objection =
+        "shown by a few moments alone, in which the model may be wrong by chance (a reversal, a knock)";
+  }
   result.passed = result.objection.empty();
   return result;
 }

@@ -10,13 +10,6 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// Objection to a further effect that may be what the formulae of those found before leave.
-inline constexpr const char* kMisfitObjection =
-    "too small beside what was found already to be told from a misfit of its formula";
-/// Objection to what lives of samples in doubt (doubt.h).
-inline constexpr const char* kDoubtObjection =
-    "shown by a few moments alone, in which the model may be wrong by chance (a reversal, a knock)";
-
 /// A cause, or a description, fitted beside a model.
 struct Candidate {
   std::size_t cause{};

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "analysis/diagnosis/residuals.h"
 #include "analysis/noise_level.h"
@@ -19,15 +21,43 @@ constexpr double kStandsOff = 6.0;    // variances of the noise
 constexpr double kEnough = 0.25;      // of a likelihood ratio, that is left
 constexpr double kLeastRatio = 12.0;  // of the likelihood, that doubt has to be ahead of none
 
-std::vector<double> Weighted(std::vector<double> values, std::span<const double> weights) {
+// By the roots of the weights: noise is then alike everywhere.
+std::vector<double> Whitened(std::vector<double> values, std::span<const double> weights) {
   for (std::size_t i = 0; i < values.size(); ++i) values[i] *= std::sqrt(weights[i]);
   return values;
 }
 
+// How many times the doubt's variance is added to the noise's, by maximum likelihood of what is left; 0 where
+// that is hardly ahead of none.
+// @param samples  with a weight
+double LikeliestShare(std::span<const double> doubt, std::span<const double> left, double samples,
+                      double variance) {
+  // −2 log-likelihood.
+  const auto cost = [&](double share) {
+    double squares = 0.0;
+    double logarithms = 0.0;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const double growth = 1.0 + share * doubt[i] * doubt[i];
+      squares += left[i] * left[i] / growth;
+      logarithms += std::log(growth);
+    }
+    return samples * std::log(std::max(squares, 1e-300)) + logarithms;
+  };
+  double least = cost(0.0) - kLeastRatio;
+  double best = 0.0;
+  double share = kMostShare / variance;
+  for (int k = 0; k < kShares; ++k, share *= 0.5) {
+    const double at = cost(share);
+    if (!(at < least)) continue;
+    least = at;
+    best = share;
+  }
+  return best;
+}
+
 // Of the events in which the doubt is more than the noise, those few that tell most for the richer model.
 std::vector<bool> MostTelling(std::span<const double> doubt, std::span<const double> left,
-                              std::span<const double> left_without, std::span<const double> weights,
-                              double variance) {
+                              std::span<const double> left_without, double variance) {
   struct Event {
     double gain{};
     std::size_t first{};
@@ -35,10 +65,10 @@ std::vector<bool> MostTelling(std::span<const double> doubt, std::span<const dou
   };
   std::vector<Event> events;
   for (std::size_t i = 0; i < doubt.size(); ++i) {
-    if (!(weights[i] * doubt[i] * doubt[i] > variance)) continue;
+    if (!(doubt[i] * doubt[i] > variance)) continue;
     if (events.empty() || events.back().end + kApart < i) events.push_back({0.0, i, i + 1});
     events.back().end = i + 1;
-    events.back().gain += weights[i] * (left_without[i] * left_without[i] - left[i] * left[i]);
+    events.back().gain += left_without[i] * left_without[i] - left[i] * left[i];
   }
   std::ranges::sort(events, std::ranges::greater(), &Event::gain);
   events.resize(events.size() / kEvents);
@@ -49,52 +79,32 @@ std::vector<bool> MostTelling(std::span<const double> doubt, std::span<const dou
   return telling;
 }
 
-}  // namespace
-
+// Weights in which samples in doubt count for less; empty where that changes nothing.
 std::vector<double> WeightsInDoubt(const Judge& judge, const ScoredModel& model, const ScoredModel& without) {
-  const std::vector<double> doubt = judge.study().Doubt(without.fit);
-  if (doubt.empty()) return {};
-  const std::vector<double> left = ResidualsOf(judge.study(), model.fit);
   const std::span<const double> weights = judge.weights();
-  // −2 log-likelihood of white noise whose variance grows with the doubt's, by this share of it.
-  const auto cost = [&](double share) {
-    double squares = 0.0;
-    double logarithms = 0.0;
-    for (std::size_t i = 0; i < left.size(); ++i) {
-      if (!(weights[i] > 0.0)) continue;
-      const double growth = 1.0 + share * weights[i] * doubt[i] * doubt[i];
-      squares += weights[i] * left[i] * left[i] / growth;
-      logarithms += std::log(growth);
-    }
-    return judge.samples() * std::log(std::max(squares, 1e-300)) + logarithms;
-  };
-  const double deviation = RobustStandardDeviation(Weighted(left, weights));
+  const std::vector<double> doubt = Whitened(judge.study().Doubt(without.fit), weights);
+  if (doubt.empty()) return {};
+  const std::vector<double> left = Whitened(ResidualsOf(judge.study(), model.fit), weights);
+  const std::vector<double> left_without = Whitened(ResidualsOf(judge.study(), without.fit), weights);
+  const double deviation = RobustStandardDeviation(left);
   const double variance = std::max(deviation * deviation, 1e-300);
-  double least = cost(0.0) - kLeastRatio;
-  double best = 0.0;
-  double share = kMostShare / variance;
-  for (int k = 0; k < kShares; ++k, share *= 0.5) {
-    const double at = cost(share);
-    if (!(at < least)) continue;
-    least = at;
-    best = share;
-  }
-  const std::vector<bool> telling =
-      MostTelling(doubt, left, ResidualsOf(judge.study(), without.fit), weights, variance);
-  bool some = best > 0.0;
+  const double share = LikeliestShare(doubt, left, judge.samples(), variance);
+  const std::vector<bool> telling = MostTelling(doubt, left, left_without, variance);
+  bool some = share > 0.0;
   std::vector<double> less(weights.begin(), weights.end());
   for (std::size_t i = 0; i < less.size(); ++i) {
-    const double all = weights[i] * doubt[i] * doubt[i];
+    const double all = doubt[i] * doubt[i];
     // That one alone may be as wrong as that.
-    const double own = telling[i]
-                           ? all / variance
-                           : std::min(all, weights[i] * left[i] * left[i] - kStandsOff * variance) / variance;
+    const double own =
+        (telling[i] ? all : std::min(all, left[i] * left[i] - kStandsOff * variance)) / variance;
     some = some || own > 1.0;
-    less[i] /= 1.0 + std::max({best * all, own, 0.0});
+    less[i] /= 1.0 + std::max({share * all, own, 0.0});
   }
   if (!some) less.clear();
   return less;
 }
+
+}  // namespace
 
 bool IsInDoubt(const Judge& judge, const ScoredModel& model, const ScoredModel& without, std::size_t cause,
                double error_allowed) {

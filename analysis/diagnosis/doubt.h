@@ -2,24 +2,19 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "analysis/diagnosis/selection.h"
 
 namespace strainwave::analysis::diagnosis {
 
-/// Weights of the samples where another cause of a model, or the nominal model, foretells a course that hangs
-/// on more than a fit can know (Study::Doubt). What counts for less there:
-/// - all such samples, by the noise's variance over that with a multiple of the doubt's square, of which what
-///   the model leaves makes the most likely one;
+/// Whether a cause of a model lives of samples in which another cause, or the nominal model, foretells a
+/// course that hangs on more than a fit can know (Study::Doubt): once they count for less, most of its
+/// likelihood ratio is gone and the rest is not beyond chance. What counts for less:
+/// - all samples in doubt, by the noise's variance over that with a multiple of the doubt's square, of which
+///   what the model leaves makes the most likely one;
 /// - a sample that stands off by more than the noise, as far as the doubt goes;
 /// - of ten events (samples in doubt side by side) the one that tells most for the cause.
-/// Empty where that changes nothing.
 /// @param without  the model without the cause, whose own doubt is not asked for.
-std::vector<double> WeightsInDoubt(const Judge& judge, const ScoredModel& model, const ScoredModel& without);
-
-/// Whether a cause of a model lives of such samples: once they count for less most of its likelihood ratio is
-/// gone, and the rest is not beyond chance.
 bool IsInDoubt(const Judge& judge, const ScoredModel& model, const ScoredModel& without, std::size_t cause,
                double error_allowed);
 

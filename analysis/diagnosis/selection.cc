@@ -71,7 +71,7 @@ const Candidate* ChooseNext(const Judge& judge, std::span<const std::size_t> giv
                (lacks && !rule.named ? kLeastShareOfDescription : kLeastShare) * explained ||
            IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
         result.passed = false;
-        result.objection = kMisfitObjection;
+        result.objection = "too small beside what was found already to be told from a misfit of its formula";
       }
       if (result.passed) chosen = &candidate;
     } else if (LooksPossible(judge, candidate, error)) {

@@ -12,6 +12,7 @@
 #include "analysis/diagnosis/separable_study.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/led_axis.h"
 #include "tests/analysis/white_noise.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -110,67 +111,26 @@ TEST(Doubt, LeavesNothingOfWhatOneKnockTells) {
   EXPECT_TRUE(IsElseInDoubt(Toy(std::move(measured), OneKnock())));
 }
 
-struct Sine {
-  double size, rad_per_s;
-};
-using Path = std::vector<Sine>;
-
-struct At {
-  double place{}, speed{}, acceleration{};
-};
-At Follow(const Path& path, double time_s) {
-  At at;
-  for (const auto& [size, rad_per_s] : path) {
-    at.place += size * std::sin(rad_per_s * time_s);
-    at.speed += size * rad_per_s * std::cos(rad_per_s * time_s);
-    at.acceleration -= size * rad_per_s * rad_per_s * std::sin(rad_per_s * time_s);
-  }
-  return at;
-}
-
-// An axis that is led to and fro, with a light load in a gap so wide that the load strikes several times on
-// its way; when hangs on when it struck before.
-MotionData WideGap(unsigned seed, const Path& path) {
-  constexpr double kStep_s = 2e-5;
-  constexpr int kEach = 200;
-  constexpr double kDuration_s = 27.0;
-  constexpr double kContact_rad_per_s = kTwoPi * 28.5;
-  constexpr double kDamping = 0.38;
-  constexpr double kLoadFriction_per_s2 = 0.3;
-  constexpr double kHalfGap_rad = 0.155;
-  constexpr double kLoad_kgm2 = 0.0153;
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  MotionData record;
-  double load = Follow(path, 0.0).place - kHalfGap_rad;
-  double load_speed = Follow(path, 0.0).speed;
-  for (int i = 0; i * kStep_s < kDuration_s; ++i) {
-    const double time_s = i * kStep_s;
-    const At at = Follow(path, time_s);
-    const double lead = at.place - load;
-    const double sense = std::copysign(1.0, lead);
-    const double into = std::abs(lead) - kHalfGap_rad;
-    const double drag = 2.0 * kDamping * kContact_rad_per_s * (at.speed - load_speed);
-    const double push =
-        into > 0.0 ? sense * std::max(0.0, kContact_rad_per_s * kContact_rad_per_s * into + sense * drag)
-                   : 0.0;
-    if (i % kEach == 0) {
-      record.time_s.push_back(time_s);
-      record.position.push_back(at.place + 2e-7 * normal(random));
-      record.torque.push_back(0.29 * at.acceleration + 0.175 * at.speed + std::copysign(0.164, at.speed) +
-                              kLoad_kgm2 * push + 0.0387 * normal(random));
-    }
-    const double free = load_speed + kStep_s * push;
-    load_speed = free - std::clamp(free, -kStep_s * kLoadFriction_per_s2, kStep_s * kLoadFriction_per_s2);
-    load += kStep_s * load_speed;
-  }
-  return record;
-}
+// An axis with a light load in a gap so wide that the load strikes several times on its way; when hangs on
+// when it struck before.
+const LedAxis kWideGap{.path = {{1.5, kTwoPi * 0.07}, {0.4, kTwoPi * 0.33}, {0.15, kTwoPi * 0.9}},
+                       .duration_s = 27.0,
+                       .step_s = 2e-5,
+                       .each = 200,
+                       .inertia_kgm2 = 0.29,
+                       .viscous_Nms_per_rad = 0.175,
+                       .coulomb_Nm = 0.164,
+                       .load_kgm2 = 0.0153,
+                       .half_gap_rad = 0.155,
+                       .load_friction_per_s2 = 0.3,
+                       .contact_rad_per_s = kTwoPi * 28.5,
+                       .contact_damping = 0.38,
+                       .torque_noise_Nm = 0.0387,
+                       .position_noise_rad = 2e-7};
 
 TEST(Doubt, NamesNoDisturbanceAtKnocksThatComeAtAnotherTime) {
-  const Path path{{1.5, kTwoPi * 0.07}, {0.4, kTwoPi * 0.33}, {0.15, kTwoPi * 0.9}};
   for (const unsigned seed : {1U, 2U}) {
-    const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {WideGap(seed, path)});
+    const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {RecordOf(kWideGap, seed)});
     EXPECT_EQ(found.names(), Names{"backlash"}) << seed;
   }
 }
@@ -178,20 +138,20 @@ TEST(Doubt, NamesNoDisturbanceAtKnocksThatComeAtAnotherTime) {
 // Friction that turns round at all reversals with the motion, and at one of them a little before it, as
 // where an axis sticks for a moment.
 MotionData OneEarlyReversal(unsigned seed, int which, double early_s) {
-  const Path path{{1.2 / (kTwoPi * 0.13), kTwoPi * 0.13}, {0.4 / (kTwoPi * 0.41), kTwoPi * 0.41}};
+  const SinePath path{{1.2 / (kTwoPi * 0.13), kTwoPi * 0.13}, {0.4 / (kTwoPi * 0.41), kTwoPi * 0.41}};
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   MotionData record;
   int reversals = 0;
   for (int i = 0; i < 4300; ++i) {
     const double time_s = 0.01 * i;
-    const At at = Follow(path, time_s);
-    if (i > 0 && at.speed * Follow(path, time_s - 0.01).speed < 0.0) ++reversals;
-    const double turned = reversals == which ? Follow(path, time_s + early_s).speed : at.speed;
+    const PathState at = StateOn(path, time_s);
+    if (i > 0 && at.speed_rad_per_s * StateOn(path, time_s - 0.01).speed_rad_per_s < 0.0) ++reversals;
+    const PathState turned = reversals == which ? StateOn(path, time_s + early_s) : at;
     record.time_s.push_back(time_s);
-    record.position.push_back(at.place + 3e-6 * normal(random));
-    record.torque.push_back(0.58 * at.acceleration + 5.7 * at.speed + std::copysign(19.0, turned) +
-                            0.27 * normal(random));
+    record.position.push_back(at.position_rad + 3e-6 * normal(random));
+    record.torque.push_back(0.58 * at.acceleration_rad_per_s2 + 5.7 * at.speed_rad_per_s +
+                            std::copysign(19.0, turned.speed_rad_per_s) + 0.27 * normal(random));
   }
   return record;
 }

@@ -11,6 +11,7 @@
 
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/led_axis.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -76,47 +77,22 @@ TEST(MotionBacklash, IsNamedBehindAStiffShaftThatThrowsTheMotorBack) {
 // An axis that is led along its way, with a light load in a gap that knocks for half a sample of a slow
 // logger, and as many samples that stand off by chance as there are.
 MotionData SlowlyLogged(unsigned seed, double load_kgm2, int spikes, double begin = 1.0) {
-  constexpr double kStep_s = 1e-5;
-  constexpr int kEach = 1000;
-  constexpr double kDuration_s = 25.0;
-  constexpr double kAxis_kgm2 = 0.5;
-  constexpr double kContact_rad_per_s = kTwoPi * 40.0;
-  constexpr double kLoadFriction_per_s2 = 0.3;
-  constexpr double kHalfGap_rad = 0.02;
   constexpr double kNoise_Nm = 0.05;
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  MotionData record;
-  double load = 0.0, load_speed = 0.0;
-  for (int i = 0; i * kStep_s < kDuration_s; ++i) {
-    const double time_s = i * kStep_s;
-    double place = 0.0, speed = 0.0, acceleration = 0.0;
-    for (const auto& [size, rad_per_s] : {std::pair{1.0, kTwoPi * 0.21}, std::pair{0.25, kTwoPi * 0.83}}) {
-      place += size * std::sin(rad_per_s * time_s);
-      speed += size * rad_per_s * std::cos(rad_per_s * time_s);
-      acceleration -= size * rad_per_s * rad_per_s * std::sin(rad_per_s * time_s);
-    }
-    if (i == 0) {
-      load = place - begin * kHalfGap_rad;
-      load_speed = speed;
-    }
-    const double lead = place - load;
-    const double sense = std::copysign(1.0, lead);
-    const double into = std::abs(lead) - kHalfGap_rad;
-    const double push = into > 0.0
-                            ? sense * std::max(0.0, kContact_rad_per_s * kContact_rad_per_s * into +
-                                                        sense * kContact_rad_per_s * (speed - load_speed))
-                            : 0.0;
-    if (i % kEach == 0) {
-      record.time_s.push_back(time_s);
-      record.position.push_back(place);
-      record.torque.push_back(kAxis_kgm2 * acceleration + 0.1 * speed + std::copysign(0.3, speed) +
-                              load_kgm2 * push + kNoise_Nm * normal(random));
-    }
-    const double free = load_speed + kStep_s * push;
-    load_speed = free - std::clamp(free, -kStep_s * kLoadFriction_per_s2, kStep_s * kLoadFriction_per_s2);
-    load += kStep_s * load_speed;
-  }
+  MotionData record = RecordOf({.path = {{1.0, kTwoPi * 0.21}, {0.25, kTwoPi * 0.83}},
+                                .duration_s = 25.0,
+                                .step_s = 1e-5,
+                                .each = 1000,
+                                .inertia_kgm2 = 0.5,
+                                .viscous_Nms_per_rad = 0.1,
+                                .coulomb_Nm = 0.3,
+                                .load_kgm2 = load_kgm2,
+                                .half_gap_rad = 0.02,
+                                .load_friction_per_s2 = 0.3,
+                                .contact_rad_per_s = kTwoPi * 40.0,
+                                .contact_damping = 0.5,
+                                .load_start = begin,
+                                .torque_noise_Nm = kNoise_Nm},
+                               seed);
   for (int k = 0; k < spikes; ++k)
     record.torque[131 + 227 * static_cast<std::size_t>(k)] += (k % 2 == 0 ? 15.0 : -12.0) * kNoise_Nm;
   return record;

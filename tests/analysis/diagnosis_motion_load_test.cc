@@ -6,6 +6,7 @@
 
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/led_axis.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -20,18 +21,10 @@ MotionData Wrist(unsigned seed, double gravity_Nm) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   MotionData record;
-  constexpr double kTones[][3] = {{0.13, 1.4, 0.4}, {0.37, 0.5, 2.1}, {0.83, 0.2, 4.4}};
+  const SinePath path{{1.4, kTwoPi * 0.13, 0.4}, {0.5, kTwoPi * 0.37, 2.1}, {0.2, kTwoPi * 0.83, 4.4}};
   for (int i = 0; i < 3000; ++i) {
     const double time_s = 0.01 * i;
-    double position_rad = 0.0;
-    double speed_rad_per_s = 0.0;
-    double acceleration_rad_per_s2 = 0.0;
-    for (const auto& [frequency_Hz, amplitude_rad, phase_rad] : kTones) {
-      const double omega = kTwoPi * frequency_Hz;
-      position_rad += amplitude_rad * std::sin(omega * time_s + phase_rad);
-      speed_rad_per_s += amplitude_rad * omega * std::cos(omega * time_s + phase_rad);
-      acceleration_rad_per_s2 -= amplitude_rad * omega * omega * std::sin(omega * time_s + phase_rad);
-    }
+    const auto [position_rad, speed_rad_per_s, acceleration_rad_per_s2] = StateOn(path, time_s);
     record.time_s.push_back(time_s);
     record.position.push_back(position_rad + 1e-6 * normal(random));
     record.torque.push_back(kInertia_kgm2 * acceleration_rad_per_s2 + 0.3 * speed_rad_per_s +

@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/temperature.h"
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
+#include "tests/analysis/led_axis.h"
 #include "tests/analysis/message_of.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -22,23 +23,18 @@ constexpr double kOffset_Nm = 0.1;
 constexpr double kNoise_Nm = 0.08;
 
 // A motion of four sines that share no period, and what it needs at a time.
-struct State {
-  double time_s{}, position_rad{}, speed_rad_per_s{}, acceleration_rad_per_s2{};
+struct State : PathState {
+  double time_s{};
   double way() const { return std::tanh(speed_rad_per_s / 0.01); }
   double inertial_Nm() const { return kInertia_kgm2 * acceleration_rad_per_s2; }
 };
 
 State At(double time_s) {
-  constexpr double kTones[][3] = {{0.131, 3.0, 0.4}, {0.353, 1.3, 2.1}, {0.917, 0.5, 4.4}, {1.871, 0.2, 1.2}};
-  State state{.time_s = time_s};
-  for (const auto& [frequency_Hz, amplitude_rad, phase_rad] : kTones) {
-    const double omega = kTwoPi * frequency_Hz;
-    const double angle = omega * time_s + phase_rad;
-    state.position_rad += amplitude_rad * std::sin(angle);
-    state.speed_rad_per_s += amplitude_rad * omega * std::cos(angle);
-    state.acceleration_rad_per_s2 -= amplitude_rad * omega * omega * std::sin(angle);
-  }
-  return state;
+  static const SinePath path{{3.0, kTwoPi * 0.131, 0.4},
+                             {1.3, kTwoPi * 0.353, 2.1},
+                             {0.5, kTwoPi * 0.917, 4.4},
+                             {0.2, kTwoPi * 1.871, 1.2}};
+  return {StateOn(path, time_s), time_s};
 }
 
 using Effect = std::function<double(const State&)>;

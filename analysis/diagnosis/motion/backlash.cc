@@ -42,14 +42,14 @@ const std::vector<double> kFineSteps{0.02, 0.03, 0.1, -0.05, 0.1};
 // Tried around what was found.
 constexpr int kWider = 20;           // times the step to either side
 constexpr double kWiderStep = 0.01;  // in ln gap
+constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
+constexpr int kBegins = 10;             // to either side of the middle
+constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
 // In ln gap, to see how far knocks may go astray.
 constexpr double kAstray[] = {-0.15, -0.06, -0.02, 0.02, 0.06, 0.15};
 constexpr std::size_t kRecentDoubts = 8;
 constexpr std::size_t kRecentSearches = 16;
 constexpr double kSame = 1e-4;  // of what is left
-constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
-constexpr int kBegins = 10;             // to either side of the middle
-constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
 
 // Deceleration by the nominal Coulomb friction of an axis that coasts.
 double BrakingOf(const MotionGrid& grid) {
