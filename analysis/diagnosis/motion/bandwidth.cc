@@ -13,14 +13,15 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr std::size_t kFewestRows = 40;
-constexpr double kKeptSignal = 0.9;     // of the acceleration's variance
-constexpr double kCorrelated = 4.5;     // standard errors of a correlation coefficient
-constexpr double kFewestInBand = 30.0;  // samples
-constexpr double kMostlyNoise = 0.3;    // share of the acceleration that the torque shows
-constexpr double kMostlyMotion = 0.8;   // the same, where the noise of the path looks wild
-constexpr double kImmaterial = 2.0;     // of −2 log-likelihood, over the whole record
-constexpr double kClear = 4.0;          // times the noise expected
-constexpr double kSeesMotion = 0.3;     // of the acceleration's variance, enough to know the inertia by
+constexpr double kKeptSignal = 0.9;       // of the acceleration's variance
+constexpr double kCorrelated = 4.5;       // standard errors of a correlation coefficient
+constexpr double kFewestInBand = 30.0;    // samples
+constexpr double kMostlyNoise = 0.3;      // share of the acceleration that the torque shows
+constexpr double kMostlyMotion = 0.8;     // the same, where the noise of the path looks wild
+constexpr double kImmaterial = 2.0;       // of −2 log-likelihood, over the whole record
+constexpr double kClear = 4.0;            // times the noise expected
+constexpr double kSeesMotion = 0.3;       // of the acceleration's variance, enough to know the inertia by
+constexpr double kNextToNarrowest = 1.3;  // steps in the low-pass
 const double kHalfOctave = std::sqrt(2.0);
 
 const std::vector<double>& Moved(const EvenStretch& stretch, bool by_velocity) {
@@ -206,6 +207,10 @@ Choice WidestFor(const MotionSamples& samples, const Extent& extent, double narr
 }
 
 }  // namespace
+
+bool KeepsUpWith(const MotionBandwidth& bandwidth, double step_s) {
+  return bandwidth.sigma_s < kNextToNarrowest * step_s;
+}
 
 MotionBandwidth ChooseBandwidth(const MotionSamples& samples, std::size_t most_rows) {
   Extent extent;

@@ -19,6 +19,10 @@ struct MotionBandwidth {
   double coulomb{};  // about
 };
 
+/// Whether the low-pass is the narrowest there is for samples at a step: no row is made of more of them than
+/// it has to be.
+bool KeepsUpWith(const MotionBandwidth& bandwidth, double step_s);
+
 /// Noise of the acceleration is an error of a regressor: it shrinks the inertia, and lends itself to any term
 /// that smooths the acceleration, a resonance above all. So the motion is smoothed, half an octave at a time
 /// from the top, until what is left of the noise does not show beside that of the torque, not even over the

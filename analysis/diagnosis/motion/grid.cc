@@ -334,6 +334,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   grid.noise_of_acceleration = CalmAcceleration(samples, bandwidth, layouts, grid);
   grid.acceleration_noise = QuantileOfMagnitude(grid.noise_of_acceleration, 0.5);
   grid.noise_floor = std::hypot(gain(0) * samples.torque_noise, bandwidth.inertia * grid.acceleration_noise);
+  grid.last_band = LastBand(samples, bandwidth, layouts, grid);
   grid.acceleration_error = AddJolts(samples, bandwidth, layouts, grid);
   WidenRowsAroundJolts(bandwidth.inertia, grid);
   // First with the rows beside reversals, which tell over which speed friction turns round; then without

@@ -23,7 +23,8 @@ inline constexpr std::size_t kMostRows = 16000;
 ///
 /// Rows: the response. Torque and all terms pass one and the same low-pass (motion/kernel.h) and are taken at
 /// a spacing that leaves white noise white, so that noise of the acceleration does not shrink the inertia
-/// (parallel filtering; Gautier, ICRA 1997). Around jolts that the path is too noisy for it is a wider one.
+/// (parallel filtering; Gautier, ICRA 1997). Around jolts that the path is too noisy for it is a wider one;
+/// where every sample is known there may be none (motion/settled_grid.h).
 ///
 /// Left out of the rows: what lies within a low-pass's length of a gap, of clipped torque, or of a rest,
 /// where Coulomb friction may take any value below its limit; and what motion/rows.h says of reversals.
@@ -58,6 +59,7 @@ struct MotionGrid {
   std::vector<double> noise_of_acceleration;  // more where an axis is not calm
   std::vector<bool> wide;                     // where rows pass the wider low-pass
   std::vector<double> acceleration_error;  // around jolts (motion/jolts.h): how wrong the acceleration may be
+  std::vector<double> last_band;           // acceleration in the last half octave (motion/jolts.h)
   std::vector<double> jump_error;          // the same where it jumps: of the torque's samples, that fold it
 
   // Rows.

@@ -14,9 +14,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kSlowLogger = 1.3;  // steps of the logger in the low-pass, at most
-constexpr std::size_t kFewest = 2;   // spikes that are knocks: one alone is anything's
-constexpr double kExplained = 0.5;   // of a spike's height, that may be left of a knock
+constexpr std::size_t kFewest = 2;  // spikes that are knocks: one alone is anything's
+constexpr double kExplained = 0.5;  // of a spike's height, that may be left of a knock
 // Of −2 log-likelihood, what a sample costs that is called a spike: one of 300, anywhere within 30 standard
 // deviations of the noise to either side. Nothing costs more.
 constexpr double kSpike = 18.0;
@@ -84,7 +83,7 @@ MotionSamples KeepKnocks(std::span<const MotionData> records, MotionSamples samp
   MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
   for (const EvenStretch& stretch : all.stretches) {
     // Where the torque is sampled much faster than it can be looked at, no knock is that short.
-    if (bandwidth.sigma_s > kSlowLogger * stretch.step_s) return samples;
+    if (!KeepsUpWith(bandwidth, stretch.step_s)) return samples;
   }
   bandwidth.passes_all = true;
   const auto grid = std::make_shared<const MotionGrid>(MakeMotionGrid(all, bandwidth, 0.0, 0.0));

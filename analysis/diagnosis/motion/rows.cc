@@ -4,19 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/diagnosis/motion/jolts.h"
-
 namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr std::size_t kShortestRun = 4;  // rows between two gaps that are of use
-constexpr double kTolerated = 0.4;       // error by a reversal's time, over the noise
-constexpr double kAlikeEachTime = 1.5;   // harm of an error that is no chance, over one that is
-constexpr double kMostAtRest = 0.05;     // of a row's low-pass
-constexpr double kShortestRest = 8.0;    // samples
-constexpr double kLonger = 1.3;          // than a reversal as smooth as the acceleration there says
-constexpr double kNoiseBand = 6.0;       // of the position's noise, in which it stays
-constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
+constexpr double kTolerated = 0.4;      // error by a reversal's time, over the noise
+constexpr double kAlikeEachTime = 1.5;  // harm of an error that is no chance, over one that is
+constexpr double kMostAtRest = 0.05;    // of a row's low-pass
+constexpr double kShortestRest = 8.0;   // samples
+constexpr double kLonger = 1.3;         // than a reversal as smooth as the acceleration there says
+constexpr double kNoiseBand = 6.0;      // of the position's noise, in which it stays
+constexpr double kMostLeftOut = 0.4;    // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
 constexpr double kBlurredReversal = 0.015;
 // Of the 95 % quantile of the speed, in which friction may turn to its other sign.
@@ -144,8 +142,7 @@ double FoldedKink_s(const MotionBandwidth& bandwidth, double step_s) {
 // At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
 // @param passage  speed over which friction may turn round, nobody knows how
 std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBandwidth& bandwidth,
-                                   std::span<const double> last_band, double expected_delay_s, double passage,
-                                   const MotionGrid& grid) {
+                                   double expected_delay_s, double passage, const MotionGrid& grid) {
   std::vector<double> errors(grid.velocity.size(), 0.0);
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
     const MotionGrid::Stretch& stretch = grid.stretches[s];
@@ -165,9 +162,9 @@ std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBan
                                   (static_cast<double>(to - from) * stretch.step_s);
       const double blurred_s = kBlurredReversal * grid.path_sigma_s;
       // Of an axis that turns smoothly there is no kink, and friction turns round within a passage.
-      const double share = std::clamp(
-          std::max(last_band[i] / kShowsWhereItSticks, passage / blurred_s) / std::max(acceleration, 1e-300),
-          0.0, 1.0);
+      const double share = std::clamp(std::max(grid.last_band[i] / kShowsWhereItSticks, passage / blurred_s) /
+                                          std::max(acceleration, 1e-300),
+                                      0.0, 1.0);
       const Spell spell = SlowSpell(grid, stretch, i, grid.velocity_noise + share * blurred_s * acceleration);
       told = spell.end;
       const double middle = 0.5 * (spell.begin + spell.end);
@@ -213,9 +210,8 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
   grid.stretch_of_row.clear();
   grid.response_stretches.clear();
   const std::vector<double> rests = RestsOf(samples, layouts, grid);
-  const std::vector<double> last_band = LastBand(samples, bandwidth, layouts, grid);
-  std::vector<double> errors = ReversalErrors(samples, bandwidth, last_band, expected_delay_s, 0.0, grid);
-  const std::vector<double> most = ReversalErrors(samples, bandwidth, last_band, expected_delay_s,
+  std::vector<double> errors = ReversalErrors(samples, bandwidth, expected_delay_s, 0.0, grid);
+  const std::vector<double> most = ReversalErrors(samples, bandwidth, expected_delay_s,
                                                   kPassage * QuantileOfMagnitude(grid.velocity, 0.95), grid);
   for (std::size_t i = 0; i < errors.size(); ++i) errors[i] = std::min(most[i], errors[i] + passage_error[i]);
   const double tolerated = ToleratedError(grid.noise_floor, errors);
@@ -229,7 +225,9 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
     const MotionGrid::Stretch& stretch = grid.stretches[s];
     const EvenStretch& raw = samples.stretches[s];
     const KernelTaps path = MakeKernel(grid.path_sigma_s, stretch.step_s, 0);
-    const KernelTaps at_samples = bandwidth.passes_all ? PassAll() : MakeKernel(grid.sigma_s, raw.step_s, 0);
+    // Of a spike beside a jolt nobody knows which of two samples it is.
+    const KernelTaps at_samples = bandwidth.passes_all ? KernelTaps{.taps = {1.0, 1.0, 1.0}, .reach = 1}
+                                                       : MakeKernel(grid.sigma_s, raw.step_s, 0);
     std::vector<double> clipped(raw.clipped.begin(), raw.clipped.end());
     const double apart_s = bandwidth.passes_all ? stretch.step_s : kRowSpacing * grid.sigma_s;
     const auto spacing =

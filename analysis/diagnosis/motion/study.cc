@@ -8,6 +8,7 @@
 #include "analysis/diagnosis/motion/grid.h"
 #include "analysis/diagnosis/motion/knocks.h"
 #include "analysis/diagnosis/motion/samples.h"
+#include "analysis/diagnosis/motion/settled_grid.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/diagnosis/motion/units.h"
 #include "analysis/diagnosis/records.h"
@@ -22,7 +23,6 @@ constexpr double kAccelerates = 10.0;
 // knock that tells a gap's width, is not predicted by the rest of the record, which says nothing of it.
 constexpr std::size_t kBlocks = 60;
 constexpr std::size_t kFewestInBlock = 12;
-
 void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const auto at_rows = [&](const std::vector<double>& points) {
     std::vector<double> values;
@@ -54,30 +54,6 @@ void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableMo
     model.regressors.push_back(
         {.name = "temperature", .title = "temperature / °C", .values = at_rows(grid.temperature_degC)});
   }
-}
-
-struct SettledGrid {
-  SharedGrid grid;
-  DelayEstimate delay;  // as this grid shows it
-};
-
-// The grid, made again where the torque acts late: reversals show in it before they show in the motion.
-// Whether they are blurred by the lag or by a wide passage from one way to the other, what is left tells.
-SettledGrid MakeSettledGrid(const MotionSamples& samples) {
-  const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
-  const auto make = [&](double expected_delay_s, double passage_delay_s) {
-    SettledGrid made{std::make_shared<const MotionGrid>(
-                         MakeMotionGrid(samples, bandwidth, expected_delay_s, passage_delay_s)),
-                     {}};
-    made.delay = EstimateDelay(*made.grid);
-    return made;
-  };
-  SettledGrid first = make(0.0, 0.0);
-  const double delay_s = first.delay.delay_s;
-  if (delay_s == 0.0) return first;
-  SettledGrid wide = make(delay_s, 0.0);
-  SettledGrid sharp = make(delay_s, delay_s);
-  return sharp.delay.square_sum < wide.delay.square_sum ? sharp : wide;
 }
 
 }  // namespace
