@@ -292,6 +292,16 @@ TEST(TransmissionErrorStudy, SaysWhereASkewedBumpIsHighest) {
   EXPECT_GE(inside, 7);
 }
 
+// A ripple with a third of a period in its window is as skewed.
+TEST(TransmissionErrorStudy, NamesADamageHoweverPlainItsSkewIs) {
+  const Answer answer = Ask(Sweep(46, [](const Place& at) {
+    const double from_peak_deg = DegFromRad(at.output_rad) - 192.8;
+    return 2.4 * std::exp(-0.5 * std::pow(from_peak_deg / (from_peak_deg < 0.0 ? 2.2 : 2.9), 2.0));
+  }));
+  EXPECT_EQ(answer.name(), "local_tooth_damage");
+  EXPECT_NEAR(answer.value("height_arcmin"), 2.4, 0.05);
+}
+
 TEST(TransmissionErrorStudy, TakesAWrongNumberForNoMissingEffect) {
   // Twice the second harmonic and another offset than any catalogue has: parameters of the nominal model.
   const Answer answer =

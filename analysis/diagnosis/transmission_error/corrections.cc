@@ -186,6 +186,9 @@ std::vector<LocalRipple> FindRipples(std::span<const double> place, const Remain
   return kept;
 }
 
+// What has less than half a period in its window is a bump, and a damaged tooth's.
+double OrderOfRipple(double order, double width_rad) { return std::max(order, 0.5 * kTwoPi / width_rad); }
+
 // A line that is there in one stretch of the turn only.
 void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
   std::vector<double> place(samples.output_rad);
@@ -199,10 +202,11 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
                  {0.5 * narrowest, 1.5 * widest, RadFromDeg(4.0)},
                  {3.0, top, 1.0}};
   term.fill = [place](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+    const double order = OrderOfRipple(shapes[2], shapes[1]);
     for (std::size_t i = 0; i < place.size(); ++i) {
       const double inside = model::LocalToothDamageShape(place[i], shapes[0], shapes[1]);
-      design(static_cast<Eigen::Index>(i), 0) = inside * std::cos(shapes[2] * place[i]);
-      design(static_cast<Eigen::Index>(i), 1) = inside * std::sin(shapes[2] * place[i]);
+      design(static_cast<Eigen::Index>(i), 0) = inside * std::cos(order * place[i]);
+      design(static_cast<Eigen::Index>(i), 1) = inside * std::sin(order * place[i]);
     }
   };
   term.starts = [place, narrowest, widest, top](const Remainder& remainder) {
@@ -216,6 +220,12 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
                      {{"centre_deg", "deg", DegFromRad(1.0)},
                       {"width_deg", "deg", DegFromRad(1.0)},
                       {"order_per_output_turn", "1", 1.0}});
+  term.describe = [as_they_are = term.describe](std::span<const double> fitted,
+                                                const Eigen::MatrixXd& covariance) {
+    std::vector<double> numbers(fitted.begin(), fitted.end());
+    numbers[4] = OrderOfRipple(numbers[4], numbers[3]);
+    return as_they_are(numbers, covariance);
+  };
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = "ripple in a window of output angle",
                          .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
