@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -32,18 +33,14 @@ class TorquePolynomial final : public Correction {
 
   void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd&,
            Eigen::VectorXd& total_rad) const override {
+    // By powers, worked out once: fits spend their time here.
+    const Powers sum = SumOfPowers(v);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const double x = std::clamp(grid.torque_Nm[i] / peak_Nm_, -1.0, 1.0);
-      double before = 1.0;
-      double value = x;
-      double sum = first_order_ == 0 ? v[0] : 0.0;
-      for (int order = 1; order < first_order_ + kOrders; ++order) {
-        if (order >= first_order_) sum += v[static_cast<std::size_t>(order - first_order_)] * value;
-        const double next = ((2.0 * order + 1.0) * x * value - order * before) / (order + 1.0);
-        before = value;
-        value = next;
-      }
-      total_rad(static_cast<Eigen::Index>(i)) += RadFromArcmin(by_branch_ ? grid.direction[i] * sum : sum);
+      double value = 0.0;
+      for (std::size_t power = sum.size(); power-- > 0;) value = value * x + sum[power];
+      total_rad(static_cast<Eigen::Index>(i)) +=
+          RadFromArcmin(by_branch_ ? grid.direction[i] * value : value);
     }
   }
 
@@ -53,6 +50,27 @@ class TorquePolynomial final : public Correction {
 
  private:
   static constexpr int kOrders = 6;
+  using Powers = std::array<double, kOrders + 2>;  // of the torque, from 0
+
+  // Of the polynomials, each by its number, with (n + 1) Pₙ₊₁ = (2n + 1) x Pₙ − n Pₙ₋₁.
+  Powers SumOfPowers(std::span<const double> v) const {
+    Powers before{1.0};
+    Powers now{0.0, 1.0};
+    Powers sum{first_order_ == 0 ? v[0] : 0.0};
+    for (int order = 1; order < first_order_ + kOrders; ++order) {
+      Powers next{};
+      for (std::size_t power = 0; power < sum.size(); ++power) {
+        if (order >= first_order_)
+          sum[power] += v[static_cast<std::size_t>(order - first_order_)] * now[power];
+        const double raised = power > 0 ? now[power - 1] : 0.0;
+        next[power] = ((2.0 * order + 1.0) * raised - order * before[power]) / (order + 1.0);
+      }
+      before = now;
+      now = next;
+    }
+    return sum;
+  }
+
   double peak_Nm_;
   bool by_branch_;
   int first_order_;

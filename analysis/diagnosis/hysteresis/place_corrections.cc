@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "analysis/diagnosis/fit_covariance.h"
@@ -52,8 +51,7 @@ class Place final : public LoopEffect {
     const std::vector<double>& places = PlacesOf(grid);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const double x = 2.0 * (places[i] - v[2]) / v[3];
-      total_rad(static_cast<Eigen::Index>(i)) +=
-          height_rad * (step ? 0.5 + 0.5 * std::tanh(kStepSlope * x) : std::exp(-std::numbers::ln2 * x * x));
+      total_rad(static_cast<Eigen::Index>(i)) += height_rad * (step ? Step(x) : Bell(x));
     }
   }
 
@@ -106,6 +104,11 @@ class Place final : public LoopEffect {
 
  private:
   static constexpr double kStepSlope = 1.5;  // tanh: nine tenths of the way within the width
+  static constexpr double kStepEnds = 12.0;  // is done then to a double's last digit
+
+  static double Step(double x) {
+    return std::abs(x) < kStepEnds ? 0.5 + 0.5 * std::tanh(kStepSlope * x) : (x > 0.0 ? 1.0 : 0.0);
+  }
 
   const std::vector<double>& PlacesOf(const LoopGrid& grid) const {
     return over_torque_ ? grid.torque_Nm : grid.place_rad;

@@ -40,7 +40,10 @@ LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen
     const Eigen::VectorXd residual = twist - model.Predict(best.numbers, grid, derivatives);
     best.cost = residual.cwiseAbs2().dot(weight);
     const Eigen::MatrixXd weighted = weight.asDiagonal() * derivatives;
-    const Eigen::MatrixXd normal = derivatives.transpose() * weighted;
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(p, p);
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(
+        (weight.cwiseSqrt().asDiagonal() * derivatives).eval().transpose());
+    normal.triangularView<Eigen::StrictlyUpper>() = normal.transpose();
     const Eigen::VectorXd gradient = weighted.transpose() * residual;
     const double before = best.cost;
     double surprise = before;  // by how much a step's gain is not as foretold

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "analysis/diagnosis/fit_covariance.h"
@@ -138,7 +137,7 @@ class Window final : public LoopEffect {
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const double place = 2.0 * (grid.time_s[i] - v[2]) / v[3];
       if (bell) {
-        total_rad(static_cast<Eigen::Index>(i)) += height_rad * std::exp(-std::numbers::ln2 * place * place);
+        total_rad(static_cast<Eigen::Index>(i)) += height_rad * Bell(place);
       } else if (std::abs(place) <= 1.0) {
         total_rad(static_cast<Eigen::Index>(i)) += height_rad;
       }
