@@ -177,7 +177,9 @@ void MapCreep(const NamedCause& cause, Parameters nominal, const MappingContext&
   }
   const auto share = share_of("creep_share", "creep_arcmin_per_Nm");
   const double all = share ? *share : Require(cause, "creep_share");
-  if (const auto longest_s = Find(cause.parameters, "longest_time_constant_s")) {
+  // A band without a width is one element.
+  const auto longest_s = Find(cause.parameters, "longest_time_constant_s");
+  if (longest_s && *longest_s > constant_s) {
     // Each element stands in the middle of its part of the band's octaves.
     const double ratio = std::pow(*longest_s / constant_s, 1.0 / model::kCreepElements);
     plant.Set("creep", {{"share_per_decade", all / model::kCreepElements / std::log10(ratio)},

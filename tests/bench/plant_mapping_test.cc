@@ -332,6 +332,17 @@ TEST(PlantMapping, CreepsOverABandAsTheModelDoes) {
   }
 }
 
+TEST(PlantMapping, CreepsAsOneElementWhereTheBandHasNoWidth) {
+  GearPlant plant = LoopPlant(
+      {Cause("creep",
+             {{"creep_arcmin_per_Nm", 0.002}, {"time_constant_s", 2.0}, {"longest_time_constant_s", 2.0}})});
+  Hold(plant, Locked(20.0), 0.1);
+  const double start_rad = plant.state().output_rad;
+  Hold(plant, Locked(20.0), 4.0);
+  const double all_rad = RadFromArcmin(0.002 * 20.0);
+  EXPECT_NEAR(plant.state().output_rad - start_rad, -std::expm1(-2.0) * all_rad, 0.04 * all_rad);
+}
+
 TEST(PlantMapping, SlipsAtTheBrakeByWhatTheOutputShows) {
   // Held up to 20 Nm, loaded to 30 Nm for two seconds: arcmin at the output.
   const auto slip_arcmin = [](const char* form, double value) {
