@@ -29,6 +29,7 @@ LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen
   const Index p = model.size();
   const Eigen::Map<const Eigen::VectorXd> twist(grid.twist_rad.data(), static_cast<Index>(grid.size()));
   const Eigen::Map<const Eigen::VectorXd> weight(grid.weight.data(), twist.size());
+  const Eigen::VectorXd root = weight.cwiseSqrt();
   LoopSolution best{start, 0.0};
   for (Index k = 0; k < p; ++k) {
     const FitNumber& number = model.numbers()[static_cast<std::size_t>(k)];
@@ -39,12 +40,11 @@ LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const Eigen::VectorXd residual = twist - model.Predict(best.numbers, grid, derivatives);
     best.cost = residual.cwiseAbs2().dot(weight);
-    const Eigen::MatrixXd weighted = weight.asDiagonal() * derivatives;
+    const Eigen::MatrixXd whitened = root.asDiagonal() * derivatives;
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(p, p);
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(
-        (weight.cwiseSqrt().asDiagonal() * derivatives).eval().transpose());
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(whitened.transpose());
     normal.triangularView<Eigen::StrictlyUpper>() = normal.transpose();
-    const Eigen::VectorXd gradient = weighted.transpose() * residual;
+    const Eigen::VectorXd gradient = whitened.transpose() * root.cwiseProduct(residual);
     const double before = best.cost;
     double surprise = before;  // by how much a step's gain is not as foretold
     bool better = false;

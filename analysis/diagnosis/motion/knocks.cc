@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "analysis/diagnosis/motion/backlash.h"
 #include "analysis/diagnosis/motion/bandwidth.h"
+#include "analysis/diagnosis/motion/settled_grid.h"
 #include "analysis/noise_level.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -80,13 +80,12 @@ std::vector<std::vector<std::size_t>> Explained(std::span<const MotionData> reco
 MotionSamples KeepKnocks(std::span<const MotionData> records, MotionSamples samples) {
   if (CountOf(samples.spikes) < kFewest) return samples;
   const MotionSamples all = PrepareMotion(records, samples.spikes);
-  MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
+  const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
   for (const EvenStretch& stretch : all.stretches) {
     // Where the torque is sampled much faster than it can be looked at, no knock is that short.
     if (!KeepsUpWith(bandwidth, stretch.step_s)) return samples;
   }
-  bandwidth.passes_all = true;
-  const auto grid = std::make_shared<const MotionGrid>(MakeMotionGrid(all, bandwidth, 0.0, 0.0));
+  const SharedGrid grid = WithoutLowPass(all, bandwidth);
   SeparableModel model;
   model.measured = grid->measured;
   model.stretches = grid->response_stretches;

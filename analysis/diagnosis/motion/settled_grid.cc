@@ -7,7 +7,6 @@
 #include <numeric>
 #include <vector>
 
-#include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/grid.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -55,8 +54,13 @@ bool EverySampleIsKnown(const MotionSamples& samples, const MotionBandwidth& ban
 
 }  // namespace
 
+SharedGrid WithoutLowPass(const MotionSamples& samples, MotionBandwidth bandwidth) {
+  bandwidth.passes_all = true;
+  return std::make_shared<const MotionGrid>(MakeMotionGrid(samples, bandwidth, 0.0, 0.0));
+}
+
 SettledGrid MakeSettledGrid(const MotionSamples& samples) {
-  MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
+  const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
   const auto make = [&](double expected_delay_s, double passage_delay_s) {
     SettledGrid made{std::make_shared<const MotionGrid>(
                          MakeMotionGrid(samples, bandwidth, expected_delay_s, passage_delay_s)),
@@ -67,10 +71,9 @@ SettledGrid MakeSettledGrid(const MotionSamples& samples) {
   SettledGrid first = make(0.0, 0.0);
   const double delay_s = first.delay.delay_s;
   if (delay_s == 0.0) {
-    if (!EverySampleIsKnown(samples, bandwidth, *first.grid) || MissingSigma(*first.grid) > kFaint)
-      return first;
-    bandwidth.passes_all = true;
-    return {std::make_shared<const MotionGrid>(MakeMotionGrid(samples, bandwidth, 0.0, 0.0)), first.delay};
+    if (EverySampleIsKnown(samples, bandwidth, *first.grid) && MissingSigma(*first.grid) <= kFaint)
+      first.grid = WithoutLowPass(samples, bandwidth);
+    return first;
   }
   SettledGrid wide = make(delay_s, 0.0);
   SettledGrid sharp = make(delay_s, delay_s);

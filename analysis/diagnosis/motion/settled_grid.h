@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/delay.h"
 #include "analysis/diagnosis/motion/samples.h"
 #include "analysis/diagnosis/motion/terms.h"
 
 namespace strainwave::analysis::diagnosis {
+
+/// A grid whose rows are the samples themselves; no delay is expected.
+/// @throws std::invalid_argument where too little motion is left.
+SharedGrid WithoutLowPass(const MotionSamples& samples, MotionBandwidth bandwidth);
 
 struct SettledGrid {
   SharedGrid grid;
