@@ -57,9 +57,10 @@ Candidate FitCandidate(const Judge& judge, const ScoredModel& model, std::size_t
 
 std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& model,
                                      const std::function<bool(std::size_t)>& is_out) {
+  const Study& study = judge.study();
   std::vector<Candidate> candidates;
-  for (std::size_t cause = 0; cause < judge.study().causes().size(); ++cause) {
-    if (Contains(model.fit.causes, cause) || is_out(cause)) continue;
+  for (std::size_t cause = 0; cause < study.causes().size(); ++cause) {
+    if (!MayStandBeside(study, model.fit, cause) || is_out(cause)) continue;
     Candidate candidate = FitCandidate(judge, model, cause);
     if (candidate.model.fit.usable) candidates.push_back(std::move(candidate));
   }
@@ -84,13 +85,19 @@ void Rank(const Study& study, std::vector<Candidate>& candidates) {
   std::ranges::stable_sort(candidates, std::greater<>(), rank);
 }
 
-std::set<std::size_t> FarBehind(const std::vector<Candidate>& candidates, const Candidate& chosen,
-                                const ScoredModel& poorer) {
+std::set<std::size_t> FarBehind(const Study& study, const std::vector<Candidate>& candidates,
+                                const Candidate& chosen, const ScoredModel& poorer) {
   const double ahead = WhiteRatio(chosen.model, poorer);
   std::set<std::size_t> behind;
   if (ahead < kClearlyAhead) return behind;
   for (const Candidate& candidate : candidates) {
     if (WhiteRatio(candidate.model, poorer) < kNowhereNear * ahead) behind.insert(candidate.cause);
+  }
+  // A cause that fits nowhere is not among the candidates.
+  for (std::size_t cause = 0; cause < study.causes().size(); ++cause) {
+    if (study.causes()[cause].named && !Contains(poorer.fit.causes, cause) &&
+        std::ranges::find(candidates, cause, &Candidate::cause) == candidates.end())
+      behind.insert(cause);
   }
   return behind;
 }

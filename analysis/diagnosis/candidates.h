@@ -29,7 +29,7 @@ inline constexpr double kNotExcluded = 2.0;
 /// @returns it fitted beside a model; its own model is not usable where that fails.
 Candidate FitCandidate(const Judge& judge, const ScoredModel& model, std::size_t cause);
 
-/// All of a model, each fitted with it, but for those that `is_out` names.
+/// All that may stand beside a model, each fitted with it, but for those that `is_out` names.
 std::vector<Candidate> FitCandidates(
     const Judge& judge, const ScoredModel& model,
     const std::function<bool(std::size_t)>& is_out = [](std::size_t) { return false; });
@@ -39,8 +39,8 @@ std::vector<Candidate> FitCandidates(
 void Rank(const Study& study, std::vector<Candidate>& candidates);
 
 /// What came nowhere near the chosen one will hardly do in its place later.
-std::set<std::size_t> FarBehind(const std::vector<Candidate>& candidates, const Candidate& chosen,
-                                const ScoredModel& poorer);
+std::set<std::size_t> FarBehind(const Study& study, const std::vector<Candidate>& candidates,
+                                const Candidate& chosen, const ScoredModel& poorer);
 
 /// Whether what it brings is beyond chance, which is cheap to say.
 bool LooksPossible(const Judge& judge, const Candidate& candidate, double error);

@@ -48,8 +48,8 @@ std::vector<Candidate> FirstsOf(const Judge& judge, const ScoredModel& without, 
 
 }  // namespace
 
-std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& model, std::size_t most,
-                                        double error) {
+std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std::size_t> given,
+                                        const ScoredModel& model, std::size_t most, double error) {
   if (model.noise.order == 0) return std::nullopt;
   const auto& rules = judge.study().causes();
   const auto white = [&](const Candidate& candidate, const ScoredModel& poorer) {
@@ -85,7 +85,8 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& m
     });
     if (weakest == rest.end()) {
       weakest = std::find_if(rest.begin(), rest.end(), [&](const Candidate& without) {
-        return !JudgeCause(judge, all, without.model, without.cause, error).passed;
+        return !JudgeCause(judge, all, without.model, without.cause, error).passed ||
+               IsMisfit(judge, given, all, without.model, without.cause);
       });
     }
     if (weakest == rest.end()) return all;
@@ -135,6 +136,10 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
           continue;
         const ScoredModel other = judge.Fit(Without(pair.fit.causes, first.cause), &pair.fit);
         if (!JudgeCause(judge, pair, other, first.cause, error).passed) continue;
+        // It would be dropped again.
+        if (IsMisfit(judge, given, pair, first.model, second.cause) ||
+            IsMisfit(judge, given, pair, other, first.cause))
+          continue;
         most = lead - asked;
         best = std::move(pair);
       }

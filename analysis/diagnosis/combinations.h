@@ -13,8 +13,8 @@ namespace strainwave::analysis::diagnosis {
 /// Effects none of which shows while the others are still in the residual: slow ones pass together for the
 /// memory of the noise. The strongest candidate as if the noise were white, the strongest beside it, and so
 /// on; then what the memory of what is left explains as well is taken out again, weakest first.
-std::optional<ScoredModel> FindTogether(const Judge& judge, const ScoredModel& model, std::size_t most,
-                                        double error);
+std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std::size_t> given,
+                                        const ScoredModel& model, std::size_t most, double error);
 
 /// Two causes in the place of one that mimics them together: it explains more than either, so it was found
 /// first, and no exchange of one for one leads away from it. A pair that is clearly better takes its place;

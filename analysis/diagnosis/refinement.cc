@@ -22,11 +22,19 @@ constexpr double kManyNumbers = 6.0;  // of a cause that comes again and again, 
 // Of the sum of squares that all of a model take away, what a description may leave as its misfit.
 constexpr double kMisfitOfDescription = 0.02;
 
+constexpr std::ptrdiff_t kMostDescriptions = 4;
+
 double MisfitShareOf(const CauseRule& rule) {
   return rule.misfit_share.value_or(rule.named ? 0.0 : kMisfitOfDescription);
 }
 
 }  // namespace
+
+bool MayStandBeside(const Study& study, const ModelFit& fit, std::size_t cause) {
+  const auto is_description = [&](std::size_t other) { return IsDescription(study.causes()[other]); };
+  return !Contains(fit.causes, cause) &&
+         (!is_description(cause) || std::ranges::count_if(fit.causes, is_description) < kMostDescriptions);
+}
 
 bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other) {
   const auto found = far_behind.find(cause);
@@ -105,12 +113,13 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const Diag
     const double ahead = WhiteRatio(model, without);
     for (std::size_t other = 0; other < rules.size(); ++other) {
       // For itself as well: beside what came later another of its forms may be the better one.
-      if (other != cause && Contains(model.fit.causes, other)) continue;
+      if (!MayStandBeside(judge.study(), without.fit, other)) continue;
       if (IsFarBehind(far_behind, cause, other)) continue;
       ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
-      if (!exchanged.fit.usable) continue;
-      if (ahead > kClearlyAhead && WhiteRatio(exchanged, without) < kHalfAsGood * ahead)
+      if (ahead > kClearlyAhead &&
+          (!exchanged.fit.usable || WhiteRatio(exchanged, without) < kHalfAsGood * ahead))
         far_behind[cause].insert(other);
+      if (!exchanged.fit.usable) continue;
       // What would be dropped again in the other's place takes nobody's: both scores may be below nothing.
       const Comparison its = judge.Compare(exchanged, without);
       const double p = judge.Corrected(its.p_value, rules[other]);

@@ -11,6 +11,10 @@ namespace strainwave::analysis::diagnosis {
 /// BIC by which one model is clearly better than another with as many causes.
 inline constexpr double kClearlyBetter = 2.0;
 
+/// Whether one may be added to a model. Of shapes without a cause four stand side by side at most: what they
+/// leave a fifth makes no clearer, and beside each every further fit is slower.
+bool MayStandBeside(const Study& study, const ModelFit& fit, std::size_t cause);
+
 /// Whether a cause came nowhere near another one when that was chosen.
 bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other);
 

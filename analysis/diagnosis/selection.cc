@@ -122,7 +122,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     double brought = 0.0;
     if (chosen != nullptr) {
       brought = chosen->against.likelihood_ratio;
-      selection.far_behind[chosen->cause] = FarBehind(candidates, *chosen, model);
+      selection.far_behind[chosen->cause] = FarBehind(judge.study(), candidates, *chosen, model);
       selection.model = ScoredModel(chosen->model);
     } else {
       const std::size_t most = given.size() + options.max_effects - model.fit.causes.size();
@@ -135,7 +135,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
         if (Exchange(judge, given, options, selection.far_behind, selection.model, explained)) continue;
       }
       if (!full && circling) together = find_pair();
-      if (!full && !together) together = FindTogether(judge, model, most, error);
+      if (!full && !together) together = FindTogether(judge, given, model, most, error);
       if (!full && !together && !circling) together = find_pair();
       if (!together) break;
       brought = judge.Compare(*together, model).likelihood_ratio;

@@ -98,9 +98,8 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
   const auto ahead = [&](const SeparableSolution& moved) {
     return samples * std::log(solution.weighted_square_sum / moved.weighted_square_sum);
   };
-  const double uncharged_before = UnchargedShapes(set, solution, weights);
   const auto pays = [&](const SeparableSolution& moved) {
-    const double uncharged = UnchargedShapes(all, moved, weights) - uncharged_before;
+    const double uncharged = UnchargedShapes(all, moved, weights) - UnchargedShapes(set, solution, weights);
     const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;
     return ahead(moved) > std::max(1.0, charged) * std::log(samples);
   };
@@ -116,7 +115,9 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
   // Where they paid before comes first: without such shapes the others have left that place.
   std::vector<std::vector<double>> before = solution.shapes;
   std::ranges::copy(known, before.begin());
-  const bool paid = (before != solution.shapes && take(std::move(before))) || take(solution.shapes);
+  std::vector<std::vector<double>> at_rest = before;
+  Rest(set, at_rest);
+  const bool paid = (before != at_rest && take(std::move(before))) || take(solution.shapes);
   if (paid) set = std::move(all);
   return paid;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <complex>
 #include <random>
 #include <vector>
 
@@ -114,6 +115,24 @@ TEST(RingColumn, BeginsEachRingWhereItsImpulseSlippedTo) {
   // What rang before the record began has died away.
   const Eigen::Index quiet = column.size() / 4;
   EXPECT_LT((column - expected).tail(column.size() - quiet).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+// Even steps of which a file keeps but microseconds, and a gap.
+TEST(AddKick, RingsOnOverTimeStampsOfFewDigits) {
+  VibrationRun run;
+  run.period_s = 1.0 / 5120.0;
+  for (int i = 0; i < 400; ++i)
+    run.time_s.push_back(1e-6 * std::round(1e6 * (i < 200 ? i : i + 30) * run.period_s));
+  constexpr double kStart_s = 0.01013;
+  Eigen::VectorXd column = Eigen::VectorXd::Zero(400);
+  AddKick(run, kRing_Hz, 0.01, kStart_s, 2.0, column);
+  const std::complex<double> pole = RingPole(kRing_Hz, 0.01);
+  for (int i = 0; i < 400; ++i) {
+    const double since_s = run.time_s[static_cast<std::size_t>(i)] - kStart_s;
+    const double expected =
+        since_s < 0.0 ? 0.0 : 2.0 * std::exp(pole.real() * since_s) * std::sin(pole.imag() * since_s);
+    EXPECT_NEAR(column(i), expected, 1e-11) << i;
+  }
 }
 
 }  // namespace

@@ -104,6 +104,28 @@ std::vector<double> DrivenSwing(const MotionGrid& grid, double natural, double d
   return points;
 }
 
+// What swings freely from a stretch's beginning until it has died away, at the rows: in phase, and a quarter
+// of a turn later.
+Eigen::MatrixX2d FreeSwing(const MotionGrid& grid, const MotionGrid::Stretch& stretch, double natural,
+                           double damping) {
+  std::vector<double> in_phase(grid.time_s.size());
+  std::vector<double> late(grid.time_s.size());
+  // Turned on from point to point, which are at even steps.
+  const double damped = natural * std::sqrt(1.0 - damping * damping);
+  const std::complex<double> turn =
+      std::polar(std::exp(-damping * natural * stretch.step_s), damped * stretch.step_s);
+  std::complex<double> swing = 1.0;
+  const std::size_t end = stretch.first + stretch.count;
+  for (std::size_t i = stretch.first; i < end && std::norm(swing) > kDiedAway; ++i) {
+    in_phase[i] = swing.real();
+    late[i] = swing.imag();
+    swing *= turn;
+  }
+  Eigen::MatrixX2d columns(static_cast<Index>(grid.rows()), 2);
+  columns << grid.ProjectPassed(in_phase), grid.ProjectPassed(late);
+  return columns;
+}
+
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
   // A ring that a jolt started may be faster than the motion.
@@ -113,33 +135,23 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   const std::vector<std::size_t> beginnings = Beginnings(*grid);
   const double usual = UsualSize(grid->passed_acceleration);
   SeparableTerm term;
-  // Slopes by what a stretch begins with are taken at one frequency and damping.
-  using Swings = Recent<std::pair<double, double>, std::vector<double>>;
-  const auto swings = std::make_shared<Swings>(kSwingsRemembered);
-  term.fill = [grid, beginnings, usual, swings](std::span<const double> shapes,
-                                                Eigen::Ref<Eigen::MatrixXd> design) {
+  // Slopes by what a stretch begins with are taken at one frequency and damping, in which it is straight.
+  const auto driven_swings =
+      std::make_shared<Recent<std::array<double, 2>, Eigen::VectorXd>>(kSwingsRemembered);
+  const auto free_swings = std::make_shared<Recent<std::array<double, 3>, Eigen::MatrixX2d>>(
+      kSwingsRemembered * beginnings.size());
+  term.fill = [=](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
     const double natural = kTwoPi * std::exp(shapes[0]);
     const double damping = std::exp(shapes[1]);
-    std::vector<double> points =
-        swings->Get({shapes[0], shapes[1]}, [&] { return DrivenSwing(*grid, natural, damping); });
+    design.col(0) = driven_swings->Get(
+        {shapes[0], shapes[1]}, [&] { return grid->ProjectPassed(DrivenSwing(*grid, natural, damping)); });
     for (std::size_t b = 0; b < beginnings.size(); ++b) {
-      const double in_phase = shapes[kFirstSwing + 2 * b];
-      const double late = shapes[kFirstSwing + 2 * b + 1];
-      if (in_phase == 0.0 && late == 0.0) continue;
-      const MotionGrid::Stretch& stretch = grid->stretches[beginnings[b]];
-      // Turned on from point to point, which are at even steps, until it has died away.
-      const double damped = natural * std::sqrt(1.0 - damping * damping);
-      const std::complex<double> turn =
-          std::polar(std::exp(-damping * natural * stretch.step_s), damped * stretch.step_s);
-      std::complex<double> swing = usual * std::complex<double>(in_phase, -late);
-      const double nothing = kDiedAway * std::norm(swing);
-      for (std::size_t i = stretch.first; i < stretch.first + stretch.count && std::norm(swing) > nothing;
-           ++i) {
-        points[i] += swing.real();
-        swing *= turn;
-      }
+      const Eigen::Map<const Eigen::Vector2d> sizes(shapes.data() + kFirstSwing + 2 * b);
+      if (sizes.isZero(0.0)) continue;
+      design.col(0) += free_swings->Get({static_cast<double>(b), shapes[0], shapes[1]}, [&] {
+        return FreeSwing(*grid, grid->stretches[beginnings[b]], natural, damping);
+      }) * (usual * sizes);
     }
-    design.col(0) = grid->ProjectPassed(points);
   };
   term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03},
                  {std::log(kLeastDamping), std::log(0.8), 0.3, true}};

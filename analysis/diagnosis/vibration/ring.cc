@@ -19,6 +19,26 @@ constexpr double kLeastOverlap = 0.05;
 
 Complex PoleOf(const RingTrain& train) { return RingPole(train.ring_Hz, train.damping_ratio); }
 
+// What a ring is turned and damped by from sample to sample. Steps are even but for the last digit of their
+// time stamps, for which a few powers do.
+class RingStep {
+ public:
+  RingStep(Complex pole, double period_s)
+      : pole_(pole), period_s_(period_s), even_(std::exp(pole * period_s)) {}
+
+  Complex operator()(double step_s) const {
+    constexpr double kSmall = 1e-4;  // of a squared turn: the next power is below 1e-12
+    const Complex more = pole_ * (step_s - period_s_);
+    if (!(std::norm(more) < kSmall)) return std::exp(pole_ * step_s);
+    return even_ * (1.0 + more * (1.0 + more / 2.0 * (1.0 + more / 3.0 * (1.0 + more / 4.0))));
+  }
+
+ private:
+  Complex pole_;
+  double period_s_;
+  Complex even_;
+};
+
 double Impulses(const VibrationRun& run, const RingTrain& train, std::size_t sample) {
   return (run.angle_rad[sample] - 0.5 * run.angle_rad.back()) * train.order / kTwoPi - train.phase;
 }
@@ -40,7 +60,7 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
   const std::size_t n = run.size();
   Eigen::VectorXd column(static_cast<Index>(n));
   const Complex pole = PoleOf(train);
-  const Complex even_step = std::exp(pole * run.period_s);
+  const RingStep step(pole, run.period_s);
   const auto weight_at = [&train](double angle) {
     double weight = 1.0;
     for (const RingModulation& modulation : train.modulations) {
@@ -69,8 +89,7 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
   for (std::size_t i = 0; i < n; ++i) {
     if (i > 0) {
       const double step_s = run.time_s[i] - run.time_s[i - 1];
-      const bool even = std::abs(step_s - run.period_s) < 1e-9 * run.period_s;
-      state *= even ? even_step : std::exp(pole * step_s);
+      state = Product(state, step(step_s));
       const double here = per_angle * run.angle_rad[i] - offset;
       for (; place_of(next) <= here; next += 1.0) {
         const double before = per_angle * run.angle_rad[i - 1] - offset;
@@ -88,12 +107,11 @@ void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, doub
              Eigen::Ref<Eigen::VectorXd> column) {
   const Complex pole = RingPole(ring_Hz, damping_ratio);
   const auto first = std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s) - run.time_s.begin();
-  const Complex even_step = std::exp(pole * run.period_s);
+  const RingStep step(pole, run.period_s);
   Complex state = 1.0;
   double before_s = start_s;
   for (auto i = static_cast<std::size_t>(first); i < run.size() && std::norm(state) > 1e-8; ++i) {
-    const double step_s = run.time_s[i] - before_s;
-    state *= std::abs(step_s - run.period_s) < 1e-9 * run.period_s ? even_step : std::exp(pole * step_s);
+    state = Product(state, step(run.time_s[i] - before_s));
     before_s = run.time_s[i];
     column(static_cast<Index>(i)) += height * state.imag();
   }
@@ -163,16 +181,9 @@ double KickPower(const VibrationRun& run, double ring_Hz, double damping_ratio,
   return power;
 }
 
-Complex Direction(double turns) {
-  constexpr std::size_t kDirections = 2048;
-  static const std::vector<Complex> table = [] {
-    std::vector<Complex> directions;
-    for (std::size_t d = 0; d < kDirections; ++d)
-      directions.push_back(std::polar(1.0, kTwoPi * static_cast<double>(d) / kDirections));
-    return directions;
-  }();
-  const double share = turns - std::floor(turns);
-  return table[static_cast<std::size_t>(share * kDirections) % kDirections];
+Directions::Directions() {
+  for (std::size_t d = 0; d < kDirections; ++d)
+    table_.push_back(std::polar(1.0, kTwoPi * static_cast<double>(d) / kDirections));
 }
 
 namespace {
@@ -213,18 +224,19 @@ TrainMatch MatchTrain(const VibrationRun& run, const RingTrain& train, double si
     Complex turn;
     Complex slow;
   };
+  static const Directions directions;
   std::vector<Place> places(n);
   const double per_angle = train.order / kTwoPi;
   const double middle = 0.5 * run.angle_rad.back();
   const double ring_turns_per_s = pole.imag() / kTwoPi;
   for (std::size_t i = 0; i < n; ++i) {
     const double turn = (run.angle_rad[i] - middle) * per_angle;
-    const double share = (turn - std::floor(turn)) * static_cast<double>(bins);
+    const double share = (turn - static_cast<double>(WholeBelow(turn))) * static_cast<double>(bins);
     const std::size_t bin = std::min(bins - 1, static_cast<std::size_t>(share));
     const double off = (share - static_cast<double>(bin) - 0.5) / static_cast<double>(bins);
     const double since_s = off / (per_angle * std::max(run.speed_rad_per_s[i], 1e-9));
-    places[i] = {bin, Direction(ring_turns_per_s * since_s - 0.25),
-                 sideband > 0.0 ? Direction(-sideband / kTwoPi * run.angle_rad[i]) : Complex{}};
+    places[i] = {bin, directions.After(ring_turns_per_s * since_s - 0.25),
+                 sideband > 0.0 ? directions.After(-sideband / kTwoPi * run.angle_rad[i]) : Complex{}};
   }
   std::vector<Complex> plain(bins * channels);
   std::vector<Complex> upper(sideband > 0.0 ? bins * channels : 0);

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -11,8 +12,25 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// Direction after so many turns, to some thousandths of a radian: good enough to search.
-std::complex<double> Direction(double turns);
+/// The largest whole number that is not above one: the library's is a call for every sample, where the
+/// machine is not known.
+inline std::int64_t WholeBelow(double value) {
+  const auto whole = static_cast<std::int64_t>(value);
+  return value < static_cast<double>(whole) ? whole - 1 : whole;
+}
+
+/// Directions after so many turns, to some thousandths of a radian: good enough to search.
+class Directions {
+ public:
+  Directions();
+  std::complex<double> After(double turns) const {
+    return table_[static_cast<std::size_t>(WholeBelow(turns * kDirections)) % kDirections];
+  }
+
+ private:
+  static constexpr std::size_t kDirections = 2048;
+  std::vector<std::complex<double>> table_;
+};
 
 /// Product of finite numbers: the operator looks for infinities.
 inline std::complex<double> Product(std::complex<double> a, std::complex<double> b) {
