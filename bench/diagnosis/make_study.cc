@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <span>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -133,6 +135,18 @@ StudyInput ReadCampaign(const std::string& path) {
   return input;
 }
 
+// Its noise would count twice, and make chance look like evidence.
+void RefuseTheSameTwice(const Record& record, std::span<const RecordIdentity> before,
+                        const std::string& sha256) {
+  for (const RecordIdentity& other : before) {
+    if (other.sha256 == sha256 && other.group == record.source.group) {
+      throw RecordRefusal(
+          record,
+          fmt::format("holds the same record as {} before it (expected each record once)", other.file));
+    }
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<diagnosis::Study> MakeStudy(std::span<const Record> records) {
@@ -157,9 +171,9 @@ StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordCho
     };
     for (const Record& record : records) {
       const bool same_file = !input.records.empty() && input.records.back().file == record.source.file;
-      input.records.push_back({record.source.file, record.source.group,
-                               same_file ? input.records.back().sha256 : Sha256(ReadText(record.source.file)),
-                               record.rows()});
+      std::string sha256 = same_file ? input.records.back().sha256 : Sha256(ReadText(record.source.file));
+      RefuseTheSameTwice(record, input.records, sha256);
+      input.records.push_back({record.source.file, record.source.group, std::move(sha256), record.rows()});
       for (const std::string& note : record.notes) add_warning(record, note);
       for (const std::string& doubt : CheckForDiagnosis(record)) add_warning(record, doubt);
     }

@@ -235,6 +235,14 @@ TEST_F(Diagnose, RefusesMixedKinds) {
                     "--kind chooses it)\n");
 }
 
+TEST_F(Diagnose, RefusesTheSameRecordTwice) {
+  const std::string sweep = Write("sweep.csv", Sweep(12, Nothing));
+  const std::string copy = Write("copy.csv", Sweep(12, Nothing));
+  ExpectRefusal(
+      {"diagnose", sweep, copy, "--out", Path("out")},
+      copy + ": error: holds the same record as " + sweep + " before it (expected each record once)\n");
+}
+
 TEST_F(Diagnose, RefusesWhatIsNoRecordToDiagnose) {
   const std::string history = Write("history.csv", "# kind: history\ntime_s,x_V\n0,0\n1,1\n");
   ExpectRefusal({"diagnose", history, "--out", Path("out")},
