@@ -51,8 +51,8 @@ Eigen::MatrixXd ShapeColumns(const TermSet& set, const SeparableSolution& at) {
     const Eigen::VectorXd coefficients = AsVector(at.coefficients[t]);
     const auto here = at.moving.middleCols(moving, ToIndex(term.columns));
     moving += here.cols();
-    Eigen::MatrixXd there(ToIndex(set.samples), ToIndex(term.columns));
-    Eigen::MatrixXd back(central ? there.rows() : 0, there.cols());
+    Eigen::MatrixXd change(ToIndex(set.samples), here.cols());
+    Eigen::MatrixXd back(central ? change.rows() : 0, here.cols());
     for (std::size_t s = 0; s < term.shapes.size(); ++s) {
       const ShapeRange& range = term.shapes[s];
       if (!set.Moves(range)) {
@@ -63,17 +63,18 @@ Eigen::MatrixXd ShapeColumns(const TermSet& set, const SeparableSolution& at) {
       const double centre = shapes[s];
       const double high = std::min(range.high, centre + 0.05 * range.step);
       const double low = std::max(range.low, centre - 0.05 * range.step);
-      const bool up = central || high - centre >= centre - low;
-      shapes[s] = up ? high : low;
-      term.fill(shapes, there);
-      if (!central) {
-        const double way = shapes[s] - centre;
-        columns.col(next++) = (there - here) * coefficients / (way == 0.0 ? 1e-300 : way);
-        continue;
+      const double to = central || high - centre >= centre - low ? high : low;
+      const double from = central ? low : centre;
+      shapes[s] = to;
+      term.fill(shapes, change);
+      if (central) {
+        shapes[s] = from;
+        term.fill(shapes, back);
+        change -= back;
+      } else {
+        change -= here;
       }
-      shapes[s] = low;
-      term.fill(shapes, back);
-      columns.col(next++) = (there - back) * coefficients / std::max(high - low, 1e-300);
+      columns.col(next++) = change * coefficients / (to == from ? 1e-300 : to - from);
     }
   }
   return columns;
