@@ -38,7 +38,8 @@ std::vector<Candidate> FitCandidates(
 /// one has its turn where the first does not pass.
 void Rank(const Study& study, std::vector<Candidate>& candidates);
 
-/// What came nowhere near the chosen one will hardly do in its place later.
+/// What came nowhere near the chosen one, or is a cause that could not be fitted at all, will hardly do in
+/// its place later.
 std::set<std::size_t> FarBehind(const Study& study, const std::vector<Candidate>& candidates,
                                 const Candidate& chosen, const ScoredModel& poorer);
 

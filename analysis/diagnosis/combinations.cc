@@ -46,6 +46,13 @@ std::vector<Candidate> FirstsOf(const Judge& judge, const ScoredModel& without, 
   return firsts;
 }
 
+// Whether a cause of a model passes and would not be dropped again as a misfit of the others.
+bool Stands(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
+            const ScoredModel& without, std::size_t cause, double error) {
+  return JudgeCause(judge, model, without, cause, error).passed &&
+         !IsMisfit(judge, given, model, without, cause);
+}
+
 }  // namespace
 
 std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std::size_t> given,
@@ -85,8 +92,7 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std:
     });
     if (weakest == rest.end()) {
       weakest = std::find_if(rest.begin(), rest.end(), [&](const Candidate& without) {
-        return !JudgeCause(judge, all, without.model, without.cause, error).passed ||
-               IsMisfit(judge, given, all, without.model, without.cause);
+        return !Stands(judge, given, all, without.model, without.cause, error);
       });
     }
     if (weakest == rest.end()) return all;
@@ -132,14 +138,9 @@ std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::siz
           const auto [one, other] = std::minmax(first.cause, second.cause);
           pairs.insert(rules[one].name + " + " + rules[other].name);
         }
-        if (lead - asked < most || !JudgeCause(judge, pair, first.model, second.cause, error).passed)
-          continue;
+        if (lead - asked < most || !Stands(judge, given, pair, first.model, second.cause, error)) continue;
         const ScoredModel other = judge.Fit(Without(pair.fit.causes, first.cause), &pair.fit);
-        if (!JudgeCause(judge, pair, other, first.cause, error).passed) continue;
-        // It would be dropped again.
-        if (IsMisfit(judge, given, pair, first.model, second.cause) ||
-            IsMisfit(judge, given, pair, other, first.cause))
-          continue;
+        if (!Stands(judge, given, pair, other, first.cause, error)) continue;
         most = lead - asked;
         best = std::move(pair);
       }

@@ -38,6 +38,13 @@ Eigen::VectorXd SolveNormal(Eigen::MatrixXd gram, Eigen::VectorXd right, double 
   return scale.cwiseProduct(eigen.vectors * inverse.asDiagonal() * (eigen.vectors.transpose() * right));
 }
 
+// Products of columns with each other.
+Eigen::MatrixXd SquaresOf(const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  lower.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  return lower.selfadjointView<Eigen::Lower>();
+}
+
 // Columns of the derivative by each shape, of the term's prediction: a central difference where standard
 // errors are asked for; where a step is, one to the side that has more room, of half the evaluations.
 Eigen::MatrixXd ShapeColumns(const TermSet& set, const SeparableSolution& at) {
@@ -119,9 +126,7 @@ SeparableProblem::SeparableProblem(const TermSet& set, std::span<const double> m
     next += columns;
   }
   weighted_ = roots_.asDiagonal() * fixed_;
-  gram_ = Eigen::MatrixXd::Zero(fixed, fixed);
-  gram_.selfadjointView<Eigen::Lower>().rankUpdate(weighted_.transpose());
-  gram_ = Eigen::MatrixXd(gram_.selfadjointView<Eigen::Lower>());
+  gram_ = SquaresOf(weighted_);
   next = 0;
   for (const SeparableTerm* term : set.terms) {
     if (!term->shapes.empty()) continue;
@@ -141,10 +146,7 @@ SeparableProblem::Normal SeparableProblem::NormalOf(const Eigen::MatrixXd& furth
   normal.gram.topLeftCorner(fixed, fixed) = gram_;
   normal.gram.topRightCorner(fixed, more).noalias() = weighted_.transpose() * rows;
   normal.gram.bottomLeftCorner(more, fixed) = normal.gram.topRightCorner(fixed, more).transpose();
-  auto squares = normal.gram.bottomRightCorner(more, more);
-  squares.setZero();
-  squares.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-  squares.triangularView<Eigen::StrictlyUpper>() = squares.transpose();
+  normal.gram.bottomRightCorner(more, more) = SquaresOf(rows);
   normal.right.head(fixed).noalias() = weighted_.transpose() * weighted_target;
   normal.right.tail(more).noalias() = rows.transpose() * weighted_target;
   return normal;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <set>
 #include <vector>
 
@@ -9,52 +8,32 @@
 #include "analysis/diagnosis/combinations.h"
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/separable_study.h"
-#include "tests/analysis/toy_terms.h"
-#include "tests/analysis/white_noise.h"
+#include "tests/analysis/toy_passes.h"
 
 // What a search does not go into: each fit is slower beside more, and what would be dropped again is looked
 // at in vain.
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr std::size_t kSamples = 1200;
-constexpr std::size_t kOfPass = 150;
-constexpr double kNoise = 0.2;
 constexpr double kError = 0.006;
 
-// At a place, 0 to 1, that a record comes by several times.
-Shape Bell(double centre, double width) {
-  return [=](std::size_t i) {
-    const double away = (static_cast<double>(i % kOfPass) / kOfPass - centre) / width;
-    return std::exp(-0.5 * away * away);
-  };
+Shape BellAt(double centre, double width) {
+  return [=](std::size_t i) { return Bell(PlaceOf(i), centre, width); };
 }
 
-SeparableModel NoiseAnd(const Shape& hidden) {
-  SeparableModel model;
-  model.measured = WhiteNoise(kSamples, kNoise, 17);
-  for (std::size_t i = 0; i < kSamples; ++i) model.measured[i] += hidden(i);
-  model.nominal.push_back(TermOf({[](std::size_t) { return 1.0; }}));
-  model.block_length = kOfPass / 2;
-  model.noise_floor = kNoise;
-  model.unit = "V";
-  return model;
-}
-
-void Add(SeparableModel& model, CauseRule rule, const Shape& shape) {
-  model.causes.push_back(TermOf({shape}));
-  model.rules.push_back(std::move(rule));
+std::vector<double> EqualWeights(const SeparableStudy& study) {
+  return std::vector<double>(study.measured().size(), 1.0);
 }
 
 TEST(SearchLimits, AreFourDescriptionsAndAnyCauseBesideThem) {
-  const auto bell = [](int k) { return Bell(0.1 + 0.13 * k, 0.03); };
+  const auto bell = [](int k) { return BellAt(0.1 + 0.13 * k, 0.03); };
   SeparableModel model = NoiseAnd([&](std::size_t i) {
     double sum = 0.0;
     for (int k = 0; k < 7; ++k) sum += (1.0 - 0.05 * k) * bell(k)(i);
     return sum;
   });
-  for (int k = 0; k < 6; ++k) Add(model, {.name = "shape", .named = false}, bell(k));
-  Add(model, {.name = "cause"}, bell(6));
+  for (int k = 0; k < 6; ++k) Add(model, {.name = "shape", .named = false}, {bell(k)});
+  Add(model, {.name = "cause"}, {bell(6)});
   const SeparableStudy study(std::move(model));
   const Diagnosis diagnosis = Diagnose(study);
   std::vector<std::size_t> shapes;
@@ -66,21 +45,21 @@ TEST(SearchLimits, AreFourDescriptionsAndAnyCauseBesideThem) {
 
 // A description for two small causes, beside a loud effect of which its formula may leave as much.
 SeparableModel TwoBesideALoudOne(double misfit_share) {
-  const Shape loud = Bell(0.4, 0.1);
-  const Shape one = Bell(0.7, 0.02);
-  const Shape other = Bell(0.85, 0.02);
+  const Shape loud = BellAt(0.4, 0.1);
+  const Shape one = BellAt(0.7, 0.02);
+  const Shape other = BellAt(0.85, 0.02);
   SeparableModel model =
       NoiseAnd([=](std::size_t i) { return 3.0 * loud(i) + 0.7 * one(i) + 0.3 * other(i); });
-  Add(model, {.name = "loud", .misfit_share = misfit_share}, loud);
-  Add(model, {.name = "both", .named = false}, [=](std::size_t i) { return one(i) + other(i); });
-  Add(model, {.name = "one"}, one);
-  Add(model, {.name = "other"}, other);
+  Add(model, {.name = "loud", .misfit_share = misfit_share}, {loud});
+  Add(model, {.name = "both", .named = false}, {[=](std::size_t i) { return one(i) + other(i); }});
+  Add(model, {.name = "one"}, {one});
+  Add(model, {.name = "other"}, {other});
   return model;
 }
 
 bool FindsAPair(double misfit_share) {
   const SeparableStudy study(TwoBesideALoudOne(misfit_share));
-  const Judge judge(study, std::vector<double>(kSamples, 1.0), {});
+  const Judge judge(study, EqualWeights(study), {});
   const std::vector<std::size_t> loud_and_both{0, 1};
   PairRivals rivals;
   return FindPair(judge, {}, judge.Fit(loud_and_both, nullptr), {}, kError, {}, rivals).has_value();
@@ -92,15 +71,15 @@ TEST(SearchLimits, ExcludePairsThatWouldBeDroppedAsAMisfit) {
 }
 
 TEST(SearchLimits, ExcludeInACausesPlaceWhatFitsNowhere) {
-  SeparableModel model = NoiseAnd([](std::size_t i) { return Bell(0.4, 0.1)(i) + Bell(0.7, 0.1)(i); });
-  Add(model, {.name = "known"}, Bell(0.7, 0.1));
-  Add(model, {.name = "chosen"}, Bell(0.4, 0.1));
-  Add(model, {.name = "fits nowhere"}, Bell(0.2, 0.1));
+  SeparableModel model = NoiseAnd([](std::size_t i) { return BellAt(0.4, 0.1)(i) + BellAt(0.7, 0.1)(i); });
+  Add(model, {.name = "known"}, {BellAt(0.7, 0.1)});
+  Add(model, {.name = "chosen"}, {BellAt(0.4, 0.1)});
+  Add(model, {.name = "fits nowhere"}, {BellAt(0.2, 0.1)});
   model.causes.back().shapes = {{0.0, 1.0, 0.1}};  // and nowhere to begin
   model.causes.back().starts = [](const Remainder&) { return std::vector<std::vector<double>>{}; };
-  Add(model, {.name = "rival"}, Bell(0.41, 0.1));
+  Add(model, {.name = "rival"}, {BellAt(0.41, 0.1)});
   const SeparableStudy study(std::move(model));
-  const Judge judge(study, std::vector<double>(kSamples, 1.0), {});
+  const Judge judge(study, EqualWeights(study), {});
   const ScoredModel known = judge.Fit(std::vector<std::size_t>{0}, nullptr);
   const std::vector<Candidate> candidates = FitCandidates(judge, known);
   ASSERT_EQ(candidates.front().cause, 1U);

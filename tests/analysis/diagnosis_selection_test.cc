@@ -7,40 +7,10 @@
 
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/separable_study.h"
-#include "tests/analysis/toy_terms.h"
-#include "tests/analysis/white_noise.h"
+#include "tests/analysis/toy_passes.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
-
-constexpr std::size_t kPasses = 8;
-constexpr std::size_t kOfPass = 150;  // samples
-constexpr double kNoise = 0.2;
-
-// A record that comes by the same places, 0 to 1, several times.
-double PlaceOf(std::size_t i) { return static_cast<double>(i % kOfPass) / static_cast<double>(kOfPass); }
-
-double Bell(double place, double centre, double width) {
-  const double away = (place - centre) / width;
-  return std::exp(-0.5 * away * away);
-}
-
-SeparableModel NoiseAnd(const Shape& hidden) {
-  SeparableModel model;
-  model.measured = WhiteNoise(kPasses * kOfPass, kNoise, 17);
-  for (std::size_t i = 0; i < model.measured.size(); ++i) model.measured[i] += hidden(i);
-  model.nominal.push_back(TermOf({[](std::size_t) { return 1.0; }}));
-  model.block_length = kOfPass / 2;
-  model.noise_floor = kNoise;
-  model.unit = "V";
-  return model;
-}
-
-void Add(SeparableModel& model, CauseRule rule, std::vector<Shape> shapes) {
-  rule.degrees_of_freedom = static_cast<int>(shapes.size());
-  model.causes.push_back(TermOf(std::move(shapes)));
-  model.rules.push_back(std::move(rule));
-}
 
 // Names of the causes found, and of the descriptions without a cause in brackets.
 std::string FoundIn(SeparableModel model) {

@@ -61,7 +61,7 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   const auto places = static_cast<std::size_t>(1.3 * (last - first) * run_.turns) + 8;
   const std::size_t size = std::bit_ceil(kPadding * places);
   const double angle_step = run_.angle_rad.back() / static_cast<double>(places);
-  static const Directions directions;
+  const Directions& directions = Directions::Table();
   std::vector<Complex> turns(run_.size());
   for (std::size_t i = 0; i < run_.size(); ++i) {
     if (band_.Holds(run_.speed_rad_per_s[i]))

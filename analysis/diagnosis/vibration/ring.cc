@@ -181,6 +181,11 @@ double KickPower(const VibrationRun& run, double ring_Hz, double damping_ratio,
   return power;
 }
 
+const Directions& Directions::Table() {
+  static const Directions table;
+  return table;
+}
+
 Directions::Directions() {
   for (std::size_t d = 0; d < kDirections; ++d)
     table_.push_back(std::polar(1.0, kTwoPi * static_cast<double>(d) / kDirections));
@@ -224,7 +229,7 @@ TrainMatch MatchTrain(const VibrationRun& run, const RingTrain& train, double si
     Complex turn;
     Complex slow;
   };
-  static const Directions directions;
+  const Directions& directions = Directions::Table();
   std::vector<Place> places(n);
   const double per_angle = train.order / kTwoPi;
   const double middle = 0.5 * run.angle_rad.back();

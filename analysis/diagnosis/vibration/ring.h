@@ -22,12 +22,15 @@ inline std::int64_t WholeBelow(double value) {
 /// Directions after so many turns, to some thousandths of a radian: good enough to search.
 class Directions {
  public:
-  Directions();
+  /// Made once, by the first who asks.
+  static const Directions& Table();
   std::complex<double> After(double turns) const {
     return table_[static_cast<std::size_t>(WholeBelow(turns * kDirections)) % kDirections];
   }
 
  private:
+  Directions();
+
   static constexpr std::size_t kDirections = 2048;
   std::vector<std::complex<double>> table_;
 };
