@@ -10,6 +10,7 @@
 #include "analysis/units.h"
 #include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/check_results.h"
+#include "bench/campaign/load_results.h"
 #include "bench/campaign/rotation_results.h"
 
 namespace strainwave::bench {
@@ -182,6 +183,7 @@ CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleCont
   }
   for (Result& result : SensorCheckResults(records)) analysis.results.push_back(std::move(result));
   for (Result& result : VibrationStatisticsResults(records)) analysis.results.push_back(std::move(result));
+  for (Result& result : LoadResults(records)) analysis.results.push_back(std::move(result));
   return analysis;
 }
 

@@ -6,12 +6,14 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "analysis/units.h"
 #include "bench/configuration/read_drive_profile.h"
+#include "bench/configuration/read_register_map.h"
 #include "schedules/reader/comparison.h"
 
 namespace strainwave::bench {
@@ -36,29 +38,70 @@ Abilities AbilitiesOf(const BenchDescription& bench, double ratio) {
           1.0 / bench.control_period_s, 1.0 / bench.fast_control_period_s};
 }
 
+constexpr const char* kLoadTorque =
+    "{:.4g} Nm behind its reducer that the profile of the load servo's drive allows";
+
 double Seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
-// The driving servo's profile, read once, and only where a phase asks for it; null where there is none.
-class DriveOnDemand {
+// What a drive can do by its profile, at the axis: the output of the servo's reducer.
+struct DriveAbilities {
+  double torque_Nm{std::numeric_limits<double>::infinity()};
+  double speed_rad_per_s{std::numeric_limits<double>::infinity()};
+  double acceleration_rad_per_s2{std::numeric_limits<double>::infinity()};
+};
+
+// The profiles of both drives, read once, and only where a phase asks for them.
+class DrivesOnDemand {
  public:
-  explicit DriveOnDemand(const BenchDescription& bench) : file_(bench.driving_servo.drive.profile) {}
-  const protocols::canopen::DriveProfile* Get() {
-    if (!profile_ && !file_.empty()) profile_ = ReadDriveProfile(file_);
-    return profile_ ? &*profile_ : nullptr;
+  explicit DrivesOnDemand(const BenchDescription& bench)
+      : bench_(bench), driving_file_(bench.driving_servo.drive.profile) {}
+
+  // Of the driving servo on a CAN bus; null where it is none.
+  const protocols::canopen::DriveProfile* DrivingProfile() {
+    if (!driving_profile_ && !driving_file_.empty()) driving_profile_ = ReadDriveProfile(driving_file_);
+    return driving_profile_ ? &*driving_profile_ : nullptr;
+  }
+  const DriveAbilities& Driving() {
+    if (!driving_) driving_ = OfDrive(bench_.driving_servo.drive, 1.0);
+    return *driving_;
+  }
+  const DriveAbilities& Load() {
+    if (!load_) load_ = OfDrive(bench_.load_servo.drive, bench_.load_reducer_ratio);
+    return *load_;
   }
 
  private:
-  std::filesystem::path file_;
-  std::optional<protocols::canopen::DriveProfile> profile_;
+  DriveAbilities OfDrive(const DriveLink& link, double reducer_ratio) const {
+    if (!link.profile.empty()) {
+      const auto limits = AtAxis(ReadDriveProfile(link.profile), reducer_ratio, 1).limits;
+      return {limits.max_torque_Nm, limits.max_speed_rad_per_s, limits.acceleration_rad_per_s2};
+    }
+    const DeviceDescription* const device = FindDevice(bench_.devices, link.device);
+    if (device == nullptr || device->kind != DeviceDescription::Kind::kModbus) return {};
+    const ModbusProfile profile = ReadModbusProfile(device->file);
+    if (!profile.servo) return {};
+    const auto map = AtAxis(profile.map, *profile.servo, reducer_ratio);
+    const ModbusServoRegisters at = FindServoRegisters(map, *profile.servo);
+    return {LargestSetPoint(map.registers[at.torque_set_point]),
+            LargestSetPoint(map.registers[at.speed_set_point])};
+  }
+
+  const BenchDescription& bench_;
+  std::filesystem::path driving_file_;
+  std::optional<protocols::canopen::DriveProfile> driving_profile_;
+  std::optional<DriveAbilities> driving_;
+  std::optional<DriveAbilities> load_;
 };
 
 class BenchCheck {
  public:
-  BenchCheck(const BenchDescription& bench, DriveOnDemand& drive, const schedules::Schedule& schedule,
+  BenchCheck(const BenchDescription& bench, DrivesOnDemand& drives, const schedules::Schedule& schedule,
              std::string path, const Comparison& compare)
       : bench_(bench),
-        drive_(drive),
-        can_(AbilitiesOf(bench, std::abs(schedule.specimen.ratio))),
+        drives_(drives),
+        ratio_(std::abs(schedule.specimen.ratio)),
+        can_(AbilitiesOf(bench, ratio_)),
+        t2_Nm_(schedule.specimen.t2_Nm),
         limits_(schedule.limits),
         path_(std::move(path)),
         compare_(compare) {}
@@ -99,6 +142,9 @@ class BenchCheck {
     CheckTorque("peak_torque", test.peak_torque_Nm, false);
   }
   void operator()(const schedules::SensorCheck& check) const {
+    if (check.kind == schedules::SensorCheck::Kind::kZero) {
+      CheckDerived({"specimen.t2", t2_Nm_}, drives_.Load().torque_Nm, kLoadTorque);
+    }
     if (check.kind != schedules::SensorCheck::Kind::kShunt) return;
     compare_.MustNotExceed({At("expected"), std::abs(check.expected_Nm)}, "the torque transducer's range",
                            {"torque_transducer.range", bench_.transducer.range_Nm}, bench_.origins,
@@ -120,9 +166,12 @@ class BenchCheck {
                            {"torque_transducer.range", bench_.transducer.range_Nm}, bench_.origins,
                            bench_.file_name);
     CheckDerived(torque, can_.load_torque_Nm, "{:.4g} Nm of the load servo behind its reducer");
+    CheckDerived(torque, drives_.Load().torque_Nm, kLoadTorque);
     // Losses only add to what the driving servo must give.
-    if (driven)
-      CheckDerived(torque, can_.driving_torque_Nm, "{:.4g} Nm of the driving servo behind the gear");
+    if (!driven) return;
+    CheckDerived(torque, can_.driving_torque_Nm, "{:.4g} Nm of the driving servo behind the gear");
+    CheckDerived(torque, drives_.Driving().torque_Nm * ratio_,
+                 "{:.4g} Nm behind the gear that the profile of the driving servo's drive allows");
   }
 
   void CheckMotion(double speed_rad_per_s, double acceleration_rad_per_s2) const {
@@ -138,16 +187,34 @@ class BenchCheck {
                       "behind its reducer can follow ({})",
                       compare_.Written(speed), RpmFromRadPerS(can_.load_speed_rad_per_s), bench_.file_name));
     }
+    CheckSpeed(speed, drives_.Driving().speed_rad_per_s, "the profile of the driving servo's drive allows");
+    CheckSpeed(speed, drives_.Load().speed_rad_per_s * ratio_,
+               "the profile of the load servo's drive lets it follow behind its reducer");
+    if (acceleration_rad_per_s2 > drives_.Driving().acceleration_rad_per_s2 * (1.0 + 1e-9)) {
+      const Named acceleration{At("input_acceleration"), acceleration_rad_per_s2};
+      compare_.Error(acceleration.path,
+                     fmt::format("input_acceleration = {} is above the {:.4g} rad/s2 that the profile of the "
+                                 "driving servo's drive allows ({})",
+                                 compare_.Written(acceleration), drives_.Driving().acceleration_rad_per_s2,
+                                 bench_.file_name));
+    }
     compare_.MustNotExceed({At("input_acceleration"), acceleration_rad_per_s2},
                            "the driving servo's max_acceleration",
                            {"driving_servo.max_acceleration", servo.max_acceleration_rad_per_s2},
                            bench_.origins, bench_.file_name);
   }
 
+  void CheckSpeed(const Named& speed, double most_rad_per_s, std::string_view why) const {
+    if (speed.value <= most_rad_per_s * (1.0 + 1e-9)) return;
+    compare_.Error(speed.path, fmt::format("input_speed = {} is above the {:.4g} rpm that {} ({})",
+                                           compare_.Written(speed), RpmFromRadPerS(most_rad_per_s), why,
+                                           bench_.file_name));
+  }
+
   // A drive that is led from position to position lags by the time between two of them, by a SYNC, and by
   // what its own position loop needs.
   void CheckFollowing(double speed_rad_per_s) const {
-    const protocols::canopen::DriveProfile* const drive = drive_.Get();
+    const protocols::canopen::DriveProfile* const drive = drives_.DrivingProfile();
     if (drive == nullptr) return;
     const double lag_s = bench_.control_period_s + Seconds(drive->timing.sync_period) +
                          Seconds(drive->timing.position_loop_lag);
@@ -203,8 +270,10 @@ class BenchCheck {
   }
 
   const BenchDescription& bench_;
-  DriveOnDemand& drive_;
+  DrivesOnDemand& drives_;
+  double ratio_;  // of the gear, without sign
   Abilities can_;
+  double t2_Nm_;
   const schedules::Limits& limits_;
   std::string path_;
   const Comparison& compare_;
@@ -219,11 +288,11 @@ schedules::FindingList CheckScheduleAgainstBench(const schedules::Schedule& sche
   compare.MustNotExceed(
       {"limits.output_torque", schedule.limits.output_torque_Nm}, "the torque transducer's range",
       {"torque_transducer.range", bench.transducer.range_Nm}, bench.origins, bench.file_name);
-  DriveOnDemand drive(bench);
+  DrivesOnDemand drives(bench);
   const auto check = [&](const std::vector<schedules::Phase>& phases, std::string_view list) {
     for (std::size_t i = 0; i < phases.size(); ++i) {
       const std::string path = fmt::format("{}[{}]", list, i);
-      std::visit(BenchCheck(bench, drive, schedule, path, compare), phases[i].parameters);
+      std::visit(BenchCheck(bench, drives, schedule, path, compare), phases[i].parameters);
       for (const std::string& source : phases[i].recorded_sources) {
         const DeviceDescription* const device = FindDevice(bench.devices, source);
         const bool streams = device != nullptr && (device->kind == DeviceDescription::Kind::kStream ||

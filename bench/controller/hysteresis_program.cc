@@ -13,7 +13,10 @@ namespace {
 constexpr double kTurnSpeed_rad_per_s = RadPerSFromRpm(300.0);
 constexpr double kTurnAcceleration_rad_per_s2 = 1000.0;
 constexpr double kMostOvershoot = 1.1;  // of the torque that the load servo is asked for
-constexpr double kLockSettle_s = 0.3;   // brake closed and torque off before the load comes on
+// Of the peak: the overshoot, and what friction between load servo and transducer keeps.
+constexpr double kTorqueTolerance = 0.25;
+constexpr double kTorqueDwell_s = 2.0;
+constexpr double kLockSettle_s = 0.3;  // brake closed and torque off before the load comes on
 
 }  // namespace
 
@@ -64,8 +67,9 @@ void HysteresisProgram::BeginAngle(const Readings& readings, const ServoDrive& d
   // The nearest turn of the wave generator that stands at the asked angle.
   const double asked = parameters_.lock_angles_rad[angle_];
   const double turns = std::round((readings.input_angle_rad - asked) / kTwoPi);
-  move_ = PointToPoint(readings.input_angle_rad, asked + kTwoPi * turns, kTurnSpeed_rad_per_s,
-                       kTurnAcceleration_rad_per_s2);
+  target_rad_ = asked + kTwoPi * turns;
+  move_ =
+      PointToPoint(readings.input_angle_rad, target_rad_, kTurnSpeed_rad_per_s, kTurnAcceleration_rad_per_s2);
   stage_ = Stage::kTurnToAngle;
   stage_start_s_ = elapsed_s;
 }
@@ -93,6 +97,8 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
     case Stage::kTurnToAngle:
       devices.driving.CommandPosition(move_.PositionAt(in_stage_s) + drive_ahead_rad_);
       if (in_stage_s < move_.duration_s() + kLockSettle_s) return StepResult::kRunning;
+      failed_ = PositionAway(target_rad_, readings);
+      if (failed_) return StepResult::kFailedCheck;
       devices.driving.SetBrake(true);
       devices.driving.Disable();
       stage_ = Stage::kLock;
@@ -103,6 +109,7 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
       if (!devices.driving.Actual().brake_engaged) return StepResult::kRunning;
       locked_output_rad_ = readings.output_angle_rad;
       torque_.emplace(parameters_.torque_rate_Nm_per_s);
+      torque_watch_.emplace(kTorqueTolerance * parameters_.peak_torque_Nm, kTorqueDwell_s);
       peak_ = 0;
       hold_until_s_ = -1.0;
       loop_start_s_ = next_row_s_ = elapsed_s;
@@ -111,6 +118,12 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
     case Stage::kRamp: {
       if (hold_until_s_ < 0.0 && Ramped(readings)) hold_until_s_ = elapsed_s + parameters_.hold_s;
       devices.load.CommandTorque(torque_->value());
+      torque_watch_->Step(torque_->value(), readings.output_torque_Nm, period_s_);
+      if (torque_watch_->is_away_for_too_long()) {
+        failed_ = {StopCause::kTorqueAway, torque_watch_->measured(), torque_watch_->set_point(),
+                   readings.time, BenchServo::kLoad};
+        return StepResult::kFailedCheck;
+      }
       if (hold_until_s_ >= 0.0 && elapsed_s >= hold_until_s_) {
         ++peak_;
         hold_until_s_ = -1.0;

@@ -7,6 +7,7 @@
 #include "bench/controller/motion.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
+#include "bench/controller/set_point_watch.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
@@ -21,11 +22,11 @@ class HysteresisProgram final : public PhaseProgram {
 
   void SetUp(const Readings& readings, BenchDevices& devices) override;
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
-  bool ready() const noexcept override { return stage_ != Stage::kBringUp && stage_ != Stage::kRelease; }
   double timeout_s() const override { return 60.0 + 2.0 * angles() * loop_s(); }
   double share_done() const noexcept override;
   bool input_locked() const noexcept override { return stage_ == Stage::kRamp; }
   double locked_output_angle_rad() const noexcept override { return locked_output_rad_; }
+  StopReason failed_check() const noexcept override { return failed_; }
   std::vector<NamedRecord> TakeRecords() override;
 
  private:
@@ -43,6 +44,7 @@ class HysteresisProgram final : public PhaseProgram {
   std::size_t angle_{};
   PointToPoint move_;
   double drive_ahead_rad_{};
+  double target_rad_{};  // of the input, where it is locked
   double stage_start_s_{};
   double locked_output_rad_{};
   double loop_start_s_{};
@@ -51,6 +53,8 @@ class HysteresisProgram final : public PhaseProgram {
   std::vector<double> peaks_Nm_;  // turning points of the torque, in order
   std::size_t peak_{};
   std::optional<Ramp> torque_;
+  std::optional<SetPointWatch> torque_watch_;
+  StopReason failed_;
   std::deque<RowLog> logs_;  // one a lock angle
 };
 

@@ -16,6 +16,10 @@ constexpr std::array kTable{
     InterlockRow{"age of the readings", "stale_after, else three control periods", "torque off, brakes on"},
     InterlockRow{"input angle", "the driving servo's own", "torque off, brakes on"},
     InterlockRow{"drive fault", "power state fault", "torque off, brakes on"},
+    InterlockRow{"drive enabled", "in operation enabled, brake off", "torque off, brakes on"},
+    InterlockRow{"age of a drive's state", "stale_after, else three control periods",
+                 "torque off, brakes on"},
+    InterlockRow{"torque and speed asked for", "torque_tolerance, speed_tolerance", "torque off, brakes on"},
     InterlockRow{"quick-stop key", "pressed, or its pendant gone", "torque off, brakes on"},
     InterlockRow{"gear temperature", "suspend.trip_temperature", "suspend, resume by itself"},
     InterlockRow{"bad channel", "suspend.bad_sensor", "suspend, resume by itself"},
@@ -36,8 +40,8 @@ std::span<const InterlockRow> Interlocks::Table() { return kTable; }
 std::size_t Interlocks::CheckAll(const Readings& readings, const InterlockInputs& inputs,
                                  std::span<StopReason> causes) const noexcept {
   std::size_t count = 0;
-  const auto add = [&](StopCause cause, double value, double limit) {
-    if (count < causes.size()) causes[count++] = {cause, value, limit, readings.time};
+  const auto add = [&](StopCause cause, double value, double limit, BenchServo servo = {}) {
+    if (count < causes.size()) causes[count++] = {cause, value, limit, readings.time, servo};
   };
   const auto channel_good = [&](Channel channel) {
     return (readings.bad_channels & (1u << static_cast<unsigned>(channel))) == 0;
@@ -66,8 +70,8 @@ std::size_t Interlocks::CheckAll(const Readings& readings, const InterlockInputs
   if (inputs.input_locked && Beyond(inputs.twist_rad, limits_.twist_rad)) {
     add(StopCause::kTwistLimit, inputs.twist_rad, limits_.twist_rad);
   }
-  if (DriveFaulted(inputs.driving)) add(StopCause::kDriveFault, 0.0, 0.0);
-  if (DriveFaulted(inputs.load)) add(StopCause::kDriveFault, 1.0, 0.0);
+  if (DriveFaulted(inputs.driving)) add(StopCause::kDriveFault, 0.0, 0.0, BenchServo::kDriving);
+  if (DriveFaulted(inputs.load)) add(StopCause::kDriveFault, 0.0, 0.0, BenchServo::kLoad);
   // Torque and angle guard the specimen: without them nothing may turn, whatever the suspend rule says of
   // the slow channels.
   for (const Channel channel :

@@ -20,7 +20,7 @@ StepResult JogProgram::Step(const Readings&, double, BenchDevices& devices) noex
     if (!raised_) return StepResult::kRunning;
     turning.QuickStop();
     turned.QuickStop();
-    raised_ = up_ = false;
+    raised_ = false;
     return StepResult::kRunning;
   }
   if (!raised_) {
@@ -31,8 +31,7 @@ StepResult JogProgram::Step(const Readings&, double, BenchDevices& devices) noex
     return StepResult::kRunning;
   }
   // The one that is turned first: nothing pushes against a brake.
-  up_ = BroughtUp(turned) && BroughtUp(turning);
-  if (!up_) return StepResult::kRunning;
+  if (!BroughtUp(turned) || !BroughtUp(turning)) return StepResult::kRunning;
   turned.CommandTorque(0.0);
   turning.CommandSpeed(speed_.Step(parameters_.speed_rad_per_s, parameters_.period_s));
   return StepResult::kRunning;

@@ -29,7 +29,6 @@ class JogProgram final : public PhaseProgram {
 
   void SetUp(const Readings&, BenchDevices&) override {}
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
-  bool ready() const noexcept override { return !raised_ || up_; }
   double timeout_s() const override;
   double share_done() const noexcept override { return 0.0; }
   std::vector<NamedRecord> TakeRecords() override { return {}; }
@@ -39,7 +38,6 @@ class JogProgram final : public PhaseProgram {
   std::function<bool(std::chrono::nanoseconds)> held_;
   Ramp speed_;
   bool raised_{};  // the drives have been told to be enabled
-  bool up_{};      // and are
 };
 
 }  // namespace strainwave::bench

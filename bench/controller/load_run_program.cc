@@ -23,17 +23,22 @@ std::size_t ExpectedRows(const schedules::LoadRun& run) {
 
 }  // namespace
 
-LoadRunProgram::LoadRunProgram(const schedules::LoadRun& parameters, double ratio, double credited_s,
-                               double period_s)
+LoadRunProgram::LoadRunProgram(const schedules::LoadRun& parameters, const schedules::Specimen& specimen,
+                               double credited_s, double period_s)
     : parameters_(parameters),
-      ratio_(ratio),
-      turn_input_rad_(parameters.turns * kTwoPi * std::abs(ratio)),
+      ratio_(specimen.ratio),
+      turn_input_rad_(parameters.turns * kTwoPi * std::abs(specimen.ratio)),
+      way_s_(turn_input_rad_ / parameters.input_speed_rad_per_s +
+             2.0 * parameters.input_speed_rad_per_s / parameters.input_acceleration_rad_per_s2 +
+             schedules::kSettlesWithin_s),
       period_s_(period_s),
       credited_s_(credited_s),
       speed_(parameters.input_acceleration_rad_per_s2),
       torque_(parameters.torque_rate_Nm_per_s),
+      watch_(parameters.tolerances, parameters.output_torque_Nm, parameters.input_speed_rad_per_s, specimen),
       log_({"time_s", "input_speed_rpm", "torque_mean_Nm", "torque_min_Nm", "torque_max_Nm",
-            "motor_torque_Nm", "vibration_rms_m_per_s2", "gear_temperature_degC", "ambient_temperature_degC"},
+            "motor_torque_Nm", "vibration_rms_m_per_s2", "gear_temperature_degC", "ambient_temperature_degC",
+            "credited_load_s", "equivalent_load_s"},
            ExpectedRows(parameters)) {}
 
 void LoadRunProgram::SetUp(const Readings& readings, BenchDevices& devices) {
@@ -71,10 +76,31 @@ StepResult LoadRunProgram::Step(const Readings& readings, double elapsed_s, Benc
   devices.driving.CommandSpeed(speed_.Step(wanted, period_s_));
   devices.load.CommandTorque(torque_.Step(-direction_ * parameters_.output_torque_Nm, period_s_));
 
-  credited_s_.store(credited_s_ + period_s_, std::memory_order_relaxed);
+  Credit(readings);
+  winding_down_ = credited_s_ + on_the_way_.time_s + 0.5 * period_s_ >= parameters_.duration_s;
+  if (winding_down_) Commit();
   if (!Log(readings, elapsed_s)) return StepResult::kLogFull;
-  winding_down_ = credited_s_ + 0.5 * period_s_ >= parameters_.duration_s;
-  return StepResult::kRunning;
+  return watch_.failed() ? StepResult::kFailedCheck : StepResult::kRunning;
+}
+
+void LoadRunProgram::Credit(const Readings& readings) noexcept {
+  watch_.Step(torque_.value(), speed_.value(), readings, period_s_);
+  if (watch_.away()) {
+    on_the_way_ = {};
+    return;
+  }
+  const double torque_share =
+      parameters_.output_torque_Nm > 0.0 ? readings.output_torque_Nm / parameters_.output_torque_Nm : 0.0;
+  const double speed_share = std::abs(watch_.input_speed_rad_per_s()) / parameters_.input_speed_rad_per_s;
+  on_the_way_.time_s += period_s_;
+  on_the_way_.equivalent_s += period_s_ * std::abs(torque_share * torque_share * torque_share) * speed_share;
+  if (watch_.settled() || on_the_way_.time_s > way_s_) Commit();
+}
+
+void LoadRunProgram::Commit() noexcept {
+  credited_s_.store(credited_s_ + on_the_way_.time_s, std::memory_order_relaxed);
+  equivalent_s_ += on_the_way_.equivalent_s;
+  on_the_way_ = {};
 }
 
 // Comes to rest without load, then parks where measurements begin: whatever is measured next starts from the
@@ -111,13 +137,14 @@ bool LoadRunProgram::Log(const Readings& readings, double elapsed_s) noexcept {
   now.temperature_degC = readings.gear_temperature_degC;
   now.ambient_degC = readings.ambient_temperature_degC;
   now.speed_max_rad_per_s = std::max(now.speed_max_rad_per_s, std::abs(readings.input_speed_rad_per_s));
-  if (elapsed_s < next_row_s_) return true;
+  const bool is_last = winding_down_ || watch_.failed();
+  if (elapsed_s < next_row_s_ && !is_last) return true;
   next_row_s_ += 1.0 / parameters_.log_rate_hz;
   const double count = now.count;
-  const bool kept =
-      log_.Append({elapsed_s, RpmFromRadPerS(now.speed_max_rad_per_s), now.torque_sum_Nm / count,
-                   now.torque_min_Nm, now.torque_max_Nm, now.motor_torque_sum_Nm / count,
-                   std::sqrt(now.vibration_square_sum / count), now.temperature_degC, now.ambient_degC});
+  const bool kept = log_.Append({elapsed_s, RpmFromRadPerS(now.speed_max_rad_per_s),
+                                 now.torque_sum_Nm / count, now.torque_min_Nm, now.torque_max_Nm,
+                                 now.motor_torque_sum_Nm / count, std::sqrt(now.vibration_square_sum / count),
+                                 now.temperature_degC, now.ambient_degC, credited_load_s(), equivalent_s_});
   now = {};
   return kept;
 }

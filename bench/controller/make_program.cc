@@ -45,10 +45,10 @@ struct Maker {
   double period_s;
 
   std::unique_ptr<PhaseProgram> operator()(const schedules::LoadRun& phase) const {
-    return std::make_unique<LoadRunProgram>(phase, specimen.ratio, credited_load_s, period_s);
+    return std::make_unique<LoadRunProgram>(phase, specimen, credited_load_s, period_s);
   }
   std::unique_ptr<PhaseProgram> operator()(const schedules::MeasurementRotation& phase) const {
-    return std::make_unique<RotationProgram>(phase, specimen.ratio);
+    return std::make_unique<RotationProgram>(phase, specimen);
   }
   std::unique_ptr<PhaseProgram> operator()(const schedules::TransmissionErrorSweep& phase) const {
     return std::make_unique<SweepProgram>(phase, specimen.ratio, period_s);

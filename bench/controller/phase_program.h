@@ -48,8 +48,6 @@ class PhaseProgram {
 
   /// Control period that the phase's own sampling asks for; the bench's where that is shorter.
   virtual double control_period_s() const { return 1e9; }
-  /// False while the drives that the phase needs are still on their way to operation enabled.
-  virtual bool ready() const noexcept { return true; }
   /// Longest time that the phase may take before it counts as stuck.
   virtual double timeout_s() const = 0;
   /// Share done, for the progress line.

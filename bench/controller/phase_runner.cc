@@ -24,7 +24,6 @@ constexpr double kHistory_s = 10.0;
 constexpr double kAfterStop_s = 1.0;
 constexpr int kHistoryChannels = 9;
 constexpr double kHeartbeat_s = 1.0;
-constexpr double kLongestBringUp_s = 3.0;  // to operation enabled with the brake released
 
 nanoseconds Nanoseconds(double time_s) { return nanoseconds(std::llround(time_s * 1e9)); }
 
@@ -59,7 +58,9 @@ StopCause CauseOf(StopRequest request) {
 
 PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
                          const std::atomic<StopRequest>& request)
-    : devices_(devices),
+    : driving_(devices.driving, BenchServo::kDriving),
+      load_(devices.load, BenchServo::kLoad),
+      devices_{driving_, load_, devices.sampler, devices.clock},
       settings_(settings),
       interlocks_(settings.limits, Nanoseconds(settings.stale_after_s)),
       suspend_(settings.suspend),
@@ -111,6 +112,9 @@ StopReason PhaseRunner::OnePeriod(PhaseProgram& program, double elapsed_s, doubl
   Remember(readings_);
   const InterlockInputs inputs = Inputs(program);
   if (const StopReason broken = interlocks_.Check(readings_, inputs)) return broken;
+  const nanoseconds stale_after = Nanoseconds(settings_.stale_after_s);
+  if (const StopReason broken = driving_.Check(inputs.driving, inputs.now, stale_after)) return broken;
+  if (const StopReason broken = load_.Check(inputs.load, inputs.now, stale_after)) return broken;
   if (const StopReason apart = shaft_.Check(readings_, inputs.driving)) return apart;
   if (request_.load(std::memory_order_relaxed) == StopRequest::kQuickStop ||
       abandoned_.load(std::memory_order_relaxed)) {
@@ -182,9 +186,10 @@ StopReason PhaseRunner::Loop(PhaseProgram& program, const Beat& beat) {
   nanoseconds next_beat = start + Nanoseconds(kHeartbeat_s);
   readings_ = devices_.sampler.Read();
   shaft_.Restart();
+  driving_.Restart(start);
+  load_.Restart(start);
   bool set_up = false;
   StopReason winding_down;
-  double waiting_for_drives_s = 0.0;
   while (true) {
     const double elapsed_s = duration<double>(next - start).count();
     if (const StopReason broken = OnePeriod(program, elapsed_s, period_s)) return broken;
@@ -200,10 +205,6 @@ StopReason PhaseRunner::Loop(PhaseProgram& program, const Beat& beat) {
       if (!by_itself) winding_down = {};
     }
     const StepResult result = program.Step(readings_, elapsed_s, devices_);
-    waiting_for_drives_s = program.ready() ? 0.0 : waiting_for_drives_s + period_s;
-    if (waiting_for_drives_s > kLongestBringUp_s) {
-      return {StopCause::kDriveNotReady, waiting_for_drives_s, kLongestBringUp_s, readings_.time};
-    }
     if (result == StepResult::kDone) return winding_down;
     if (result == StepResult::kFailedCheck) return program.failed_check();
     if (result == StepResult::kLogFull) return {StopCause::kLogFull, 0.0, 0.0, readings_.time};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/controller/drive_watch.h"
 #include "bench/controller/interlocks.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/shaft_watch.h"
@@ -88,7 +89,9 @@ class PhaseRunner {
   void Remember(const Readings& readings) noexcept;
   void AfterFault(PhaseProgram& program, PhaseOutcome& outcome);
 
-  BenchDevices devices_;
+  DriveWatch driving_;
+  DriveWatch load_;
+  BenchDevices devices_;  // with the drives as they are watched
   RunnerSettings settings_;
   Interlocks interlocks_;
   SuspendMonitor suspend_;

@@ -25,20 +25,23 @@ double MeasureDuration(const schedules::MeasurementRotation& rotation, double ra
 
 }  // namespace
 
-RotationProgram::RotationProgram(const schedules::MeasurementRotation& parameters, double ratio)
+RotationProgram::RotationProgram(const schedules::MeasurementRotation& parameters,
+                                 const schedules::Specimen& specimen)
     : parameters_(parameters),
       direction_(parameters.clockwise ? 1.0 : -1.0),
-      turn_input_rad_(parameters.turns * kTwoPi * std::abs(ratio)),
+      turn_input_rad_(parameters.turns * kTwoPi * std::abs(specimen.ratio)),
       breakaway_(kBreakawayRate_Nm_per_s),
       speed_(parameters.input_acceleration_rad_per_s2),
       torque_(kTorqueRate_Nm_per_s),
+      watch_(parameters.tolerances, parameters.output_torque_Nm, parameters.input_speed_rad_per_s, specimen),
       breakaway_log_({"time_s", "position_rad", "velocity_rad_per_s", "torque_Nm", "temperature_degC"},
                      static_cast<std::size_t>((kMostBreakaway_Nm / kBreakawayRate_Nm_per_s + 1.0) *
                                               parameters.log_rate_hz)),
       log_({"time_s", "position_rad", "velocity_rad_per_s", "torque_Nm", "output_angle_deg",
             "output_torque_Nm", "temperature_degC"},
-           static_cast<std::size_t>(1.1 * MeasureDuration(parameters, ratio) * parameters.log_rate_hz) + 64) {
-}
+           static_cast<std::size_t>(1.1 * MeasureDuration(parameters, specimen.ratio) *
+                                    parameters.log_rate_hz) +
+               64) {}
 
 double RotationProgram::timeout_s() const {
   return 1.5 * turn_input_rad_ / parameters_.input_speed_rad_per_s + 60.0;
@@ -82,14 +85,18 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
     case Stage::kRunUp:
       devices.driving.CommandSpeed(speed_.Step(speed, period_s));
       devices.load.CommandTorque(torque_.Step(-direction_ * parameters_.output_torque_Nm, period_s));
+      watch_.Step(torque_.value(), speed_.value(), readings, period_s);
+      if (watch_.failed()) return StepResult::kFailedCheck;
       if (std::abs(readings.input_speed_rad_per_s) > kSpeedReached * parameters_.input_speed_rad_per_s &&
-          torque_.value() == -direction_ * parameters_.output_torque_Nm) {
+          watch_.settled() && !watch_.away()) {
         measure_from_rad_ = readings.input_angle_rad;
         start_s_ = elapsed_s;
         stage_ = Stage::kMeasure;
       }
       return StepResult::kRunning;
     case Stage::kMeasure: {
+      watch_.Step(torque_.value(), speed_.value(), readings, period_s);
+      if (watch_.failed()) return StepResult::kFailedCheck;
       const double travelled = direction_ * (readings.input_angle_rad - measure_from_rad_);
       share_done_ = std::clamp(travelled / turn_input_rad_, 0.0, 1.0);
       if (travelled >= turn_input_rad_) {

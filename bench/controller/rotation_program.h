@@ -4,6 +4,7 @@
 #include "bench/controller/motion.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
+#include "bench/controller/set_point_watch.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
@@ -14,15 +15,15 @@ namespace strainwave::bench {
 /// temperature at the log rate), and `vibration` (accelerometers).
 class RotationProgram final : public PhaseProgram {
  public:
-  RotationProgram(const schedules::MeasurementRotation& parameters, double ratio);
+  RotationProgram(const schedules::MeasurementRotation& parameters, const schedules::Specimen& specimen);
 
   void SetUp(const Readings& readings, BenchDevices& devices) override;
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
   void Collect(BenchDevices& devices) override;
   double control_period_s() const override { return 1.0 / parameters_.log_rate_hz; }
-  bool ready() const noexcept override { return stage_ != Stage::kBringUp && stage_ != Stage::kChangeMode; }
   double timeout_s() const override;
   double share_done() const noexcept override { return share_done_; }
+  StopReason failed_check() const noexcept override { return watch_.failed(); }
   std::vector<NamedRecord> TakeRecords() override;
 
  private:
@@ -42,6 +43,7 @@ class RotationProgram final : public PhaseProgram {
   Ramp breakaway_;
   Ramp speed_;
   Ramp torque_;
+  LoadWatch watch_;
   VibrationBlock vibration_;
   RowLog breakaway_log_;
   RowLog log_;

@@ -18,6 +18,9 @@ constexpr double kSettle_s = 1.0;
 constexpr double kShakes_hz = 1.0;
 constexpr double kShake_s = 18.0;
 constexpr double kDecay_per_s = 0.21;
+// What does not reach half of T2 in two swings does not shake the gear loose.
+constexpr double kFirstSwings_s = 2.0 / kShakes_hz;
+constexpr double kLeastOfFirst = 0.5;
 
 double Stretches(const schedules::SensorCheck& check) { return check.kind == Kind::kShunt ? 2.0 : 1.0; }
 
@@ -48,31 +51,38 @@ void SensorCheckProgram::SetUp(const Readings&, BenchDevices& devices) {
   }
 }
 
-void SensorCheckProgram::Shake(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
+// False where the load servo does not give what it is asked for.
+bool SensorCheckProgram::Shake(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept {
   if (stage_ == Stage::kBringUp) {
-    if (!BroughtUp(devices.load)) return;
+    if (!BroughtUp(devices.load)) return true;
     stage_ = Stage::kShake;
     locked_output_rad_ = readings.output_angle_rad;
     stretch_start_s_ = elapsed_s;
   }
   const double in_stretch_s = elapsed_s - stretch_start_s_;
+  if (in_stretch_s < kFirstSwings_s) {
+    most_seen_Nm_ = std::max(most_seen_Nm_, std::abs(readings.output_torque_Nm));
+  } else if (most_seen_Nm_ < kLeastOfFirst * first_Nm_) {
+    failed_ = {StopCause::kTorqueAway, most_seen_Nm_, first_Nm_, readings.time, BenchServo::kLoad};
+    return false;
+  }
   if (in_stretch_s < kShake_s) {
     devices.load.CommandTorque(first_Nm_ * std::exp(-kDecay_per_s * in_stretch_s) *
                                std::sin(kTwoPi * kShakes_hz * in_stretch_s));
-    return;
+    return true;
   }
   devices.load.SetBrake(true);
   devices.load.Disable();
   stage_ = Stage::kRead;
   stretch_start_s_ = elapsed_s;
+  return true;
 }
 
 StepResult SensorCheckProgram::Step(const Readings& readings, double elapsed_s,
                                     BenchDevices& devices) noexcept {
   share_done_ = std::min(1.0, elapsed_s / planned_s_);
   if (stage_ != Stage::kRead) {
-    Shake(readings, elapsed_s, devices);
-    return StepResult::kRunning;
+    return Shake(readings, elapsed_s, devices) ? StepResult::kRunning : StepResult::kFailedCheck;
   }
   const double in_stretch_s = elapsed_s - stretch_start_s_;
   if (in_stretch_s < kSettle_s) return StepResult::kRunning;

@@ -22,25 +22,27 @@ class SensorCheckProgram final : public PhaseProgram {
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
   double timeout_s() const override { return 2.0 * planned_s_ + 30.0; }
   double share_done() const noexcept override { return share_done_; }
-  bool ready() const noexcept override { return stage_ != Stage::kBringUp; }
   bool input_locked() const noexcept override { return stage_ == Stage::kShake; }
   double locked_output_angle_rad() const noexcept override { return locked_output_rad_; }
+  StopReason failed_check() const noexcept override { return failed_; }
   std::vector<NamedRecord> TakeRecords() override;
 
  private:
   enum class Stage { kBringUp, kShake, kRead };
 
-  void Shake(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept;
+  bool Shake(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept;
 
   schedules::SensorCheck parameters_;
   double ratio_;
-  double first_Nm_;  // of the shaking
+  double first_Nm_;        // of the shaking
+  double most_seen_Nm_{};  // by the transducer, of its first swings
   Stage stage_;
   double locked_output_rad_{};
   double planned_s_;
   double share_done_{};
   bool shunted_{};
   double stretch_start_s_{};
+  StopReason failed_;
   RowLog log_;
 };
 

@@ -19,7 +19,6 @@ class SequenceProgram final : public PhaseProgram {
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
   void Collect(BenchDevices& devices) override;
   double control_period_s() const override;
-  bool ready() const noexcept override { return !set_up_pending_ && programs_[current_]->ready(); }
   double timeout_s() const override;
   double share_done() const noexcept override;
   bool input_locked() const noexcept override { return programs_[current_]->input_locked(); }

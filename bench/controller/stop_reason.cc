@@ -32,6 +32,10 @@ std::string_view NameOf(double channel) {
   return "channel";
 }
 
+std::string_view NameOf(BenchServo servo) {
+  return servo == BenchServo::kDriving ? "driving servo" : "load servo";
+}
+
 }  // namespace
 
 std::string_view Code(StopCause cause) {
@@ -58,6 +62,18 @@ std::string_view Code(StopCause cause) {
       return "drive_fault";
     case StopCause::kDriveNotReady:
       return "drive_not_ready";
+    case StopCause::kDriveSilent:
+      return "drive_silent";
+    case StopCause::kDriveDroppedOut:
+      return "drive_dropped_out";
+    case StopCause::kBrakeEngaged:
+      return "brake_engaged";
+    case StopCause::kTorqueAway:
+      return "torque_away";
+    case StopCause::kSpeedAway:
+      return "speed_away";
+    case StopCause::kPositionAway:
+      return "position_away";
     case StopCause::kPhaseTimeout:
       return "phase_timeout";
     case StopCause::kReferenceCheck:
@@ -85,6 +101,7 @@ std::string_view Code(StopCause cause) {
 std::string Describe(const StopReason& reason) {
   const double value = reason.value;
   const double limit = reason.limit;
+  const std::string_view servo = NameOf(reason.servo);
   switch (reason.cause) {
     case StopCause::kNone:
       return "nothing stopped";
@@ -110,9 +127,33 @@ std::string Describe(const StopReason& reason) {
           "an encoder that stands still, or slips on its shaft",
           DegFromRad(value), DegFromRad(limit));
     case StopCause::kDriveFault:
-      return value < 0.5 ? "the driving servo reports a fault" : "the load servo reports a fault";
+      return fmt::format("the {} reports a fault", servo);
     case StopCause::kDriveNotReady:
-      return fmt::format("a drive did not reach operation enabled within {:.1f} s", limit);
+      return fmt::format("the {} did not reach operation enabled with its brake off within {:.1f} s", servo,
+                         limit);
+    case StopCause::kDriveSilent:
+      return fmt::format("the {} has not told its state for {:.0f} ms (at most {:.0f} ms)", servo,
+                         value * 1e3, limit * 1e3);
+    case StopCause::kDriveDroppedOut:
+      return fmt::format(
+          "the {} dropped out of operation enabled by itself: its enable input, safe torque off, supply or "
+          "watchdog?",
+          servo);
+    case StopCause::kBrakeEngaged:
+      return fmt::format("the brake of the {} is on though it was released: its relay, supply or feedback?",
+                         servo);
+    case StopCause::kTorqueAway:
+      return fmt::format("the load servo gives {:.1f} of {:.1f} Nm: its torque limit, coupling or current?",
+                         value, limit);
+    case StopCause::kSpeedAway:
+      return fmt::format(
+          "the driving servo turns at {:.0f} of {:.0f} rpm: its speed or torque limit, coupling or current?",
+          RpmFromRadPerS(value), RpmFromRadPerS(limit));
+    case StopCause::kPositionAway:
+      return fmt::format(
+          "the input is {:.1f} deg from where the driving servo was sent (at most {:.1f} deg): its speed or "
+          "torque limit, coupling or current?",
+          DegFromRad(value), DegFromRad(limit));
     case StopCause::kPhaseTimeout:
       return fmt::format("the phase took {:.0f} s, planned were at most {:.0f} s", value, limit);
     case StopCause::kReferenceCheck:
@@ -148,6 +189,9 @@ bool IsRequest(StopCause cause) {
 
 bool IsOfADevice(StopCause cause) {
   return cause == StopCause::kDriveFault || cause == StopCause::kDriveNotReady ||
+         cause == StopCause::kDriveSilent || cause == StopCause::kDriveDroppedOut ||
+         cause == StopCause::kBrakeEngaged || cause == StopCause::kTorqueAway ||
+         cause == StopCause::kSpeedAway || cause == StopCause::kPositionAway ||
          cause == StopCause::kStaleReadings || cause == StopCause::kImplausibleReading ||
          cause == StopCause::kInputAngleApart || cause == StopCause::kReferenceCheck ||
          cause == StopCause::kSensorCheck;

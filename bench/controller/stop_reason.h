@@ -21,6 +21,12 @@ enum class StopCause {
   kInputAngleApart,
   kDriveFault,
   kDriveNotReady,
+  kDriveSilent,
+  kDriveDroppedOut,
+  kBrakeEngaged,
+  kTorqueAway,
+  kSpeedAway,
+  kPositionAway,
   kPhaseTimeout,
   kReferenceCheck,
   kSensorCheck,
@@ -35,11 +41,15 @@ enum class StopCause {
   kShutdownRequested,
 };
 
+/// The two servos of a bench, each a drive with its motor and holding brake.
+enum class BenchServo { kDriving, kLoad };
+
 struct StopReason {
   StopCause cause{StopCause::kNone};
   double value{};
   double limit{};
   std::chrono::nanoseconds time{};
+  BenchServo servo{};  // where the cause is one of a drive
 
   explicit operator bool() const { return cause != StopCause::kNone; }
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/units.h"
+#include "bench/controller/set_point_watch.h"
 
 namespace strainwave::bench {
 namespace {
@@ -90,6 +91,8 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
     case Stage::kSettle:
       skew_.Add(readings);
       if (in_stage_s < parameters_.settle_s) return StepResult::kRunning;
+      failed_ = PositionAway(target_rad_, readings);
+      if (failed_) return StepResult::kFailedCheck;
       stage_ = Stage::kAverage;
       count_ = 0;
       input_sum_rad_ = output_sum_rad_ = torque_sum_Nm_ = speed_sum_rad_per_s_ = 0.0;

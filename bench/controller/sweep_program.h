@@ -20,10 +20,10 @@ class SweepProgram final : public PhaseProgram {
 
   void SetUp(const Readings& readings, BenchDevices& devices) override;
   StepResult Step(const Readings& readings, double elapsed_s, BenchDevices& devices) noexcept override;
-  bool ready() const noexcept override { return stage_ != Stage::kBringUp; }
   double control_period_s() const override { return period_s_; }
   double timeout_s() const override;
   double share_done() const noexcept override;
+  StopReason failed_check() const noexcept override { return failed_; }
   std::vector<NamedRecord> TakeRecords() override;
 
  private:
@@ -54,6 +54,7 @@ class SweepProgram final : public PhaseProgram {
   std::vector<double> output_speeds_rad_per_s_;  // mean while a row was averaged, as many as rows
   double speed_sum_rad_per_s_{};
   EncoderSkew skew_;
+  StopReason failed_;
 };
 
 }  // namespace strainwave::bench

@@ -31,6 +31,16 @@ double ReadLogRate(YamlMap& map, std::string_view default_text) {
   return map.Quantity("log_rate", Dimension::kFrequency, Bound::kPositive, default_text);
 }
 
+// The torque of a strain-wave gear ripples, and friction behind the load servo takes its share; a speed is
+// held to a per cent.
+SetPointTolerances ReadTolerances(YamlMap& map) {
+  SetPointTolerances tolerances;
+  tolerances.torque_share = map.Quantity("torque_tolerance", Dimension::kShare, Bound::kPositive, "15 %");
+  tolerances.speed_share = map.Quantity("speed_tolerance", Dimension::kShare, Bound::kPositive, "5 %");
+  tolerances.dwell_s = map.Quantity("tolerance_dwell", Dimension::kTime, Bound::kPositive, "2 s");
+  return tolerances;
+}
+
 LoadRun ReadLoadRun(YamlMap& map) {
   LoadRun run;
   run.duration_s = map.Quantity("duration", Dimension::kTime, Bound::kPositive);
@@ -43,6 +53,7 @@ LoadRun ReadLoadRun(YamlMap& map) {
   run.log_rate_hz = ReadLogRate(map, "1 Hz");
   run.vibration_statistics_hz =
       map.OptionalQuantity("vibration_statistics", Dimension::kFrequency, Bound::kPositive).value_or(0.0);
+  run.tolerances = ReadTolerances(map);
   return run;
 }
 
@@ -56,6 +67,7 @@ MeasurementRotation ReadMeasurementRotation(YamlMap& map) {
   rotation.log_rate_hz = ReadLogRate(map, "100 Hz");
   rotation.vibration_rate_hz =
       map.Quantity("vibration_rate", Dimension::kFrequency, Bound::kPositive, "25.6 kHz");
+  rotation.tolerances = ReadTolerances(map);
   return rotation;
 }
 

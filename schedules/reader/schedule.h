@@ -43,6 +43,17 @@ struct SuspendRule {
   double give_up_s{};     // suspended for longer ends the run with a fault
 };
 
+/// How long a servo may take to reach a set point that stands, and its measuring chain to show it.
+inline constexpr double kSettlesWithin_s = 0.4;
+
+/// How far transducer and encoder may be from what a phase asks for. Load that is further away is not
+/// credited, and a phase that is away for longer than the dwell ends with a fault.
+struct SetPointTolerances {
+  double torque_share{0.15};  // of the torque asked for, at least of the specimen's rated torque / 3
+  double speed_share{0.05};   // of the speed asked for
+  double dwell_s{2.0};
+};
+
 /// Repeated: `turns` of the output clockwise, then counter-clockwise, at constant input speed under load.
 struct LoadRun {
   double duration_s{};
@@ -53,6 +64,7 @@ struct LoadRun {
   double torque_rate_Nm_per_s{};
   double log_rate_hz{1.0};
   double vibration_statistics_hz{};  // sample rate of RMS, peak, crest factor and kurtosis; 0: none
+  SetPointTolerances tolerances;
 };
 
 /// Rotation of the output in one direction with raw vibration.
@@ -64,6 +76,7 @@ struct MeasurementRotation {
   double input_acceleration_rad_per_s2{};
   double log_rate_hz{100.0};  // of the slow channels; the vibration is kept at its own rate
   double vibration_rate_hz{25600.0};
+  SetPointTolerances tolerances;
 };
 
 /// Stepwise rotation of the output with both angles read at standstill, one direction after the other.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <tuple>
 
 #include "analysis/units.h"
 #include "schedules/reader/comparison.h"
@@ -95,11 +96,13 @@ class PhaseCheck {
   void operator()(const LoadRun& run) const {
     CheckTorque("output_torque", run.output_torque_Nm);
     CheckSpeed(run.input_speed_rad_per_s);
+    CheckTolerances(run.tolerances);
   }
 
   void operator()(const MeasurementRotation& rotation) const {
     CheckTorque("output_torque", rotation.output_torque_Nm);
     CheckSpeed(rotation.input_speed_rad_per_s);
+    CheckTolerances(rotation.tolerances);
     CheckWholeTurns(rotation.turns);
   }
 
@@ -176,6 +179,22 @@ class PhaseCheck {
   void CheckSpeed(double input_speed_rad_per_s) const {
     compare_.MustNotExceed({At("input_speed"), input_speed_rad_per_s},
                            {"limits.input_speed", schedule_.limits.input_speed_rad_per_s});
+  }
+
+  // What is taken for the load that was asked for damages the gear by its cube: half as much again is three
+  // times.
+  void CheckTolerances(const SetPointTolerances& tolerances) const {
+    constexpr double kMostShare = 0.5;
+    constexpr double kLongestDwell_s = 10.0;  // of the wrong load, before anybody is told
+    for (const auto& [key, value, most, words] :
+         {std::tuple{"torque_tolerance", tolerances.torque_share, kMostShare, "50 %"},
+          {"speed_tolerance", tolerances.speed_share, kMostShare, "50 %"},
+          {"tolerance_dwell", tolerances.dwell_s, kLongestDwell_s, "10 s"}}) {
+      if (!compare_.Readable(At(key)) || value <= most) continue;
+      compare_.Error(At(key),
+                     fmt::format("{} = {} would credit a load that is not there (expected at most {})", key,
+                                 compare_.Written({At(key), value}), words));
+    }
   }
 
   void CheckWholeTurns(double turns) const {

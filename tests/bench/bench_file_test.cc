@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -254,6 +255,43 @@ TEST(CheckScheduleAgainstBench, NamesATorqueBeyondTheServos) {
             "small.yaml:27:20: error: output_torque = 40 Nm is above the 32 Nm of the driving servo behind "
             "the gear "
             "(small-bench.yaml)");
+}
+
+// The bench of metal whose drives' profiles allow less than its file says of the servos.
+TEST(CheckScheduleAgainstBench, NamesWhatTheProfilesOfTheDrivesDoNotAllow) {
+  const auto check = [](bool weak_is_load, const std::string& from, const std::string& to) {
+    const std::filesystem::path profiles = STRAINWAVE_SOURCE_DIR "/bench/devices/profiles";
+    std::ifstream shipped(profiles / "strainwave_drive.yaml");
+    const std::string profile = With({std::istreambuf_iterator<char>(shipped), {}}, from, to);
+    const auto folder = std::filesystem::path(testing::TempDir()) / "weak_drive";
+    std::filesystem::create_directories(folder);
+    std::filesystem::copy_file(profiles / "strainwave_drive.eds", folder / "strainwave_drive.eds",
+                               std::filesystem::copy_options::overwrite_existing);
+    std::ofstream(folder / "weak.yaml") << profile;
+    BenchDescription bench = ReadBenchFile(STRAINWAVE_SOURCE_DIR "/bench/examples/in_process.yaml");
+    (weak_is_load ? bench.load_servo : bench.driving_servo).drive.profile = folder / "weak.yaml";
+    bench.file_name = "bench.yaml";
+    std::string lines;
+    for (const auto& finding :
+         CheckScheduleAgainstBench(schedules::ParseSchedule(GoodSchedule(), "small.yaml"), bench).items()) {
+      lines += FormatFinding("small.yaml", finding) + "\n";
+    }
+    return lines;
+  };
+  EXPECT_EQ(check(true, "  torque: 7.16 Nm", "  torque: 0.5 Nm"),
+            "small.yaml:27:20: error: output_torque = 40 Nm is above the 35 Nm behind its reducer that the "
+            "profile of the load servo's drive allows (bench.yaml)\n");
+  EXPECT_EQ(
+      check(false, "  torque: 7.16 Nm", "  torque: 0.4 Nm"),
+      "small.yaml:27:20: error: output_torque = 40 Nm is above the 32 Nm behind the gear that the profile "
+      "of the driving servo's drive allows (bench.yaml)\n");
+  EXPECT_EQ(check(false, "  speed: 6000 rpm", "  speed: 600 rpm"),
+            "small.yaml:28:18: error: input_speed = 2400 rpm is above the 600 rpm that the profile of the "
+            "driving servo's drive allows (bench.yaml)\n");
+  EXPECT_EQ(
+      check(true, "  speed: 6000 rpm", "  speed: 1400 rpm"),
+      "small.yaml:28:18: error: input_speed = 2400 rpm is above the 1600 rpm that the profile of the load "
+      "servo's drive lets it follow behind its reducer (bench.yaml)\n");
 }
 
 TEST(CheckScheduleAgainstBench, NamesASpeedThatTheLoadCannotFollow) {

@@ -77,7 +77,7 @@ TEST(ReadSchedule, SuggestsTheKeyThatWasMeantAndDoesNotCallItMissing) {
       MessageOf(With(GoodSchedule(), "    duration", "    durration")),
       "small.yaml:26:5: error: unknown key 'durration', did you mean 'duration'? (expected kind, duration, "
       "output_torque, input_speed, turns, input_acceleration, torque_rate, log_rate, vibration_statistics, "
-      "name, record)");
+      "torque_tolerance, speed_tolerance, tolerance_dwell, name, record)");
   EXPECT_EQ(MessageOf(With(GoodSchedule(), "limits:", "limit:")),
             "small.yaml:17:1: error: unknown key 'limit', did you mean 'limits'? (expected schedule, name, "
             "specimen, limits, suspend, cycles, preparation, phases, stop, measurements, resume)");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <tuple>
 
 #include "tests/schedules/schedule_text.h"
 
@@ -108,6 +109,17 @@ TEST(ValidateSchedule, WantsWholeTurnsOfTheOutput) {
                    "rpm, output_torque: 0 Nm}")),
       "small.yaml:33:41: error: turns = 1.5 is not whole (expected whole turns of the output, which keep its "
       "orders apart)");
+}
+
+TEST(ValidateSchedule, WantsTolerancesThatTellALoadFromAnother) {
+  for (const auto& [key, value, most] : {std::tuple{"torque_tolerance", "60 %", "50 %"},
+                                         {"speed_tolerance", "51 %", "50 %"},
+                                         {"tolerance_dwell", "1 min", "10 s"}}) {
+    const std::string line = std::string(key) + ": " + value;
+    EXPECT_EQ(MessageOf(GoodWith("    output_torque: 40 Nm", "    output_torque: 40 Nm\n    " + line)),
+              "small.yaml:28:" + std::to_string(std::string(key).size() + 7) + ": error: " + key + " = " +
+                  value + " would credit a load that is not there (expected at most " + most + ")");
+  }
 }
 
 TEST(ValidateSchedule, WantsThresholdsInOrder) {

@@ -34,7 +34,7 @@ class SpyDrive final : public ServoDrive {
   void SetBrake(bool engaged) noexcept override { drive_.SetBrake(engaged); }
   void CommandSpeed(double value) noexcept override {
     ++set_points_after_stop;
-    drive_.CommandSpeed(value);
+    drive_.CommandSpeed(share * value);
   }
   void CommandPosition(double value) noexcept override {
     ++set_points_after_stop;
@@ -42,20 +42,29 @@ class SpyDrive final : public ServoDrive {
   }
   void CommandTorque(double value) noexcept override {
     ++set_points_after_stop;
-    drive_.CommandTorque(value);
+    drive_.CommandTorque(share * value);
   }
-  DriveActual Actual() const noexcept override { return drive_.Actual(); }
+  DriveActual Actual() const noexcept override {
+    if (!silent) told_ = drive_.Actual();
+    DriveActual actual = told_;
+    if (dropped_out) actual.power = protocols::PowerState::kSwitchOnDisabled;
+    return actual;
+  }
 
   std::chrono::nanoseconds enabled_at{-1};
   std::chrono::nanoseconds quick_stop_at{-1};  // the first since it was enabled
   std::chrono::nanoseconds last_quick_stop_at{-1};
   int set_points_after_stop{};
-  bool deaf{};  // never gets enabled
+  bool deaf{};         // never gets enabled
+  bool dropped_out{};  // says so, without a fault
+  bool silent{};       // says what it said last
+  double share{1.0};   // that it gives of the speed or torque asked for
   std::atomic<int> quick_stops{};
 
  private:
   ServoDrive& drive_;
   const BenchClock& clock_;
+  mutable DriveActual told_;
 };
 
 inline schedules::Specimen TestSpecimen() {
@@ -65,6 +74,7 @@ inline schedules::Specimen TestSpecimen() {
   specimen.t1_Nm = 7.0;
   specimen.t2_Nm = 25.0;
   specimen.t3_Nm = 34.0;
+  specimen.rated_torque_Nm = 34.0;
   return specimen;
 }
 
@@ -134,11 +144,12 @@ class SpiedBench {
         devices{driving, load, machine.bench().sampler(), machine.bench().clock()},
         runner(devices, settings, request) {}
 
-  bool Safe() const {
+  bool Safe() {
     const auto off = [](const DriveActual& drive) {
       return drive.brake_engaged && drive.power != protocols::PowerState::kOperationEnabled;
     };
-    return off(driving.Actual()) && off(load.Actual());
+    // Whatever the spies were told to say.
+    return off(machine.bench().driving_servo().Actual()) && off(machine.bench().load_servo().Actual());
   }
 
   std::atomic<StopRequest> request{StopRequest::kNone};

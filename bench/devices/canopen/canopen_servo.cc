@@ -101,7 +101,14 @@ void CanopenServo::CommandTorque(double torque_Nm) noexcept { CommandIn(DriveMod
 
 DriveActual CanopenServo::Actual() const noexcept {
   heard_ns_.store(clock_.Now().count(), std::memory_order_relaxed);
-  return actual_.Get();
+  const ServoAnswer answer = answer_.Get();
+  DriveActual actual = answer.actual;
+  // In another mode, perhaps, or about to stop: of the newest order to enable it says nothing.
+  const bool is_older = orders_.raise && answer.raisings != orders_.raisings;
+  if (is_older && actual.power == protocols::PowerState::kOperationEnabled) {
+    actual.power = protocols::PowerState::kSwitchedOn;
+  }
+  return actual;
 }
 
 void CanopenServo::TakeOrders(nanoseconds now, bool may_enable) noexcept {
@@ -225,7 +232,7 @@ void CanopenServo::Publish() noexcept {
     actual.power = protocols::PowerState::kSwitchedOn;
   }
   actual.brake_engaged = status.is_brake_engaged;
-  actual_.Set(actual);
+  answer_.Set({actual, taken_.raisings});
 
   ServoReport& report = next_report_;
   report.stage = master_.stage();

@@ -50,6 +50,12 @@ struct ServoOrders {
   bool brake_engaged{true};
 };
 
+/// What the drive says, and the newest order to enable it that had been taken by then.
+struct ServoAnswer {
+  DriveActual actual;
+  std::uint32_t raisings{};
+};
+
 /// A CiA 402 drive in the role of a servo: the control thread leaves orders, the bus thread takes the newest
 /// ones to the drive's master and publishes what became of them. Orders are states, not messages: of what was
 /// asked before a stop nothing is left after it.
@@ -129,7 +135,7 @@ class CanopenServo final : public ServoDrive {
   std::atomic<std::uint32_t> commissions_{};
   std::atomic<std::uint32_t> silences_{};
   std::atomic<std::uint8_t> held_{};  // bits of `Holder`
-  Latest<DriveActual> actual_;
+  Latest<ServoAnswer> answer_;
   Latest<ServoReport> report_;
 
   // Of the bus thread.

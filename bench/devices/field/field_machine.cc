@@ -160,12 +160,31 @@ void FieldMachine::CheckPeriod(const CanopenServoSettings& servo) const {
       1e3 * bench_.control_period_s, 1e3 * sync_s, servo.name));
 }
 
-ServoDrive& FieldMachine::OpenModbusServo(const DeviceDescription& device, const std::string& name) {
-  const ModbusProfile profile = ReadModbusProfile(device.file);
+// The state of a drive that is told more rarely than the bench asks for would never be fresh.
+void FieldMachine::CheckPolls(const protocols::modbus::RegisterMap& map, const std::string& name) const {
+  constexpr int kPolls = 2;  // one may come late by as much as it takes itself
+  for (const char* needed : {"status", "actual_speed", "actual_torque"}) {
+    const auto& value = map.registers[*protocols::modbus::Find(map, needed)];
+    if (kPolls * value.poll_period <= stale_after_) continue;
+    const auto ms = [](std::chrono::nanoseconds time) {
+      return std::chrono::duration<double, std::milli>(time).count();
+    };
+    throw std::invalid_argument(fmt::format(
+        "stale_after = {:g} ms is shorter than {} polls of '{}' of the {}, {:g} ms each (must be at least as "
+        "long, as its state would be stale before it is read again)",
+        ms(stale_after_), kPolls, needed, name, ms(value.poll_period)));
+  }
+}
+
+ServoDrive& FieldMachine::OpenModbusServo(const DeviceDescription& device, const std::string& name,
+                                          double reducer) {
+  ModbusProfile profile = ReadModbusProfile(device.file);
   if (!profile.servo) {
     throw std::invalid_argument(
         fmt::format("{} describes no servo drive (must, as the {} is one)", device.file.string(), name));
   }
+  profile.map = AtAxis(std::move(profile.map), *profile.servo, reducer);
+  CheckPolls(profile.map, name);
   const ModbusSettings settings = ModbusSettingsOf(device);
   identities_[name] = fmt::format("{} unit {}", device.name, device.unit);
   if (use_ == Use::kMove) {
@@ -191,7 +210,7 @@ void FieldMachine::OpenDrives() {
   for (const auto& [servo, name, reducer, place] : servos) {
     const DeviceDescription& device = Named(servo->drive.device);
     if (device.kind == Kind::kModbus) {
-      *place = &OpenModbusServo(device, name);
+      *place = &OpenModbusServo(device, name, reducer);
       continue;
     }
     CanopenServoSettings settings;

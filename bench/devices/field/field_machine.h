@@ -121,7 +121,8 @@ class FieldMachine final : public BenchMachine {
   std::vector<std::pair<std::string, std::string>> FactsOf(const CanopenServo& servo) const;
   static std::vector<std::pair<std::string, std::string>> FactsOf(const ModbusServoDrive& servo);
   const MeasuredStop* StopOf(const std::string& servo) const;
-  ServoDrive& OpenModbusServo(const DeviceDescription& device, const std::string& name);
+  void CheckPolls(const protocols::modbus::RegisterMap& map, const std::string& name) const;
+  ServoDrive& OpenModbusServo(const DeviceDescription& device, const std::string& name, double reducer);
   ModbusSettings ModbusSettingsOf(const DeviceDescription& device) const;
   void OpenSources();
   std::map<std::string, daq::acquisition::Calibration> DataSheetsAt(const std::string& device) const;

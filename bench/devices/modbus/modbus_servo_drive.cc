@@ -19,7 +19,6 @@ using protocols::PowerState;
 using std::chrono::nanoseconds;
 using Values = std::vector<std::pair<std::size_t, double>>;
 
-constexpr nanoseconds kLongAgo = -std::chrono::hours(1);
 constexpr std::uint16_t kMostCount = 0x7FFF;  // fits a signed register, too
 
 // As near to what is wanted as the register holds; a set point is never a reason not to be able to stop.
@@ -106,7 +105,7 @@ void ModbusServoDrive::SetBrake(bool engaged) noexcept {
 }
 
 void ModbusServoDrive::Take(DriveMode mode, double value) noexcept {
-  const bool in_force = mine_.enable && mine_.mode == mode && Power() == PowerState::kOperationEnabled;
+  const bool in_force = mine_.enable && mine_.mode == mode && IsEnabledAsAsked(Power());
   if (in_force && std::isfinite(value)) mine_.set_point = value;
   Order(false);
 }
@@ -119,14 +118,24 @@ void ModbusServoDrive::CommandPosition(double) noexcept { heard_ns_ = clock_.Now
 
 void ModbusServoDrive::CommandTorque(double torque_Nm) noexcept { Take(DriveMode::kTorque, torque_Nm); }
 
-std::optional<PowerState> ModbusServoDrive::Power() const noexcept {
-  const ChannelValue status = client_.Value(at_.status);
-  if (!status.good || status.value < 0) return std::nullopt;
-  const auto bits = static_cast<std::uint32_t>(status.value);
+std::optional<PowerState> ModbusServoDrive::PowerOf(double status) const noexcept {
+  if (!(status >= 0.0)) return std::nullopt;
+  const auto bits = static_cast<std::uint32_t>(status);
   for (const ModbusServoProfile::Status& row : profile_.status) {
     if ((bits & row.mask) == row.value) return row.state;
   }
   return std::nullopt;
+}
+
+std::optional<PowerState> ModbusServoDrive::Power() const noexcept {
+  const ChannelValue status = client_.Value(at_.status);
+  return status.good ? PowerOf(status.value) : std::nullopt;
+}
+
+// What was read before the drive was last enabled says nothing of what became of that.
+bool ModbusServoDrive::IsEnabledAsAsked(std::optional<PowerState> power) const noexcept {
+  return power == PowerState::kOperationEnabled && enables_begun_ == command_.Get().enables &&
+         client_.Value(at_.status).time.count() > begun_ns_;
 }
 
 double ModbusServoDrive::Position_rad() const noexcept {
@@ -144,15 +153,22 @@ DriveActual ModbusServoDrive::Actual() const noexcept {
   const ChannelValue speed = client_.Value(at_.actual_speed);
   const ChannelValue torque = client_.Value(at_.actual_torque);
   const ChannelValue brake = client_.Value(at_.brake);
-  const std::optional<PowerState> power = Power();
+  // An answer that grows old stays the last one; its time tells.
+  const bool has_status = status.time.count() != 0;
+  const std::optional<PowerState> power = has_status ? PowerOf(status.value) : std::nullopt;
+  if (power && status.good && speed.good && torque.good && brake.good) {
+    told_ns_ = std::min({status.time, speed.time, torque.time}).count();
+  }
   DriveActual actual;
-  const bool whole = power && speed.good && torque.good && brake.good;
-  actual.time = whole ? std::min({status.time, speed.time, torque.time}) : kLongAgo;
+  actual.time = nanoseconds(told_ns_);
   actual.speed_rad_per_s = speed.value;
   actual.torque_Nm = torque.value;
   actual.tells_position = at_.actual_position && client_.Value(*at_.actual_position).good;
   actual.position_rad = Position_rad();
   actual.power = power.value_or(PowerState::kNotReadyToSwitchOn);
+  if (mine_.enable && power == PowerState::kOperationEnabled && !IsEnabledAsAsked(power)) {
+    actual.power = PowerState::kSwitchedOn;
+  }
   actual.brake_engaged = brake.good && brake.value == profile_.brake_engaged;
   return actual;
 }
@@ -236,7 +252,7 @@ ModbusReply ModbusServoDrive::Connected(ModbusLink& link, ModbusPoller& poller) 
 bool ModbusServoDrive::WatchdogFollows() const noexcept {
   if (!at_.watchdog || map_.registers[*at_.watchdog].poll_period.count() == 0) return true;
   const ChannelValue read = client_.Value(*at_.watchdog);
-  if (!read.good) return false;
+  if (!std::isfinite(read.value)) return false;
   const auto behind =
       static_cast<std::uint16_t>(count_ - static_cast<std::uint16_t>(read.value)) & kMostCount;
   const auto periods = (clock_.Now() - read.time) / profile_.period;
@@ -267,9 +283,8 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
     was_enabled_ = false;
     return WriteStop(link, true, true);
   }
-  // What was read before the drive was last enabled says nothing of what became of that.
-  was_enabled_ = enable && power == PowerState::kOperationEnabled && command.enables == enables_begun_ &&
-                 client_.Value(at_.status).time > begun_;
+  const bool begun = enable && command.enables == enables_begun_;
+  was_enabled_ = begun && (was_enabled_ || IsEnabledAsAsked(power));
   if (enable && command.enables != enables_begun_ && others_supervised_ && !others_supervised_()) {
     void_enables_ = command.enables;
     return WriteStop(link, true, true);
@@ -278,7 +293,7 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
     // From a quick stop the way leads through off, so that a stop never turns into motion by one word.
     const ModbusReply reply = WriteStop(link, false, true);
     if (reply.good()) enables_begun_ = command.enables;
-    begun_ = clock_.Now();
+    begun_ns_ = clock_.Now().count();
     return reply;
   }
   return WriteCommand(link, command, enable);

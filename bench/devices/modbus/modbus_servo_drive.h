@@ -57,7 +57,8 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   void CommandSpeed(double speed_rad_per_s) noexcept override;
   void CommandPosition(double position_rad) noexcept override;
   void CommandTorque(double torque_Nm) noexcept override;
-  /// Its time is that of the oldest of state, speed and torque, and long ago while one of them is no value.
+  /// Its time is that of the oldest of state, speed and torque when all of them were last good values; long
+  /// ago where they never were.
   DriveActual Actual() const noexcept override;
 
   /// Why the drive does not do what it should, in words; empty while all is well. Not for the control thread.
@@ -74,6 +75,7 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
 
  private:
   using Command = ModbusServoCommand;
+  static constexpr std::chrono::nanoseconds kLongAgo = -std::chrono::hours(1);
 
   std::chrono::nanoseconds WritePeriod() const override { return profile_.period; }
   ModbusReply Connected(ModbusLink& link, ModbusPoller& poller) override;
@@ -83,7 +85,9 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
 
   ModbusReply WriteStop(ModbusLink& link, bool quick, bool brake_engaged);
   ModbusReply WriteCommand(ModbusLink& link, const Command& command, bool enable);
-  std::optional<protocols::PowerState> Power() const noexcept;
+  std::optional<protocols::PowerState> PowerOf(double status) const noexcept;
+  std::optional<protocols::PowerState> Power() const noexcept;  // nothing: not known by now
+  bool IsEnabledAsAsked(std::optional<protocols::PowerState> power) const noexcept;
   double Position_rad() const noexcept;
   bool WatchdogFollows() const noexcept;
   void Order(bool at_once) noexcept;
@@ -100,13 +104,15 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   // Of the control thread.
   Command mine_;
   mutable std::atomic<std::int64_t> heard_ns_;
+  mutable std::atomic<std::int64_t> told_ns_{kLongAgo.count()};
   Latest<Command> command_;
 
   // Of the client's thread.
   std::atomic<double> counted_rad_{};  // the position, over the ends of its register
   std::uint64_t void_enables_{};       // asked for before something went wrong
-  std::uint64_t resets_done_{}, enables_begun_{};
-  std::chrono::nanoseconds begun_{};  // when the last enabling began
+  std::uint64_t resets_done_{};
+  std::atomic<std::uint64_t> enables_begun_{};
+  std::atomic<std::int64_t> begun_ns_{};  // when the last enabling began
   bool was_enabled_{};
   std::uint16_t count_{};  // last written to the watchdog register
 

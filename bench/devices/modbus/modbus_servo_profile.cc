@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 
 #include "protocols/modbus/register_codec.h"
@@ -54,6 +56,58 @@ void CheckNeed(const mb::RegisterMap& map, const Need& need, std::vector<std::st
 }
 
 }  // namespace
+
+mb::RegisterMap AtAxis(mb::RegisterMap map, const ModbusServoProfile& profile, double reducer_ratio) {
+  if (profile.shaft == ModbusServoProfile::Shaft::kOutput) return map;
+  const auto multiply = [&map](const char* name, double factor) {
+    const auto found = Find(map, name);
+    if (!found) return;
+    mb::Register& value = map.registers[*found];
+    value.scale *= factor;
+    value.offset *= factor;
+    if (value.least) *value.least *= factor;
+    if (value.most) *value.most *= factor;
+  };
+  for (const char* name : {"torque_set_point", "actual_torque"}) multiply(name, reducer_ratio);
+  for (const char* name : {"speed_set_point", "actual_speed", "actual_position"})
+    multiply(name, 1.0 / reducer_ratio);
+  return map;
+}
+
+double LargestSetPoint(const mb::Register& value) {
+  using Limits16 = std::numeric_limits<std::int16_t>;
+  using Limits32 = std::numeric_limits<std::int32_t>;
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  double lowest = -kAny;
+  double highest = kAny;
+  switch (value.type) {
+    case mb::ValueType::kInt16:
+      lowest = Limits16::min();
+      highest = Limits16::max();
+      break;
+    case mb::ValueType::kUint16:
+      lowest = 0.0;
+      highest = std::numeric_limits<std::uint16_t>::max();
+      break;
+    case mb::ValueType::kInt32:
+      lowest = Limits32::min();
+      highest = Limits32::max();
+      break;
+    case mb::ValueType::kUint32:
+      lowest = 0.0;
+      highest = std::numeric_limits<std::uint32_t>::max();
+      break;
+    case mb::ValueType::kBit:
+      return 0.0;
+    case mb::ValueType::kFloat32:
+      break;
+  }
+  const double one = lowest * value.scale + value.offset;
+  const double other = highest * value.scale + value.offset;
+  const double least = std::max(std::min(one, other), value.least.value_or(-kAny));
+  const double most = std::min(std::max(one, other), value.most.value_or(kAny));
+  return std::max(0.0, std::min(-least, most));
+}
 
 std::vector<std::string> CheckServoProfile(const mb::RegisterMap& map, const ModbusServoProfile& profile) {
   std::vector<std::string> problems;

@@ -35,6 +35,9 @@ struct ModbusServoProfile {
     std::uint32_t mask{}, value{};
     protocols::PowerState state{};
   };
+  /// Of a servo with a reducer the shaft that the registers of torque, speed and position speak of.
+  enum class Shaft { kMotor, kOutput };
+  Shaft shaft{};
   Control control;
   std::vector<Status> status;
   double speed_mode{}, torque_mode{};
@@ -49,6 +52,15 @@ struct ModbusServoRegisters {
       actual_torque{}, brake{}, watchdog_time{};
   std::optional<std::size_t> actual_position, watchdog, product_code, serial_number;
 };
+
+/// The map as seen from the output of the servo's reducer: where the registers speak of the motor, torque is
+/// multiplied by `reducer_ratio`, speed and position are divided by it, with their bounds.
+/// @param reducer_ratio  motor over output, above zero.
+protocols::modbus::RegisterMap AtAxis(protocols::modbus::RegisterMap map, const ModbusServoProfile& profile,
+                                      double reducer_ratio);
+
+/// The largest magnitude that a set point's register takes in both directions, by its type and its bounds.
+double LargestSetPoint(const protocols::modbus::Register& value);
 
 /// What is missing or contradicts itself for a servo drive, one line each; empty when it can be used.
 std::vector<std::string> CheckServoProfile(const protocols::modbus::RegisterMap& map,

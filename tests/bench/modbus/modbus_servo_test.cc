@@ -281,12 +281,57 @@ TEST_F(Servo, AFaultIsResetByCommandAndLeadsToOff) {
   RunAt(*drive, 20.0);
 }
 
-TEST_F(Servo, WithoutAConnectionItsStateIsLongAgo) {
+TEST_F(Servo, WithoutAnswersItsStateIsTheLastOneAndGrowsOld) {
   const auto drive = Drive();
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().power == PowerState::kSwitchOnDisabled; }));
   device_.Set({Kind::kSilence, -1});
-  ASSERT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().time < 0s; }));
-  EXPECT_EQ(drive->Actual().power, PowerState::kNotReadyToSwitchOn);
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return clock_.Now() - drive->Actual().time > 300ms; }));
+  const auto told = drive->Actual().time;
+  ASSERT_TRUE(UntilCalling(*drive, [&] { return clock_.Now() - told > 400ms; }));
+  EXPECT_EQ(drive->Actual().time, told);
+  EXPECT_EQ(drive->Actual().power, PowerState::kSwitchOnDisabled);
   EXPECT_TRUE(UntilCalling(*drive, [&] { return !drive->Actual().brake_engaged; }));
+}
+
+TEST_F(Servo, WithoutAConnectionItsStateIsLongAgo) {
+  device_.Set({Kind::kSilence, -1});
+  ModbusServoDrive drive(settings_, profile_.map, *profile_.servo, clock_);
+  const auto begin = clock_.Now();
+  ASSERT_TRUE(UntilCalling(drive, [&] { return clock_.Now() - begin > 300ms; }));
+  EXPECT_LT(drive.Actual().time, -59min);
+  EXPECT_EQ(drive.Actual().power, PowerState::kNotReadyToSwitchOn);
+}
+
+// In another mode the drive is off for a while; what it said before is no answer to that.
+TEST_F(Servo, IsNotEnabledInAnotherModeBeforeItSaysSoAnew) {
+  const auto drive = Drive();
+  RunAt(*drive, 50.0);
+  for (const DriveMode mode : {DriveMode::kTorque, DriveMode::kSpeed}) {
+    drive->Enable(mode);
+    EXPECT_EQ(drive->Actual().power, PowerState::kSwitchedOn);
+    drive->CommandSpeed(50.0);
+    drive->CommandTorque(1.0);
+    model_.TakeWritten();
+    ASSERT_TRUE(IsEnabled(*drive));
+    for (const std::string& line : model_.TakeWritten()) {
+      EXPECT_FALSE(line.find("set_point") != std::string::npos && !line.ends_with(" 0")) << line;
+    }
+  }
+}
+
+TEST_F(Servo, BehindAReducerItsTorqueIsThatOfTheOutput) {
+  constexpr double kReducer = 70.0;
+  const auto map = AtAxis(profile_.map, *profile_.servo, kReducer);
+  ModbusServoDrive drive(settings_, map, *profile_.servo, clock_);
+  ASSERT_TRUE(UntilCalling(drive, [&] { return drive.Actual().time >= 0s; }));
+  drive.Enable(DriveMode::kTorque);
+  ASSERT_TRUE(IsEnabled(drive));
+  std::vector<std::string> written;
+  ASSERT_TRUE(UntilCalling(drive, [&] {
+    drive.CommandTorque(42.0);
+    for (std::string& line : model_.TakeWritten()) written.push_back(std::move(line));
+    return std::ranges::count(written, "torque_set_point 0.6") > 0;
+  })) << ::testing::PrintToString(written);
 }
 
 TEST_F(Servo, AWatchdogTimeThatReadsBackOtherwiseIsRefused) {
