@@ -13,6 +13,7 @@
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/runner_settings.h"
 #include "bench/campaign/sensor_stamps.h"
+#include "bench/controller/load_check_program.h"
 #include "bench/controller/make_program.h"
 #include "bench/controller/standstill_programs.h"
 #include "daq/cycle_file.h"
@@ -112,6 +113,7 @@ CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from, do
   sources_ = machine_.Sources();
   if (auto end = Reference(expected_offset_rad)) return *end;
   if (!runner_.realtime_trouble().empty()) Note("warning", "", "not_realtime", runner_.realtime_trouble());
+  if (auto end = CheckLoad()) return *end;
   if (resume_from) {
     if (auto end = WarmUp(pause_s)) return *end;
   }
@@ -133,6 +135,23 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   if (outcome.reason) return EndForFault(outcome, "referencing");
   encoder_offset_rad_ = EncoderOffset_rad(runner_.last_readings());
   Transition(BenchEvent::kReferenced);
+  return std::nullopt;
+}
+
+// On metal, before the first load of every run: between two of them people have been at the bench.
+CampaignRunner::MaybeEnd CampaignRunner::CheckLoad() {
+  if (bench_.simulated) return std::nullopt;
+  LoadCheckProgram program(schedule_.specimen, bench_.control_period_s);
+  Transition(BenchEvent::kBeginLoadRun);
+  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
+  if (IsFault(outcome.reason.cause)) return EndForFault(outcome, "load_check");
+  Transition(BenchEvent::kPhaseEnded);
+  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
+  Note("info", "", "load_check",
+       fmt::format(
+           "load check: the transducer shows {:.3f} times the torque asked for, the input encoder {:.3f} "
+           "times the speed",
+           program.torque_factor(), program.speed_factor()));
   return std::nullopt;
 }
 

@@ -49,6 +49,7 @@ class CampaignRunner {
 
   void Transition(BenchEvent event);
   MaybeEnd Reference(double expected_offset_rad);
+  MaybeEnd CheckLoad();
   MaybeEnd WarmUp(double pause_s);
   MaybeEnd RunCycle(int cycle);
   MaybeEnd RunStep(const CycleStep& step, int repeat);

@@ -74,6 +74,12 @@ std::string_view Code(StopCause cause) {
       return "speed_away";
     case StopCause::kPositionAway:
       return "position_away";
+    case StopCause::kTorqueFactor:
+      return "torque_factor";
+    case StopCause::kTorqueOfCheck:
+      return "torque_of_check";
+    case StopCause::kSpeedFactor:
+      return "speed_factor";
     case StopCause::kPhaseTimeout:
       return "phase_timeout";
     case StopCause::kReferenceCheck:
@@ -154,6 +160,26 @@ std::string Describe(const StopReason& reason) {
           "the input is {:.1f} deg from where the driving servo was sent (at most {:.1f} deg): its speed or "
           "torque limit, coupling or current?",
           DegFromRad(value), DegFromRad(limit));
+    case StopCause::kTorqueFactor:
+      return fmt::format(
+          "turning slowly, the transducer shows {:.2f} times the torque that the load servo was asked for "
+          "(expected 1 ± {:g}): load_reducer_ratio, the shaft and units of its drive's profile, or factor "
+          "and sign "
+          "of the transducer?",
+          value, limit);
+    case StopCause::kTorqueOfCheck:
+      return fmt::format(
+          "turning slowly, the transducer shows {:.1f} Nm more than at rest where the load servo was asked "
+          "for "
+          "{:.1f} Nm: load_reducer_ratio, the shaft and units of its drive's profile, or the factor of the "
+          "transducer?",
+          value, limit);
+    case StopCause::kSpeedFactor:
+      return fmt::format(
+          "turning slowly, the input encoder shows {:.2f} times the speed that the driving servo was asked "
+          "for "
+          "(expected 1 ± {:g}): counts_per_rev or sign of the encoder, or the units of the drive's profile?",
+          value, limit);
     case StopCause::kPhaseTimeout:
       return fmt::format("the phase took {:.0f} s, planned were at most {:.0f} s", value, limit);
     case StopCause::kReferenceCheck:
@@ -192,9 +218,10 @@ bool IsOfADevice(StopCause cause) {
          cause == StopCause::kDriveSilent || cause == StopCause::kDriveDroppedOut ||
          cause == StopCause::kBrakeEngaged || cause == StopCause::kTorqueAway ||
          cause == StopCause::kSpeedAway || cause == StopCause::kPositionAway ||
-         cause == StopCause::kStaleReadings || cause == StopCause::kImplausibleReading ||
-         cause == StopCause::kInputAngleApart || cause == StopCause::kReferenceCheck ||
-         cause == StopCause::kSensorCheck;
+         cause == StopCause::kTorqueFactor || cause == StopCause::kTorqueOfCheck ||
+         cause == StopCause::kSpeedFactor || cause == StopCause::kStaleReadings ||
+         cause == StopCause::kImplausibleReading || cause == StopCause::kInputAngleApart ||
+         cause == StopCause::kReferenceCheck || cause == StopCause::kSensorCheck;
 }
 
 bool IsFault(StopCause cause) { return cause != StopCause::kNone && !IsSuspend(cause) && !IsRequest(cause); }

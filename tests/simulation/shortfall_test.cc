@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Servos that stay enabled and give less than they are asked for: no load is credited that was not there, and
 // no phase is measured at another load than its own.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "bench/campaign/load_results.h"
-#include "bench/controller/load_run_program.h"
+#include "bench/controller/load_check_program.h"
 #include "bench/controller/make_program.h"
 #include "tests/simulation/bench_fixture.h"
 
@@ -130,6 +131,54 @@ TEST(Shortfall, OfSpeedEndsARotation) {
   const auto program = MakeProgram(TestRotation(), TestSpecimen(), 0.0, 0.01);
   const PhaseOutcome outcome = bench.runner.Run(*program, NoHeartbeat);
   EXPECT_EQ(outcome.reason.cause, StopCause::kSpeedAway) << Describe(outcome.reason);
+}
+
+TEST(LoadCheck, FindsFactorsOfOneAndComesBackToWhereItBegan) {
+  SpiedBench bench;
+  LoadCheckProgram program(TestSpecimen(), 0.01);
+  const double before_rad = bench.devices.sampler.Read().input_angle_rad;
+  const PhaseOutcome outcome = bench.runner.Run(program, NoHeartbeat);
+  EXPECT_FALSE(outcome.reason) << Describe(outcome.reason);
+  EXPECT_NEAR(program.torque_factor(), 1.0, 0.1);
+  EXPECT_NEAR(program.speed_factor(), 1.0, 0.02);
+  EXPECT_NEAR(bench.devices.sampler.Read().input_angle_rad, before_rad, RadFromDeg(2.0));
+  EXPECT_TRUE(bench.Safe());
+}
+
+TEST(LoadCheck, RefusesAFactorAndASignBeforeTheGearFeelsThem) {
+  for (const auto& [share, cause] : {std::pair{0.5, StopCause::kTorqueFactor},
+                                     {-1.0, StopCause::kTorqueFactor},
+                                     {1.5, StopCause::kTorqueFactor},
+                                     {1.0 / 70.0, StopCause::kTorqueFactor},
+                                     {70.0, StopCause::kTorqueOfCheck}}) {
+    SpiedBench bench;
+    bench.load.share = share;
+    LoadCheckProgram program(TestSpecimen(), 0.01);
+    double most_Nm = 0.0;
+    const PhaseOutcome outcome = bench.runner.Run(program, NoHeartbeat);
+    EXPECT_EQ(outcome.reason.cause, cause) << share << ": " << Describe(outcome.reason);
+    for (const NamedRecord& box : outcome.black_box) {
+      for (const double torque_Nm : box.record.Doubles("torque_Nm"))
+        most_Nm = std::max(most_Nm, std::abs(torque_Nm));
+    }
+    EXPECT_LT(most_Nm, 25.0) << share;
+    EXPECT_TRUE(bench.Safe());
+  }
+}
+
+TEST(LoadCheck, SaysWhatIsOff) {
+  SpiedBench bench;
+  bench.load.share = -1.0;
+  LoadCheckProgram turned(TestSpecimen(), 0.01);
+  const std::string words = Describe(bench.runner.Run(turned, NoHeartbeat).reason);
+  EXPECT_EQ(words.substr(0, 45), "turning slowly, the transducer shows -1.00 ti") << words;
+  SpiedBench slow;
+  slow.driving.share = 0.5;
+  LoadCheckProgram program(TestSpecimen(), 0.01);
+  EXPECT_EQ(
+      Describe(slow.runner.Run(program, NoHeartbeat).reason),
+      "turning slowly, the input encoder shows 0.50 times the speed that the driving servo was asked for "
+      "(expected 1 ± 0.1): counts_per_rev or sign of the encoder, or the units of the drive's profile?");
 }
 
 }  // namespace
