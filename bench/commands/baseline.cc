@@ -2,11 +2,11 @@
 #include <filesystem>
 #include <memory>
 
-#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/prediction/exported_predictor.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/reducer_baseline.h"
@@ -34,12 +34,12 @@ ReducerBaseline Read(const BaselineCommand& command) {
 int Run(const BaselineCommand& command) {
   const ReducerBaseline baseline = Read(command);
   daq::WriteFileAtomically(command.out, BaselineText(baseline));
-  fmt::print("{}: {}, {} records:", command.out,
-             baseline.specimen.empty() ? "a reducer without a name" : baseline.specimen, baseline.records);
+  ToStdout("{}: {}, {} records:", command.out,
+           baseline.specimen.empty() ? "a reducer without a name" : baseline.specimen, baseline.records);
   for (std::size_t i = 0; i < baseline.outputs.size(); ++i) {
-    fmt::print(" {} {:.5g}", baseline.outputs[i], baseline.means.values(static_cast<Eigen::Index>(i)));
+    ToStdout(" {} {:.5g}", baseline.outputs[i], baseline.means.values(static_cast<Eigen::Index>(i)));
   }
-  fmt::print("\n");
+  ToStdout("\n");
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -11,6 +11,7 @@
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/bench_commands.h"
+#include "bench/commands/output.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/devices/field/field_machine.h"
 
@@ -65,20 +66,20 @@ int Check(const BenchOptions& options) {
     for (const BenchMachine::Doubt& doubt : machine.Doubts()) {
       document["doubts"].push_back({{"refuses", doubt.refuses}, {"words", doubt.words}});
     }
-    fmt::print("{}\n", document.dump(2));
+    ToStdout("{}\n", document.dump(2));
   } else {
     for (const auto& state : states) {
-      fmt::print("{:<5} {:<28} {}\n", state.good ? "good" : "BAD", state.device, state.state);
-      for (const auto& [name, value] : state.facts) fmt::print("{:<8}{:<26}{}\n", "", name, value);
+      ToStdout("{:<5} {:<28} {}\n", state.good ? "good" : "BAD", state.device, state.state);
+      for (const auto& [name, value] : state.facts) ToStdout("{:<8}{:<26}{}\n", "", name, value);
     }
     for (unsigned i = 0; i < std::size(values); ++i) {
-      fmt::print("{:<5} {:<28} {:.4f}\n", (readings.bad_channels >> i & 1U) == 0 ? "good" : "BAD",
-                 values[i].first, values[i].second);
+      ToStdout("{:<5} {:<28} {:.4f}\n", (readings.bad_channels >> i & 1U) == 0 ? "good" : "BAD",
+               values[i].first, values[i].second);
     }
     for (const BenchMachine::Doubt& doubt : machine.Doubts())
-      fmt::print("{:<5} {}\n", doubt.refuses ? "BAD" : "note", doubt.words);
-    fmt::print("{}\n", good ? "everything answers; nothing was moved"
-                            : "not everything is as it should be (see BAD above); nothing was moved");
+      ToStdout("{:<5} {}\n", doubt.refuses ? "BAD" : "note", doubt.words);
+    ToStdout("{}\n", good ? "everything answers; nothing was moved"
+                          : "not everything is as it should be (see BAD above); nothing was moved");
   }
   return static_cast<int>(good ? ExitCode::kDone : ExitCode::kMachineFailed);
 }

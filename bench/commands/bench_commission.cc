@@ -11,6 +11,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/bench_commands.h"
 #include "bench/commands/moving_limits.h"
+#include "bench/commands/output.h"
 #include "bench/commands/person.h"
 #include "bench/configuration/commissioning_file.h"
 #include "bench/configuration/read_bench_file.h"
@@ -55,7 +56,8 @@ int Commission(const CommissionOptions& options) {
                     options.speed, RpmFromRadPerS(bench.driving_servo.peak_speed_rad_per_s)));
   }
   const schedules::Limits limits = LimitsOf(options, bench, speed);
-  ListenToSignals();
+  ListenForQuickStop();
+  const LiveOutput output([] { return Requested() != StopRequest::kNone; });
   if (!options.yes &&
       !Ask(fmt::format(
           "the shafts will turn, the input at {:g} rpm, and be left to stop by themselves: keep clear, "
@@ -81,15 +83,15 @@ int Commission(const CommissionOptions& options) {
                                   {"stood_s", stop.stood_s},
                                   {"good", finding.words.empty()}});
     if (options.json) continue;
-    fmt::print("{:<5} {:<14} left enabled after {:.0f} ms, stood after {:.0f} ms ({})\n",
-               finding.words.empty() ? "good" : "BAD", stop.servo, 1e3 * stop.left_enabled_s,
-               1e3 * stop.stood_s, stop.identity);
-    if (!finding.words.empty()) fmt::print("      {}\n", finding.words);
+    ToStdout("{:<5} {:<14} left enabled after {:.0f} ms, stood after {:.0f} ms ({})\n",
+             finding.words.empty() ? "good" : "BAD", stop.servo, 1e3 * stop.left_enabled_s,
+             1e3 * stop.stood_s, stop.identity);
+    if (!finding.words.empty()) ToStdout("      {}\n", finding.words);
   }
   if (options.json) {
-    fmt::print("{}\n", document.dump(2));
+    ToStdout("{}\n", document.dump(2));
   } else {
-    fmt::print("kept in {}\n", file.string());
+    ToStdout("kept in {}\n", file.string());
   }
   return static_cast<int>(good ? ExitCode::kDone : ExitCode::kMachineFailed);
 }

@@ -16,6 +16,7 @@
 #include "bench/commands/bench_commands.h"
 #include "bench/commands/hand.h"
 #include "bench/commands/moving_limits.h"
+#include "bench/commands/output.h"
 #include "bench/commands/person.h"
 #include "bench/commands/terminal.h"
 #include "bench/configuration/read_bench_file.h"
@@ -93,8 +94,11 @@ bool WaitUntilSafe(const BenchDevices& devices) {
 }
 
 int CodeOf(const StopReason& reason) {
-  if (reason.cause == StopCause::kShutdownRequested) return static_cast<int>(ExitCode::kDone);
-  if (IsRequest(reason.cause)) return static_cast<int>(ExitCode::kInterrupted);
+  if (IsRequest(reason.cause)) {
+    // A terminal that is closed is a signal and the end of the input, whichever is seen first.
+    const bool signalled = Requested() == StopRequest::kQuickStop;
+    return static_cast<int>(signalled ? ExitCode::kInterrupted : ExitCode::kDone);
+  }
   return static_cast<int>(IsOfADevice(reason.cause) ? ExitCode::kMachineFailed : ExitCode::kEndedBadly);
 }
 
@@ -102,7 +106,8 @@ int Jog(const JogOptions& options) {
   const BenchDescription bench = ReadBenchFile(options.bench);
   const double speed = SpeedOf(options, bench);
   const double torque_Nm = TorqueLimit_Nm(options.torque, bench);
-  ListenToSignals();
+  ListenForQuickStop();
+  const LiveOutput output([] { return Requested() != StopRequest::kNone; });
   SimulatedTest test;
   test.ratio = options.ratio;
   const auto machine = MakeMachine(bench, test, Ask);
@@ -118,40 +123,35 @@ int Jog(const JogOptions& options) {
       {options.drive, speed, std::abs(speed) / kSpeedUp_s, bench.control_period_s},
       [&](std::chrono::nanoseconds now) { return dead_man.IsHeld(now) || machine->StartKeyHeld(); });
   PhaseRunner runner(devices, SettingsOf(options, bench, speed, torque_Nm), Requested());
-  fmt::print(
-      stderr,
+  ToStderr(
       "the {} servo turns at {:g} rpm while space or Enter (or start on the pendant) is held; let go, it "
       "stops within {} ms; q or Ctrl-C ends\n",
       driving ? "driving" : "load", RpmFromRadPerS(speed), kHoldsFor.count());
   TerminalLine line;
   PhaseOutcome outcome;
   {
-    const Hand hand(dead_man, devices.clock, [] {
-      StopRequest none = StopRequest::kNone;
-      Requested().compare_exchange_strong(none, StopRequest::kShutdown);
-    });
+    const Hand hand(dead_man, devices.clock, [] { Request(StopRequest::kShutdown); });
     outcome = runner.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) {
       const std::string text =
           fmt::format("{:.2f} deg turned, {:.2f} Nm at the output", angle_deg(now.readings) - start_deg,
                       now.readings.output_torque_Nm);
-      if (line.is_terminal()) {
+      if (StderrIsTerminal()) {
         line.Show(text);
       } else {
-        fmt::print(stderr, "{}\n", text);
+        ToStderr("{}\n", text);
       }
     });
   }
   line.Clear();
   const bool safe = WaitUntilSafe(devices);
   if (outcome.reason.cause != StopCause::kShutdownRequested) {
-    fmt::print(stderr, "{}\n", Describe(outcome.reason));
-    if (const std::string troubles = machine->Troubles(); !troubles.empty())
-      fmt::print(stderr, "{}\n", troubles);
+    ToStderr("{}\n", Describe(outcome.reason));
+    if (const std::string troubles = machine->Troubles(); !troubles.empty()) ToStderr("{}\n", troubles);
   }
-  fmt::print("the {} turned {:.2f} deg; {}\n", driving ? "motor's shaft" : "output",
-             angle_deg(devices.sampler.Read()) - start_deg,
-             safe ? "torque is off, the brakes are on"
-                  : "the drives do not say that torque is off and the brakes are on: use the emergency stop");
+  ToStdout("the {} turned {:.2f} deg; {}\n", driving ? "motor's shaft" : "output",
+           angle_deg(devices.sampler.Read()) - start_deg,
+           safe ? "torque is off, the brakes are on"
+                : "the drives do not say that torque is off and the brakes are on: use the emergency stop");
   return safe ? CodeOf(outcome.reason) : static_cast<int>(ExitCode::kMachineFailed);
 }
 

@@ -12,6 +12,7 @@
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_drive_profile.h"
 #include "bench/configuration/read_hid_profile.h"
@@ -156,10 +157,9 @@ nlohmann::ordered_json Json(const FoundPart& part) {
 void Print(const FoundPart& part) {
   constexpr std::pair<std::string_view, const char*> kTitles[] = {
       {"can", "CAN"}, {"modbus", "Modbus"}, {"hid", "HID"}, {"iio", "IIO"}, {"camera", "Cameras"}};
-  fmt::print("{}\n",
-             std::ranges::find(kTitles, part.kind, [](const auto& row) { return row.first; })->second);
+  ToStdout("{}\n", std::ranges::find(kTitles, part.kind, [](const auto& row) { return row.first; })->second);
   for (const FoundDevice& device : part.devices) {
-    fmt::print("  {:<28} {}\n", device.where, device.what);
+    ToStdout("  {:<28} {}\n", device.where, device.what);
     std::string details;
     for (const auto& [name, value] : device.fields) {
       const auto* const text = std::get_if<std::string>(&value);
@@ -168,10 +168,10 @@ void Print(const FoundPart& part) {
                         device.what.find(*text) != std::string::npos;
       if (!said) details += fmt::format("{}{} {}", details.empty() ? "" : ", ", name, *text);
     }
-    if (!details.empty()) fmt::print("  {:<28} {}\n", "", details);
-    if (!device.profile.empty()) fmt::print("  {:<28} described by {}\n", "", device.profile);
+    if (!details.empty()) ToStdout("  {:<28} {}\n", "", details);
+    if (!device.profile.empty()) ToStdout("  {:<28} described by {}\n", "", device.profile);
   }
-  for (const std::string& note : part.notes) fmt::print("  {}\n", note);
+  for (const std::string& note : part.notes) ToStdout("  {}\n", note);
 }
 
 int Devices(const DevicesOptions& options) {
@@ -179,11 +179,11 @@ int Devices(const DevicesOptions& options) {
   const KnownProfiles known = ProfilesFor(options, named);
   const FoundPart parts[] = {FindCan(options, named, known), FindModbus(options, named), FindHid(known),
                              FindIio(), FindCameras()};
-  for (const std::string& trouble : known.troubles) fmt::print(stderr, "warning: {}\n", trouble);
+  for (const std::string& trouble : known.troubles) ToStderr("warning: {}\n", trouble);
   if (options.json) {
     nlohmann::ordered_json document;
     for (const FoundPart& part : parts) document[part.kind] = Json(part);
-    fmt::print("{}\n", document.dump(2));
+    ToStdout("{}\n", document.dump(2));
   } else {
     for (const FoundPart& part : parts) Print(part);
   }

@@ -3,8 +3,6 @@
 #include <unistd.h>
 #include <atomic>
 #include <chrono>
-#include <csignal>
-#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -17,6 +15,8 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/campaign/campaign_error.h"
+#include "bench/commands/output.h"
+#include "bench/commands/signals.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/controller/realtime.h"
 #include "bench/devices/can/socket_can_bus.h"
@@ -29,15 +29,6 @@ namespace strainwave::bench {
 namespace {
 
 std::atomic<bool> g_ending{};
-
-void OnSignal(int) { g_ending = true; }
-
-void ListenToSignals() {
-  struct sigaction action {};
-  action.sa_handler = OnSignal;
-  sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-}
 
 // In truth, whatever the drives say; the time is the kernel's, as another program may have it.
 std::string StateOf(DeviceSide& devices, const MonotonicClock& clock) {
@@ -67,16 +58,16 @@ void Listen(DeviceSide& devices, const MonotonicClock& clock) {
       return;
     }
     try {
-      fmt::print("{}\n", AnswerTo(line, devices, clock));
+      ToStdout("{}\n", AnswerTo(line, devices, clock));
     } catch (const std::exception& error) {
-      fmt::print("error: {} ({})\n", line, error.what());
+      ToStdout("error: {} ({})\n", line, error.what());
     }
-    std::fflush(stdout);
   }
 }
 
 int Run(const std::string& file, double ratio, double period_ms) {
   const BenchDescription bench = ReadBenchFile(file);
+  ListenToSignals([](int) { g_ending = true; });
   const MonotonicClock clock;
   std::vector<std::unique_ptr<CanBus>> ends;
   DeviceSideBuses buses;
@@ -95,14 +86,12 @@ int Run(const std::string& file, double ratio, double period_ms) {
   DeviceSide devices(bench, PlantModelOf(bench, ratio), buses);
   for (const DeviceDescription& device : bench.devices) {
     const std::string address = devices.AddressOf(device.name);
-    fmt::print("{}: {}\n", device.name, address.empty() ? device.address : address);
+    ToStdout("{}: {}\n", device.name, address.empty() ? device.address : address);
   }
-  fmt::print("ready; a line of standard input is a command (help, quit)\n");
-  std::fflush(stdout);
-  ListenToSignals();
+  ToStdout("ready; a line of standard input is a command (help, quit)\n");
   std::thread listener([&] { Listen(devices, clock); });
   if (const std::string refused = BecomeRealtime(RealtimeRank::kDeviceSide); !refused.empty()) {
-    fmt::print(stderr, "warning: {}\n", refused);
+    ToStderr("warning: {}\n", refused);
   }
   const std::chrono::nanoseconds period(static_cast<std::int64_t>(1e6 * period_ms));
   RunInRealTime(devices, clock, g_ending, {}, period);
@@ -114,7 +103,8 @@ int Run(const std::string& file, double ratio, double period_ms) {
 }  // namespace strainwave::bench
 
 int main(int argc, char** argv) {
-  using strainwave::bench::ExitCode;
+  using strainwave::bench::ExitCode, strainwave::bench::ToStderr;
+  strainwave::bench::PrepareOutput();
   CLI::App app(
       "strainwave-devices plays the devices that a bench file names: two drives on CAN, Modbus servers, "
       "streams of "
@@ -134,13 +124,13 @@ int main(int argc, char** argv) {
   try {
     return strainwave::bench::Run(file, ratio, period_ms);
   } catch (const strainwave::schedules::FileError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    ToStderr("{}\n", error.what());
     return static_cast<int>(ExitCode::kWrongInput);
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "{}: error: {}\n", file, error.what());
+    ToStderr("{}: error: {}\n", file, error.what());
     return static_cast<int>(ExitCode::kWrongInput);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: error: {}\n", file, error.what());
+    ToStderr("{}: error: {}\n", file, error.what());
     return static_cast<int>(ExitCode::kMachineFailed);
   }
 }

@@ -14,6 +14,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/diagnosis/diagnosis_json.h"
 #include "bench/diagnosis/diagnosis_pictures.h"
@@ -124,9 +125,9 @@ int Run(const DiagnoseCommand& command) {
     files = FilesText(folder / "extended_model.yaml", pictures);
   }
   line.Clear();
-  command.json ? fmt::print("{}\n", document.dump(2)) : fmt::print("{}{}", DiagnosisText(report), files);
+  command.json ? ToStdout("{}\n", document.dump(2)) : ToStdout("{}{}", DiagnosisText(report), files);
   if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
-  fmt::print(stderr, "error: no pictures: {}\n", picture_trouble);
+  ToStderr("error: no pictures: {}\n", picture_trouble);
   return static_cast<int>(ExitCode::kMachineFailed);
 }
 

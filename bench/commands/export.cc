@@ -2,11 +2,11 @@
 
 #include <memory>
 
-#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/prediction/export_predictor.h"
 #include "bench/prediction/onnx_model.h"
 
@@ -20,7 +20,7 @@ struct ExportCommand {
 
 int Run(const ExportCommand& command) {
   const ExportSummary summary = ExportPredictor(ReadPredictor(command.predictor), command.out);
-  fmt::print(
+  ToStdout(
       "{}: network, {} kB, opset {}; input features 1 × {}, outputs {} 1 × {}, distance\n"
       "{}: how a record becomes features, and the intervals\n"
       "{}: model card (and .json)\n"

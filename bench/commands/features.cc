@@ -10,6 +10,7 @@
 #include "analysis/wavelets/packets.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/diagnosis/record_data.h"
 #include "bench/prediction/campaign_features.h"
@@ -40,16 +41,15 @@ void PrintWaveletTable(const RecordFeatures& values, const std::vector<std::stri
   const auto columns = static_cast<std::size_t>(levels);
   auto value = values.values.begin();
   for (const std::string& channel : channels) {
-    fmt::print("  {:<42}", channel);
-    for (int level = 1; level <= levels; ++level) fmt::print(" {:>11}", fmt::format("a{}", level));
-    fmt::print("\n");
+    ToStdout("  {:<42}", channel);
+    for (int level = 1; level <= levels; ++level) ToStdout(" {:>11}", fmt::format("a{}", level));
+    ToStdout("\n");
     for (std::size_t row = 0; row < features::kSeriesFeatures; ++row) {
-      fmt::print("    {:<40}", features::kSeriesFeatureNames[row]);
+      ToStdout("    {:<40}", features::kSeriesFeatureNames[row]);
       for (std::size_t column = 0; column < columns; ++column) {
-        fmt::print(" {:>11.5g}",
-                   value[static_cast<std::ptrdiff_t>(column * features::kSeriesFeatures + row)]);
+        ToStdout(" {:>11.5g}", value[static_cast<std::ptrdiff_t>(column * features::kSeriesFeatures + row)]);
       }
-      fmt::print("\n");
+      ToStdout("\n");
     }
     value += static_cast<std::ptrdiff_t>(columns * features::kSeriesFeatures);
   }
@@ -59,10 +59,10 @@ nlohmann::ordered_json FeaturesReport(const daq::Record& record, const FeaturesC
                                       ChannelFeatures& channel_features) {
   RecordFeatures values = FeaturesOfRecord(record, channel_features);
   if (!command.json) {
-    fmt::print("{}{}{}\n", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
+    ToStdout("{}{}{}\n", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
     if (channel_features.settings().set == FeatureSet::kOrders) {
       for (std::size_t i = 0; i < values.names.size(); ++i) {
-        fmt::print("  {:<50} {:>11.5g}\n", values.names[i], values.values[i]);
+        ToStdout("  {:<50} {:>11.5g}\n", values.names[i], values.values[i]);
       }
     } else {
       PrintWaveletTable(values, VibrationChannelsOf(record), command.levels);
@@ -76,8 +76,8 @@ void PrintSeries(const std::string& name, const std::vector<double>& series, dou
   double energy = 0.0;
   for (const double value : series) energy += value * value;
   const double share = signal_energy > 0.0 ? 100.0 * energy / signal_energy : 0.0;
-  fmt::print("  {:<18} {:>8} coefficients  energy {:>11.5g}  {:6.2f} % of the signal's\n", name,
-             series.size(), energy, share);
+  ToStdout("  {:<18} {:>8} coefficients  energy {:>11.5g}  {:6.2f} % of the signal's\n", name, series.size(),
+           energy, share);
 }
 
 nlohmann::ordered_json CoefficientsReport(const daq::Record& record, const FeaturesCommand& command) {
@@ -86,7 +86,7 @@ nlohmann::ordered_json CoefficientsReport(const daq::Record& record, const Featu
   const wavelets::Border border = wavelets::BorderOf(command.mode);
   double energy = 0.0;
   for (const double value : signal) energy += value * value;
-  if (!command.json) fmt::print("{}\n", record.source.file);
+  if (!command.json) ToStdout("{}\n", record.source.file);
   if (command.packet) {
     wavelets::Packets packets;
     wavelets::DecomposePackets(signal, bank, border, command.levels, packets);
@@ -117,9 +117,9 @@ nlohmann::ordered_json CampaignReport(const std::filesystem::path& folder, const
       });
   line.Clear();
   if (!command.json) {
-    fmt::print("{}: {} features of {} cycles, in {}\n", folder.string(), all.names.size(), all.cycle.size(),
-               FeaturesFile(folder, settings.set).string());
-    for (const std::string& note : all.notes) fmt::print("note: {}\n", note);
+    ToStdout("{}: {} features of {} cycles, in {}\n", folder.string(), all.names.size(), all.cycle.size(),
+             FeaturesFile(folder, settings.set).string());
+    for (const std::string& note : all.notes) ToStdout("note: {}\n", note);
     return {};
   }
   nlohmann::ordered_json cycles = nlohmann::ordered_json::array();
@@ -162,7 +162,7 @@ int Run(const FeaturesCommand& command) {
     }
   }
   line.Clear();
-  if (command.json) fmt::print("{}\n", (reports.size() == 1 ? reports.front() : reports).dump());
+  if (command.json) ToStdout("{}\n", (reports.size() == 1 ? reports.front() : reports).dump());
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <exception>
+#include <sstream>
 #include <system_error>
 
 #include <fmt/core.h>
@@ -9,6 +9,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/database.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "daq/data_file_error.h"
 #include "daq/record_error.h"
 #include "schedules/reader/findings.h"
@@ -18,7 +19,7 @@ namespace {
 using strainwave::bench::ExitCode;
 
 int Fail(ExitCode code, const char* message) {
-  fmt::print(stderr, "{}\n", message);
+  strainwave::bench::ToStderr("{}\n", message);
   return static_cast<int>(code);
 }
 
@@ -48,6 +49,8 @@ int Guarded(const strainwave::bench::Action& action) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  using strainwave::bench::FinishOutput, strainwave::bench::ToStderr, strainwave::bench::ToStdout;
+  strainwave::bench::PrepareOutput();
   CLI::App app(
       "strainwave runs accelerated life tests of harmonic drives and tells what the reducer is really "
       "doing.\n"
@@ -70,13 +73,17 @@ int main(int argc, char** argv) {
   strainwave::bench::AddPredict(app, action);
   strainwave::bench::AddExport(app, action);
   strainwave::bench::AddMonitor(app, action);
+  std::ostringstream results;
+  std::ostringstream words;
+  int code = 0;
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    return app.exit(success);
+    code = Guarded(action);
   } catch (const CLI::ParseError& error) {
-    app.exit(error);
-    return static_cast<int>(ExitCode::kWrongInput);
+    // Help is a result; it comes this way, too.
+    code = app.exit(error, results, words) == 0 ? 0 : static_cast<int>(ExitCode::kWrongInput);
+    ToStdout("{}", results.str());
+    ToStderr("{}", words.str());
   }
-  return Guarded(action);
+  return FinishOutput(code);
 }

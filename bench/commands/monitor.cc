@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <optional>
 
@@ -15,7 +14,9 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/commands/pace.h"
+#include "bench/commands/signals.h"
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/devices/simulated_vibration_source.h"
@@ -51,14 +52,6 @@ struct MonitorCommand {
 };
 
 std::atomic<bool> g_stop{false};
-
-void ListenToSignals() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { g_stop = true; };
-  sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
-}
 
 constexpr double kSimulatedSpeed_rpm = 2400.0;
 
@@ -195,22 +188,22 @@ std::string ErrorOf(const MonitorResult& result) {
 }
 
 void Print(const MonitorResult& result, const MonitorFrame& frame, bool json) {
-  if (result.fault) fmt::print(stderr, "{}\n", ErrorOf(result));
+  if (result.fault) ToStderr("{}\n", ErrorOf(result));
   if (json) {
-    fmt::print("{}\n", JsonOf(result, frame).dump());
+    ToStdout("{}\n", JsonOf(result, frame).dump());
   } else if (!result.fault) {
-    fmt::print("{}\n", LineOf(result, frame));
+    ToStdout("{}\n", LineOf(result, frame));
   }
-  std::fflush(stdout);
 }
 
-void Say(const std::string& line) { fmt::print(stderr, "{}\n", line); }
+void Say(const std::string& line) { ToStderr("{}\n", line); }
 
 void FinishMqtt(MqttPublisher& mqtt, const std::filesystem::path& outbox_file, double linger_s) {
   const std::chrono::duration<double> linger(linger_s);
   const auto [waiting, dropped] = mqtt.Finish(std::chrono::duration_cast<std::chrono::milliseconds>(linger));
   if (dropped != 0) {
-    Say(fmt::format("mqtt: error: {} windows found no room while they waited for a broker and are lost "
+    Say(
+        fmt::format("mqtt: error: {} windows found no room while they waited for a broker and are lost "
                     "(keep_windows and keep_mebibytes of the settings give more)",
                     dropped));
   }
@@ -240,6 +233,11 @@ WindowRule RuleFor(const MonitorCommand& command, const MonitorSettings& setting
 }
 
 int Run(const MonitorCommand& command) {
+  ListenToSignals([](int) { g_stop = true; });
+  // A device waits for nobody; a replay and a simulation do.
+  const bool waits = command.simulate || !command.replay.empty();
+  const LiveOutput output([] { return g_stop.load(); },
+                          waits ? LiveOutput::Results::kWaitedFor : LiveOutput::Results::kDropped);
   const MonitorSettings settings =
       command.settings.empty() ? MonitorSettings{} : ReadMonitorSettings(command.settings);
   ExportedPredictor predictor(command.predictor);
@@ -254,7 +252,6 @@ int Run(const MonitorCommand& command) {
               [&source] { return source->NowNanoseconds() / 1'000'000; });
   Say(fmt::format("self-test of {}: files unchanged, network off its golden vectors by {:.1e}",
                   command.predictor, predictor.worst_disagreement()));
-  ListenToSignals();
   std::optional<PrometheusServer> prometheus;
   std::optional<ModbusServer> modbus;
   std::optional<MqttPublisher> mqtt;

@@ -3,13 +3,13 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <iostream>
 #include <thread>
 
-#include <fmt/core.h>
-
+#include "bench/commands/output.h"
+#include "bench/commands/signals.h"
 #include "bench/devices/wake.h"
 
 namespace strainwave::bench {
@@ -17,43 +17,46 @@ namespace {
 
 std::atomic<StopRequest> g_request{StopRequest::kNone};
 
-// A second Ctrl-C does not abandon the stop that the first one has begun.
-void OnSignal(int signal) {
+StopRequest RequestOf(int signal) {
   switch (signal) {
-    case SIGINT:
-      g_request = StopRequest::kQuickStop;
-      return;
     case SIGTERM:
-      g_request = StopRequest::kShutdown;
-      return;
+      return StopRequest::kShutdown;
     case SIGUSR1:
-      g_request = StopRequest::kPause;
-      return;
+      return StopRequest::kPause;
     case SIGUSR2:
-      g_request = StopRequest::kFinishCycle;
-      return;
+      return StopRequest::kFinishCycle;
     default:
-      return;
+      return StopRequest::kQuickStop;
   }
 }
 
 }  // namespace
 
-std::atomic<StopRequest>& Requested() { return g_request; }
+const std::atomic<StopRequest>& Requested() { return g_request; }
 
-void ListenToSignals() {
-  struct sigaction action {};
-  action.sa_handler = OnSignal;
-  sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) sigaction(signal, &action, nullptr);
+void Request(StopRequest request) {
+  StopRequest before = g_request;
+  while (before < request && !g_request.compare_exchange_weak(before, request)) {
+  }
+}
+
+void ListenForRequests() {
+  ListenToSignals([](int signal) { Request(RequestOf(signal)); });
+}
+
+void ListenForQuickStop() {
+  ListenToSignals([](int) { Request(StopRequest::kQuickStop); });
 }
 
 bool Ask(const std::string& what) {
-  fmt::print(stderr, "\n{}, then press Enter\n", what);
+  ToStderr("\n{}, then press Enter\n", what);
   while (g_request == StopRequest::kNone) {
     if (WaitReadable(STDIN_FILENO, nullptr, std::chrono::milliseconds(100)) != Waited::kReadable) continue;
-    std::string line;
-    return static_cast<bool>(std::getline(std::cin, line));
+    char key = 0;
+    const ssize_t got = ::read(STDIN_FILENO, &key, 1);
+    if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (got <= 0) return false;  // nobody is there
+    if (key == '\n') return true;
   }
   return false;
 }
@@ -63,7 +66,7 @@ void WaitForPeople(const BenchMachine& machine) {
   while (g_request == StopRequest::kNone) {
     const std::string missing = machine.MissingForStart();
     if (missing.empty()) return;
-    if (missing != told) fmt::print(stderr, "waiting: {}\n", missing);
+    if (missing != told) ToStderr("waiting: {}\n", missing);
     told = missing;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }

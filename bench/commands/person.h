@@ -9,11 +9,19 @@
 
 namespace strainwave::bench {
 
-/// What a person has asked for, by a key, from another shell or through a service manager: SIGINT is the
-/// quick stop, SIGTERM the safe shutdown, SIGUSR1 the pause, SIGUSR2 the end of the cycle. None before
-/// `ListenToSignals`.
-std::atomic<StopRequest>& Requested();
-void ListenToSignals();
+/// What a person has asked for, by a key, from another shell or through a service manager. None before one of
+/// the two below.
+const std::atomic<StopRequest>& Requested();
+
+/// What stops sooner and harder wins over what was asked for before; never the other way round.
+void Request(StopRequest request);
+
+/// Of a campaign: SIGTERM is the safe shutdown, SIGUSR1 the pause, SIGUSR2 the end of the cycle, every other
+/// signal the quick stop (`ListenToSignals` says which there are).
+void ListenForRequests();
+
+/// Where there is nothing to end softly: every signal is the quick stop.
+void ListenForQuickStop();
 
 /// A person at the terminal says when it is done. A stop that is asked for meanwhile counts as a no.
 bool Ask(const std::string& what);

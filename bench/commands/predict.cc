@@ -11,6 +11,7 @@
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/prediction/baseline_file.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/recipe_inputs.h"
@@ -51,13 +52,13 @@ Together TogetherOf(const prediction::FittedPredictor::Prediction& windows) {
 }
 
 void PrintHead(const daq::Record& record, const Together& predicted) {
-  fmt::print("{}{}{}", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
-  if (predicted.windows > 1) fmt::print(", {} windows", predicted.windows);
+  ToStdout("{}{}{}", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
+  if (predicted.windows > 1) ToStdout(", {} windows", predicted.windows);
   if (predicted.outside()) {
-    fmt::print(": outside what the predictor was trained on ({:.1f} times the limit): do not rely on these",
-               predicted.distance);
+    ToStdout(": outside what the predictor was trained on ({:.1f} times the limit): do not rely on these",
+             predicted.distance);
   }
-  fmt::print("\n");
+  ToStdout("\n");
 }
 
 nlohmann::ordered_json ValuesReport(const daq::Record& record, const Predictor& predictor,
@@ -72,9 +73,9 @@ nlohmann::ordered_json ValuesReport(const daq::Record& record, const Predictor& 
     if (std::isfinite(measured)) entry["measured"] = measured;
     values[predictor.outputs[i]] = std::move(entry);
     if (!print) continue;
-    fmt::print("  {:<20} {:>12.5g} ± {:.3g}", predictor.outputs[i], value, half_width);
-    if (std::isfinite(measured)) fmt::print("   measured {:.5g}", measured);
-    fmt::print("\n");
+    ToStdout("  {:<20} {:>12.5g} ± {:.3g}", predictor.outputs[i], value, half_width);
+    if (std::isfinite(measured)) ToStdout("   measured {:.5g}", measured);
+    ToStdout("\n");
   }
   return {{"coverage", predictor.fitted.band.coverage}, {"values", std::move(values)}};
 }
@@ -87,13 +88,13 @@ nlohmann::ordered_json ClassReport(const daq::Record& record, const Predictor& p
   for (std::size_t i = 0; i < predictor.outputs.size(); ++i) {
     const double probability = predicted.value(static_cast<Eigen::Index>(i));
     probabilities[predictor.outputs[i]] = probability;
-    if (print) fmt::print("  {:<20} {:>8.4f}\n", predictor.outputs[i], probability);
+    if (print) ToStdout("  {:<20} {:>8.4f}\n", predictor.outputs[i], probability);
   }
   const std::string& name = predictor.outputs[static_cast<std::size_t>(likely)];
   nlohmann::ordered_json report{{"class", name}, {"probabilities", std::move(probabilities)}};
   const auto own = ClassOf(record);
   if (own) report["measured"] = *own;
-  if (print) fmt::print("  class: {}{}\n", name, own ? fmt::format("   own class {}", *own) : "");
+  if (print) ToStdout("  class: {}{}\n", name, own ? fmt::format("   own class {}", *own) : "");
   return report;
 }
 
@@ -125,7 +126,7 @@ int Run(const PredictCommand& command) {
       reports.push_back(ReportOf(record, predictor, predicted, !command.json));
     }
   }
-  if (command.json) fmt::print("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
+  if (command.json) ToStdout("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -15,6 +15,7 @@
 #include "bench/campaign/recompute.h"
 #include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/commands/record_report.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
@@ -86,24 +87,24 @@ CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
 
 void PrintCampaignText(const CampaignReport& campaign) {
   const nlohmann::json& report = campaign.json;
-  fmt::print("{}\n{:>6} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11}\n", report["folder"].get<std::string>(),
-             "cycle", "e_avg '", "e_max '", "lost '", "K1 Nm/rad", "K2 Nm/rad", "K3 Nm/rad");
+  ToStdout("{}\n{:>6} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11}\n", report["folder"].get<std::string>(), "cycle",
+           "e_avg '", "e_max '", "lost '", "K1 Nm/rad", "K2 Nm/rad", "K3 Nm/rad");
   for (const auto& row : report["cycles"]) {
-    fmt::print("{:>6}", row["cycle"].get<int>());
+    ToStdout("{:>6}", row["cycle"].get<int>());
     for (const auto& [key, width, decimals] :
          {std::tuple{"e_avg_arcmin", 9, 4}, std::tuple{"e_max_arcmin", 9, 4},
           std::tuple{"lost_motion_arcmin", 9, 4}, std::tuple{"k1_Nm_per_rad", 11, 1},
           std::tuple{"k2_Nm_per_rad", 11, 1}, std::tuple{"k3_Nm_per_rad", 11, 1}}) {
       const bool known = row.contains(key) && row[key].is_number();
-      known ? fmt::print(" {:>{}.{}f}", row[key].get<double>(), width, decimals)
-            : fmt::print(" {:>{}}", "-", width);
+      known ? ToStdout(" {:>{}.{}f}", row[key].get<double>(), width, decimals)
+            : ToStdout(" {:>{}}", "-", width);
     }
-    fmt::print("{}\n", row["equals_stored"].get<bool>() ? "" : "  differs from what is stored");
+    ToStdout("{}\n", row["equals_stored"].get<bool>() ? "" : "  differs from what is stored");
   }
-  fmt::print("{} of {} cycles equal what was stored while the campaign ran, bit for bit\n",
-             report["cycles_equal_to_stored"].get<std::size_t>(),
-             report["cycles_recomputed"].get<std::size_t>());
-  if (!campaign.checks.empty()) fmt::print("sensor checks\n{}", campaign.checks);
+  ToStdout("{} of {} cycles equal what was stored while the campaign ran, bit for bit\n",
+           report["cycles_equal_to_stored"].get<std::size_t>(),
+           report["cycles_recomputed"].get<std::size_t>());
+  if (!campaign.checks.empty()) ToStdout("sensor checks\n{}", campaign.checks);
 }
 
 int Recompute(const RecomputeOptions& options) {
@@ -120,10 +121,10 @@ int Recompute(const RecomputeOptions& options) {
       const bool computable = record.kind == "transmission_error" || record.kind == "hysteresis";
       if (!computable && record.source.first_data_line == 0) continue;
       reports.push_back(RecordJson(record, kMethods.at(options.method)));
-      if (!options.json) fmt::print("{}", RecordText(reports.back(), record.source.file));
+      if (!options.json) ToStdout("{}", RecordText(reports.back(), record.source.file));
       if (options.plots.empty()) continue;
       for (const auto& picture : DrawRecord(record, kMethods.at(options.method), options.plots)) {
-        fmt::print(stderr, "picture: {}.svg (and .png)\n", picture.string());
+        ToStderr("picture: {}.svg (and .png)\n", picture.string());
       }
     }
   }
@@ -133,7 +134,7 @@ int Recompute(const RecomputeOptions& options) {
         fmt::format("{}: error: no record to recompute (expected transmission_error or hysteresis)",
                     options.paths.front()));
   }
-  if (options.json) fmt::print("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
+  if (options.json) ToStdout("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
   return static_cast<int>(ExitCode::kDone);
 }
 

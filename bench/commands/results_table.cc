@@ -12,6 +12,7 @@
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/pictures.h"
 #include "bench/campaign/quality.h"
+#include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/plots/gnuplot.h"
 
@@ -46,24 +47,24 @@ std::vector<int> CyclesShown(const std::vector<CycleRow>& cycles) {
 }
 
 void PrintTable(const Journal& journal, const std::vector<int>& cycles) {
-  fmt::print("{:>6}", "cycle");
-  for (const auto& column : kColumns) fmt::print(" {:>{}}", column.title, column.width);
-  fmt::print("\n");
+  ToStdout("{:>6}", "cycle");
+  for (const auto& column : kColumns) ToStdout(" {:>{}}", column.title, column.width);
+  ToStdout("\n");
   for (const int cycle : cycles) {
     const std::vector<Result> results = journal.Results(cycle, 0);
-    fmt::print("{:>6}", cycle);
+    ToStdout("{:>6}", cycle);
     std::string flags;
     for (const auto& column : kColumns) {
       const auto result = FindResult(results, column.quantity);
       if (!result || std::isnan(result->value)) {
-        fmt::print(" {:>{}}", "-", column.width);
+        ToStdout(" {:>{}}", "-", column.width);
         continue;
       }
-      fmt::print(" {:>{}.{}f}", result->value, column.width, column.decimals);
+      ToStdout(" {:>{}.{}f}", result->value, column.width, column.decimals);
       if (!result->flag.empty() && flags.find(result->flag) == std::string::npos)
         flags += "  " + result->flag;
     }
-    fmt::print("{}\n", flags);
+    ToStdout("{}\n", flags);
   }
 }
 
@@ -72,8 +73,8 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
   if (cycles.size() < 2) return;
   const std::vector<Result> first = journal.Results(cycles.front(), 0);
   const std::vector<Result> last = journal.Results(cycles.back(), 0);
-  fmt::print("\nchange from cycle {} to {}, beside the repeatability limit of one difference (95 %)\n",
-             cycles.front(), cycles.back());
+  ToStdout("\nchange from cycle {} to {}, beside the repeatability limit of one difference (95 %)\n",
+           cycles.front(), cycles.back());
   for (const auto& column : kColumns) {
     const auto before = FindResult(first, column.quantity);
     const auto after = FindResult(last, column.quantity);
@@ -81,25 +82,25 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
     if (!before || !after || !gauge) continue;
     const double change = after->value - before->value;
     const double limit = gauge->value;
-    fmt::print("  {:22} {:>+12.{}f}   gauge {:>10.{}f}   {}\n", column.quantity, change, column.decimals + 1,
-               limit, column.decimals + 1,
-               std::abs(change) > limit ? "larger than the gauge" : "within the gauge");
+    ToStdout("  {:22} {:>+12.{}f}   gauge {:>10.{}f}   {}\n", column.quantity, change, column.decimals + 1,
+             limit, column.decimals + 1,
+             std::abs(change) > limit ? "larger than the gauge" : "within the gauge");
   }
 }
 
 void PrintMethods(const Journal& journal, const std::vector<int>& cycles) {
   if (cycles.empty()) return;
   const std::vector<Result> results = journal.Results(cycles.back(), 0);
-  fmt::print("\ncycle {}, three ways to read K from the same loops\n", cycles.back());
+  ToStdout("\ncycle {}, three ways to read K from the same loops\n", cycles.back());
   for (const auto& [title, middle] : {std::pair{"model", ""}, std::pair{"loading (secants)", "_loading"},
                                       std::pair{"backbone", "_backbone"}}) {
-    fmt::print("  {:18}", title);
+    ToStdout("  {:18}", title);
     for (const char* k : {"k1", "k2", "k3"}) {
       const auto value = FindResult(results, fmt::format("{}{}_Nm_per_rad", k, middle));
-      fmt::print(" {:>9.0f}", value ? value->value : std::nan(""));
-      if (value) fmt::print(" ± {:<5.0f}", value->standard_error);
+      ToStdout(" {:>9.0f}", value ? value->value : std::nan(""));
+      if (value) ToStdout(" ± {:<5.0f}", value->standard_error);
     }
-    fmt::print("  Nm/rad\n");
+    ToStdout("  Nm/rad\n");
   }
 }
 
@@ -128,12 +129,12 @@ nlohmann::json CycleJson(int cycle, const std::vector<Result>& results) {
 
 int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool json) {
   if (json) {
-    fmt::print("{}\n", CampaignJson(folder, journal).dump(2));
+    ToStdout("{}\n", CampaignJson(folder, journal).dump(2));
     return 0;
   }
   const std::vector<int> cycles = CyclesShown(journal.Cycles());
   if (cycles.empty()) {
-    fmt::print("no cycle is complete yet\ncampaign: {}\n", folder.root.string());
+    ToStdout("no cycle is complete yet\ncampaign: {}\n", folder.root.string());
     return 0;
   }
   PrintTable(journal, cycles);
@@ -141,20 +142,20 @@ int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool jso
   PrintMethods(journal, cycles);
   const std::vector<Hole> holes = journal.Holes();
   const double longest_pause_s = ReadFrozenInputs(folder).schedule.resume.longest_pause_s;
-  fmt::print(
+  ToStdout(
       "\n{} interruption(s), each in the journal's table holes; after a pause of up to {} it counts as the "
       "same "
       "test\n",
       holes.size(), DurationText(longest_pause_s));
-  fmt::print("\n");
+  ToStdout("\n");
   try {
     for (const auto& picture : DrawCampaign(folder, journal, folder.Pictures())) {
-      fmt::print("picture: {}.svg (and .png)\n", picture.string());
+      ToStdout("picture: {}.svg (and .png)\n", picture.string());
     }
   } catch (const GnuplotError& error) {
-    fmt::print(stderr, "no pictures: {}\n", error.what());
+    ToStderr("no pictures: {}\n", error.what());
   }
-  fmt::print("campaign: {}\n", folder.root.string());
+  ToStdout("campaign: {}\n", folder.root.string());
   return 0;
 }
 

@@ -11,6 +11,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/commands/pace.h"
 #include "bench/commands/person.h"
 #include "bench/commands/results_table.h"
@@ -67,7 +68,7 @@ void CheckDoubts(const BenchMachine& machine, Journal& journal) {
       refused += fmt::format("{}error: {}", refused.empty() ? "" : "\n", doubt.words);
       continue;
     }
-    fmt::print(stderr, "warning: {}\n", doubt.words);
+    ToStderr("warning: {}\n", doubt.words);
     journal.AddEvent(
         {0.0, UtcNow(), journal.LastCompleteCycle() + 1, "", "warning", "commissioning", doubt.words});
   }
@@ -95,7 +96,7 @@ int Run(const RunOptions& options) {
                     folder.root.string()));
   }
   for (const auto& finding : WarningsOf(inputs).items()) {
-    fmt::print(stderr, "{}\n", schedules::FormatFinding(options.schedule, finding));
+    ToStderr("{}\n", schedules::FormatFinding(options.schedule, finding));
   }
   if (!options.accept_expired) {
     RefuseToStart(CalibrationTroubles(CalibrationsOf(inputs.bench), {}, Today()), inputs.bench);
@@ -108,14 +109,15 @@ int Run(const RunOptions& options) {
   if (options.resume) {
     resume = PrepareResume(folder, inputs, journal, options.accept_pause);
     if (!resume) {
-      fmt::print(stderr, "{}: all cycles are complete; nothing to resume\n", folder.root.string());
+      ToStderr("{}: all cycles are complete; nothing to resume\n", folder.root.string());
       return PrintCampaign(folder, journal, options.json);
     }
     inputs.bench = BenchToResume(folder, journal);
   }
-  ListenToSignals();
+  ListenForRequests();
   CampaignEnd end;
   {
+    const LiveOutput output([] { return Requested() != StopRequest::kNone; });
     const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth), Ask);
     CheckDoubts(*machine, journal);
     if (!options.accept_expired) {
@@ -130,21 +132,21 @@ int Run(const RunOptions& options) {
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
     } catch (const std::exception&) {
       // The runner has made the bench safe before the exception left it; what is stored stays whole.
-      fmt::print(stderr,
-                 "stopped: torque is off, brakes are on, the campaign is whole; when the cause below is "
-                 "mended, go on "
-                 "with: strainwave run {} --out {} --resume\n",
-                 options.schedule, options.out);
+      ToStderr(
+          "stopped: torque is off, brakes are on, the campaign is whole; when the cause below is "
+          "mended, go on "
+          "with: strainwave run {} --out {} --resume\n",
+          options.schedule, options.out);
       throw;
     }
   }
   if (end.kind == CampaignEnd::Kind::kInterrupted) {
-    fmt::print(stderr, "stopped safely; go on with: strainwave run {} --out {} --resume\n", options.schedule,
-               options.out);
+    ToStderr("stopped safely; go on with: strainwave run {} --out {} --resume\n", options.schedule,
+             options.out);
   }
   PrintCampaign(folder, journal, options.json);
   for (const ChannelTrouble& bad : journal.ChannelTroubles()) {
-    fmt::print(stderr, "BAD CHANNEL {} at the end, since {}: {}\n", bad.channel, bad.since_utc, bad.reason);
+    ToStderr("BAD CHANNEL {} at the end, since {}: {}\n", bad.channel, bad.since_utc, bad.reason);
   }
   return static_cast<int>(CodeOf(end));
 }

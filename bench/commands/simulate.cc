@@ -9,6 +9,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/diagnosis/make_study.h"
 #include "bench/diagnosis/record_checks.h"
 #include "bench/diagnosis/simulate_record.h"
@@ -72,15 +73,15 @@ int Simulate(const SimulateOptions& options) {
   Write(record, options.out);
   const std::string sha256 = Sha256(ReadText(options.out));
   if (options.json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"record", options.out},
-                                              {"kind", record.kind},
-                                              {"rows", record.rows()},
-                                              {"seed", options.seed},
-                                              {"noise", options.no_noise ? 0.0 : model.noise},
-                                              {"sha256", sha256}}
-                           .dump(2));
+    ToStdout("{}\n", nlohmann::ordered_json{{"record", options.out},
+                                            {"kind", record.kind},
+                                            {"rows", record.rows()},
+                                            {"seed", options.seed},
+                                            {"noise", options.no_noise ? 0.0 : model.noise},
+                                            {"sha256", sha256}}
+                         .dump(2));
   } else {
-    fmt::print("{}: {}, {} rows, seed {}\n", options.out, record.kind, record.rows(), options.seed);
+    ToStdout("{}: {}, {} rows, seed {}\n", options.out, record.kind, record.rows(), options.seed);
   }
   return static_cast<int>(ExitCode::kDone);
 }

@@ -12,6 +12,7 @@
 #include "bench/campaign/cycle_results.h"
 #include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
 #include "schedules/reader/plan.h"
@@ -85,35 +86,35 @@ Status StatusOf(const CampaignFolder& folder) {
 }
 
 void Print(const Status& status, const CampaignFolder& folder) {
-  fmt::print("{}: {}\n", folder.root.string(),
-             status.process > 0                 ? fmt::format("running in process {}", status.process)
-             : status.complete == status.cycles ? "complete"
-                                                : "not running");
-  fmt::print("  cycles       {} of {} complete\n", status.complete, status.cycles);
+  ToStdout("{}: {}\n", folder.root.string(),
+           status.process > 0                 ? fmt::format("running in process {}", status.process)
+           : status.complete == status.cycles ? "complete"
+                                              : "not running");
+  ToStdout("  cycles       {} of {} complete\n", status.complete, status.cycles);
   if (!status.phase_outcome.empty()) {
-    fmt::print("  phase        {} ({}), load credited in this cycle {:.0f} s\n", status.phase,
-               status.phase_outcome, status.credited_load_s);
+    ToStdout("  phase        {} ({}), load credited in this cycle {:.0f} s\n", status.phase,
+             status.phase_outcome, status.credited_load_s);
   }
-  fmt::print("  bench time   {} so far, about {} to go\n", DurationText(status.bench_time_s),
-             DurationText(status.remaining_s));
+  ToStdout("  bench time   {} so far, about {} to go\n", DurationText(status.bench_time_s),
+           DurationText(status.remaining_s));
   for (const Result& result : status.last_results) {
-    fmt::print("  {:28} {:12.5g} ± {:.2g}{}\n", result.quantity, result.value, result.standard_error,
-               result.flag.empty() ? "" : "  " + result.flag);
+    ToStdout("  {:28} {:12.5g} ± {:.2g}{}\n", result.quantity, result.value, result.standard_error,
+             result.flag.empty() ? "" : "  " + result.flag);
   }
   for (const auto& [source, count] : status.samples) {
-    fmt::print("  samples of {}: {:.0f} received, {:.0f} lost, in all complete cycles\n", source,
-               count.received, count.lost);
+    ToStdout("  samples of {}: {:.0f} received, {:.0f} lost, in all complete cycles\n", source,
+             count.received, count.lost);
   }
-  if (!status.checks.empty()) fmt::print("sensor checks\n{}", CheckText(status.checks));
+  if (!status.checks.empty()) ToStdout("sensor checks\n{}", CheckText(status.checks));
   for (const ChannelTrouble& bad : status.bad_channels) {
-    fmt::print("  BAD CHANNEL {} {} {}: {}\n", bad.channel,
-               status.process > 0 ? "since" : "at the end, since", bad.since_utc, bad.reason);
+    ToStdout("  BAD CHANNEL {} {} {}: {}\n", bad.channel, status.process > 0 ? "since" : "at the end, since",
+             bad.since_utc, bad.reason);
   }
-  for (const Event& alarm : status.alarms) fmt::print("  ALARM {}: {}\n", alarm.utc, alarm.text);
-  fmt::print("  holes        {}; after a pause of up to {} it counts as the same test\n", status.holes.size(),
-             DurationText(status.longest_pause_s));
+  for (const Event& alarm : status.alarms) ToStdout("  ALARM {}: {}\n", alarm.utc, alarm.text);
+  ToStdout("  holes        {}; after a pause of up to {} it counts as the same test\n", status.holes.size(),
+           DurationText(status.longest_pause_s));
   for (const Event& event : status.events) {
-    fmt::print("  {} cycle {} {}: {}\n", event.utc, event.cycle, event.severity, event.text);
+    ToStdout("  {} cycle {} {}: {}\n", event.utc, event.cycle, event.severity, event.text);
   }
 }
 
@@ -171,7 +172,7 @@ void AddStatus(CLI::App& app, Action& action) {
     action = [options] {
       const CampaignFolder folder{options->folder};
       const Status status = StatusOf(folder);
-      options->json ? fmt::print("{}\n", Json(status).dump(2)) : Print(status, folder);
+      options->json ? ToStdout("{}\n", Json(status).dump(2)) : Print(status, folder);
       return static_cast<int>(ExitCode::kDone);
     };
   });

@@ -11,6 +11,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 
 namespace strainwave::bench {
 namespace {
@@ -38,7 +39,7 @@ int Stop(const StopOptions& options) {
   if (::kill(process, Signals().at(options.verb)) != 0) {
     throw std::system_error(errno, std::generic_category(), fmt::format("process {}", process));
   }
-  fmt::print("asked process {} for: {}\n", process, options.verb);
+  ToStdout("asked process {} for: {}\n", process, options.verb);
   return static_cast<int>(ExitCode::kDone);
 }
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/commands/terminal.h"
-
-#include <unistd.h>
+#include "bench/commands/output.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include <fmt/core.h>
 
@@ -28,20 +26,6 @@ std::string DurationText(double time_s) {
   return fmt::format("{} s", seconds);
 }
 
-TerminalLine::TerminalLine() : is_terminal_(::isatty(STDERR_FILENO) == 1) {}
-
-void TerminalLine::Show(std::string_view text) {
-  if (!is_terminal_) return;
-  fmt::print(stderr, "\r\033[K{}", text);
-  std::fflush(stderr);
-  open_ = true;
-}
-
-void TerminalLine::Clear() {
-  if (open_) fmt::print(stderr, "\r\033[K");
-  open_ = false;
-}
-
 void ShareLine::Show(const std::string& step, double share) {
   const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   const std::string left = share > 0.02 ? DurationText(elapsed_s * (1.0 - share) / share) + " left" : "";
@@ -53,7 +37,7 @@ TerminalProgress::TerminalProgress() : start_(steady_clock::now()) {}
 void TerminalProgress::Update(const ProgressState& state) {
   if (first_share_ < 0.0) first_share_ = state.share;
   const auto now = steady_clock::now();
-  if (now - last_draw_ < (line_.is_terminal() ? kTerminalInterval : kLogInterval)) return;
+  if (now - last_draw_ < (StderrIsTerminal() ? kTerminalInterval : kLogInterval)) return;
   last_draw_ = now;
   const double done = state.share - first_share_;
   const double elapsed_s = duration<double>(now - start_).count();
@@ -68,10 +52,10 @@ void TerminalProgress::Draw(const ProgressState& state, double eta_s) {
   std::string bad;
   for (const ChannelTrouble& channel : state.bad_channels) {
     bad += fmt::format("{}{}", bad.empty() ? "  BAD " : ", ", channel.channel);
-    if (!line_.is_terminal()) bad += fmt::format(" ({})", channel.reason);
+    if (!StderrIsTerminal()) bad += fmt::format(" ({})", channel.reason);
   }
-  if (!line_.is_terminal()) {
-    fmt::print(stderr, "{:5.1f} %  {}  {} left{}\n", 100.0 * state.share, where, eta, bad);
+  if (!StderrIsTerminal()) {
+    ToStderr("{:5.1f} %  {}  {} left{}\n", 100.0 * state.share, where, eta, bad);
     return;
   }
   const int full = static_cast<int>(std::lround(state.share * kBarWidth));
@@ -81,11 +65,10 @@ void TerminalProgress::Draw(const ProgressState& state, double eta_s) {
 }
 
 void TerminalProgress::Message(std::string_view severity, std::string_view text) {
-  line_.Clear();
   if (severity == "info") {
-    fmt::print(stderr, "{}\n", text);
+    ToStderr("{}\n", text);
   } else {
-    fmt::print(stderr, "{}: {}\n", severity, text);
+    ToStderr("{}: {}\n", severity, text);
   }
 }
 

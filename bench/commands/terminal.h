@@ -6,27 +6,23 @@
 #include <string_view>
 
 #include "bench/campaign/progress.h"
+#include "bench/commands/output.h"
 
 namespace strainwave::bench {
 
 /// "1 h 05 min", "3 min 20 s", "12 s": for people.
 std::string DurationText(double time_s);
 
-/// A line of standard error that is written anew in place: for terminals, silent elsewhere.
+/// The line of a terminal that is written anew in place (`ShowLine`), taken away at the end.
 class TerminalLine {
  public:
-  TerminalLine();
+  TerminalLine() = default;
   ~TerminalLine() { Clear(); }
   TerminalLine(const TerminalLine&) = delete;
   TerminalLine& operator=(const TerminalLine&) = delete;
 
-  bool is_terminal() const { return is_terminal_; }
-  void Show(std::string_view text);
-  void Clear();
-
- private:
-  bool is_terminal_;
-  bool open_{};
+  void Show(std::string_view text) { ShowLine(text); }
+  void Clear() { ShowLine({}); }
 };
 
 /// Long work as one line of a terminal: the share done, the step, and the time left.

@@ -3,12 +3,12 @@
 #include <memory>
 #include <mutex>
 
-#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/commands/train_report.h"
 #include "bench/plots/gnuplot.h"
@@ -62,18 +62,18 @@ int Run(const TrainCommand& command) {
   }
   line.Clear();
   if (command.json) {
-    fmt::print("{}\n", nlohmann::ordered_json::parse(outcome.report_json).dump(2));
+    ToStdout("{}\n", nlohmann::ordered_json::parse(outcome.report_json).dump(2));
   } else {
     PrintTrainingReport(data, outcome);
-    if (outcome.predictor) fmt::print("\npredictor: {}\n", command.out);
-    for (const auto& picture : pictures) fmt::print("picture: {}.svg (and .png)\n", picture.string());
+    if (outcome.predictor) ToStdout("\npredictor: {}\n", command.out);
+    for (const auto& picture : pictures) ToStdout("picture: {}.svg (and .png)\n", picture.string());
     if (outcome.predictor) {
-      fmt::print("next: strainwave predict {} RECORD, or strainwave export {} --out DIR\n", command.out,
-                 command.out);
+      ToStdout("next: strainwave predict {} RECORD, or strainwave export {} --out DIR\n", command.out,
+               command.out);
     }
   }
   if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
-  fmt::print(stderr, "error: no pictures: {}\n", picture_trouble);
+  ToStderr("error: no pictures: {}\n", picture_trouble);
   return static_cast<int>(ExitCode::kMachineFailed);
 }
 

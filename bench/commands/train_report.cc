@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/commands/train_report.h"
+#include "bench/commands/output.h"
 
 #include <algorithm>
 #include <set>
@@ -21,61 +22,60 @@ void PrintFeatures(const TrainingData& data, const FilterSummary& filter) {
   std::vector<std::string> from;
   if (campaigns > 0) from.push_back(fmt::format("{} campaign{}", campaigns, campaigns == 1 ? "" : "s"));
   if (files > 0) from.push_back(fmt::format("{} record{}", files, files == 1 ? "" : "s"));
-  fmt::print("{} {} of {}", data.samples.size(), data.recipe.window == WindowLength{} ? "records" : "windows",
-             fmt::join(from, " and "));
+  ToStdout("{} {} of {}", data.samples.size(), data.recipe.window == WindowLength{} ? "records" : "windows",
+           fmt::join(from, " and "));
   if (data.recipe.window.turns > 0)
-    fmt::print(", each of {} turns of the input shaft", data.recipe.window.turns);
-  if (data.recipe.window.samples > 0) fmt::print(", each of {} samples", data.recipe.window.samples);
-  fmt::print("; {} of {} vibration features kept (|r| filter on {} records)", filter.vibration_kept,
-             filter.vibration_features, filter.records);
+    ToStdout(", each of {} turns of the input shaft", data.recipe.window.turns);
+  if (data.recipe.window.samples > 0) ToStdout(", each of {} samples", data.recipe.window.samples);
+  ToStdout("; {} of {} vibration features kept (|r| filter on {} records)", filter.vibration_kept,
+           filter.vibration_features, filter.records);
   if (filter.torque_features > 0) {
-    fmt::print("; {} of {} torque features say nothing new, and none is used",
-               filter.torque_features - filter.torque_kept, filter.torque_features);
+    ToStdout("; {} of {} torque features say nothing new, and none is used",
+             filter.torque_features - filter.torque_kept, filter.torque_features);
   }
-  fmt::print("\n");
+  ToStdout("\n");
 }
 
 void PrintSearch(const std::vector<prediction::Trial>& trials) {
   if (trials.empty()) return;
-  fmt::print(
+  ToStdout(
       "\nsearch on the training side of the first split (one network a fold; the smallest within one "
       "standard error of the best is taken):\n  {:<28} {:>11} {:>18}\n",
       "hidden layers", "parameters", "error, %");
   for (const prediction::Trial& trial : trials) {
-    fmt::print("  {:<28} {:>11} {:>11.3f} ± {:.3f}{}\n", trial.candidate.Name(), trial.parameters,
-               trial.error_percent, trial.standard_error_percent, &trial == &trials.front() ? "  taken" : "");
+    ToStdout("  {:<28} {:>11} {:>11.3f} ± {:.3f}{}\n", trial.candidate.Name(), trial.parameters,
+             trial.error_percent, trial.standard_error_percent, &trial == &trials.front() ? "  taken" : "");
   }
 }
 
 void PrintValues(const std::vector<prediction::Contestant>& contestants,
                  const std::vector<std::string>& outputs) {
-  fmt::print("  {:<20}", "MAPE, %");
-  for (const std::string& output : outputs) fmt::print(" {:>15}", output);
-  fmt::print(" {:>8}\n", "mean");
+  ToStdout("  {:<20}", "MAPE, %");
+  for (const std::string& output : outputs) ToStdout(" {:>15}", output);
+  ToStdout(" {:>8}\n", "mean");
   for (const prediction::Contestant& contestant : contestants) {
-    fmt::print("  {:<20}", contestant.name);
-    for (const prediction::OutputScore& score : contestant.scores)
-      fmt::print(" {:>15.3f}", score.mape_percent);
-    fmt::print(" {:>8.3f}\n", contestant.Error_percent());
+    ToStdout("  {:<20}", contestant.name);
+    for (const prediction::OutputScore& score : contestant.scores) ToStdout(" {:>15.3f}", score.mape_percent);
+    ToStdout(" {:>8.3f}\n", contestant.Error_percent());
   }
 }
 
 void PrintAccuracies(const std::vector<prediction::Contestant>& contestants) {
-  fmt::print("  {:<20} {:>12}\n", "", "accuracy, %");
+  ToStdout("  {:<20} {:>12}\n", "", "accuracy, %");
   for (const prediction::Contestant& contestant : contestants) {
-    fmt::print("  {:<20} {:>12.2f}\n", contestant.name, 100.0 - contestant.Error_percent());
+    ToStdout("  {:<20} {:>12.2f}\n", contestant.name, 100.0 - contestant.Error_percent());
   }
 }
 
 void PrintConfusion(const Eigen::MatrixXi& confusion, const std::vector<std::string>& classes) {
-  fmt::print("  {:<24}", "own class, given as");
-  for (const std::string& name : classes) fmt::print(" {:>14}", name);
-  fmt::print("\n");
+  ToStdout("  {:<24}", "own class, given as");
+  for (const std::string& name : classes) ToStdout(" {:>14}", name);
+  ToStdout("\n");
   for (Eigen::Index own = 0; own < confusion.rows(); ++own) {
-    fmt::print("  {:<24}", classes[static_cast<std::size_t>(own)]);
+    ToStdout("  {:<24}", classes[static_cast<std::size_t>(own)]);
     for (Eigen::Index given = 0; given < confusion.cols(); ++given)
-      fmt::print(" {:>14}", confusion(own, given));
-    fmt::print("\n");
+      ToStdout(" {:>14}", confusion(own, given));
+    ToStdout("\n");
   }
 }
 
@@ -90,7 +90,7 @@ void PrintLonelyClasses(const prediction::Samples& samples) {
       }
     }
     if (specimens.size() > 1) continue;
-    fmt::print(
+    ToStdout(
         "  note: {} stands in one file or specimen alone: left out, nothing teaches it; another record of "
         "it would tell\n",
         samples.outputs[k]);
@@ -98,46 +98,46 @@ void PrintLonelyClasses(const prediction::Samples& samples) {
 }
 
 void PrintFolds(const TrainingData& data, const FoldResult& folds) {
-  fmt::print("\n{} folds of {}, each predicted by what had not seen it:\n", folds.error_percent.size(),
-             folds.of);
+  ToStdout("\n{} folds of {}, each predicted by what had not seen it:\n", folds.error_percent.size(),
+           folds.of);
   if (data.samples.classes) {
-    fmt::print("  accuracy {:.2f} %; by fold", 100.0 - folds.contestants.front().Error_percent());
-    for (const double error : folds.error_percent) fmt::print(" {:.1f}", 100.0 - error);
-    fmt::print("\n");
+    ToStdout("  accuracy {:.2f} %; by fold", 100.0 - folds.contestants.front().Error_percent());
+    for (const double error : folds.error_percent) ToStdout(" {:.1f}", 100.0 - error);
+    ToStdout("\n");
     PrintConfusion(folds.contestants.front().confusion, data.samples.outputs);
     PrintLonelyClasses(data.samples);
     return;
   }
   PrintValues(folds.contestants, data.samples.outputs);
-  fmt::print("  mean MAPE of the network {:.3f} %; by fold", folds.contestants.front().Error_percent());
-  for (const double error : folds.error_percent) fmt::print(" {:.3f}", error);
-  fmt::print("\n");
+  ToStdout("  mean MAPE of the network {:.3f} %; by fold", folds.contestants.front().Error_percent());
+  for (const double error : folds.error_percent) ToStdout(" {:.3f}", error);
+  ToStdout("\n");
 }
 
 void PrintIntervals(const std::vector<std::string>& outputs, const prediction::FittedPredictor& fitted,
                     const FoldResult& folds) {
-  fmt::print("\n{:.0f} % intervals, in root mean square errors of records that no network had seen:\n",
-             100.0 * fitted.band.coverage);
+  ToStdout("\n{:.0f} % intervals, in root mean square errors of records that no network had seen:\n",
+           100.0 * fitted.band.coverage);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
-    fmt::print("  {:<20} ±{:.2f} × {:.4g}; calibrated without each fold in turn they held {:.1f} %\n",
-               outputs[i], fitted.band.factor(column), fitted.residual(column),
-               100.0 * folds.interval_coverage(column));
+    ToStdout("  {:<20} ±{:.2f} × {:.4g}; calibrated without each fold in turn they held {:.1f} %\n",
+             outputs[i], fitted.band.factor(column), fitted.residual(column),
+             100.0 * folds.interval_coverage(column));
   }
   if (!fitted.band.guaranteed) {
-    fmt::print("  too few reducers for a guarantee: these are the widest errors that were seen\n");
+    ToStdout("  too few reducers for a guarantee: these are the widest errors that were seen\n");
   }
 }
 
 void PrintCurve(const std::vector<prediction::LearningPoint>& curve, const std::string& split) {
   if (curve.empty()) return;
-  fmt::print(
+  ToStdout(
       "\nhow few measured records would do (error in % on {}; chosen actively: each as far as can be from "
       "all "
       "chosen before):\n  {:>8} {:>10} {:>10}\n",
       split, "records", "actively", "evenly");
   for (const prediction::LearningPoint& point : curve) {
-    fmt::print("  {:>8} {:>10.3f} {:>10.3f}\n", point.count, point.active_percent, point.even_percent);
+    ToStdout("  {:>8} {:>10.3f} {:>10.3f}\n", point.count, point.active_percent, point.even_percent);
   }
 }
 
@@ -148,25 +148,25 @@ void PrintTrainingReport(const TrainingData& data, const TrainingOutcome& outcom
   PrintFeatures(data, outcome.filter);
   PrintSearch(outcome.trials);
   for (const SplitResult& split : outcome.splits) {
-    fmt::print("\n{} ({}): trained on {}, tested on {} records\n", split.name, split.meaning, split.train,
-               split.test);
+    ToStdout("\n{} ({}): trained on {}, tested on {} records\n", split.name, split.meaning, split.train,
+             split.test);
     classes ? PrintAccuracies(split.contestants) : PrintValues(split.contestants, data.samples.outputs);
   }
   if (outcome.predictor) PrintFolds(data, outcome.folds);
   PrintCurve(outcome.curve, outcome.splits.front().name);
   if (!classes && outcome.predictor)
     PrintIntervals(data.samples.outputs, outcome.predictor->fitted, outcome.folds);
-  fmt::print("\nwhat the inputs are worth (rise of the {} when they are shuffled):\n",
-             classes ? "share of wrong classes" : "mean MAPE");
+  ToStdout("\nwhat the inputs are worth (rise of the {} when they are shuffled):\n",
+           classes ? "share of wrong classes" : "mean MAPE");
   for (const prediction::Importance& importance : outcome.importances) {
-    fmt::print("  {:<40} {:+.3f} ± {:.3f} %\n", importance.name, importance.error_rise_percent,
-               importance.standard_error_percent);
+    ToStdout("  {:<40} {:+.3f} ± {:.3f} %\n", importance.name, importance.error_rise_percent,
+             importance.standard_error_percent);
   }
   constexpr std::size_t kMostNotes = 10;
   for (std::size_t i = 0; i < std::min(kMostNotes, data.notes.size()); ++i)
-    fmt::print("note: {}\n", data.notes[i]);
+    ToStdout("note: {}\n", data.notes[i]);
   if (data.notes.size() > kMostNotes) {
-    fmt::print("note: and {} more, all in predictor.json\n", data.notes.size() - kMostNotes);
+    ToStdout("note: and {} more, all in predictor.json\n", data.notes.size() - kMostNotes);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/controller/interlocks.h"
 #include "schedules/reader/plan.h"
@@ -67,54 +68,54 @@ std::string BytesText(double bytes) {
 
 void PrintPhases(const char* title, const std::vector<schedules::PhaseTime>& phases) {
   if (phases.empty()) return;
-  fmt::print("{}\n", title);
+  ToStdout("{}\n", title);
   for (const auto& phase : phases) {
-    fmt::print("  {:24} {:22} {:>14}{}\n", phase.name, phase.kind, DurationText(phase.total_s()),
-               phase.at_most ? "  at most" : "");
+    ToStdout("  {:24} {:22} {:>14}{}\n", phase.name, phase.kind, DurationText(phase.total_s()),
+             phase.at_most ? "  at most" : "");
   }
 }
 
 void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life) {
-  fmt::print("{}: {} cycles on {} ({})\n\n", schedule.name, schedule.cycles, schedule.specimen.identity,
-             schedule.specimen.model);
+  ToStdout("{}: {} cycles on {} ({})\n\n", schedule.name, schedule.cycles, schedule.specimen.identity,
+           schedule.specimen.model);
   PrintPhases("once, before the first cycle", plan.preparation);
   if (plan.repeats.total_s() > 0.0) {
-    fmt::print("  {:24} {:22} {:>14}\n",
-               fmt::format("measurements, {} times", schedule.measurements.repeatability_repeats),
-               "repeatability", DurationText(plan.repeats.total_s()));
+    ToStdout("  {:24} {:22} {:>14}\n",
+             fmt::format("measurements, {} times", schedule.measurements.repeatability_repeats),
+             "repeatability", DurationText(plan.repeats.total_s()));
   }
   PrintPhases("each cycle", plan.phases);
-  fmt::print("  {:47} {:>14}\n\n", "one cycle", DurationText(plan.cycle.total_s()));
-  fmt::print("load time       {:>14}\n", DurationText(plan.load_s));
-  fmt::print("measuring time  {:>14}\n", DurationText(plan.measuring_s));
-  fmt::print("other time      {:>14}   ramps, soaks, locks\n", DurationText(plan.other_s));
-  fmt::print("wall time       {:>14}   {:+.0f} % over the load time\n", DurationText(plan.wall_s),
-             plan.load_s > 0.0 ? 100.0 * (plan.wall_s / plan.load_s - 1.0) : 0.0);
-  fmt::print("expected end    {:%Y-%m-%d %H:%M} UTC, started now\n\n",
-             fmt::gmtime(std::chrono::system_clock::to_time_t(plan.expected_end)));
-  fmt::print("disk\n");
+  ToStdout("  {:47} {:>14}\n\n", "one cycle", DurationText(plan.cycle.total_s()));
+  ToStdout("load time       {:>14}\n", DurationText(plan.load_s));
+  ToStdout("measuring time  {:>14}\n", DurationText(plan.measuring_s));
+  ToStdout("other time      {:>14}   ramps, soaks, locks\n", DurationText(plan.other_s));
+  ToStdout("wall time       {:>14}   {:+.0f} % over the load time\n", DurationText(plan.wall_s),
+           plan.load_s > 0.0 ? 100.0 * (plan.wall_s / plan.load_s - 1.0) : 0.0);
+  ToStdout("expected end    {:%Y-%m-%d %H:%M} UTC, started now\n\n",
+           fmt::gmtime(std::chrono::system_clock::to_time_t(plan.expected_end)));
+  ToStdout("disk\n");
   for (const auto& stream : plan.streams) {
-    fmt::print("  {:38} {:>10} rows a cycle {:>12}\n", stream.name, stream.rows_per_cycle,
-               BytesText(static_cast<double>(stream.bytes_total)));
+    ToStdout("  {:38} {:>10} rows a cycle {:>12}\n", stream.name, stream.rows_per_cycle,
+             BytesText(static_cast<double>(stream.bytes_total)));
   }
-  fmt::print("  {:38} {:>23} {:>12}\n\n", "together", "", BytesText(static_cast<double>(plan.disk_bytes)));
+  ToStdout("  {:38} {:>23} {:>12}\n\n", "together", "", BytesText(static_cast<double>(plan.disk_bytes)));
   const auto& specimen = schedule.specimen;
-  fmt::print(
+  ToStdout(
       "life\n  wave-generator bearing: {:.1f} % of L10 used by the whole campaign (cube law, Miner sum; "
       "{:.4f} % a "
       "cycle)\n",
       100.0 * life.whole_share, 100.0 * life.cycle_share);
-  fmt::print(
+  ToStdout(
       "  highest load {:.1f} Nm: ratcheting at {:.0f} Nm is {:.1f} times that, buckling at {:.0f} Nm {:.1f} "
       "times\n\n",
       life.peak_torque_Nm, specimen.ratcheting_torque_Nm, life.margins.ratcheting,
       specimen.buckling_torque_Nm, life.margins.buckling);
-  fmt::print("interlocks, watched every control period in every phase\n");
+  ToStdout("interlocks, watched every control period in every phase\n");
   for (const auto& row : Interlocks::Table()) {
-    fmt::print("  {:22} {:28} {}\n", row.signal, row.limit, row.action);
+    ToStdout("  {:22} {:28} {}\n", row.signal, row.limit, row.action);
   }
-  fmt::print("\nafter a pause the test counts as the same for up to {}; longer needs --accept-pause\n",
-             DurationText(schedule.resume.longest_pause_s));
+  ToStdout("\nafter a pause the test counts as the same for up to {}; longer needs --accept-pause\n",
+           DurationText(schedule.resume.longest_pause_s));
 }
 
 nlohmann::json PhasesJson(const std::vector<schedules::PhaseTime>& phases) {
@@ -149,7 +150,7 @@ void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan,
       {"bearing_life_share", life.whole_share},
       {"ratcheting_margin", life.margins.ratcheting},
       {"buckling_margin", life.margins.buckling}};
-  fmt::print("{}\n", document.dump(2));
+  ToStdout("{}\n", document.dump(2));
 }
 
 int Validate(const ValidateOptions& options) {
@@ -157,7 +158,7 @@ int Validate(const ValidateOptions& options) {
       ReadInputs(options.schedule,
                  options.bench.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.bench));
   for (const auto& finding : WarningsOf(inputs).items()) {
-    fmt::print(stderr, "{}\n", schedules::FormatFinding(options.schedule, finding));
+    ToStderr("{}\n", schedules::FormatFinding(options.schedule, finding));
   }
   const schedules::Plan plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
   const LifePlan life = LifeOf(inputs.schedule, plan);

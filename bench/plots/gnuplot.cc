@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -48,6 +49,27 @@ std::string ReadAll(std::FILE* file) {
   return text;
 }
 
+// Signals as usual, however this program takes its own.
+class SpawnAttributes {
+ public:
+  SpawnAttributes() {
+    sigset_t signals;
+    posix_spawnattr_init(&attributes_);
+    sigemptyset(&signals);
+    posix_spawnattr_setsigmask(&attributes_, &signals);
+    for (const int signal : {SIGPIPE, SIGTTIN, SIGTTOU}) sigaddset(&signals, signal);
+    posix_spawnattr_setsigdefault(&attributes_, &signals);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~SpawnAttributes() { posix_spawnattr_destroy(&attributes_); }
+  SpawnAttributes(const SpawnAttributes&) = delete;
+  SpawnAttributes& operator=(const SpawnAttributes&) = delete;
+  const posix_spawnattr_t* get() const { return &attributes_; }
+
+ private:
+  posix_spawnattr_t attributes_;
+};
+
 class SpawnActions {
  public:
   SpawnActions() { posix_spawn_file_actions_init(&actions_); }
@@ -73,6 +95,7 @@ void RunScript(const std::string& program, const std::string& script) {
   // The child shares the offset of the file.
   lseek(fileno(in.get()), 0, SEEK_SET);
 
+  const SpawnAttributes attributes;
   SpawnActions actions;
   actions.Redirect(fileno(in.get()), STDIN_FILENO);
   actions.Redirect(fileno(complaints.get()), STDOUT_FILENO);
@@ -82,7 +105,8 @@ void RunScript(const std::string& program, const std::string& script) {
   std::string script_file = "/dev/stdin";
   char* arguments[] = {name.data(), script_file.data(), nullptr};
   pid_t child = 0;
-  if (const int error = posix_spawnp(&child, program.c_str(), actions.get(), nullptr, arguments, environ);
+  if (const int error =
+          posix_spawnp(&child, program.c_str(), actions.get(), attributes.get(), arguments, environ);
       error != 0) {
     throw GnuplotError(fmt::format("{} could not be started: {} (expected the package gnuplot-nox)", program,
                                    std::strerror(error)));
