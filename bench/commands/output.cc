@@ -74,7 +74,7 @@ class Stream {
 
   void Drain() {
     std::unique_lock lock(mutex_);
-    Await(lock, [&] { return !IsWaiting() && !writing_; });
+    if (served_) Await(lock, [&] { return !IsWaiting() && !writing_; });
   }
 
   bool drops() {

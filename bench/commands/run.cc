@@ -76,6 +76,8 @@ void CheckDoubts(const BenchMachine& machine, Journal& journal) {
 }
 
 int Run(const RunOptions& options) {
+  ListenForRequests();
+  const LiveOutput output([] { return Requested() != StopRequest::kNone; });
   const double pace = ParsePace(options.pace);
   const CampaignFolder folder{options.out};
   const std::optional<std::filesystem::path> bench_file =
@@ -114,10 +116,8 @@ int Run(const RunOptions& options) {
     }
     inputs.bench = BenchToResume(folder, journal);
   }
-  ListenForRequests();
   CampaignEnd end;
   {
-    const LiveOutput output([] { return Requested() != StopRequest::kNone; });
     const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth), Ask);
     CheckDoubts(*machine, journal);
     if (!options.accept_expired) {
