@@ -262,6 +262,13 @@ class Monitor(unittest.TestCase):
             code = monitor.end()
         self.assertEqual(code, 130)
 
+    def test_every_signal_ends_it_as_ctrl_c_does(self):
+        for number in (signal.SIGHUP, signal.SIGTSTP, signal.SIGUSR1, signal.SIGTERM):
+            monitor = self.stream()
+            until(monitor.lines)
+            self.assertEqual(monitor.end(number), 130, number)
+            self.assertRegex(pathlib.Path(monitor.errors.name).read_text(), r"windows: \d+ good, \d+ bad")
+
     def test_a_plc_reads_registers_with_their_status(self):
         monitor = self.stream("modbus:\n  port: 0\n")
         try:

@@ -85,6 +85,19 @@ TEST(HouseRules, FilesStayShort) {
   }
 }
 
+// Whoever writes past it waits for a stopped terminal, dies of a closed pipe or throws on a full disk.
+TEST(HouseRules, CommandsWriteThroughOneDoor) {
+  const std::regex past(
+      R"(fmt::print|\bprintf\(|std::(cout|cerr|clog|puts|putchar|perror)\b|\b(stdout|stderr)\b[,)])");
+  for (const SourceFile& file : ReadCode()) {
+    if (!file.path.starts_with("bench/") || !IsCpp(file.path) || file.path == "bench/commands/output.cc")
+      continue;
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      EXPECT_FALSE(std::regex_search(file.lines[i], past)) << file.path << ":" << i + 1;
+    }
+  }
+}
+
 TEST(HouseRules, NothingIsLeftForLater) {
   // Put together here, so that this file does not find itself.
   const std::string marks[] = {std::string("TO") + "DO", std::string("FIX") + "ME"};
