@@ -101,7 +101,7 @@ class Signals(unittest.TestCase):
 
     def test_a_softer_end_never_takes_back_a_stop(self):
         campaign = Campaign(PROGRAM, FOLDER / "softer").start().reach()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGUSR2, signal.SIGINT):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGUSR2):
             campaign.process.send_signal(number)
         self.assertEqual(campaign.faults_after(campaign.end(), "quick_stop"), [])
 
