@@ -179,6 +179,16 @@ std::optional<bool> ModbusServoDrive::tells_brake_engaged() const noexcept {
   return brake.value == profile_.brake_engaged;
 }
 
+nanoseconds ModbusServoDrive::poll_period() const {
+  const auto period = [this](std::size_t index) { return map_.registers[index].poll_period; };
+  return std::max({period(at_.status), period(at_.actual_speed), period(at_.actual_torque)});
+}
+
+std::string ModbusServoDrive::fault() const {
+  if (Power() != PowerState::kFault) return {};
+  return FaultWords(at_.fault_code ? client_.Value(*at_.fault_code).value : ChannelValue{}.value);
+}
+
 std::string ModbusServoDrive::identity() const {
   std::string words;
   for (const auto& [name, at] : {std::pair{"product", at_.product_code}, {"serial", at_.serial_number}}) {

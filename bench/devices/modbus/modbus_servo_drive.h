@@ -69,6 +69,11 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   /// As it reads back; nothing where that is not known. Other than `Actual()` no sign of life of a control
   /// loop.
   std::optional<bool> tells_brake_engaged() const noexcept;
+  /// How often state, speed and torque are asked for, the slowest of them.
+  std::chrono::nanoseconds poll_period() const;
+  /// "in fault, code 17 (11h)"; empty while it says nothing of a fault. No sign of life of a control loop
+  /// either.
+  std::string fault() const;
   /// "product 402, serial 4711", as far as its map names them and it has said; empty where the map names
   /// none.
   std::string identity() const;

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
@@ -35,6 +36,7 @@ constexpr Need kNeeds[] = {
     {"watchdog", "", false, false, true, true},
     {"product_code", "", true, false, false, true},
     {"serial_number", "", true, false, false, true},
+    {"fault_code", "", true, false, false, true},
 };
 
 void CheckNeed(const mb::RegisterMap& map, const Need& need, std::vector<std::string>& problems) {
@@ -163,7 +165,15 @@ ModbusServoRegisters FindServoRegisters(const mb::RegisterMap& map, const Modbus
   at.watchdog = Find(map, "watchdog");
   at.product_code = Find(map, "product_code");
   at.serial_number = Find(map, "serial_number");
+  at.fault_code = Find(map, "fault_code");
   return at;
+}
+
+std::string FaultWords(double code) {
+  if (!std::isfinite(code)) return "in fault";
+  const bool is_number = code >= 0.0 && code <= std::numeric_limits<std::uint32_t>::max();
+  return is_number ? fmt::format("in fault, code {0} ({0:X}h)", static_cast<std::uint32_t>(code))
+                   : fmt::format("in fault, code {:g}", code);
 }
 
 }  // namespace strainwave::bench

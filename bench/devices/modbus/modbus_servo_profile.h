@@ -23,6 +23,7 @@ namespace strainwave::bench {
 ///   actual_position   read, rad; may be left out
 ///   brake             written and read: `brake_engaged` or `brake_released`
 ///   product_code, serial_number   read once a connection, for people; may be left out
+///   fault_code        read, for people; may be left out
 ///   watchdog_time     written and read, s: how long the drive goes on without a write
 ///   watchdog          written: a number that counts up each period; may be left out where every write will
 ///   do
@@ -50,7 +51,7 @@ struct ModbusServoProfile {
 struct ModbusServoRegisters {
   std::size_t control{}, status{}, mode{}, speed_set_point{}, torque_set_point{}, actual_speed{},
       actual_torque{}, brake{}, watchdog_time{};
-  std::optional<std::size_t> actual_position, watchdog, product_code, serial_number;
+  std::optional<std::size_t> actual_position, watchdog, product_code, serial_number, fault_code;
 };
 
 /// The map as seen from the output of the servo's reducer: where the registers speak of the motor, torque is
@@ -69,5 +70,9 @@ std::vector<std::string> CheckServoProfile(const protocols::modbus::RegisterMap&
 /// @throws std::invalid_argument with all that CheckServoProfile finds.
 ModbusServoRegisters FindServoRegisters(const protocols::modbus::RegisterMap& map,
                                         const ModbusServoProfile& profile);
+
+/// "in fault, code 17 (11h)", as a maker's manual may have it in either notation.
+/// @param code  a NaN where it is not known.
+std::string FaultWords(double code);
 
 }  // namespace strainwave::bench

@@ -65,16 +65,29 @@ class Servo : public testing::Test {
   std::atomic<bool> others_supervised_{true};
   const std::size_t position_at_ = *protocols::modbus::Find(profile_.map, "actual_position");
   std::atomic<double> position_rad_{0.0};  // not counted on: as the drive's register holds it
+  const std::size_t fault_code_at_ = *protocols::modbus::Find(profile_.map, "fault_code");
+  std::atomic<double> fault_code_{0.0};
+  std::atomic<bool> takes_resets_{true};
+  std::atomic<bool> faults_when_enabled_{false};
   ModbusServoModel model_{profile_.map, *profile_.servo};
-  ModbusDevice device_{
-      profile_.map,
-      1,
-      {[this](std::size_t index) {
-         return index == position_at_ ? position_rad_.load() : model_.Read(index, clock_.Now());
-       },
-       [this](std::size_t index, double value) { return model_.Write(index, value, clock_.Now()); },
-       [this] { ++heard_, model_.Hear(clock_.Now()); }},
-      ModbusDevice::Tcp{}};
+  ModbusDevice device_{profile_.map,
+                       1,
+                       {[this](std::size_t index) {
+                          if (index == fault_code_at_) return fault_code_.load();
+                          return index == position_at_ ? position_rad_.load()
+                                                       : model_.Read(index, clock_.Now());
+                        },
+                        [this](std::size_t index, double value) {
+                          const bool is_control = index == *protocols::modbus::Find(profile_.map, "control");
+                          if (is_control && value == profile_.servo->control.reset_fault && !takes_resets_)
+                            return true;
+                          const bool taken = model_.Write(index, value, clock_.Now());
+                          if (is_control && value == profile_.servo->control.enable && faults_when_enabled_)
+                            model_.Fault();
+                          return taken;
+                        },
+                        [this] { ++heard_, model_.Hear(clock_.Now()); }},
+                       ModbusDevice::Tcp{}};
   ModbusSettings settings_;
 };
 
@@ -281,6 +294,14 @@ TEST_F(Servo, AFaultIsResetByCommandAndLeadsToOff) {
   RunAt(*drive, 20.0);
 }
 
+TEST_F(Servo, SaysAFaultWithItsCodeToWhoeverLooks) {
+  const auto drive = Drive();
+  EXPECT_EQ(drive->fault(), "");
+  fault_code_ = 17.0;
+  model_.Fault();
+  EXPECT_TRUE(Until([&] { return drive->fault() == "in fault, code 17 (11h)"; })) << drive->fault();
+}
+
 TEST_F(Servo, WithoutAnswersItsStateIsTheLastOneAndGrowsOld) {
   const auto drive = Drive();
   ASSERT_TRUE(UntilCalling(*drive, [&] { return drive->Actual().power == PowerState::kSwitchOnDisabled; }));
@@ -392,6 +413,59 @@ TEST_F(WatchdogProofs, RefuseATimeThatReadsBackOtherwise) {
   model_.set_fixed_watchdog_time(0.0);
   EXPECT_EQ(Prove().words,
             "the watchdog time was written as 0.2 s and reads back as 0 s (expected the same)");
+}
+
+// The model's watchdog ends in a fault, as that of many drives does.
+TEST_F(WatchdogProofs, ResetTheFaultThatTheyMake) {
+  for (int start = 1; start <= 2; ++start) {
+    const WatchdogProof proof = Prove();
+    EXPECT_TRUE(proof.proven) << "start " << start << ": " << proof.words;
+    EXPECT_EQ(model_.power(clock_.Now()), PowerState::kSwitchOnDisabled);
+  }
+  RunAt(*Drive(), 20.0);
+}
+
+TEST_F(WatchdogProofs, ResetTheFaultThatTheyMakeAlsoWhereTheyRefuse) {
+  model_.set_watchdog(ModbusServoModel::Watchdog::kAnything);
+  EXPECT_FALSE(Prove().proven);
+  EXPECT_EQ(model_.power(clock_.Now()), PowerState::kSwitchOnDisabled);
+}
+
+TEST_F(WatchdogProofs, ResetAFaultThatWasThereBeforeByOneEdge) {
+  model_.Fault();
+  EXPECT_TRUE(Prove().proven);
+  const std::vector<std::string> written = model_.TakeWritten();
+  const auto enabled = std::ranges::find(written, "control 1");
+  ASSERT_NE(enabled, written.end());
+  std::vector<std::string> control;
+  for (auto line = written.begin(); line != enabled; ++line) {
+    if (line->starts_with("control ")) control.push_back(*line);
+  }
+  const auto once = std::ranges::unique(control);
+  control.erase(once.begin(), once.end());
+  EXPECT_EQ(control, (std::vector<std::string>{"control 0", "control 4", "control 0"}));
+}
+
+TEST_F(WatchdogProofs, RefuseAFaultThatNoResetClearsWithItsCode) {
+  takes_resets_ = false;
+  fault_code_ = 17168.0;
+  model_.Fault();
+  const WatchdogProof proof = Prove();
+  EXPECT_FALSE(proof.proven);
+  EXPECT_EQ(proof.words,
+            "the drive is in fault, code 17168 (4310h), and a reset does not clear it (expected a drive "
+            "without a fault: mend its cause)");
+  const std::vector<std::string> written = model_.TakeWritten();
+  EXPECT_EQ(std::ranges::count(written, "control 1"), 0);
+}
+
+// It is the drive's own, and stays for a person to see.
+TEST_F(WatchdogProofs, RefuseAFaultThatEnablingBringsWithItsCode) {
+  faults_when_enabled_ = true;
+  fault_code_ = 9.0;
+  EXPECT_EQ(Prove().words,
+            "the drive is in fault, code 9 (9h), when it is enabled at zero torque with its brake on");
+  EXPECT_EQ(model_.power(clock_.Now()), PowerState::kFault);
 }
 
 }  // namespace
