@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
+#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -70,6 +71,37 @@ std::string DeviceFilesSha256(const BenchDescription& bench) {
   return Sha256(all);
 }
 
+// What is made of a campaign that does not come to be is taken back.
+class Beginning {
+ public:
+  Beginning() = default;
+  Beginning(const Beginning&) = delete;
+  Beginning& operator=(const Beginning&) = delete;
+  ~Beginning() {
+    std::error_code gone;
+    for (auto made = made_.rbegin(); made != made_.rend(); ++made) std::filesystem::remove(*made, gone);
+  }
+
+  void MakeFolder(const std::filesystem::path& folder) {
+    if (std::filesystem::create_directories(folder)) made_.push_back(folder);
+  }
+  void WriteFile(const std::filesystem::path& file, const std::string& text) {
+    if (!std::filesystem::exists(file)) made_.push_back(file);
+    daq::WriteFileAtomically(file, text);
+  }
+  /// A database that begins anew, with the files that stand beside one in use.
+  void MakeDatabase(const std::filesystem::path& file) {
+    for (const char* const beside : {"", "-wal", "-shm"}) {
+      made_.emplace_back(file.string() + beside);
+      std::filesystem::remove(made_.back());
+    }
+  }
+  void Keep() { made_.clear(); }
+
+ private:
+  std::vector<std::filesystem::path> made_;
+};
+
 }  // namespace
 
 Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs) {
@@ -79,19 +111,22 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
   if (std::filesystem::exists(folder.root) && !std::filesystem::is_directory(folder.root)) {
     Refuse(folder.root, "is not a folder", "a new or empty folder");
   }
-  std::filesystem::create_directories(folder.Cycles());
-  std::filesystem::create_directories(folder.Unfinished());
-  daq::WriteFileAtomically(folder.Schedule(), inputs.schedule_text);
-  daq::WriteFileAtomically(folder.Bench(), inputs.bench_text);
-  // What the drives' times to stop were measured to be, so that --resume has it, too.
+  Beginning beginning;
+  for (const auto& made : {folder.root, folder.Cycles(), folder.Unfinished()}) beginning.MakeFolder(made);
+  beginning.WriteFile(folder.Schedule(), inputs.schedule_text);
+  beginning.WriteFile(folder.Bench(), inputs.bench_text);
+  // What the drives' times to stop were measured to be, so that --resume has it, too; and not that of a bench
+  // that a run was killed with before it had its journal.
   const auto commissioned = CommissioningFileOf(inputs.bench.file_name);
   if (std::filesystem::exists(commissioned)) {
-    daq::WriteFileAtomically(CommissioningFileOf(folder.Bench()), ReadText(commissioned));
+    beginning.WriteFile(CommissioningFileOf(folder.Bench()), ReadText(commissioned));
+  } else {
+    std::filesystem::remove(CommissioningFileOf(folder.Bench()));
   }
-  if (!inputs.plant_text.empty()) daq::WriteFileAtomically(folder.root / "plant.yaml", inputs.plant_text);
+  if (!inputs.plant_text.empty()) beginning.WriteFile(folder.root / "plant.yaml", inputs.plant_text);
   // The journal appears last: a folder without it is not a campaign yet, and may be begun again.
   const std::filesystem::path aside = folder.root / "campaign.db.new";
-  std::filesystem::remove(aside);
+  beginning.MakeDatabase(aside);
   {
     Journal journal = Journal::Create(aside);
     Transaction transaction(journal.database());
@@ -100,7 +135,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
     journal.SetProperty("schedule_sha256", Sha256(inputs.schedule_text));
     journal.SetProperty("bench_sha256", Sha256(inputs.bench_text));
     if (!inputs.bench.devices.empty()) {
-      journal.SetProperty("bench_folder", std::filesystem::absolute(inputs.bench_folder).string());
+      journal.SetProperty("bench_folder", inputs.bench_folder.string());
       journal.SetProperty("device_files_sha256", DeviceFilesSha256(inputs.bench));
     }
     journal.SetProperty("started_utc", UtcNow());
@@ -110,6 +145,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
     journal.database().Execute("PRAGMA wal_checkpoint(TRUNCATE)");
   }
   std::filesystem::rename(aside, folder.Journal());
+  beginning.Keep();
   return Journal::Open(folder.Journal(), Database::Mode::kReadWrite);
 }
 

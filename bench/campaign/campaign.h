@@ -20,7 +20,7 @@ struct CampaignInputs {
   std::string plant_text;  // of the plant file that the bench file names; empty without one
   schedules::Schedule schedule;
   BenchDescription bench;
-  std::filesystem::path bench_folder{};  // where files that the bench file names are looked for
+  std::filesystem::path bench_folder{};  // where files that the bench file names are looked for; absolute
 };
 
 /// Reads both files and checks them against each other; without a bench file, the embedded simulated bench.
@@ -41,7 +41,7 @@ CampaignInputs ReadFrozenInputs(const CampaignFolder& folder);
 /// @throws CampaignError when one of those has changed since, or is gone.
 BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& journal);
 
-/// Makes the folder with the frozen inputs and an empty journal.
+/// Makes the folder with the frozen inputs and an empty journal. What fails leaves nothing behind.
 /// @throws CampaignError when the folder holds a campaign already, or something else.
 Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs);
 

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -34,16 +35,14 @@ std::filesystem::path CampaignFolder::UnfinishedFile(int cycle, int step, int re
   return Unfinished() / fmt::format("{:06d}-{:03d}-{:02d}-{:03d}.h5", cycle, step, repeat, attempt);
 }
 
-CampaignLock::CampaignLock(const CampaignFolder& folder) {
-  descriptor_ = ::open(folder.Lock().c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) ThrowErrno(folder.Lock());
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+CampaignLock::CampaignLock(const CampaignFolder& folder)
+    : folder_(folder), made_folder_(std::filesystem::create_directories(folder.root)) {
+  Open();
+  struct stat file {};
+  // Another process may have taken its lock away meanwhile.
+  while (::fstat(descriptor_, &file) == 0 && file.st_nlink == 0) {
     ::close(descriptor_);
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        fmt::format("{}: error: the campaign is running in process {} (expected a folder that no "
-                    "other process runs)",
-                    folder.root.string(), Holder(folder)));
+    Open();
   }
   const std::string text = fmt::format("{}\n", ::getpid());
   if (::ftruncate(descriptor_, 0) != 0 ||
@@ -54,7 +53,27 @@ CampaignLock::CampaignLock(const CampaignFolder& folder) {
   }
 }
 
-CampaignLock::~CampaignLock() { ::close(descriptor_); }
+void CampaignLock::Open() {
+  descriptor_ = ::open(folder_.Lock().c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) ThrowErrno(folder_.Lock());
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(descriptor_);
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: the campaign is running in process {} (expected a folder that no "
+                    "other process runs)",
+                    folder_.root.string(), Holder(folder_)));
+  }
+}
+
+CampaignLock::~CampaignLock() {
+  std::error_code gone;
+  if (!std::filesystem::exists(folder_.Journal(), gone)) {
+    std::filesystem::remove(folder_.Lock(), gone);
+    if (made_folder_) std::filesystem::remove(folder_.root, gone);  // while it is empty
+  }
+  ::close(descriptor_);
+}
 
 int CampaignLock::Holder(const CampaignFolder& folder) {
   const int descriptor = ::open(folder.Lock().c_str(), O_RDONLY | O_CLOEXEC);

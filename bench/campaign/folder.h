@@ -32,8 +32,10 @@ struct CampaignFolder {
 };
 
 /// Holds a campaign for one running process; the kernel lets go when the process ends, however it ends.
+/// Where nothing has become of the campaign by then, the lock goes, and the folder if it made that.
 class CampaignLock {
  public:
+  /// Makes the folder where there is none.
   /// @throws CampaignError when another process holds it, with that process's id.
   explicit CampaignLock(const CampaignFolder& folder);
   CampaignLock(const CampaignLock&) = delete;
@@ -44,7 +46,11 @@ class CampaignLock {
   static int Holder(const CampaignFolder& folder);
 
  private:
-  int descriptor_;
+  void Open();
+
+  const CampaignFolder folder_;
+  bool made_folder_{};
+  int descriptor_{-1};
 };
 
 /// The whole file. @throws std::system_error.

@@ -31,7 +31,8 @@ CampaignInputs ReadBoth(const std::filesystem::path& schedule,
   if (bench) {
     inputs.bench = ReadBenchFile(*bench);
     inputs.bench_text = ReadText(*bench);
-    inputs.bench_folder = bench->parent_path();
+    // A bare name has no parent before it is made absolute.
+    inputs.bench_folder = std::filesystem::absolute(*bench).parent_path();
     if (const std::string& named = inputs.bench.simulation.plant_file; !named.empty()) {
       inputs.plant_text = ReadText(bench->parent_path() / named);
       inputs.bench_text = WithPlantFile(inputs.bench_text, named);

@@ -103,7 +103,6 @@ int Run(const RunOptions& options) {
   if (!options.accept_expired) {
     RefuseToStart(CalibrationTroubles(CalibrationsOf(inputs.bench), {}, Today()), inputs.bench);
   }
-  std::filesystem::create_directories(folder.root);
   const CampaignLock lock(folder);
   Journal journal = options.resume ? Journal::Open(folder.Journal(), Database::Mode::kReadWrite)
                                    : CreateCampaign(folder, inputs);

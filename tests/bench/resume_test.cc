@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -115,6 +116,59 @@ TEST_F(CutCampaign, HasItsInputsWithoutTheProfilesOfItsDrives) {
   const std::filesystem::path tests = STRAINWAVE_SOURCE_DIR "/tests/simulation";
   CreateCampaign(folder, ReadInputs(tests / "small.yaml", tests / "field/bench.yaml"));
   EXPECT_EQ(ReadFrozenInputs(folder).bench.driving_servo.drive.profile.filename(), "drive.yaml");
+}
+
+TEST(BeginningOfACampaign, LeavesNothingWhereItFails) {
+  const std::filesystem::path top =
+      std::filesystem::temp_directory_path() / ("strainwave_beginning_test_" + std::to_string(::getpid()));
+  const std::filesystem::path tests = STRAINWAVE_SOURCE_DIR "/tests/simulation";
+  const CampaignInputs good = ReadInputs(tests / "small.yaml", tests / "field/bench.yaml");
+  CampaignInputs bad = good;
+  bad.bench.devices.front().file = tests / "no_such_file.yaml";
+  const auto failure = [](const CampaignFolder& folder, const CampaignInputs& inputs) {
+    try {
+      const CampaignLock lock(folder);
+      CreateCampaign(folder, inputs);
+      return std::string("none");
+    } catch (const std::exception& error) {
+      return std::string(error.what());
+    }
+  };
+  const std::string missing = (tests / "no_such_file.yaml").string() + ": No such file or directory";
+  // A folder of its own; and one that a person has made, with a file that the campaign would have
+  // overwritten.
+  EXPECT_EQ(failure({top / "new"}, bad), missing);
+  EXPECT_FALSE(std::filesystem::exists(top / "new"));
+  std::filesystem::create_directories(top / "own");
+  std::ofstream(top / "own/schedule.yaml") << good.schedule_text;
+  EXPECT_EQ(failure({top / "own"}, bad), missing);
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(top / "own"))
+    left.push_back(entry.path().filename());
+  EXPECT_EQ(left, std::vector<std::string>{"schedule.yaml"});
+  // Then it simply begins.
+  for (const char* const folder : {"new", "own"}) {
+    EXPECT_EQ(failure({top / folder}, good), "none");
+    EXPECT_TRUE(std::filesystem::exists(top / folder / "campaign.db"));
+    EXPECT_TRUE(std::filesystem::exists(top / folder / "lock"));
+  }
+  std::filesystem::remove_all(top);
+}
+
+// What a start that was killed before it had its journal has left: above all times to stop of another bench.
+TEST(BeginningOfACampaign, TakesNothingFromAnEarlierOne) {
+  const CampaignFolder folder{std::filesystem::temp_directory_path() /
+                              ("strainwave_earlier_test_" + std::to_string(::getpid()))};
+  std::filesystem::create_directories(folder.Cycles());
+  std::ofstream(folder.root / "bench.commissioned.yaml") << "commissioned: 1\ndrives: []\n";
+  for (const char* const name : {"campaign.db.new", "campaign.db.new-wal"}) {
+    std::ofstream(folder.root / name) << "half a database";
+  }
+  const Journal journal =
+      CreateCampaign(folder, ReadInputs(STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml", std::nullopt));
+  EXPECT_EQ(journal.LastCompleteCycle(), -1);
+  EXPECT_FALSE(std::filesystem::exists(folder.root / "bench.commissioned.yaml"));
+  std::filesystem::remove_all(folder.root);
 }
 
 // The header of version 1, byte by byte: four integers, two numbers, an integer, a number; then the memory.

@@ -198,6 +198,21 @@ TEST(JogCommand, TurnsNothingThatIsNotHeld) {
   EXPECT_NEAR(Turned_deg(result.out), 0.0, 0.01) << result.out;
 }
 
+TEST(RunCommand, TakesABenchFileByItsBareNameInItsOwnFolder) {
+  const ScratchFolder scratch;
+  std::ofstream(scratch / "bench.yaml") << PatientBenchFromAnywhere();
+  std::string schedule = WholeFile(kSource + "/tests/simulation/small.yaml");
+  schedule.erase(schedule.find("preparation:"));
+  std::ofstream(scratch / "schedule.yaml") << schedule << R"(phases:
+  - {kind: soak, below_temperature: 60 degC, at_most: 1 s}
+measurements:
+  declared_temperature: 25 degC
+)";
+  const ProgramResult result =
+      RunProgram({"run", "schedule.yaml", "--bench", "bench.yaml", "--out", "C"}, scratch.path());
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+}
+
 TEST(JogCommand, RefusesWhatIsNotSlowOrTooStrongForTheBench) {
   const ProgramResult fast =
       RunProgram({"bench", "jog", kInProcess, "--drive", "driving", "--speed", "301 rpm"});

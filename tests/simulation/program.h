@@ -45,9 +45,12 @@ class ScratchFolder {
 };
 
 /// Starts the program with its output going to files in `folder`.
-inline pid_t StartProgram(const std::vector<std::string>& arguments, const ScratchFolder& folder) {
+/// @param in  where it is run; empty: here.
+inline pid_t StartProgram(const std::vector<std::string>& arguments, const ScratchFolder& folder,
+                          const std::filesystem::path& in = {}) {
   const pid_t process = ::fork();
   if (process != 0) return process;
+  if (!in.empty() && ::chdir(in.c_str()) != 0) ::_exit(126);
   const int out = ::open((folder / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   const int error = ::open((folder / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   ::dup2(out, STDOUT_FILENO);
@@ -66,9 +69,10 @@ inline ProgramResult WaitForProgram(pid_t process, const ScratchFolder& folder) 
           WholeFile(folder / "stderr")};
 }
 
-inline ProgramResult RunProgram(const std::vector<std::string>& arguments) {
+inline ProgramResult RunProgram(const std::vector<std::string>& arguments,
+                                const std::filesystem::path& in = {}) {
   const ScratchFolder folder;
-  return WaitForProgram(StartProgram(arguments, folder), folder);
+  return WaitForProgram(StartProgram(arguments, folder, in), folder);
 }
 
 }  // namespace strainwave
