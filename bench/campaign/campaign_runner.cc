@@ -126,6 +126,15 @@ CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from, do
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
+  const std::string missing =
+      machine_.AwaitValues([this] { return CauseOf(request_.load()) != StopCause::kNone; });
+  if (auto end = CheckBetweenPhases()) return end;
+  if (!missing.empty()) {
+    WatchChannels("referencing");
+    Transition(BenchEvent::kFault);
+    Note("alarm", "referencing", "no_values", missing);
+    return CampaignEnd{CampaignEnd::Kind::kFault, {}, missing, true};
+  }
   const ReferencingProgram::Tolerances tolerances{kTorqueZeroShareOfRange * bench_.transducer.range_Nm,
                                                   kEncoderOffsetTolerance_rad};
   ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);

@@ -23,7 +23,7 @@ struct BenchOptions {
   bool json{};
 };
 
-// What the channels need to settle: a second of samples, and the slowest thermometer's first reading.
+// What the channels need to be judged in: a second of samples. Their first values are waited for beyond it.
 constexpr std::chrono::seconds kLook{2};
 
 int Check(const BenchOptions& options) {
@@ -37,10 +37,11 @@ int Check(const BenchOptions& options) {
   }
   FieldMachine machine(bench, 80.0, {}, FieldMachine::Use::kLook);
   std::this_thread::sleep_for(kLook);
+  const std::string missing = machine.AwaitValues([] { return false; });
   const std::vector<FieldMachine::DeviceState> states = machine.States();
   const Readings readings = machine.Devices().sampler.Read();
-  const bool good =
-      readings.bad_channels == 0 && std::ranges::all_of(states, [](const auto& state) { return state.good; });
+  const bool good = missing.empty() && readings.bad_channels == 0 &&
+                    std::ranges::all_of(states, [](const auto& state) { return state.good; });
   const std::pair<const char*, double> values[] = {
       {"input_angle_deg", DegFromRad(readings.input_angle_rad)},
       {"output_angle_deg", DegFromRad(readings.output_angle_rad)},
@@ -66,6 +67,7 @@ int Check(const BenchOptions& options) {
     for (const BenchMachine::Doubt& doubt : machine.Doubts()) {
       document["doubts"].push_back({{"refuses", doubt.refuses}, {"words", doubt.words}});
     }
+    if (!missing.empty()) document["missing"] = missing;
     ToStdout("{}\n", document.dump(2));
   } else {
     for (const auto& state : states) {
@@ -76,6 +78,7 @@ int Check(const BenchOptions& options) {
       ToStdout("{:<5} {:<28} {:.4f}\n", (readings.bad_channels >> i & 1U) == 0 ? "good" : "BAD",
                values[i].first, values[i].second);
     }
+    if (!missing.empty()) ToStdout("BAD   {}\n", missing);
     for (const BenchMachine::Doubt& doubt : machine.Doubts())
       ToStdout("{:<5} {}\n", doubt.refuses ? "BAD" : "note", doubt.words);
     ToStdout("{}\n", good ? "everything answers; nothing was moved"

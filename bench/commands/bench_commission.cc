@@ -69,6 +69,7 @@ int Commission(const CommissionOptions& options) {
   }
   FieldMachine machine(bench, options.ratio, Ask);
   WaitForPeople(machine);
+  WaitForValues(machine);
   const std::vector<MeasuredStop> stops = machine.MeasureStopTime(speed, limits, Requested());
   const std::filesystem::path file = CommissioningFileOf(options.bench);
   daq::WriteFileAtomically(file, CommissioningText(stops));

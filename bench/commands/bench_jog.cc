@@ -112,6 +112,7 @@ int Jog(const JogOptions& options) {
   test.ratio = options.ratio;
   const auto machine = MakeMachine(bench, test, Ask);
   WaitForPeople(*machine);
+  WaitForValues(*machine);
   BenchDevices devices = machine->Devices();
   const bool driving = options.drive == JogDrive::kDriving;
   const auto angle_deg = [&](const Readings& readings) {

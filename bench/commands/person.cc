@@ -8,6 +8,9 @@
 #include <csignal>
 #include <thread>
 
+#include <fmt/core.h>
+
+#include "bench/campaign/campaign_error.h"
 #include "bench/commands/output.h"
 #include "bench/commands/signals.h"
 #include "bench/devices/wake.h"
@@ -70,6 +73,14 @@ void WaitForPeople(const BenchMachine& machine) {
     told = missing;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
+}
+
+void WaitForValues(BenchMachine& machine) {
+  const std::string missing = machine.AwaitValues([] { return g_request != StopRequest::kNone; });
+  if (g_request != StopRequest::kNone) {
+    throw CampaignError(ExitCode::kInterrupted, "stopped on request; nothing was moved");
+  }
+  if (!missing.empty()) throw CampaignError(ExitCode::kMachineFailed, fmt::format("error: {}", missing));
 }
 
 }  // namespace strainwave::bench

@@ -30,4 +30,8 @@ bool Ask(const std::string& what);
 /// meanwhile ends the waiting.
 void WaitForPeople(const BenchMachine& machine);
 
+/// Waits for a value of every channel and drive, before anything moves.
+/// @throws CampaignError with what does not come, or where a stop is asked for meanwhile.
+void WaitForValues(BenchMachine& machine);
+
 }  // namespace strainwave::bench

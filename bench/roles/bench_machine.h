@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -57,6 +58,12 @@ class BenchMachine {
     std::string reason;  // in words
   };
   virtual std::vector<BadChannel> BadChannels() const { return {}; }
+
+  /// Waits until every channel and drive has given a value: before that there is nothing to judge. Nothing is
+  /// enabled meanwhile.
+  /// @param given_up  ends it early.
+  /// @return what has not come in the time that it may take, in words; empty where all has.
+  virtual std::string AwaitValues([[maybe_unused]] const std::function<bool()>& given_up) { return {}; }
 
   /// What a person must do before anything may move, in words; empty when nothing.
   virtual std::string MissingForStart() const { return {}; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where each channel of a bench of metal comes from.
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -75,14 +76,19 @@ std::function<ChannelValue()> FieldMachine::ChannelFrom(const ChannelLink& link)
         "line {}: device {} has no channels here (must be a stream or on Modbus)", link.line, link.device));
   }
   const ModbusClient* const client = found->second.get();
-  const auto index = protocols::modbus::Find(client->map(), link.source);
-  const auto bare = index ? index : protocols::modbus::Find(client->map(), BareName(link.source));
-  if (!bare) {
+  const auto at = RegisterOf(*client, link.source);
+  if (!at) {
     throw std::invalid_argument(fmt::format("line {}: device {} has no register {} (must be one of its map)",
                                             link.line, link.device, link.source));
   }
   // The map has made SI of it already.
-  return [client, at = *bare] { return client->Value(at); };
+  return [client, at = *at] { return client->Value(at); };
+}
+
+// Under the channel's name, or under that without its unit.
+std::optional<std::size_t> FieldMachine::RegisterOf(const ModbusClient& client, const std::string& source) {
+  const auto index = protocols::modbus::Find(client.map(), source);
+  return index ? index : protocols::modbus::Find(client.map(), BareName(source));
 }
 
 std::function<ChannelValue()> FieldMachine::FromSource(const SourceReader& reader, std::size_t channel,
@@ -163,8 +169,9 @@ FieldChannels FieldMachine::Channels() {
                                                                            reader = channels.vibration] {
       const SourceSnapshot snapshot = reader->Newest();
       const bool fresh = snapshot.time.count() != 0 && clock_.Now() - snapshot.time < stale_after_;
-      return ChannelValue{snapshot.vibration_rms_m_per_s2, snapshot.time,
-                          fresh && snapshot.bad_channels == 0};
+      return ChannelValue{
+          snapshot.vibration_rms_m_per_s2, snapshot.time,
+          fresh && snapshot.bad_channels == 0 && std::isfinite(snapshot.vibration_rms_m_per_s2)};
     };
   }
   return channels;

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -63,6 +65,7 @@ class FieldMachine final : public BenchMachine {
   std::vector<RecordedSource> StopRecording() override;
   std::string Troubles() const override;
   std::vector<BadChannel> BadChannels() const override;
+  std::string AwaitValues(const std::function<bool()>& given_up) override;
   std::string MissingForStart() const override;
   bool StartKeyHeld() const override;
   std::vector<Doubt> Doubts() const override;
@@ -135,7 +138,11 @@ class FieldMachine final : public BenchMachine {
   std::function<ChannelValue()> ChannelFrom(const ChannelLink& link);
   std::function<ChannelValue()> ChannelOfRole(const ChannelLink& link);
   std::function<ChannelValue()> FromSource(const SourceReader& reader, std::size_t channel, double to_si);
+  static std::optional<std::size_t> RegisterOf(const ModbusClient& client, const std::string& source);
   std::string ReasonOf(const ChannelLink& link) const;
+  std::chrono::nanoseconds LongestToFirstValue() const;
+  std::vector<std::string> TooSlow() const;
+  std::vector<std::string> NotYet() const;
   const DeviceDescription& Named(const std::string& name) const;
 
   BenchDescription bench_;

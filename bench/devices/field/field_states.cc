@@ -190,7 +190,8 @@ std::vector<FieldMachine::DeviceState> FieldMachine::States() const {
     }
   }
   for (const auto& [name, servo] : modbus_servos_) {
-    const std::string trouble = servo->trouble();
+    std::string trouble = servo->trouble();
+    if (trouble.empty()) trouble = servo->fault();
     const bool good = trouble.empty() && servo->is_supervised();
     states.push_back({name, ConnectionWords(trouble, good), good, FactsOf(*servo)});
   }
@@ -249,6 +250,7 @@ std::string FieldMachine::ReasonOf(const ChannelLink& link) const {
   if (const auto source = sources_.find(link.device); source != sources_.end()) {
     const auto channel = source->second->Find(link.source);
     if (channel) reason = source->second->TroubleOf(*channel);
+    if (reason.empty() && source->second->Newest().time.count() == 0) reason = "nothing has come of it yet";
   } else if (const auto hid = hid_.find(link.device); hid != hid_.end()) {
     if (!hid->second.channels->connected()) reason = "not plugged in";
   } else if (const auto client = modbus_.find(link.device); client != modbus_.end()) {

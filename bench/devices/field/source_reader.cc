@@ -197,6 +197,7 @@ void SourceReader::Take(SampleBlock& block) {
     next_.values[i] = description_.channels[i].calibration.Apply(block.Value(last, i));
   }
   CountTurns(block);
+  next_.block_s = static_cast<double>(block.header.samples) / description_.rate_hz;
   next_.time = clock_.FromKernel(block.header.arrival);
   next_.sampled = clock_.FromKernel(FollowClock(block));
   Keep(block);
@@ -224,6 +225,12 @@ void SourceReader::GoOnFrom(std::span<const std::int64_t> turns) {
   if (turns.size() != turns_.size()) return;
   auto from = turns.begin();
   for (auto& [channel, counter] : turns_) counter = TurnCounter(*from++);
+  since_ns_ = clock_.Now().count();
+}
+
+SourceSnapshot SourceReader::Newest() const noexcept {
+  const SourceSnapshot newest = newest_.Get();
+  return newest.time.count() > since_ns_ ? newest : SourceSnapshot{};
 }
 
 void SourceReader::MeasureVibration(const SampleBlock& block) noexcept {

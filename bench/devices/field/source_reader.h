@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -40,8 +41,9 @@ struct SourceSnapshot {
   std::chrono::nanoseconds sampled{};
   std::array<double, kMostChannels> values{};  // calibrated, in the channel's unit
   std::uint32_t bad_channels{~0U};             // bit n: channel n is not to be trusted
-  /// Over the last whole tenth of a second, about its mean, of the strongest channel in m/s².
-  double vibration_rms_m_per_s2{};
+  double block_s{};                            // that the newest block lasts
+  /// Over the last whole tenth of a second, about its mean, of the strongest channel in m/s²; a NaN before.
+  double vibration_rms_m_per_s2{std::numeric_limits<double>::quiet_NaN()};
 };
 
 /// What a source has come to since it was connected.
@@ -70,7 +72,8 @@ class SourceReader {
   std::optional<std::size_t> Find(std::string_view channel) const;
 
   // From any thread.
-  SourceSnapshot Newest() const noexcept { return newest_.Get(); }
+  /// After `GoOnFrom` that of the first block since.
+  SourceSnapshot Newest() const noexcept;
   daq::acquisition::GapTotals totals() const noexcept { return state_.Get().totals; }
   /// The device's clock against the monotonic one, once it is known, and how often it was set anew.
   std::optional<daq::acquisition::ClockEstimate> clock() const noexcept { return state_.Get().clock; }
@@ -143,6 +146,7 @@ class SourceReader {
   std::optional<std::chrono::nanoseconds> tripped_;  // seen then
 
   Latest<SourceSnapshot> newest_;
+  std::atomic<std::int64_t> since_ns_{};  // older ones are counted from elsewhere
   Latest<SourceState> state_;
   mutable RealtimeMutex mutex_;                                 // of those below; held for moments only
   std::map<std::size_t, daq::acquisition::TurnCounter> turns_;  // of the channels that go over

@@ -46,6 +46,11 @@ ChannelValue ModbusTorqueAmplifier::Torque() const noexcept {
   return torque;
 }
 
+std::chrono::nanoseconds ModbusTorqueAmplifier::poll_period() const {
+  const auto& registers = client_.map().registers;
+  return std::max(registers[torque_].poll_period, registers[status_].poll_period);
+}
+
 std::string ModbusTorqueAmplifier::trouble() const {
   std::string trouble = client_.trouble();
   const ChannelValue status = client_.Value(status_);

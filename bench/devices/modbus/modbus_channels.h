@@ -20,6 +20,8 @@ class ModbusTorqueAmplifier {
 
   /// N·m. Good only while the status is, too. Never waits.
   ChannelValue Torque() const noexcept;
+  /// How often torque and status are asked for, the slower of them.
+  std::chrono::nanoseconds poll_period() const;
   bool connected() const noexcept { return client_.connected(); }
   /// What is wrong now, a status that is not good included; empty while all is well.
   std::string trouble() const;
