@@ -1,38 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
-#include <memory>
-#include <thread>
-
 #include "bench/monitor/board.h"
 #include "bench/monitor/settings.h"
+#include "bench/monitor/tcp_server.h"
 
 namespace strainwave::bench {
 
-/// Answers Modbus TCP from a thread of its own, as long as it lives: input registers alone
-/// (modbus_registers.h), to eight clients at a time.
+/// What a PLC is told over Modbus TCP: input registers alone (modbus_registers.h).
+class ModbusProtocol : public RequestProtocol {
+ public:
+  explicit ModbusProtocol(const Board& board) : board_(board) {}
+  std::optional<std::size_t> LengthOf(std::string_view received) override;
+  Reply Answer(std::string_view request) override;
+
+ private:
+  const Board& board_;
+};
+
+/// Answers Modbus TCP from a thread of its own, as long as it lives.
 class ModbusServer {
  public:
   /// @param board  outlives the server.
   /// @throws std::system_error when it cannot listen there.
-  ModbusServer(const ListenSettings& settings, const Board& board);
-  ModbusServer(const ModbusServer&) = delete;
-  ModbusServer& operator=(const ModbusServer&) = delete;
-  ~ModbusServer();
+  ModbusServer(const ListenSettings& settings, const Board& board)
+      : protocol_(board), server_("modbus", settings, protocol_) {}
 
-  int port() const { return port_; }
+  int port() const { return server_.port(); }
 
  private:
-  struct Context;
-  void Serve();
-
-  const Board& board_;
-  std::unique_ptr<Context> context_;
-  int listener_{-1};
-  int port_{};
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
+  ModbusProtocol protocol_;
+  TcpServer server_;
 };
 
 }  // namespace strainwave::bench

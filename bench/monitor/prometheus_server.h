@@ -5,25 +5,24 @@
 
 #include "bench/monitor/board.h"
 #include "bench/monitor/settings.h"
+#include "bench/monitor/tcp_server.h"
 
 namespace strainwave::bench {
 
-/// Serves `/metrics` over HTTP from threads of its own, as long as it lives.
+/// Serves `/metrics` over HTTP from a thread of its own, as long as it lives; a connection for each page.
 class PrometheusServer {
  public:
   /// @param board  outlives the server.
   /// @throws std::system_error when it cannot listen there.
   PrometheusServer(const ListenSettings& settings, const Board& board);
-  PrometheusServer(const PrometheusServer&) = delete;
-  PrometheusServer& operator=(const PrometheusServer&) = delete;
   ~PrometheusServer();
 
-  int port() const { return port_; }
+  int port() const { return server_.port(); }
 
  private:
-  struct Server;
-  std::unique_ptr<Server> server_;
-  int port_{};
+  class Pages;
+  std::unique_ptr<Pages> pages_;
+  TcpServer server_;
 };
 
 }  // namespace strainwave::bench

@@ -29,6 +29,10 @@ using schedules::YamlNode;
 constexpr FileKind kKind{"monitor settings", "monitor: 1"};
 constexpr int kMostWindows = 10'000'000;
 constexpr int kMostMebibytes = 65'536;
+constexpr int kMostConnections = 500;  // of a process that may have 1024 files open
+// What a certificate file may hold at most: the authorities that a system trusts take 220 KiB.
+constexpr std::uintmax_t kMostCertificates_KiB = 1024;
+constexpr std::uintmax_t kMostPassword_KiB = 64;
 
 std::int64_t Milliseconds(double time_s) { return std::llround(time_s * 1e3); }
 
@@ -132,14 +136,30 @@ std::filesystem::path ReadFile(YamlMap& map, std::string_view key, const std::fi
   return name.empty() ? std::filesystem::path() : folder / name;
 }
 
-// The same of a file that must be there to be read.
+// A pipe may never say anything, a device never end.
+bool IsPlainOrNew(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  return !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
+}
+
+// Of a file that must be there to be read, all at once; empty where it cannot be.
 std::filesystem::path ReadableFile(YamlMap& map, std::string_view key, const std::filesystem::path& folder,
-                                   Presence presence = Presence::kOptional) {
+                                   std::uintmax_t most_KiB, Presence presence = Presence::kOptional) {
   std::filesystem::path file = ReadFile(map, key, folder, presence);
-  if (!file.empty() && !std::ifstream(file)) {
-    map.AddError(key, fmt::format("{} = {} cannot be read (expected a file)", key, file.string()));
+  if (file.empty()) return file;
+  std::error_code error;
+  std::string wrong;
+  if (!IsPlainOrNew(file)) {
+    wrong = fmt::format("is a folder, a pipe or a device (expected a file of at most {} KiB)", most_KiB);
+  } else if (!std::ifstream(file)) {
+    wrong = "cannot be read (expected a file)";
+  } else if (const auto bytes = std::filesystem::file_size(file, error); bytes > most_KiB * 1024) {
+    wrong = fmt::format("has {} bytes (expected a file of at most {} KiB)", bytes, most_KiB);
   }
-  return file;
+  if (wrong.empty()) return file;
+  map.AddError(key, fmt::format("{} = {} {}", key, file.string(), wrong));
+  return {};
 }
 
 std::string PasswordFrom(const std::filesystem::path& file) {
@@ -153,7 +173,7 @@ std::string PasswordFrom(const std::filesystem::path& file) {
 // From one of three places; a settings file is read by more people than should know a password.
 std::string ReadPassword(YamlMap& map, const std::filesystem::path& folder) {
   std::string password = map.Text("password", "");
-  const std::filesystem::path file = ReadableFile(map, "password_file", folder);
+  const std::filesystem::path file = ReadableFile(map, "password_file", folder, kMostPassword_KiB);
   const std::string variable = OptionalIdentifier(map, "password_variable");
   const auto places = map.has("password") + map.has("password_file") + map.has("password_variable");
   if (places > 1) {
@@ -173,9 +193,9 @@ std::string ReadPassword(YamlMap& map, const std::filesystem::path& folder) {
 
 TlsSettings ReadTls(YamlMap map, const std::filesystem::path& folder) {
   TlsSettings tls;
-  tls.ca_file = ReadableFile(map, "ca_file", folder, Presence::kRequired);
-  tls.certificate_file = ReadableFile(map, "certificate_file", folder);
-  tls.key_file = ReadableFile(map, "key_file", folder);
+  tls.ca_file = ReadableFile(map, "ca_file", folder, kMostCertificates_KiB, Presence::kRequired);
+  tls.certificate_file = ReadableFile(map, "certificate_file", folder, kMostCertificates_KiB);
+  tls.key_file = ReadableFile(map, "key_file", folder, kMostCertificates_KiB);
   if (map.has("certificate_file") != map.has("key_file")) {
     const char* at = map.has("key_file") ? "key_file" : "certificate_file";
     map.AddError(at, fmt::format("{} stands alone (expected certificate_file and key_file)", at));
@@ -201,6 +221,12 @@ MqttSettings ReadMqtt(YamlMap map, const std::filesystem::path& folder) {
   mqtt.keep.windows = static_cast<std::size_t>(map.Count("keep_windows", 1, kMostWindows, "10000"));
   mqtt.keep.bytes = static_cast<std::size_t>(map.Count("keep_mebibytes", 1, kMostMebibytes, "64")) << 20;
   mqtt.outbox_file = ReadFile(map, "outbox_file", folder);
+  if (!IsPlainOrNew(mqtt.outbox_file)) {
+    map.AddError("outbox_file",
+                 fmt::format("outbox_file = {} is a folder, a pipe or a device (expected a file, "
+                             "or a name for a new one)",
+                             mqtt.outbox_file.string()));
+  }
   map.Finish();
   return mqtt;
 }
@@ -213,8 +239,14 @@ StreamSettings ReadSource(YamlMap map, const std::filesystem::path& folder) {
   } catch (const std::invalid_argument& error) {
     map.AddError("address", error.what());
   }
-  if (auto* replay = std::get_if<daq::acquisition::ReplaySettings>(&source.address))
+  if (auto* replay = std::get_if<daq::acquisition::ReplaySettings>(&source.address)) {
     replay->path = folder / replay->path;
+    if (!IsPlainOrNew(replay->path)) {
+      map.AddError(
+          "address",
+          fmt::format("address = {} is a folder, a pipe or a device (expected a recorded file)", address));
+    }
+  }
   source.silent_after_ms =
       Milliseconds(map.Quantity("silent_after", Dimension::kTime, Bound::kPositive, "3 s"));
   source.input_speed_rad_per_s =
@@ -229,7 +261,12 @@ StreamSettings ReadSource(YamlMap map, const std::filesystem::path& folder) {
 }
 
 ListenSettings ReadListen(YamlMap map, std::string_view port) {
-  ListenSettings listen{map.Text("address", "127.0.0.1"), map.Count("port", 0, 65535, port)};
+  ListenSettings listen;
+  listen.address = map.Text("address", "127.0.0.1");
+  listen.port = map.Count("port", 0, 65535, port);
+  listen.connections = static_cast<std::size_t>(map.Count("connections", 1, kMostConnections, "32"));
+  listen.idle_after_ms =
+      Milliseconds(map.Quantity("idle_after", Dimension::kTime, Bound::kPositive, "1 min"));
   map.Finish();
   return listen;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -45,10 +46,12 @@ struct StreamSettings {
       renamed;  // the source's name of a channel, the predictor's
 };
 
-/// Where a server listens; port 0 is any free one.
+/// Where a server listens, and whom it bears.
 struct ListenSettings {
   std::string address;
-  int port{};
+  int port{};                   // 0: any free one
+  std::size_t connections{32};  // at a time; one more takes the place of the longest idle
+  std::int64_t idle_after_ms{60'000};
 };
 
 /// All of a monitor that is not in the predictor's folder.

@@ -10,6 +10,7 @@ namespace strainwave::protocols::modbus {
 namespace {
 
 constexpr int kAddresses = 65536;
+constexpr int kMostRegisters = 125;  // that one request reads
 constexpr std::uint8_t kExceptionBit = 0x80;
 constexpr std::uint16_t kCoilOn = 0xFF00;
 
@@ -65,7 +66,7 @@ AnswerKind TakeRead(std::uint8_t function, std::size_t count, std::span<const st
 }  // namespace
 
 Pdu ReadPdu(Table table, std::uint16_t first, std::uint16_t count) {
-  CheckCount(first, count, IsBits(table) ? 2000 : 125);
+  CheckCount(first, count, IsBits(table) ? 2000 : kMostRegisters);
   Pdu pdu;
   Append(pdu, ReadFunction(table));
   AppendWord(pdu, first);
@@ -115,6 +116,28 @@ Answer TakeAnswer(const Pdu& request, std::span<const std::uint8_t> answer,
   if (answer.size() != kWriteAnswer) return {AnswerKind::kWrongLength};
   const bool same = std::ranges::equal(answer, request.span().first(kWriteAnswer));
   return {same ? AnswerKind::kGood : AnswerKind::kOtherAddress};
+}
+
+Pdu AnswerFromInputRegisters(std::span<const std::uint8_t> request,
+                             std::span<const std::uint16_t> registers) {
+  constexpr std::size_t kReadRequest = 5;
+  Pdu answer;
+  const std::uint8_t function = request.empty() ? 0 : request[0];
+  const auto refuse = [&](std::uint8_t exception) {
+    Append(answer, function | kExceptionBit);
+    Append(answer, exception);
+    return answer;
+  };
+  if (function != ReadFunction(Table::kInput)) return refuse(1);
+  if (request.size() != kReadRequest) return refuse(3);
+  const std::size_t first = WordAt(request, 1);
+  const std::size_t count = WordAt(request, 3);
+  if (count < 1 || count > kMostRegisters) return refuse(3);
+  if (first + count > registers.size()) return refuse(2);
+  Append(answer, function);
+  Append(answer, static_cast<std::uint8_t>(2 * count));
+  for (const std::uint16_t word : registers.subspan(first, count)) AppendWord(answer, word);
+  return answer;
 }
 
 std::string ExceptionText(std::uint8_t code) {

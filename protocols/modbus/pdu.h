@@ -49,6 +49,11 @@ struct Answer {
 Answer TakeAnswer(const Pdu& request, std::span<const std::uint8_t> answer,
                   std::span<std::uint16_t> words) noexcept;
 
+/// What a device says to a request that has input registers from address 0 on and nothing else: the words, or
+/// exception 1 (another function), 2 (no such register) or 3 (no number of registers, or a request of another
+/// length).
+Pdu AnswerFromInputRegisters(std::span<const std::uint8_t> request, std::span<const std::uint16_t> registers);
+
 /// An exception code in words: "2, illegal data address: …".
 std::string ExceptionText(std::uint8_t code);
 

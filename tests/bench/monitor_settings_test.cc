@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/monitor/settings.h"
 
+#include <sys/stat.h>
+
 #include <cstdlib>
 #include <fstream>
 
@@ -112,18 +114,67 @@ TEST(MonitorSettings, APasswordComesFromAFileOrTheEnvironment) {
       "in it)");
   EXPECT_EQ(ErrorsOf(mqtt + "  password_file: /none/word\n"),
             "m.yaml:4:18: error: password_file = /none/word cannot be read (expected a file)");
-  EXPECT_EQ(ErrorsOf(mqtt + "  password: a\n  password_file: /dev/null\n"),
+  EXPECT_EQ(ErrorsOf(mqtt + "  password: a\n  password_file: " + (folder.path() / "word").string() + "\n"),
             "m.yaml:5:18: error: password_file names a second place for the password (expected one)");
 }
 
+// A pipe that nobody writes to would be waited for, a device of zeros be read for ever.
+TEST(MonitorSettings, AFileThatHasNoEndOrIsTooLargeIsRefused) {
+  const TestFolder folder;
+  const std::string pipe = folder.path() / "pipe", large = folder.path() / "large",
+                    fits = folder.path() / "fits";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::ofstream(large) << std::string(65537, 'a');
+  std::ofstream(fits) << std::string(65535, 'a') << '\n';
+  const std::string mqtt = "monitor: 1\nmqtt:\n  node: b\n";
+  const auto password = [&](const std::string& file) {
+    return ErrorsOf(mqtt + "  password_file: " + file + "\n");
+  };
+  const std::string expected = " is a folder, a pipe or a device (expected a file of at most 64 KiB)";
+  for (const std::string& file :
+       {pipe, folder.path().string(), std::string("/dev/zero"), std::string("/dev/null")}) {
+    EXPECT_EQ(password(file), "m.yaml:4:18: error: password_file = " + file + expected);
+  }
+  EXPECT_EQ(password(large), "m.yaml:4:18: error: password_file = " + large +
+                                 " has 65537 bytes (expected a file of at most 64 KiB)");
+  EXPECT_EQ(password(fits), "none");
+  const std::string of_certificates =
+      " is a folder, a pipe or a device (expected a file of at most 1024 KiB)";
+  EXPECT_EQ(ErrorsOf(mqtt + "  tls:\n    ca_file: /dev/zero\n    certificate_file: " + pipe +
+                     "\n    key_file: /tmp\n"),
+            "m.yaml:5:14: error: ca_file = /dev/zero" + of_certificates +
+                "\nm.yaml:6:23: error: certificate_file = " + pipe + of_certificates +
+                "\nm.yaml:7:15: error: key_file = /tmp" + of_certificates);
+  EXPECT_EQ(ErrorsOf(mqtt + "  outbox_file: " + pipe + "\n"),
+            "m.yaml:4:16: error: outbox_file = " + pipe +
+                " is a folder, a pipe or a device (expected a file, or a name for a new one)");
+  EXPECT_EQ(ErrorsOf("monitor: 1\nsource:\n  address: replay:" + pipe + "\n"),
+            "m.yaml:3:12: error: address = replay:" + pipe +
+                " is a folder, a pipe or a device (expected a recorded file)");
+}
+
+TEST(MonitorSettings, AServerHasRoomForSoManyClientsAndSoMuchPatience) {
+  const MonitorSettings settings = ParseMonitorSettings(
+      "monitor: 1\nmodbus: {connections: 4, idle_after: 2 s}\nprometheus: {port: 1}\n", "m.yaml");
+  EXPECT_EQ(settings.modbus->connections, 4U);
+  EXPECT_EQ(settings.modbus->idle_after_ms, 2000);
+  EXPECT_EQ(settings.prometheus->connections, 32U);
+  EXPECT_EQ(settings.prometheus->idle_after_ms, 60'000);
+  EXPECT_EQ(ErrorsOf("monitor: 1\nmodbus: {connections: 501}\n"),
+            "m.yaml:2:23: error: connections = 501: out of range (expected a whole number from 1 to 500)");
+}
+
 TEST(MonitorSettings, TlsNeedsAnAuthorityAndBothHalvesOfACertificate) {
+  const TestFolder folder;
+  const std::string file = folder.path() / "file.pem";
+  std::ofstream(file) << "\n";
   const std::string mqtt = "monitor: 1\nmqtt:\n  node: b\n  tls:\n";
-  EXPECT_EQ(ErrorsOf(mqtt + "    certificate_file: /dev/null\n"),
+  EXPECT_EQ(ErrorsOf(mqtt + "    certificate_file: " + file + "\n"),
             "m.yaml:4:3: error: missing key 'ca_file' (expected one line of 1 to 200 characters)\n"
             "m.yaml:5:23: error: certificate_file stands alone (expected certificate_file and key_file)");
-  const MonitorSettings settings = ParseMonitorSettings(mqtt + "    ca_file: /dev/null\n", "m.yaml");
+  const MonitorSettings settings = ParseMonitorSettings(mqtt + "    ca_file: " + file + "\n", "m.yaml");
   EXPECT_EQ(settings.mqtt->port, 8883);
-  EXPECT_EQ(settings.mqtt->tls.ca_file, "/dev/null");
+  EXPECT_EQ(settings.mqtt->tls.ca_file, file);
 }
 
 TEST(MonitorSettings, RefuseLimitsThatContradictEachOther) {

@@ -104,6 +104,26 @@ TEST(TakeAnswer, RefusesEveryOtherLength) {
   EXPECT_EQ(TakeAnswer(request, good, too_few).kind, AnswerKind::kWrongLength);
 }
 
+// The example of the standard, 6.4, and its order of refusals.
+TEST(AnswerFromInputRegisters, GivesTheWordsOrTheExceptionOfTheStandard) {
+  const std::vector<std::uint16_t> registers{7, 8, 0x000A};
+  const auto answer = [&](const Bytes& request) {
+    const Pdu pdu = AnswerFromInputRegisters(request, registers);
+    return Bytes(pdu.span().begin(), pdu.span().end());
+  };
+  EXPECT_EQ(answer({4, 0, 2, 0, 1}), (Bytes{4, 2, 0, 0x0A}));
+  EXPECT_EQ(answer({4, 0, 0, 0, 3}), (Bytes{4, 6, 0, 7, 0, 8, 0, 0x0A}));
+  EXPECT_EQ(answer({3, 0, 2, 0, 1}), (Bytes{0x83, 1}));
+  EXPECT_EQ(answer({4, 0, 2, 0, 2}), (Bytes{0x84, 2}));
+  EXPECT_EQ(answer({4, 0xFF, 0xFF, 0, 1}), (Bytes{0x84, 2}));
+  EXPECT_EQ(answer({4, 0, 2, 0, 0}), (Bytes{0x84, 3}));
+  EXPECT_EQ(answer({4, 0, 0, 0, 126}), (Bytes{0x84, 3}));
+  for (const Bytes& short_or_long : {Bytes{4}, Bytes{4, 0, 2, 0}, Bytes{4, 0, 2, 0, 1, 0}}) {
+    EXPECT_EQ(answer(short_or_long), (Bytes{0x84, 3}));
+  }
+  EXPECT_EQ(answer({}), (Bytes{0x80, 1}));
+}
+
 TEST(ExceptionText, SaysWhatTheDeviceMeans) {
   EXPECT_EQ(ExceptionText(2), "2, illegal data address: the device has no such register");
   EXPECT_EQ(ExceptionText(6), "6, device busy: ask again later");

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/monitor/tcp_server.h"
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <memory>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace strainwave::bench {
+namespace {
+
+constexpr int kPatience_ms = 100;  // in which a stop is seen, and a client that is due
+
+int ListenAt(const addrinfo& place) {
+  const int listener =
+      ::socket(place.ai_family, place.ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, place.ai_protocol);
+  if (listener < 0) return -1;
+  const int yes = 1;
+  ::setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  if (::bind(listener, place.ai_addr, place.ai_addrlen) == 0 && ::listen(listener, SOMAXCONN) == 0) {
+    return listener;
+  }
+  const int error = errno;
+  ::close(listener);
+  errno = error;
+  return -1;
+}
+
+// −1 with errno where it cannot be.
+int Listen(const ListenSettings& settings) {
+  addrinfo wanted{};
+  wanted.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(settings.address.c_str(), std::to_string(settings.port).c_str(), &wanted, &found) != 0) {
+    errno = EADDRNOTAVAIL;
+    return -1;
+  }
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> places(found, &::freeaddrinfo);
+  int listener = -1;
+  for (const addrinfo* place = found; place != nullptr && listener < 0; place = place->ai_next) {
+    listener = ListenAt(*place);
+  }
+  return listener;
+}
+
+int PortOf(int listener) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof(address);
+  ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
+                                             : reinterpret_cast<const sockaddr_in&>(address).sin_port);
+}
+
+bool WouldWait() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR; }
+
+}  // namespace
+
+TcpServer::TcpServer(std::string_view name, const ListenSettings& settings, RequestProtocol& protocol)
+    : protocol_(protocol),
+      most_clients_(settings.connections),
+      idle_after_(settings.idle_after_ms),
+      listener_(Listen(settings)) {
+  if (listener_ < 0) {
+    throw std::system_error(
+        errno, std::generic_category(),
+        fmt::format("{} cannot listen on {} port {}", name, settings.address, settings.port));
+  }
+  port_ = PortOf(listener_);
+  thread_ = std::thread([this] { Serve(); });
+}
+
+TcpServer::~TcpServer() {
+  stop_ = true;
+  thread_.join();
+  for (const Client& client : clients_) ::close(client.socket);
+  ::close(listener_);
+}
+
+void TcpServer::Serve() {
+  std::vector<pollfd> sockets;
+  while (!stop_) {
+    sockets.assign(1, {listener_, POLLIN, 0});
+    for (const Client& client : clients_) {
+      sockets.push_back({client.socket, static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT), 0});
+    }
+    if (::poll(sockets.data(), sockets.size(), kPatience_ms) < 0) continue;
+    const Time now = std::chrono::steady_clock::now();
+    auto polled = sockets.begin();
+    for (auto client = clients_.begin(); client != clients_.end();) {
+      const bool ready = (++polled)->revents != 0;
+      const bool stays = (!ready || (Receive(*client) && Proceed(*client, now))) &&
+                         (!client->due || now < *client->due) && now - client->served < idle_after_;
+      if (!stays) ::close(client->socket);
+      client = stays ? std::next(client) : clients_.erase(client);
+    }
+    if (sockets[0].revents != 0) LetIn(now);
+  }
+}
+
+void TcpServer::LetIn(Time now) {
+  // No more than there is room for, or a flood of them would keep those waiting that are in.
+  for (std::size_t i = 0; i < most_clients_; ++i) {
+    const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    if (socket < 0 && (errno == EMFILE || errno == ENFILE)) {
+      // The next round finds a descriptor.
+      clients_.empty() ? static_cast<void>(::poll(nullptr, 0, kPatience_ms)) : CloseLongestIdle();
+    }
+    if (socket < 0) return;
+    if (clients_.size() >= most_clients_) CloseLongestIdle();
+    clients_.push_back({.socket = socket, .served = now});
+  }
+}
+
+void TcpServer::CloseLongestIdle() {
+  const auto idle = std::ranges::min_element(clients_, {}, &Client::served);
+  ::close(idle->socket);
+  clients_.erase(idle);
+}
+
+bool TcpServer::Receive(Client& client) {
+  if (!client.unsent.empty()) return true;
+  std::array<char, kLongestRequest_bytes> buffer{};
+  // What is not a whole request yet is shorter than the longest one, or the client would have been closed.
+  const ssize_t count = ::recv(client.socket, buffer.data(), buffer.size() - client.received.size(), 0);
+  if (count < 0) return WouldWait();
+  client.received.append(buffer.data(), static_cast<std::size_t>(count));
+  client.closes = client.closes || count == 0;  // what it has asked for before is answered
+  return true;
+}
+
+bool TcpServer::Proceed(Client& client, Time now) {
+  while (true) {
+    if (!client.unsent.empty()) {
+      const ssize_t count = ::send(client.socket, client.unsent.data(), client.unsent.size(), MSG_NOSIGNAL);
+      if (count < 0 && !WouldWait()) return false;
+      client.unsent.erase(0, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+      if (!client.unsent.empty()) break;
+      client.due.reset();
+    }
+    const std::optional<std::size_t> length = protocol_.LengthOf(client.received);
+    if (!length) {
+      if (client.closes || client.received.size() >= kLongestRequest_bytes) return false;
+      break;
+    }
+    RequestProtocol::Reply reply = protocol_.Answer(std::string_view(client.received).substr(0, *length));
+    client.received.erase(0, *length);
+    client.unsent = std::move(reply.bytes);
+    client.served = now;
+    client.due.reset();
+    if (reply.closes) {
+      client.closes = true;
+      client.received.clear();
+    }
+    if (client.unsent.empty() && client.closes) return false;
+  }
+  const bool waits = !client.received.empty() || !client.unsent.empty();
+  if (waits && !client.due) client.due = now + kRequestWithin;
+  return true;
+}
+
+}  // namespace strainwave::bench
