@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "schedules/reader/read_phases.h"
+#include "schedules/reader/schedule_bounds.h"
 #include "schedules/reader/validate_schedule.h"
 #include "schedules/reader/yaml_map.h"
 
@@ -104,6 +105,7 @@ ResumeRules ReadResumeRules(YamlMap map) {
 }
 
 Schedule ReadTop(const YamlNode& root, ReadContext& context) {
+  context.bounds = ScheduleBounds();
   YamlMap map(root, context);
   map.Version("schedule");
   Schedule schedule;

@@ -77,6 +77,16 @@ void CheckLimits(const Schedule& schedule, const Comparison& compare) {
                                   compare.Written(failure)));
     }
   }
+  const Named twist{"limits.twist", schedule.limits.twist_rad};
+  const double half_tooth_rad = 0.5 * kTwoPi / specimen.flexspline_teeth;
+  if (twist.value >= half_tooth_rad && compare.Readable(twist.path) &&
+      compare.Readable("specimen.flexspline_teeth")) {
+    compare.Error(
+        twist.path,
+        fmt::format("twist = {} is not below half a tooth, {:.4g} arcmin with "
+                    "flexspline_teeth = {} (expected less, since teeth have jumped by then)",
+                    compare.Written(twist), ArcminFromRad(half_tooth_rad), specimen.flexspline_teeth));
+  }
 }
 
 void CheckThermalRules(const Schedule& schedule, const Comparison& compare) {
@@ -85,6 +95,8 @@ void CheckThermalRules(const Schedule& schedule, const Comparison& compare) {
   compare.MustBeBelow(trip, {"limits.gear_temperature", schedule.limits.gear_temperature_degC});
   compare.MustBeBelow({"measurements.declared_temperature", schedule.measurements.declared_temperature_degC},
                       trip);
+  compare.MustBeBelow({"suspend.dwell", schedule.suspend.dwell_s},
+                      {"suspend.give_up", schedule.suspend.give_up_s});
 }
 
 // The rules for one phase; `path` is where it stands: "phases[2]".
@@ -153,6 +165,10 @@ class PhaseCheck {
 
   void operator()(const SensorCheck& check) const {
     if (check.kind == SensorCheck::Kind::kShunt) CheckTorque("expected", std::abs(check.expected_Nm));
+    if (check.kind != SensorCheck::Kind::kReference) {
+      // A torque that is off by more makes another stiffness of the gear.
+      compare_.MustBeBelow({At("allowed"), check.allowed}, {"specimen.t1", schedule_.specimen.t1_Nm});
+    }
     // Before a zero is read, the load servo shakes the gear by t2.
     if (check.kind == SensorCheck::Kind::kZero) {
       compare_.MustBeBelow({"specimen.t2", schedule_.specimen.t2_Nm},
@@ -247,6 +263,10 @@ void CheckCampaign(const Schedule& schedule, const Comparison& compare) {
     if (!Has<HysteresisTest>(schedule.phases)) {
       compare.Error(share.path, "k2_below_share_of_first is never measured (expected a hysteresis phase)");
     }
+  }
+  if (schedule.stop.vibration_rms_above_m_per_s2 && !Has<MeasurementRotation>(schedule.phases)) {
+    compare.Error("stop.vibration_rms_above",
+                  "vibration_rms_above is never measured (expected a measurement_rotation phase)");
   }
   if (schedule.stop.e_max_above_rad && !Has<TransmissionErrorSweep>(schedule.phases)) {
     compare.Error("stop.e_max_above", "e_max_above is never measured (expected a transmission_error phase)");

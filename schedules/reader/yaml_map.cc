@@ -120,12 +120,28 @@ Value YamlMap::Read(std::string_view key, const std::string& expectation,
   }
 }
 
+bool YamlMap::IsBeyond(std::string_view key, const YamlNode& at, std::optional<Dimension> dimension,
+                       double value) {
+  const std::string beyond = BeyondBound(context_->bounds, PathOf(key), dimension, value);
+  if (beyond.empty()) return false;
+  Wrong(key, at, fmt::format("{} = {} {}", key, Shortened(at.text), beyond));
+  return true;
+}
+
+// A default is this program's own.
+double YamlMap::WithinBound(std::string_view key, std::optional<Dimension> dimension, double value) {
+  const Entry* entry = Find(key);
+  const bool beyond = entry != nullptr && !is_wrong(key) && IsBeyond(key, *entry->value, dimension, value);
+  return beyond ? 1.0 : value;
+}
+
 double YamlMap::Quantity(std::string_view key, Dimension dimension, Bound bound,
                          std::optional<std::string_view> default_text) {
   const std::string expectation = Expectation(dimension, bound);
-  return Read(key, expectation, default_text, 1.0, [&](const std::string& text) {
+  const double value = Read(key, expectation, default_text, 1.0, [&](const std::string& text) {
     return Bounded(ParseQuantity(text, dimension), bound, expectation);
   });
+  return WithinBound(key, dimension, value);
 }
 
 std::optional<double> YamlMap::OptionalQuantity(std::string_view key, Dimension dimension, Bound bound) {
@@ -138,8 +154,10 @@ std::optional<double> YamlMap::OptionalQuantity(std::string_view key, Dimension 
 
 double YamlMap::Number(std::string_view key, Bound bound, std::optional<std::string_view> default_text) {
   const std::string expectation = fmt::format("a number{}", BoundText(bound));
-  return Read(key, expectation, default_text, 1.0,
-              [&](const std::string& text) { return Bounded(ParseNumber(text), bound, expectation); });
+  const double value = Read(key, expectation, default_text, 1.0, [&](const std::string& text) {
+    return Bounded(ParseNumber(text), bound, expectation);
+  });
+  return WithinBound(key, std::nullopt, value);
 }
 
 int YamlMap::Count(std::string_view key, int least, int most, std::optional<std::string_view> default_text) {

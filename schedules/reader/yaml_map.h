@@ -11,16 +11,19 @@
 #include <utility>
 #include <vector>
 
+#include "schedules/reader/bounds.h"
 #include "schedules/reader/findings.h"
 #include "schedules/reader/quantity.h"
 #include "schedules/reader/yaml_node.h"
 
 namespace strainwave::schedules {
 
-/// What the reading of one file gathers.
+/// What the reading of one file gathers, and how far its values may go where that is narrower than the widest
+/// that a bench can have.
 struct ReadContext {
   FindingList findings;
   Origins origins;
+  std::span<const QuantityBound> bounds;
 };
 
 enum class Bound { kAny, kNotZero, kNotNegative, kPositive };
@@ -112,6 +115,9 @@ class YamlMap {
   template <typename Value, typename Parse>
   Value Read(std::string_view key, const std::string& expectation,
              std::optional<std::string_view> default_text, Value stand_in, Parse parse);
+  /// Whether the file has a value at `at` that lies beyond its bound; that is a finding.
+  bool IsBeyond(std::string_view key, const YamlNode& at, std::optional<Dimension> dimension, double value);
+  double WithinBound(std::string_view key, std::optional<Dimension> dimension, double value);
   void Wrong(std::string_view key, const YamlNode& at, std::string message);
   void MarkWrong(std::string_view key);
 

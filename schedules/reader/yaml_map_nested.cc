@@ -41,8 +41,13 @@ std::vector<double> YamlMap::QuantityList(std::string_view key, Dimension dimens
       continue;
     }
     try {
-      values.back() = Bounded(ParseQuantity(item.text, dimension), bound, expectation);
+      const double value = Bounded(ParseQuantity(item.text, dimension), bound, expectation);
       context_->origins[PathOf(item_key)] = {item.line, item.column, Shortened(item.text), false};
+      if (IsBeyond(item_key, item, dimension, value)) {
+        MarkWrong(key);
+      } else {
+        values.back() = value;
+      }
     } catch (const std::invalid_argument& error) {
       Wrong(item_key, item, fmt::format("{} = {}: {}", item_key, Shortened(item.text), error.what()));
       MarkWrong(key);

@@ -140,6 +140,9 @@ TEST(ValidateSchedule, WantsStopCriteriaThatSomethingMeasures) {
   const std::string text = GoodWith("  - kind: transmission_error\n    input_speed: 300 rpm\n", "");
   EXPECT_EQ(MessageOf(text + "stop:\n  e_max_above: 3 arcmin\n"),
             "small.yaml:34:16: error: e_max_above is never measured (expected a transmission_error phase)");
+  EXPECT_EQ(MessageOf(GoodSchedule() + "stop:\n  vibration_rms_above: 30 m/s2\n"),
+            "small.yaml:36:24: error: vibration_rms_above is never measured (expected a measurement_rotation "
+            "phase)");
   EXPECT_EQ(
       MessageOf(GoodSchedule() + "stop:\n  k2_below_share_of_first: 120 %\n"),
       "small.yaml:36:28: error: k2_below_share_of_first = 120 % would stop at once (expected below 100 %)");
