@@ -16,6 +16,8 @@
 #include "bench/commands/person.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
+#include "bench/configuration/sensors_of.h"
+#include "bench/controller/interlocks.h"
 #include "bench/devices/make_machine.h"
 
 namespace strainwave::bench {
@@ -75,6 +77,15 @@ void CheckDoubts(const BenchMachine& machine, Journal& journal) {
   if (!refused.empty()) throw CampaignError(ExitCode::kMachineFailed, refused);
 }
 
+// A limit of the schedule that nothing on this bench measures.
+void NoteUnwatchedLimits(const BenchDescription& bench, Journal& journal) {
+  for (const InterlockRow& row : Interlocks::Table(SensorsOf(bench))) {
+    if (row.unwatched.empty() || !row.limit.starts_with("limits.")) continue;
+    journal.AddEvent({0.0, UtcNow(), journal.LastCompleteCycle() + 1, "", "warning", "interlocks",
+                      fmt::format("{} watches nothing: {}", row.limit, row.unwatched)});
+  }
+}
+
 int Run(const RunOptions& options) {
   ListenForRequests();
   const LiveOutput output([] { return Requested() != StopRequest::kNone; });
@@ -119,6 +130,7 @@ int Run(const RunOptions& options) {
   {
     const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth), Ask);
     CheckDoubts(*machine, journal);
+    NoteUnwatchedLimits(inputs.bench, journal);
     if (!options.accept_expired) {
       RefuseToStart(CalibrationTroubles(CalibrationsOf(inputs.bench), machine->Calibrations(), Today()),
                     inputs.bench);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
+#include "bench/configuration/sensors_of.h"
 #include "bench/controller/interlocks.h"
 #include "schedules/reader/plan.h"
 
@@ -75,7 +77,20 @@ void PrintPhases(const char* title, const std::vector<schedules::PhaseTime>& pha
   }
 }
 
-void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life) {
+void PrintInterlocks(const std::vector<InterlockRow>& interlocks) {
+  ToStdout("interlocks, watched every control period in every phase\n");
+  for (const auto& row : interlocks) {
+    if (row.unwatched.empty()) ToStdout("  {:22} {:28} {}\n", row.signal, row.limit, row.action);
+  }
+  if (std::ranges::all_of(interlocks, &std::string_view::empty, &InterlockRow::unwatched)) return;
+  ToStdout("not watched on this bench\n");
+  for (const auto& row : interlocks) {
+    if (!row.unwatched.empty()) ToStdout("  {:22} {:28} {}\n", row.signal, row.limit, row.unwatched);
+  }
+}
+
+void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life,
+               const std::vector<InterlockRow>& interlocks) {
   ToStdout("{}: {} cycles on {} ({})\n\n", schedule.name, schedule.cycles, schedule.specimen.identity,
            schedule.specimen.model);
   PrintPhases("once, before the first cycle", plan.preparation);
@@ -110,10 +125,7 @@ void PrintPlan(const schedules::Schedule& schedule, const schedules::Plan& plan,
       "times\n\n",
       life.peak_torque_Nm, specimen.ratcheting_torque_Nm, life.margins.ratcheting,
       specimen.buckling_torque_Nm, life.margins.buckling);
-  ToStdout("interlocks, watched every control period in every phase\n");
-  for (const auto& row : Interlocks::Table()) {
-    ToStdout("  {:22} {:28} {}\n", row.signal, row.limit, row.action);
-  }
+  PrintInterlocks(interlocks);
   ToStdout("\nafter a pause the test counts as the same for up to {}; longer needs --accept-pause\n",
            DurationText(schedule.resume.longest_pause_s));
 }
@@ -126,7 +138,20 @@ nlohmann::json PhasesJson(const std::vector<schedules::PhaseTime>& phases) {
   return rows;
 }
 
-void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life) {
+nlohmann::json InterlocksJson(const std::vector<InterlockRow>& interlocks) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& row : interlocks) {
+    rows.push_back({{"signal", row.signal},
+                    {"limit", row.limit},
+                    {"action", row.action},
+                    {"watched", row.unwatched.empty()}});
+    if (!row.unwatched.empty()) rows.back()["why_not"] = row.unwatched;
+  }
+  return rows;
+}
+
+void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan, const LifePlan& life,
+               const std::vector<InterlockRow>& interlocks) {
   nlohmann::json streams = nlohmann::json::array();
   for (const auto& stream : plan.streams) {
     streams.push_back(
@@ -149,7 +174,8 @@ void PrintJson(const schedules::Schedule& schedule, const schedules::Plan& plan,
       {"streams", streams},
       {"bearing_life_share", life.whole_share},
       {"ratcheting_margin", life.margins.ratcheting},
-      {"buckling_margin", life.margins.buckling}};
+      {"buckling_margin", life.margins.buckling},
+      {"interlocks", InterlocksJson(interlocks)}};
   ToStdout("{}\n", document.dump(2));
 }
 
@@ -162,7 +188,9 @@ int Validate(const ValidateOptions& options) {
   }
   const schedules::Plan plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
   const LifePlan life = LifeOf(inputs.schedule, plan);
-  options.json ? PrintJson(inputs.schedule, plan, life) : PrintPlan(inputs.schedule, plan, life);
+  const std::vector<InterlockRow> interlocks = Interlocks::Table(SensorsOf(inputs.bench));
+  options.json ? PrintJson(inputs.schedule, plan, life, interlocks)
+               : PrintPlan(inputs.schedule, plan, life, interlocks);
   return static_cast<int>(ExitCode::kDone);
 }
 

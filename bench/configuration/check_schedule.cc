@@ -114,19 +114,17 @@ class BenchCheck {
                  {At("torque_rate"), run.torque_rate_Nm_per_s});
     CheckReserve("input_speed", run.input_speed_rad_per_s, limits_.input_speed_rad_per_s,
                  {At("input_acceleration"), run.input_acceleration_rad_per_s2});
-    if (run.vibration_statistics_hz > 0.0)
+    if (run.vibration_statistics_hz > 0.0) {
       CheckVibration("vibration_statistics", run.vibration_statistics_hz);
+      WantAccelerometers("vibration_statistics", "vibration_statistics");
+    }
   }
   void operator()(const schedules::MeasurementRotation& rotation) const {
     CheckTorque("output_torque", rotation.output_torque_Nm, true);
     CheckMotion(rotation.input_speed_rad_per_s, rotation.input_acceleration_rad_per_s2);
     CheckLogRate(rotation.log_rate_hz, can_.fast_sample_rate_hz);
     CheckVibration("vibration_rate", rotation.vibration_rate_hz);
-    if (bench_.accelerometers.empty()) {
-      compare_.Error(At("kind"), fmt::format("kind = measurement_rotation needs vibration, but {} has no "
-                                             "accelerometers (expected at least one)",
-                                             bench_.file_name));
-    }
+    WantAccelerometers("kind", "kind = measurement_rotation");
   }
   void operator()(const schedules::TransmissionErrorSweep& sweep) const {
     CheckMotion(sweep.input_speed_rad_per_s, sweep.input_acceleration_rad_per_s2);
@@ -226,6 +224,13 @@ class BenchCheck {
                     RpmFromRadPerS(most_rad_per_s), DegFromRad(drive->limits.following_error_window_rad)));
   }
 
+  void WantAccelerometers(std::string_view key, std::string_view what) const {
+    if (!bench_.accelerometers.empty()) return;
+    compare_.Error(
+        At(key), fmt::format("{} needs vibration, but {} has no accelerometers (expected at least one)", what,
+                             bench_.file_name));
+  }
+
   void CheckVibration(std::string_view key, double rate_hz) const {
     compare_.MustNotExceed({At(key), rate_hz}, "the bench's vibration_rate",
                            {"vibration_rate", bench_.vibration_rate_hz}, bench_.origins, bench_.file_name);
@@ -279,15 +284,35 @@ class BenchCheck {
   const Comparison& compare_;
 };
 
+// A limit that lies beyond what measures it, or that nothing measures, watches nothing.
+void CheckLimits(const schedules::Limits& limits, const BenchDescription& bench, const Comparison& compare) {
+  compare.MustNotExceed({"limits.output_torque", limits.output_torque_Nm}, "the torque transducer's range",
+                        {"torque_transducer.range", bench.transducer.range_Nm}, bench.origins,
+                        bench.file_name);
+  compare.MustNotExceed(
+      {"limits.input_speed", limits.input_speed_rad_per_s}, "the driving servo's peak_speed",
+      {"driving_servo.peak_speed", bench.driving_servo.peak_speed_rad_per_s}, bench.origins, bench.file_name);
+  const Named vibration{"limits.vibration_rms", limits.vibration_rms_m_per_s2};
+  for (std::size_t i = 0; i < bench.accelerometers.size(); ++i) {
+    const AccelerometerDescription& accelerometer = bench.accelerometers[i];
+    compare.MustNotExceed(vibration, fmt::format("the range of {}", accelerometer.name),
+                          {fmt::format("accelerometers[{}].range", i), accelerometer.range_m_per_s2},
+                          bench.origins, bench.file_name);
+  }
+  if (bench.accelerometers.empty()) {
+    compare.Warning(vibration.path,
+                    fmt::format("vibration_rms = {} watches nothing: {} has no accelerometers (expected one)",
+                                compare.Written(vibration), bench.file_name));
+  }
+}
+
 }  // namespace
 
 schedules::FindingList CheckScheduleAgainstBench(const schedules::Schedule& schedule,
                                                  const BenchDescription& bench) {
   schedules::FindingList findings;
   const Comparison compare(schedule.origins, findings);
-  compare.MustNotExceed(
-      {"limits.output_torque", schedule.limits.output_torque_Nm}, "the torque transducer's range",
-      {"torque_transducer.range", bench.transducer.range_Nm}, bench.origins, bench.file_name);
+  CheckLimits(schedule.limits, bench, compare);
   DrivesOnDemand drives(bench);
   const auto check = [&](const std::vector<schedules::Phase>& phases, std::string_view list) {
     for (std::size_t i = 0; i < phases.size(); ++i) {

@@ -2,6 +2,7 @@
 #include "bench/configuration/read_bench_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -9,9 +10,11 @@
 #include <string>
 #include <utility>
 
+#include "bench/configuration/bench_bounds.h"
 #include "bench/configuration/device_file.h"
 #include "bench/configuration/read_devices.h"
 #include "bench/configuration/read_teds.h"
+#include "bench/roles/sampler.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -131,6 +134,12 @@ std::vector<AccelerometerDescription> ReadAccelerometers(std::vector<YamlMap> ma
         map.Quantity("sensitivity", Dimension::kSensitivity, Bound::kPositive, "100 mV/g");
     accelerometer.range_m_per_s2 = map.Quantity("range", Dimension::kAcceleration, Bound::kPositive, "50 g");
     map.Finish();
+    // Another would be taken for one and read by nobody.
+    if (!map.is_wrong("name") &&
+        std::ranges::find(kAccelerometers, accelerometer.name) == kAccelerometers.end()) {
+      map.AddError("name", fmt::format("name = {} is none of the accelerometers of a bench (expected {})",
+                                       accelerometer.name, fmt::join(kAccelerometers, ", ")));
+    }
     const bool taken = std::any_of(accelerometers.begin(), accelerometers.end(),
                                    [&](const auto& other) { return other.name == accelerometer.name; });
     if (taken && !map.is_wrong("name")) {
@@ -193,6 +202,7 @@ SimulationDescription ReadSimulation(YamlMap map, const std::filesystem::path& f
 }
 
 BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& folder, ReadContext& context) {
+  context.bounds = BenchBounds();
   YamlMap map(root, context);
   map.Version("bench");
   BenchDescription bench;
@@ -203,6 +213,13 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
       map.Quantity("fast_control_period", Dimension::kTime, Bound::kPositive, "1 ms");
   bench.stale_after_s = map.OptionalQuantity("stale_after", Dimension::kTime, Bound::kPositive)
                             .value_or(3.0 * bench.control_period_s);
+  if (bench.stale_after_s < bench.control_period_s && !map.is_wrong("control_period")) {
+    map.AddError(
+        "stale_after",
+        fmt::format("stale_after = {} is below control_period = {} (expected more, or no reading would "
+                    "ever be fresh)",
+                    context.origins["stale_after"].text, context.origins["control_period"].text));
+  }
   bench.longest_stop_s = map.Quantity("longest_stop_time", Dimension::kTime, Bound::kPositive, "2 s");
   bench.vibration_rate_hz =
       map.Quantity("vibration_rate", Dimension::kFrequency, Bound::kPositive, "51.2 kHz");

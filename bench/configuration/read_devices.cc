@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "bench/roles/sampler.h"
+
 namespace strainwave::bench {
 
 using schedules::Presence;
@@ -26,6 +28,10 @@ std::filesystem::path Below(const std::filesystem::path& folder, const std::stri
 }
 
 bool IsAngle(std::string_view channel) { return channel == "input_angle" || channel == "output_angle"; }
+
+bool IsAccelerometer(std::string_view channel) {
+  return std::ranges::find(kAccelerometers, channel) != kAccelerometers.end();
+}
 
 // What is polled is older by an unknown part of the poll: arcminutes of an angle under way. Nor is it counted
 // on where a register goes over.
@@ -265,6 +271,10 @@ void CheckDevices(const BenchDescription& bench, int line, ReadContext& context)
     } else if (IsAngle(link.channel) && !DatesItsSamples(device->kind)) {
       error("device", fmt::format("device = {} does not date its samples (expected one of kind stream or iio "
                                   "for an angle)",
+                                  link.device));
+    } else if (IsAccelerometer(link.channel) && !DatesItsSamples(device->kind)) {
+      error("device", fmt::format("device = {} sends no samples (expected one of kind stream or iio for an "
+                                  "accelerometer)",
                                   link.device));
     }
   }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "analysis/units.h"
+#include "bench/configuration/bench_bounds.h"
 #include "bench/configuration/device_file.h"
 #include "schedules/reader/yaml_map.h"
 
@@ -233,6 +234,14 @@ void ReadTiming(YamlMap map, protocols::canopen::DriveTiming& timing) {
       map.OptionalQuantity("position_loop_lag", Dimension::kTime, Bound::kPositive).value_or(0.0);
   timing.position_loop_lag = std::chrono::nanoseconds(static_cast<std::int64_t>(lag_s * 1e9 + 0.5));
   timing.stale_after_syncs = static_cast<unsigned>(map.Integer("stale_after_syncs", 1, 1000, "5"));
+  const double stale_s = timing.stale_after_syncs * std::chrono::duration<double>(timing.sync_period).count();
+  if (stale_s > kLongestUnwatched_s) {
+    map.AddError(
+        "stale_after_syncs",
+        fmt::format("stale_after_syncs = {} of the sync_period are {:g} s (expected at most {:g} s, since "
+                    "the shafts turn unwatched meanwhile)",
+                    timing.stale_after_syncs, stale_s, kLongestUnwatched_s));
+  }
   timing.sdo_timeout = Time(map, "sdo_timeout", timing.sdo_timeout);
   timing.start_timeout = Time(map, "start_timeout", timing.start_timeout);
   timing.stage_timeout = Time(map, "stage_timeout", timing.stage_timeout);
@@ -289,6 +298,7 @@ void CheckAgainstEds(const DriveProfile& profile, const std::string& eds_file,
 
 DriveProfile ReadTop(const schedules::YamlNode& root, const std::filesystem::path& folder,
                      ReadContext& context) {
+  context.bounds = DeviceBounds();
   YamlMap map(root, context);
   map.Version("drive_profile");
   DriveProfile profile;

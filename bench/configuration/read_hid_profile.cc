@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/configuration/bench_bounds.h"
 #include "bench/configuration/device_file.h"
 #include "schedules/reader/yaml_map.h"
 
@@ -89,6 +90,7 @@ HidField ReadField(YamlMap& map) {
 
 HidProfile ReadTop(const YamlNode& root, ReadContext& context) {
   const auto nanoseconds = [](double time_s) { return std::chrono::nanoseconds(std::llround(time_s * 1e9)); };
+  context.bounds = DeviceBounds();
   YamlMap map(root, context);
   map.Version("hid_device");
   HidProfile profile;

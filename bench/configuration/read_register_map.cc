@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/configuration/bench_bounds.h"
 #include "bench/configuration/device_file.h"
 #include "schedules/reader/quantity.h"
 #include "schedules/reader/yaml_map.h"
@@ -148,6 +149,7 @@ ModbusServoProfile ReadServo(YamlMap& map) {
 }
 
 ModbusProfile ReadTop(const YamlNode& root, ReadContext& context) {
+  context.bounds = DeviceBounds();
   YamlMap map(root, context);
   map.Version("modbus_device");
   ModbusProfile profile;

@@ -1,29 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/controller/interlocks.h"
 
-#include <array>
 #include <cmath>
 
 namespace strainwave::bench {
 namespace {
-
-constexpr std::array kTable{
-    InterlockRow{"output torque", "limits.output_torque", "torque off, brakes on"},
-    InterlockRow{"input speed", "limits.input_speed", "torque off, brakes on"},
-    InterlockRow{"gear temperature", "limits.gear_temperature", "torque off, brakes on"},
-    InterlockRow{"vibration RMS", "limits.vibration_rms", "torque off, brakes on"},
-    InterlockRow{"twist, input locked", "limits.twist", "torque off, brakes on"},
-    InterlockRow{"age of the readings", "stale_after, else three control periods", "torque off, brakes on"},
-    InterlockRow{"input angle", "the driving servo's own", "torque off, brakes on"},
-    InterlockRow{"drive fault", "power state fault", "torque off, brakes on"},
-    InterlockRow{"drive enabled", "in operation enabled, brake off", "torque off, brakes on"},
-    InterlockRow{"age of a drive's state", "stale_after, else three control periods",
-                 "torque off, brakes on"},
-    InterlockRow{"torque and speed asked for", "torque_tolerance, speed_tolerance", "torque off, brakes on"},
-    InterlockRow{"quick-stop key", "pressed, or its pendant gone", "torque off, brakes on"},
-    InterlockRow{"gear temperature", "suspend.trip_temperature", "suspend, resume by itself"},
-    InterlockRow{"bad channel", "suspend.bad_sensor", "suspend, resume by itself"},
-};
 
 bool DriveFaulted(const DriveActual& drive) noexcept {
   return drive.power == protocols::PowerState::kFault ||
@@ -35,7 +16,28 @@ bool Beyond(double magnitude, double limit) noexcept { return !(std::abs(magnitu
 
 }  // namespace
 
-std::span<const InterlockRow> Interlocks::Table() { return kTable; }
+std::vector<InterlockRow> Interlocks::Table(const BenchSensors& sensors) {
+  constexpr std::string_view kStop = "torque off, brakes on";
+  constexpr std::string_view kSuspend = "suspend, resume by itself";
+  return {
+      {"output torque", "limits.output_torque", kStop},
+      {"input speed", "limits.input_speed", kStop},
+      {"gear temperature", "limits.gear_temperature", kStop},
+      {"vibration RMS", "limits.vibration_rms", kStop,
+       sensors.vibration ? "" : "the bench has no accelerometers"},
+      {"twist, input locked", "limits.twist", kStop},
+      {"age of the readings", "stale_after, else three control periods", kStop},
+      {"input angle", "the driving servo's own", kStop},
+      {"drive fault", "power state fault", kStop},
+      {"drive enabled", "in operation enabled, brake off", kStop},
+      {"age of a drive's state", "stale_after, else three control periods", kStop},
+      {"torque and speed asked for", "torque_tolerance, speed_tolerance", kStop},
+      {"quick-stop key", "pressed, or its pendant gone", kStop,
+       sensors.quick_stop_key ? "" : "the bench has no pendant"},
+      {"gear temperature", "suspend.trip_temperature", kSuspend},
+      {"bad channel", "suspend.bad_sensor", kSuspend},
+  };
+}
 
 std::size_t Interlocks::CheckAll(const Readings& readings, const InterlockInputs& inputs,
                                  std::span<StopReason> causes) const noexcept {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/controller/stop_reason.h"
+#include "bench/roles/bench_sensors.h"
 #include "bench/roles/sampler.h"
 #include "bench/roles/servo_drive.h"
 #include "schedules/reader/schedule.h"
@@ -27,6 +28,7 @@ struct InterlockRow {
   std::string_view signal;
   std::string_view limit;
   std::string_view action;
+  std::string_view unwatched{};  // why this bench does not watch it; empty: it does
 };
 
 /// All limits of the bench in one place (BENCH row 19): evaluated every control period in every phase, the
@@ -43,7 +45,8 @@ class Interlocks {
   std::size_t CheckAll(const Readings& readings, const InterlockInputs& inputs,
                        std::span<StopReason> causes) const noexcept;
 
-  static std::span<const InterlockRow> Table();
+  /// All rows; one that a bench with these sensors does not watch says why.
+  static std::vector<InterlockRow> Table(const BenchSensors& sensors);
 
  private:
   schedules::Limits limits_;

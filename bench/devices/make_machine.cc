@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/devices/make_machine.h"
 
+#include "bench/configuration/sensors_of.h"
 #include "bench/devices/field/field_machine.h"
 #include "bench/devices/plant_model_of.h"
 #include "bench/devices/simulated_machine.h"
@@ -14,6 +15,7 @@ std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, c
   settings.seed = description.simulation.seed;
   settings.time_skew_s = description.simulation.time_skew_s;
   settings.pace = test.pace;
+  settings.has_accelerometers = SensorsOf(description).vibration;
   return std::make_unique<SimulatedMachine>(PlantModelOf(description, test.ratio), settings, test);
 }
 

@@ -62,6 +62,12 @@ std::string Check(std::string_view from, std::string_view to, const std::string&
   return lines;
 }
 
+// What comes before all else where the bench has no accelerometers.
+const std::string kNoLimit =
+    "small.yaml:21:18: warning: vibration_rms = 50 m/s2 watches nothing: small-bench.yaml has no "
+    "accelerometers "
+    "(expected one)\n";
+
 TEST(BenchFile, ReadsEveryValueInSi) {
   const BenchDescription bench = ParseBenchFile(GoodBench(), "small-bench.yaml");
   EXPECT_EQ(bench.name, "small");
@@ -166,6 +172,36 @@ TEST(BenchFile, KnowsWhichDaysExist) {
   }
 }
 
+TEST(BenchFile, RefusesToLeaveShaftsUnwatched) {
+  const auto message = [](const std::string& line) {
+    return BenchMessageOf(With(GoodBench(), "simulated: true", "simulated: true\n" + line));
+  };
+  const std::string unwatched = " (expected no more, since the shafts turn unwatched meanwhile)";
+  EXPECT_EQ(message("stale_after: 1 h"),
+            "small-bench.yaml:4:14: error: stale_after = 1 h is above 2 s" + unwatched);
+  EXPECT_EQ(message("longest_stop_time: 1 min"),
+            "small-bench.yaml:4:20: error: longest_stop_time = 1 min is above 10 s" + unwatched);
+  const std::string period =
+      "since limits are looked at once a period, and drives take set points no faster)";
+  EXPECT_EQ(
+      message("control_period: 1 s"),
+      "small-bench.yaml:4:17: error: control_period = 1 s is above 100 ms (expected no more, " + period);
+  EXPECT_EQ(
+      message("control_period: 1 us"),
+      "small-bench.yaml:4:17: error: control_period = 1 us is below 100 us (expected no less, " + period);
+  EXPECT_EQ(message("stale_after: 5 ms"),
+            "small-bench.yaml:4:14: error: stale_after = 5 ms is below control_period = "
+            "10 ms (expected more, or no reading would ever be fresh)");
+  EXPECT_EQ(message("stale_after: 2 s\ncontrol_period: 100 ms"), "");
+}
+
+TEST(BenchFile, KnowsTheAccelerometersThatABenchHas) {
+  EXPECT_EQ(
+      BenchMessageOf(With(GoodBench(), "name: accel_x", "name: accel_front")),
+      "small-bench.yaml:11:11: error: name = accel_front is none of the accelerometers of a bench (expected "
+      "accel_x, accel_y, accel_z, accel_motor_z)");
+}
+
 TEST(BenchFile, RefusesASimulationOfARealBench) {
   EXPECT_EQ(
       BenchMessageOf(With(GoodBench(), "simulated: true", "simulated: false")),
@@ -219,6 +255,8 @@ TEST(CheckScheduleAgainstBench, NamesASpeedBeyondTheDrive) {
   EXPECT_EQ(
       Check("input_speed: 2400 rpm", "input_speed: 2500 rpm",
             With(GoodBench(), "peak_speed: 3000 rpm", "peak_speed: 2450 rpm")),
+      "small.yaml:19:16: error: input_speed = 3000 rpm is above the driving servo's peak_speed = 2450 rpm "
+      "(small-bench.yaml, line 4)\n"
       "small.yaml:28:18: error: input_speed = 2500 rpm is above the driving servo's peak_speed = 2450 rpm "
       "(small-bench.yaml, line 4)");
 }
@@ -338,13 +376,34 @@ TEST(CheckScheduleAgainstBench, NamesRatesBeyondWhatIsSampled) {
             "(small-bench.yaml)");
 }
 
+TEST(CheckScheduleAgainstBench, SaysThatALimitOfVibrationWatchesNothingWithoutAccelerometers) {
+  EXPECT_EQ(Check("cycles: 3", "cycles: 3", With(GoodBench(), "accelerometers:\n  - name: accel_x\n", "")),
+            "small.yaml:21:18: warning: vibration_rms = 50 m/s2 watches nothing: small-bench.yaml has no "
+            "accelerometers "
+            "(expected one)");
+}
+
+TEST(CheckScheduleAgainstBench, NamesALimitOfVibrationThatAnAccelerometerCannotShow) {
+  EXPECT_EQ(
+      Check("cycles: 3", "cycles: 3", With(GoodBench(), "name: accel_x", "name: accel_x\n    range: 4 g")),
+      "small.yaml:21:18: error: vibration_rms = 50 m/s2 is above the range of accel_x = 4 g "
+      "(small-bench.yaml, "
+      "line 12)");
+}
+
 TEST(CheckScheduleAgainstBench, WantsAccelerometersForTheRotation) {
+  EXPECT_EQ(Check("duration: 30 min", "duration: 30 min\n    vibration_statistics: 12.8 kHz",
+                  With(GoodBench(), "accelerometers:\n  - name: accel_x\n", "")),
+            kNoLimit +
+                "small.yaml:27:27: error: vibration_statistics needs vibration, but small-bench.yaml has no "
+                "accelerometers (expected at least one)");
   EXPECT_EQ(
       Check("phases:\n",
             "phases:\n  - {kind: measurement_rotation, input_speed: 300 rpm, output_torque: 0 Nm}\n",
             With(GoodBench(), "accelerometers:\n  - name: accel_x\n", "")),
-      "small.yaml:25:12: error: kind = measurement_rotation needs vibration, but small-bench.yaml has no "
-      "accelerometers (expected at least one)");
+      kNoLimit +
+          "small.yaml:25:12: error: kind = measurement_rotation needs vibration, but small-bench.yaml has no "
+          "accelerometers (expected at least one)");
 }
 
 }  // namespace

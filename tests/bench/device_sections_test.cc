@@ -167,6 +167,13 @@ TEST(DeviceSections, SayHowAModbusDeviceIsToBeTalkedTo) {
   EXPECT_EQ(connection.stop_bits, 2);
 }
 
+TEST(DeviceSections, WantSamplesOfAnAccelerometer) {
+  EXPECT_EQ(
+      MessageOf("channel: accel_x, device: front", "channel: accel_x, device: load"),
+      "real.yaml:30:32: error: device = load sends no samples (expected one of kind stream or iio for an "
+      "accelerometer)");
+}
+
 TEST(DeviceSections, RefuseConnectionsThatCannotBe) {
   EXPECT_EQ(
       MessageOf(kTcp, "address: \"tcp:10.0.0.2:502\", baud: 9600"),

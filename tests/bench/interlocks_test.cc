@@ -3,6 +3,8 @@
 
 #include <array>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -110,6 +112,20 @@ TEST(Interlocks, FindEverythingThatIsBrokenWithTheFirstInFront) {
   ASSERT_EQ(kInterlocks.CheckAll(readings, Now(), causes), 2u);
   EXPECT_EQ(causes[0].cause, kInterlocks.Check(readings, Now()).cause);
   EXPECT_EQ(causes[1].cause, StopCause::kVibrationLimit);
+}
+
+std::vector<std::string> UnwatchedBy(const BenchSensors& sensors) {
+  std::vector<std::string> limits;
+  for (const InterlockRow& row : Interlocks::Table(sensors)) {
+    if (!row.unwatched.empty()) limits.push_back(std::string(row.signal) + ": " + std::string(row.unwatched));
+  }
+  return limits;
+}
+
+TEST(Interlocks, SayWhatABenchDoesNotWatch) {
+  EXPECT_EQ(UnwatchedBy({.vibration = true, .quick_stop_key = true}), std::vector<std::string>());
+  EXPECT_EQ(UnwatchedBy({}), (std::vector<std::string>{"vibration RMS: the bench has no accelerometers",
+                                                       "quick-stop key: the bench has no pendant"}));
 }
 
 schedules::SuspendRule TestRule() {

@@ -14,6 +14,7 @@
 
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
+#include "bench/configuration/bench_bounds.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_drive_profile.h"
 #include "bench/configuration/read_hid_profile.h"
@@ -282,6 +283,13 @@ void FieldMachine::OpenHid() {
       hid.channels = std::make_unique<HidChannels>(hid.profile, clock_);
     } else if (device.kind == Kind::kPendant) {
       const HidProfile profile = ReadHidProfile(device.file);
+      const double report_s = std::chrono::duration<double>(profile.good_for).count();
+      if (report_s > kLongestUnwatched_s) {
+        throw std::invalid_argument(
+            fmt::format("line {}: pendant {} has good_for = {:g} s (must be at most {:g} s: "
+                        "a pendant that is gone stops the bench by then)",
+                        device.line, device.name, report_s, kLongestUnwatched_s));
+      }
       pendant_ = std::make_unique<Pendant>(
           PendantProfile{profile.device, FieldNamed(profile, "quick_stop"), FieldNamed(profile, "reset"),
                          FieldNamed(profile, "start"), profile.good_for},

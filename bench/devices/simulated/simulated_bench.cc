@@ -216,6 +216,7 @@ void SimulatedBench::Implementation::KeepPace() noexcept {
 Readings SimulatedBench::Implementation::Read() noexcept {
   if (fresh_ || injection_.sampler_silent) return last_;
   Readings readings = sensors_.Measure(plant_, now_);
+  if (!settings_.has_accelerometers) readings.vibration_rms_m_per_s2 = 0.0;
   const unsigned held = injection_.frozen_channels | injection_.dead_channels;
   const unsigned drifting = injection_.drifting_channels;
   if ((held | drifting) != 0) {

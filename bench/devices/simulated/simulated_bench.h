@@ -22,6 +22,7 @@ struct SimulatedBenchSettings {
   double time_skew_s{10e-6};
   /// Times real time; infinity: as fast as it can.
   double pace{std::numeric_limits<double>::infinity()};
+  bool has_accelerometers{true};         // without them nothing of the vibration is read
   std::optional<double> ambient_degC{};  // mean of the room, and of everything at the start; else the model's
 };
 

@@ -76,6 +76,21 @@ TEST(DriveProfileFile, TellsAllThatIsWrongWithPlaces) {
       "small.yaml:12:75: error: map has 0x6040:0 (expected INDEX:SUBINDEX:BITS, as in 0x6040:0:16)");
 }
 
+TEST(DriveProfileFile, RefusesToLeaveADriveUnwatched) {
+  const std::string unwatched = " is above 2 s (expected no more, since the shafts turn unwatched meanwhile)";
+  EXPECT_EQ(MessageOf(SmallProfile() +
+                      "supervision: {drive_timeout: 3 s, master_heartbeat: 50 ms, master_timeout: 1 min, "
+                      "rpdo_event_timer: 2001 ms}\n"),
+            "small.yaml:12:30: error: drive_timeout = 3 s" + unwatched +
+                "\nsmall.yaml:12:76: error: master_timeout = 1 min" + unwatched +
+                "\nsmall.yaml:12:101: error: rpdo_event_timer = 2001 ms" + unwatched);
+  EXPECT_EQ(
+      MessageOf(SmallProfile() + "timing: {sync_period: 10 ms, stale_after_syncs: 201}\n"),
+      "small.yaml:12:49: error: stale_after_syncs = 201 of the sync_period are 2.01 s (expected at most 2 s, "
+      "since the shafts turn unwatched meanwhile)");
+  EXPECT_EQ(MessageOf(SmallProfile() + "timing: {sync_period: 10 ms, stale_after_syncs: 200}\n"), "");
+}
+
 TEST(DriveProfileFile, IsCheckedAgainstTheMakersDataSheet) {
   EXPECT_EQ(
       MessageOf(SmallProfile() + "eds: missing.eds\n", "nowhere"),

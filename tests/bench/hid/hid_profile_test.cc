@@ -39,6 +39,13 @@ TEST(HidProfile, OfTheTorqueReadOutRefusesAnOverload) {
   EXPECT_EQ(TakeField(profile.channels[1], overload).problem, protocols::HidProblem::kOutOfRange);
 }
 
+TEST(HidProfile, RefusesToTakeAnOldValueForANewOne) {
+  EXPECT_EQ(
+      ErrorsOf("hid_device: 1\ndevice: d\nvendor: 1234\nproduct: 1234\ngood_for: 1 h\nchannels:\n"
+               "  - {name: a, report_length: 2, first_bit: 0, bits: 8}\n"),
+      "d.yaml:5:11: error: good_for = 1 h is above 3 min (expected no more, since an older value is none)");
+}
+
 TEST(HidProfile, TellsAllMistakesWithTheirPlace) {
   EXPECT_EQ(
       ErrorsOf("hid_device: 1\n"

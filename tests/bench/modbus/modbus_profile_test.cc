@@ -111,6 +111,23 @@ TEST(ModbusProfile, TellsWhereAMapContradictsItself) {
       "read)");
 }
 
+TEST(ModbusProfile, RefusesAWatchdogThatBitesTooLate) {
+  const std::string errors = ErrorsOf(kHead +
+                                      "  - {name: a, address: 0, poll: 1 h}\nservo:\n  write_period: 1 s\n"
+                                      "  watchdog_time: 10 s\n");
+  for (const char* line : {"d.yaml:4:33: error: poll = 1 h is above 1 min (expected no more, since a value "
+                           "that is read so seldom watches "
+                           "nothing)",
+                           "d.yaml:6:17: error: write_period = 1 s is above 500 ms (expected no more, since "
+                           "set points and stops wait for "
+                           "it)",
+                           "d.yaml:7:18: error: watchdog_time = 10 s is above 2 s (expected no more, since "
+                           "the shafts turn unwatched "
+                           "meanwhile)"}) {
+    EXPECT_NE(errors.find(line), std::string::npos) << line << "\n" << errors;
+  }
+}
+
 TEST(ModbusProfile, TellsWhatAServoDriveLacks) {
   const std::string servo =
       "servo:\n  shaft: motor\n  write_period: 20 ms\n  watchdog_time: 30 ms\n  control: {off: 0, enable: 0, quick_stop: 2, "
