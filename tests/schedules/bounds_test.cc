@@ -139,6 +139,17 @@ TEST(ScheduleBounds, GoForEachItemOfAListAndForPlainNumbers) {
             "each)");
 }
 
+TEST(ScheduleBounds, APhaseMustBeAbleToEnd) {
+  EXPECT_EQ(MessageOf(GoodWith("input_speed: 300 rpm", "input_speed: 1e-9 rpm")),
+            "small.yaml:32:18: error: input_speed = 1e-9 rpm is below 0.01 rpm (expected no less, since a "
+            "phase must "
+            "end, and no wave generator is made for more)");
+  EXPECT_EQ(MessageOf(GoodWith("peak_torque: 34 Nm", "peak_torque: 34 Nm\n    torque_rate: 1e-6 Nm/s")),
+            "small.yaml:31:18: error: torque_rate = 1e-6 Nm/s is below 0.001 Nm/s (expected no less, since a "
+            "ramp must "
+            "end, and be seen before it has passed a limit)");
+}
+
 TEST(ScheduleBounds, ASuspensionMustBeAbleToEnd) {
   EXPECT_EQ(MessageOf(GoodWith("cycles: 3", "suspend:\n  dwell: 2 h\n  give_up: 1 h\ncycles: 3")),
             "small.yaml:24:10: error: dwell = 2 h is above give_up = 1 h (line 25)");
