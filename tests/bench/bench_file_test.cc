@@ -172,36 +172,6 @@ TEST(BenchFile, KnowsWhichDaysExist) {
   }
 }
 
-TEST(BenchFile, RefusesToLeaveShaftsUnwatched) {
-  const auto message = [](const std::string& line) {
-    return BenchMessageOf(With(GoodBench(), "simulated: true", "simulated: true\n" + line));
-  };
-  const std::string unwatched = " (expected no more, since the shafts turn unwatched meanwhile)";
-  EXPECT_EQ(message("stale_after: 1 h"),
-            "small-bench.yaml:4:14: error: stale_after = 1 h is above 2 s" + unwatched);
-  EXPECT_EQ(message("longest_stop_time: 1 min"),
-            "small-bench.yaml:4:20: error: longest_stop_time = 1 min is above 10 s" + unwatched);
-  const std::string period =
-      "since limits are looked at once a period, and drives take set points no faster)";
-  EXPECT_EQ(
-      message("control_period: 1 s"),
-      "small-bench.yaml:4:17: error: control_period = 1 s is above 100 ms (expected no more, " + period);
-  EXPECT_EQ(
-      message("control_period: 1 us"),
-      "small-bench.yaml:4:17: error: control_period = 1 us is below 100 us (expected no less, " + period);
-  EXPECT_EQ(message("stale_after: 5 ms"),
-            "small-bench.yaml:4:14: error: stale_after = 5 ms is below control_period = "
-            "10 ms (expected more, or no reading would ever be fresh)");
-  EXPECT_EQ(message("stale_after: 2 s\ncontrol_period: 100 ms"), "");
-}
-
-TEST(BenchFile, KnowsTheAccelerometersThatABenchHas) {
-  EXPECT_EQ(
-      BenchMessageOf(With(GoodBench(), "name: accel_x", "name: accel_front")),
-      "small-bench.yaml:11:11: error: name = accel_front is none of the accelerometers of a bench (expected "
-      "accel_x, accel_y, accel_z, accel_motor_z)");
-}
-
 TEST(BenchFile, RefusesASimulationOfARealBench) {
   EXPECT_EQ(
       BenchMessageOf(With(GoodBench(), "simulated: true", "simulated: false")),
