@@ -151,21 +151,18 @@ std::vector<Result> VibrationStatisticsResults(std::span<const NamedRecord> reco
 
 std::map<std::string, SampleCount> SamplesOf(const Journal& journal) {
   std::map<std::string, SampleCount> samples;
-  const std::string received = kReceived;
-  const std::string lost = kLost;
-  for (const CycleRow& row : journal.Cycles()) {
-    const std::vector<Result> results = journal.Results(row.cycle, 0);
-    for (const Result& result : results) {
-      if (result.quantity.starts_with(received)) {
-        samples[result.quantity.substr(received.size())].received += result.value;
-      }
-    }
-    for (const Result& result : results) {
-      if (!result.quantity.starts_with(lost)) continue;
-      const auto found = samples.find(result.quantity.substr(lost.size()));
-      if (found != samples.end()) found->second.lost += result.value;
-    }
-  }
+  const auto add = [&](const std::string& prefix, double SampleCount::*count) {
+    const auto take = [&](const CycleResult& row) {
+      samples[row.result.quantity.substr(prefix.size())].*count += row.result.value;
+      return true;
+    };
+    journal.ForEachResult(prefix, take, 0);
+  };
+  add(kReceived, &SampleCount::received);
+  const auto received = samples;
+  add(kLost, &SampleCount::lost);
+  // What was lost in the files of a source has the same beginning.
+  std::erase_if(samples, [&](const auto& source) { return !received.contains(source.first); });
   return samples;
 }
 

@@ -119,11 +119,11 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
   // that a run was killed with before it had its journal.
   const auto commissioned = CommissioningFileOf(inputs.bench.file_name);
   if (std::filesystem::exists(commissioned)) {
-    beginning.WriteFile(CommissioningFileOf(folder.Bench()), ReadText(commissioned));
+    beginning.WriteFile(folder.Commissioned(), ReadText(commissioned));
   } else {
-    std::filesystem::remove(CommissioningFileOf(folder.Bench()));
+    std::filesystem::remove(folder.Commissioned());
   }
-  if (!inputs.plant_text.empty()) beginning.WriteFile(folder.root / "plant.yaml", inputs.plant_text);
+  if (!inputs.plant_text.empty()) beginning.WriteFile(folder.Plant(), inputs.plant_text);
   // The journal appears last: a folder without it is not a campaign yet, and may be begun again.
   const std::filesystem::path aside = folder.root / "campaign.db.new";
   beginning.MakeDatabase(aside);
@@ -132,8 +132,10 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
     Transaction transaction(journal.database());
     journal.SetProperty("format", "1");
     journal.SetProperty("schedule_name", inputs.schedule.name);
-    journal.SetProperty("schedule_sha256", Sha256(inputs.schedule_text));
-    journal.SetProperty("bench_sha256", Sha256(inputs.bench_text));
+    for (const FrozenFile& frozen : FrozenFiles(folder)) {
+      const bool there = std::filesystem::exists(frozen.file);
+      journal.SetProperty(frozen.property, there ? Sha256OfFile(frozen.file) : "");
+    }
     if (!inputs.bench.devices.empty()) {
       journal.SetProperty("bench_folder", inputs.bench_folder.string());
       journal.SetProperty("device_files_sha256", DeviceFilesSha256(inputs.bench));
@@ -165,11 +167,6 @@ BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& jour
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
                                          Journal& journal, bool accept_pause) {
   const std::string frozen = ReadText(folder.Schedule());
-  if (journal.Property("schedule_sha256") != Sha256(frozen)) {
-    Refuse(
-        folder.Schedule(), "the frozen schedule is not the one that the campaign was started with",
-        "the file whose SHA-256 is in the journal, " + journal.Property("schedule_sha256").value_or("none"));
-  }
   if (frozen != given.schedule_text) {
     Refuse(folder.root, "the schedule has changed since the start",
            "the frozen schedule.yaml; the difference is:\n" + Difference(frozen, given.schedule_text) + "  ");

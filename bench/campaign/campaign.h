@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/campaign/checkpoint.h"
 #include "bench/campaign/folder.h"
@@ -32,9 +33,20 @@ CampaignInputs ReadInputs(const std::filesystem::path& schedule,
 /// this bench, and a stiffness that would include the bench's compliance because nothing measures that.
 schedules::FindingList WarningsOf(const CampaignInputs& inputs);
 
-/// The inputs frozen in a campaign's folder.
-/// @throws CampaignError when the folder is not a campaign.
+/// The inputs frozen in a folder that OpenCampaign has looked at.
 CampaignInputs ReadFrozenInputs(const CampaignFolder& folder);
+
+/// The journal of a campaign, to read or to go on with; every command that reads a campaign comes through
+/// here.
+/// @throws CampaignError when the folder is not a campaign, a frozen file is not the one that the campaign
+/// was
+///   started with, or the checkpoint is of another campaign or further on than the journal (which then has
+///   lost its last rows); DatabaseError when the journal is damaged.
+Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode);
+
+/// What is allowed but leaves doubt about the files of a campaign, each with the file: parts of the journal
+/// that no checksum covers, a damaged state in the checkpoint.
+std::vector<std::string> DoubtsAbout(const CampaignFolder& folder, const Journal& journal);
 
 /// The bench of a campaign that goes on: the frozen one, with the files of its devices where they were at the
 /// start.

@@ -13,6 +13,7 @@
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/runner_settings.h"
 #include "bench/campaign/sensor_stamps.h"
+#include "bench/campaign/sha256.h"
 #include "bench/controller/load_check_program.h"
 #include "bench/controller/make_program.h"
 #include "bench/controller/standstill_programs.h"
@@ -65,7 +66,8 @@ CampaignRunner::CampaignRunner(const CampaignFolder& folder, const schedules::Sc
       runner_(machine.Devices(), SettingsOf(schedule, bench), request),
       checkpoint_(folder.Checkpoint()),
       quality_(schedule, journal),
-      records_(folder, bench, machine.Calibrations()),
+      identity_(journal.Identity()),
+      records_(folder, bench, machine.Calibrations(), identity_),
       preparation_s_(PlannedDuration_s(StepsOf(schedule, 0))),
       one_cycle_s_(PlannedDuration_s(StepsOf(schedule, 1))) {}
 
@@ -316,6 +318,8 @@ void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, const Readings& last
   // Between phases alone: in one, an encoder may be stuck already and not yet be known for it.
   if (blank || checkpoint.finished) encoder_offset_rad_ = blank ? kUnknown : EncoderOffset_rad(last);
   checkpoint.encoder_offset_rad = encoder_offset_rad_;
+  checkpoint.campaign = identity_;
+  checkpoint.journal_end = journal_.end();
   checkpoint_.Write(checkpoint, memory_);
 }
 
@@ -358,12 +362,14 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
     Note("warning", "", "failed_check", fmt::format("cycle {}: {}", cycle_, check));
   }
   // Where nothing is prepared there is nothing to keep.
+  std::string records_sha256;
   if (!records_.all().empty()) {
     daq::WriteRecordsAtomically(folder_.CycleFile(cycle_), records_.all(),
                                 {{"specimen", schedule_.specimen.identity},
                                  {"cycle", std::to_string(cycle_)},
                                  {"bench", bench_.name},
                                  {"schedule_sha256", journal_.Property("schedule_sha256").value_or("")}});
+    records_sha256 = Sha256OfFile(folder_.CycleFile(cycle_));
   }
   {
     Transaction transaction(journal_.database());
@@ -373,7 +379,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
       journal_.AddResults(cycle_, static_cast<int>(i) + 1, stored.repeats[i]);
     }
     for (const Calibration& calibration : stored.calibrations) journal_.SetCalibration(calibration, UtcNow());
-    journal_.EndCycle(cycle_, Time_s(), "complete");
+    journal_.EndCycle(cycle_, Time_s(), "complete", records_sha256);
     transaction.Commit();
   }
   records_.RemoveUnfinished();

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -93,6 +94,7 @@ class CampaignRunner {
   double encoder_offset_rad_{};  // of the shafts against each other, at the last end of a phase
   double time_base_s_{};         // bench time of earlier runs
   std::chrono::nanoseconds clock_base_{};
+  std::uint64_t identity_;  // of the campaign
   CycleRecords records_;
   std::vector<SourceTotals> sources_;  // as the last records that were kept have left them
   double preparation_s_{};             // planned

@@ -91,8 +91,12 @@ void CampaignRunner::JudgeSensorCheck(const CycleStep& step, PhaseOutcome& outco
   if (check == nullptr || outcome.reason) return;
   daq::Record& record = outcome.records.front().record;
   if (check->kind == schedules::SensorCheck::Kind::kReference) {
-    const auto earlier = journal_.Series(CheckQuantity(record, step.group));
-    if (!earlier.empty()) SetExpected(record, earlier.front().second);
+    const std::string quantity = CheckQuantity(record, step.group);
+    journal_.ForEachResult(quantity, [&](const CycleResult& earlier) {
+      const bool first = earlier.result.quantity == quantity && earlier.result.flag.empty();
+      if (first) SetExpected(record, earlier.result.value);
+      return !first;
+    });
   }
   const std::string failed = SensorCheckResult(record, step.group).flag;
   if (failed.empty()) return;

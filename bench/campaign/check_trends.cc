@@ -11,15 +11,22 @@ namespace {
 
 using schedules::SensorCheck;
 
-constexpr double kDay_s = 86400.0;
+std::string QuantityOf(const schedules::Phase& phase, const SensorCheck& check) {
+  return phase.name + (check.kind == SensorCheck::Kind::kReference ? "_arcmin" : "_Nm");
+}
 
 }  // namespace
 
-std::vector<TimedResults> TimedResultsOf(const Journal& journal) {
+std::vector<TimedResults> CheckResultsIn(const Journal& journal, const schedules::Schedule& schedule) {
   std::vector<TimedResults> cycles;
-  for (const CycleRow& row : journal.Cycles()) {
-    if (row.cycle == 0 || row.outcome != "complete") continue;
-    cycles.push_back({row.ended_s / kDay_s, journal.Results(row.cycle, 0)});
+  for (const schedules::Phase& phase : schedule.phases) {
+    const auto* const check = std::get_if<SensorCheck>(&phase.parameters);
+    if (check == nullptr) continue;
+    const std::string quantity = QuantityOf(phase, *check);
+    journal.ForEachResult(quantity, [&](const CycleResult& row) {
+      if (row.result.quantity == quantity) cycles.push_back({row.ended_s / kDay_s, {row.result}});
+      return true;
+    });
   }
   return cycles;
 }
@@ -32,7 +39,7 @@ std::vector<CheckHistory> CheckHistories(const schedules::Schedule& schedule,
     if (check == nullptr) continue;
     const bool angle = check->kind == SensorCheck::Kind::kReference;
     CheckHistory history;
-    history.quantity = phase.name + (angle ? "_arcmin" : "_Nm");
+    history.quantity = QuantityOf(phase, *check);
     std::vector<daq::acquisition::EarlierCheck> earlier;
     for (const TimedResults& cycle : cycles) {
       const auto result = FindResult(cycle.results, history.quantity);

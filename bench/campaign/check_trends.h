@@ -12,14 +12,16 @@
 
 namespace strainwave::bench {
 
-/// The results of one cycle and when it ended, in bench time.
+inline constexpr double kDay_s = 86400.0;
+
+/// Results of one cycle and when it ended, in bench time.
 struct TimedResults {
   double time_days{};
   std::vector<Result> results;
 };
 
-/// Those of every complete cycle from 1 on.
-std::vector<TimedResults> TimedResultsOf(const Journal& journal);
+/// The results of the schedule's sensor checks, check by check, in the order of cycles.
+std::vector<TimedResults> CheckResultsIn(const Journal& journal, const schedules::Schedule& schedule);
 
 /// How the results of one sensor check went over the campaign.
 struct CheckHistory {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/checkpoint.h"
 
+#include <array>
 #include <cstddef>
 #include <cstring>
 #include <type_traits>
@@ -19,12 +20,16 @@ struct Header {
   std::int64_t utc_ms;
   double encoder_offset_rad;
   std::int64_t finished;
+  std::uint64_t campaign;
+  std::int64_t last_phase;
+  std::int64_t last_event;
 };
 static_assert(std::is_trivially_copyable_v<Header>);
-constexpr std::int32_t kVersion = 2;
-// Version 1 did not know whether the phase was finished; a campaign that was begun with it goes on.
-constexpr std::int32_t kVersionWithoutFinished = 1;
-constexpr std::size_t kBytesWithoutFinished = offsetof(Header, finished);
+// Bytes of the header of each version; a campaign that was begun with an earlier one goes on. Version 1 did
+// not know whether the phase was finished, version 2 not of which campaign it was.
+constexpr std::array kHeader_bytes{std::size_t{0}, offsetof(Header, finished), offsetof(Header, campaign),
+                                   sizeof(Header)};
+constexpr std::int32_t kVersion = kHeader_bytes.size() - 1;
 constexpr std::chrono::seconds kSyncInterval{1};
 
 }  // namespace
@@ -40,7 +45,10 @@ void CheckpointWriter::Write(const Checkpoint& checkpoint, std::span<const std::
                       checkpoint.time_s,
                       checkpoint.utc_ms,
                       checkpoint.encoder_offset_rad,
-                      checkpoint.finished ? 1 : 0};
+                      checkpoint.finished ? 1 : 0,
+                      checkpoint.campaign,
+                      checkpoint.journal_end.phase,
+                      checkpoint.journal_end.event};
   buffer_.resize(sizeof header + machine_memory.size());
   std::memcpy(buffer_.data(), &header, sizeof header);
   if (!machine_memory.empty()) {
@@ -58,16 +66,13 @@ void CheckpointWriter::Sync() { file_.Sync(); }
 std::optional<Checkpoint> ReadCheckpoint(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
   const auto slot = daq::ReadCheckpoint(file);
-  if (!slot || slot->payload.size() < kBytesWithoutFinished) return std::nullopt;
+  if (!slot || slot->payload.size() < kHeader_bytes[1]) return std::nullopt;
   Header header{};
-  std::memcpy(&header, slot->payload.data(), kBytesWithoutFinished);
-  std::size_t header_bytes = kBytesWithoutFinished;
-  if (header.version == kVersion && slot->payload.size() >= sizeof header) {
-    header_bytes = sizeof header;
-    std::memcpy(&header, slot->payload.data(), header_bytes);
-  } else if (header.version != kVersionWithoutFinished) {
-    return std::nullopt;
-  }
+  std::memcpy(&header.version, slot->payload.data(), sizeof header.version);
+  if (header.version < 1 || header.version > kVersion) return std::nullopt;
+  const std::size_t header_bytes = kHeader_bytes[static_cast<std::size_t>(header.version)];
+  if (slot->payload.size() < header_bytes) return std::nullopt;
+  std::memcpy(&header, slot->payload.data(), header_bytes);
   Checkpoint checkpoint;
   checkpoint.cycle = header.cycle;
   checkpoint.step = header.step;
@@ -77,6 +82,9 @@ std::optional<Checkpoint> ReadCheckpoint(const std::filesystem::path& file) {
   checkpoint.time_s = header.time_s;
   checkpoint.utc_ms = header.utc_ms;
   checkpoint.encoder_offset_rad = header.encoder_offset_rad;
+  checkpoint.campaign = header.campaign;
+  checkpoint.journal_end = {header.last_phase, header.last_event};
+  checkpoint.damaged_states = slot->damaged_slots;
   checkpoint.machine_memory.assign(slot->payload.begin() + static_cast<std::ptrdiff_t>(header_bytes),
                                    slot->payload.end());
   return checkpoint;

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "bench/campaign/journal.h"
 #include "daq/checkpoint_file.h"
 
 namespace strainwave::bench {
@@ -24,6 +25,9 @@ struct Checkpoint {
   std::int64_t utc_ms{};
   /// Input angle / ratio − output angle, to be found again before anything moves; a NaN when not known.
   double encoder_offset_rad{};
+  std::uint64_t campaign{};  // Journal::Identity; 0 in checkpoints of earlier versions
+  JournalEnd journal_end{};  // how far the journal was; zeros in checkpoints of earlier versions
+  int damaged_states{};      // of those in the file, which this one was read from
   std::vector<std::byte> machine_memory{};  // BenchMachine::Memory
 };
 

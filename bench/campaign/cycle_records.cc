@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/sensor_stamps.h"
 #include "daq/cycle_file.h"
 
@@ -24,7 +25,14 @@ bool CycleRecords::TakeFromEarlierRun(const CycleStep& step, int repeat, std::sp
     if (!std::filesystem::exists(file)) continue;
     // Of a load run every row counts, of anything else the attempt that was completed.
     if (!step.accumulates && row.outcome != "complete") continue;
-    for (NamedRecord& named : daq::ReadCycleFile(file, daq::Checking::kNone).records) {
+    daq::CycleFile kept = daq::ReadCycleFile(file, daq::Checking::kNone);
+    // Those of earlier versions say nothing.
+    if (!kept.attributes.empty() && kept.attributes != Stamps(step, repeat, row.attempt)) {
+      Refuse(file, "the records are of another phase or campaign",
+             fmt::format("those of '{}', attempt {}, of this campaign's cycle {}", step.group, row.attempt,
+                         cycle_));
+    }
+    for (NamedRecord& named : kept.records) {
       named.group.erase(0, named.group.find_first_not_of('/'));
       records_.push_back(std::move(named));
     }
@@ -43,17 +51,27 @@ void CycleRecords::Name(const CycleStep& step, int repeat, int attempt,
   StampSensors(records, bench_, calibrations_);
 }
 
+daq::Attributes CycleRecords::Stamps(const CycleStep& step, int repeat, int attempt) const {
+  return {{"campaign", fmt::format("{:016x}", campaign_)},
+          {"cycle", std::to_string(cycle_)},
+          {"step", std::to_string(step.index)},
+          {"repeat", std::to_string(repeat)},
+          {"attempt", std::to_string(attempt)}};
+}
+
 void CycleRecords::WriteAhead(const CycleStep& step, int repeat, int attempt,
                               std::vector<NamedRecord> records) const {
   if (records.empty()) return;
   Name(step, repeat, attempt, records);
-  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records);
+  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records,
+                              Stamps(step, repeat, attempt));
 }
 
 void CycleRecords::Keep(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records) {
   if (records.empty()) return;
   Name(step, repeat, attempt, records);
-  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records);
+  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records,
+                              Stamps(step, repeat, attempt));
   for (NamedRecord& named : records) records_.push_back(std::move(named));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "bench/configuration/bench_description.h"
 #include "bench/controller/phase_program.h"
 #include "bench/roles/channel_calibration.h"
+#include "daq/cycle_file.h"
 
 namespace strainwave::bench {
 
@@ -19,9 +21,10 @@ namespace strainwave::bench {
 class CycleRecords {
  public:
   /// @param calibrations  that the devices themselves say of their channels.
+  /// @param campaign      Journal::Identity, which the files of unfinished phases carry.
   CycleRecords(const CampaignFolder& folder, const BenchDescription& bench,
-               std::vector<ChannelCalibration> calibrations)
-      : folder_(folder), bench_(bench), calibrations_(std::move(calibrations)) {}
+               std::vector<ChannelCalibration> calibrations, std::uint64_t campaign)
+      : folder_(folder), bench_(bench), calibrations_(std::move(calibrations)), campaign_(campaign) {}
 
   void Begin(int cycle);
   std::span<const NamedRecord> all() const { return records_; }
@@ -29,6 +32,7 @@ class CycleRecords {
   /// Takes what an earlier run has left of a step.
   /// @param phases  of this cycle, from the journal.
   /// @return true when the step is complete and need not be run.
+  /// @throws CampaignError when a file is of another phase or campaign; daq::RecordError when it is damaged.
   bool TakeFromEarlierRun(const CycleStep& step, int repeat, std::span<const PhaseRow> phases);
 
   /// Keeps the records of an attempt that has ended.
@@ -41,10 +45,13 @@ class CycleRecords {
 
  private:
   void Name(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord>& records) const;
+  /// What the file of an unfinished phase says it is of.
+  daq::Attributes Stamps(const CycleStep& step, int repeat, int attempt) const;
 
   CampaignFolder folder_;
   const BenchDescription& bench_;
   std::vector<ChannelCalibration> calibrations_;
+  std::uint64_t campaign_;
   int cycle_{};
   std::vector<NamedRecord> records_;
 };

@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 #include <sqlite3.h>
 
+#include "bench/campaign/page_checksums.h"
+
 namespace strainwave::bench {
 
 DatabaseError::DatabaseError(const std::filesystem::path& file, int code, const std::string& message)
@@ -19,9 +21,12 @@ Statement::Statement(sqlite3* database, const std::filesystem::path& file, std::
 }
 
 void Statement::Check(int code) const {
-  if (code != SQLITE_OK && code != SQLITE_DONE && code != SQLITE_ROW) {
-    throw DatabaseError(file_, code, sqlite3_errmsg(database_));
+  if (code == SQLITE_OK || code == SQLITE_DONE || code == SQLITE_ROW) return;
+  if (sqlite3_extended_errcode(database_) == SQLITE_IOERR_DATA) {
+    throw DatabaseError(file_, code,
+                        "a page does not match its checksum (expected the file as it was written)");
   }
+  throw DatabaseError(file_, code, sqlite3_errmsg(database_));
 }
 
 Statement& Statement::Bind(std::int64_t value) {
@@ -85,22 +90,46 @@ bool Statement::IsNull(int column) const {
 
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 
-Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
-  int flags = SQLITE_OPEN_READONLY;
-  if (mode == Mode::kReadWrite) flags = SQLITE_OPEN_READWRITE;
-  if (mode == Mode::kCreate) flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+void Database::Open(int flags, Sharing sharing) {
   sqlite3* opened = nullptr;
-  const int code = sqlite3_open_v2(file.c_str(), &opened, flags, nullptr);
+  const int code = sqlite3_open_v2(file_.c_str(), &opened, flags, CheckedPages(sharing));
   database_.reset(opened);
   if (code != SQLITE_OK) {
     throw DatabaseError(file_, code, opened == nullptr ? "out of memory" : sqlite3_errmsg(opened));
   }
   sqlite3_busy_timeout(database_.get(), 5000);
-  if (mode != Mode::kReadOnly) {
-    Execute("PRAGMA journal_mode=WAL");
-    Execute("PRAGMA synchronous=FULL");
-    Execute("PRAGMA foreign_keys=ON");
+}
+
+// As beside a running program; where the files that this takes cannot be made, nobody else can write either.
+void Database::OpenToRead() {
+  try {
+    Open(SQLITE_OPEN_READONLY, Sharing::kShared);
+    Execute("SELECT 1 FROM sqlite_schema");
+  } catch (const DatabaseError& error) {
+    const int code = error.code() & 0xff;  // without its extension
+    if (code != SQLITE_CANTOPEN && code != SQLITE_READONLY) throw;
+    Open(SQLITE_OPEN_READONLY, Sharing::kSettled);
+    // The index of the log in this program's memory, and the log left as it is.
+    Execute("PRAGMA locking_mode=EXCLUSIVE");
+    sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   }
+}
+
+Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
+  if (mode == Mode::kReadOnly) {
+    OpenToRead();
+    return;
+  }
+  const int create = mode == Mode::kReadWrite ? 0 : SQLITE_OPEN_CREATE;
+  Open(SQLITE_OPEN_READWRITE | create, Sharing::kShared);
+  if (mode == Mode::kCreateChecked) {
+    Execute(fmt::format("PRAGMA page_size={}", kPage_bytes));
+    int reserved = kPageChecksum_bytes;
+    sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_RESERVE_BYTES, &reserved);
+  }
+  Execute("PRAGMA journal_mode=WAL");
+  Execute("PRAGMA synchronous=FULL");
+  Execute("PRAGMA foreign_keys=ON");
 }
 
 Statement Database::Prepare(std::string_view sql) const { return Statement(database_.get(), file_, sql); }

@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "bench/campaign/checked_pages.h"
+
 struct sqlite3;
 struct sqlite3_stmt;
 
@@ -62,7 +64,10 @@ class Statement {
 /// An open SQLite file in WAL mode; every commit is on the disk when it returns (synchronous=FULL).
 class Database {
  public:
-  enum class Mode { kReadOnly, kReadWrite, kCreate };
+  /// kReadOnly also reads what cannot be written to: a read-only medium, the folder of another user, a
+  /// write-ahead log that a killed program has left there. kCreateChecked: a new one, with a checksum in
+  /// every page (`page_checksums.h`); it has them in every mode from then on.
+  enum class Mode { kReadOnly, kReadWrite, kCreate, kCreateChecked };
 
   /// @throws DatabaseError when it cannot be opened or is not a database.
   Database(const std::filesystem::path& file, Mode mode);
@@ -76,6 +81,9 @@ class Database {
   struct Close {
     void operator()(sqlite3* database) const;
   };
+  void Open(int flags, Sharing sharing);
+  void OpenToRead();
+
   std::filesystem::path file_;
   std::unique_ptr<sqlite3, Close> database_;
 };

@@ -17,6 +17,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign_error.h"
+#include "bench/configuration/commissioning_file.h"
 
 namespace strainwave::bench {
 namespace {
@@ -33,6 +34,15 @@ std::filesystem::path CampaignFolder::CycleFile(int cycle) const {
 
 std::filesystem::path CampaignFolder::UnfinishedFile(int cycle, int step, int repeat, int attempt) const {
   return Unfinished() / fmt::format("{:06d}-{:03d}-{:02d}-{:03d}.h5", cycle, step, repeat, attempt);
+}
+
+std::filesystem::path CampaignFolder::Commissioned() const { return CommissioningFileOf(Bench()); }
+
+std::vector<FrozenFile> FrozenFiles(const CampaignFolder& folder) {
+  return {{folder.Schedule(), "schedule_sha256"},
+          {folder.Bench(), "bench_sha256"},
+          {folder.Plant(), "plant_sha256"},
+          {folder.Commissioned(), "commissioned_sha256"}};
 }
 
 CampaignLock::CampaignLock(const CampaignFolder& folder)

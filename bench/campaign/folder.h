@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "bench/campaign/sha256.h"
 
@@ -16,6 +17,8 @@ struct CampaignFolder {
 
   std::filesystem::path Schedule() const { return root / "schedule.yaml"; }
   std::filesystem::path Bench() const { return root / "bench.yaml"; }
+  std::filesystem::path Plant() const { return root / "plant.yaml"; }
+  std::filesystem::path Commissioned() const;
   std::filesystem::path Journal() const { return root / "campaign.db"; }
   std::filesystem::path Cycles() const { return root / "cycles"; }
   std::filesystem::path CycleFile(int cycle) const;
@@ -30,6 +33,14 @@ struct CampaignFolder {
   std::filesystem::path Pictures() const { return root / "pictures"; }
   std::filesystem::path Lock() const { return root / "lock"; }
 };
+
+/// A copy of what the campaign was started with, and the journal's property that holds its SHA-256: empty
+/// where there was no such file, none in campaigns of versions that did not note it.
+struct FrozenFile {
+  std::filesystem::path file;
+  const char* property;
+};
+std::vector<FrozenFile> FrozenFiles(const CampaignFolder& folder);
 
 /// Holds a campaign for one running process; the kernel lets go when the process ends, however it ends.
 /// Where nothing has become of the campaign by then, the lock goes, and the folder if it made that.

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/configuration/check_schedule.h"
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/read_bench_file.h"
@@ -73,13 +72,6 @@ schedules::FindingList WarningsOf(const CampaignInputs& inputs) {
 }
 
 CampaignInputs ReadFrozenInputs(const CampaignFolder& folder) {
-  if (!std::filesystem::exists(folder.Schedule())) {
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        fmt::format("{}: error: not a campaign (expected a folder with schedule.yaml, bench.yaml and "
-                    "campaign.db)",
-                    folder.root.string()));
-  }
   // They were held against each other at the start, with profiles of drives that need not be here.
   return ReadBoth(folder.Schedule(), folder.Bench());
 }

@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/journal.h"
 
+#include <algorithm>
+#include <system_error>
+
 #include <fmt/core.h>
 #include <sqlite3.h>
+
+#include "bench/campaign/page_checksums.h"
+#include "bench/campaign/sha256.h"
 
 namespace strainwave::bench {
 namespace {
 
 // "SWAV": tells a campaign from any other SQLite file.
 constexpr int kApplicationId = 0x53574156;
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
+// Before pages had checksums and cycles the digest of their file; such a campaign goes on as it was begun.
+constexpr int kVersionWithoutChecksums = 1;
 
 constexpr const char* kSchema = R"sql(
 CREATE TABLE campaign(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE cycles(cycle INTEGER PRIMARY KEY, outcome TEXT NOT NULL, started_s REAL NOT NULL, ended_s REAL);
+CREATE TABLE cycles(cycle INTEGER PRIMARY KEY, outcome TEXT NOT NULL, started_s REAL NOT NULL, ended_s REAL,
+  records_sha256 TEXT NOT NULL DEFAULT '');
 CREATE TABLE phases(id INTEGER PRIMARY KEY, cycle INTEGER NOT NULL REFERENCES cycles(cycle), step INTEGER NOT NULL,
   repeat INTEGER NOT NULL, attempt INTEGER NOT NULL, name TEXT NOT NULL, kind TEXT NOT NULL, started_s REAL NOT NULL,
   ended_s REAL, outcome TEXT NOT NULL, credited_load_s REAL NOT NULL DEFAULT 0,
@@ -35,37 +44,88 @@ constexpr const char* kPhaseColumns =
 constexpr std::string_view kChannelTrouble = "channel_trouble/";
 constexpr const char* kChannelTroubles = "channel_trouble/*";
 
+std::int64_t Pragma(const Database& database, const char* name) {
+  Statement statement = database.Prepare(fmt::format("PRAGMA {}", name));
+  statement.Step();
+  return statement.Integer(0);
+}
+
+// A page that a cut write has left is whole in the write-ahead log: where there is one, SQLite looks, which
+// takes longer.
+void Demand(const PageReport& report, const Database& database) {
+  if (report.first_damaged == 0 && !report.cut) return;
+  std::error_code none;
+  const auto log_bytes = std::filesystem::file_size(database.file().string() + "-wal", none);
+  if (!none && log_bytes > 0) {
+    Statement check = database.Prepare("PRAGMA integrity_check(1)");
+    if (check.Step() && check.Text(0) == "ok") return;
+  }
+  throw DatabaseError(database.file(), SQLITE_CORRUPT,
+                      fmt::format("{} (expected the journal as it was written; bring it back from a copy)",
+                                  report.first_damaged > 0
+                                      ? fmt::format("page {} of {} does not match its checksum: a bit has "
+                                                    "changed, or another program has written to it",
+                                                    report.first_damaged, report.pages)
+                                      : fmt::format("it is cut, {} pages are left", report.pages)));
+}
+
 }  // namespace
 
+Journal::Journal(Database database, int version, std::uint32_t unsealed_pages)
+    : database_(std::move(database)), version_(version), unsealed_pages_(unsealed_pages) {
+  const auto last = [&](const char* table) {
+    Statement statement = database_.Prepare(fmt::format("SELECT IFNULL(MAX(id), 0) FROM {}", table));
+    statement.Step();
+    return statement.Integer(0);
+  };
+  end_ = {last("phases"), last("events")};
+}
+
 Journal Journal::Create(const std::filesystem::path& file) {
-  Database database(file, Database::Mode::kCreate);
+  Database database(file, Database::Mode::kCreateChecked);
   Transaction transaction(database);
   database.Execute(fmt::format("PRAGMA application_id={}", kApplicationId));
   database.Execute(fmt::format("PRAGMA user_version={}", kSchemaVersion));
   database.Execute(kSchema);
   transaction.Commit();
-  return Journal(std::move(database));
+  return Journal(std::move(database), kSchemaVersion, 0);
 }
 
 Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
   if (!std::filesystem::exists(file)) {
     throw DatabaseError(file, SQLITE_CANTOPEN, "no such file (expected the journal of a campaign)");
   }
+  const auto report = CheckPages(file, kApplicationId, kSchemaVersion);
   Database database(file, mode);
-  const auto pragma = [&](const char* name) {
-    Statement statement = database.Prepare(fmt::format("PRAGMA {}", name));
-    statement.Step();
-    return statement.Integer(0);
-  };
-  if (pragma("application_id") != kApplicationId) {
+  if (report) Demand(*report, database);
+  if (Pragma(database, "application_id") != kApplicationId) {
     throw DatabaseError(file, SQLITE_MISMATCH,
                         "not a campaign journal (expected a database that strainwave run has made)");
   }
-  if (const auto version = pragma("user_version"); version != kSchemaVersion) {
+  const auto version = static_cast<int>(Pragma(database, "user_version"));
+  if (version != kSchemaVersion && version != kVersionWithoutChecksums) {
     throw DatabaseError(file, SQLITE_MISMATCH,
-                        fmt::format("journal version {} (expected {})", version, kSchemaVersion));
+                        fmt::format("journal version {} (expected {} or {})", version,
+                                    kVersionWithoutChecksums, kSchemaVersion));
   }
-  return Journal(std::move(database));
+  return Journal(std::move(database), version, report ? report->unsealed : 0);
+}
+
+std::string Journal::Unchecked() const {
+  if (version_ == kVersionWithoutChecksums) {
+    return "of an earlier version, without checksums: a bit that changes in it is not noticed";
+  }
+  if (unsealed_pages_ == 0) return "";
+  return fmt::format(
+      "{} pages were written by another program, without checksums: a bit that changes in them is not "
+      "noticed",
+      unsealed_pages_);
+}
+
+std::uint64_t Journal::Identity() const {
+  const std::string sha256 =
+      Sha256(Property("started_utc").value_or("") + Property("schedule_sha256").value_or(""));
+  return std::stoull(sha256.substr(0, 16), nullptr, 16);
 }
 
 void Journal::SetProperty(std::string_view key, std::string_view value) {
@@ -86,12 +146,24 @@ void Journal::BeginCycle(int cycle, double time_s) {
       .Run();
 }
 
-void Journal::EndCycle(int cycle, double time_s, std::string_view outcome) {
+void Journal::EndCycle(int cycle, double time_s, std::string_view outcome, std::string_view records_sha256) {
   database_.Prepare("UPDATE cycles SET outcome = ?, ended_s = ? WHERE cycle = ?")
       .Bind(outcome)
       .Bind(time_s)
       .Bind(cycle)
       .Run();
+  if (version_ == kVersionWithoutChecksums) return;
+  database_.Prepare("UPDATE cycles SET records_sha256 = ? WHERE cycle = ?")
+      .Bind(records_sha256)
+      .Bind(cycle)
+      .Run();
+}
+
+std::string Journal::RecordsSha256(int cycle) const {
+  if (version_ == kVersionWithoutChecksums) return "";
+  Statement statement = database_.Prepare("SELECT records_sha256 FROM cycles WHERE cycle = ?");
+  statement.Bind(cycle);
+  return statement.Step() ? statement.Text(0) : "";
 }
 
 std::vector<CycleRow> Journal::Cycles() const {
@@ -106,10 +178,10 @@ std::vector<CycleRow> Journal::Cycles() const {
 }
 
 int Journal::LastCompleteCycle() const {
+  // From the end: most cycles of a long campaign are complete.
   Statement statement =
-      database_.Prepare("SELECT IFNULL(MAX(cycle), -1) FROM cycles WHERE outcome = 'complete'");
-  statement.Step();
-  return static_cast<int>(statement.Integer(0));
+      database_.Prepare("SELECT cycle FROM cycles WHERE outcome = 'complete' ORDER BY cycle DESC LIMIT 1");
+  return statement.Step() ? static_cast<int>(statement.Integer(0)) : -1;
 }
 
 std::int64_t Journal::BeginPhase(const PhaseRow& row) {
@@ -125,7 +197,8 @@ std::int64_t Journal::BeginPhase(const PhaseRow& row) {
       .Bind(row.kind)
       .Bind(row.started_s)
       .Run();
-  return database_.LastInsertId();
+  end_.phase = database_.LastInsertId();
+  return end_.phase;
 }
 
 void Journal::EndPhase(std::int64_t id, double time_s, std::string_view outcome, double credited_load_s) {
@@ -191,13 +264,39 @@ std::vector<Result> Journal::Results(int cycle, int repeat) const {
   return results;
 }
 
-std::vector<std::pair<int, double>> Journal::Series(std::string_view quantity) const {
+// CROSS JOIN keeps the order of the loops: one place of the results' index a cycle, not all of its rows.
+void Journal::ForEachResult(std::string_view prefix, const std::function<bool(const CycleResult&)>& take,
+                            int first_cycle) const {
   Statement statement = database_.Prepare(
-      "SELECT cycle, value FROM results WHERE quantity = ? AND flag = '' AND cycle > 0 ORDER BY cycle");
-  statement.Bind(quantity);
-  std::vector<std::pair<int, double>> series;
-  while (statement.Step()) series.emplace_back(static_cast<int>(statement.Integer(0)), statement.Real(1));
-  return series;
+      "SELECT c.cycle, IFNULL(c.ended_s, c.started_s), r.quantity, r.value, r.standard_error, r.flag FROM "
+      "cycles c "
+      "CROSS JOIN results r ON r.cycle = c.cycle AND r.repeat = 0 AND r.quantity >= ? AND r.quantity < ? "
+      "WHERE c.outcome = 'complete' AND c.cycle >= ? ORDER BY c.cycle");
+  std::string past_all(prefix);
+  ++past_all.back();
+  statement.Bind(prefix).Bind(std::string_view(past_all)).Bind(first_cycle);
+  while (statement.Step()) {
+    if (!take({static_cast<int>(statement.Integer(0)),
+               statement.Real(1),
+               {statement.Text(2), statement.Real(3), statement.Real(4), statement.Text(5)}})) {
+      return;
+    }
+  }
+}
+
+std::vector<Result> Journal::NewestResults(std::string_view quantity, std::size_t count) const {
+  Statement statement = database_.Prepare(
+      "SELECT r.quantity, r.value, r.standard_error, r.flag FROM cycles c CROSS JOIN results r ON r.cycle = "
+      "c.cycle "
+      "AND r.repeat = 0 AND r.quantity = ? WHERE c.outcome = 'complete' AND c.cycle > 0 ORDER BY c.cycle "
+      "DESC LIMIT ?");
+  statement.Bind(quantity).Bind(static_cast<std::int64_t>(count));
+  std::vector<Result> results;
+  while (statement.Step()) {
+    results.push_back({statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3)});
+  }
+  std::ranges::reverse(results);
+  return results;
 }
 
 std::vector<int> Journal::RepeatsOf(int cycle) const {
@@ -221,6 +320,7 @@ void Journal::AddEvent(const Event& event) {
       .Bind(event.code)
       .Bind(event.text)
       .Run();
+  end_.event = database_.LastInsertId();
 }
 
 std::vector<Event> Journal::Events(int newest) const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,6 +33,19 @@ struct PhaseRow {
   double ended_s{};
   std::string outcome;  // running, complete, interrupted, suspended, pause, quick_stop, shutdown, fault
   double credited_load_s{};
+};
+
+/// One result of a complete cycle, and when that ended.
+struct CycleResult {
+  int cycle{};
+  double ended_s{};
+  Result result;
+};
+
+/// How far a journal goes: the numbers of its last rows.
+struct JournalEnd {
+  std::int64_t phase{};
+  std::int64_t event{};
 };
 
 struct CycleRow {
@@ -81,21 +95,31 @@ struct Hole {
 
 /// The campaign's journal, `campaign.db`: what was done, when, with which outcome, and every result.
 /// Times in seconds are bench time, which stands still while the program does not run; `utc` is for people.
+/// Every page carries a checksum (`page_checksums.h`) but in journals of earlier versions of this program.
 class Journal {
  public:
   /// A new journal. @throws DatabaseError.
   static Journal Create(const std::filesystem::path& file);
+  /// Looks at every page of the file first.
   /// @throws DatabaseError when the file is missing, damaged, or not a journal of this program.
   static Journal Open(const std::filesystem::path& file, Database::Mode mode);
 
   const Database& database() const { return database_; }
+  /// What of the file no checksum covers, in words; empty: nothing.
+  std::string Unchecked() const;
+  JournalEnd end() const { return end_; }
+  /// Tells one campaign from another, also of the same schedule.
+  std::uint64_t Identity() const;
 
   void SetProperty(std::string_view key, std::string_view value);
   std::optional<std::string> Property(std::string_view key) const;
 
   void BeginCycle(int cycle, double time_s);
-  void EndCycle(int cycle, double time_s, std::string_view outcome);
+  /// @param records_sha256  of the cycle's file; empty where there is none.
+  void EndCycle(int cycle, double time_s, std::string_view outcome, std::string_view records_sha256 = {});
   std::vector<CycleRow> Cycles() const;
+  /// As given when the cycle ended; empty without one, and in journals of earlier versions.
+  std::string RecordsSha256(int cycle) const;
   int LastCompleteCycle() const;  // −1: none
 
   std::int64_t BeginPhase(const PhaseRow& row);
@@ -106,8 +130,12 @@ class Journal {
   /// Replaces what the cycle's earlier attempt at storing has left.
   void ClearResults(int cycle);
   std::vector<Result> Results(int cycle, int repeat) const;
-  /// Values of one quantity in cycle order, unflagged only, from cycle 1 on.
-  std::vector<std::pair<int, double>> Series(std::string_view quantity) const;
+  /// Calls `take` with the results of complete cycles whose quantity begins with `prefix`, in the order of
+  /// cycles, until it returns false.
+  void ForEachResult(std::string_view prefix, const std::function<bool(const CycleResult&)>& take,
+                     int first_cycle = 1) const;
+  /// One quantity in the last complete cycles from 1 on that have it, at most `count`, newest last.
+  std::vector<Result> NewestResults(std::string_view quantity, std::size_t count) const;
   std::vector<int> RepeatsOf(int cycle) const;
 
   void AddEvent(const Event& event);
@@ -123,8 +151,12 @@ class Journal {
   std::vector<Calibration> CalibrationsLike(std::string_view prefix) const;
 
  private:
-  explicit Journal(Database database) : database_(std::move(database)) {}
+  Journal(Database database, int version, std::uint32_t unsealed_pages);
+
   Database database_;
+  int version_;
+  std::uint32_t unsealed_pages_;
+  JournalEnd end_;
 };
 
 }  // namespace strainwave::bench

@@ -52,9 +52,10 @@ HysteresisCurve CurveOf(std::string label, const analysis::TorsionalStiffness& s
   return curve;
 }
 
-DrawnCycle Load(const CampaignFolder& folder, int cycle, const CycleContext& context) {
+DrawnCycle Load(const CampaignFolder& folder, const Journal& journal, int cycle,
+                const CycleContext& context) {
   DrawnCycle drawn;
-  drawn.records = ReadCycleRecords(folder, cycle);
+  drawn.records = ReadCycleRecords(folder, journal, cycle);
   drawn.analysis = AnalyzeCycle(drawn.records, context);
   if (drawn.analysis.loop != nullptr) {
     drawn.twist_rad =
@@ -75,14 +76,15 @@ bool DrawTrendPicture(const Journal& journal, const std::string& title, const st
       {"k3_Nm_per_rad", "K₃", "Nm/rad"},
       {"e_max_arcmin", "e_max", "arcmin"}};
   std::map<std::string, Series> series;
-  for (const CycleRow& row : journal.Cycles()) {
-    if (row.cycle == 0 || row.outcome != "complete") continue;
-    for (const Result& result : journal.Results(row.cycle, 0)) {
-      Series& one = series[result.quantity];
+  for (const auto& [quantity, label, unit] : wanted) {
+    journal.ForEachResult(quantity, [&, name = std::string_view(quantity)](const CycleResult& row) {
+      if (row.result.quantity != name) return true;
+      Series& one = series[row.result.quantity];
       one.cycle.push_back(row.cycle);
-      one.value.push_back(result.value);
-      one.standard_error.push_back(result.standard_error);
-    }
+      one.value.push_back(row.result.value);
+      one.standard_error.push_back(row.result.standard_error);
+      return true;
+    });
   }
   std::vector<Trend> trends;
   for (const auto& [quantity, label, unit] : wanted) {
@@ -107,9 +109,9 @@ std::vector<std::filesystem::path> DrawCampaign(const CampaignFolder& folder, co
   const CampaignInputs inputs = ReadFrozenInputs(folder);
   const CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   const std::string title = fmt::format("{}, {}", inputs.schedule.specimen.identity, inputs.schedule.name);
-  const DrawnCycle first = Load(folder, complete.front(), context);
+  const DrawnCycle first = Load(folder, journal, complete.front(), context);
   std::optional<DrawnCycle> last;
-  if (complete.size() > 1) last = Load(folder, complete.back(), context);
+  if (complete.size() > 1) last = Load(folder, journal, complete.back(), context);
 
   std::vector<std::filesystem::path> pictures;
   const auto& specimen = inputs.schedule.specimen;

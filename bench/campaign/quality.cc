@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/quality.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <fmt/core.h>
 
@@ -17,9 +19,11 @@ namespace {
 // Quantities that are kept under control limits.
 constexpr std::array kControlled{"k1_Nm_per_rad", "k2_Nm_per_rad",      "k3_Nm_per_rad",
                                  "e_max_arcmin",  "lost_motion_arcmin", "hysteresis_arcmin"};
-constexpr std::size_t kHistory = 50;
+constexpr std::size_t kHistory = analysis::ControlChartOptions{}.window;
 constexpr std::size_t kFewest = 12;
 constexpr double kControlWidth = 5.0;
+// Looked at in the journal at first; values without a step among them are decided by 2 histories.
+constexpr std::size_t kFirstLook = 8 * kHistory;
 
 // The unit that a quantity's name ends in.
 std::string UnitOf(const std::string& quantity) {
@@ -39,10 +43,42 @@ bool IsSound(const Result& result) { return result.flag.empty() || result.flag.s
 QualityControl::QualityControl(const schedules::Schedule& schedule, const Journal& journal)
     : schedule_(schedule) {
   TakeGauge(journal);
-  // The same values in the same order as they came, so that a resumed campaign judges as one that was never
-  // cut.
-  for (const CycleRow& row : journal.Cycles()) {
-    if (row.outcome == "complete") Accept(row.cycle, journal.Results(row.cycle, 0));
+  for (const char* quantity : kControlled) history_[quantity] = HistoryIn(journal, quantity);
+  journal.ForEachResult("k2_Nm_per_rad", [&](const CycleResult& row) {
+    if (IsSound(row.result)) first_k2_Nm_per_rad_ = row.result.value;
+    return !first_k2_Nm_per_rad_;
+  });
+}
+
+// What the values in the order in which they came have left, so that a resumed campaign judges as one that
+// was never cut. A history has at most kHistory values: at any place it is one of as many endings of what
+// came before. All of them are carried on side by side, and where the same is left of all, what came before
+// them does not matter.
+std::vector<double> QualityControl::HistoryIn(const Journal& journal, const std::string& quantity) const {
+  for (std::size_t look = kFirstLook;; look *= 4) {
+    std::vector<double> values;
+    const std::vector<Result> newest = journal.NewestResults(quantity, look);
+    for (const Result& result : newest) {
+      if (IsSound(result)) values.push_back(result.value);
+    }
+    const bool all = newest.size() < look;
+    if (!all && values.size() < kHistory) continue;
+    // Lengths that the history may have after the first `next` values.
+    std::size_t next = all ? 0 : kHistory;
+    std::set<std::size_t> lengths;
+    for (std::size_t length = 1; length <= next; ++length) lengths.insert(length);
+    if (all) lengths.insert(0);
+    for (; next < values.size(); ++next) {
+      std::set<std::size_t> after;
+      for (const std::size_t length : lengths) {
+        const auto history = std::span(values).subspan(next - length, length);
+        const bool step = IsOutlier(quantity, history, values[next]);
+        after.insert(step ? 1 : std::min(length + 1, kHistory));
+      }
+      lengths = std::move(after);
+    }
+    if (lengths.size() == 1)
+      return {values.end() - static_cast<std::ptrdiff_t>(*lengths.begin()), values.end()};
   }
 }
 
@@ -52,14 +88,20 @@ void QualityControl::TakeGauge(const Journal& journal) {
   }
 }
 
-std::optional<analysis::ControlLimits> QualityControl::LimitsOf(const std::string& quantity) const {
-  const auto history = history_.find(quantity);
-  if (history == history_.end() || history->second.size() < kFewest) return std::nullopt;
+std::optional<analysis::ControlLimits> QualityControl::LimitsAfter(const std::string& quantity,
+                                                                   std::span<const double> history) const {
+  if (history.size() < kFewest) return std::nullopt;
   const auto gauge = gauge_.find(quantity);
   // Three sigmas would call every few hundredth good value an outlier; a measurement taken again costs
   // minutes.
   return analysis::NextValueLimits(
-      history->second, {.width = kControlWidth, .sigma_floor = gauge == gauge_.end() ? 0.0 : gauge->second});
+      history, {.width = kControlWidth, .sigma_floor = gauge == gauge_.end() ? 0.0 : gauge->second});
+}
+
+bool QualityControl::IsOutlier(const std::string& quantity, std::span<const double> history,
+                               double value) const {
+  const auto limits = LimitsAfter(quantity, history);
+  return limits && limits->IsOutlier(value);
 }
 
 std::vector<std::string> QualityControl::Outliers(const std::vector<Result>& results) const {
@@ -67,7 +109,9 @@ std::vector<std::string> QualityControl::Outliers(const std::vector<Result>& res
   for (const char* quantity : kControlled) {
     const auto result = FindResult(results, quantity);
     if (!result || !IsSound(*result)) continue;
-    const auto limits = LimitsOf(quantity);
+    const auto history = history_.find(quantity);
+    if (history == history_.end()) continue;
+    const auto limits = LimitsAfter(quantity, history->second);
     if (!limits || !limits->IsOutlier(result->value)) continue;
     outliers.push_back(fmt::format("{} = {:.5g} is outside of its control limits {:.5g} to {:.5g}", quantity,
                                    result->value, limits->lower, limits->upper));
@@ -109,9 +153,8 @@ void QualityControl::Accept(int cycle, const std::vector<Result>& results) {
   for (const char* quantity : kControlled) {
     const auto result = FindResult(results, quantity);
     if (!result || !IsSound(*result)) continue;
-    const auto limits = LimitsOf(quantity);
     auto& values = history_[quantity];
-    if (limits && limits->IsOutlier(result->value)) values.clear();
+    if (IsOutlier(quantity, values, result->value)) values.clear();
     values.push_back(result->value);
     if (values.size() > kHistory) values.erase(values.begin());
   }

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,10 +35,13 @@ class QualityControl {
   void Accept(int cycle, const std::vector<Result>& results);
 
  private:
-  std::optional<analysis::ControlLimits> LimitsOf(const std::string& quantity) const;
+  std::vector<double> HistoryIn(const Journal& journal, const std::string& quantity) const;
+  bool IsOutlier(const std::string& quantity, std::span<const double> history, double value) const;
+  std::optional<analysis::ControlLimits> LimitsAfter(const std::string& quantity,
+                                                     std::span<const double> history) const;
 
   const schedules::Schedule& schedule_;
-  std::map<std::string, std::vector<double>> history_;  // newest last
+  std::map<std::string, std::vector<double>> history_;  // that decide about the next value, newest last
   std::map<std::string, double> gauge_;                 // repeatability, where it was measured
   std::optional<double> first_k2_Nm_per_rad_;
 };

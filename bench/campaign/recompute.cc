@@ -12,6 +12,8 @@
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
+#include "bench/campaign/sha256.h"
+#include "daq/cycle_file.h"
 #include "daq/record_error.h"
 
 namespace strainwave::bench {
@@ -33,17 +35,40 @@ bool SameResults(std::vector<Result> a, std::vector<Result> b) {
 }
 
 // The blank test was measured with the same sensors as all that it corrects.
-CycleContext WithRecalibratedBlank(const CampaignFolder& folder, CycleContext context) {
+CycleContext WithRecalibratedBlank(const CampaignFolder& folder, const Journal& journal,
+                                   CycleContext context) {
   if (context.recalibrations.empty() || !std::filesystem::exists(folder.CycleFile(0))) return context;
-  std::vector<NamedRecord> records = ReadCycleRecords(folder, 0);
+  std::vector<NamedRecord> records = ReadCycleRecords(folder, journal, 0);
   Recalibrate(records, context.recalibrations);
   Apply(BlankCalibrations(records), context.corrections);
   return context;
 }
 
+bool SameCalibrations(const Journal& journal, const std::vector<Calibration>& again) {
+  return std::ranges::all_of(again, [&](const Calibration& calibration) {
+    const auto stored = journal.FindCalibration(calibration.name);
+    return stored && SameBits(calibration.value, stored->value) &&
+           SameBits(calibration.standard_error, stored->standard_error);
+  });
+}
+
+// Where the journal has no digest, of earlier versions, the file still says what it is.
+void CheckStamps(const std::filesystem::path& file, const daq::Attributes& attributes, const Journal& journal,
+                 int cycle) {
+  const auto schedule = journal.Property("schedule_sha256");
+  for (const auto& [key, is] : attributes) {
+    if (key == "cycle" && is != std::to_string(cycle)) {
+      Refuse(file, fmt::format("holds the records of cycle {}", is), fmt::format("those of cycle {}", cycle));
+    }
+    if (key == "schedule_sha256" && schedule && is != *schedule) {
+      Refuse(file, "holds records of another campaign", "those measured by this campaign's schedule.yaml");
+    }
+  }
+}
+
 }  // namespace
 
-std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, int cycle) {
+std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, const Journal& journal, int cycle) {
   const auto file = folder.CycleFile(cycle);
   if (!std::filesystem::exists(file)) {
     throw CampaignError(
@@ -52,27 +77,32 @@ std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, int cycl
                     "journal says were stored)",
                     file.string(), cycle));
   }
-  auto records = daq::ReadCycleFile(file, daq::Checking::kNone).records;
-  for (NamedRecord& named : records) named.group.erase(0, named.group.find_first_not_of('/'));
-  return records;
+  daq::CycleFile read = daq::ReadCycleFile(file, daq::Checking::kNone);
+  CheckStamps(file, read.attributes, journal, cycle);
+  if (const std::string sha256 = journal.RecordsSha256(cycle);
+      !sha256.empty() && Sha256OfFile(file) != sha256) {
+    Refuse(file, "is not the file that was stored", "the file whose SHA-256 is in the journal, " + sha256);
+  }
+  for (NamedRecord& named : read.records) named.group.erase(0, named.group.find_first_not_of('/'));
+  return std::move(read.records);
 }
 
 std::vector<RecomputedCycle> RecomputeCampaign(
     const CampaignFolder& folder, const Journal& journal, const CycleContext& stored_context,
     const std::function<void(std::size_t, std::size_t)>& progress) {
-  const CycleContext context = WithRecalibratedBlank(folder, stored_context);
+  const CycleContext context = WithRecalibratedBlank(folder, journal, stored_context);
   std::vector<RecomputedCycle> cycles;
   for (const CycleRow& row : journal.Cycles()) {
     // A campaign that prepares nothing has an empty cycle 0.
     if (row.outcome != "complete" || journal.Phases(row.cycle).empty()) continue;
-    RecomputedCycle cycle{row.cycle, {}, {journal.Results(row.cycle, 0)}, false};
+    RecomputedCycle cycle{row.cycle, row.ended_s, {}, {journal.Results(row.cycle, 0)}, false};
     for (const int repeat : journal.RepeatsOf(row.cycle)) {
       if (repeat > 0) cycle.stored.push_back(journal.Results(row.cycle, repeat));
     }
     cycles.push_back(std::move(cycle));
   }
   std::size_t done = 0;
-  std::mutex hdf5;  // the library is not thread-safe as Debian builds it
+  std::mutex files;  // neither HDF5, as Debian builds it, nor the journal may be used by two threads
   std::mutex reporting;
   std::vector<std::pair<int, std::string>> findings;
   OnAllProcessors(cycles.size(), [&](std::size_t i) {
@@ -81,14 +111,18 @@ std::vector<RecomputedCycle> RecomputeCampaign(
     try {
       std::vector<NamedRecord> records;
       {
-        const std::lock_guard reading(hdf5);
-        records = ReadCycleRecords(folder, cycle.cycle);
+        const std::lock_guard reading(files);
+        records = ReadCycleRecords(folder, journal, cycle.cycle);
       }
       Recalibrate(records, context.recalibrations);
       cycle.again = AnalyzeForStore(records, cycle.cycle, context);
       std::vector<std::vector<Result>> again{cycle.again.results};
       again.insert(again.end(), cycle.again.repeats.begin(), cycle.again.repeats.end());
       cycle.equal = std::ranges::equal(again, cycle.stored, SameResults);
+      if (!cycle.again.calibrations.empty()) {
+        const std::lock_guard reading(files);
+        cycle.equal = cycle.equal && SameCalibrations(journal, cycle.again.calibrations);
+      }
     } catch (const std::exception& error) {
       trouble = error.what();
     }

@@ -14,13 +14,16 @@ namespace strainwave::bench {
 /// One cycle, computed again from its raw records.
 struct RecomputedCycle {
   int cycle{};
+  double ended_s{};  // bench time
   StoredCycle again;
   std::vector<std::vector<Result>> stored;  // what the journal holds: the cycle, then its repeats
-  bool equal{};                             // bit for bit, all quantities
+  bool equal{};                             // bit for bit, all quantities, of cycle 0 also the calibrations
 };
 
 /// What is stored of a cycle in order: records by their group's name without the leading slash.
-std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, int cycle);
+/// @throws CampaignError when the file is missing, not the one that the journal knows, or of another cycle or
+///   campaign; daq::RecordError when it is damaged.
+std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, const Journal& journal, int cycle);
 
 /// Computes every complete cycle of a campaign again, on all processors.
 /// @param method    by which the stiffness is measured; only the campaign's own can equal what is stored.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-
 #include <map>
 #include <memory>
 
@@ -39,13 +38,17 @@ struct RecomputeOptions {
 };
 
 // What was computed again, beside the times of the journal.
-std::vector<TimedResults> AgainAndWhen(const Journal& journal, const std::vector<RecomputedCycle>& cycles) {
-  std::vector<TimedResults> timed = TimedResultsOf(journal);
-  std::size_t next = 0;
+std::vector<TimedResults> AgainAndWhen(const std::vector<RecomputedCycle>& cycles) {
+  std::vector<TimedResults> timed;
   for (const RecomputedCycle& cycle : cycles) {
-    if (cycle.cycle > 0 && next < timed.size()) timed[next++].results = cycle.again.results;
+    if (cycle.cycle > 0) timed.push_back({cycle.ended_s / kDay_s, cycle.again.results});
   }
   return timed;
+}
+
+// Another method, or calibrations of later, are to give something else.
+bool MustEqual(const RecomputeOptions& options) {
+  return options.calibrations.empty() && kMethods.at(options.method) == CycleContext{}.method;
 }
 
 struct CampaignReport {
@@ -54,8 +57,9 @@ struct CampaignReport {
 };
 
 CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOptions& options) {
+  const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
+  for (const std::string& doubt : DoubtsAbout(folder, journal)) fmt::print(stderr, "{}\n", doubt);
   const CampaignInputs inputs = ReadFrozenInputs(folder);
-  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
   CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   context.method = kMethods.at(options.method);
   if (!options.calibrations.empty()) context.recalibrations = ReadCalibrations(options.calibrations);
@@ -65,21 +69,22 @@ CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
   });
   line.Clear();
   nlohmann::json rows = nlohmann::json::array();
-  std::size_t equal = 0;
+  nlohmann::json differing = nlohmann::json::array();
   for (const RecomputedCycle& cycle : cycles) {
-    if (cycle.equal) ++equal;
+    if (!cycle.equal) differing.push_back(cycle.cycle);
     if (cycle.cycle == 0) continue;
     nlohmann::json row = CycleJson(cycle.cycle, cycle.again.results);
     row["equals_stored"] = cycle.equal;
     rows.push_back(std::move(row));
   }
-  const auto checks = CheckHistories(inputs.schedule, AgainAndWhen(journal, cycles));
+  const auto checks = CheckHistories(inputs.schedule, AgainAndWhen(cycles));
   if (!options.plots.empty()) DrawCampaign(folder, journal, options.plots);
   return {{{"kind", "campaign"},
            {"folder", folder.root.string()},
            {"method", options.method},
            {"cycles_recomputed", cycles.size()},
-           {"cycles_equal_to_stored", equal},
+           {"cycles_equal_to_stored", cycles.size() - differing.size()},
+           {"cycles_differing", std::move(differing)},
            {"sensor_checks", CheckJson(checks)},
            {"cycles", std::move(rows)}},
           CheckText(checks)};
@@ -104,15 +109,20 @@ void PrintCampaignText(const CampaignReport& campaign) {
   ToStdout("{} of {} cycles equal what was stored while the campaign ran, bit for bit\n",
            report["cycles_equal_to_stored"].get<std::size_t>(),
            report["cycles_recomputed"].get<std::size_t>());
+  if (const auto& differing = report["cycles_differing"]; !differing.empty() && differing.front() == 0) {
+    ToStdout("cycle 0, blank test and repeats, differs from what is stored\n");
+  }
   if (!campaign.checks.empty()) ToStdout("sensor checks\n{}", campaign.checks);
 }
 
 int Recompute(const RecomputeOptions& options) {
   nlohmann::json reports = nlohmann::json::array();
+  bool differs = false;
   for (const std::string& path : options.paths) {
     if (std::filesystem::is_directory(path)) {
       CampaignReport campaign = RecomputeFolder({path}, options);
       if (!options.json) PrintCampaignText(campaign);
+      differs = differs || !campaign.json["cycles_differing"].empty();
       reports.push_back(std::move(campaign.json));
       continue;
     }
@@ -135,7 +145,7 @@ int Recompute(const RecomputeOptions& options) {
                     options.paths.front()));
   }
   if (options.json) ToStdout("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
-  return static_cast<int>(ExitCode::kDone);
+  return static_cast<int>(differs && MustEqual(options) ? ExitCode::kEndedBadly : ExitCode::kDone);
 }
 
 }  // namespace

@@ -115,10 +115,11 @@ int Run(const RunOptions& options) {
     RefuseToStart(CalibrationTroubles(CalibrationsOf(inputs.bench), {}, Today()), inputs.bench);
   }
   const CampaignLock lock(folder);
-  Journal journal = options.resume ? Journal::Open(folder.Journal(), Database::Mode::kReadWrite)
-                                   : CreateCampaign(folder, inputs);
+  Journal journal =
+      options.resume ? OpenCampaign(folder, Database::Mode::kReadWrite) : CreateCampaign(folder, inputs);
   std::optional<ResumePoint> resume;
   if (options.resume) {
+    for (const std::string& doubt : DoubtsAbout(folder, journal)) fmt::print(stderr, "{}\n", doubt);
     resume = PrepareResume(folder, inputs, journal, options.accept_pause);
     if (!resume) {
       ToStderr("{}: all cycles are complete; nothing to resume\n", folder.root.string());

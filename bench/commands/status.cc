@@ -47,8 +47,9 @@ struct Status {
 };
 
 Status StatusOf(const CampaignFolder& folder) {
+  const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
+  for (const std::string& doubt : DoubtsAbout(folder, journal)) fmt::print(stderr, "{}\n", doubt);
   const CampaignInputs inputs = ReadFrozenInputs(folder);
-  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
   Status status;
   status.process = CampaignLock::Holder(folder);
   status.complete = std::max(0, journal.LastCompleteCycle());
@@ -81,7 +82,7 @@ Status StatusOf(const CampaignFolder& folder) {
   status.bad_channels = journal.ChannelTroubles();
   status.holes = journal.Holes();
   status.samples = SamplesOf(journal);
-  status.checks = CheckHistories(inputs.schedule, TimedResultsOf(journal));
+  status.checks = CheckHistories(inputs.schedule, CheckResultsIn(journal, inputs.schedule));
   return status;
 }
 

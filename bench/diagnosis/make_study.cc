@@ -117,12 +117,12 @@ std::unique_ptr<diagnosis::Study> MakeStudyOrSay(std::span<const Record> records
 
 StudyInput ReadCampaign(const std::string& path) {
   const CampaignFolder folder{path};
+  const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
   const CampaignInputs inputs = ReadFrozenInputs(folder);
-  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
   const diagnosis::CampaignData data = CampaignDataOf(folder, journal);
   StudyInput input;
   input.kind = "campaign";
-  input.records.push_back({path, "", Sha256(ReadText(folder.Journal())), data.cycle.size()});
+  input.records.push_back({path, "", Sha256OfFile(folder.Journal()), data.cycle.size()});
   const auto& specimen = inputs.schedule.specimen;
   input.mapping.ratio = specimen.ratio;
   input.mapping.t1_Nm = specimen.t1_Nm;

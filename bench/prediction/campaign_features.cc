@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal.h"
@@ -150,20 +151,20 @@ void Keep(const std::filesystem::path& store, const FeatureSettings& settings, b
   }
 }
 
-// Features of the cycles named, on all processors; HDF5 is read by one thread at a time.
-std::vector<CycleFeatures> Compute(const CampaignFolder& folder, const std::vector<int>& cycles,
-                                   const FeatureSettings& settings, bool motor_torque,
-                                   const FeatureProgress& progress) {
+// Features of the cycles named, on all processors; HDF5 and the journal are read by one thread at a time.
+std::vector<CycleFeatures> Compute(const CampaignFolder& folder, const Journal& journal,
+                                   const std::vector<int>& cycles, const FeatureSettings& settings,
+                                   bool motor_torque, const FeatureProgress& progress) {
   std::vector<CycleFeatures> results(cycles.size());
   std::size_t done = 0;
-  std::mutex hdf5;
+  std::mutex files;
   std::mutex reporting;
   OnAllProcessors(cycles.size(), [&](std::size_t i) {
     try {
       std::vector<NamedRecord> records;
       {
-        const std::lock_guard reading(hdf5);
-        records = ReadCycleRecords(folder, cycles[i]);
+        const std::lock_guard reading(files);
+        records = ReadCycleRecords(folder, journal, cycles[i]);
       }
       ChannelFeatures features(settings);
       results[i] = FeaturesOf(records, motor_torque, features);
@@ -224,7 +225,7 @@ CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const Fea
   if (!std::filesystem::exists(folder.Journal())) {
     Refuse(path, "is not a campaign", "a folder with campaign.db");
   }
-  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
+  const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
   const ChannelFeatures channel_features(settings);
   const std::filesystem::path store = FeaturesFile(path, settings.set);
   CampaignFeatures all = Kept(store, settings, motor_torque, channel_features).value_or(CampaignFeatures{});
@@ -236,7 +237,8 @@ CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const Fea
     }
   }
   if (!missing.empty()) {
-    Append(all, missing, Compute(folder, missing, settings, motor_torque, progress), channel_features);
+    Append(all, missing, Compute(folder, journal, missing, settings, motor_torque, progress),
+           channel_features);
     if (!all.cycle.empty()) Keep(store, settings, motor_torque, all);
   }
   if (all.cycle.empty()) {

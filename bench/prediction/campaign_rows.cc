@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/folder.h"
@@ -39,7 +40,7 @@ Labels LabelsOf(const std::vector<Result>& results, const std::vector<std::strin
 }  // namespace
 
 std::vector<std::string> CampaignOutputs(const std::filesystem::path& folder) {
-  const Journal journal = Journal::Open(CampaignFolder{folder}.Journal(), Database::Mode::kReadOnly);
+  const Journal journal = OpenCampaign({folder}, Database::Mode::kReadOnly);
   std::vector<std::string> outputs;
   for (const CycleRow& row : journal.Cycles()) {
     if (row.outcome != "complete" || row.cycle < 1) continue;
@@ -58,7 +59,7 @@ SourceRows ReadCampaignRows(const std::filesystem::path& path, const SourceSetti
   const CampaignFeatures features =
       FeaturesOfCampaign(path, settings.features, settings.motor_torque, progress);
   const CampaignFolder folder{path};
-  const Journal journal = Journal::Open(folder.Journal(), Database::Mode::kReadOnly);
+  const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
   const std::size_t all_channels = features.channels.size() + features.torque_channels.size();
   SourceRows rows{
       .source = path,

@@ -102,6 +102,27 @@ TEST_F(Quality, TakesUpWhatTheJournalHolds) {
   }
 }
 
+// Wherever it is cut: slowly falling, with steps and lone outliers, among measurements that do not count.
+TEST_F(Quality, TakesUpAHistoryWithStepsWhereverItIsCut) {
+  QualityControl whole(schedule_, journal_);
+  double level = 0.0;
+  for (int cycle = 1; cycle <= 700; ++cycle) {
+    if (cycle % 90 == 0 || cycle % 90 == 7) level -= 1500.0;
+    const double value = Declining(cycle) + level + (cycle % 41 == 0 ? 900.0 : 0.0);
+    const auto results = K2(value, cycle % 5 == 0 ? "loop is not closed" : "");
+    journal_.BeginCycle(cycle, cycle);
+    journal_.AddResults(cycle, 0, results);
+    journal_.EndCycle(cycle, cycle, "complete");
+    whole.Accept(cycle, results);
+    if (cycle % 13 != 0) continue;
+    const QualityControl resumed(schedule_, journal_);
+    for (const double offset : {0.0, -60.0, 60.0, -200.0, 200.0, -900.0, -1500.0}) {
+      const auto next = K2(Declining(cycle + 1) + level + offset);
+      EXPECT_EQ(resumed.Outliers(next), whole.Outliers(next)) << cycle;
+    }
+  }
+}
+
 TEST(Repeatability, IsTheSpreadOfTheRepeatsWidenedForTheirNumber) {
   std::vector<std::vector<Result>> repeats;
   for (const double value : {24990.0, 25000.0, 25010.0})

@@ -177,6 +177,56 @@ TEST_F(Campaign, IsNotResumedWhereThereIsNone) {
                 "--resume away to start one)\n");
 }
 
+TEST_F(Campaign, SaysWhichCycleIsNotWhatIsComputedFromItsRecords) {
+  const ScratchFolder scratch;
+  const auto copy = Copy(scratch);
+  {
+    auto journal = bench::Journal::Open(copy / "campaign.db", bench::Database::Mode::kReadWrite);
+    journal.AddResults(2, 0, {{"k2_Nm_per_rad", 12345.0, 1.0, ""}});
+  }
+  const ProgramResult again = RunProgram({"recompute", copy.string(), "--json"});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_EQ(nlohmann::json::parse(again.out)["cycles_differing"], std::vector<int>{2});
+  // Asked for by another method, a difference is no fault.
+  EXPECT_EQ(RunProgram({"recompute", copy.string(), "--method", "loading"}).exit_code, 0);
+}
+
+TEST_F(Campaign, IsNotReadWithTheFileOfAnotherCycle) {
+  const ScratchFolder scratch;
+  const auto copy = Copy(scratch);
+  std::filesystem::copy_file(copy / "cycles/000001.h5", copy / "cycles/000002.h5",
+                             std::filesystem::copy_options::overwrite_existing);
+  const ProgramResult again = RunProgram({"recompute", copy.string()});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_EQ(again.error, (copy / "cycles/000002.h5").string() +
+                             ": error: holds the records of cycle 1 (expected those of cycle 2)\n");
+}
+
+/// What every reader says of a campaign.
+std::vector<std::string> Read(const std::string& campaign) {
+  std::vector<std::string> said;
+  for (const char* command : {"status", "recompute", "features"}) {
+    const ProgramResult read = RunProgram({command, campaign, "--json"});
+    EXPECT_EQ(read.exit_code, 0) << command << ": " << read.error;
+    said.push_back(read.out);
+  }
+  return said;
+}
+
+TEST_F(Campaign, IsReadOnAMediumThatCannotBeWritten) {
+  const ScratchFolder scratch;
+  const std::string campaign = Copy(scratch).string();
+  const auto writable = Read(campaign);
+  std::filesystem::remove(campaign + "/features.h5");
+  if (::mount(campaign.c_str(), campaign.c_str(), "", MS_BIND, nullptr) != 0) {
+    GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  }
+  ::mount("", campaign.c_str(), "", MS_BIND | MS_REMOUNT | MS_RDONLY, nullptr);
+  const auto read_only = Read(campaign);
+  ::umount(campaign.c_str());
+  EXPECT_EQ(read_only, writable);
+}
+
 /// A file system of its own, small or read-only; not mounted where this machine does not let the test mount
 /// one.
 class MountedFolder {
