@@ -58,7 +58,7 @@ struct CampaignReport {
 
 CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOptions& options) {
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
-  for (const std::string& doubt : DoubtsAbout(folder, journal)) fmt::print(stderr, "{}\n", doubt);
+  for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
   const CampaignInputs inputs = ReadFrozenInputs(folder);
   CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   context.method = kMethods.at(options.method);

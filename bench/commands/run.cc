@@ -119,7 +119,7 @@ int Run(const RunOptions& options) {
       options.resume ? OpenCampaign(folder, Database::Mode::kReadWrite) : CreateCampaign(folder, inputs);
   std::optional<ResumePoint> resume;
   if (options.resume) {
-    for (const std::string& doubt : DoubtsAbout(folder, journal)) fmt::print(stderr, "{}\n", doubt);
+    for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
     resume = PrepareResume(folder, inputs, journal, options.accept_pause);
     if (!resume) {
       ToStderr("{}: all cycles are complete; nothing to resume\n", folder.root.string());

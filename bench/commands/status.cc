@@ -48,7 +48,7 @@ struct Status {
 
 Status StatusOf(const CampaignFolder& folder) {
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
-  for (const std::string& doubt : DoubtsAbout(folder, journal)) fmt::print(stderr, "{}\n", doubt);
+  for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
   const CampaignInputs inputs = ReadFrozenInputs(folder);
   Status status;
   status.process = CampaignLock::Holder(folder);
