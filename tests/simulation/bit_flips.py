@@ -57,11 +57,10 @@ class Killed(Campaign):
         super().__init__(*arguments)
         self.resumed = self.folder.with_name("resumed")
         process = self.start("--pace", "200")
-        while process.poll() is None:
-            code, out, _ = self.run("status", self.folder, "--json")
-            status = json.loads(out) if code == 0 else {}
-            if status.get("cycles_complete") == 1 and status["phase"] == "transmission_error":
-                process.kill()
+        # The rotation, its second phase, is kept when the sweep begins.
+        while process.poll() is None and not list(self.folder.glob("unfinished/000002-001-*.h5")):
+            time.sleep(0.001)
+        process.kill()
         assert process.wait() == -9 and self.files_of("unfinished") and self.files_of("campaign.db-wal")
 
     def files_of(self, name):
