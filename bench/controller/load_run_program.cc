@@ -2,6 +2,7 @@
 #include "bench/controller/load_run_program.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "analysis/units.h"
@@ -14,7 +15,8 @@ namespace {
 constexpr double kTurnTolerance_rad = 0.05;  // of the input
 constexpr double kCreepSpeed_rad_per_s = 1.0;
 constexpr double kParked_rad = 0.005;         // of the input
-constexpr double kParkingPeriods = 10.0;      // time constant of the last stretch
+constexpr double kParkingPeriods = 10.0;      // time constant of the last stretch, and at least
+constexpr double kParkingAges = 3.0;          // ages of the angles, whose control loop would else swing
 constexpr double kParkingDeceleration = 0.5;  // of the acceleration allowed
 
 std::size_t ExpectedRows(const schedules::LoadRun& run) {
@@ -106,6 +108,8 @@ void LoadRunProgram::Commit() noexcept {
 // Comes to rest without load, then parks where measurements begin: whatever is measured next starts from the
 // same teeth, however the load run ended.
 StepResult LoadRunProgram::WindDownStep(const Readings& readings, BenchDevices& devices) noexcept {
+  const std::chrono::duration<double> age = devices.clock.Now() - readings.angles_time;
+  oldest_angles_s_ = std::max(oldest_angles_s_, age.count());
   devices.load.CommandTorque(torque_.Step(0.0, period_s_));
   if (!parking_) {
     devices.driving.CommandSpeed(speed_.Step(0.0, period_s_));
@@ -117,7 +121,8 @@ StepResult LoadRunProgram::WindDownStep(const Readings& readings, BenchDevices& 
   const double approach = ApproachSpeed(remaining_rad, parameters_.input_speed_rad_per_s,
                                         kParkingDeceleration * parameters_.input_acceleration_rad_per_s2);
   // The last stretch in proportion to what is left, which the root law would overshoot by one period.
-  const double gentle = remaining_rad / (kParkingPeriods * period_s_);
+  const double gentle =
+      remaining_rad / std::max(kParkingPeriods * period_s_, kParkingAges * oldest_angles_s_);
   const double wanted = std::abs(gentle) < std::abs(approach) ? gentle : approach;
   devices.driving.CommandSpeed(speed_.Step(wanted, period_s_));
   const bool parked =

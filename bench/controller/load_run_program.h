@@ -73,6 +73,7 @@ class LoadRunProgram final : public PhaseProgram {
   double next_row_s_{};
   bool under_load_{};
   bool winding_down_{};
+  double oldest_angles_s_{};  // since then: a stream's block
   bool parking_{};
   double home_input_rad_{};
   Ramp speed_;
