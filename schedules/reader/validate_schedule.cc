@@ -20,6 +20,10 @@ constexpr double kShareOfLimitWithoutRoom = 0.95;
 constexpr double kFewestSamplesUpToT1 = 10.0;
 // Angles are written in decimal degrees: a turn is whole when it is so to a thousandth of an arcsecond.
 constexpr double kWholeTurn_rad = RadFromArcsec(1e-3);
+// A load run's log is in memory until the run has ended, and once more while it is stored: eleven numbers of
+// 8 bytes a row, with room for a run that takes a fifth and a minute longer than its load.
+constexpr double kLoadRunRow_bytes = 11.0 * 8.0;
+constexpr double kLongestLog_bytes = 256e6;
 
 bool IsMeasurement(const PhaseParameters& parameters) {
   return std::holds_alternative<MeasurementRotation>(parameters) ||
@@ -109,6 +113,7 @@ class PhaseCheck {
     CheckTorque("output_torque", run.output_torque_Nm);
     CheckSpeed(run.input_speed_rad_per_s);
     CheckTolerances(run.tolerances);
+    CheckLog(run);
   }
 
   void operator()(const MeasurementRotation& rotation) const {
@@ -211,6 +216,21 @@ class PhaseCheck {
                      fmt::format("{} = {} would credit a load that is not there (expected at most {})", key,
                                  compare_.Written({At(key), value}), words));
     }
+  }
+
+  void CheckLog(const LoadRun& run) const {
+    if (!compare_.Readable(At("duration")) || !compare_.Readable(At("log_rate"))) return;
+    const double longest_s = 1.2 * run.duration_s + 61.0;
+    const double log_bytes = longest_s * run.log_rate_hz * kLoadRunRow_bytes;
+    if (log_bytes <= kLongestLog_bytes) return;
+    compare_.Error(
+        At("log_rate"),
+        fmt::format(
+            "log_rate = {} over duration = {} is a log of {:.0f} MB in memory (expected at most {:.0f} MB: "
+            "at most {:.3g} Hz, or a shorter duration and more cycles)",
+            compare_.Written({At("log_rate"), run.log_rate_hz}),
+            compare_.Written({At("duration"), run.duration_s}), log_bytes * 1e-6, kLongestLog_bytes * 1e-6,
+            kLongestLog_bytes / (longest_s * kLoadRunRow_bytes)));
   }
 
   void CheckWholeTurns(double turns) const {

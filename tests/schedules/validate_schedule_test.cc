@@ -91,6 +91,14 @@ TEST(ValidateSchedule, WantsEnoughSamplesForTheFirstSlope) {
       "(expected 10 or more)");
 }
 
+TEST(ValidateSchedule, WantsALoadRunsLogToFitIntoMemory) {
+  // 24 h and a fifth and 61 s, 100 times a second, eleven numbers: 10 374 100 rows of 88 bytes.
+  EXPECT_EQ(MessageOf(GoodWith("duration: 30 min", "duration: 24 h\n    log_rate: 100 Hz")),
+            "small.yaml:26:15: error: log_rate = 100 Hz over duration = 24 h is a log of 913 MB in memory "
+            "(expected at most 256 MB: at most 28 Hz, or a shorter duration and more cycles)");
+  EXPECT_EQ(MessageOf(GoodWith("duration: 30 min", "duration: 24 h\n    log_rate: 28 Hz")), "");
+}
+
 TEST(ValidateSchedule, WantsWholeTurnsOfTheOutput) {
   EXPECT_EQ(MessageOf(GoodWith("input_speed: 300 rpm", "input_speed: 300 rpm\n    steps: 180")),
             "small.yaml:31:5: error: steps = 180 of step = 1 deg make 180 deg (expected whole turns of the "
