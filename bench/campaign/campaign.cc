@@ -176,16 +176,24 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
   if (!checkpoint) {
     // Killed before the first phase began: there is nothing to go on from, and nothing to lose.
     // Its first phase is of the preparation, or of cycle 1 where there is none.
-    if (journal.Phases(0).empty() && journal.Phases(1).empty()) return ResumePoint{};
+    if (journal.Phases(0).empty() && journal.Phases(1).empty()) {
+      return ResumePoint{.time_s = journal.LatestTime_s()};
+    }
     Refuse(folder.Checkpoint(), "the checkpoint is missing or damaged",
            "the file that the campaign has written");
   }
-  const std::int64_t now_ms = UtcMilliseconds();
-  ResumePoint point{*checkpoint, static_cast<double>(now_ms - checkpoint->utc_ms) * 1e-3};
-  if (point.pause_s > given.schedule.resume.longest_pause_s && !accept_pause) {
+  const Moment now = Now();
+  ResumePoint point{*checkpoint, PauseBetween(checkpoint->written, now),
+                    std::max(checkpoint->time_s, journal.LatestTime_s())};
+  const std::optional<double>& pause_s = point.pause.length_s;
+  if (!pause_s && !accept_pause) {
+    Refuse(folder.root, "how long the campaign has stood is not known: " + point.pause.clock,
+           "--accept-pause, to go on as after the longest pause and have it noted");
+  }
+  if (pause_s && *pause_s > given.schedule.resume.longest_pause_s && !accept_pause) {
     Refuse(folder.root,
            fmt::format("the campaign has stood for {:.1f} h, longer than resume.longest_pause allows",
-                       point.pause_s / 3600.0),
+                       *pause_s / 3600.0),
            "--accept-pause, to go on all the same and have it noted");
   }
   const int cycle = journal.LastCompleteCycle() + 1;
@@ -203,19 +211,22 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
     const double credited_s = same ? std::max(0.0, checkpoint->credited_load_s - earlier_s) : 0.0;
     // Cut between the last checkpoint of a phase and its end in the journal, nothing is missing but that row.
     const bool finished = same && checkpoint->finished;
-    journal.EndPhase(row.id, std::max(row.started_s, checkpoint->time_s),
-                     finished ? "complete" : "interrupted", credited_s);
+    journal.EndPhase(row.id, point.time_s, finished ? "complete" : "interrupted", credited_s);
     if (!finished) cut_phase = row.name;
   }
   const std::string cause =
       cut_phase.empty() ? "stopped between two phases or on request" : "the program was cut off";
-  journal.AddHole({cycle, cut_phase, checkpoint->time_s, UtcText(checkpoint->utc_ms), UtcText(now_ms), cause,
-                   "UTC of this machine; bench time stood still"});
-  journal.AddEvent({checkpoint->time_s, UtcText(now_ms), cycle, cut_phase, "info", "resume",
-                    fmt::format("resumed after {:.1f} s: {}", point.pause_s, cause)});
+  const std::string now_utc = UtcText(now.utc_ms);
+  journal.AddHole(
+      {cycle, cut_phase, point.time_s, UtcText(checkpoint->written.utc_ms), now_utc, cause,
+       fmt::format("{}{}; bench time stood still", pause_s ? "" : "length not known: ", point.pause.clock)});
+  journal.AddEvent(
+      {point.time_s, now_utc, cycle, cut_phase, "info", "resume",
+       pause_s ? fmt::format("resumed after {:.1f} s: {}", *pause_s, cause)
+               : fmt::format("resumed after a pause of unknown length ({}): {}", point.pause.clock, cause)});
   if (given.schedule.resume.operator_acknowledges) {
     const char* user = std::getenv("USER");
-    journal.AddEvent({checkpoint->time_s, UtcText(now_ms), cycle, cut_phase, "info", "acknowledged",
+    journal.AddEvent({point.time_s, now_utc, cycle, cut_phase, "info", "acknowledged",
                       fmt::format("{} has ordered --resume, and with it that shafts may move again",
                                   user == nullptr ? "a person without a name" : user)});
   }

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/campaign/checkpoint.h"
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal.h"
+#include "bench/campaign/resume_point.h"
 #include "bench/configuration/bench_description.h"
 #include "schedules/reader/schedule.h"
 
@@ -59,15 +59,11 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
 
 /// What the journal and the checkpoint say of an interrupted campaign, after the journal has been put in
 /// order: phases that were running are closed as interrupted with the load they had served, and the time
-/// since is a hole. Doing it twice changes nothing.
-struct ResumePoint {
-  std::optional<Checkpoint> checkpoint;  // none where no phase had begun
-  double pause_s{};                      // by the world's clock
-};
-
+/// since is a hole. Doing it twice changes nothing. Bench time goes on from the later of the two: a power cut
+/// may leave a checkpoint that is older than the journal.
 /// @param given  the schedule on the command line; it must be the frozen one.
 /// @throws CampaignError: not a campaign, a changed schedule (with the difference), finished already, a pause
-///   longer than the schedule allows without `accept_pause`, a journal without its checkpoint.
+///   longer than the schedule allows or not known without `accept_pause`, a journal without its checkpoint.
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
                                          Journal& journal, bool accept_pause);
 

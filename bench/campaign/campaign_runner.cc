@@ -53,10 +53,11 @@ std::string OutcomeText(StopCause cause) {
 
 }  // namespace
 
-CampaignRunner::CampaignRunner(const CampaignFolder& folder, const schedules::Schedule& schedule,
+CampaignRunner::CampaignRunner(HeldFolder held, const schedules::Schedule& schedule,
                                const BenchDescription& bench, BenchMachine& machine, Journal& journal,
                                const std::atomic<StopRequest>& request, ProgressSink& progress)
-    : folder_(folder),
+    : held_(std::move(held)),
+      folder_(held_.folder()),
       schedule_(schedule),
       bench_(bench),
       machine_(machine),
@@ -64,10 +65,10 @@ CampaignRunner::CampaignRunner(const CampaignFolder& folder, const schedules::Sc
       request_(request),
       progress_(progress),
       runner_(machine.Devices(), SettingsOf(schedule, bench), request),
-      checkpoint_(folder.Checkpoint()),
+      checkpoint_(folder_.Checkpoint()),
       quality_(schedule, journal),
       identity_(journal.Identity()),
-      records_(folder, bench, machine.Calibrations(), identity_),
+      records_(folder_, bench, machine.Calibrations(), identity_),
       preparation_s_(PlannedDuration_s(StepsOf(schedule, 0))),
       one_cycle_s_(PlannedDuration_s(StepsOf(schedule, 1))) {}
 
@@ -92,21 +93,22 @@ void CampaignRunner::Transition(BenchEvent event) {
 
 void CampaignRunner::Note(std::string_view severity, std::string_view phase, std::string_view code,
                           const std::string& text) {
+  held_.DemandInPlace();
   journal_.AddEvent(
       {Time_s(), UtcNow(), cycle_, std::string(phase), std::string(severity), std::string(code), text});
   progress_.Message(severity, text);
 }
 
-CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from, double pause_s) {
+CampaignEnd CampaignRunner::Run(const ResumePoint& from) {
   double expected_offset_rad = kUnknown;
-  if (resume_from) {
-    machine_.RestoreMemory(resume_from->machine_memory);
-    time_base_s_ = resume_from->time_s;
-    expected_offset_rad = resume_from->encoder_offset_rad;
+  time_base_s_ = from.time_s;
+  if (from.checkpoint) {
+    machine_.RestoreMemory(from.checkpoint->machine_memory);
+    expected_offset_rad = from.checkpoint->encoder_offset_rad;
     resumed_cycle_ = journal_.LastCompleteCycle() + 1;
   }
   clock_base_ = machine_.Devices().clock.Now();
-  machine_.LogBuses(folder_.BusLogs());
+  machine_.LogBuses(held_.wherever().BusLogs());
   journal_.SetChannelTroubles({});
   // The bench wakes up faulted. That the command was given is the person's reset and start; on the way the
   // references are checked with torque off.
@@ -116,8 +118,8 @@ CampaignEnd CampaignRunner::Run(const std::optional<Checkpoint>& resume_from, do
   if (auto end = Reference(expected_offset_rad)) return *end;
   if (!runner_.realtime_trouble().empty()) Note("warning", "", "not_realtime", runner_.realtime_trouble());
   if (auto end = CheckLoad()) return *end;
-  if (resume_from) {
-    if (auto end = WarmUp(pause_s)) return *end;
+  if (from.checkpoint) {
+    if (auto end = WarmUp(from.pause)) return *end;
   }
   for (int cycle = journal_.LastCompleteCycle() + 1; cycle <= schedule_.cycles; ++cycle) {
     if (auto end = RunCycle(cycle)) return *end;
@@ -167,9 +169,10 @@ CampaignRunner::MaybeEnd CampaignRunner::CheckLoad() {
 }
 
 // After a long pause the gear is cold. Where a measurement is next, the cycle's load run goes before it once
-// more, for as long as the gear stood but no longer than the load run itself. It counts as load for nobody's
-// life but the gear's, so the journal says so.
-CampaignRunner::MaybeEnd CampaignRunner::WarmUp(double pause_s) {
+// more, for as long as the gear stood but no longer than the load run itself, and whole where that is not
+// known. It counts as load for nobody's life but the gear's, so the journal says so.
+CampaignRunner::MaybeEnd CampaignRunner::WarmUp(const Pause& pause) {
+  const double pause_s = pause.length_s.value_or(std::numeric_limits<double>::infinity());
   const std::vector<CycleStep> steps = StepsOf(schedule_, resumed_cycle_);
   const auto rows = journal_.Phases(resumed_cycle_);
   const auto complete = [&](const CycleStep& step) {
@@ -186,8 +189,9 @@ CampaignRunner::MaybeEnd CampaignRunner::WarmUp(double pause_s) {
   run.duration_s = std::min(run.duration_s, pause_s);
   cycle_ = resumed_cycle_;
   Note("info", load->group, "warm_up",
-       fmt::format("the gear stood for {:.0f} s: {:.0f} s of load before the measurement, not credited",
-                   pause_s, run.duration_s));
+       fmt::format("the gear stood for {}: {:.0f} s of load before the measurement, not credited",
+                   pause.length_s ? fmt::format("{:.0f} s", pause_s) : "a time that is not known",
+                   run.duration_s));
   const auto program = MakeProgram(run, schedule_.specimen, 0.0, bench_.control_period_s);
   Transition(BenchEvent::kBeginLoadRun);
   const PhaseOutcome outcome = runner_.Run(*program, [](const PhaseSnapshot&, const PhaseProgram&) {});
@@ -218,8 +222,10 @@ CampaignRunner::MaybeEnd CampaignRunner::CheckBetweenPhases() {
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::RunStep(const CycleStep& step, int repeat) {
-  if (cycle_ == resumed_cycle_ && records_.TakeFromEarlierRun(step, repeat, journal_.Phases(cycle_))) {
-    return std::nullopt;
+  if (cycle_ == resumed_cycle_) {
+    const bool complete = records_.TakeFromEarlierRun(step, repeat, journal_.Phases(cycle_));
+    for (const std::string& note : records_.TakeNotes()) Note("warning", step.group, "unfinished", note);
+    if (complete) return std::nullopt;
   }
   if (auto end = CheckBetweenPhases()) return end;
   double credited_s = 0.0;
@@ -262,6 +268,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   // Before the journal's row: a phase that is on record has a state to go on from.
   TakeMemory();
   WriteCheckpoint(at, runner_.last_readings(), blank);
+  checkpoint_.Sync();
   const std::int64_t id = journal_.BeginPhase(row);
   if (blank) machine_.MountBlank(true);
   machine_.BeginPhase(PhaseKey(cycle_, step.index, repeat));
@@ -269,6 +276,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
 
   auto last_kept = std::chrono::steady_clock::now();
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
+    held_.DemandInPlace();
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
       records_.WriteAhead(step, repeat, attempt, running.RecordsSoFar());
@@ -287,12 +295,14 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   const bool complete = !outcome.reason;
   again = IsSuspend(outcome.reason.cause);
   const bool keep = complete || step.accumulates;
+  held_.DemandInPlace();
   if (keep) AddSources(outcome.records);
   if (keep) records_.Keep(step, repeat, attempt, std::move(outcome.records));
   TakeMemory();
   at.credited_load_s = outcome.credited_load_s;
   at.finished = complete;
   WriteCheckpoint(at, runner_.last_readings(), blank);
+  checkpoint_.Sync();
   journal_.EndPhase(id, Time_s(), OutcomeText(outcome.reason.cause),
                     outcome.credited_load_s - credited_before_s);
   for (const std::string& note : machine_.TakeNotes()) Note("info", phase.name, "bench", note);
@@ -313,8 +323,9 @@ void CampaignRunner::TakeMemory() {
 }
 
 void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, const Readings& last, bool blank) {
+  held_.DemandInPlace();
   checkpoint.time_s = Time_s();
-  checkpoint.utc_ms = UtcMilliseconds();
+  checkpoint.written = Now();
   // Between phases alone: in one, an encoder may be stuck already and not yet be known for it.
   if (blank || checkpoint.finished) encoder_offset_rad_ = blank ? kUnknown : EncoderOffset_rad(last);
   checkpoint.encoder_offset_rad = encoder_offset_rad_;
@@ -339,6 +350,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>& steps) {
+  held_.DemandInPlace();
   machine_.CycleMeasured(cycle_);
   machine_.TakePicture(folder_.CycleFile(cycle_).replace_extension(".jpg"));
   const CycleContext context = ContextOf(journal_, schedule_, bench_);
@@ -363,6 +375,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   }
   // Where nothing is prepared there is nothing to keep.
   std::string records_sha256;
+  held_.DemandInPlace();
   if (!records_.all().empty()) {
     daq::WriteRecordsAtomically(folder_.CycleFile(cycle_), records_.all(),
                                 {{"specimen", schedule_.specimen.identity},
@@ -371,6 +384,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
                                  {"schedule_sha256", journal_.Property("schedule_sha256").value_or("")}});
     records_sha256 = Sha256OfFile(folder_.CycleFile(cycle_));
   }
+  held_.DemandInPlace();
   {
     Transaction transaction(journal_.database());
     journal_.ClearResults(cycle_);
@@ -382,6 +396,7 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
     journal_.EndCycle(cycle_, Time_s(), "complete", records_sha256);
     transaction.Commit();
   }
+  held_.DemandInPlace();
   records_.RemoveUnfinished();
   Transition(BenchEvent::kStored);
   quality_.TakeGauge(journal_);

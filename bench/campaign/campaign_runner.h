@@ -14,9 +14,11 @@
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/cycle_steps.h"
 #include "bench/campaign/folder.h"
+#include "bench/campaign/held_folder.h"
 #include "bench/campaign/journal.h"
 #include "bench/campaign/progress.h"
 #include "bench/campaign/quality.h"
+#include "bench/campaign/resume_point.h"
 #include "bench/configuration/bench_description.h"
 #include "bench/controller/phase_runner.h"
 #include "bench/controller/state_machine.h"
@@ -37,13 +39,12 @@ struct CampaignEnd {
 /// before it starts and after it has ended, so that whatever happens the next run knows where to go on.
 class CampaignRunner {
  public:
-  CampaignRunner(const CampaignFolder& folder, const schedules::Schedule& schedule,
-                 const BenchDescription& bench, BenchMachine& machine, Journal& journal,
-                 const std::atomic<StopRequest>& request, ProgressSink& progress);
+  CampaignRunner(HeldFolder held, const schedules::Schedule& schedule, const BenchDescription& bench,
+                 BenchMachine& machine, Journal& journal, const std::atomic<StopRequest>& request,
+                 ProgressSink& progress);
 
-  /// @param resume_from  where an earlier run of this campaign was when it ended; nothing at the start.
-  /// @param pause_s      how long ago that was, by the world's clock.
-  CampaignEnd Run(const std::optional<Checkpoint>& resume_from, double pause_s = 0.0);
+  /// @throws CampaignError, with the bench safe, when another folder has come in the place of the campaign's.
+  CampaignEnd Run(const ResumePoint& from);
 
  private:
   using MaybeEnd = std::optional<CampaignEnd>;
@@ -51,7 +52,7 @@ class CampaignRunner {
   void Transition(BenchEvent event);
   MaybeEnd Reference(double expected_offset_rad);
   MaybeEnd CheckLoad();
-  MaybeEnd WarmUp(double pause_s);
+  MaybeEnd WarmUp(const Pause& pause);
   MaybeEnd RunCycle(int cycle);
   MaybeEnd RunStep(const CycleStep& step, int repeat);
   MaybeEnd RunAttempt(const CycleStep& step, int repeat, int attempt, double credited_before_s, bool& again);
@@ -80,6 +81,7 @@ class CampaignRunner {
   /// Share of the campaign that is done when this share of a step is.
   double ShareDone(const CycleStep& step, double share_of_step) const;
 
+  HeldFolder held_;
   CampaignFolder folder_;
   const schedules::Schedule& schedule_;
   const BenchDescription& bench_;

@@ -50,10 +50,11 @@ void CampaignRunner::Show(std::string_view phase, double share) {
 
 void CampaignRunner::BeginRecording(const CycleStep& step, int repeat) {
   if (step.phase->recorded_sources.empty()) return;
-  std::filesystem::create_directories(folder_.Streams());
+  const auto streams = held_.wherever().Streams();
+  std::filesystem::create_directories(streams);
   const std::string retry = repeat == 0 ? "" : fmt::format("-retry_{}", repeat);
   machine_.StartRecording({step.phase->recorded_sources,
-                           folder_.Streams(),
+                           streams,
                            fmt::format("{:06d}-{}{}", cycle_, step.phase->name, retry),
                            {{"specimen", schedule_.specimen.identity},
                             {"cycle", std::to_string(cycle_)},

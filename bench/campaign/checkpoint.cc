@@ -23,42 +23,49 @@ struct Header {
   std::uint64_t campaign;
   std::int64_t last_phase;
   std::int64_t last_event;
+  std::int64_t since_boot_ms;
+  std::uint64_t boot;
 };
 static_assert(std::is_trivially_copyable_v<Header>);
 // Bytes of the header of each version; a campaign that was begun with an earlier one goes on. Version 1 did
-// not know whether the phase was finished, version 2 not of which campaign it was.
+// not know whether the phase was finished, version 2 not of which campaign it was, version 3 not of which
+// boot.
 constexpr std::array kHeader_bytes{std::size_t{0}, offsetof(Header, finished), offsetof(Header, campaign),
-                                   sizeof(Header)};
+                                   offsetof(Header, since_boot_ms), sizeof(Header)};
 constexpr std::int32_t kVersion = kHeader_bytes.size() - 1;
-constexpr std::chrono::seconds kSyncInterval{1};
+// Half of what a power cut may cost: a beat that comes a little early is synced all the same.
+constexpr std::chrono::milliseconds kSyncInterval{500};
 
 }  // namespace
 
 CheckpointWriter::CheckpointWriter(const std::filesystem::path& file) : file_(file) {}
 
-void CheckpointWriter::Write(const Checkpoint& checkpoint, std::span<const std::byte> machine_memory) {
+bool CheckpointWriter::Write(const Checkpoint& checkpoint, std::span<const std::byte> machine_memory,
+                             std::chrono::steady_clock::time_point now) {
   const Header header{kVersion,
                       checkpoint.cycle,
                       checkpoint.step,
                       checkpoint.repeat,
                       checkpoint.credited_load_s,
                       checkpoint.time_s,
-                      checkpoint.utc_ms,
+                      checkpoint.written.utc_ms,
                       checkpoint.encoder_offset_rad,
                       checkpoint.finished ? 1 : 0,
                       checkpoint.campaign,
                       checkpoint.journal_end.phase,
-                      checkpoint.journal_end.event};
+                      checkpoint.journal_end.event,
+                      checkpoint.written.since_boot_ms,
+                      checkpoint.written.boot};
   buffer_.resize(sizeof header + machine_memory.size());
   std::memcpy(buffer_.data(), &header, sizeof header);
   if (!machine_memory.empty()) {
     std::memcpy(buffer_.data() + sizeof header, machine_memory.data(), machine_memory.size());
   }
   file_.Write(buffer_);
-  const auto now = std::chrono::steady_clock::now();
-  if (now - last_sync_ < kSyncInterval) return;
+  if (now - last_sync_ < kSyncInterval) return false;
   last_sync_ = now;
-  file_.Sync();
+  Sync();
+  return true;
 }
 
 void CheckpointWriter::Sync() { file_.Sync(); }
@@ -80,7 +87,7 @@ std::optional<Checkpoint> ReadCheckpoint(const std::filesystem::path& file) {
   checkpoint.finished = header.finished != 0;
   checkpoint.credited_load_s = header.credited_load_s;
   checkpoint.time_s = header.time_s;
-  checkpoint.utc_ms = header.utc_ms;
+  checkpoint.written = {header.utc_ms, header.since_boot_ms, header.boot};
   checkpoint.encoder_offset_rad = header.encoder_offset_rad;
   checkpoint.campaign = header.campaign;
   checkpoint.journal_end = {header.last_phase, header.last_event};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/campaign/journal.h"
+#include "bench/campaign/pause.h"
 #include "daq/checkpoint_file.h"
 
 namespace strainwave::bench {
@@ -22,7 +23,7 @@ struct Checkpoint {
   bool finished{};           // the phase has come to its end, and its records are kept
   double credited_load_s{};  // of this step, all attempts together
   double time_s{};           // bench time of the campaign
-  std::int64_t utc_ms{};
+  Moment written{};          // that of a boot not known in checkpoints of earlier versions
   /// Input angle / ratio − output angle, to be found again before anything moves; a NaN when not known.
   double encoder_offset_rad{};
   std::uint64_t campaign{};  // Journal::Identity; 0 in checkpoints of earlier versions
@@ -31,12 +32,16 @@ struct Checkpoint {
   std::vector<std::byte> machine_memory{};  // BenchMachine::Memory
 };
 
-/// Writes checkpoints once a second of bench time. A killed process loses none that was written; a power cut
-/// loses at most what came in the last second of the world's time, since that is how often it is synced.
+/// Writes checkpoints once a second of bench time. A killed process loses none that was written. A power cut
+/// loses at most what came in the last second of the world's time and while the disk was syncing: each is
+/// synced but those that come within half a second of the one before.
 class CheckpointWriter {
  public:
   explicit CheckpointWriter(const std::filesystem::path& file);
-  void Write(const Checkpoint& checkpoint, std::span<const std::byte> machine_memory);
+  /// @return whether it is on the disk.
+  bool Write(const Checkpoint& checkpoint, std::span<const std::byte> machine_memory,
+             std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());
+  /// Waits until the last one is on the disk, as at both ends of a phase, before the journal says so.
   void Sync();
 
  private:

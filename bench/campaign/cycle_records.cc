@@ -22,13 +22,15 @@ bool CycleRecords::TakeFromEarlierRun(const CycleStep& step, int repeat, std::sp
     if (row.step != step.index || row.repeat != repeat) continue;
     complete = complete || row.outcome == "complete";
     const auto file = folder_.UnfinishedFile(cycle_, step.index, repeat, row.attempt);
-    if (!std::filesystem::exists(file)) continue;
+    const auto rows_file = RowsFile(step, repeat, row.attempt);
+    const bool ended = std::filesystem::exists(file);
+    if (!ended && !std::filesystem::exists(rows_file)) continue;
     // Of a load run every row counts, of anything else the attempt that was completed.
     if (!step.accumulates && row.outcome != "complete") continue;
-    daq::CycleFile kept = daq::ReadCycleFile(file, daq::Checking::kNone);
+    daq::CycleFile kept = ended ? daq::ReadCycleFile(file, daq::Checking::kNone) : ReadRows(rows_file);
     // Those of earlier versions say nothing.
     if (!kept.attributes.empty() && kept.attributes != Stamps(step, repeat, row.attempt)) {
-      Refuse(file, "the records are of another phase or campaign",
+      Refuse(ended ? file : rows_file, "the records are of another phase or campaign",
              fmt::format("those of '{}', attempt {}, of this campaign's cycle {}", step.group, row.attempt,
                          cycle_));
     }
@@ -59,12 +61,25 @@ daq::Attributes CycleRecords::Stamps(const CycleStep& step, int repeat, int atte
           {"attempt", std::to_string(attempt)}};
 }
 
+std::filesystem::path CycleRecords::RowsFile(const CycleStep& step, int repeat, int attempt) const {
+  return folder_.UnfinishedFile(cycle_, step.index, repeat, attempt).replace_extension(".rows");
+}
+
+daq::CycleFile CycleRecords::ReadRows(const std::filesystem::path& file) {
+  daq::GrownFile grown = daq::ReadGrowingFile(file);
+  if (grown.lost_bytes > 0) {
+    notes_.push_back(fmt::format("{}: the last {} bytes are no whole block; their rows are lost",
+                                 file.string(), grown.lost_bytes));
+  }
+  return {std::move(grown.attributes), std::move(grown.records)};
+}
+
 void CycleRecords::WriteAhead(const CycleStep& step, int repeat, int attempt,
-                              std::vector<NamedRecord> records) const {
+                              std::vector<NamedRecord> records) {
   if (records.empty()) return;
   Name(step, repeat, attempt, records);
-  daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records,
-                              Stamps(step, repeat, attempt));
+  if (!ahead_) ahead_.emplace(RowsFile(step, repeat, attempt), Stamps(step, repeat, attempt));
+  ahead_->Append(records);
 }
 
 void CycleRecords::Keep(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records) {
@@ -72,6 +87,8 @@ void CycleRecords::Keep(const CycleStep& step, int repeat, int attempt, std::vec
   Name(step, repeat, attempt, records);
   daq::WriteRecordsAtomically(folder_.UnfinishedFile(cycle_, step.index, repeat, attempt), records,
                               Stamps(step, repeat, attempt));
+  ahead_.reset();
+  std::filesystem::remove(RowsFile(step, repeat, attempt));
   for (NamedRecord& named : records) records_.push_back(std::move(named));
 }
 

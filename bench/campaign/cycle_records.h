@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,6 +16,7 @@
 #include "bench/controller/phase_program.h"
 #include "bench/roles/channel_calibration.h"
 #include "daq/cycle_file.h"
+#include "daq/growing_file.h"
 
 namespace strainwave::bench {
 
@@ -34,17 +38,21 @@ class CycleRecords {
   /// @return true when the step is complete and need not be run.
   /// @throws CampaignError when a file is of another phase or campaign; daq::RecordError when it is damaged.
   bool TakeFromEarlierRun(const CycleStep& step, int repeat, std::span<const PhaseRow> phases);
+  /// What was missing of what it took, in words; each once.
+  std::vector<std::string> TakeNotes() { return std::exchange(notes_, {}); }
 
   /// Keeps the records of an attempt that has ended.
   void Keep(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records);
-  /// Writes those of one that is still running, in case the program dies.
-  void WriteAhead(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records) const;
+  /// Writes the new rows of one that is still running, in case the program dies.
+  void WriteAhead(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord> records);
 
   /// The cycle's own file is on the disk.
   void RemoveUnfinished() const;
 
  private:
   void Name(const CycleStep& step, int repeat, int attempt, std::vector<NamedRecord>& records) const;
+  std::filesystem::path RowsFile(const CycleStep& step, int repeat, int attempt) const;
+  daq::CycleFile ReadRows(const std::filesystem::path& file);
   /// What the file of an unfinished phase says it is of.
   daq::Attributes Stamps(const CycleStep& step, int repeat, int attempt) const;
 
@@ -54,6 +62,8 @@ class CycleRecords {
   std::uint64_t campaign_;
   int cycle_{};
   std::vector<NamedRecord> records_;
+  std::optional<daq::GrowingFile> ahead_;  // of the attempt under way
+  std::vector<std::string> notes_;
 };
 
 }  // namespace strainwave::bench

@@ -122,6 +122,16 @@ std::string Journal::Unchecked() const {
       unsealed_pages_);
 }
 
+double Journal::LatestTime_s() const {
+  Statement statement = database_.Prepare(
+      "SELECT IFNULL(MAX(latest_s), 0.0) FROM (SELECT MAX(time_s) AS latest_s FROM events "
+      "UNION ALL SELECT MAX(time_s) FROM holes UNION ALL SELECT MAX(started_s) FROM cycles "
+      "UNION ALL SELECT MAX(ended_s) FROM cycles UNION ALL SELECT MAX(started_s) FROM phases "
+      "UNION ALL SELECT MAX(ended_s) FROM phases)");
+  statement.Step();
+  return statement.Real(0);
+}
+
 std::uint64_t Journal::Identity() const {
   const std::string sha256 =
       Sha256(Property("started_utc").value_or("") + Property("schedule_sha256").value_or(""));

@@ -108,6 +108,8 @@ class Journal {
   /// What of the file no checksum covers, in words; empty: nothing.
   std::string Unchecked() const;
   JournalEnd end() const { return end_; }
+  /// The latest bench time in any row: no later run begins before it.
+  double LatestTime_s() const;
   /// Tells one campaign from another, also of the same schedule.
   std::uint64_t Identity() const;
 

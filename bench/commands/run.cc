@@ -71,8 +71,8 @@ void CheckDoubts(const BenchMachine& machine, Journal& journal) {
       continue;
     }
     ToStderr("warning: {}\n", doubt.words);
-    journal.AddEvent(
-        {0.0, UtcNow(), journal.LastCompleteCycle() + 1, "", "warning", "commissioning", doubt.words});
+    journal.AddEvent({journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", "warning",
+                      "commissioning", doubt.words});
   }
   if (!refused.empty()) throw CampaignError(ExitCode::kMachineFailed, refused);
 }
@@ -81,8 +81,8 @@ void CheckDoubts(const BenchMachine& machine, Journal& journal) {
 void NoteUnwatchedLimits(const BenchDescription& bench, Journal& journal) {
   for (const InterlockRow& row : Interlocks::Table(SensorsOf(bench))) {
     if (row.unwatched.empty() || !row.limit.starts_with("limits.")) continue;
-    journal.AddEvent({0.0, UtcNow(), journal.LastCompleteCycle() + 1, "", "warning", "interlocks",
-                      fmt::format("{} watches nothing: {}", row.limit, row.unwatched)});
+    journal.AddEvent({journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", "warning",
+                      "interlocks", fmt::format("{} watches nothing: {}", row.limit, row.unwatched)});
   }
 }
 
@@ -117,6 +117,7 @@ int Run(const RunOptions& options) {
   const CampaignLock lock(folder);
   Journal journal =
       options.resume ? OpenCampaign(folder, Database::Mode::kReadWrite) : CreateCampaign(folder, inputs);
+  HeldFolder held(folder);
   std::optional<ResumePoint> resume;
   if (options.resume) {
     for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
@@ -138,9 +139,10 @@ int Run(const RunOptions& options) {
     }
     WaitForPeople(*machine);
     TerminalProgress progress;
-    CampaignRunner runner(folder, inputs.schedule, inputs.bench, *machine, journal, Requested(), progress);
+    CampaignRunner runner(std::move(held), inputs.schedule, inputs.bench, *machine, journal, Requested(),
+                          progress);
     try {
-      end = runner.Run(resume ? resume->checkpoint : std::nullopt, resume ? resume->pause_s : 0.0);
+      end = runner.Run(resume.value_or(ResumePoint{}));
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
     } catch (const std::exception&) {
       // The runner has made the bench safe before the exception left it; what is stored stays whole.

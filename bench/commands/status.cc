@@ -61,8 +61,9 @@ Status StatusOf(const CampaignFolder& folder) {
     status.phase_outcome = rows.back().outcome;
     for (const PhaseRow& row : rows) status.credited_load_s += row.credited_load_s;
   }
+  status.bench_time_s = journal.LatestTime_s();
   if (const auto checkpoint = ReadCheckpoint(folder.Checkpoint())) {
-    status.bench_time_s = checkpoint->time_s;
+    status.bench_time_s = std::max(status.bench_time_s, checkpoint->time_s);
     // A checkpoint that is older than the phase says nothing of it.
     const bool of_this_phase = !rows.empty() && checkpoint->cycle == rows.back().cycle &&
                                checkpoint->step == rows.back().step &&

@@ -2,10 +2,12 @@
 // A campaign cut between two of the writes that belong together.
 #include <unistd.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -36,7 +38,9 @@ class CutCampaign : public testing::Test {
   void Leave(const Checkpoint& checkpoint) {
     CheckpointWriter(folder_.Checkpoint()).Write(checkpoint, std::vector<std::byte>(5, std::byte{7}));
   }
-  std::optional<ResumePoint> Resume() { return PrepareResume(folder_, inputs_, journal_, true); }
+  std::optional<ResumePoint> Resume(bool accept_pause = true) {
+    return PrepareResume(folder_, inputs_, journal_, accept_pause);
+  }
 
   CampaignFolder folder_{std::filesystem::temp_directory_path() /
                          ("strainwave_resume_test_" + std::to_string(::getpid()))};
@@ -93,9 +97,75 @@ TEST_F(CutCampaign, GoesOnOnABenchOfMetalWhichHasNoMemory) {
 }
 
 TEST_F(CutCampaign, BeginsAnewWhereNoPhaseHadBegun) {
+  journal_.AddEvent({2.5, UtcNow(), 0, "referencing", "alarm", "", ""});
   const auto point = Resume();
   ASSERT_TRUE(point.has_value());
   EXPECT_FALSE(point->checkpoint.has_value());
+  EXPECT_EQ(point->time_s, 2.5);
+}
+
+// As a power cut leaves it on a disk that did not keep what it had said was safe.
+TEST_F(CutCampaign, GoesOnInTimeFromTheJournalWhereTheCheckpointIsOlder) {
+  Leave({.step = 0, .time_s = 1.0});
+  journal_.EndPhase(BeginPhase(0), 1571.0, "complete", 0.0);
+  BeginPhase(1);
+  journal_.AddEvent({1580.0, UtcNow(), 0, "lock", "info", "bench", ""});
+  const auto point = Resume();
+  ASSERT_TRUE(point.has_value());
+  EXPECT_EQ(point->time_s, 1580.0);
+  EXPECT_EQ(journal_.Phases(0).at(1).ended_s, 1580.0);
+  EXPECT_EQ(journal_.Holes().at(0).time_s, 1580.0);
+  EXPECT_EQ(journal_.LatestTime_s(), 1580.0);
+  // Its phase was complete before: what the checkpoint says of it counts no more.
+  EXPECT_EQ(journal_.Phases(0).at(0).outcome, "complete");
+  EXPECT_EQ(point->checkpoint->machine_memory.size(), 5U);
+}
+
+TEST_F(CutCampaign, MeasuresThePauseByTheClockThatNobodySets) {
+  Moment written = Now();
+  written.utc_ms += 18'000'000;
+  Leave({.step = 0, .written = written});
+  const auto point = Resume(false);
+  ASSERT_TRUE(point.has_value());
+  EXPECT_GE(point->pause.length_s, 0.0);
+  EXPECT_EQ(
+      journal_.Holes().at(0).clock,
+      "clock of this machine since its start; UTC was set by -18000.0 s meanwhile; bench time stood still");
+}
+
+TEST_F(CutCampaign, IsNotResumedAfterAPauseThatIsNotKnownUnlessAccepted) {
+  const std::int64_t ahead_ms = 1'000'000'000;
+  Leave({.step = 0, .written = {UtcMilliseconds() + ahead_ms, 0, Now().boot ^ 1}});
+  try {
+    Resume(false);
+    FAIL() << "resumed";
+  } catch (const CampaignError& error) {
+    const std::string text = std::regex_replace(error.what(), std::regex("says -[0-9.]+ s"), "says -N s");
+    EXPECT_EQ(text,
+              folder_.root.string() +
+                  ": error: how long the campaign has stood is not known: UTC of this machine was set "
+                  "back, it says -N s (expected --accept-pause, to go on as after the longest pause and "
+                  "have it noted)");
+  }
+  EXPECT_TRUE(journal_.Holes().empty());
+  const auto point = Resume();
+  ASSERT_TRUE(point.has_value());
+  EXPECT_FALSE(point->pause.length_s.has_value());
+  EXPECT_TRUE(journal_.Holes().at(0).clock.starts_with("length not known: UTC of this machine was set back"));
+  EXPECT_TRUE(journal_.Events(9).at(1).text.starts_with(
+      "resumed after a pause of unknown length (UTC of this machine was set back"))
+      << journal_.Events(9).at(1).text;
+}
+
+TEST_F(CutCampaign, HasEveryBeatOfARealSecondOnTheDisk) {
+  CheckpointWriter writer(folder_.Checkpoint());
+  std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
+  for (int beat = 0; beat < 5; ++beat) {
+    EXPECT_TRUE(writer.Write({.step = beat}, {}, now)) << beat;
+    now += std::chrono::microseconds(999'900);  // the loop wakes up a little early
+  }
+  // At more than twice the pace of the world, not every one.
+  EXPECT_FALSE(writer.Write({}, {}, now - std::chrono::microseconds(600'000)));
 }
 
 TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
@@ -190,6 +260,25 @@ TEST_F(CutCampaign, ReadsTheCheckpointOfAnEarlierVersion) {
   EXPECT_FALSE(read->finished);
   EXPECT_EQ(read->credited_load_s, 60.0);
   EXPECT_EQ(read->encoder_offset_rad, 0.25);
+  EXPECT_EQ(read->machine_memory, std::vector<std::byte>(3, std::byte{9}));
+}
+
+// The fields up to version 3 in their places, without the clock of the boot.
+TEST_F(CutCampaign, ReadsACheckpointThatDoesNotSayOfWhichBootItIs) {
+  std::vector<std::byte> payload(80 + 3, std::byte{9});
+  const std::int32_t integers[4] = {3, 2, 3, 4};
+  const std::int64_t utc_ms = 80;
+  const std::int64_t finished_campaign_phase_event[4] = {1, 77, 5, 6};
+  std::memcpy(payload.data(), integers, 16);
+  std::memcpy(payload.data() + 32, &utc_ms, 8);
+  std::memcpy(payload.data() + 48, finished_campaign_phase_event, 32);
+  daq::CheckpointFile(folder_.Checkpoint()).Write(payload);
+  const auto read = ReadCheckpoint(folder_.Checkpoint());
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read->campaign, 77U);
+  EXPECT_EQ(read->journal_end.event, 6);
+  EXPECT_EQ(read->written.utc_ms, 80);
+  EXPECT_EQ(read->written.boot, 0U);
   EXPECT_EQ(read->machine_memory, std::vector<std::byte>(3, std::byte{9}));
 }
 

@@ -83,8 +83,8 @@ TEST(BadChannels, AreNamedWhileTheyLast) {
   Until([&] { return machine.Devices().sampler.Read().bad_channels == 0; });
   Puller puller(*machine.device_side(), folder.root.string());
   const std::atomic<StopRequest> request{StopRequest::kNone};
-  CampaignRunner runner(folder, inputs.schedule, inputs.bench, machine, journal, request, puller);
-  const CampaignEnd end = runner.Run(std::nullopt);
+  CampaignRunner runner(HeldFolder(folder), inputs.schedule, inputs.bench, machine, journal, request, puller);
+  const CampaignEnd end = runner.Run({});
   EXPECT_EQ(end.kind, CampaignEnd::Kind::kCompleted) << end.text;
 
   const std::vector<std::string> names{"accel_motor_z", "accel_x", "accel_y", "accel_z"};

@@ -122,8 +122,9 @@ class FieldCampaign : public testing::Test {
     const double before[] = {Dropped(devices, "encoders"), Dropped(devices, "accelerometers")};
     Saboteur saboteur(devices);
     const std::atomic<StopRequest> request{StopRequest::kNone};
-    CampaignRunner runner(folder, inputs_->schedule, inputs_->bench, machine, journal, request, saboteur);
-    end_ = runner.Run(std::nullopt);
+    CampaignRunner runner(HeldFolder(folder), inputs_->schedule, inputs_->bench, machine, journal, request,
+                          saboteur);
+    end_ = runner.Run({});
     dropped_[0] = Dropped(devices, "encoders") - before[0];
     dropped_[1] = Dropped(devices, "accelerometers") - before[1];
   }
@@ -226,8 +227,9 @@ TEST(FieldCampaignThatTrips, HasAPictureAndTheRawStreamsBesideItsBlackBox) {
     Until([&] { return machine.Devices().sampler.Read().bad_channels == 0; });
     Reboot reboot(*machine.device_side());
     const std::atomic<StopRequest> request{StopRequest::kNone};
-    CampaignRunner runner(folder, inputs.schedule, inputs.bench, machine, journal, request, reboot);
-    EXPECT_EQ(runner.Run(std::nullopt).kind, CampaignEnd::Kind::kFault);
+    CampaignRunner runner(HeldFolder(folder), inputs.schedule, inputs.bench, machine, journal, request,
+                          reboot);
+    EXPECT_EQ(runner.Run({}).kind, CampaignEnd::Kind::kFault);
   }
   int black_boxes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder.Faults())) {

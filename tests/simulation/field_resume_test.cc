@@ -86,8 +86,9 @@ class FieldResume : public testing::TestWithParam<FaultInPhase> {
     }
     saboteur.WorkOn(machine.device_side());
     const std::atomic<StopRequest> request{StopRequest::kNone};
-    CampaignRunner runner(folder, inputs.schedule, inputs.bench, machine, journal, request, saboteur);
-    const CampaignEnd end = runner.Run(from.checkpoint, from.pause_s);
+    CampaignRunner runner(HeldFolder(folder), inputs.schedule, inputs.bench, machine, journal, request,
+                          saboteur);
+    const CampaignEnd end = runner.Run(from);
     EXPECT_TRUE(machine.device_side()->StandsSafe());
     return end;
   }

@@ -86,8 +86,9 @@ class TransducerDrift : public testing::Test {
     SimulatedMachine machine(PlantModelOf(inputs.bench, 80.0), {}, {});
     Creeping creeping(machine.bench(), drift_Nm_per_s);
     const std::atomic<StopRequest> request{StopRequest::kNone};
-    CampaignRunner runner(folder_, inputs.schedule, inputs.bench, machine, journal, request, creeping);
-    const CampaignEnd end = runner.Run(from.checkpoint, from.pause_s);
+    CampaignRunner runner(HeldFolder(folder_), inputs.schedule, inputs.bench, machine, journal, request,
+                          creeping);
+    const CampaignEnd end = runner.Run(from);
     phases_ = journal.Phases(1);
     for (const char* const check : {"zero_check_Nm", "loaded_zero_Nm", "last_zero_Nm"}) {
       zeros_Nm_.push_back(creeping.Value(check));

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "bench/campaign/folder.h"
+#include "daq/file_descriptor.h"
+
+namespace strainwave::bench {
+
+/// A campaign's folder, held open with its `cycles/` and `unfinished/`, so that another one that comes in its
+/// place, or in theirs, is told from it.
+class HeldFolder {
+ public:
+  /// @throws std::system_error when one of the three cannot be opened.
+  explicit HeldFolder(const CampaignFolder& folder);
+
+  const CampaignFolder& folder() const { return folder_; }
+  /// The same folder by another path, which leads to it wherever it is moved while this object lives: for
+  /// whoever opens files by himself, whenever he likes.
+  CampaignFolder wherever() const;
+
+  /// Before anything is written by a path.
+  /// @throws CampaignError when a path no longer leads to what is held.
+  void DemandInPlace() const;
+
+ private:
+  CampaignFolder folder_;
+  std::vector<std::pair<std::filesystem::path, daq::FileDescriptor>> held_;  // the root first
+};
+
+}  // namespace strainwave::bench
