@@ -29,6 +29,7 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   for (const StopReason& followed : outcome.followed) {
     Note("info", phase, Code(followed.cause), "followed: " + Describe(followed));
   }
+  held_.DemandInPlace();
   const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());
   std::filesystem::create_directories(folder_.Faults());
   machine_.KeepBusLogs(std::filesystem::path(file).replace_extension());

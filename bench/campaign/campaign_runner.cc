@@ -335,8 +335,10 @@ void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, const Readings& last
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
-  const StopReason ended =
-      runner_.WaitUntilRecovered([&](const PhaseSnapshot&, const PhaseProgram&) { Show(phase, share_); });
+  const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot&, const PhaseProgram&) {
+    held_.DemandInPlace();
+    Show(phase, share_);
+  });
   WatchChannels(phase);
   if (!ended) {
     Note("info", phase, "resumed", "the suspend condition has passed; going on");

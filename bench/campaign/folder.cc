@@ -78,7 +78,12 @@ void CampaignLock::Open() {
 
 CampaignLock::~CampaignLock() {
   std::error_code gone;
-  if (!std::filesystem::exists(folder_.Journal(), gone)) {
+  struct stat held {};
+  struct stat named {};
+  // By its path the folder may be somebody else's by now.
+  const bool in_place = ::fstat(descriptor_, &held) == 0 && ::stat(folder_.Lock().c_str(), &named) == 0 &&
+                        held.st_dev == named.st_dev && held.st_ino == named.st_ino;
+  if (in_place && !std::filesystem::exists(folder_.Journal(), gone)) {
     std::filesystem::remove(folder_.Lock(), gone);
     if (made_folder_) std::filesystem::remove(folder_.root, gone);  // while it is empty
   }

@@ -225,6 +225,23 @@ TEST(BeginningOfACampaign, LeavesNothingWhereItFails) {
   std::filesystem::remove_all(top);
 }
 
+TEST(LockOfACampaign, LeavesAFolderAloneThatHasComeInItsPlace) {
+  const std::filesystem::path top =
+      std::filesystem::temp_directory_path() / ("strainwave_lock_test_" + std::to_string(::getpid()));
+  const CampaignFolder folder{top / "campaign"};
+  for (const bool has_lock : {false, true}) {
+    {
+      const CampaignLock lock(folder);
+      std::filesystem::rename(folder.root, top / "away");
+      std::filesystem::create_directory(folder.root);
+      if (has_lock) std::ofstream(folder.Lock()) << "of somebody else";
+    }
+    EXPECT_TRUE(std::filesystem::exists(folder.root));
+    EXPECT_EQ(std::filesystem::exists(folder.Lock()), has_lock);
+    std::filesystem::remove_all(top);
+  }
+}
+
 // What a start that was killed before it had its journal has left: above all times to stop of another bench.
 TEST(BeginningOfACampaign, TakesNothingFromAnEarlierOne) {
   const CampaignFolder folder{std::filesystem::temp_directory_path() /
