@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 namespace strainwave::analysis {
 namespace {
@@ -17,6 +18,10 @@ constexpr double kDeviationPerMedian = 1.482602218505602;
 double Median(std::vector<double> values) {
   if (values.empty()) {
     return 0.0;
+  }
+  // A NaN has no place in any order; to look for one runs out of the values.
+  if (std::ranges::any_of(values, [](double value) { return std::isnan(value); })) {
+    return std::numeric_limits<double>::quiet_NaN();
   }
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -67,6 +72,9 @@ std::vector<std::size_t> FindSpikes(std::span<const double> signal, const NoiseL
     steps[i] = std::abs(signal[i + 1] - signal[i]);
   }
   const double allowed = 8.0 * noise.standard_deviation + 4.0 * Median(std::move(steps)) + 2.0 * noise.step;
+  if (std::isnan(allowed)) {
+    return spikes;
+  }
   for (std::size_t i = 0; i < signal.size(); ++i) {
     const std::size_t first = std::min(i < 2 ? 0 : i - 2, signal.size() - 5);
     std::array<double, 5> window{};

@@ -31,7 +31,7 @@ std::vector<std::size_t> FindSpikes(std::span<const double> signal, const NoiseL
 /// Replaces the samples at `indices` (ascending) by the straight line between their good neighbours.
 void InterpolateOver(std::span<double> signal, std::span<const std::size_t> indices);
 
-/// Median; partially sorts its argument. 0 for an empty one.
+/// Median; partially sorts its argument. 0 for an empty one, NaN where a value is.
 double Median(std::vector<double> values);
 
 /// Standard deviation of a normal distribution with the same median of |x|: 1.4826 × median(|x|).

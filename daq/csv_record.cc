@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <set>
@@ -12,6 +13,7 @@
 
 #include "daq/csv_text.h"
 #include "daq/record_error.h"
+#include "daq/record_limits.h"
 #include "daq/record_rules.h"
 #include "daq/whole_file.h"
 
@@ -20,6 +22,8 @@ namespace {
 
 // A file with more bad cells than this is read no further: the message shows fewer anyway.
 constexpr std::size_t kMostBadCells = 100;
+// And whatever else is found in it.
+constexpr std::size_t kMostFindings = 1000;
 
 struct Place {
   int line{};
@@ -61,6 +65,13 @@ class CsvReader {
  private:
   void Add(Place place, std::string what, std::string expected) {
     findings_.push_back({place, std::move(what), std::move(expected)});
+    if (findings_.size() >= kMostFindings) ThrowIfAnyFound();
+  }
+
+  [[noreturn]] void Refuse(Place place, std::string what, std::string expected) {
+    findings_.push_back({place, std::move(what), std::move(expected)});
+    ThrowIfAnyFound();
+    std::abort();  // something was found
   }
 
   void ThrowIfAnyFound() {
@@ -79,7 +90,13 @@ class CsvReader {
 
   Line NextLine() {
     ++line_number_;
-    return TakeLine(rest_);
+    const Line line = TakeLine(rest_);
+    if (line.text.size() > kMostLine_bytes) {
+      Refuse({line_number_, static_cast<int>(kMostLine_bytes) + 1},
+             fmt::format("the line has {} bytes", line.text.size()),
+             fmt::format("lines of at most {}", kMostLine_bytes));
+    }
+    return line;
   }
 
   // Stops after the header line, which it leaves in `header_`.
@@ -127,6 +144,10 @@ class CsvReader {
           fmt::format("it once, as in line {}", earlier->second.line));
       return;
     }
+    if (metadata_places_.size() > kMostMetadata) {
+      Refuse({line_number_, 1}, fmt::format("there are more than {} lines of metadata", kMostMetadata),
+             "fewer, and values in columns");
+    }
     if (key == "kind") {
       record_.kind = value;
     } else {
@@ -145,7 +166,13 @@ class CsvReader {
   }
 
   void ReadHeader() {
-    for (Cell& cell : SplitCells(header_)) {
+    std::vector<Cell> cells = SplitCells(header_);
+    if (cells.size() > kMostColumns) {
+      Refuse({header_line_, cells[kMostColumns].column},
+             fmt::format("the header has {} columns", cells.size()),
+             fmt::format("at most {}: a record a part of the channels", kMostColumns));
+    }
+    for (Cell& cell : cells) {
       const Place place{header_line_, cell.column};
       if (cell.text.empty()) {
         Add(place, fmt::format("column {} has no name", columns_.size() + 1), "a name such as torque_Nm");
@@ -168,8 +195,10 @@ class CsvReader {
     record_.source.first_data_line = header_line_ + 1;
     rows_text_ = rest_;
     const auto lines = static_cast<std::size_t>(std::count(rest_.begin(), rest_.end(), '\n'));
+    // Each row has two bytes a cell at least, whatever the number of blank lines.
+    const std::size_t rows = std::min(lines + 1, rest_.size() / (2 * columns_.size()) + 1);
     for (CsvColumn& column : columns_) {
-      if (!column.is_direction) column.numbers.reserve(lines + 1);
+      if (!column.is_direction) column.numbers.reserve(rows);
     }
   }
 
@@ -192,6 +221,10 @@ class CsvReader {
         ReadRowWithCare(line);
       }
       ++row_;
+      if (row_ * columns_.size() > kMostValues) {
+        Refuse({line_number_, 1}, fmt::format("the record has more than {} values", kMostValues),
+               "fewer: a file a part of the time");
+      }
     }
     if (row_ == 0) Add({line_number_ + 1, 1}, "no rows follow the header", "at least one line of numbers");
   }

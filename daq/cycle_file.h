@@ -11,8 +11,8 @@
 /// HDF5 files of several records, such as the raw records of one cycle, `cycles/NNNNNN.h5` (`FORMAT.md`).
 namespace strainwave::daq {
 
-/// Whether what is read must keep the rules of `record_rules.h`, or is taken as it was stored (a sensor that
-/// died is part of the raw record).
+/// Whether what is read must keep the rules of `record_rules.h`, or their bounds alone (a sensor that died is
+/// part of the raw record).
 enum class Checking { kRules, kNone };
 
 /// Names and texts in order; a text that is a number in its shortest form is stored as a number.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daq/hdf5_attributes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,6 +10,7 @@
 #include "daq/hdf5_handle.h"
 #include "daq/hdf5_text.h"
 #include "daq/record.h"
+#include "daq/record_limits.h"
 
 namespace strainwave::daq {
 namespace {
@@ -28,11 +31,9 @@ H5_index_t AttributeIndex(hid_t object) {
   return IndexFor(flags);
 }
 
-std::string NameOf(hid_t attribute) {
-  const auto length = static_cast<std::size_t>(Check(H5Aget_name(attribute, 0, nullptr)));
-  std::string name(length, '\0');
-  Check(H5Aget_name(attribute, length + 1, name.data()));
-  return name;
+herr_t TakeName(hid_t, const char* name, const H5A_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->push_back(name);
+  return 0;
 }
 
 std::string TextOfNumber(const Hdf5Values& values, H5T_class_t type_class) {
@@ -60,6 +61,7 @@ std::optional<Hdf5Attribute> ReadAttribute(hid_t attribute, const std::string& n
   const Hdf5Handle space(H5Aget_space(attribute), H5Sclose);
   if (Check(H5Sget_simple_extent_npoints(space.get())) != 1) return std::nullopt;
   const Hdf5Handle type(H5Aget_type(attribute), H5Tclose);
+  if (H5Tget_size(type.get()) > kMostLine_bytes) return std::nullopt;
   const Hdf5Values values{type.get(), space.get(), 1, true, attribute};
   const H5T_class_t type_class = H5Tget_class(type.get());
   if (type_class == H5T_STRING) return Hdf5Attribute{name, ReadTexts(values).front()};
@@ -99,11 +101,15 @@ std::vector<Hdf5Attribute> ReadAttributes(hid_t object, std::vector<std::string>
   const H5_index_t index = AttributeIndex(object);
   H5O_info_t info{};
   Check(H5Oget_info2(object, &info, H5O_INFO_NUM_ATTRS));
+  if (info.num_attrs > kMostMetadata) {
+    throw Hdf5Error(fmt::format("an object has {} attributes (at most {})", info.num_attrs, kMostMetadata));
+  }
+  // Names first, in one walk: to open the n-th takes a walk each.
+  std::vector<std::string> names;
+  Check(H5Aiterate2(object, index, H5_ITER_INC, nullptr, TakeName, &names));
   std::vector<Hdf5Attribute> attributes;
-  for (hsize_t i = 0; i < info.num_attrs; ++i) {
-    const Hdf5Handle attribute(H5Aopen_by_idx(object, ".", index, H5_ITER_INC, i, H5P_DEFAULT, H5P_DEFAULT),
-                               H5Aclose);
-    const std::string name = NameOf(attribute.get());
+  for (const std::string& name : names) {
+    const Hdf5Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose);
     if (std::optional<Hdf5Attribute> read = ReadAttribute(attribute.get(), name)) {
       attributes.push_back(std::move(*read));
     } else {

@@ -11,7 +11,9 @@
 #include "daq/hdf5_attributes.h"
 #include "daq/hdf5_handle.h"
 #include "daq/hdf5_text.h"
+#include "daq/record_limits.h"
 #include "daq/record_rules.h"
+#include "daq/value_bounds.h"
 
 namespace strainwave::daq {
 namespace {
@@ -98,12 +100,38 @@ bool HoldsAllValues(hid_t dataset, hid_t space) {
       return present >= expected;
     }
     case H5D_CONTIGUOUS:
-      return H5Dget_storage_size(dataset) > 0;
+      return H5Dget_storage_size(dataset) > 0 && H5Pget_external_count(properties.get()) == 0;
     case H5D_COMPACT:
       return true;
     default:
       return false;  // virtual: the values are in other files
   }
+}
+
+// What is in the way of reading so many values: a few stored bytes that become very many, in a chunk or in
+// all.
+std::optional<ColumnTrouble> TooLarge(hid_t dataset, const std::string& name, std::size_t rows) {
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+  const std::size_t width = std::max(H5Tget_size(type.get()), sizeof(double));
+  if (rows > kMostValues || width > kMostLine_bytes) {
+    return ColumnTrouble{
+        std::nullopt, fmt::format("{} has {} values of {} bytes", name, rows, width),
+        fmt::format("at most {} of at most {}: a file a part of the time", kMostValues, kMostLine_bytes)};
+  }
+  std::size_t decoded_bytes = rows * width;
+  const Hdf5Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  if (H5Pget_layout(properties.get()) == H5D_CHUNKED) {
+    std::array<hsize_t, H5S_MAX_RANK> chunk{};
+    const int rank = Check(H5Pget_chunk(properties.get(), H5S_MAX_RANK, chunk.data()));
+    std::size_t chunk_bytes = width;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(rank); ++i) chunk_bytes *= chunk[i];
+    decoded_bytes = std::max(decoded_bytes, chunk_bytes);
+  }
+  const std::size_t stored_bytes = H5Dget_storage_size(dataset);
+  if (decoded_bytes <= kHarmless_bytes || decoded_bytes / kMostInflation <= stored_bytes) return std::nullopt;
+  return ColumnTrouble{std::nullopt,
+                       fmt::format("{} becomes {} bytes out of {}", name, decoded_bytes, stored_bytes),
+                       fmt::format("at most {} times as many, as measured values do", kMostInflation)};
 }
 
 // Rows of a dataset that is a column, of one dimension that counts; nothing otherwise.
@@ -224,6 +252,10 @@ ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType t
   if (!HoldsAllValues(dataset, space.get())) {
     result.troubles.push_back({std::nullopt, name + " has values missing that were never written",
                                "as many values stored as there are rows"});
+    return result;
+  }
+  if (std::optional<ColumnTrouble> trouble = TooLarge(dataset, name, *rows)) {
+    result.troubles.push_back(std::move(*trouble));
     return result;
   }
   const Hdf5Handle file_type(H5Dget_type(dataset), H5Tclose);

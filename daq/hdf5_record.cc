@@ -11,6 +11,7 @@
 #include "daq/hdf5_column.h"
 #include "daq/hdf5_handle.h"
 #include "daq/record_error.h"
+#include "daq/record_limits.h"
 #include "daq/record_rules.h"
 
 namespace strainwave::daq {
@@ -66,6 +67,11 @@ struct Child {
   H5I_type_t type;
 };
 
+herr_t TakeHardLink(hid_t, const char* name, const H5L_info_t* link, void* names) {
+  if (link->type == H5L_TYPE_HARD) static_cast<std::vector<std::string>*>(names)->push_back(name);
+  return 0;
+}
+
 // Groups and datasets that the group holds itself; soft and external links lead elsewhere.
 std::vector<Child> ChildrenOf(hid_t group) {
   const Hdf5Handle properties(H5Gget_create_plist(group), H5Pclose);
@@ -74,15 +80,14 @@ std::vector<Child> ChildrenOf(hid_t group) {
   const H5_index_t index = IndexFor(flags);
   H5G_info_t info{};
   Check(H5Gget_info(group, &info));
+  if (info.nlinks > kMostColumns) {
+    throw Hdf5Error(fmt::format("a group has {} members (at most {})", info.nlinks, kMostColumns));
+  }
+  // In one walk: to find the n-th takes a walk each.
+  std::vector<std::string> names;
+  Check(H5Literate(group, index, H5_ITER_INC, nullptr, TakeHardLink, &names));
   std::vector<Child> children;
-  for (hsize_t i = 0; i < info.nlinks; ++i) {
-    H5L_info_t link{};
-    Check(H5Lget_info_by_idx(group, ".", index, H5_ITER_INC, i, &link, H5P_DEFAULT));
-    if (link.type != H5L_TYPE_HARD) continue;
-    const auto length = static_cast<std::size_t>(
-        Check(H5Lget_name_by_idx(group, ".", index, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT)));
-    std::string name(length, '\0');
-    Check(H5Lget_name_by_idx(group, ".", index, H5_ITER_INC, i, name.data(), length + 1, H5P_DEFAULT));
+  for (std::string& name : names) {
     Hdf5Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
     const H5I_type_t type = H5Iget_type(object.get());
     if (type == H5I_GROUP || type == H5I_DATASET)
@@ -97,6 +102,11 @@ void ListGroupsBelow(hid_t group, const std::string& path, std::set<haddr_t>& vi
   Check(H5Oget_info2(group, &info, H5O_INFO_BASIC));
   // A hard link may lead back up.
   if (!visited.insert(info.addr).second) return;
+  if (visited.size() > kMostGroups)
+    throw Hdf5Error(fmt::format("there are more than {} groups", kMostGroups));
+  if (std::ranges::count(path, '/') > kDeepestGroup) {
+    throw Hdf5Error(fmt::format("groups are in one another more than {} deep", kDeepestGroup));
+  }
   if (Check(H5Aexists(group, kKindName.data())) > 0) found.push_back(path);
   for (const Child& child : ChildrenOf(group)) {
     if (child.type != H5I_GROUP) continue;
@@ -119,7 +129,7 @@ class GroupReader {
       if (child.type == H5I_DATASET) ReadDataset(child);
     }
     DropOddLengths();
-    if (checking_ == Checking::kRules) ApplyRules();
+    Report(checking_ == Checking::kRules ? CheckRecord(record_) : CheckBounds(record_));
     if (!findings_.empty()) throw RecordError(std::move(findings_));
     return std::move(record_);
   }
@@ -187,8 +197,8 @@ class GroupReader {
     });
   }
 
-  void ApplyRules() {
-    for (const RuleBreak& rule_break : CheckRecord(record_)) {
+  void Report(const std::vector<RuleBreak>& breaks) {
+    for (const RuleBreak& rule_break : breaks) {
       const RecordPart& part = rule_break.part;
       switch (part.level) {
         case RecordPart::Level::kRecord:

@@ -4,6 +4,7 @@
 #include "daq/csv_record.h"
 #include "daq/cycle_file.h"
 #include "daq/hdf5_handle.h"
+#include "daq/record_pipe.h"
 
 namespace strainwave::daq {
 namespace {
@@ -25,8 +26,11 @@ std::vector<Record> ReadRecords(const std::filesystem::path& path) {
     records.push_back(ReadCsvRecord(path));
     return records;
   }
-  for (NamedRecord& named : ReadCycleFile(path).records) records.push_back(std::move(named.record));
-  return records;
+  return ReadInOwnProcess(path, LimitsForFile(path), [&path] {
+    std::vector<Record> read;
+    for (NamedRecord& named : ReadCycleFile(path).records) read.push_back(std::move(named.record));
+    return read;
+  });
 }
 
 }  // namespace strainwave::daq

@@ -10,6 +10,8 @@
 #include <limits>
 #include <span>
 
+#include "daq/value_bounds.h"
+
 namespace strainwave::daq {
 namespace {
 
@@ -57,7 +59,7 @@ constexpr NumberRule kNumberRules[] = {
     {"vibration", "sample_rate_hz", Need::kPositive}, {"vibration", "input_speed_rpm", Need::kFinite},
     {"vibration", "k2_Nm_per_rad", Need::kFinite},    {"vibration", "k3_Nm_per_rad", Need::kFinite},
     {"vibration", "e_avg_arcmin", Need::kFinite},     {"vibration", "e_max_arcmin", Need::kFinite},
-    {"history", "sample_rate_hz", Need::kPositive},
+    {"vibration", "ratio", Need::kNotZero},           {"history", "sample_rate_hz", Need::kPositive},
 };
 
 const KindRule* FindRule(std::string_view kind) {
@@ -98,6 +100,9 @@ class Report {
   void Add(RecordPart part, std::string what, std::string expected) {
     breaks_.push_back({std::move(part), std::move(what), std::move(expected)});
   }
+  bool Tells(std::string_view key) const {
+    return std::ranges::any_of(breaks_, [key](const RuleBreak& found) { return found.part.name == key; });
+  }
 
  private:
   std::vector<RuleBreak>& breaks_;
@@ -105,19 +110,26 @@ class Report {
 
 using Level = RecordPart::Level;
 
+// What may not be zero is divided by: below this it would be as good as zero in any unit.
+constexpr double kLeastMagnitude = 1e-15;
+
 bool Satisfies(double value, Need need) {
   switch (need) {
     case Need::kFinite:
       return std::isfinite(value);
     case Need::kPositive:
-      return std::isfinite(value) && value > 0.0;
+      return std::isfinite(value) && value >= kLeastMagnitude;
     case Need::kNotZero:
-      return std::isfinite(value) && value != 0.0;
+      return std::isfinite(value) && std::abs(value) >= kLeastMagnitude;
   }
   return false;
 }
 
-std::string_view Describe(Need need) {
+// What `value` fails.
+std::string Describe(double value, Need need) {
+  if (value != 0.0 && std::abs(value) < kLeastMagnitude)
+    return fmt::format("a number of {:g} or more{}", kLeastMagnitude,
+                       need == Need::kNotZero ? " on either side of zero" : "");
   switch (need) {
     case Need::kFinite:
       return "a finite number";
@@ -127,6 +139,19 @@ std::string_view Describe(Need need) {
       return "a number other than zero";
   }
   return "";
+}
+
+// Of every key whose name ends in a unit, whatever the kind: any of them may be a label or a gain. What is no
+// number at all is another rule's matter.
+void CheckMetadataBounds(const Record& record, Report& report) {
+  for (const auto& [key, text] : record.metadata) {
+    const ValueBounds& bounds = BoundsOf(key);
+    const std::optional<double> value = NumberFromText(text);
+    const bool has_meaning = key == "ratio" || !bounds.unit.empty();
+    if (!has_meaning || !value || !std::isfinite(*value) || bounds.Hold(*value) || report.Tells(key))
+      continue;
+    report.Add({Level::kMetadata, key}, fmt::format("{} is {}", key, text), bounds.Text());
+  }
 }
 
 void CheckMetadata(const Record& record, Report& report) {
@@ -140,14 +165,15 @@ void CheckMetadata(const Record& record, Report& report) {
     numbers_good = false;
     report.Add({Level::kMetadata, std::string(rule.key)},
                value ? fmt::format("{} is {}", rule.key, *text) : fmt::format("{} is '{}'", rule.key, *text),
-               std::string(value ? Describe(rule.need) : "a number"));
+               value ? Describe(*value, rule.need) : "a number");
   }
+  CheckMetadataBounds(record, report);
   if (record.kind == "motion" && record.FindColumn("current_A") != nullptr) {
     for (const std::string& key : CurrentGainKeys(record)) {
       const std::optional<double> gain = NumberFromText(*record.Metadata(key));
       if (gain && Satisfies(*gain, Need::kNotZero)) continue;
       report.Add({Level::kMetadata, key}, fmt::format("{} is '{}'", key, *record.Metadata(key)),
-                 std::string(Describe(Need::kNotZero)));
+                 Describe(gain.value_or(0.0), Need::kNotZero));
     }
   }
   const std::optional<std::string> absolute = record.Metadata("absolute");
@@ -221,14 +247,40 @@ void CheckLengths(const Record& record, Report& report) {
   }
 }
 
+// What a cell without a value is.
+enum class Missing { kIsWrong, kIsNaN };
+
 template <typename Number>
-void CheckFinite(const std::string& name, std::span<const Number> values, Report& report) {
+void CheckNumbers(const std::string& name, std::span<const Number> values, Missing missing, Report& report) {
+  const ValueBounds& bounds = BoundsOf(name);
   std::size_t found = 0;
   for (std::size_t row = 0; row < values.size() && found < kMostBreaksPerColumn; ++row) {
-    if (std::isfinite(values[row])) continue;
+    const Number value = values[row];
+    if (bounds.Hold(static_cast<double>(value)) || (missing == Missing::kIsNaN && std::isnan(value)))
+      continue;
     ++found;
-    report.Add({Level::kCell, name, row}, fmt::format("{} is {}", name, values[row]), "a finite number");
+    report.Add({Level::kCell, name, row}, fmt::format("{} is {}", name, value),
+               std::isfinite(value) ? bounds.Text() : "a finite number");
   }
+}
+
+void CheckNumbers(const Column& column, Missing missing, Report& report) {
+  if (const auto* doubles = std::get_if<std::vector<double>>(&column.values)) {
+    CheckNumbers<double>(column.name, *doubles, missing, report);
+  } else if (const auto* floats = std::get_if<std::vector<float>>(&column.values)) {
+    CheckNumbers<float>(column.name, *floats, missing, report);
+  }
+}
+
+// Rates come from the mean step, periods from rates.
+void CheckTimeStep(std::span<const double> time_s, Report& report) {
+  constexpr double kLeastStep_s = 1e-9;  // of the fastest converters
+  const double steps = static_cast<double>(time_s.size()) - 1.0;
+  const double step_s = steps > 0.0 ? (time_s.back() - time_s.front()) / steps : 0.0;
+  if (!(step_s > 0.0 && step_s < kLeastStep_s)) return;
+  report.Add({Level::kCell, "time_s", time_s.size() - 1},
+             fmt::format("time_s goes on by {:g} s a row", step_s),
+             fmt::format("{:g} s or more", kLeastStep_s));
 }
 
 void CheckTime(std::span<const double> time_s, Report& report) {
@@ -258,12 +310,11 @@ void CheckValues(const Record& record, Report& report) {
       continue;
     }
     if (!known && !TakesFurtherChannels(record.kind)) continue;
-    if (const auto* doubles = std::get_if<std::vector<double>>(&column.values)) {
-      CheckFinite<double>(column.name, *doubles, report);
-      if (column.name == "time_s") CheckTime(*doubles, report);
-    } else if (const auto* floats = std::get_if<std::vector<float>>(&column.values)) {
-      CheckFinite<float>(column.name, *floats, report);
-    }
+    CheckNumbers(column, Missing::kIsWrong, report);
+    const auto* const time_s = std::get_if<std::vector<double>>(&column.values);
+    if (column.name != "time_s" || time_s == nullptr) continue;
+    CheckTime(*time_s, report);
+    CheckTimeStep(*time_s, report);
   }
 }
 
@@ -283,6 +334,14 @@ std::vector<RuleBreak> CheckRecord(const Record& record) {
   CheckRequiredColumns(record, *rule, report);
   CheckLengths(record, report);
   CheckValues(record, report);
+  return breaks;
+}
+
+std::vector<RuleBreak> CheckBounds(const Record& record) {
+  std::vector<RuleBreak> breaks;
+  Report report(breaks);
+  CheckMetadataBounds(record, report);
+  for (const Column& column : record.columns) CheckNumbers(column, Missing::kIsNaN, report);
   return breaks;
 }
 
@@ -326,27 +385,6 @@ std::optional<double> MetadataNumber(const Record& record, std::string_view key)
   if (key == "t2_Nm") return 25.0;
   if (key == "t3_Nm") return 34.0;
   return std::nullopt;
-}
-
-std::string UnitOf(std::string_view column) {
-  if (column == "direction") return {};
-  const auto take_last_word = [&column] {
-    const std::size_t underscore = column.rfind('_');
-    const std::string_view word = underscore == column.npos ? column : column.substr(underscore + 1);
-    column = underscore == column.npos ? std::string_view{} : column.substr(0, underscore);
-    return word;
-  };
-  std::string unit(take_last_word());
-  if (column.empty() || unit.empty()) return {};  // a name of one word has no unit in it
-  if (const char last = unit.back(); unit.size() > 1 && (last == '2' || last == '3')) {
-    unit.back() = '^';
-    unit += last;
-  }
-  if (column.ends_with("_per")) {
-    column.remove_suffix(4);
-    return fmt::format("{}/{}", take_last_word(), unit);
-  }
-  return unit;
 }
 
 }  // namespace strainwave::daq

@@ -29,10 +29,15 @@ struct RuleBreak {
 
 /// Every rule that `record` breaks; empty for a valid one. Rules: a known kind; the required columns; columns
 /// of equal length with at least one row; numbers and directions where they belong; finite values in every
-/// column that the kind knows, and in every channel of a vibration; `time_s` that never decreases; a ratio
-/// other than zero; 0 < t1 < t2 < t3; positive inertia, mass and sample rate; `absolute` true or false; one gain,
-/// not zero, for a current that stands in a torque's place. A column gives at most `kMostBreaksPerColumn`.
+/// column that the kind knows, and in every channel of a vibration, within the bounds of their unit
+/// (`value_bounds.h`), as the numbers of the metadata are; `time_s` that never decreases and goes on by at
+/// least a nanosecond a row, if it does; a ratio other than zero; 0 < t1 < t2 < t3; positive inertia, mass
+/// and sample rate; `absolute` true or false; one gain, not zero, for a current that stands in a torque's
+/// place. A column gives at most `kMostBreaksPerColumn`.
 std::vector<RuleBreak> CheckRecord(const Record& record);
+
+/// The bounds alone, of all columns and metadata; NaN, what a dead sensor gave, keeps them.
+std::vector<RuleBreak> CheckBounds(const Record& record);
 
 inline constexpr std::size_t kMostBreaksPerColumn = 20;
 
@@ -66,8 +71,5 @@ std::optional<double> CurrentGain(const Record& record);
 /// The number under `key`; without it the default of the contract (`ratio` 80, `t1_Nm` 7, `t2_Nm` 25,
 /// `t3_Nm` 34); else nothing.
 std::optional<double> MetadataNumber(const Record& record, std::string_view key);
-
-/// The unit that a column's name ends in, as a text for people: "Nm", "deg", "m/s^2"; empty for `direction`.
-std::string UnitOf(std::string_view column);
 
 }  // namespace strainwave::daq

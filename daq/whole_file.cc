@@ -13,6 +13,7 @@
 #include "daq/data_file_error.h"
 #include "daq/file_descriptor.h"
 #include "daq/record_error.h"
+#include "daq/record_limits.h"
 
 namespace strainwave::daq {
 namespace {
@@ -63,6 +64,11 @@ class PartialFile {
 }  // namespace
 
 std::string ReadWholeFile(const std::filesystem::path& path) {
+  const auto demand_size = [&path](std::uintmax_t bytes) {
+    if (bytes <= kMostText_bytes) return;
+    throw RecordError(path.string(), fmt::format("the file has more than {} bytes", kMostText_bytes),
+                      "a smaller one: a part of the time, or HDF5");
+  };
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.is_open()) ThrowUnreadable(path);
   struct stat status {};
@@ -71,6 +77,7 @@ std::string ReadWholeFile(const std::filesystem::path& path) {
   if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) {
     throw RecordError(path.string(), "is a device", "a record file");
   }
+  demand_size(static_cast<std::uintmax_t>(status.st_size));
   std::string text;
   if (status.st_size > 0) text.reserve(static_cast<std::size_t>(status.st_size) + 1);
   std::size_t filled = 0;
@@ -83,6 +90,7 @@ std::string ReadWholeFile(const std::filesystem::path& path) {
       ThrowUnreadable(path);
     }
     filled += static_cast<std::size_t>(got);
+    demand_size(filled);
     if (got == 0) break;
   }
   text.resize(filled);

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "analysis/features/sums.h"
@@ -89,6 +90,9 @@ Unknowns SolveByRows(std::span<const double> x) {
     stack.topRows<kUnknowns + 1>() =
         qr.matrixQR().topRows<kUnknowns + 1>().triangularView<Eigen::Upper>().toDenseMatrix();
   }
+  // Squares that overflow leave no number, on which the decomposition reads what it never computed.
+  if (!stack.topRows<kUnknowns>().allFinite())
+    return Unknowns::Constant(std::numeric_limits<double>::quiet_NaN());
   Eigen::JacobiSVD<Square> svd(stack.block<kUnknowns, kUnknowns>(0, 0),
                                Eigen::ComputeFullU | Eigen::ComputeFullV);
   svd.setThreshold(1e-15);

@@ -9,7 +9,7 @@
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/configuration/device_file.h"
-#include "daq/record_rules.h"
+#include "daq/value_bounds.h"
 #include "schedules/reader/yaml_map.h"
 
 namespace strainwave::bench {
@@ -70,10 +70,16 @@ bool IsCalibrated(const daq::Column& column) {
 }
 
 template <typename Number>
-void Scale(std::vector<Number>& values, const Calibration& before, const Calibration& after) {
+void Scale(std::vector<Number>& values, const daq::ValueBounds& bounds, const Calibration& before,
+           const Calibration& after) {
   for (Number& value : values) {
     if (!std::isfinite(value)) continue;
-    value = static_cast<Number>(after.Apply(RawOf(before, static_cast<double>(value))));
+    const double scaled = after.Apply(RawOf(before, static_cast<double>(value)));
+    if (!bounds.Hold(scaled)) {
+      throw std::invalid_argument(fmt::format("calibration {} makes {:g} of {:g} (expected {})", after.id,
+                                              scaled, static_cast<double>(value), bounds.Text()));
+    }
+    value = static_cast<Number>(scaled);
   }
 }
 
@@ -100,6 +106,11 @@ Calibration ReadSensor(YamlMap& map) {
     }
   }
   map.Finish();
+  try {
+    DemandPlausible(calibration);
+  } catch (const std::invalid_argument& error) {
+    if (!map.is_wrong("sensitivity")) map.AddError("sensitivity", error.what());
+  }
   return calibration;
 }
 
@@ -133,9 +144,11 @@ std::size_t Recalibrate(std::span<NamedRecord> records, std::span<const Calibrat
       });
       if (after == calibrations.end() || !IsCalibrated(column)) continue;
       const Calibration before = daq::acquisition::CalibrationFrom(column.calibration_terms);
-      if (auto* const wide = std::get_if<std::vector<double>>(&column.values)) Scale(*wide, before, *after);
+      const daq::ValueBounds& bounds = daq::BoundsOf(column.name);
+      if (auto* const wide = std::get_if<std::vector<double>>(&column.values))
+        Scale(*wide, bounds, before, *after);
       if (auto* const narrow = std::get_if<std::vector<float>>(&column.values))
-        Scale(*narrow, before, *after);
+        Scale(*narrow, bounds, before, *after);
       column.calibration = after->id;
       column.calibration_terms = AttributesOf(*after);
       ++columns;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/campaign/calibrations.h"
-#include "daq/record_rules.h"
+#include "daq/value_bounds.h"
 
 namespace strainwave::bench {
 namespace {

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/units.h"
+#include "daq/value_bounds.h"
 
 namespace strainwave::bench {
 namespace {
@@ -189,6 +190,10 @@ AcquisitionSource::Got AcquisitionSource::Take(VibrationChunk& chunk) {
 
 void AcquisitionSource::AddTurns(VibrationChunk& chunk) {
   if (!speed_channel_ && !stream_.input_speed_rad_per_s) return;
+  // Where the speed is none, the turns of this block are not known, and those of the next go on from here.
+  if (speed_channel_ &&
+      daq::FindImplausible(chunk.samples[*speed_channel_], daq::BoundsOf(channels_[*speed_channel_])))
+    return;
   const double turns_per_rad = 1.0 / (kTwoPi * stream_.ratio * description_.rate_hz);
   for (std::size_t i = 0; i < block_.header.samples; ++i) {
     chunk.output_turns.push_back(output_turns_);

@@ -8,10 +8,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "daq/value_bounds.h"
+
 namespace strainwave::bench {
 namespace {
 
 constexpr double kRateTolerance = 0.01;
+constexpr double kMostDecimation = 1e6;  // from the fastest converters down to a sample in a millisecond
 // So many equal samples in a row at the very top or bottom are a sensor at its end.
 constexpr int kClippedRun = 6;
 
@@ -37,6 +40,7 @@ std::vector<Window> WindowsOf(std::size_t rows, std::optional<double> samples_pe
       length.turns > 0 ? *samples_per_turn * length.turns : static_cast<double>(length.samples);
   // A step that is whole but for its rounding counts as whole.
   constexpr double kRounding = 1e-6;
+  if (!(step <= static_cast<double>(rows) + 1.0)) return {};
   const auto count = static_cast<std::size_t>(step + kRounding);
   std::vector<Window> windows;
   for (std::size_t k = 0;; ++k) {
@@ -75,7 +79,8 @@ std::string_view NameOf(SignalFaultKind kind) {
 int DecimationFactor(double rate_hz, const SignalSettings& settings) {
   const double ratio = rate_hz / settings.sample_rate_hz;
   const double factor = settings.decimates ? std::max(1.0, std::round(ratio)) : 1.0;
-  return std::abs(ratio / factor - 1.0) <= kRateTolerance ? static_cast<int>(factor) : 0;
+  const bool fits = factor <= kMostDecimation && std::abs(ratio / factor - 1.0) <= kRateTolerance;
+  return fits ? static_cast<int>(factor) : 0;
 }
 
 SignalFault RateFault(double rate_hz, const SignalSettings& settings) {
@@ -90,10 +95,12 @@ SignalFault MissingChannel(const std::string& channel, const SignalSettings& set
 }
 
 std::optional<SignalFault> SensorFault(const std::string& channel, std::span<const double> signal) {
-  const auto odd = std::ranges::find_if_not(signal, [](double value) { return std::isfinite(value); });
-  if (odd != signal.end()) {
-    return SignalFault{SignalFaultKind::kNotFinite, fmt::format("{} is {} at sample {} (expected a number)",
-                                                                channel, *odd, odd - signal.begin() + 1)};
+  const daq::ValueBounds& bounds = daq::BoundsOf(channel);
+  if (const auto odd = daq::FindImplausible(signal, bounds)) {
+    const double value = signal[*odd];
+    return SignalFault{SignalFaultKind::kNotFinite,
+                       fmt::format("{} is {} at sample {} (expected {})", channel, value, *odd + 1,
+                                   std::isfinite(value) ? bounds.Text() : "a number")};
   }
   const auto [low, high] = std::ranges::minmax(signal);
   if (low == high) {

@@ -42,7 +42,7 @@ enum class SignalFaultKind {
   kSampleRate = 1,
   kMissingChannel = 2,
   kTooShort = 3,
-  kNotFinite = 4,
+  kNotFinite = 4,  // or beyond what the quantity can be
   kDead = 5,
   kClipped = 6,
   kSwapped = 7,
@@ -65,7 +65,8 @@ int DecimationFactor(double rate_hz, const SignalSettings& settings);
 SignalFault RateFault(double rate_hz, const SignalSettings& settings);
 SignalFault MissingChannel(const std::string& channel, const SignalSettings& settings);
 
-/// What is wrong with the sensor behind a signal: a value that is no number, one value throughout (not
+/// What is wrong with the sensor behind a signal: a value that is no number or out of the bounds of its unit
+/// (`daq/value_bounds.h`), one value throughout (not
 /// connected), or so many samples at its highest or lowest value that it is at its end.
 std::optional<SignalFault> SensorFault(const std::string& channel, std::span<const double> signal);
 

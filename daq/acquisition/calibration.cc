@@ -14,6 +14,17 @@
 namespace strainwave::daq::acquisition {
 namespace {
 
+// From volts per 1e12 units to counts of 1e-6 of one; the zero and the coefficients likewise.
+constexpr double kLeastSensitivity = 1e-15;
+constexpr double kMostMagnitude = 1e15;
+constexpr std::size_t kMostCoefficients = 12;  // no sensor's curve has more
+
+void DemandMagnitude(const char* name, double value, double least) {
+  if (std::abs(value) >= least && std::abs(value) <= kMostMagnitude) return;
+  throw std::invalid_argument(fmt::format("{} = {} is not a number of a magnitude from {:g} to {:g}", name,
+                                          value, least, kMostMagnitude));
+}
+
 double NumberOf(const std::string& name, const std::string& text) {
   const std::optional<double> number = NumberFromText(text);
   if (!number || !std::isfinite(*number)) {
@@ -95,8 +106,19 @@ Calibration CalibrationFrom(std::span<const std::pair<std::string, std::string>>
     if (name == "calibration_due") calibration.due = DateFrom(text);
     if (IsTedsField(name)) calibration.teds.emplace_back(name, text);
   }
-  if (calibration.sensitivity == 0) throw std::invalid_argument("sensitivity = 0 scales nothing");
+  DemandPlausible(calibration);
   return calibration;
+}
+
+void DemandPlausible(const Calibration& calibration) {
+  if (calibration.sensitivity == 0) throw std::invalid_argument("sensitivity = 0 scales nothing");
+  DemandMagnitude("sensitivity", calibration.sensitivity, kLeastSensitivity);
+  DemandMagnitude("zero", calibration.zero, 0.0);
+  if (calibration.polynomial.size() > kMostCoefficients) {
+    throw std::invalid_argument(fmt::format("polynomial has {} coefficients, more than {}",
+                                            calibration.polynomial.size(), kMostCoefficients));
+  }
+  for (const double coefficient : calibration.polynomial) DemandMagnitude("polynomial", coefficient, 0.0);
 }
 
 CalibrationFinding JudgeCalibration(const Calibration& calibration, const std::string& channel,

@@ -39,6 +39,10 @@ Attributes AttributesOf(const Calibration& calibration);
 /// @throws std::invalid_argument naming the attribute, its text and the rule.
 Calibration CalibrationFrom(std::span<const std::pair<std::string, std::string>> attributes);
 
+/// Sensitivity, zero and polynomial of a size that sensors have, so that values stay numbers.
+/// @throws std::invalid_argument naming the term, its value and the rule.
+void DemandPlausible(const Calibration& calibration);
+
 /// "2026-11-22" as a date of the calendar. @throws std::invalid_argument for any other text.
 std::chrono::year_month_day DateFrom(const std::string& text);
 std::string TextOf(std::chrono::year_month_day date);

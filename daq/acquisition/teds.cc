@@ -172,6 +172,7 @@ Calibration CalibrationFromTeds(const BasicTeds& basic, const Attributes& fields
     throw std::invalid_argument(
         fmt::format("a sensitivity of {} raw per unit is none", calibration.sensitivity));
   }
+  DemandPlausible(calibration);
   if (calibration.date && period_days) {
     calibration.due = std::chrono::year_month_day(std::chrono::sys_days(*calibration.date) +
                                                   std::chrono::days(std::lround(*period_days)));

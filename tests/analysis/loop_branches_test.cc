@@ -115,5 +115,13 @@ TEST(FindSpikes, LeavesTheTipsOfATriangleAlone) {
   EXPECT_TRUE(FindSpikes(signal, EstimateNoise(signal)).empty());
 }
 
+// To look for one in an order ran out of the values, where there are enough of them.
+TEST(Median, OfValuesWithANaNIsNone) {
+  std::vector<double> values(1000, std::nan(""));
+  for (std::size_t i = 0; i < values.size(); i += 3) values[i] = static_cast<double>(i);
+  EXPECT_TRUE(std::isnan(Median(values)));
+  EXPECT_EQ(FindSpikes(values, {}), std::vector<std::size_t>{});
+}
+
 }  // namespace
 }  // namespace strainwave::analysis

@@ -350,5 +350,16 @@ TEST(SeriesFeatures, SayWhatIsWrongWithTheirArguments) {
   EXPECT_EQ(MessageOf([&] { features.Compute(with_nan, out); }), "out has 35 places (expected 245)");
 }
 
+// Squares and cubes that overflow: features without a value, and nothing read that was never computed.
+TEST(SeriesFeatures, OfValuesWhoseSquaresOverflowAreNoNumbers) {
+  for (const double huge : {1e155, 1e200, -1.7e308}) {
+    std::vector<double> x = Noise(500, 7);
+    x[10] = huge;
+    const Features features = FeaturesOf(x);
+    EXPECT_FALSE(std::isfinite(features.at("variance"))) << huge;
+    EXPECT_TRUE(std::isnan(features.at("ar_coefficient__coeff_3__k_10"))) << huge;
+  }
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::features

@@ -192,6 +192,10 @@ TEST_F(AnExportedFolder, FindsWhatIsWrongWithSignals) {
   auto odd = good;
   odd[1][17] = NAN;
   EXPECT_EQ(FaultOf(odd), "not_finite: accel_y_m_per_s2 is nan at sample 18 (expected a number)");
+  odd[1][17] = 1e200;
+  EXPECT_EQ(
+      FaultOf(odd),
+      "not_finite: accel_y_m_per_s2 is 1e+200 at sample 18 (expected a number from -1e+07 to 1e+07 m/s^2)");
   odd[1].assign(1000, 0.25);
   EXPECT_EQ(FaultOf(odd),
             "dead: accel_y_m_per_s2 is 0.25 throughout (expected a signal: is the sensor connected?)");

@@ -127,6 +127,27 @@ class Links(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual([result.get("error") for result in map(json.loads, done.stdout.splitlines())], [None, None])
 
+    def test_a_value_that_no_sensor_gives_makes_its_window_bad_and_the_monitor_goes_on(self):
+        samples = numpy.concatenate([self.samples] * 3)
+        samples[self.window + 17, 2] = 1e30
+        device = Device(samples, 3 * self.blocks)
+        monitor = self.start("--source", f"tcp://127.0.0.1:{device.port}")
+        self.assertEqual(monitor.wait(60), 0, monitor.said())
+        self.assertEqual([(result["status"], result.get("fault"), result.get("error")) for result in monitor.results()], [
+            ("good", None, None),
+            ("bad", "not_finite", "accel_z_m_per_s2 is 1.0000000150474662e+30 at sample 18 (expected a number from "
+                                  "-1e+07 to 1e+07 m/s^2)"),
+            ("good", None, None)])
+
+    def test_a_device_whose_calibration_cannot_be_is_refused(self):
+        for term, words in ((("sensitivity", "1e-200"), "sensitivity = 1e-200 is not a number of a magnitude from 1e-15"),
+                            (("polynomial", "0 1 1e300"), "polynomial = 1e+300 is not a number of a magnitude from 0")):
+            device = Device(self.samples, 1, calibration={"calibration": "C", **dict([term])})
+            monitor = self.start("--source", f"tcp://127.0.0.1:{device.port}")
+            self.assertEqual(monitor.wait(60), 3, monitor.said())
+            self.assertEqual(monitor.said(), f"error: 127.0.0.1:{device.port} sends no hello (hello: {words} to 1e+15): "
+                                             "Protocol error\n")
+
     def test_a_window_with_lost_samples_is_not_predicted(self):
         n = self.blocks
         lost, broken, cut = n + 20, 2 * n + 30, 3 * n + 10

@@ -2,6 +2,7 @@
 // What others write, we read, and the other way round: h5py, another face of HDF5 than the one under test.
 #include <gtest/gtest.h>
 
+#include <regex>
 #include <string>
 
 #include "daq/cycle_file.h"
@@ -176,6 +177,63 @@ TEST_F(H5pyTest, MayLinkAGroupBackToItsParent) {
   EXPECT_EQ(
       ReadRecords(Write(std::string(kLoop) + "g['up'] = f['/']; g['soft'] = h5py.SoftLink('/none')")).size(),
       1U);
+}
+
+// 80 MB of zeros in 80 kB: whoever writes so little has not measured so much.
+TEST_F(H5pyTest, RefusesAFewBytesThatBecomeVeryMany) {
+  const std::string message = ErrorOf(R"(
+g = f.create_group('v')
+g.attrs['kind'] = 'vibration'
+g.attrs['sample_rate_hz'] = 1000.0
+g.create_dataset('accel_x_m_per_s2', data=np.zeros(10**7), chunks=(10**5,), compression='gzip')
+f.close()
+)");
+  EXPECT_TRUE(std::regex_match(
+      message, std::regex("r\\.h5: error: group '/v', dataset 'accel_x_m_per_s2': accel_x_m_per_s2 becomes "
+                          "80000000 bytes out of [0-9]+ \\(expected at most 100 times as many, as measured "
+                          "values do\\)")))
+      << message;
+}
+
+TEST_F(H5pyTest, RefusesAnObjectOfTooManyAttributes) {
+  EXPECT_EQ(
+      ErrorOf(R"(
+f.close()
+f = h5py.File('r.h5', 'w', libver='latest')
+g = f.create_group('v')
+g.attrs['kind'] = 'vibration'
+for i in range(10000): g.attrs['k%d' % i] = i
+f.close()
+)"),
+      "r.h5: error: HDF5 cannot read the file: an object has 10001 attributes (at most 10000) (expected "
+      "the file as it was written)");
+}
+
+TEST_F(H5pyTest, RefusesGroupsThatAreTooManyOrTooDeep) {
+  EXPECT_EQ(ErrorOf("for i in range(10001): f.create_group('g%d' % i)\nf.close()"),
+            "r.h5: error: HDF5 cannot read the file: a group has 10001 members (at most 10000) (expected the "
+            "file as it was written)");
+  EXPECT_EQ(
+      ErrorOf("f.create_group('/'.join('g' * 40))\nf.close()"),
+      "r.h5: error: HDF5 cannot read the file: groups are in one another more than 32 deep (expected the "
+      "file as it was written)");
+}
+
+TEST_F(H5pyTest, RefusesValuesThatAreInAnotherFile) {
+  EXPECT_EQ(ErrorOf(std::string(kLoop) + R"(
+del g['torque_Nm']
+open('raw', 'wb').write(bytes(8 * len(g['time_s'])))
+g.create_dataset('torque_Nm', shape=g['time_s'].shape, dtype='f8', external=[('raw', 0, 8 * len(g['time_s']))])
+f.close()
+)"),
+            "r.h5: error: group '/x', dataset 'torque_Nm': torque_Nm has values missing that were never "
+            "written (expected as many values stored as there are rows)");
+}
+
+TEST_F(H5pyTest, RefusesWhatAQuantityCannotBe) {
+  EXPECT_EQ(ErrorOf(std::string(kLoop) + "g['torque_Nm'][1] = 1e200\nf.close()"),
+            "r.h5: error: group '/x', dataset 'torque_Nm', row 1: torque_Nm is 1e+200 (expected a number "
+            "from -1e+06 to 1e+06 Nm)");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "daq/record_error.h"
+#include "daq/value_bounds.h"
 #include "tests/daq/sample_records.h"
 
 namespace strainwave::daq {

@@ -10,7 +10,8 @@
 
 #include "daq/read_records.h"
 #include "daq/record_error.h"
-#include "daq/record_rules.h"
+#include "daq/record_pipe.h"
+#include "daq/value_bounds.h"
 
 namespace strainwave::daq::acquisition {
 namespace {
@@ -25,6 +26,20 @@ nanoseconds Now() { return std::chrono::steady_clock::now().time_since_epoch(); 
 
 nanoseconds TimeOf(double samples, double rate_hz) {
   return nanoseconds(std::llround(samples * 1e9 / rate_hz));
+}
+
+// A stream stays open while it is replayed: another process reads it to its end before this one opens it.
+// False for a file that is none; RecordError as that of `StreamFileReader`.
+bool IsReadableStream(const std::filesystem::path& path) {
+  const std::vector<Record> found = ReadInOwnProcess(path, LimitsForFile(path), [&path] {
+    std::vector<Record> streams;
+    if (!IsStreamFile(path)) return streams;
+    const StreamFileReader stream(path);
+    for (const BlockRow& block : stream.blocks()) stream.Words(block.row, block.samples);
+    streams.emplace_back().kind = "stream";
+    return streams;
+  });
+  return !found.empty();
 }
 
 double RateOf(const Record& record, const std::string& path) {
@@ -49,7 +64,7 @@ double RateOf(const Record& record, const std::string& path) {
 void ReplaySource::Start() {
   description_ = {};
   next_block_ = next_row_ = 0;
-  if (IsStreamFile(settings_.path)) {
+  if (IsReadableStream(settings_.path)) {
     stream_ = std::make_unique<StreamFileReader>(settings_.path);
     description_ = stream_->description();
   } else {

@@ -23,11 +23,12 @@ class Device(reference_sender.Stream):
     """The reference sender with a record, over and over, in place of its ramps. It stops before block `pause_at` until
     `go` is set."""
 
-    def __init__(self, samples, blocks, names=tuple(CHANNELS), pause_at=None, **faults):
+    def __init__(self, samples, blocks, names=tuple(CHANNELS), pause_at=None, calibration=None, **faults):
         options = dict(rate=RATE_HZ, samples=BLOCK, blocks=blocks, fast=True, channels=len(names), drop=set(), corrupt=set(),
                        garbage=set(), disconnect=set()) | faults
         super().__init__(types.SimpleNamespace(**options))
         self.samples, self.names, self.pause_at, self.go = samples, names, pause_at, threading.Event()
+        self.calibration = calibration or {}
         self.server = socket.create_server(("127.0.0.1", 0))
         self.port = self.server.getsockname()[1]
         reference_sender.hello, reference_sender.block = self.hello, self.block
@@ -35,7 +36,7 @@ class Device(reference_sender.Stream):
         self.thread.start()
 
     def hello(self, options):
-        channels = [{"name": name, "unit": "m/s^2"} for name in self.names]
+        channels = [{"name": name, "unit": "m/s^2", "calibration": self.calibration} for name in self.names]
         text = json.dumps({"name": "front end", "type": "float32", "rate_hz": options.rate, "channels": channels,
                            "most_samples_a_block": BLOCK})
         return reference_sender.message(reference_sender.HELLO, text.encode())

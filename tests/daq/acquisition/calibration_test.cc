@@ -51,6 +51,15 @@ TEST(Calibration, RefusesTextsThatSayNothing) {
   EXPECT_EQ(message("sensitivity", "nan"), "sensitivity = 'nan' is not a finite number");
   EXPECT_EQ(message("zero", "two"), "zero = 'two' is not a finite number");
   EXPECT_EQ(message("polynomial", "1 x 3"), "polynomial = 'x' is not a finite number");
+  EXPECT_EQ(message("sensitivity", "1e-200"),
+            "sensitivity = 1e-200 is not a number of a magnitude from 1e-15 to 1e+15");
+  EXPECT_EQ(message("sensitivity", "-1e16"),
+            "sensitivity = -1e+16 is not a number of a magnitude from 1e-15 to 1e+15");
+  EXPECT_EQ(message("zero", "1e300"), "zero = 1e+300 is not a number of a magnitude from 0 to 1e+15");
+  EXPECT_EQ(message("polynomial", "0 1 1e300"),
+            "polynomial = 1e+300 is not a number of a magnitude from 0 to 1e+15");
+  EXPECT_EQ(message("polynomial", "0 1 2 3 4 5 6 7 8 9 10 11 12"),
+            "polynomial has 13 coefficients, more than 12");
   for (const char* date :
        {"2026-02-30", "2026-1-02", "20261-02-3", "yesterday", "2026-11-02 ", "2026/11/02", ""}) {
     EXPECT_EQ(message("calibration_due", date),

@@ -188,6 +188,8 @@ TEST(TcpStreamDecoder, RefusesAHelloThatContradictsItself) {
   EXPECT_EQ(why(with(head + R"([{"name": "a"}, {"name": "a"}])")), "hello: two channels have the name 'a'");
   EXPECT_EQ(why(with(head + R"([{"name": "a/b"}])")), "hello: 'a/b' cannot name a channel");
   EXPECT_EQ(why(with(head + R"([7])")), "hello: a channel is not an object");
+  EXPECT_EQ(why(with(head + R"([{"name": "a", "calibration": {"sensitivity": "1e-200"}}])")),
+            "hello: sensitivity = 1e-200 is not a number of a magnitude from 1e-15 to 1e+15");
   EXPECT_EQ(why(with(head + R"([{"name": "a", "calibration": {"zero": "x"}}])")),
             "hello: zero = 'x' is not a finite number");
   EXPECT_EQ(why(with(head + R"([{"name": "a", "limits": {"noise": -1}}])")),
