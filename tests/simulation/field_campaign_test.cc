@@ -289,7 +289,8 @@ TEST_F(FieldCampaign, ScalesAnewWithALaterCalibration) {
 }
 
 TEST_F(FieldCampaign, StoresTheClocksOfTheSources) {
-  const auto records = ReadCycleRecords(Campaign(), 1);
+  const Journal journal = Journal::Open(Campaign().Journal(), Database::Mode::kReadOnly);
+  const auto records = ReadCycleRecords(Campaign(), journal, 1);
   const auto encoders = std::ranges::find(records, "load_run/source_encoders", &NamedRecord::group);
   ASSERT_NE(encoders, records.end());
   // The devices live by the clock of this machine.

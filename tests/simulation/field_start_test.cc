@@ -62,8 +62,9 @@ CampaignEnd Start(ModbusBench& bench, const std::string& stale_after, int number
   for (ModbusBench::Servo* const servo : {&bench.driving, &bench.load}) servo->model.TakeWritten();
   const std::atomic<StopRequest> request{StopRequest::kNone};
   Listener listener;
-  CampaignRunner runner(folder, inputs.schedule, inputs.bench, machine, journal, request, listener);
-  const CampaignEnd end = runner.Run(std::nullopt);
+  CampaignRunner runner(HeldFolder(folder), inputs.schedule, inputs.bench, machine, journal, request,
+                        listener);
+  const CampaignEnd end = runner.Run({});
   alarms = listener.alarms;
   return end;
 }
