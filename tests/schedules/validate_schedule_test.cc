@@ -94,7 +94,7 @@ TEST(ValidateSchedule, WantsEnoughSamplesForTheFirstSlope) {
 TEST(ValidateSchedule, WantsALoadRunsLogToFitIntoMemory) {
   // 24 h and a fifth and 61 s, 100 times a second, eleven numbers: 10 374 100 rows of 88 bytes.
   EXPECT_EQ(MessageOf(GoodWith("duration: 30 min", "duration: 24 h\n    log_rate: 100 Hz")),
-            "small.yaml:26:15: error: log_rate = 100 Hz over duration = 24 h is a log of 913 MB in memory "
+            "small.yaml:27:15: error: log_rate = 100 Hz over duration = 24 h is a log of 913 MB in memory "
             "(expected at most 256 MB: at most 28 Hz, or a shorter duration and more cycles)");
   EXPECT_EQ(MessageOf(GoodWith("duration: 30 min", "duration: 24 h\n    log_rate: 28 Hz")), "");
 }
