@@ -78,6 +78,7 @@ int Run(const std::string& file, double ratio, double period_ms) {
     settings.transmit_frames = 64;
     settings.clock_zero = -clock.FromKernel({});
     for (const ServoDescription* servo : {&bench.driving_servo, &bench.load_servo}) {
+      if (servo->drive.device != device.name) continue;
       settings.filters = FiltersOfNode(servo->drive.node);
       ends.push_back(std::make_unique<SocketCanBus>(settings));
       buses[device.name].push_back(ends.back().get());
@@ -106,9 +107,9 @@ int main(int argc, char** argv) {
   using strainwave::bench::ExitCode, strainwave::bench::ToStderr;
   strainwave::bench::PrepareOutput();
   CLI::App app(
-      "strainwave-devices plays the devices that a bench file names: two drives on CAN, Modbus servers, "
-      "streams of "
-      "samples, with the simulated bench behind them. Faults come on command, by standard input.\n"
+      "strainwave-devices plays the devices that a bench file names: two drives on CAN or Modbus, Modbus "
+      "servers, streams of samples, with the simulated bench behind them. Faults come on command, by "
+      "standard input.\n"
       "Example: strainwave-devices bench/examples/can.yaml\n"
       "Where the kernel has no CAN: a bench file with 'interface: in_process' needs no strainwave-devices.");
   std::string file;

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <sstream>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/units.h"
 #include "bench/devices/device_side/device_side_parts.h"
 
 namespace strainwave::bench {
@@ -61,17 +63,25 @@ const std::string& WordIn(const Words& words, std::size_t at, const char* what) 
 }  // namespace
 
 const char* DeviceSide::Commands() {
-  return R"(drive NODE heartbeat on|off         its sign of life
+  return R"(drive NODE|NAME sto on|off          on opens safe torque off; on Modbus the enable input
+drive NODE|NAME reboot              a dip of its supply
+drive NODE|NAME statusword WORD|off stuck at this word
+drive NODE|NAME torque-limit NM|off gives no more, and says nothing of it; at the servo's shaft
+drive NODE|NAME speed-limit RPM|off the same; in rpm
+drive NODE heartbeat on|off         its sign of life
 drive NODE silent on|off            as with the plug pulled
-drive NODE reboot                   a dip of its supply
 drive NODE emergency CODE           an EMCY message, as in 0x4310
-drive NODE sto on|off               safe torque off: on opens the input
 drive NODE position COUNTS          its counter is set to this once; nothing moves
-drive NODE statusword WORD|off      stuck at this word
 drive NODE short-pdo on|off         its PDOs are a byte shorter than mapped
 drive NODE abort INDEX SUB on|off   SDO access to an object is refused
 drive NODE bus-off on|off           its controller gives up
-modbus NAME silence|half|unit|transaction|ok
+drive NAME fault                    is in fault
+drive NAME count-stuck on|off       its watchdog register reads what it read before
+drive NAME brake-inverted on|off    its brake reads back as the opposite
+drive NAME actual-stuck on|off      its speed, torque and position read what they read before
+modbus NAME silence|unplugged|half|unit|transaction|ok
+                                    unplugged: hears nothing either
+modbus NAME reset                   of its TCP connections
 modbus NAME exception CODE
 modbus NAME delay MILLISECONDS
 modbus NAME drift REGISTER PER_SECOND
@@ -125,27 +135,45 @@ std::string DeviceSide::Do(const std::string& command) {
 }
 
 std::string DeviceSide::DoDrive(const Words& words) {
-  const std::int64_t number = NumberIn(words, 1, "a node number");
-  const auto found = std::ranges::find(drives_, number, [](const auto& drive) { return drive->node_id; });
+  const std::string& name = WordIn(words, 1, "a drive's node or name");
+  const auto found = std::ranges::find(drives_, name, [](const auto& drive) { return drive->name; });
   if (found == drives_.end())
-    throw std::invalid_argument(fmt::format("expected a drive's node, not {}", number));
+    throw std::invalid_argument(fmt::format("expected a drive's node or name, not {}", name));
   Drive& drive = **found;
-  auto& faults = drive.node.faults();
   const std::string& what = WordIn(words, 2, "what the drive is to do");
+  const auto limit = [&](const char* expected) {
+    const bool off = WordIn(words, 3, expected) == "off";
+    return off ? std::numeric_limits<double>::infinity() : RealIn(words, 3, expected);
+  };
+  if (what == "torque-limit") {
+    drive.servo.LimitTorque(limit("a torque in Nm or off"));
+    return "done";
+  }
+  if (what == "speed-limit") {
+    drive.servo.LimitSpeed(RadPerSFromRpm(limit("a speed in rpm or off")));
+    return "done";
+  }
+  return drive.canopen ? DoCanopenDrive(drive, words) : DoModbusDrive(drive, words);
+}
+
+std::string DeviceSide::DoCanopenDrive(Drive& drive, const Words& words) {
+  auto& node = drive.canopen->node;
+  auto& faults = node.faults();
+  const std::string& what = words[2];
   if (what == "heartbeat") {
     faults.heartbeat_stops = !OnOff(words, 3);
   } else if (what == "silent") {
     faults.silent = OnOff(words, 3);
   } else if (what == "reboot") {
-    drive.node.Reboot();
+    node.Reboot();
   } else if (what == "emergency") {
-    drive.node.RaiseEmergency(static_cast<std::uint16_t>(NumberIn(words, 3, "an error code")), {});
+    node.RaiseEmergency(static_cast<std::uint16_t>(NumberIn(words, 3, "an error code")), {});
   } else if (what == "sto") {
-    drive.physics.OpenSafeTorqueOff(OnOff(words, 3));
+    drive.canopen->physics.OpenSafeTorqueOff(OnOff(words, 3));
   } else if (what == "position") {
-    drive.node.CountFrom(CountsIn(words, 3));
+    node.CountFrom(CountsIn(words, 3));
   } else if (what == "bus-off") {
-    drive.node.SetBusOff(OnOff(words, 3));
+    node.SetBusOff(OnOff(words, 3));
   } else if (what == "statusword") {
     const bool off = WordIn(words, 3, "a word or off") == "off";
     faults.stuck_statusword =
@@ -156,11 +184,36 @@ std::string DeviceSide::DoDrive(const Words& words) {
     const protocols::canopen::ObjectAddress address{
         static_cast<std::uint16_t>(NumberIn(words, 3, "an index")),
         static_cast<std::uint8_t>(NumberIn(words, 4, "a sub-index"))};
-    drive.node.objects().Refuse(address,
-                                OnOff(words, 5) ? std::optional(SdoAbort::kHardwareError) : std::nullopt);
+    node.objects().Refuse(address, OnOff(words, 5) ? std::optional(SdoAbort::kHardwareError) : std::nullopt);
   } else {
-    throw std::invalid_argument(fmt::format("expected what a drive can do, not {}", what));
+    throw std::invalid_argument(fmt::format("expected what a drive on CAN can do, not {}", what));
   }
+  return "done";
+}
+
+std::string DeviceSide::DoModbusDrive(Drive& drive, const Words& words) {
+  ModbusServoModel::Faults faults = drive.modbus->faults();
+  const std::string& what = words[2];
+  if (what == "fault") {
+    drive.modbus->Fault();
+  } else if (what == "reboot") {
+    drive.modbus->Restart();
+    modbus_.at(drive.name)->ResetConnections();
+  } else if (what == "sto") {
+    faults.enable_input_open = OnOff(words, 3);
+  } else if (what == "statusword") {
+    const bool off = WordIn(words, 3, "a word or off") == "off";
+    faults.stuck_status = off ? std::nullopt : std::optional(RealIn(words, 3, "a word or off"));
+  } else if (what == "count-stuck") {
+    faults.count_stuck = OnOff(words, 3);
+  } else if (what == "brake-inverted") {
+    faults.brake_inverted = OnOff(words, 3);
+  } else if (what == "actual-stuck") {
+    faults.actual_stuck = OnOff(words, 3);
+  } else {
+    throw std::invalid_argument(fmt::format("expected what a drive on Modbus can do, not {}", what));
+  }
+  drive.modbus->set_faults(faults);
   return "done";
 }
 
@@ -171,12 +224,17 @@ std::string DeviceSide::DoModbus(const Words& words) {
     throw std::invalid_argument(fmt::format("expected a Modbus device, not {}", name));
   constexpr std::pair<std::string_view, FaultKind> kKinds[] = {{"ok", FaultKind::kNone},
                                                                {"silence", FaultKind::kSilence},
+                                                               {"unplugged", FaultKind::kUnplugged},
                                                                {"half", FaultKind::kHalf},
                                                                {"unit", FaultKind::kOtherUnit},
                                                                {"delay", FaultKind::kDelay},
                                                                {"exception", FaultKind::kException},
                                                                {"transaction", FaultKind::kOtherTransaction}};
   const std::string& what = WordIn(words, 2, "what the device is to do");
+  if (what == "reset") {
+    found->second->ResetConnections();
+    return "done";
+  }
   if (what == "drift") {
     const auto index = static_cast<std::size_t>(NumberIn(words, 3, "the position of a register"));
     found->second->Drift(index, RealIn(words, 4, "an amount a second"));

@@ -113,7 +113,7 @@ std::uint32_t Word(double value, const ChannelDescription& channel) {
 }  // namespace
 
 DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::PlantModel& model,
-                       const DeviceSideBuses& buses)
+                       DeviceSideBuses buses)
     : step_(static_cast<std::int64_t>(1e9 * bench.fast_control_period_s + 0.5)),
       bench_(model, SettingsOf(bench.simulation)),
       input_counts_(bench.input_encoder.sign),
@@ -124,6 +124,9 @@ DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::Pla
   for (const DeviceDescription& device : bench.devices) {
     switch (device.kind) {
       case Kind::kModbus:
+        // A drive is there already.
+        if (!modbus_.contains(device.name)) AddModbus(device);
+        break;
       case Kind::kTorqueAmplifier:
       case Kind::kTemperatureController:
         AddModbus(device);
@@ -146,21 +149,63 @@ DeviceSide::DeviceSide(const BenchDescription& bench, const analysis::model::Pla
 
 DeviceSide::~DeviceSide() = default;
 
+bool IsInProcess(const DeviceDescription& device) {
+  std::string_view address = device.address;
+  if (address.starts_with("tcp:") || address.starts_with("rtu:")) address.remove_prefix(4);
+  return address == kInProcess;
+}
+
 void DeviceSide::AddDrive(const BenchDescription& bench, const ServoDescription& servo, ServoDrive& simulated,
-                          double reducer_ratio, const DeviceSideBuses& buses) {
+                          double reducer_ratio, DeviceSideBuses& buses) {
   const DeviceDescription* const device = FindDevice(bench.devices, servo.drive.device);
-  if (device == nullptr || device->kind != Kind::kCanopen) {
+  if (device == nullptr || (device->kind != Kind::kCanopen && device->kind != Kind::kModbus)) {
     throw std::invalid_argument(
-        fmt::format("device {} drives a servo (must be of kind canopen here)", servo.drive.device));
+        fmt::format("device {} drives a servo (must be of kind canopen or modbus here)", servo.drive.device));
   }
-  const auto& ends = buses.at(servo.drive.device);
+  const bool is_modbus = device->kind == Kind::kModbus;
+  drives_.push_back(std::make_unique<Drive>(is_modbus ? device->name : std::to_string(servo.drive.node),
+                                            simulated, reducer_ratio));
+  Drive& drive = *drives_.back();
+  if (is_modbus) return AddModbusDrive(*device, drive);
+  std::vector<CanBus*>& ends = buses.at(device->name);
+  if (ends.empty()) throw std::invalid_argument(fmt::format("bus {} has too few ends", device->name));
   const protocols::canopen::EdsFile& eds = OwnDriveEds();
   ServoUnits units = UnitsOf(eds, 1);
   // The simulated servo speaks of the shaft behind its reducer.
   units.increments_per_turn *= reducer_ratio;
   units.rated_torque_Nm *= reducer_ratio;
-  drives_.push_back(
-      std::make_unique<Drive>(eds, servo.drive.node, simulated, units, *ends.at(drives_.size())));
+  drive.canopen =
+      std::make_unique<PlayedCanopenDrive>(eds, servo.drive.node, drive.servo, units, *ends.front());
+  ends.erase(ends.begin());
+}
+
+void DeviceSide::AddModbusDrive(const DeviceDescription& device, Drive& drive) {
+  const ModbusProfile profile = ReadModbusProfile(device.file);
+  if (!profile.servo) {
+    throw std::invalid_argument(
+        fmt::format("{} describes no servo drive (must, as it drives one)", device.file.string()));
+  }
+  drive.reducer_ratio = 1.0;
+  drive.modbus = std::make_unique<ModbusServoModel>(profile.map, *profile.servo);
+  ModbusServoModel* const model = drive.modbus.get();
+  Serve(device, profile.map,
+        {[this, model](std::size_t index) { return model->Read(index, clock_.Now()); },
+         [this, model](std::size_t index, double value) { return model->Write(index, value, clock_.Now()); },
+         [this, model] { model->Hear(clock_.Now()); }});
+}
+
+// A line is a pseudo terminal of its own.
+void DeviceSide::Serve(const DeviceDescription& device, const protocols::modbus::RegisterMap& map,
+                       ModbusDevice::Behaviour behaviour) {
+  auto& place = modbus_[device.name];
+  if (device.address.starts_with("rtu:")) {
+    place = std::make_unique<ModbusDevice>(map, device.unit, std::move(behaviour));
+    return;
+  }
+  // Within the program any free port will do.
+  const TcpAddress at = IsInProcess(device) ? TcpAddress{"127.0.0.1", 0} : ParseTcpAddress(device.address);
+  place = std::make_unique<ModbusDevice>(map, device.unit, std::move(behaviour),
+                                         ModbusDevice::Tcp{at.host, at.port});
 }
 
 void DeviceSide::AddModbus(const DeviceDescription& device) {
@@ -196,13 +241,7 @@ void DeviceSide::AddModbus(const DeviceDescription& device) {
     if (name == "shunt") shunted_ = value > 0.5;
     return true;
   };
-  if (device.address.starts_with("rtu:")) {
-    modbus_[device.name] = std::make_unique<ModbusDevice>(profile.map, device.unit, std::move(behaviour));
-    return;
-  }
-  const TcpAddress at = ParseTcpAddress(device.address);
-  modbus_[device.name] = std::make_unique<ModbusDevice>(profile.map, device.unit, std::move(behaviour),
-                                                        ModbusDevice::Tcp{at.host, at.port});
+  Serve(device, profile.map, std::move(behaviour));
 }
 
 void DeviceSide::AddStream(const BenchDescription& bench, const analysis::model::PlantParameters& plant,
@@ -252,14 +291,19 @@ void RunInRealTime(DeviceSide& devices, const BenchClock& clock, const std::atom
 
 void DeviceSide::Step(nanoseconds now) {
   const std::lock_guard lock(mutex_);
-  for (const auto& drive : drives_) drive->on_bus.TakeFrames(now);
+  for (const auto& drive : drives_) {
+    if (drive->canopen) drive->canopen->on_bus.TakeFrames(now);
+  }
   // A hold-up is caught up with, but not one of seconds: the shafts have stood meanwhile.
   constexpr nanoseconds kMostBehind = std::chrono::milliseconds(500);
   bench_now_ = std::max(bench_now_, now - kMostBehind);
   while (bench_now_ + step_ <= now) {
     bench_now_ += step_;
     // The drives' own ramps go with the shafts, step by step.
-    for (const auto& drive : drives_) drive->node.Poll(bench_now_);
+    for (const auto& drive : drives_) {
+      if (drive->canopen) drive->canopen->node.Poll(bench_now_);
+      if (drive->modbus) drive->modbus->Turn(drive->servo, drive->reducer_ratio, clock_.Now());
+    }
     bench_.sampler().ConnectShunt(shunted_);
     bench_.clock().SleepUntil(bench_.clock().Now() + step_);
     const Readings readings = bench_.sampler().Read();
@@ -270,7 +314,9 @@ void DeviceSide::Step(nanoseconds now) {
     for (const auto& stream : streams_) FillStream(*stream, readings);
     safe_since_ = IsSafe() ? safe_since_.value_or(bench_now_) : std::optional<nanoseconds>();
   }
-  for (const auto& drive : drives_) drive->on_bus.GiveFrames();
+  for (const auto& drive : drives_) {
+    if (drive->canopen) drive->canopen->on_bus.GiveFrames();
+  }
 }
 
 void DeviceSide::FillStream(Stream& stream, const Readings& readings) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/model/plant_model.h"
@@ -17,6 +18,7 @@
 #include "bench/controller/realtime_mutex.h"
 #include "bench/devices/device_side/modbus_device.h"
 #include "bench/devices/device_side/stream_server.h"
+#include "bench/devices/monotonic_clock.h"
 #include "bench/devices/simulated/simulated_bench.h"
 #include "bench/roles/bench_clock.h"
 #include "bench/roles/can_bus.h"
@@ -26,9 +28,16 @@ namespace strainwave::bench {
 /// The buses of the device side, by the name of the device in the bench file; one end each.
 using DeviceSideBuses = std::map<std::string, std::vector<CanBus*>>;
 
-/// The simulated bench as the separate devices that a bench file names: drives on CAN, Modbus servers,
-/// streams of samples, on the addresses that the bench would look for them at. Everything that the simulated
-/// bench gets wrong, they get wrong.
+/// A bench file's address of a CAN bus that is within this program; behind "tcp:" or "rtu:" that of a Modbus
+/// device.
+inline constexpr std::string_view kInProcess = "in_process";
+
+/// Whether that is a device's address: the device side then stands in for the whole bench.
+bool IsInProcess(const DeviceDescription& device);
+
+/// The simulated bench as the separate devices that a bench file names: drives on CAN or Modbus, Modbus
+/// servers, streams of samples, on the addresses that the bench would look for them at. Everything that the
+/// simulated bench gets wrong, they get wrong.
 ///
 /// A device of kind modbus has registers `gear_temperature` and `ambient_temperature`, both or one, and may
 /// switch the transducer's shunt with a register `shunt`; of a stream, the channels are those that the bench
@@ -39,8 +48,7 @@ class DeviceSide {
   /// @throws std::system_error for an address that cannot be had, BenchFileError for files that cannot be
   /// used,
   ///   std::invalid_argument for a device that this side cannot be.
-  DeviceSide(const BenchDescription& bench, const analysis::model::PlantModel& model,
-             const DeviceSideBuses& buses);
+  DeviceSide(const BenchDescription& bench, const analysis::model::PlantModel& model, DeviceSideBuses buses);
   DeviceSide(const DeviceSide&) = delete;
   DeviceSide& operator=(const DeviceSide&) = delete;
   ~DeviceSide();
@@ -69,17 +77,23 @@ class DeviceSide {
   struct Stream;
 
   void AddDrive(const BenchDescription& bench, const ServoDescription& servo, ServoDrive& simulated,
-                double reducer_ratio, const DeviceSideBuses& buses);
+                double reducer_ratio, DeviceSideBuses& buses);
+  void AddModbusDrive(const DeviceDescription& device, Drive& drive);
   void AddModbus(const DeviceDescription& device);
+  void Serve(const DeviceDescription& device, const protocols::modbus::RegisterMap& map,
+             ModbusDevice::Behaviour behaviour);
   void AddStream(const BenchDescription& bench, const analysis::model::PlantParameters& plant,
                  const DeviceDescription& device);
   void FillStream(Stream& stream, const Readings& readings);
   bool IsSafe();
   std::string DoDrive(const std::vector<std::string>& words);
+  std::string DoCanopenDrive(Drive& drive, const std::vector<std::string>& words);
+  std::string DoModbusDrive(Drive& drive, const std::vector<std::string>& words);
   std::string DoModbus(const std::vector<std::string>& words);
   std::string DoStream(const std::vector<std::string>& words);
 
   std::chrono::nanoseconds step_;
+  MonotonicClock clock_;  // of the drives on Modbus
   SimulatedBench bench_;
   std::chrono::nanoseconds bench_now_{};  // of the simulation, in whole steps
   std::vector<std::unique_ptr<Drive>> drives_;

@@ -33,6 +33,13 @@ constexpr std::uint8_t kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue 
 
 int WordAt(const std::uint8_t* bytes) { return bytes[0] << 8 | bytes[1]; }
 
+// Closed without a farewell.
+void Reset(int connection) {
+  constexpr linger kAtOnce{1, 0};
+  ::setsockopt(connection, SOL_SOCKET, SO_LINGER, &kAtOnce, sizeof(kAtOnce));
+  ::close(connection);
+}
+
 [[noreturn]] void Fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
@@ -126,6 +133,18 @@ ModbusDevice::~ModbusDevice() {
 void ModbusDevice::Set(const ModbusDeviceFault& fault) {
   const std::lock_guard lock(mutex_);
   fault_ = fault;
+}
+
+void ModbusDevice::ResetConnections() {
+  if (!tcp_) return;
+  reset_ = true;
+  wake_.Call();
+}
+
+// Of the next answer.
+ModbusDeviceFault ModbusDevice::Fault() {
+  const std::lock_guard lock(mutex_);
+  return fault_.answers != 0 ? fault_ : ModbusDeviceFault{};
 }
 
 void ModbusDevice::Drift(std::size_t index, double per_s) {
@@ -224,11 +243,10 @@ std::uint8_t ModbusDevice::Prepare(const std::uint8_t* pdu) {
 ModbusDevice::Bytes ModbusDevice::AnswerTo(const std::uint8_t* request, int length) {
   modbus_t* const modbus = context_->modbus.get();
   const std::uint8_t* const pdu = request + modbus_get_header_length(modbus);
-  std::uint8_t exception = pdu[-1] == unit_ ? Prepare(pdu) : kNoSuchUnit;
-  {
-    const std::lock_guard lock(mutex_);
-    if (fault_.kind == Kind::kException && fault_.answers != 0) exception = fault_.exception;
-  }
+  const ModbusDeviceFault fault = Fault();
+  const std::uint8_t exception = fault.kind == Kind::kException ? fault.exception
+                                 : pdu[-1] == unit_             ? Prepare(pdu)
+                                                                : kNoSuchUnit;
   modbus_set_socket(modbus, context_->pipe[1]);
   const int sent = exception != 0 ? modbus_reply_exception(modbus, request, exception)
                                   : modbus_reply(modbus, request, length, context_->mapping);
@@ -239,10 +257,9 @@ ModbusDevice::Bytes ModbusDevice::AnswerTo(const std::uint8_t* request, int leng
 }
 
 void ModbusDevice::Send(int descriptor, Bytes answer) {
-  ModbusDeviceFault fault;
+  const ModbusDeviceFault fault = Fault();
   {
     const std::lock_guard lock(mutex_);
-    if (fault_.answers != 0) fault = fault_;
     if (fault_.answers > 0) --fault_.answers;
   }
   const std::size_t unit_at = tcp_ ? 6 : 0;
@@ -251,6 +268,7 @@ void ModbusDevice::Send(int descriptor, Bytes answer) {
     case Kind::kException:
       break;
     case Kind::kSilence:
+    case Kind::kUnplugged:
       return;
     case Kind::kDelay:
       wake_.Wait(fault.delay);
@@ -276,6 +294,7 @@ bool ModbusDevice::ServeOne(int descriptor) {
   const int length = modbus_receive(context_->modbus.get(), request);
   if (length < 0) return false;
   if (length == 0) return true;  // to another unit of the line
+  if (Fault().kind == Kind::kUnplugged) return true;
   behaviour_.heard();
   Send(descriptor, AnswerTo(request, length));
   return true;
@@ -292,6 +311,12 @@ void ModbusDevice::ServeTcp() {
   std::vector<pollfd> sockets{{wake_.descriptor(), POLLIN, 0}, {context_->listener, POLLIN, 0}};
   while (!stop_) {
     if (::poll(sockets.data(), sockets.size(), -1) <= 0) continue;
+    if (reset_.exchange(false)) {
+      wake_.Take();
+      for (std::size_t i = 2; i < sockets.size(); ++i) Reset(sockets[i].fd);
+      sockets.resize(2);
+      continue;
+    }
     for (std::size_t i = sockets.size(); i-- > 2;) {
       if (sockets[i].revents == 0 || ServeOne(sockets[i].fd)) continue;
       ::close(sockets[i].fd);

@@ -23,7 +23,8 @@ struct ModbusDeviceFault {
   enum class Kind : std::uint8_t {
     kNone,
     kSilence,           // no answer
-    kException,         // refuses, with `exception`
+    kUnplugged,         // nothing is heard either
+    kException,         // refuses, with `exception`; nothing is done
     kDelay,             // answers after `delay`
     kHalf,              // half an answer
     kOtherUnit,         // as if it were the next unit
@@ -63,6 +64,8 @@ class ModbusDevice {
 
   /// From any thread.
   void Set(const ModbusDeviceFault& fault);
+  /// Over TCP; a line has none.
+  void ResetConnections();
   /// What the register at `index` reads grows by this much a second from now on; 0 ends it.
   void Drift(std::size_t index, double per_s);
 
@@ -79,6 +82,7 @@ class ModbusDevice {
   void ServeTcp();
   void ServeRtu();
   bool ServeOne(int descriptor);
+  ModbusDeviceFault Fault();
   std::uint8_t Prepare(const std::uint8_t* pdu);
   std::uint8_t Fill(protocols::modbus::Table table, int first, int count);
   std::uint8_t Take(protocols::modbus::Table table, int first, const std::vector<std::uint16_t>& words);
@@ -99,6 +103,7 @@ class ModbusDevice {
   ModbusDeviceFault fault_;
   std::map<std::size_t, Drifting> drifting_;
   std::atomic<bool> stop_{false};
+  std::atomic<bool> reset_{false};
   std::thread thread_;
 };
 

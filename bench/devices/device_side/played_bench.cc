@@ -12,14 +12,17 @@ PlayedBench::PlayedBench(const BenchDescription& bench, double ratio, const Benc
   // which heartbeats and the age of readings say how long it may be. A stop purges the queue.
   constexpr std::size_t kTransmitFrames = 1000;
   DeviceSideBuses ends;
+  bool is_played = false;
   for (const DeviceDescription& device : bench.devices) {
-    if (device.kind != DeviceDescription::Kind::kCanopen || device.address != kInProcess) continue;
+    if (!IsInProcess(device)) continue;
+    is_played = true;
+    if (device.kind != DeviceDescription::Kind::kCanopen) continue;
     auto& bus = buses_[device.name];
     bus = std::make_unique<InProcessCanBus>(InProcessCanSettings{
         .ends = 4, .transmit_frames = kTransmitFrames, .receive_frames = kOfTheListener});
     ends[device.name] = {&bus->end(1), &bus->end(2)};
   }
-  if (ends.empty()) return;
+  if (!is_played) return;
   devices_ = std::make_unique<DeviceSide>(bench, PlantModelOf(bench, ratio), ends);
   thread_ = std::thread([this, &clock] {
     (void)BecomeRealtime(RealtimeRank::kDeviceSide);

@@ -14,14 +14,11 @@
 
 namespace strainwave::bench {
 
-/// A bench file's address of a CAN bus that is within this program.
-inline constexpr std::string_view kInProcess = "in_process";
-
-/// The device side within this program, on a thread and in real time: where a bench file has a CAN bus that
-/// is `in_process`, it stands in for the whole bench.
+/// The device side within this program, on a thread and in real time: where a bench file has a device that is
+/// in process, it stands in for the whole bench.
 class PlayedBench {
  public:
-  /// Nothing is played where no bus is `in_process`.
+  /// Nothing is played where no device is in process.
   /// @param ratio  of the gear.
   /// @param clock  outlives the bench.
   /// @throws as DeviceSide.
