@@ -60,8 +60,13 @@ StopReason DriveWatch::Check(const DriveActual& actual, nanoseconds now,
     return reason(StopCause::kDriveNotReady, now - way_up_begin_, kLongestWayUp);
   }
   if (!enabled) return reason(StopCause::kDriveDroppedOut, {}, {});
-  if (brake_released_ && actual.brake_engaged) return reason(StopCause::kBrakeEngaged, {}, {});
-  return {};
+  if (!brake_released_ || !actual.brake_engaged) {
+    brake_seen_on_ = std::nullopt;
+    return {};
+  }
+  // A drive that drops out engages its brake, and may tell that first.
+  if (!brake_seen_on_) brake_seen_on_ = actual.time;
+  return actual.time > *brake_seen_on_ ? reason(StopCause::kBrakeEngaged, {}, {}) : StopReason{};
 }
 
 }  // namespace strainwave::bench

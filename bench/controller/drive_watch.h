@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 
 #include "bench/controller/stop_reason.h"
 #include "bench/roles/servo_drive.h"
@@ -41,7 +42,8 @@ class DriveWatch final : public ServoDrive {
   ServoDrive& drive_;
   BenchServo servo_;
   Asked asked_{Asked::kNothing};
-  bool brake_released_{};  // asked for
+  bool brake_released_{};                                  // asked for
+  std::optional<std::chrono::nanoseconds> brake_seen_on_;  // at the time of this answer, though released
   bool way_up_begun_{};
   std::chrono::nanoseconds way_up_begin_{};
   std::chrono::nanoseconds restarted_{};

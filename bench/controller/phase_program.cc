@@ -20,9 +20,9 @@ double DriveAhead_rad(const Readings& readings, const ServoDrive& driving) noexc
 bool BroughtUp(ServoDrive& drive) noexcept {
   const DriveActual actual = drive.Actual();
   if (actual.power != protocols::PowerState::kOperationEnabled) return false;
-  if (!actual.brake_engaged) return true;
+  // Also where it is told to be off already: one that tells its brake wrongly is found by what it tells then.
   drive.SetBrake(false);
-  return false;
+  return !actual.brake_engaged;
 }
 
 }  // namespace strainwave::bench

@@ -111,10 +111,15 @@ StopReason PhaseRunner::OnePeriod(PhaseProgram& program, double elapsed_s, doubl
   readings_ = devices_.sampler.Read();
   Remember(readings_);
   const InterlockInputs inputs = Inputs(program);
-  if (const StopReason broken = interlocks_.Check(readings_, inputs)) return broken;
+  const StopReason broken = interlocks_.Check(readings_, inputs);
+  // Some readings are a drive's: where they are missing because the drive is, that is the reason.
+  const bool may_be_drives =
+      broken.cause == StopCause::kStaleReadings || broken.cause == StopCause::kImplausibleReading;
+  if (broken && !may_be_drives) return broken;
   const nanoseconds stale_after = Nanoseconds(settings_.stale_after_s);
-  if (const StopReason broken = driving_.Check(inputs.driving, inputs.now, stale_after)) return broken;
-  if (const StopReason broken = load_.Check(inputs.load, inputs.now, stale_after)) return broken;
+  if (const StopReason gone = driving_.Check(inputs.driving, inputs.now, stale_after)) return gone;
+  if (const StopReason gone = load_.Check(inputs.load, inputs.now, stale_after)) return gone;
+  if (broken) return broken;
   if (const StopReason apart = shaft_.Check(readings_, inputs.driving)) return apart;
   if (request_.load(std::memory_order_relaxed) == StopRequest::kQuickStop ||
       abandoned_.load(std::memory_order_relaxed)) {

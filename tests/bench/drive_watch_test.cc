@@ -91,6 +91,7 @@ TEST_F(Watched, GivesADriveThatHasNeverSpokenTheSameTimeFromTheBeginningOfAPhase
 
 TEST_F(Watched, TripsWhenABrakeThatWasReleasedIsOn) {
   ComeUp();
+  EXPECT_FALSE(Says(PowerState::kOperationEnabled, true)) << "it may have dropped out, and tell that next";
   const StopReason reason = Says(PowerState::kOperationEnabled, true);
   EXPECT_EQ(Describe(reason),
             "the brake of the load servo is on though it was released: its relay, supply or feedback?");

@@ -32,7 +32,7 @@ TEST(DeviceCommands, SayWhatWasExpected) {
   EXPECT_EQ(answer("sensor drift 3 0.5x"), "expected an amount a second");
   EXPECT_EQ(answer("drive 1 heartbeat maybe"), "expected on or off");
   EXPECT_EQ(answer("drive 9 silent on"), "expected a drive's node or name, not 9");
-  EXPECT_EQ(answer("turn"), "expected drive, modbus, stream, sensor, gear or blank");
+  EXPECT_EQ(answer("turn"), "expected drive, modbus, stream, sensor, gear, blank or load");
   EXPECT_EQ(answer("drive 1 position -2147483648"), "done");
   EXPECT_EQ(answer("sensor drift 3 -0.5"), "done");
 }

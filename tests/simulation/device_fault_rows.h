@@ -3,6 +3,7 @@
 
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -33,6 +34,9 @@ inline constexpr double kStatePoll_s = 0.020;
 inline constexpr double kBrakePoll_s = 0.050;  // and of its watchdog register
 inline constexpr double kWritePeriod_s = 0.020;
 inline constexpr double kReconnect_s = 0.100;  // the first pause before it is connected to again
+inline constexpr double kWatchdog_s = 0.800;   // its own, which ends what no order reaches
+inline constexpr double kAnswer_s =
+    0.500;  // waited for, before the brake follows a stop that is not answered
 // One poll has just begun and tells nothing yet; the next does.
 inline constexpr double kState_s = 2.0 * kStatePoll_s;
 inline constexpr double kBrake_s = 2.0 * kBrakePoll_s;
@@ -41,9 +45,11 @@ inline constexpr double kConnectedAgain_s = kReconnect_s + 6.0 * kWritePeriod_s 
 // Four numbers are on their way, then it is stopped, and that is read.
 inline constexpr double kCount_s = 4.0 * kWritePeriod_s + kBrake_s + kState_s;
 
-// What is asked of a servo, and not given: borne as long, after a ramp.
+// What is asked of a servo, and not given: borne as long, without the ramps of two reversals of a load run
+// and the times to settle after them, in which nothing counts.
 inline constexpr double kDwell_s = 2.0;
-inline constexpr double kReversal_s = 1.0;  // both ramps of a load run's reversal, in which nothing counts
+inline constexpr double kReversal_s = 1.0;
+inline constexpr double kShortfall_s = kDwell_s + 2.0 * kReversal_s;
 
 /// When the bench can know of a fault at all.
 enum class Shows {
@@ -64,7 +70,7 @@ enum class TestedBench { kCan, kModbus, kModbusLoad };
 /// A fault that the device side is told to have, and what the bench should come to know of it.
 struct Fault {
   std::string name;
-  std::string command;  // {} in it: a quarter of the phase's speed, in rpm
+  std::string command;  // {} in it: a part of the phase's speed, in rpm
   StopCause cause;
   std::string words;       // among those that a technician reads
   std::string mend;        // the command that takes it away again, where the bench waits for that
@@ -72,7 +78,9 @@ struct Fault {
   Shows shows{Shows::kAlways};
   BenchServo servo{BenchServo::kDriving};
   TestedBench bench{TestedBench::kCan};
-  StopCause cause_while_off{StopCause::kNone};  // where it is another, noticed when no state is told
+  StopCause cause_while_off{StopCause::kNone};  // where it is another; noticed as a silent drive is
+  // The drive stops and brakes by itself before it is told; a limit that this breaks may come first.
+  bool breaks_limits{};
 };
 
 /// Named as the rows of the README's table are.
@@ -94,9 +102,9 @@ inline std::vector<Fault> FaultsOnCan() {
        Shows::kOnceUsed, load},
       {"drive's bus-off", "drive 1 bus-off on", drive, "node 1", "", kAtOnce_s},
       {"load servo gives 8 Nm", "drive 2 torque-limit 8", StopCause::kTorqueAway, "the load servo gives", "",
-       kDwell_s + kReversal_s, Shows::kOnceTorqueIsAsked, load},
-      {"driving servo gives a quarter of the speed", "drive 1 speed-limit {:.0f}", StopCause::kSpeedAway,
-       "driving servo", "", kDwell_s + kReversal_s, Shows::kOnceSpeedIsAsked, driving},
+       kShortfall_s, Shows::kOnceTorqueIsAsked, load},
+      {"driving servo gives a part of the speed", "drive 1 speed-limit {:.0f}", StopCause::kSpeedAway,
+       "driving servo", "", kShortfall_s, Shows::kOnceSpeedIsAsked, driving},
       {"encoder stream falls silent", "stream encoders silent on", StopCause::kStaleReadings,
        "no fresh readings", "", kReadings_s},
       {"3000 encoder samples are lost", "stream encoders drop 3000", StopCause::kStaleReadings,
@@ -149,22 +157,25 @@ inline std::vector<Fault> FaultsOnModbus(const ModbusDriveUnderTest& drive, bool
   const auto add = [&](const char* what, const char* command, StopCause cause, double noticed_after_s,
                        Shows shows = Shows::kAlways, StopCause while_off = StopCause::kNone) {
     const std::string name = fmt::format("{} ({}) {}", drive.servo_words.substr(4), drive.where, what);
+    const bool is_of_answers = std::string_view(command).starts_with("modbus");
     rows.push_back({name, fmt::format(fmt::runtime(command), drive.device), cause, drive.servo_words, "",
-                    noticed_after_s, shows, drive.servo, drive.bench, while_off});
+                    noticed_after_s, shows, drive.servo, drive.bench, while_off,
+                    is_of_answers || shows == Shows::kWhileUsed});
   };
   const StopCause silent = StopCause::kDriveSilent;
   const StopCause dropped_out = StopCause::kDriveDroppedOut;
-  add("answers nothing", "modbus {} silence", silent, kReadings_s);
+  add("answers nothing", "modbus {} silence", silent, kReadings_s + kAnswer_s);
   add("is unplugged", "modbus {} unplugged", silent, kReadings_s);
   add("answers late", "modbus {} delay 1500", silent, kReadings_s);
-  add("sends half answers", "modbus {} half", silent, kReadings_s);
-  add("answers as another unit", "modbus {} unit", silent, kReadings_s);
+  add("sends half answers", "modbus {} half", silent, kReadings_s + kAnswer_s);
+  add("answers as another unit", "modbus {} unit", silent, kReadings_s + kAnswer_s);
   add("restarts", "drive {} reboot", dropped_out, is_line ? kState_s : kConnectedAgain_s, Shows::kWhileUsed);
   if (is_line) return rows;
-  add("answers another question", "modbus {} transaction", silent, kReadings_s);
+  add("answers another question", "modbus {} transaction", silent, kReadings_s + kAnswer_s);
   add("resets the connection", "modbus {} reset", dropped_out, kConnectedAgain_s, Shows::kWhileUsed);
-  add("refuses", "modbus {} exception 4", silent, kReadings_s);
-  add("drops out of operation enabled", "drive {} sto on", dropped_out, kState_s, Shows::kOnceUsed);
+  add("refuses", "modbus {} exception 4", dropped_out, kWatchdog_s, Shows::kAlways, silent);
+  add("drops out of operation enabled", "drive {} sto on", dropped_out, kState_s, Shows::kOnceUsed,
+      StopCause::kDriveNotReady);
   add("reports a fault", "drive {} fault", StopCause::kDriveFault, kState_s);
   add("is in no known state", "drive {} statusword 15", dropped_out, kState_s, Shows::kAlways, silent);
   add("does not follow the watchdog register", "drive {} count-stuck on", dropped_out, kCount_s,
@@ -175,10 +186,10 @@ inline std::vector<Fault> FaultsOnModbus(const ModbusDriveUnderTest& drive, bool
     add("repeats its last speed and position", "drive {} actual-stuck on", StopCause::kInputAngleApart,
         kFound_s, Shows::kOnceTheInputTurns);
     rows.back().words = "input angle";
-    add("gives a quarter of the speed", "drive {} speed-limit {{:.0f}}", StopCause::kSpeedAway,
-        kDwell_s + kReversal_s, Shows::kOnceSpeedIsAsked);
+    add("gives a part of the speed", "drive {} speed-limit {{:.0f}}", StopCause::kSpeedAway, kShortfall_s,
+        Shows::kOnceSpeedIsAsked);
   } else {
-    add("gives 8 Nm", "drive {} torque-limit 8", StopCause::kTorqueAway, kDwell_s + kReversal_s,
+    add("gives 8 Nm", "drive {} torque-limit 8", StopCause::kTorqueAway, kShortfall_s,
         Shows::kOnceTorqueIsAsked);
   }
   return rows;

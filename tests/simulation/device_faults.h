@@ -24,7 +24,8 @@ struct TestedPhase {
   bool moves_to_positions;
   double asks_torque_after_s;  // of the load servo more than a shortfall leaves; below zero: never
   bool uses_load_servo;
-  int beat;  // the second in which the fault comes: by then the phase does what it is there for
+  int beat;            // the second in which the fault comes: by then the phase does what it is there for
+  int shortfall_beat;  // the same of a servo that gives less than it is asked for; 0: from the start
 
   bool uses_driving_servo() const { return input_speed_rpm > 0.0; }
   bool uses(BenchServo servo) const {
@@ -34,18 +35,20 @@ struct TestedPhase {
 
 // At each lock: the torque there and back both ways, and the drives brought up again.
 inline constexpr double kLocked_s = 6.0 * 34.0 / 20.0 + 4.0 * 0.5 + 3.0;
+// A drive that comes up, and two swings of the zero check.
+inline constexpr double kShakes_s = 3.0 + 2.0;
 
 // First those that campaigns of tests repeat in every cycle.
 inline constexpr TestedPhase kPhases[] = {
-    {"load_run", 2400.0, 0.0, false, 0.0, true, 3},
-    {"measurement_rotation", 2400.0, 0.0, false, 0.0, true, 3},
-    {"transmission_error", 300.0, 0.15, true, -1.0, true, 3},
-    {"hysteresis", 300.0, kLocked_s, true, kLocked_s, true, 3},
-    {"soak", 0.0, 0.0, false, -1.0, false, 3},
-    {"blank_test", 20.0, kLocked_s, true, kLocked_s, true, 3},
-    {"zero_check", 0.0, 0.0, false, -1.0, true, 3},
-    {"shunt_check", 0.0, 0.0, false, -1.0, false, 8},  // the shunt is on
-    {"reference_check", 0.0, 0.0, false, -1.0, false, 3},
+    {"load_run", 2400.0, 0.0, false, 0.0, true, 3, 3},
+    {"measurement_rotation", 2400.0, 0.0, false, 0.0, true, 3, 3},
+    {"transmission_error", 300.0, 0.15, true, -1.0, true, 3, 3},
+    {"hysteresis", 300.0, kLocked_s, true, kLocked_s, true, 3, 3},
+    {"soak", 0.0, 0.0, false, -1.0, false, 3, 3},
+    {"blank_test", 20.0, kLocked_s, true, kLocked_s, true, 3, 3},
+    {"zero_check", 0.0, 0.0, false, kShakes_s, true, 3, 0},
+    {"shunt_check", 0.0, 0.0, false, -1.0, false, 8, 8},  // the shunt is on
+    {"reference_check", 0.0, 0.0, false, -1.0, false, 3, 3},
 };
 inline constexpr std::size_t kPhasesOfEveryCycle = 4;
 
@@ -80,15 +83,24 @@ inline bool ShowsIn(const Fault& fault, const TestedPhase& phase) {
 
 /// What the phase, or the one after it, ends with.
 inline StopCause CauseIn(const Fault& fault, const TestedPhase& phase) {
+  if (fault.shows == Shows::kOnceSpeedIsAsked && phase.moves_to_positions) return StopCause::kPositionAway;
   if (phase.uses(fault.servo)) return fault.cause;
   if (fault.shows == Shows::kWhileUsed) return StopCause::kNone;
   return fault.cause_while_off == StopCause::kNone ? fault.cause : fault.cause_while_off;
 }
 
-/// With the set point that a shortfall is a share of: a quarter of the phase's speed.
+/// With the speed that is left of the phase's own: a quarter, and between positions, where a drive has time
+/// to come after, a twentieth.
 inline std::string CommandIn(const Fault& fault, const TestedPhase& phase) {
   const double speed_rpm = phase.uses_driving_servo() ? phase.input_speed_rpm : kPhases[0].input_speed_rpm;
-  return fmt::format(fmt::runtime(fault.command), 0.25 * speed_rpm);
+  return fmt::format(fmt::runtime(fault.command), (phase.moves_to_positions ? 0.05 : 0.25) * speed_rpm);
+}
+
+/// The second of the phase in which the fault comes.
+inline int BeatIn(const Fault& fault, const TestedPhase& phase) {
+  const bool is_shortfall =
+      fault.shows == Shows::kOnceSpeedIsAsked || fault.shows == Shows::kOnceTorqueIsAsked;
+  return is_shortfall ? phase.shortfall_beat : phase.beat;
 }
 
 /// Seconds from the fault until the bench has noticed and both shafts are safe. What is noticed waits for the
@@ -98,7 +110,9 @@ inline std::string CommandIn(const Fault& fault, const TestedPhase& phase) {
 inline double StatedTime_s(const Fault& fault, const TestedPhase& phase) {
   const bool is_while_off = fault.cause_while_off != StopCause::kNone && !phase.uses(fault.servo);
   const double noticed_after_s = is_while_off ? kReadings_s : fault.noticed_after_s;
-  const double stands_s = fault.shows == Shows::kOnceTheInputTurns   ? phase.input_stands_s
+  const bool waits_for_motion =
+      fault.shows == Shows::kOnceTheInputTurns || fault.shows == Shows::kOnceSpeedIsAsked;
+  const double stands_s = waits_for_motion                           ? phase.input_stands_s
                           : fault.shows == Shows::kOnceTorqueIsAsked ? phase.asks_torque_after_s
                                                                      : 0.0;
   const double way_s = fault.bench == TestedBench::kCan ? 2.0 * kSyncPeriod_s : kWritePeriod_s;

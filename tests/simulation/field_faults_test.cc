@@ -42,6 +42,7 @@ std::vector<schedules::PhaseParameters> Phases() {
   rotation.vibration_rate_hz = 12800.0;
   schedules::HysteresisTest hysteresis = TestHysteresis();
   hysteresis.torque_rate_Nm_per_s = 20.0;
+  hysteresis.lock_angles_rad = {0.0, kPi};  // so far that a slow servo is not nearly there
   schedules::Soak soak;
   soak.at_most_s = kLongEnough_s;
   schedules::BlankTest blank;
@@ -65,6 +66,12 @@ bool IsInEveryRun(FaultInPhase pair) {
   return pair.phase == 0 || pair.fault == (pair.phase * 5) % FaultsOnCan().size();
 }
 
+// Of torque, angle and speed at the shafts; a torque beyond the end of its converter has no value.
+bool IsLimit(StopCause cause) {
+  return cause == StopCause::kOutputTorqueLimit || cause == StopCause::kInputSpeedLimit ||
+         cause == StopCause::kTwistLimit || cause == StopCause::kImplausibleReading;
+}
+
 struct Observed {
   StopReason reason;
   bool in_next_phase{};   // the phase came to its end
@@ -82,7 +89,7 @@ RunnerSettings SettingsOf(const BenchDescription& bench) {
 }
 
 void WaitForReadings(FieldMachine& machine) {
-  while (machine.Devices().sampler.Read().bad_channels != 0) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_EQ(machine.AwaitValues([] { return false; }), "");
 }
 
 // A line for fault_matrix_table.py.
@@ -108,20 +115,22 @@ class FieldFaults : public testing::TestWithParam<FaultInPhase> {
     std::atomic<bool> over{};
     std::thread watch([&] {
       while (!over) {
-        if (injected_ns >= 0 && safe_ns < 0 && machine.device_side()->StandsSafe()) {
-          safe_ns = devices.clock.Now().count();
-        }
+        const bool is_safe = machine.device_side()->StandsSafe();
+        if (injected_ns < 0 || !is_safe) safe_ns = -1;
+        if (injected_ns >= 0 && is_safe && safe_ns < 0) safe_ns = devices.clock.Now().count();
         std::this_thread::sleep_for(milliseconds(1));
       }
     });
     int beats = 0;
-    const HeartbeatFunction inject = [&](const PhaseSnapshot&, const PhaseProgram&) {
-      if (++beats != kPhases[phase].beat) return;
+    const auto inject = [&] {
+      if (beats++ != BeatIn(fault, kPhases[phase])) return;
       machine.device_side()->Do(CommandIn(fault, kPhases[phase]));
       injected_ns = devices.clock.Now().count();
     };
+    inject();
     Observed observed;
-    observed.reason = runner.Run(*program, inject).reason;
+    observed.reason =
+        runner.Run(*program, [&](const PhaseSnapshot&, const PhaseProgram&) { inject(); }).reason;
     if (!observed.reason) {
       observed.in_next_phase = true;
       const auto next = MakeProgram(TestLoadRun(10.0), TestSpecimen(), 0.0, bench.control_period_s);
@@ -146,9 +155,11 @@ class FieldFaults : public testing::TestWithParam<FaultInPhase> {
     const std::string reason = Describe(observed.reason);
     const std::string where =
         fmt::format("{} during {}: {}\n{}", fault.name, phase.name, reason, observed.troubles);
-    EXPECT_EQ(observed.reason.cause, CauseIn(fault, phase)) << where;
+    const bool breaks_limit = fault.breaks_limits && ShowsIn(fault, phase) && IsLimit(observed.reason.cause);
+    EXPECT_TRUE(breaks_limit || observed.reason.cause == CauseIn(fault, phase)) << where;
     if (CauseIn(fault, phase) == StopCause::kNone) return PrintCell(GetParam(), fault.name, "– | –", "");
-    EXPECT_NE(where.find(fault.words, where.find(':')), std::string::npos) << where;
+    const bool says_so = where.find(fault.words, where.find(':')) != std::string::npos;
+    EXPECT_TRUE(breaks_limit || says_so) << where;
     EXPECT_EQ(observed.in_next_phase, !ShowsIn(fault, phase)) << where;
     std::string times = "– | –";
     if (ShowsIn(fault, phase)) {
@@ -179,7 +190,8 @@ TEST(StatedTimes, AreThoseOfTheFiles) {
   }
   const auto modbus = ReadModbusProfile(source / "tests/simulation/field/modbus_drive.yaml");
   EXPECT_EQ(s(modbus.servo->period), kWritePeriod_s);
-  EXPECT_LT(s(modbus.servo->watchdog_time), kReadings_s);
+  EXPECT_EQ(s(modbus.servo->watchdog_time), kWatchdog_s);
+  EXPECT_EQ(s(ModbusSettings().answer_time), kAnswer_s);
   EXPECT_EQ(s(ModbusSettings().first_pause), kReconnect_s);
   for (const auto& [name, poll_s] : {std::pair{"status", kStatePoll_s},
                                      {"actual_speed", kStatePoll_s},

@@ -92,7 +92,8 @@ sensor drift CHANNEL PER_SECOND     in rad, rad/s, Nm or K
                                     input_angle 0, output_angle 1, input_speed 2, output_torque 3, motor_torque 4,
                                     gear_temperature 5, ambient_temperature 6, vibration 7
 gear temperature DEGREES            is set to this once
-blank on|off                        the rigid blank in the gear's place)";
+blank on|off                        the rigid blank in the gear's place
+load served                         for how long the shafts turned under the load that was asked for)";
 }
 
 std::string DeviceSide::Do(const std::string& command) {
@@ -100,13 +101,16 @@ std::string DeviceSide::Do(const std::string& command) {
   Words words;
   for (std::string word; stream >> word;) words.push_back(word);
   const std::lock_guard lock(mutex_);
-  const std::string& first = WordIn(words, 0, "drive, modbus, stream, sensor, gear or blank");
+  const std::string& first = WordIn(words, 0, "drive, modbus, stream, sensor, gear, blank or load");
   if (first == "drive") return DoDrive(words);
   if (first == "modbus") return DoModbus(words);
   if (first == "stream") return DoStream(words);
   if (first == "blank") {
     bench_.MountBlank(OnOff(words, 1));
     return "done";
+  }
+  if (first == "load" && WordIn(words, 1, "served") == "served") {
+    return fmt::format("served {:.3f} s under load", served_.served_s());
   }
   if (first == "gear" && WordIn(words, 1, "temperature") == "temperature") {
     Injection heated = injected_;
@@ -131,7 +135,7 @@ std::string DeviceSide::Do(const std::string& command) {
     bench_.Inject(injected_);
     return "done";
   }
-  throw std::invalid_argument("expected drive, modbus, stream, sensor, gear or blank");
+  throw std::invalid_argument("expected drive, modbus, stream, sensor, gear, blank or load");
 }
 
 std::string DeviceSide::DoDrive(const Words& words) {

@@ -185,7 +185,7 @@ void DeviceSide::AddModbusDrive(const DeviceDescription& device, Drive& drive) {
     throw std::invalid_argument(
         fmt::format("{} describes no servo drive (must, as it drives one)", device.file.string()));
   }
-  drive.reducer_ratio = 1.0;
+  if (profile.servo->shaft == ModbusServoProfile::Shaft::kOutput) drive.reducer_ratio = 1.0;
   drive.modbus = std::make_unique<ModbusServoModel>(profile.map, *profile.servo);
   ModbusServoModel* const model = drive.modbus.get();
   Serve(device, profile.map,
@@ -306,6 +306,7 @@ void DeviceSide::Step(nanoseconds now) {
     }
     bench_.sampler().ConnectShunt(shunted_);
     bench_.clock().SleepUntil(bench_.clock().Now() + step_);
+    served_.Step(drives_[0]->servo, drives_[1]->servo, std::chrono::duration<double>(step_).count());
     const Readings readings = bench_.sampler().Read();
     gear_temperature_degC_ = readings.gear_temperature_degC;
     ambient_temperature_degC_ = readings.ambient_temperature_degC;

@@ -17,6 +17,7 @@
 #include "bench/configuration/bench_description.h"
 #include "bench/controller/realtime_mutex.h"
 #include "bench/devices/device_side/modbus_device.h"
+#include "bench/devices/device_side/served_load.h"
 #include "bench/devices/device_side/stream_server.h"
 #include "bench/devices/monotonic_clock.h"
 #include "bench/devices/simulated/simulated_bench.h"
@@ -108,6 +109,7 @@ class DeviceSide {
   std::atomic<bool> heats_{};
   std::atomic<bool> shunted_{};
   Injection injected_;  // into the sensors; what the simulation does not carry out, the streams do
+  ServedLoad served_;
   VibrationBlock vibration_;
   bool vibrates_{};
   std::optional<std::chrono::nanoseconds> safe_since_;

@@ -27,6 +27,7 @@ class LimitedServo final : public ServoDrive {
   void Enable(DriveMode mode) noexcept override {
     position_rad_ = servo_.Actual().position_rad;
     position_time_ = servo_.Actual().time;
+    set_point_ = mode == DriveMode::kPosition ? position_rad_ : 0.0;
     servo_.Enable(mode);
   }
   void Disable() noexcept override { servo_.Disable(); }
@@ -34,13 +35,16 @@ class LimitedServo final : public ServoDrive {
   void ResetFault() noexcept override { servo_.ResetFault(); }
   void SetBrake(bool engaged) noexcept override { servo_.SetBrake(engaged); }
   void CommandSpeed(double speed_rad_per_s) noexcept override {
+    set_point_ = speed_rad_per_s;
     servo_.CommandSpeed(std::clamp(speed_rad_per_s, -most_rad_per_s_, most_rad_per_s_));
   }
   void CommandTorque(double torque_Nm) noexcept override {
+    set_point_ = torque_Nm;
     servo_.CommandTorque(std::clamp(torque_Nm, -most_Nm_, most_Nm_));
   }
   // Moves there no faster than the limit.
   void CommandPosition(double position_rad) noexcept override {
+    set_point_ = position_rad;
     const std::chrono::nanoseconds now = servo_.Actual().time;
     const double most_rad =
         most_rad_per_s_ * std::chrono::duration<double>(std::max(now - position_time_, kLeastStep)).count();
@@ -50,12 +54,16 @@ class LimitedServo final : public ServoDrive {
   }
   DriveActual Actual() const noexcept override { return servo_.Actual(); }
 
+  /// What it was asked for last: Nm, rad/s or rad.
+  double set_point() const noexcept { return set_point_; }
+
  private:
   static constexpr std::chrono::nanoseconds kLeastStep{1};  // none times infinity is no number
 
   ServoDrive& servo_;
   double most_Nm_{std::numeric_limits<double>::infinity()};
   double most_rad_per_s_{std::numeric_limits<double>::infinity()};
+  double set_point_{};
   double position_rad_{};  // that was commanded last
   std::chrono::nanoseconds position_time_{};
 };

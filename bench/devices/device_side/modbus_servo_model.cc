@@ -25,8 +25,12 @@ void ModbusServoModel::Supervise(nanoseconds now) {
   const std::chrono::duration<double> quiet = now - fed_;
   const double time_s = written_[at_.watchdog_time];
   if (watchdog_ == Watchdog::kNever || time_s <= 0 || power_ != PowerState::kOperationEnabled) return;
-  if (quiet.count() <= time_s) return;
-  power_ = PowerState::kSwitchOnDisabled;
+  if (quiet.count() > time_s) EnterFault();
+}
+
+// Whatever is written, until it is reset.
+void ModbusServoModel::EnterFault() {
+  power_ = PowerState::kFault;
   written_[at_.brake] = profile_.brake_engaged;
 }
 
@@ -80,6 +84,7 @@ bool ModbusServoModel::Write(std::size_t index, double value, nanoseconds now) {
   Supervise(now);
   log_.push_back(fmt::format("{} {:.6g}", map_.registers[index].name, value));
   fed_ = now;
+  if (index == at_.brake && power_ == PowerState::kFault) return true;
   const bool fixed = index == at_.watchdog_time && fixed_watchdog_time_s_ >= 0;
   written_[index] = fixed ? fixed_watchdog_time_s_ : value;
   if (index != at_.control) return true;
@@ -154,7 +159,7 @@ ModbusServoModel::Faults ModbusServoModel::faults() {
 
 void ModbusServoModel::Fault() {
   const std::lock_guard lock(mutex_);
-  power_ = PowerState::kFault;
+  EnterFault();
 }
 
 void ModbusServoModel::Restart() {

@@ -15,7 +15,8 @@ namespace strainwave::bench {
 
 /// The inside of a servo drive on Modbus: control word, status, set points, brake and watchdog over the
 /// registers of a profile. Without inertia, what is commanded is at once actual, until `Turn` gives it a
-/// motor. A stop takes the torque off at once. From any thread.
+/// motor. A stop takes the torque off at once; in a fault the brake is on, else it is as written. From any
+/// thread.
 class ModbusServoModel {
  public:
   /// What keeps the watchdog quiet. Only the first is right.
@@ -23,11 +24,11 @@ class ModbusServoModel {
 
   /// What is wrong with it, until it is set otherwise.
   struct Faults {
-    bool enable_input_open{};            // it drops out without a fault, and cannot be enabled
-    std::optional<double> stuck_status;  // reads as this, whatever is so
-    bool count_stuck{};                  // the watchdog register reads what it read before
-    bool brake_inverted{};               // reads back as the opposite
-    bool actual_stuck{};                 // speed, torque and position read what they read before
+    bool enable_input_open{};              // it drops out without a fault, and cannot be enabled
+    std::optional<double> stuck_status{};  // reads as this, whatever is so
+    bool count_stuck{};                    // the watchdog register reads what it read before
+    bool brake_inverted{};                 // reads back as the opposite
+    bool actual_stuck{};                   // speed, torque and position read what they read before
   };
 
   ModbusServoModel(protocols::modbus::RegisterMap map, const ModbusServoProfile& profile);
@@ -65,6 +66,7 @@ class ModbusServoModel {
   };
 
   void Supervise(std::chrono::nanoseconds now);
+  void EnterFault();
   double StatusNumber() const;
   Actual ActualNow() const;
   double PositionRegister(double position_rad) const;

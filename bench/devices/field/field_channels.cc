@@ -147,7 +147,8 @@ FieldChannels FieldMachine::Channels() {
   const auto from_drive = [this](double DriveActual::*value) {
     return [this, value] {
       const DriveActual actual = driving_->Actual();
-      return ChannelValue{actual.*value, actual.time, clock_.Now() - actual.time < stale_after_};
+      const bool good = std::isfinite(actual.*value) && clock_.Now() - actual.time < stale_after_;
+      return ChannelValue{actual.*value, actual.time, good};
     };
   };
   auto& speed = channels.channels[static_cast<std::size_t>(Channel::kInputSpeed)];

@@ -39,7 +39,7 @@
 
 namespace strainwave::bench {
 
-/// A bench of metal: the devices that its file names, joined to the roles. Where a CAN bus is `in_process`,
+/// A bench of metal: the devices that its file names, joined to the roles. Where a drive's bus is `in_process`,
 /// the device side stands in for the whole bench within this program, on real time and the same protocols.
 class FieldMachine final : public BenchMachine {
  public:

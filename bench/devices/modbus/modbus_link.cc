@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/devices/modbus/modbus_link.h"
 
+#include <system_error>
 #include <utility>
 
 namespace strainwave::bench {
@@ -43,6 +44,30 @@ ModbusReply ModbusLink::Write(std::span<const protocols::modbus::WriteRequest> r
     if (const ModbusReply reply = Write(request); !reply.good()) return reply;
   }
   return {};
+}
+
+ModbusReply ModbusLink::WriteEach(std::span<const protocols::modbus::WriteRequest> requests) {
+  ModbusReply worst;
+  bool was_lost = false;
+  for (int asked = 0; asked <= settings_.retries; ++asked) {
+    worst = {};
+    for (const auto& request : requests) {
+      if (!is_open()) {
+        was_lost = true;
+        try {
+          Open();
+        } catch (const std::system_error&) {
+          return {ModbusReply::Outcome::kDisconnected};
+        }
+      }
+      const Pdu pdu = protocols::modbus::WritePdu(request.table, request.first, request.words);
+      if (const ModbusReply reply = transport_->Ask(pdu, {}, nullptr); !reply.good()) worst = reply;
+    }
+    if (worst.good() || worst.outcome == ModbusReply::Outcome::kException) break;
+  }
+  const bool answered = worst.good() || worst.outcome == ModbusReply::Outcome::kException;
+  if (was_lost || !answered) Close();
+  return worst;
 }
 
 ModbusReply ModbusLink::WriteUnlessCalled(std::span<const protocols::modbus::WriteRequest> requests) {

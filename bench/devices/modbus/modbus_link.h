@@ -32,7 +32,10 @@ class ModbusLink {
   ModbusReply Write(const protocols::modbus::WriteRequest& request);
   /// All of them, until one is not good.
   ModbusReply Write(std::span<const protocols::modbus::WriteRequest> requests);
-  /// The same, but called away from like a reading: for what the next writing says anew.
+  /// All of them whatever becomes of any, over a new connection where one was lost, and again while one is
+  /// not answered: a stop, each part of which counts. After a lost connection it is closed at the end.
+  ModbusReply WriteEach(std::span<const protocols::modbus::WriteRequest> requests);
+  /// All until one is not good, but called away from like a reading: for what the next writing says anew.
   ModbusReply WriteUnlessCalled(std::span<const protocols::modbus::WriteRequest> requests);
 
   const ModbusSettings& settings() const { return settings_; }

@@ -17,7 +17,6 @@ namespace {
 namespace mb = protocols::modbus;
 using protocols::PowerState;
 using std::chrono::nanoseconds;
-using Values = std::vector<std::pair<std::size_t, double>>;
 
 constexpr std::uint16_t kMostCount = 0x7FFF;  // fits a signed register, too
 
@@ -94,6 +93,7 @@ void ModbusServoDrive::QuickStop() noexcept {
 void ModbusServoDrive::ResetFault() noexcept {
   mine_.enable = false;
   mine_.set_point = 0.0;
+  mine_.brake_engaged = true;
   ++mine_.resets;
   Order(true);
 }
@@ -200,14 +200,19 @@ std::string ModbusServoDrive::identity() const {
   return words;
 }
 
-// Torque off comes first, by itself: whatever becomes of the rest, it has been said.
-ModbusReply ModbusServoDrive::WriteStop(ModbusLink& link, bool quick, bool brake_engaged) {
+// Torque off comes first, by itself; the brake follows whether that was answered or not.
+ModbusReply ModbusServoDrive::WriteStopped(ModbusLink& link, bool quick, const Values& rest) {
   const Values stop{{at_.control, quick ? profile_.control.quick_stop : profile_.control.off}};
-  if (const ModbusReply reply = link.Write(PlanWrites(map_, stop)); !reply.good()) return reply;
-  const Values rest{{at_.speed_set_point, 0.0},
-                    {at_.torque_set_point, 0.0},
-                    {at_.brake, brake_engaged ? profile_.brake_engaged : profile_.brake_released}};
-  return link.Write(PlanWrites(map_, rest));
+  auto requests = PlanWrites(map_, stop);
+  for (auto& request : PlanWrites(map_, rest)) requests.push_back(std::move(request));
+  return link.WriteEach(requests);
+}
+
+ModbusReply ModbusServoDrive::WriteStop(ModbusLink& link, bool quick, bool brake_engaged) {
+  return WriteStopped(link, quick,
+                      {{at_.speed_set_point, 0.0},
+                       {at_.torque_set_point, 0.0},
+                       {at_.brake, brake_engaged ? profile_.brake_engaged : profile_.brake_released}});
 }
 
 ModbusReply ModbusServoDrive::WriteCommand(ModbusLink& link, const Command& command, bool enable) {
@@ -223,39 +228,39 @@ ModbusReply ModbusServoDrive::WriteCommand(ModbusLink& link, const Command& comm
     count_ = count_ == kMostCount ? 0 : static_cast<std::uint16_t>(count_ + 1);
     values.emplace_back(*at_.watchdog, count_);
   }
-  const double stopped = command.quick ? profile_.control.quick_stop : profile_.control.off;
-  const Values control{{at_.control, enable ? profile_.control.enable : stopped}};
   // Enabled with the set points already there, stopped before them.
-  if (enable) {
-    if (const ModbusReply reply = link.WriteUnlessCalled(PlanWrites(map_, values)); !reply.good())
-      return reply;
-    return link.WriteUnlessCalled(PlanWrites(map_, control));
-  }
-  if (const ModbusReply reply = link.WriteUnlessCalled(PlanWrites(map_, control)); !reply.good())
-    return reply;
-  return link.WriteUnlessCalled(PlanWrites(map_, values));
+  if (!enable) return WriteStopped(link, command.quick, values);
+  if (const ModbusReply reply = link.WriteUnlessCalled(PlanWrites(map_, values)); !reply.good()) return reply;
+  const Values control{{at_.control, profile_.control.enable}};
+  return link.WriteUnlessCalled(PlanWrites(map_, control));
 }
 
 ModbusReply ModbusServoDrive::Connected(ModbusLink& link, ModbusPoller& poller) {
   Lost();
   if (const ModbusReply reply = WriteStop(link, true, true); !reply.good()) return reply;
-  const double wanted_s = std::chrono::duration<double>(profile_.watchdog_time).count();
-  const Values time{{at_.watchdog_time, wanted_s}};
-  if (const ModbusReply reply = link.Write(PlanWrites(map_, time)); !reply.good()) return reply;
-  if (const ModbusReply reply = poller.ReadNow(link, std::span(&at_.watchdog_time, 1)); !reply.good()) {
-    return reply;
-  }
-  const ChannelValue read = poller.Value(at_.watchdog_time);
-  const mb::Register& value = map_.registers[at_.watchdog_time];
-  if (std::isnan(read.value) || Encode(value, read.value).words != Encode(value, wanted_s).words) {
-    return {ModbusReply::Outcome::kWrongAnswer, 0,
-            "the watchdog time reads back as another than was written; the drive would not stop by itself"};
-  }
+  poller_ = &poller;
+  if (const ModbusReply reply = SetWatchdogTime(link); !reply.good()) return reply;
   for (const auto& at : {at_.product_code, at_.serial_number}) {
     if (!at) continue;
     if (const ModbusReply reply = poller.ReadNow(link, std::span(&*at, 1)); !reply.good()) return reply;
   }
   is_supervised_ = true;
+  return {};
+}
+
+ModbusReply ModbusServoDrive::SetWatchdogTime(ModbusLink& link) {
+  const double wanted_s = std::chrono::duration<double>(profile_.watchdog_time).count();
+  const Values time{{at_.watchdog_time, wanted_s}};
+  if (const ModbusReply reply = link.Write(PlanWrites(map_, time)); !reply.good()) return reply;
+  if (const ModbusReply reply = poller_->ReadNow(link, std::span(&at_.watchdog_time, 1)); !reply.good()) {
+    return reply;
+  }
+  const ChannelValue read = poller_->Value(at_.watchdog_time);
+  const mb::Register& value = map_.registers[at_.watchdog_time];
+  if (std::isnan(read.value) || Encode(value, read.value).words != Encode(value, wanted_s).words) {
+    return {ModbusReply::Outcome::kWrongAnswer, 0,
+            "the watchdog time reads back as another than was written; the drive would not stop by itself"};
+  }
   return {};
 }
 
@@ -300,6 +305,8 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
     return WriteStop(link, true, true);
   }
   if (enable && command.enables != enables_begun_) {
+    // One that has restarted in between has lost it, and on a line nobody has noticed.
+    if (const ModbusReply reply = SetWatchdogTime(link); !reply.good()) return reply;
     // From a quick stop the way leads through off, so that a stop never turns into motion by one word.
     const ModbusReply reply = WriteStop(link, false, true);
     if (reply.good()) enables_begun_ = command.enables;

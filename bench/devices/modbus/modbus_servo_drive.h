@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "bench/devices/latest.h"
 #include "bench/devices/modbus/modbus_client.h"
@@ -88,7 +90,10 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   void Lost() noexcept override;
   void Leave(ModbusLink& link) override;
 
+  using Values = std::vector<std::pair<std::size_t, double>>;  // position in the map, value
+  ModbusReply WriteStopped(ModbusLink& link, bool quick, const Values& rest);
   ModbusReply WriteStop(ModbusLink& link, bool quick, bool brake_engaged);
+  ModbusReply SetWatchdogTime(ModbusLink& link);
   ModbusReply WriteCommand(ModbusLink& link, const Command& command, bool enable);
   std::optional<protocols::PowerState> PowerOf(double status) const noexcept;
   std::optional<protocols::PowerState> Power() const noexcept;  // nothing: not known by now
@@ -113,6 +118,7 @@ class ModbusServoDrive final : public ServoDrive, private ModbusDuties {
   Latest<Command> command_;
 
   // Of the client's thread.
+  ModbusPoller* poller_{};             // the client's, once it has connected
   std::atomic<double> counted_rad_{};  // the position, over the ends of its register
   std::uint64_t void_enables_{};       // asked for before something went wrong
   std::uint64_t resets_done_{};

@@ -158,6 +158,35 @@ TEST_P(Device, DoesWrongWhatItIsToldTo) {
   EXPECT_EQ(with(Kind::kDelay), "no answer within 100 ms, asked 1 times");
 }
 
+TEST_P(Device, ThatIsUnpluggedOrRefusesDoesNothing) {
+  const auto write = [&](Kind kind) {
+    device_->Set({kind, -1, 6});
+    ModbusLink link(settings_, nullptr);
+    link.Open();
+    return Words(link.Write({Table::kHolding, 12, {42}}), settings_);
+  };
+  EXPECT_EQ(write(Kind::kUnplugged), "no answer within 100 ms, asked 1 times");
+  EXPECT_EQ(write(Kind::kException), "refused with exception 6, device busy: ask again later");
+  EXPECT_EQ(values_[1], -3.0);
+  EXPECT_EQ(write(Kind::kSilence), "no answer within 100 ms, asked 1 times");
+  EXPECT_EQ(values_[1], 42.0) << "heard, and not answered";
+}
+
+TEST_P(Device, ResetsItsConnections) {
+  if (!is_tcp()) GTEST_SKIP() << "skipped: a line has no connection";
+  std::uint16_t word = 0;
+  const ReadRequest request{Table::kHolding, 20, 1, {}};
+  ModbusLink link(settings_, nullptr);
+  link.Open();
+  ASSERT_TRUE(link.Read(request, std::span(&word, 1)).good());
+  device_->ResetConnections();
+  EXPECT_TRUE(Until([&] {
+    return link.Read(request, std::span(&word, 1)).outcome == ModbusReply::Outcome::kDisconnected;
+  }));
+  link.Open();
+  EXPECT_TRUE(link.Read(request, std::span(&word, 1)).good());
+}
+
 TEST_P(Device, DriftsOnCommand) {
   ModbusLink link(settings_, nullptr);
   link.Open();

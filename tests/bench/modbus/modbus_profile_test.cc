@@ -130,7 +130,8 @@ TEST(ModbusProfile, RefusesAWatchdogThatBitesTooLate) {
 
 TEST(ModbusProfile, TellsWhatAServoDriveLacks) {
   const std::string servo =
-      "servo:\n  shaft: motor\n  write_period: 20 ms\n  watchdog_time: 30 ms\n  control: {off: 0, enable: 0, quick_stop: 2, "
+      "servo:\n  shaft: motor\n  write_period: 20 ms\n  watchdog_time: 30 ms\n  control: {off: 0, enable: 0, "
+      "quick_stop: 2, "
       "reset_fault: 4}\n  mode: {speed: 1, torque: 2}\n  brake: {engaged: 1, released: 1}\n  status:\n"
       "    - {mask: 1, value: 1, state: ready}\n";
   std::string registers;

@@ -242,6 +242,33 @@ TEST_F(Servo, OverTcpAStopDoesNotWaitForAnAnswerThatIsDue) {
   EXPECT_EQ(drive->counts().timeouts, 0U);
 }
 
+// It hears everything: its torque goes off and its brake on, whatever it says to that.
+TEST_F(Servo, AStopReachesADriveWhoseAnswersCannotBeUsed) {
+  for (const Kind wrong : {Kind::kSilence, Kind::kHalf, Kind::kOtherUnit, Kind::kOtherTransaction}) {
+    const auto drive = Drive();
+    RunAt(*drive, 50.0);
+    model_.set_watchdog(ModbusServoModel::Watchdog::kNever);
+    device_.Set({wrong, -1});
+    drive->QuickStop();
+    EXPECT_TRUE(UntilCalling(*drive, [&] { return IsSafe(); })) << static_cast<int>(wrong);
+    device_.Set({});
+    model_.set_watchdog(ModbusServoModel::Watchdog::kWrites);
+  }
+}
+
+// As on a line, where nothing tells that it has.
+TEST_F(Servo, ThatRestartedWhileItWasOffIsGivenItsWatchdogTimeAgainBeforeItIsEnabled) {
+  const auto drive = Drive();
+  const std::size_t at = *protocols::modbus::Find(profile_.map, "watchdog_time");
+  model_.Restart();
+  EXPECT_EQ(model_.Read(at, clock_.Now()), 0.0);
+  model_.TakeWritten();
+  RunAt(*drive, 50.0);
+  const std::vector<std::string> written = model_.TakeWritten();
+  EXPECT_LT(std::ranges::find(written, "watchdog_time 0.2"), std::ranges::find(written, "control 1"));
+  EXPECT_EQ(model_.Read(at, clock_.Now()), 0.2);
+}
+
 TEST_F(Servo, EveryWayOutLeavesTheDriveOffAndBraked) {
   {
     const auto drive = Drive();
