@@ -3,56 +3,13 @@
 
 #include <algorithm>
 #include <exception>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
-#include <span>
-#include <stdexcept>
+#include <memory>
 #include <utility>
 
+#include "bench/devices/camera/picture_source.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
-
-/// Used from the camera's thread. A source that fails is opened again for the next picture.
-class Camera::Source {
- public:
-  explicit Source(const CameraSettings& settings) : settings_(settings) {}
-
-  /// @throws std::exception saying why there is no picture.
-  void Write(const std::filesystem::path& file) {
-    const cv::Mat picture = Take();
-    std::vector<unsigned char> bytes;
-    if (!cv::imencode(file.extension().string(), picture, bytes)) {
-      throw std::runtime_error("the picture cannot be packed");
-    }
-    daq::WriteFileAtomically(file, std::as_bytes(std::span(bytes)));
-  }
-
- private:
-  cv::Mat Take() {
-    // A camera's driver keeps pictures that were taken before they were asked for.
-    constexpr int kKeptByDriver = 4;
-    const bool is_camera = std::holds_alternative<int>(settings_.source);
-    if (!capture_.isOpened() && !Open()) throw std::runtime_error("the camera or its file cannot be opened");
-    cv::Mat picture;
-    for (int i = 0; is_camera && i < kKeptByDriver; ++i) capture_.grab();
-    if (!capture_.read(picture) || picture.empty()) {
-      if (is_camera) capture_.release();
-      throw std::runtime_error(is_camera ? "the camera gives no picture" : "the file has no further picture");
-    }
-    return picture;
-  }
-
-  bool Open() {
-    if (const int* number = std::get_if<int>(&settings_.source)) return capture_.open(*number, cv::CAP_V4L2);
-    const auto& name = std::get<std::string>(settings_.source);
-    const bool pictures = name.find('%') != std::string::npos;
-    return capture_.open(name, pictures ? cv::CAP_IMAGES : cv::CAP_FFMPEG);
-  }
-
-  const CameraSettings& settings_;
-  cv::VideoCapture capture_;
-};
 
 Camera::Camera(CameraSettings settings, const BenchClock& clock)
     : settings_(std::move(settings)), clock_(clock), thread_([this] { Run(); }) {}
@@ -82,7 +39,7 @@ std::vector<Snapshot> Camera::TakeSnapshots() {
 }
 
 void Camera::Run() {
-  Source source(settings_);
+  std::unique_ptr<PictureSource> source;
   while (!stop_) {
     wake_.Wait(std::chrono::hours(1));
     wake_.Take();
@@ -90,7 +47,8 @@ void Camera::Run() {
     Snapshot snapshot{std::string(path_.data(), path_length_), asked_, {}, false, {}};
     waiting_.store(false, std::memory_order_release);
     try {
-      source.Write(snapshot.file);
+      if (!source) source = MakePictureSource(settings_.source);
+      daq::WriteFileAtomically(snapshot.file, source->Take(snapshot.file.extension().string()));
     } catch (const std::exception& error) {
       snapshot.trouble = error.what();
     }

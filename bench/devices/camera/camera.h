@@ -55,8 +55,6 @@ class Camera {
   std::vector<Snapshot> TakeSnapshots();
 
  private:
-  class Source;
-
   void Run();
 
   const CameraSettings settings_;
