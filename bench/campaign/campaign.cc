@@ -177,7 +177,9 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
     // Killed before the first phase began: there is nothing to go on from, and nothing to lose.
     // Its first phase is of the preparation, or of cycle 1 where there is none.
     if (journal.Phases(0).empty() && journal.Phases(1).empty()) {
-      return ResumePoint{.time_s = journal.LatestTime_s()};
+      ResumePoint from_the_start;
+      from_the_start.time_s = journal.LatestTime_s();
+      return from_the_start;
     }
     Refuse(folder.Checkpoint(), "the checkpoint is missing or damaged",
            "the file that the campaign has written");
