@@ -130,6 +130,7 @@ void AddWindows(const Study& study, const Regressor& regressor, std::span<const 
   const double span = SpanOf(place);
   if (!(span > 0.0)) return;
   const double narrowest = span * std::max(6.0 / static_cast<double>(samples), 1.0 / 400.0);
+  if (!WindowsMove(place, narrowest)) return;
   const double widest = 0.25 * span;
   double places = 0.0;
   for (double width = narrowest; width <= widest * 1.0001; width *= std::sqrt(2.0)) {

@@ -113,7 +113,7 @@ struct SortedSums {
 
 // The best windows over all widths and centres, at least a width apart.
 std::vector<WindowPeak> Windows(const SortedSums& sums, double narrowest, double widest, std::size_t count) {
-  if (sums.at.size() < 3 || !(narrowest > 0.0)) return {};
+  if (sums.at.size() < 3 || !WindowsMove(sums.at, narrowest)) return {};
   std::vector<WindowPeak> found;
   for (double width = narrowest; width <= widest * 1.0001; width *= std::sqrt(2.0)) {
     for (double low = sums.at.front() - 0.5 * width; low < sums.at.back(); low += 0.25 * width) {
@@ -280,6 +280,11 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
 double LogPlacesOfLine(double order, double lowest_order, double highest_order) {
   const double within = std::clamp(order, lowest_order, highest_order);
   return std::log(within * std::log(highest_order / lowest_order) / (highest_order - lowest_order));
+}
+
+bool WindowsMove(std::span<const double> place, double width) {
+  // Of half a step, as the first window begins before the first place.
+  return std::ranges::all_of(place, [width](double at) { return at + 0.125 * width > at; });
 }
 
 std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,

@@ -44,6 +44,10 @@ struct WindowPeak {
   double drop{};   // of the weighted sum of squares
 };
 
+/// Whether windows of that width move on by a quarter of it at each place; not where that is lost in rounding
+/// (millionths of a radian after 1e11 of them, or a width that is hardly above zero).
+bool WindowsMove(std::span<const double> place, double width);
+
 /// The `count` best windows over widths from `narrowest` to `widest` (a factor of √2 apart) and all centres,
 /// at least a width apart, strongest first.
 std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,

@@ -90,5 +90,22 @@ TEST(FindWindows, FindsWhereTheMeanIsRaised) {
   EXPECT_NEAR(windows[0].width, 30.0, 10.0);
 }
 
+// Each would go on for ever.
+TEST(FindWindows, HasNoneWhereTheirStepsAreLostInRounding) {
+  constexpr double kDenormal = 5e-324;
+  const std::vector<double> residual = WhiteNoise(500, 0.2, 6);
+  const std::vector<double> weights(500, 1.0);
+  std::vector<double> tiny(500, 0.0);
+  std::vector<double> far(500, 1e11);
+  for (std::size_t i = 0; i < 500; i += 2) {
+    tiny[i] = kDenormal;
+    far[i] += 1e-4;
+  }
+  EXPECT_TRUE(FindWindows(tiny, residual, weights, kDenormal, kDenormal, 2).empty());
+  EXPECT_TRUE(FindWindows(far, residual, weights, 1e-6, 2.5e-5, 2).empty());
+  EXPECT_FALSE(WindowsMove(far, 1e-6));
+  EXPECT_TRUE(WindowsMove(far, 1e-3));
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis
