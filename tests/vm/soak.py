@@ -126,6 +126,7 @@ def compare(journal, reference):
 class Soak:
     def __init__(self, options, kind, say):
         self.options, self.kind, self.say = options, kind, say
+        self.campaign = None
         self.chance = random.Random(f"{options.seed} {kind}")
         self.folder = pathlib.Path(tempfile.mkdtemp())
         self.bench = self.folder / "bench.yaml"
@@ -135,10 +136,18 @@ class Soak:
         self.devices = Devices(options.build, self.bench, open(options.out / f"{kind}_devices.txt", "w", encoding="utf-8"))
         self.bench.write_text(soak_bench.with_lines(text, [line for _, line in self.devices.lines.said]), encoding="utf-8")
 
+    def end(self):
+        """Whatever is still running, the campaign first: it leaves the drives by its own way out."""
+        for process in (self.campaign and self.campaign.process, self.devices.process):
+            if process and process.poll() is None:
+                process.terminate()
+                process.wait(30)
+
     def run(self, name, cycles, resume=False):
         schedule = self.folder / f"{name}.yaml"
         schedule.write_text(soak_bench.schedule_text(self.kind, cycles), encoding="utf-8")
-        return vm_bench.Campaign(self.options.build, schedule, self.bench, self.folder / name, self.devices, None, self.log, resume)
+        self.campaign = vm_bench.Campaign(self.options.build, schedule, self.bench, self.folder / name, self.devices, None, self.log, resume)
+        return self.campaign
 
     def reference(self):
         code = self.run("reference", REFERENCE_CYCLES).wait(LONGEST_CYCLE_S * REFERENCE_CYCLES)
@@ -198,7 +207,6 @@ class Soak:
         expect(code in (0, 130), f"the campaign ended with {code}")
         journal, credited_s, served_s = ledger.note()
         count, worst = compare(journal, reference)
-        self.devices.quit()
         self.say(f"{self.kind}: {ledger.faults} faults, {stops} stops, {unseen} not seen; {len(journal.complete)} cycles complete; "
                  f"credited {credited_s:.2f} s of {served_s:.2f} s served; {count} results, the worst at {worst[0]:.2f} of what is "
                  f"allowed: {worst[1]}")
@@ -220,11 +228,14 @@ def main():
             print(line, flush=True)
             print(line, file=file, flush=True)
         for kind in kinds:
+            soak = Soak(options, kind, say)
             try:
-                Soak(options, kind, say).soak(60.0 * options.minutes / len(kinds))
+                soak.soak(60.0 * options.minutes / len(kinds))
             except Failure as failure:
                 say(f"soak.py: error: {kind}, seed {options.seed}: {failure}")
                 return 1
+            finally:
+                soak.end()
     return 0
 
 
