@@ -58,7 +58,7 @@ def openings(folder):
 
 
 def stop(what, act, campaign, devices, folder):
-    check(devices.wait_until(safe=False, seconds=120), f"before {what}: the shafts turn")
+    vm_bench.wait_for_load(folder, devices, f"before {what}")
     vm_bench.time.sleep(4)
     acted = act()
     code = campaign.wait(60)

@@ -38,6 +38,19 @@ def load_served(folder):
     return from_journal(folder, "SELECT SUM(credited_load_s) FROM phases")[0][0]
 
 
+def wait_for_load(folder, devices, what):
+    """Until a phase is under way and the shafts turn in it: before it, the load check turns them, too."""
+    end = time.monotonic() + 120
+    while time.monotonic() < end:
+        try:
+            if from_journal(folder, "SELECT 1 FROM phases WHERE outcome = 'running'"):
+                break
+        except sqlite3.Error:  # there is no journal yet
+            pass
+        time.sleep(0.2)
+    check(devices.wait_until(safe=False, seconds=120), f"{what}: the shafts turn")
+
+
 def send(frame):
     """On vcan0, as cansend takes it."""
     subprocess.run(["cansend", "vcan0", frame], check=True)
