@@ -188,8 +188,8 @@ g.attrs['sample_rate_hz'] = 1000.0
 g.create_dataset('accel_x_m_per_s2', data=np.zeros(10**7), chunks=(10**5,), compression='gzip')
 f.close()
 )");
-  EXPECT_TRUE(std::regex_match(
-      message, std::regex("r\\.h5: error: group '/v', dataset 'accel_x_m_per_s2': accel_x_m_per_s2 becomes "
+  EXPECT_TRUE(std::regex_search(
+      message, std::regex("^r\\.h5: error: group '/v', dataset 'accel_x_m_per_s2': accel_x_m_per_s2 becomes "
                           "80000000 bytes out of [0-9]+ \\(expected at most 100 times as many, as measured "
                           "values do\\)")))
       << message;
@@ -202,7 +202,8 @@ f.close()
 f = h5py.File('r.h5', 'w', libver='latest')
 g = f.create_group('v')
 g.attrs['kind'] = 'vibration'
-for i in range(10000): g.attrs['k%d' % i] = i
+kind, one = h5py.h5t.NATIVE_INT32, h5py.h5s.create(h5py.h5s.SCALAR)
+for i in range(10000): h5py.h5a.create(g.id, b'k%d' % i, kind, one)
 f.close()
 )"),
       "r.h5: error: HDF5 cannot read the file: an object has 10001 attributes (at most 10000) (expected "
