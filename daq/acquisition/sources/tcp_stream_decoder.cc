@@ -48,6 +48,7 @@ TcpStreamDecoder::TcpStreamDecoder() : buffer_(kHeader_bytes + kMostPayload_byte
 void TcpStreamDecoder::Reset() {
   begin_ = end_ = 0;
   description_.reset();
+  refused_hello_.clear();
 }
 
 std::span<std::byte> TcpStreamDecoder::Room() {
@@ -137,14 +138,15 @@ std::optional<TcpStreamEvent> TcpStreamDecoder::TakeHello(std::span<const std::b
   try {
     description_ = SourceDescriptionFromJson({reinterpret_cast<const char*>(payload.data()), payload.size()});
   } catch (const std::invalid_argument& error) {
-    return LeaveOut(fmt::format("hello: {}", error.what()));
+    refused_hello_ = fmt::format("hello: {}", error.what());
+    return LeaveOut(refused_hello_);
   }
   return TcpStreamEvent::kHello;
 }
 
 std::optional<TcpStreamEvent> TcpStreamDecoder::TakeBlock(std::span<const std::byte> payload,
                                                           SampleBlock& block) {
-  if (!description_) return LeaveOut("a block before the hello");
+  if (!description_) return LeaveOut(refused_hello_.empty() ? "a block before the hello" : refused_hello_);
   if (payload.size() < kBlockHead_bytes) return LeaveOut(fmt::format("a block of {} bytes", payload.size()));
   const auto samples = LittleEndian<std::uint32_t>(payload, 16);
   if (samples == 0 || samples > description_->most_samples_a_block) {

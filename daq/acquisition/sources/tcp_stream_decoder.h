@@ -63,6 +63,7 @@ class TcpStreamDecoder {
   std::size_t begin_{};
   std::size_t end_{};
   std::optional<SourceDescription> description_;
+  std::string refused_hello_;  // why; the reason of all that follows on its connection
   TcpStreamDamage damage_;
   std::uint64_t keep_alive_counter_{};
 };

@@ -174,6 +174,7 @@ TEST(TcpStreamDecoder, RefusesAHelloThatContradictsItself) {
   const auto with = [](const std::string& rest) { return R"({"name": "x", )" + rest + "}"; };
   const std::string channel = R"("channels": [{"name": "a"}])";
   EXPECT_EQ(why("{"), "hello: it is not a JSON object");
+  EXPECT_EQ(Decode(Hello("{") + Block(0, 1)).damage.last, "hello: it is not a JSON object");
   EXPECT_EQ(why("[1]"), "hello: it is not a JSON object");
   EXPECT_EQ(why("{}"), "hello: name is not a text");
   EXPECT_EQ(why(with(R"("type": "int16")")), "hello: type is 'int16', neither int32 nor float32");
