@@ -11,6 +11,7 @@
 #include <set>
 #include <tuple>
 
+#include "daq/csv_findings.h"
 #include "daq/csv_text.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
@@ -24,29 +25,6 @@ namespace {
 constexpr std::size_t kMostBadCells = 100;
 // And whatever else is found in it.
 constexpr std::size_t kMostFindings = 1000;
-
-struct Place {
-  int line{};
-  int column{};
-};
-
-struct PlacedFinding {
-  Place place;
-  std::string what;
-  std::string expected;
-};
-
-// A column while it is being read. Bad cells are kept apart until it is known whether the column is needed.
-struct CsvColumn {
-  std::string name;
-  bool is_direction{};
-  bool is_known{};  // its cells must be good
-  std::vector<double> numbers;
-  std::vector<Direction> directions;
-  std::vector<PlacedFinding> bad_cells;
-  std::set<std::size_t> bad_rows;
-  std::size_t good_numbers{};
-};
 
 class CsvReader {
  public:

@@ -23,10 +23,6 @@ namespace strainwave::bench {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-// Referencing: more than this at rest is a transducer that has lost its zero, or a shaft that is clamped.
-constexpr double kTorqueZeroShareOfRange = 0.05;
-// One tooth of a size-20 flexspline is 2.25°; wind-up, transmission error and encoder errors stay below 0.3°.
-constexpr double kEncoderOffsetTolerance_rad = RadFromDeg(0.5);
 
 // How often the rows of a load run under way are written to the disk, by the world's clock.
 constexpr std::chrono::seconds kKeepInterval{10};
@@ -127,79 +123,6 @@ CampaignEnd CampaignRunner::Run(const ResumePoint& from) {
   Transition(BenchEvent::kFinish);
   Note("info", "", "completed", fmt::format("all {} cycles are complete", schedule_.cycles));
   return {CampaignEnd::Kind::kCompleted, {}, "complete", false};
-}
-
-CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
-  const std::string missing =
-      machine_.AwaitValues([this] { return CauseOf(request_.load()) != StopCause::kNone; });
-  if (auto end = CheckBetweenPhases()) return end;
-  if (!missing.empty()) {
-    WatchChannels("referencing");
-    Transition(BenchEvent::kFault);
-    Note("alarm", "referencing", "no_values", missing);
-    return CampaignEnd{CampaignEnd::Kind::kFault, {}, missing, true};
-  }
-  const ReferencingProgram::Tolerances tolerances{kTorqueZeroShareOfRange * bench_.transducer.range_Nm,
-                                                  kEncoderOffsetTolerance_rad};
-  ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
-  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
-  WatchChannels("referencing");
-  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
-  if (outcome.reason) return EndForFault(outcome, "referencing");
-  encoder_offset_rad_ = EncoderOffset_rad(runner_.last_readings());
-  Transition(BenchEvent::kReferenced);
-  return std::nullopt;
-}
-
-// On metal, before the first load of every run: between two of them people have been at the bench.
-CampaignRunner::MaybeEnd CampaignRunner::CheckLoad() {
-  if (bench_.simulated) return std::nullopt;
-  LoadCheckProgram program(schedule_.specimen, bench_.control_period_s);
-  Transition(BenchEvent::kBeginLoadRun);
-  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
-  if (IsFault(outcome.reason.cause)) return EndForFault(outcome, "load_check");
-  Transition(BenchEvent::kPhaseEnded);
-  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
-  Note("info", "", "load_check",
-       fmt::format(
-           "load check: the transducer shows {:.3f} times the torque asked for, the input encoder {:.3f} "
-           "times the speed",
-           program.torque_factor(), program.speed_factor()));
-  return std::nullopt;
-}
-
-// After a long pause the gear is cold. Where a measurement is next, the cycle's load run goes before it once
-// more, for as long as the gear stood but no longer than the load run itself, and whole where that is not
-// known. It counts as load for nobody's life but the gear's, so the journal says so.
-CampaignRunner::MaybeEnd CampaignRunner::WarmUp(const Pause& pause) {
-  const double pause_s = pause.length_s.value_or(std::numeric_limits<double>::infinity());
-  const std::vector<CycleStep> steps = StepsOf(schedule_, resumed_cycle_);
-  const auto rows = journal_.Phases(resumed_cycle_);
-  const auto complete = [&](const CycleStep& step) {
-    return std::ranges::any_of(
-        rows, [&](const PhaseRow& row) { return row.step == step.index && row.outcome == "complete"; });
-  };
-  const auto next = std::ranges::find_if_not(steps, complete);
-  if (pause_s <= schedule_.resume.re_soak_after_s || next == steps.end() || !next->measurement)
-    return std::nullopt;
-  const auto load = std::find_if(std::make_reverse_iterator(next), steps.rend(),
-                                 [](const CycleStep& step) { return step.accumulates; });
-  if (load == steps.rend()) return std::nullopt;
-  auto run = std::get<schedules::LoadRun>(load->phase->parameters);
-  run.duration_s = std::min(run.duration_s, pause_s);
-  cycle_ = resumed_cycle_;
-  Note("info", load->group, "warm_up",
-       fmt::format("the gear stood for {}: {:.0f} s of load before the measurement, not credited",
-                   pause.length_s ? fmt::format("{:.0f} s", pause_s) : "a time that is not known",
-                   run.duration_s));
-  const auto program = MakeProgram(run, schedule_.specimen, 0.0, bench_.control_period_s);
-  Transition(BenchEvent::kBeginLoadRun);
-  const PhaseOutcome outcome = runner_.Run(*program, [](const PhaseSnapshot&, const PhaseProgram&) {});
-  if (IsFault(outcome.reason.cause)) return EndForFault(outcome, "warm_up");
-  Transition(BenchEvent::kPhaseEnded);
-  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
-  TakeMemory();
-  return std::nullopt;
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::RunCycle(int cycle) {

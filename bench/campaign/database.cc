@@ -40,7 +40,9 @@ Statement& Statement::Bind(double value) {
 }
 
 Statement& Statement::Bind(std::string_view value) {
-  Check(sqlite3_bind_text(statement_.get(), next_parameter_++, value.data(), static_cast<int>(value.size()),
+  // A view of nothing has no address, which SQLite takes for NULL.
+  const char* const text = value.data() == nullptr ? "" : value.data();
+  Check(sqlite3_bind_text(statement_.get(), next_parameter_++, text, static_cast<int>(value.size()),
                           SQLITE_TRANSIENT));
   return *this;
 }

@@ -41,9 +41,6 @@ CREATE TABLE operator_notes(id INTEGER PRIMARY KEY, utc TEXT NOT NULL, author TE
 constexpr const char* kPhaseColumns =
     "id, cycle, step, repeat, attempt, name, kind, started_s, ended_s, outcome, credited_load_s";
 
-constexpr std::string_view kChannelTrouble = "channel_trouble/";
-constexpr const char* kChannelTroubles = "channel_trouble/*";
-
 std::int64_t Pragma(const Database& database, const char* name) {
   Statement statement = database.Prepare(fmt::format("PRAGMA {}", name));
   statement.Step();
@@ -52,15 +49,16 @@ std::int64_t Pragma(const Database& database, const char* name) {
 
 // A page that a cut write has left is whole in the write-ahead log: where there is one, SQLite looks, which
 // takes longer.
-void Demand(const PageReport& report, const Database& database) {
+void Demand(const PageReport& report, const std::filesystem::path& file, Database::Mode mode) {
   if (report.first_damaged == 0 && !report.cut) return;
   std::error_code none;
-  const auto log_bytes = std::filesystem::file_size(database.file().string() + "-wal", none);
+  const auto log_bytes = std::filesystem::file_size(file.string() + "-wal", none);
   if (!none && log_bytes > 0) {
+    const Database database(file, mode);
     Statement check = database.Prepare("PRAGMA integrity_check(1)");
     if (check.Step() && check.Text(0) == "ok") return;
   }
-  throw DatabaseError(database.file(), SQLITE_CORRUPT,
+  throw DatabaseError(file, SQLITE_CORRUPT,
                       fmt::format("{} (expected the journal as it was written; bring it back from a copy)",
                                   report.first_damaged > 0
                                       ? fmt::format("page {} of {} does not match its checksum: a bit has "
@@ -96,8 +94,8 @@ Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
     throw DatabaseError(file, SQLITE_CANTOPEN, "no such file (expected the journal of a campaign)");
   }
   const auto report = CheckPages(file, kApplicationId, kSchemaVersion);
+  if (report) Demand(*report, file, mode);
   Database database(file, mode);
-  if (report) Demand(*report, database);
   if (Pragma(database, "application_id") != kApplicationId) {
     throw DatabaseError(file, SQLITE_MISMATCH,
                         "not a campaign journal (expected a database that strainwave run has made)");
@@ -316,117 +314,6 @@ std::vector<int> Journal::RepeatsOf(int cycle) const {
   std::vector<int> repeats;
   while (statement.Step()) repeats.push_back(static_cast<int>(statement.Integer(0)));
   return repeats;
-}
-
-void Journal::AddEvent(const Event& event) {
-  database_
-      .Prepare(
-          "INSERT INTO events(time_s, utc, cycle, phase, severity, code, text) VALUES(?, ?, ?, ?, ?, ?, ?)")
-      .Bind(event.time_s)
-      .Bind(event.utc)
-      .Bind(event.cycle)
-      .Bind(event.phase)
-      .Bind(event.severity)
-      .Bind(event.code)
-      .Bind(event.text)
-      .Run();
-  end_.event = database_.LastInsertId();
-}
-
-std::vector<Event> Journal::Events(int newest) const {
-  Statement statement = database_.Prepare(
-      "SELECT time_s, utc, cycle, phase, severity, code, text FROM events ORDER BY id DESC LIMIT ?");
-  statement.Bind(newest);
-  std::vector<Event> events;
-  while (statement.Step()) {
-    events.push_back({statement.Real(0), statement.Text(1), static_cast<int>(statement.Integer(2)),
-                      statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
-  }
-  return events;
-}
-
-// Properties, so that the journals of earlier programs have them, too: none.
-void Journal::SetChannelTroubles(const std::vector<ChannelTrouble>& troubles) {
-  Transaction transaction(database_);
-  database_.Prepare("DELETE FROM campaign WHERE key GLOB ?").Bind(kChannelTroubles).Run();
-  for (const ChannelTrouble& trouble : troubles) {
-    SetProperty(fmt::format("{}{}", kChannelTrouble, trouble.channel),
-                fmt::format("{} {}", trouble.since_utc, trouble.reason));
-  }
-  transaction.Commit();
-}
-
-std::vector<ChannelTrouble> Journal::ChannelTroubles() const {
-  Statement statement = database_.Prepare("SELECT key, value FROM campaign WHERE key GLOB ? ORDER BY key");
-  statement.Bind(kChannelTroubles);
-  std::vector<ChannelTrouble> troubles;
-  while (statement.Step()) {
-    const std::string value = statement.Text(1);
-    const std::size_t space = value.find(' ');
-    troubles.push_back(
-        {statement.Text(0).substr(kChannelTrouble.size()), value.substr(space + 1), value.substr(0, space)});
-  }
-  return troubles;
-}
-
-void Journal::AddHole(const Hole& hole) {
-  database_
-      .Prepare(
-          "INSERT INTO holes(cycle, phase, time_s, start_utc, end_utc, cause, clock) VALUES(?, ?, ?, ?, ?, "
-          "?, ?)")
-      .Bind(hole.cycle)
-      .Bind(hole.phase)
-      .Bind(hole.time_s)
-      .Bind(hole.start_utc)
-      .Bind(hole.end_utc)
-      .Bind(hole.cause)
-      .Bind(hole.clock)
-      .Run();
-}
-
-std::vector<Hole> Journal::Holes() const {
-  Statement statement = database_.Prepare(
-      "SELECT cycle, phase, time_s, start_utc, end_utc, cause, clock FROM holes ORDER BY id");
-  std::vector<Hole> holes;
-  while (statement.Step()) {
-    holes.push_back({static_cast<int>(statement.Integer(0)), statement.Text(1), statement.Real(2),
-                     statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
-  }
-  return holes;
-}
-
-void Journal::SetCalibration(const Calibration& calibration, std::string_view utc) {
-  database_
-      .Prepare(
-          "INSERT OR REPLACE INTO calibrations(name, value, standard_error, unit, source, utc) "
-          "VALUES(?, ?, ?, ?, ?, ?)")
-      .Bind(calibration.name)
-      .Bind(calibration.value)
-      .Bind(calibration.standard_error)
-      .Bind(calibration.unit)
-      .Bind(calibration.source)
-      .Bind(utc)
-      .Run();
-}
-
-std::optional<Calibration> Journal::FindCalibration(std::string_view name) const {
-  for (Calibration& calibration : CalibrationsLike(name)) {
-    if (calibration.name == name) return std::move(calibration);
-  }
-  return std::nullopt;
-}
-
-std::vector<Calibration> Journal::CalibrationsLike(std::string_view prefix) const {
-  Statement statement = database_.Prepare(
-      "SELECT name, value, standard_error, unit, source FROM calibrations WHERE substr(name, 1, ?) = ? ORDER "
-      "BY name");
-  statement.Bind(static_cast<std::int64_t>(prefix.size())).Bind(prefix);
-  std::vector<Calibration> calibrations;
-  while (statement.Step()) {
-    calibrations.push_back(
-        {statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3), statement.Text(4)});
-  }
-  return calibrations;
 }
 
 }  // namespace strainwave::bench

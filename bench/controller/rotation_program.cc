@@ -88,7 +88,7 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
       watch_.Step(torque_.value(), speed_.value(), readings, period_s);
       if (watch_.failed()) return StepResult::kFailedCheck;
       if (std::abs(readings.input_speed_rad_per_s) > kSpeedReached * parameters_.input_speed_rad_per_s &&
-          watch_.settled() && !watch_.away()) {
+          torque_.value() == -direction_ * parameters_.output_torque_Nm) {
         measure_from_rad_ = readings.input_angle_rad;
         start_s_ = elapsed_s;
         stage_ = Stage::kMeasure;
@@ -100,6 +100,9 @@ StepResult RotationProgram::Step(const Readings& readings, double elapsed_s, Ben
       const double travelled = direction_ * (readings.input_angle_rad - measure_from_rad_);
       share_done_ = std::clamp(travelled / turn_input_rad_, 0.0, 1.0);
       if (travelled >= turn_input_rad_) {
+        // A turn may be shorter than the dwell: what was measured at another load is no measurement.
+        failed_ = watch_.away_reason();
+        if (failed_) return StepResult::kFailedCheck;
         stage_ = Stage::kRunDown;
         return StepResult::kRunning;
       }

@@ -23,7 +23,7 @@ class RotationProgram final : public PhaseProgram {
   double control_period_s() const override { return 1.0 / parameters_.log_rate_hz; }
   double timeout_s() const override;
   double share_done() const noexcept override { return share_done_; }
-  StopReason failed_check() const noexcept override { return watch_.failed(); }
+  StopReason failed_check() const noexcept override { return failed_ ? failed_ : watch_.failed(); }
   std::vector<NamedRecord> TakeRecords() override;
 
  private:
@@ -44,6 +44,7 @@ class RotationProgram final : public PhaseProgram {
   Ramp speed_;
   Ramp torque_;
   LoadWatch watch_;
+  StopReason failed_;
   VibrationBlock vibration_;
   RowLog breakaway_log_;
   RowLog log_;

@@ -56,13 +56,25 @@ void LoadWatch::Step(double output_torque_Nm, double input_speed_rad_per_s, cons
   }
   torque_.Step(output_torque_Nm, readings.output_torque_Nm, period_s);
   speed_.Step(input_speed_rad_per_s, speed_rad_per_s_, period_s);
+  time_ = readings.time;
   if (torque_.is_away_for_too_long()) {
-    failed_ = {StopCause::kTorqueAway, torque_.measured(), torque_.set_point(), readings.time,
-               BenchServo::kLoad};
+    failed_ = TorqueReason();
   } else if (speed_.is_away_for_too_long()) {
-    failed_ = {StopCause::kSpeedAway, speed_.measured(), speed_.set_point(), readings.time,
-               BenchServo::kDriving};
+    failed_ = SpeedReason();
   }
+}
+
+StopReason LoadWatch::TorqueReason() const noexcept {
+  return {StopCause::kTorqueAway, torque_.measured(), torque_.set_point(), time_, BenchServo::kLoad};
+}
+
+StopReason LoadWatch::SpeedReason() const noexcept {
+  return {StopCause::kSpeedAway, speed_.measured(), speed_.set_point(), time_, BenchServo::kDriving};
+}
+
+StopReason LoadWatch::away_reason() const noexcept {
+  if (torque_.away()) return TorqueReason();
+  return speed_.away() ? SpeedReason() : StopReason{};
 }
 
 StopReason PositionAway(double sent_to_rad, const Readings& readings) noexcept {

@@ -63,17 +63,23 @@ class LoadWatch {
   /// Both set points stand, and the servos had the time to reach them.
   bool settled() const noexcept { return torque_.settled() && speed_.settled(); }
   bool away() const noexcept { return torque_.away() || speed_.away(); }
+  /// Which servo is away now; none where none is.
+  StopReason away_reason() const noexcept;
   /// Away for longer than the dwell, and which servo; none where not.
   StopReason failed() const noexcept { return failed_; }
   /// By the encoder, not low-passed.
   double input_speed_rad_per_s() const noexcept { return speed_rad_per_s_; }
 
  private:
+  StopReason TorqueReason() const noexcept;
+  StopReason SpeedReason() const noexcept;
+
   SetPointWatch torque_;
   SetPointWatch speed_;
   std::optional<std::chrono::nanoseconds> encoder_time_;
   double encoder_angle_rad_{};
   double speed_rad_per_s_{};
+  std::chrono::nanoseconds time_{};  // of the readings
   StopReason failed_;
 };
 

@@ -128,7 +128,7 @@ TEST_F(Opening, RefusesAJournalThatDoesNotKnowACycleOfWhichThereIsAFile) {
 }
 
 TEST_F(Opening, SaysThatAStateOfTheCheckpointIsDamaged) {
-  Leave(folder_, Here());
+  for (int states = 0; states < 3; ++states) Leave(folder_, Here());
   {
     std::fstream file(folder_.Checkpoint(), std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(16384 + 40);

@@ -13,12 +13,11 @@
 
 #include "bench/campaign/checkpoint.h"
 #include "bench/campaign/journal.h"
+#include "tests/simulation/campaign_program.h"
 #include "tests/simulation/program.h"
 
 namespace strainwave {
 namespace {
-
-const std::string kSchedule = STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml";
 
 /// One campaign for all tests that only look; the ones that damage it take a copy.
 class Campaign : public testing::Test {
@@ -284,24 +283,6 @@ TEST(ReadOnlyFolder, IsRefusedBeforeAnythingMoves) {
                                (disk / "campaign") + "]\n");
 }
 
-/// Waits until the journal shows a phase of cycle 1 whose name is `phase`, or any where that is empty.
-void WaitForPhase(const std::filesystem::path& folder, const std::string& phase, pid_t process) {
-  while (true) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // polling another process: nothing to wait on
-    siginfo_t ended{};
-    ::waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT);
-    if (ended.si_pid == process) return;
-    try {
-      const auto journal = bench::Journal::Open(folder / "campaign.db", bench::Database::Mode::kReadOnly);
-      for (const bench::PhaseRow& row : journal.Phases(1)) {
-        if (phase.empty() || row.name == phase) return;
-      }
-    } catch (const bench::DatabaseError&) {
-      continue;  // not there yet
-    }
-  }
-}
-
 ProgramResult InterruptAtCycleOne(int signal, const ScratchFolder& scratch, const std::string& pace) {
   const auto folder = scratch / "campaign";
   const pid_t process = StartProgram({"run", kSchedule, "--out", folder.string(), "--pace", pace}, scratch);
@@ -392,126 +373,6 @@ TEST(Limit, TripsTheBenchKeepsTheSamplesAndTheCampaignCanGoOn) {
   EXPECT_EQ(status["alarms"][0]["code"], "twist_limit");
   EXPECT_FALSE(std::filesystem::is_empty(folder / "faults"));
 }
-
-TEST(Resume, WarmsUpAfterALongPauseBeforeItMeasures) {
-  const ScratchFolder scratch;
-  std::string text = WholeFile(kSchedule);
-  text.replace(text.find("re_soak_after: 30 min"), 21, "re_soak_after: 1 ms");
-  const std::string schedule = (scratch / "short.yaml").string();
-  std::ofstream(schedule) << text;
-  const auto folder = scratch / "campaign";
-  // Stops between the load run and the measurements: a shutdown cuts the rotation, which is then taken whole.
-  const pid_t process = StartProgram({"run", schedule, "--out", folder.string(), "--pace", "200"}, scratch);
-  WaitForPhase(folder, "measurement_rotation", process);
-  ::kill(process, SIGTERM);
-  ASSERT_EQ(WaitForProgram(process, scratch).exit_code, 130);
-  ASSERT_EQ(RunProgram({"run", schedule, "--out", folder.string(), "--resume"}).exit_code, 0);
-  const auto journal = bench::Journal::Open(folder / "campaign.db", bench::Database::Mode::kReadOnly);
-  bool warmed_up = false;
-  for (const bench::Event& event : journal.Events(100)) warmed_up = warmed_up || event.code == "warm_up";
-  EXPECT_TRUE(warmed_up);
-  double credited_s = 0.0;
-  for (const bench::PhaseRow& row : journal.Phases(1)) credited_s += row.credited_load_s;
-  EXPECT_NEAR(credited_s, 1200.0, 0.011);  // the warm-up is load, but not of the test
-}
-
-TEST(Resume, WarmsUpInFullAfterAPauseThatIsNotKnown) {
-  const ScratchFolder scratch;
-  const auto folder = scratch / "campaign";
-  const pid_t process = StartProgram({"run", kSchedule, "--out", folder.string(), "--pace", "200"}, scratch);
-  WaitForPhase(folder, "measurement_rotation", process);
-  ::kill(process, SIGTERM);
-  ASSERT_EQ(WaitForProgram(process, scratch).exit_code, 130);
-  // The machine was started again since, with its clock five hours back.
-  auto left = bench::ReadCheckpoint(folder / "checkpoint").value();
-  left.written.boot ^= 1;
-  left.written.utc_ms += 18'000'000;
-  bench::CheckpointWriter(folder / "checkpoint").Write(left, left.machine_memory);
-  const ProgramResult refused = RunProgram({"run", kSchedule, "--out", folder.string(), "--resume"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_NE(refused.error.find("how long the campaign has stood is not known"), std::string::npos)
-      << refused.error;
-  ASSERT_EQ(RunProgram({"run", kSchedule, "--out", folder.string(), "--resume", "--accept-pause"}).exit_code,
-            0);
-  const auto journal = bench::Journal::Open(folder / "campaign.db", bench::Database::Mode::kReadOnly);
-  std::string warm_up;
-  for (const bench::Event& event : journal.Events(100)) {
-    if (event.code == "warm_up") warm_up = event.text;
-  }
-  EXPECT_EQ(
-      warm_up,
-      "the gear stood for a time that is not known: 1200 s of load before the measurement, not credited");
-}
-
-TEST(Resume, GoesOnInTimeAfterAPowerCutThatLeftAnOldCheckpoint) {
-  const ScratchFolder scratch;
-  const auto folder = scratch / "campaign";
-  const pid_t process = StartProgram({"run", kSchedule, "--out", folder.string(), "--pace", "200"}, scratch);
-  WaitForPhase(folder, "load_run", process);
-  const auto old = bench::ReadCheckpoint(folder / "checkpoint").value();
-  WaitForPhase(folder, "measurement_rotation", process);
-  ::kill(process, SIGKILL);
-  WaitForProgram(process, scratch);
-  std::filesystem::remove(folder / "checkpoint");
-  bench::CheckpointWriter(folder / "checkpoint").Write(old, old.machine_memory);
-  ASSERT_EQ(RunProgram({"run", kSchedule, "--out", folder.string(), "--resume"}).exit_code, 0);
-  const auto journal = bench::Journal::Open(folder / "campaign.db", bench::Database::Mode::kReadOnly);
-  double now_s = 0.0;
-  for (int cycle = 0; cycle <= 3; ++cycle) {
-    double credited_s = 0.0;
-    for (const bench::PhaseRow& row : journal.Phases(cycle)) {
-      EXPECT_GE(row.started_s, now_s) << "cycle " << cycle << ", " << row.name;
-      now_s = row.ended_s;
-      credited_s += row.credited_load_s;
-    }
-    EXPECT_NEAR(credited_s, cycle == 0 ? 0.0 : 1200.0, 0.011);
-  }
-}
-
-std::vector<std::string> NamesIn(const std::filesystem::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    names.push_back(entry.path().filename());
-  }
-  std::ranges::sort(names);
-  return names;
-}
-
-class FolderInItsPlace : public testing::TestWithParam<const char*> {};
-
-TEST_P(FolderInItsPlace, GetsNothingAndEndsTheRunSafely) {
-  const ScratchFolder scratch;
-  const auto folder = scratch / "campaign";
-  const auto swapped = GetParam() == std::string(".") ? folder : folder / GetParam();
-  const auto away = scratch / "away";
-  const pid_t process = StartProgram({"run", kSchedule, "--out", folder.string(), "--pace", "200"}, scratch);
-  WaitForPhase(folder, "load_run", process);
-  std::filesystem::rename(swapped, away);
-  std::filesystem::create_directories(swapped / "cycles");
-  std::filesystem::create_directories(swapped / "unfinished");
-  std::ofstream(swapped / "unfinished/of_somebody_else.h5") << "mine";
-  const ProgramResult stopped = WaitForProgram(process, scratch);
-  EXPECT_EQ(stopped.exit_code, 3);
-  EXPECT_NE(stopped.error.find("stopped: torque is off, brakes are on, the campaign is whole"),
-            std::string::npos)
-      << stopped.error;
-  EXPECT_NE(
-      stopped.error.find(fmt::format("{}: error: another folder has come in its place (expected the folder "
-                                     "that this run began with, which is now {})\n",
-                                     swapped.string(), away.string())),
-      std::string::npos)
-      << stopped.error;
-  EXPECT_EQ(NamesIn(swapped), (std::vector<std::string>{"cycles", "of_somebody_else.h5", "unfinished"}));
-  std::filesystem::remove_all(swapped);
-  std::filesystem::rename(away, swapped);
-  EXPECT_EQ(RunProgram({"run", kSchedule, "--out", folder.string(), "--resume"}).exit_code, 0);
-}
-
-INSTANTIATE_TEST_SUITE_P(OfAll, FolderInItsPlace, testing::Values(".", "cycles", "unfinished"),
-                         [](const auto& instance) {
-                           const std::string name = instance.param;
-                           return name == "." ? "campaign" : name;
-                         });
 
 INSTANTIATE_TEST_SUITE_P(BySignal, FourWaysToEnd,
                          testing::Values(Verb{"QuickStop", SIGINT, "quick_stop"},

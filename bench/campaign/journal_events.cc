@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Of the journal: events, channels in trouble, holes and calibrations.
+#include <fmt/core.h>
+
+#include "bench/campaign/journal.h"
+
+namespace strainwave::bench {
+namespace {
+
+constexpr std::string_view kChannelTrouble = "channel_trouble/";
+constexpr const char* kChannelTroubles = "channel_trouble/*";
+
+}  // namespace
+
+void Journal::AddEvent(const Event& event) {
+  database_
+      .Prepare(
+          "INSERT INTO events(time_s, utc, cycle, phase, severity, code, text) VALUES(?, ?, ?, ?, ?, ?, ?)")
+      .Bind(event.time_s)
+      .Bind(event.utc)
+      .Bind(event.cycle)
+      .Bind(event.phase)
+      .Bind(event.severity)
+      .Bind(event.code)
+      .Bind(event.text)
+      .Run();
+  end_.event = database_.LastInsertId();
+}
+
+std::vector<Event> Journal::Events(int newest) const {
+  Statement statement = database_.Prepare(
+      "SELECT time_s, utc, cycle, phase, severity, code, text FROM events ORDER BY id DESC LIMIT ?");
+  statement.Bind(newest);
+  std::vector<Event> events;
+  while (statement.Step()) {
+    events.push_back({statement.Real(0), statement.Text(1), static_cast<int>(statement.Integer(2)),
+                      statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
+  }
+  return events;
+}
+
+// Properties, so that the journals of earlier programs have them, too: none.
+void Journal::SetChannelTroubles(const std::vector<ChannelTrouble>& troubles) {
+  Transaction transaction(database_);
+  database_.Prepare("DELETE FROM campaign WHERE key GLOB ?").Bind(kChannelTroubles).Run();
+  for (const ChannelTrouble& trouble : troubles) {
+    SetProperty(fmt::format("{}{}", kChannelTrouble, trouble.channel),
+                fmt::format("{} {}", trouble.since_utc, trouble.reason));
+  }
+  transaction.Commit();
+}
+
+std::vector<ChannelTrouble> Journal::ChannelTroubles() const {
+  Statement statement = database_.Prepare("SELECT key, value FROM campaign WHERE key GLOB ? ORDER BY key");
+  statement.Bind(kChannelTroubles);
+  std::vector<ChannelTrouble> troubles;
+  while (statement.Step()) {
+    const std::string value = statement.Text(1);
+    const std::size_t space = value.find(' ');
+    troubles.push_back(
+        {statement.Text(0).substr(kChannelTrouble.size()), value.substr(space + 1), value.substr(0, space)});
+  }
+  return troubles;
+}
+
+void Journal::AddHole(const Hole& hole) {
+  database_
+      .Prepare(
+          "INSERT INTO holes(cycle, phase, time_s, start_utc, end_utc, cause, clock) VALUES(?, ?, ?, ?, ?, "
+          "?, ?)")
+      .Bind(hole.cycle)
+      .Bind(hole.phase)
+      .Bind(hole.time_s)
+      .Bind(hole.start_utc)
+      .Bind(hole.end_utc)
+      .Bind(hole.cause)
+      .Bind(hole.clock)
+      .Run();
+}
+
+std::vector<Hole> Journal::Holes() const {
+  Statement statement = database_.Prepare(
+      "SELECT cycle, phase, time_s, start_utc, end_utc, cause, clock FROM holes ORDER BY id");
+  std::vector<Hole> holes;
+  while (statement.Step()) {
+    holes.push_back({static_cast<int>(statement.Integer(0)), statement.Text(1), statement.Real(2),
+                     statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
+  }
+  return holes;
+}
+
+void Journal::SetCalibration(const Calibration& calibration, std::string_view utc) {
+  database_
+      .Prepare(
+          "INSERT OR REPLACE INTO calibrations(name, value, standard_error, unit, source, utc) "
+          "VALUES(?, ?, ?, ?, ?, ?)")
+      .Bind(calibration.name)
+      .Bind(calibration.value)
+      .Bind(calibration.standard_error)
+      .Bind(calibration.unit)
+      .Bind(calibration.source)
+      .Bind(utc)
+      .Run();
+}
+
+std::optional<Calibration> Journal::FindCalibration(std::string_view name) const {
+  for (Calibration& calibration : CalibrationsLike(name)) {
+    if (calibration.name == name) return std::move(calibration);
+  }
+  return std::nullopt;
+}
+
+std::vector<Calibration> Journal::CalibrationsLike(std::string_view prefix) const {
+  Statement statement = database_.Prepare(
+      "SELECT name, value, standard_error, unit, source FROM calibrations WHERE substr(name, 1, ?) = ? ORDER "
+      "BY name");
+  statement.Bind(static_cast<std::int64_t>(prefix.size())).Bind(prefix);
+  std::vector<Calibration> calibrations;
+  while (statement.Step()) {
+    calibrations.push_back(
+        {statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3), statement.Text(4)});
+  }
+  return calibrations;
+}
+
+}  // namespace strainwave::bench
