@@ -11,6 +11,11 @@
 /// Of a CSV record while it is being read: its columns, and what is wrong where.
 namespace strainwave::daq {
 
+// A file with more bad cells than this is read no further: the message shows fewer anyway.
+inline constexpr std::size_t kMostBadCells = 100;
+// And whatever else is found in it.
+inline constexpr std::size_t kMostFindings = 1000;
+
 struct Place {
   int line{};
   int column{};

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
-#include <set>
 #include <tuple>
 
 #include "daq/csv_findings.h"
@@ -20,11 +19,6 @@
 
 namespace strainwave::daq {
 namespace {
-
-// A file with more bad cells than this is read no further: the message shows fewer anyway.
-constexpr std::size_t kMostBadCells = 100;
-// And whatever else is found in it.
-constexpr std::size_t kMostFindings = 1000;
 
 class CsvReader {
  public:

@@ -96,7 +96,9 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
     }
     case Stage::kTurnToAngle:
       devices.driving.CommandPosition(move_.PositionAt(in_stage_s) + drive_ahead_rad_);
-      if (in_stage_s < move_.duration_s() + kLockSettle_s) return StepResult::kRunning;
+      if (in_stage_s < move_.duration_s()) move_ended_ = devices.clock.Now();
+      if (in_stage_s < move_.duration_s() + kLockSettle_s || readings.angles_time < move_ended_)
+        return StepResult::kRunning;
       failed_ = PositionAway(target_rad_, readings);
       if (failed_) return StepResult::kFailedCheck;
       devices.driving.SetBrake(true);

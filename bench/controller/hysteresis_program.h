@@ -46,6 +46,7 @@ class HysteresisProgram final : public PhaseProgram {
   double drive_ahead_rad_{};
   double target_rad_{};  // of the input, where it is locked
   double stage_start_s_{};
+  std::chrono::nanoseconds move_ended_{};
   double locked_output_rad_{};
   double loop_start_s_{};
   double next_row_s_{};

@@ -86,11 +86,15 @@ StepResult SweepProgram::Step(const Readings& readings, double elapsed_s, BenchD
       } else {
         stage_ = Stage::kSettle;
         stage_start_s_ = elapsed_s;
+        move_ended_ = devices.clock.Now();
       }
       return StepResult::kRunning;
     case Stage::kSettle:
       skew_.Add(readings);
-      if (in_stage_s < parameters_.settle_s) return StepResult::kRunning;
+      // What was read before the move ended says nothing of where it ended; the runner watches how old that
+      // is.
+      if (in_stage_s < parameters_.settle_s || readings.angles_time < move_ended_)
+        return StepResult::kRunning;
       failed_ = PositionAway(target_rad_, readings);
       if (failed_) return StepResult::kFailedCheck;
       stage_ = Stage::kAverage;

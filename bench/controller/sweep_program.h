@@ -46,6 +46,7 @@ class SweepProgram final : public PhaseProgram {
   int step_{};
   PointToPoint move_;
   double stage_start_s_{};
+  std::chrono::nanoseconds move_ended_{};
   // Sums over the averaging time, relative to its first reading, so that no digits are lost.
   int count_{};
   double input_start_rad_{}, output_start_rad_{};

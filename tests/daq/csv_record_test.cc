@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "daq/value_bounds.h"
 #include "tests/daq/csv_sample.h"
 
 namespace strainwave::daq {
@@ -281,11 +282,11 @@ Record RandomSweep(std::size_t rows) {
   std::vector<double> input, output;
   std::vector<float> extra;
   for (std::size_t i = 0; i < rows; ++i) {
-    // Any bits that are a finite number.
+    // Any bits that are a number which an angle can be.
     const auto draw = [&random] {
       while (true) {
         const double value = std::bit_cast<double>(random());
-        if (std::isfinite(value)) return value;
+        if (BoundsOf("input_angle_deg").Hold(value)) return value;
       }
     };
     input.push_back(draw());

@@ -93,7 +93,7 @@ inline std::vector<Fault> FaultsOnCan() {
   return {
       {"heartbeat stops", "drive 1 heartbeat off", drive, "heartbeat is lost", "", kHeartbeat_s},
       // While the servo is used, its process data are missed sooner.
-      {"drive falls silent", "drive 2 silent on", drive, "node 2", "", kHeartbeat_s},
+      {"drive falls silent", "drive 2 silent on", StopCause::kDriveSilent, "load servo", "", kHeartbeat_s},
       {"drive reboots", "drive 1 reboot", drive, "started anew", "", kAtOnce_s},
       {"emergency message", "drive 2 emergency 0x4310", drive, "4310", "", kAtOnce_s},
       {"safe torque off opens", "drive 1 sto on", drive, "safe torque off is open", "", kAtOnce_s,
@@ -188,6 +188,7 @@ inline std::vector<Fault> FaultsOnModbus(const ModbusDriveUnderTest& drive, bool
     rows.back().words = "input angle";
     add("gives a part of the speed", "drive {} speed-limit {{:.0f}}", StopCause::kSpeedAway, kShortfall_s,
         Shows::kOnceSpeedIsAsked);
+    rows.back().breaks_limits = true;  // braked all at once, the gear passes the limit of its torque
   } else {
     add("gives 8 Nm", "drive {} torque-limit 8", StopCause::kTorqueAway, kShortfall_s,
         Shows::kOnceTorqueIsAsked);

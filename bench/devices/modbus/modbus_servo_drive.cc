@@ -231,6 +231,8 @@ ModbusReply ModbusServoDrive::WriteCommand(ModbusLink& link, const Command& comm
   // Enabled with the set points already there, stopped before them.
   if (!enable) return WriteStopped(link, command.quick, values);
   if (const ModbusReply reply = link.WriteUnlessCalled(PlanWrites(map_, values)); !reply.good()) return reply;
+  // Said until the drive is enabled, and not again: one that has restarted in between must not come up by it.
+  if (was_enabled_) return {};
   const Values control{{at_.control, profile_.control.enable}};
   return link.WriteUnlessCalled(PlanWrites(map_, control));
 }
