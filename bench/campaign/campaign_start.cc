@@ -19,6 +19,12 @@ constexpr double kTorqueZeroShareOfRange = 0.05;
 // One tooth of a size-20 flexspline is 2.25°; wind-up, transmission error and encoder errors stay below 0.3°.
 constexpr double kEncoderOffsetTolerance_rad = RadFromDeg(0.5);
 
+bool AppliesLoad(const schedules::PhaseParameters& parameters) {
+  if (const auto* check = std::get_if<schedules::SensorCheck>(&parameters))
+    return check->kind == schedules::SensorCheck::Kind::kZero;  // shaken loose before it is read
+  return !std::holds_alternative<schedules::Soak>(parameters);
+}
+
 }  // namespace
 
 CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
@@ -45,7 +51,10 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
 
 // On metal, before the first load of every run: between two of them people have been at the bench.
 CampaignRunner::MaybeEnd CampaignRunner::CheckLoad() {
-  if (bench_.simulated) return std::nullopt;
+  const auto loads = [](const schedules::Phase& phase) { return AppliesLoad(phase.parameters); };
+  const bool any =
+      std::ranges::any_of(schedule_.preparation, loads) || std::ranges::any_of(schedule_.phases, loads);
+  if (bench_.simulated || !any) return std::nullopt;
   LoadCheckProgram program(schedule_.specimen, bench_.control_period_s);
   Transition(BenchEvent::kBeginLoadRun);
   const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});

@@ -115,6 +115,8 @@ void SensorWatch::Raise(Channel& channel, SensorFault fault, double evidence) no
 bool SensorWatch::TimeSteps(const BlockHeader& header, double& step_s) noexcept {
   const std::optional<BlockHeader> last = std::exchange(last_, header);
   if (!last || (header.flags & (kAfterReset | kLostIsEstimate)) != 0) return false;
+  // A device without a clock of its own says zero each time.
+  if (header.device_time.count() == 0 && last->device_time.count() == 0) return false;
   const double samples = static_cast<double>(header.first_sample - last->first_sample);
   step_s = std::chrono::duration<double>(header.device_time - last->device_time).count() -
            samples / source_.rate_hz;
