@@ -3,20 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <stdexcept>
 
 #include <fmt/core.h>
 
-#include "analysis/units.h"
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/runner_settings.h"
 #include "bench/campaign/sensor_stamps.h"
 #include "bench/campaign/sha256.h"
-#include "bench/controller/load_check_program.h"
 #include "bench/controller/make_program.h"
-#include "bench/controller/standstill_programs.h"
 #include "daq/cycle_file.h"
 
 namespace strainwave::bench {

@@ -51,6 +51,7 @@ class CampaignRunner {
 
   void Transition(BenchEvent event);
   MaybeEnd Reference(double expected_offset_rad);
+  MaybeEnd RunUncredited(PhaseProgram& program, std::string_view phase);
   MaybeEnd CheckLoad();
   MaybeEnd WarmUp(const Pause& pause);
   MaybeEnd RunCycle(int cycle);

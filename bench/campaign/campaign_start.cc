@@ -2,6 +2,7 @@
 // What comes before the first cycle of a run: references, the load check, and warming up after a pause.
 #include <algorithm>
 #include <iterator>
+#include <limits>
 
 #include <fmt/core.h>
 
@@ -49,6 +50,16 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   return std::nullopt;
 }
 
+// As a load run, of which the journal has no phase.
+CampaignRunner::MaybeEnd CampaignRunner::RunUncredited(PhaseProgram& program, std::string_view phase) {
+  Transition(BenchEvent::kBeginLoadRun);
+  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
+  if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase);
+  Transition(BenchEvent::kPhaseEnded);
+  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
+  return std::nullopt;
+}
+
 // On metal, before the first load of every run: between two of them people have been at the bench.
 CampaignRunner::MaybeEnd CampaignRunner::CheckLoad() {
   const auto loads = [](const schedules::Phase& phase) { return AppliesLoad(phase.parameters); };
@@ -56,11 +67,7 @@ CampaignRunner::MaybeEnd CampaignRunner::CheckLoad() {
       std::ranges::any_of(schedule_.preparation, loads) || std::ranges::any_of(schedule_.phases, loads);
   if (bench_.simulated || !any) return std::nullopt;
   LoadCheckProgram program(schedule_.specimen, bench_.control_period_s);
-  Transition(BenchEvent::kBeginLoadRun);
-  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
-  if (IsFault(outcome.reason.cause)) return EndForFault(outcome, "load_check");
-  Transition(BenchEvent::kPhaseEnded);
-  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
+  if (auto end = RunUncredited(program, "load_check")) return end;
   Note("info", "", "load_check",
        fmt::format(
            "load check: the transducer shows {:.3f} times the torque asked for, the input encoder {:.3f} "
@@ -94,11 +101,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WarmUp(const Pause& pause) {
                    pause.length_s ? fmt::format("{:.0f} s", pause_s) : "a time that is not known",
                    run.duration_s));
   const auto program = MakeProgram(run, schedule_.specimen, 0.0, bench_.control_period_s);
-  Transition(BenchEvent::kBeginLoadRun);
-  const PhaseOutcome outcome = runner_.Run(*program, [](const PhaseSnapshot&, const PhaseProgram&) {});
-  if (IsFault(outcome.reason.cause)) return EndForFault(outcome, "warm_up");
-  Transition(BenchEvent::kPhaseEnded);
-  if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
+  if (auto end = RunUncredited(*program, "warm_up")) return end;
   TakeMemory();
   return std::nullopt;
 }

@@ -128,7 +128,8 @@ ModbusServoProfile ReadServo(YamlMap& map) {
   servo.period = Nanoseconds(map.Quantity("write_period", Dimension::kTime, Bound::kPositive));
   servo.watchdog_time = Nanoseconds(map.Quantity("watchdog_time", Dimension::kTime, Bound::kPositive));
   servo.shaft = map.Choice<ModbusServoProfile::Shaft>(
-      "shaft", {{"motor", ModbusServoProfile::Shaft::kMotor}, {"output", ModbusServoProfile::Shaft::kOutput}});
+      "shaft",
+      {{"motor", ModbusServoProfile::Shaft::kMotor}, {"output", ModbusServoProfile::Shaft::kOutput}});
   YamlMap control = map.Map("control", Presence::kRequired);
   servo.control.off = control.Number("off", Bound::kAny);
   servo.control.enable = control.Number("enable", Bound::kAny);

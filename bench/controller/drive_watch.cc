@@ -18,7 +18,7 @@ double Seconds(nanoseconds time) { return std::chrono::duration<double>(time).co
 
 void DriveWatch::Enable(DriveMode mode) noexcept {
   asked_ = Asked::kToComeUp;
-  way_up_begun_ = false;
+  way_up_begin_ = std::nullopt;
   drive_.Enable(mode);
 }
 
@@ -50,14 +50,13 @@ StopReason DriveWatch::Check(const DriveActual& actual, nanoseconds now,
   if (asked_ == Asked::kNothing) return {};
   const bool enabled = actual.power == PowerState::kOperationEnabled;
   if (asked_ == Asked::kToComeUp) {
-    if (!way_up_begun_) way_up_begin_ = now;
-    way_up_begun_ = true;
+    if (!way_up_begin_) way_up_begin_ = now;
     if (enabled && !actual.brake_engaged) {
       asked_ = Asked::kToStayUp;
       return {};
     }
-    if (now - way_up_begin_ <= kLongestWayUp) return {};
-    return reason(StopCause::kDriveNotReady, now - way_up_begin_, kLongestWayUp);
+    if (now - *way_up_begin_ <= kLongestWayUp) return {};
+    return reason(StopCause::kDriveNotReady, now - *way_up_begin_, kLongestWayUp);
   }
   if (!enabled) return reason(StopCause::kDriveDroppedOut, {}, {});
   if (!brake_released_ || !actual.brake_engaged) {

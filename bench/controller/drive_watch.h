@@ -44,8 +44,7 @@ class DriveWatch final : public ServoDrive {
   Asked asked_{Asked::kNothing};
   bool brake_released_{};                                  // asked for
   std::optional<std::chrono::nanoseconds> brake_seen_on_;  // at the time of this answer, though released
-  bool way_up_begun_{};
-  std::chrono::nanoseconds way_up_begin_{};
+  std::optional<std::chrono::nanoseconds> way_up_begin_;   // with the first check after the order
   std::chrono::nanoseconds restarted_{};
 };
 

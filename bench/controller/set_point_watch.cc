@@ -13,6 +13,8 @@ constexpr double kLowPass_s = 0.1;
 // What is near a set point that moves says little: a servo at its limit is, for most of a ramp from one sign
 // to the other. A tenth of such time counts against what was away.
 constexpr double kOnTheWay = 0.1;
+// Of the encoder's speed: the times of two samples are known to milliseconds, which of ten are a third.
+constexpr double kSpeedWindow_s = 0.1;
 
 }  // namespace
 
@@ -48,14 +50,16 @@ void LoadWatch::Step(double output_torque_Nm, double input_speed_rad_per_s, cons
   // Between two samples of the encoder the speed stays what it was.
   if (encoder_time_ && readings.angles_time > *encoder_time_) {
     const std::chrono::duration<double> apart = readings.angles_time - *encoder_time_;
-    speed_rad_per_s_ = (readings.input_angle_rad - encoder_angle_rad_) / apart.count();
+    const double kept = std::exp(-apart.count() / kSpeedWindow_s);
+    turned_rad_ = kept * turned_rad_ + readings.input_angle_rad - encoder_angle_rad_;
+    turned_s_ = kept * turned_s_ + apart.count();
   }
   if (!encoder_time_ || readings.angles_time > *encoder_time_) {
     encoder_time_ = readings.angles_time;
     encoder_angle_rad_ = readings.input_angle_rad;
   }
   torque_.Step(output_torque_Nm, readings.output_torque_Nm, period_s);
-  speed_.Step(input_speed_rad_per_s, speed_rad_per_s_, period_s);
+  speed_.Step(input_speed_rad_per_s, this->input_speed_rad_per_s(), period_s);
   time_ = readings.time;
   if (torque_.is_away_for_too_long()) {
     failed_ = TorqueReason();

@@ -67,8 +67,8 @@ class LoadWatch {
   StopReason away_reason() const noexcept;
   /// Away for longer than the dwell, and which servo; none where not.
   StopReason failed() const noexcept { return failed_; }
-  /// By the encoder, not low-passed.
-  double input_speed_rad_per_s() const noexcept { return speed_rad_per_s_; }
+  /// By the encoder, of about the last tenth of a second.
+  double input_speed_rad_per_s() const noexcept { return turned_s_ > 0.0 ? turned_rad_ / turned_s_ : 0.0; }
 
  private:
   StopReason TorqueReason() const noexcept;
@@ -78,8 +78,8 @@ class LoadWatch {
   SetPointWatch speed_;
   std::optional<std::chrono::nanoseconds> encoder_time_;
   double encoder_angle_rad_{};
-  double speed_rad_per_s_{};
-  std::chrono::nanoseconds time_{};  // of the readings
+  double turned_rad_{}, turned_s_{};  // the older, the less they weigh
+  std::chrono::nanoseconds time_{};   // of the readings
   StopReason failed_;
 };
 

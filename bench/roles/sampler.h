@@ -14,7 +14,7 @@ namespace strainwave::bench {
 /// encoders: at the motor shaft and at the reducer's output.
 struct Readings {
   std::chrono::nanoseconds time{};
-  std::chrono::nanoseconds angles_time{};  // the older of the two angles
+  std::chrono::nanoseconds angles_time{};  // when the older of the two angles was sampled
   double input_angle_rad{};
   double output_angle_rad{};
   double input_speed_rad_per_s{};

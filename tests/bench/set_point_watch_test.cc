@@ -102,6 +102,23 @@ TEST(LoadWatch, SaysWhichServoIsAwayByTransducerAndEncoder) {
   }
 }
 
+// Two blocks of a stream 1 and 19 ms apart instead of 10 and 10.
+TEST(LoadWatch, KnowsTheSpeedWhereSamplesComeInPairs) {
+  const double asked_rad_per_s = RadPerSFromRpm(2400.0);
+  LoadWatch watch({}, 40.0, asked_rad_per_s, Size20());
+  for (int step = 1; step < 500; ++step) {
+    Readings readings;
+    readings.time = std::chrono::milliseconds(10) * step;
+    readings.angles_time = readings.time + std::chrono::milliseconds(step % 2 == 0 ? -9 : 0);
+    readings.input_angle_rad = asked_rad_per_s * 0.01 * step;
+    readings.output_torque_Nm = 40.0;
+    watch.Step(40.0, asked_rad_per_s, readings, kPeriod_s);
+    ASSERT_EQ(Describe(watch.failed()), Describe({}));
+    ASSERT_FALSE(step > 20 && watch.away())
+        << RpmFromRadPerS(watch.input_speed_rad_per_s()) << " rpm in step " << step;
+  }
+}
+
 TEST(LoadWatch, AllowsOfASmallTorqueAShareOfAThirdOfTheRatedOne) {
   const schedules::SetPointTolerances tolerances;
   EXPECT_DOUBLE_EQ(TorqueTolerance_Nm(tolerances, 40.0, Size20()), 6.0);

@@ -15,6 +15,7 @@ namespace strainwave::bench {
 // How long the bench may take to notice, by what tests/simulation/field, the register map of its thermometers
 // and TestSettings say; StatedTimes.AreThoseOfTheFiles holds them against each other.
 inline constexpr double kHeartbeat_s = 1.2;  // a drive's, waited for
+inline constexpr double kMissing_s = 0.6;    // its process data
 inline constexpr double kReadings_s = 1.0;   // none, and the values of a stream that has fallen silent
 inline constexpr double kPoll_s = 0.2;       // of a thermometer
 inline constexpr double kGoodFor_s = 2.0;    // what a thermometer has said last
@@ -92,8 +93,8 @@ inline std::vector<Fault> FaultsOnCan() {
   const std::string ok = "modbus thermometers ok";
   return {
       {"heartbeat stops", "drive 1 heartbeat off", drive, "heartbeat is lost", "", kHeartbeat_s},
-      // While the servo is used, its process data are missed sooner.
-      {"drive falls silent", "drive 2 silent on", StopCause::kDriveSilent, "load servo", "", kHeartbeat_s},
+      // Its process data are missed sooner than its heartbeat.
+      {"drive falls silent", "drive 2 silent on", drive, "process data no longer come in", "", kMissing_s},
       {"drive reboots", "drive 1 reboot", drive, "started anew", "", kAtOnce_s},
       {"emergency message", "drive 2 emergency 0x4310", drive, "4310", "", kAtOnce_s},
       {"safe torque off opens", "drive 1 sto on", drive, "safe torque off is open", "", kAtOnce_s,

@@ -182,7 +182,7 @@ TEST(StatedTimes, AreThoseOfTheFiles) {
   EXPECT_EQ(1e-3 * drive.supervision.drive_timeout_ms, kHeartbeat_s);
   const auto s = [](nanoseconds time) { return std::chrono::duration<double>(time).count(); };
   EXPECT_EQ(s(drive.timing.sync_period), kSyncPeriod_s);
-  EXPECT_LT(s(drive.timing.sync_period * drive.timing.stale_after_syncs), kHeartbeat_s);
+  EXPECT_EQ(s(drive.timing.sync_period * drive.timing.stale_after_syncs), kMissing_s);
   EXPECT_EQ(drive.limits.quick_stop_deceleration_rad_per_s2, kDeceleration_rad_per_s2);
   for (const TestedBench other : {TestedBench::kModbus, TestedBench::kModbusLoad}) {
     EXPECT_EQ(Bench(other).stale_after_s, kReadings_s);

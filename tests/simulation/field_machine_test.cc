@@ -202,10 +202,10 @@ TEST(FieldSampler, BringsBothAnglesToOneMoment) {
   };
   channels.ratio = 80.0;
   channels.channels[at(Channel::kInputAngle)] = [&] {
-    return ChannelValue{5.0 * kSpeed_rad_per_s, clock.Now(), true, seconds(5)};
+    return ChannelValue{4.999 * kSpeed_rad_per_s, clock.Now(), true, milliseconds(-1)};
   };
   channels.channels[at(Channel::kOutputAngle)] = [&] {
-    return ChannelValue{4.997 * kSpeed_rad_per_s / 80.0, clock.Now(), true, milliseconds(4997)};
+    return ChannelValue{4.996 * kSpeed_rad_per_s / 80.0, clock.Now(), true, milliseconds(-4)};
   };
   channels.channels[at(Channel::kInputSpeed)] = constant(kSpeed_rad_per_s);
   channels.channels[at(Channel::kOutputTorque)] = constant(0.0);
@@ -214,6 +214,7 @@ TEST(FieldSampler, BringsBothAnglesToOneMoment) {
   const Readings readings = sampler.Read();
   constexpr double kRounding_rad = 1e-12;
   EXPECT_NEAR(readings.output_angle_rad, readings.input_angle_rad / 80.0, kRounding_rad);
+  EXPECT_EQ(readings.angles_time, milliseconds(-4)) << "not when the sample came";
 }
 
 // The encoders of the device side are read 1 ms apart, which is 4.5 arcmin at 1000 rpm; its drives have the

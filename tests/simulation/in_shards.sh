@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs a GoogleTest program several times at once, each time with a share of its tests: for tests that wait in real
-# time and compute little.
+# Runs a GoogleTest program, or a script that knows its variables for shards, several times at once, each time with a
+# share of its tests: for tests that wait in real time and compute little.
 # Usage: in_shards.sh SHARDS PROGRAM [ARGUMENT...]. Exit code: 1 if one of them failed.
 set -euo pipefail
 

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A campaign with one kind of phase in front of a test, and what the journal and the drives themselves say of it."""
 import contextlib
+import os
 import pathlib
 import re
 import sqlite3
 import subprocess
 import sys
 import tempfile
+import unittest
 
 import campaign_journal
 
@@ -167,3 +169,13 @@ def jogging(program, words):
         return any(float(turned) > 5.0 for turned in re.findall(r"([0-9.-]+) deg turned", said))
     until(turns)
     return jog
+
+
+def shard_of(suite):
+    """The share of its tests that in_shards.sh asks this process for, as it asks GoogleTest's programs."""
+    def each(tests):
+        for test in tests:
+            yield from each(test) if isinstance(test, unittest.TestSuite) else [test]
+    shards, index = (int(os.environ.get(name, default)) for name, default in
+                     (("GTEST_TOTAL_SHARDS", 1), ("GTEST_SHARD_INDEX", 0)))
+    return unittest.TestSuite(list(each(suite))[index::shards])

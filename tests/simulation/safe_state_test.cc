@@ -81,8 +81,7 @@ TEST_P(SafeState, IsReachedWithinOneControlPeriodAndTheCauseIsNamed) {
   });
   // With the input locked the driving servo is off, until it goes on to the next angle.
   const bool is_off = phase.name == "Hysteresis" && way.name == "DrivingDropsOut";
-  EXPECT_EQ(outcome.reason.cause, is_off ? StopCause::kDriveNotReady : way.cause)
-      << Describe(outcome.reason);
+  EXPECT_EQ(outcome.reason.cause, is_off ? StopCause::kDriveNotReady : way.cause) << Describe(outcome.reason);
   EXPECT_TRUE(bench.Safe());
   EXPECT_EQ(bench.driving.set_points_after_stop, 0);
   EXPECT_EQ(bench.load.set_points_after_stop, 0);

@@ -68,8 +68,10 @@ class Signals(unittest.TestCase):
 
     def test_each_kind_of_phase_ends_with_torque_off_and_brakes_on(self):
         numbers = QUICK + [signal.SIGTERM] if MATRIX else [signal.SIGHUP]
-        self.expect_none(stopped_by(number, kind, running_campaign.BENCH)
-                         for kind in running_campaign.PHASES if kind != "suspended" for number in numbers)
+        cases = [(number, kind) for kind in running_campaign.PHASES if kind != "suspended" for number in numbers]
+        # They wait in real time and compute little.
+        with ThreadPoolExecutor(3) as threads:
+            self.expect_none(threads.map(lambda case: stopped_by(*case, running_campaign.BENCH), cases))
 
     def test_what_the_kernel_sends_for_output_and_terminals_stops_nothing(self):
         campaign = Campaign(PROGRAM, FOLDER / "ignored").start().reach()
@@ -128,6 +130,10 @@ class Signals(unittest.TestCase):
                 jog.stdin.close()
                 words.seek(0)
                 self.assertIn("torque is off, the brakes are on", words.read())
+
+
+def load_tests(_loader, tests, _pattern):
+    return running_campaign.shard_of(tests)
 
 
 if __name__ == "__main__":

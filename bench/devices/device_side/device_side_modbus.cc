@@ -51,7 +51,8 @@ void DeviceSide::AddModbus(const DeviceDescription& device) {
     if (!CanWrite(value)) value.least = value.most = std::nullopt;
   }
   const auto has = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
-  if (device.kind == DeviceDescription::Kind::kModbus && !has("gear_temperature") && !has("ambient_temperature")) {
+  if (device.kind == DeviceDescription::Kind::kModbus && !has("gear_temperature") &&
+      !has("ambient_temperature")) {
     throw std::invalid_argument(
         fmt::format("{} has neither gear_temperature nor ambient_temperature (must have one "
                     "to be played here)",

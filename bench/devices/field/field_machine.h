@@ -39,8 +39,9 @@
 
 namespace strainwave::bench {
 
-/// A bench of metal: the devices that its file names, joined to the roles. Where a drive's bus is `in_process`,
-/// the device side stands in for the whole bench within this program, on real time and the same protocols.
+/// A bench of metal: the devices that its file names, joined to the roles. Where a drive's bus is
+/// `in_process`, the device side stands in for the whole bench within this program, on real time and the same
+/// protocols.
 class FieldMachine final : public BenchMachine {
  public:
   enum class Use {

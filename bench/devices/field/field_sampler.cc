@@ -50,7 +50,7 @@ Readings FieldSampler::Read() noexcept {
     }
     const auto channel = static_cast<Channel>(i);
     if (channel == Channel::kInputAngle || channel == Channel::kOutputAngle) {
-      readings.angles_time = std::min(readings.angles_time, value.time);
+      readings.angles_time = std::min(readings.angles_time, times[i]);
     }
   }
   readings.input_angle_rad = values[At(Channel::kInputAngle)];

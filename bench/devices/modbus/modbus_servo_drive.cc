@@ -311,8 +311,9 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
     if (const ModbusReply reply = SetWatchdogTime(link); !reply.good()) return reply;
     // From a quick stop the way leads through off, so that a stop never turns into motion by one word.
     const ModbusReply reply = WriteStop(link, false, true);
+    begun_ns_ =
+        clock_.Now().count();  // before it counts as begun: `IsEnabledAsAsked` looks from other threads
     if (reply.good()) enables_begun_ = command.enables;
-    begun_ns_ = clock_.Now().count();
     return reply;
   }
   return WriteCommand(link, command, enable);

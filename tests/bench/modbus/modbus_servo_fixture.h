@@ -28,6 +28,9 @@ class Servo : public testing::Test {
     settings_.retries = 0;
     settings_.first_pause = 10ms;
     settings_.longest_pause = 50ms;
+    // None of its tests but the watchdog's waits for it, and the machine of the tests computes for others
+    // too.
+    profile_.servo->watchdog_time = 2s;
   }
 
   // The control loop goes on calling while it waits, as on a bench.

@@ -142,7 +142,7 @@ TEST_F(Servo, AStopIsDoneEvenIfTheNextEnableFollowsAtOnce) {
 }
 
 TEST_F(Servo, OverTcpAStopDoesNotWaitForAnAnswerThatIsDue) {
-  settings_.answer_time = 5s;
+  settings_.answer_time = 2s;
   const auto drive = Drive();
   RunAt(*drive, 50.0);
   model_.set_watchdog(ModbusServoModel::Watchdog::kNever);
@@ -178,8 +178,8 @@ TEST_F(Servo, ThatRestartedWhileItWasOffIsGivenItsWatchdogTimeAgainBeforeItIsEna
   model_.TakeWritten();
   RunAt(*drive, 50.0);
   const std::vector<std::string> written = model_.TakeWritten();
-  EXPECT_LT(std::ranges::find(written, "watchdog_time 0.2"), std::ranges::find(written, "control 1"));
-  EXPECT_EQ(model_.Read(at, clock_.Now()), 0.2);
+  EXPECT_LT(std::ranges::find(written, "watchdog_time 2"), std::ranges::find(written, "control 1"));
+  EXPECT_EQ(model_.Read(at, clock_.Now()), 2.0);
 }
 
 TEST_F(Servo, EveryWayOutLeavesTheDriveOffAndBraked) {

@@ -6,6 +6,8 @@ namespace {
 
 class WatchdogProofs : public Servo {
  protected:
+  WatchdogProofs() { profile_.servo->watchdog_time = 200ms; }
+
   WatchdogProof Prove() {
     ModbusLink link(settings_, nullptr);
     link.Open();
