@@ -36,8 +36,9 @@ SHORTEST_PAUSE_S, LONGEST_PAUSE_S = 3.0, 40.0
 CREDIT_A_FAULT_S = 0.35
 LONGEST_CYCLE_S = 900.0
 MANY_ERRORS = 5.0
-# Which teeth are heard and how warm the gear is differ from cycle to cycle, by more than what a value's own error says.
-SCATTER = {"vibration": 0.25, "temperature": 0.2}
+# Which teeth are heard, how warm the gear is and what it starts from differ from cycle to cycle, by more than what a
+# value's own error says.
+SCATTER = {"vibration": 0.25, "temperature": 0.2, "starting_torque": 0.5}
 SCATTER_OF_OTHERS = 0.02
 
 

@@ -293,6 +293,8 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
     return reply;
   }
   const std::optional<PowerState> power = Power();
+  const bool begun = enable && command.enables == enables_begun_;
+  was_enabled_ = was_enabled_ && begun;  // else it is of an enabling that is over
   const bool hangs = clock_.Now().count() - heard_ns_ > patience_.count();
   const bool left = was_enabled_ && power && power != PowerState::kOperationEnabled;  // by itself
   if (enable && (hangs || left || power == PowerState::kFault || (was_enabled_ && !WatchdogFollows()))) {
@@ -300,7 +302,6 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
     was_enabled_ = false;
     return WriteStop(link, true, true);
   }
-  const bool begun = enable && command.enables == enables_begun_;
   was_enabled_ = begun && (was_enabled_ || IsEnabledAsAsked(power));
   if (enable && command.enables != enables_begun_ && others_supervised_ && !others_supervised_()) {
     void_enables_ = command.enables;
