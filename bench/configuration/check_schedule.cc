@@ -127,16 +127,19 @@ class BenchCheck {
     WantAccelerometers("kind", "kind = measurement_rotation");
   }
   void operator()(const schedules::TransmissionErrorSweep& sweep) const {
+    CheckPositions("transmission_error");
     CheckMotion(sweep.input_speed_rad_per_s, sweep.input_acceleration_rad_per_s2);
     CheckFollowing(sweep.input_speed_rad_per_s);
     CheckOnePeriod("averaging", sweep.averaging_s);
   }
   void operator()(const schedules::HysteresisTest& test) const {
+    CheckPositions("hysteresis");
     CheckTorque("peak_torque", test.peak_torque_Nm, false);
     CheckLogRate(test.log_rate_hz, can_.sample_rate_hz);
   }
   void operator()(const schedules::Soak&) const {}
   void operator()(const schedules::BlankTest& test) const {
+    CheckPositions("blank_test");
     CheckTorque("peak_torque", test.peak_torque_Nm, false);
   }
   void operator()(const schedules::SensorCheck& check) const {
@@ -222,6 +225,15 @@ class BenchCheck {
         fmt::format("{:.4g} rpm at which the driving servo lags by the {:g} deg of its "
                     "following_error_window within control_period, sync_period and position_loop_lag",
                     RpmFromRadPerS(most_rad_per_s), DegFromRad(drive->limits.following_error_window_rad)));
+  }
+
+  void CheckPositions(std::string_view kind) const {
+    const DeviceDescription* const device = FindDevice(bench_.devices, bench_.driving_servo.drive.device);
+    if (device == nullptr || device->kind != DeviceDescription::Kind::kModbus) return;
+    compare_.Error(At("kind"),
+                   fmt::format("kind = {} moves the input from position to position, which a "
+                               "drive on Modbus does not (expected a driving servo on CANopen in {})",
+                               kind, bench_.file_name));
   }
 
   void WantAccelerometers(std::string_view key, std::string_view what) const {

@@ -231,6 +231,23 @@ TEST(CheckScheduleAgainstBench, NamesASpeedBeyondTheDrive) {
       "(small-bench.yaml, line 4)");
 }
 
+TEST(CheckScheduleAgainstBench, NamesWhatADriveOnModbusCannotDo) {
+  const std::string file = STRAINWAVE_SOURCE_DIR "/tests/simulation/field/modbus.yaml";
+  const BenchDescription bench = ReadBenchFile(file);
+  std::string lines;
+  for (const auto& finding :
+       CheckScheduleAgainstBench(schedules::ParseSchedule(GoodSchedule(), "small.yaml"), bench).items()) {
+    lines += FormatFinding("small.yaml", finding) + '\n';
+  }
+  const std::string why =
+      " moves the input from position to position, which a drive on Modbus does not (expected a driving "
+      "servo "
+      "on CANopen in " +
+      file + ")\n";
+  EXPECT_EQ(lines, "small.yaml:29:11: error: kind = hysteresis" + why +
+                       "small.yaml:31:11: error: kind = transmission_error" + why);
+}
+
 TEST(CheckScheduleAgainstBench, NamesASpeedAtWhichTheDriveCannotBeLedFromPositionToPosition) {
   const BenchDescription bench = ReadBenchFile(STRAINWAVE_SOURCE_DIR "/bench/examples/in_process.yaml");
   const auto check = [&](std::string_view speed) {
