@@ -254,6 +254,12 @@ void CampaignRunner::WriteCheckpoint(Checkpoint checkpoint, const Readings& last
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
+  if (auto end = WaitUntilRecovered(phase)) return end;
+  Transition(BenchEvent::kResume);
+  return std::nullopt;
+}
+
+CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view phase) {
   const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot&, const PhaseProgram&) {
     held_.DemandInPlace();
     Show(phase, share_);
@@ -261,7 +267,6 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
   WatchChannels(phase);
   if (!ended) {
     Note("info", phase, "resumed", "the suspend condition has passed; going on");
-    Transition(BenchEvent::kResume);
     return std::nullopt;
   }
   PhaseOutcome outcome;

@@ -61,6 +61,7 @@ class CampaignRunner {
   MaybeEnd EndForRequest(const PhaseOutcome& outcome);
   MaybeEnd EndForFault(const PhaseOutcome& outcome, std::string_view phase);
   MaybeEnd WaitSuspended(std::string_view phase);
+  MaybeEnd WaitUntilRecovered(std::string_view phase);
   MaybeEnd AfterCycle(const std::vector<Result>& results);
   MaybeEnd CheckBetweenPhases();
 

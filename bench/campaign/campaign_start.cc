@@ -40,8 +40,18 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   }
   const ReferencingProgram::Tolerances tolerances{kTorqueZeroShareOfRange * bench_.transducer.range_Nm,
                                                   kEncoderOffsetTolerance_rad};
-  ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
-  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
+  const auto reference = [&] {
+    ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
+    return runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
+  };
+  PhaseOutcome outcome = reference();
+  // A campaign that was suspended, and then stopped, is resumed while its gear is warm.
+  while (IsSuspend(outcome.reason.cause)) {
+    WatchChannels("referencing");
+    Note("warning", "referencing", Code(outcome.reason.cause), Describe(outcome.reason));
+    if (auto end = WaitUntilRecovered("referencing")) return end;
+    outcome = reference();
+  }
   WatchChannels("referencing");
   if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);
   if (outcome.reason) return EndForFault(outcome, "referencing");

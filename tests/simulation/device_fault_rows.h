@@ -16,6 +16,7 @@ namespace strainwave::bench {
 // and TestSettings say; StatedTimes.AreThoseOfTheFiles holds them against each other.
 inline constexpr double kHeartbeat_s = 1.2;  // a drive's, waited for
 inline constexpr double kMissing_s = 0.6;    // its process data
+inline constexpr double kUnheard_s = 1.0;    // by a drive that hears no more of them and stops by itself
 inline constexpr double kReadings_s = 1.0;   // none, and the values of a stream that has fallen silent
 inline constexpr double kPoll_s = 0.2;       // of a thermometer
 inline constexpr double kGoodFor_s = 2.0;    // what a thermometer has said last
@@ -80,7 +81,9 @@ struct Fault {
   BenchServo servo{BenchServo::kDriving};
   TestedBench bench{TestedBench::kCan};
   StopCause cause_while_off{StopCause::kNone};  // where it is another; noticed as a silent drive is
-  // The drive stops and brakes by itself before it is told; a limit that this breaks may come first.
+  StopCause or_cause{StopCause::kNone};         // which may come first
+  // The drive stops, or turns slower, all at once before it is told to; a limit that this breaks may come
+  // first.
   bool breaks_limits{};
 };
 
@@ -93,8 +96,8 @@ inline std::vector<Fault> FaultsOnCan() {
   const std::string ok = "modbus thermometers ok";
   return {
       {"heartbeat stops", "drive 1 heartbeat off", drive, "heartbeat is lost", "", kHeartbeat_s},
-      // Its process data are missed sooner than its heartbeat.
-      {"drive falls silent", "drive 2 silent on", drive, "process data no longer come in", "", kMissing_s},
+      // Its process data are missed before its heartbeat, and it hears nothing either.
+      {"drive falls silent", "drive 2 silent on", drive, "process data no longer come in", "", kUnheard_s},
       {"drive reboots", "drive 1 reboot", drive, "started anew", "", kAtOnce_s},
       {"emergency message", "drive 2 emergency 0x4310", drive, "4310", "", kAtOnce_s},
       {"safe torque off opens", "drive 1 sto on", drive, "safe torque off is open", "", kAtOnce_s,
@@ -105,7 +108,8 @@ inline std::vector<Fault> FaultsOnCan() {
       {"load servo gives 8 Nm", "drive 2 torque-limit 8", StopCause::kTorqueAway, "the load servo gives", "",
        kShortfall_s, Shows::kOnceTorqueIsAsked, load},
       {"driving servo gives a part of the speed", "drive 1 speed-limit {:.0f}", StopCause::kSpeedAway,
-       "driving servo", "", kShortfall_s, Shows::kOnceSpeedIsAsked, driving},
+       "driving servo", "", kShortfall_s, Shows::kOnceSpeedIsAsked, driving, TestedBench::kCan,
+       StopCause::kNone, StopCause::kNone, true},
       {"encoder stream falls silent", "stream encoders silent on", StopCause::kStaleReadings,
        "no fresh readings", "", kReadings_s},
       {"3000 encoder samples are lost", "stream encoders drop 3000", StopCause::kStaleReadings,
@@ -128,7 +132,8 @@ inline std::vector<Fault> FaultsOnCan() {
       {"torque transducer repeats its last value", "sensor freeze 3", StopCause::kImplausibleReading,
        "output torque", "", kFound_s},
       {"torque transducer drifts by 40 Nm a second", "sensor drift 3 40", StopCause::kOutputTorqueLimit,
-       "output torque", "", (kTorqueLimit_Nm + kMostTorque_Nm) / 40.0},
+       "torque", "", (kTorqueLimit_Nm + kMostTorque_Nm) / 40.0, Shows::kAlways, driving, TestedBench::kCan,
+       StopCause::kNone, StopCause::kTorqueAway},
       {"output encoder repeats its last value", "sensor freeze 1", StopCause::kImplausibleReading,
        "output angle", "", kFound_s},
       {"input encoder repeats its last value", "sensor freeze 0", StopCause::kInputAngleApart, "input angle",
@@ -160,7 +165,7 @@ inline std::vector<Fault> FaultsOnModbus(const ModbusDriveUnderTest& drive, bool
     const std::string name = fmt::format("{} ({}) {}", drive.servo_words.substr(4), drive.where, what);
     const bool is_of_answers = std::string_view(command).starts_with("modbus");
     rows.push_back({name, fmt::format(fmt::runtime(command), drive.device), cause, drive.servo_words, "",
-                    noticed_after_s, shows, drive.servo, drive.bench, while_off,
+                    noticed_after_s, shows, drive.servo, drive.bench, while_off, StopCause::kNone,
                     is_of_answers || shows == Shows::kWhileUsed});
   };
   const StopCause silent = StopCause::kDriveSilent;

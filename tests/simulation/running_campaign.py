@@ -66,6 +66,7 @@ class Campaign:
 
     def start(self, *more, **streams):
         """On files of the campaign's folder, unless streams are given."""
+        self.suspended_before = self.times_suspended()
         with contextlib.ExitStack() as files:
             for name, mode in (("stdin", "r"), ("stdout", "a"), ("stderr", "a")):
                 if name not in streams:
@@ -99,11 +100,14 @@ class Campaign:
                 enabled = enabled or newest[node] & STATE == OPERATION_ENABLED
         return newest, enabled
 
+    def times_suspended(self):
+        return len(self.query("SELECT 1 FROM events WHERE code = 'temperature_suspend'"))
+
     def is_under_way(self):
-        outcome = "suspended" if self.kind == "suspended" else "running"
-        name = "load_run" if self.kind == "suspended" else self.kind
         self.alive()
-        if not self.query(f"SELECT 1 FROM phases WHERE kind = '{name}' AND outcome = '{outcome}'"):
+        if self.kind == "suspended":
+            return self.times_suspended() > self.suspended_before
+        if not self.query(f"SELECT 1 FROM phases WHERE kind = '{self.kind}' AND outcome = 'running'"):
             return False
         return self.kind in WITHOUT_TORQUE or not self.bench or self.drive_words()[1]
 

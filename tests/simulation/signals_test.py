@@ -39,8 +39,7 @@ def stopped_by(number, kind, bench, pace="real"):
         campaign.start().reach()
         campaign.process.send_signal(number)
         faults = campaign.faults_after(campaign.end(), SOFTER.get(number, "quick_stop"))
-        # While its gear is too warm a campaign is not resumed.
-        if not faults and (MATRIX or not bench) and kind != "suspended":
+        if not faults and (MATRIX or not bench):
             campaign.start("--resume").reach()
             campaign.process.send_signal(signal.SIGINT)
             faults = [f"resumed: {fault}" for fault in campaign.faults_after(campaign.end(), "quick_stop")]
