@@ -35,6 +35,8 @@ SHORTEST_PAUSE_S, LONGEST_PAUSE_S = 3.0, 40.0
 # What may have been credited until a fault was noticed.
 CREDIT_A_FAULT_S = 0.35
 LONGEST_CYCLE_S = 900.0
+LONGEST_END_S = 60.0  # what is on record ten seconds after a stop included
+PATIENCE_S = 15.0
 MANY_ERRORS = 5.0
 # Which teeth are heard, how warm the gear is and what it starts from differ from cycle to cycle, by more than what a
 # value's own error says.
@@ -49,6 +51,13 @@ class Failure(Exception):
 def expect(holds, what):
     if not holds:
         raise Failure(what)
+
+
+def until(condition, seconds):
+    give_up = time.monotonic() + seconds
+    while not condition() and time.monotonic() < give_up:
+        time.sleep(0.1)
+    return condition()
 
 
 class Devices(vm_bench.Devices):
@@ -158,27 +167,33 @@ class Soak:
         return journal
 
     def put_in(self, fault, campaign, ledger):
-        """The fault, until it is mended. Whether it was seen, and after how long the shafts were safe."""
+        """The fault, until it is mended. Whether it was seen, and after how long the shafts were safe (nothing where that
+        says nothing: a drive that is off, or is asked for no more than it gives, is found when it is used)."""
         lines_before = len(campaign.lines.said)
         ledger.faults += 1
+        in_use = self.devices.safe_since() is None
+
+        def is_seen():
+            said = [line for _, line in campaign.lines.said[lines_before:]]
+            return campaign.process.poll() is not None or any("alarm: " in line or "suspended: " in line for line in said)
+
         begin = time.monotonic()
         self.devices.do(fault.command)
-        patience = fault.stated_s + 15.0
-        seen = False
-        while time.monotonic() < begin + patience and not seen:
-            if fault.suspends:
-                seen = campaign.lines.wait_for("suspended", 0.5, lines_before) is not None or campaign.process.poll() is not None
-            else:
-                seen = campaign.wait(0.5) is not None
-        safe_since = self.devices.safe_since() if seen else None
+        until(is_seen, fault.stated_s + PATIENCE_S)
+        until(lambda: not is_seen() or self.devices.safe_since() is not None, PATIENCE_S)
+        safe_since = self.devices.safe_since()
         if fault.mend:
             self.devices.do(fault.mend)
-        if not seen:
-            return None
+        if not until(is_seen, 1.0):
+            return False, None
+        if not fault.suspends:
+            expect(campaign.wait(LONGEST_END_S) is not None, f"after '{fault.command}' the campaign goes on")
         expect(safe_since is not None, f"after '{fault.command}' the shafts are not safe")
+        if not in_use or fault.waits:
+            return True, None
         after_s = safe_since - begin
         expect(after_s <= fault.stated_s, f"after '{fault.command}' the shafts were safe after {after_s:.3f} s (stated: {fault.stated_s:.3f} s)")
-        return after_s
+        return True, after_s
 
     def soak(self, seconds):
         reference = self.reference()
@@ -194,10 +209,13 @@ class Soak:
             fault = self.chance.choice(faults)
             code = campaign.wait(pause_s)
             expect(code is None, f"the campaign ended with {code} by itself")
-            after_s = self.put_in(fault, campaign, ledger)
-            unseen += after_s is None
-            said = f"{self.kind}: {time.monotonic() - vm_bench.STARTED:8.1f} s  {fault.command}: " + (
-                "not seen where it came" if after_s is None else f"safe after {1e3 * max(0.0, after_s):.0f} ms of {1e3 * fault.stated_s:.0f}")
+            seen, after_s = self.put_in(fault, campaign, ledger)
+            unseen += not seen
+            said = f"{self.kind}: {time.monotonic() - vm_bench.STARTED:8.1f} s  {fault.command}: "
+            if after_s is None:
+                said += "stopped when it was used" if seen else "not seen where it came"
+            else:
+                said += f"safe after {1e3 * max(0.0, after_s):.0f} ms of {1e3 * fault.stated_s:.0f}"
             if campaign.process.poll() is not None:
                 stops += 1
                 _, credited_s, served_s = ledger.note()

@@ -32,6 +32,7 @@ class Fault:
     mend: str  # takes it away again; empty: it is over by itself
     noticed_s: float
     suspends: bool = False  # the campaign goes on by itself when it is mended
+    waits: bool = False  # until more is asked for than the drive gives
 
     @property
     def stated_s(self):
@@ -55,7 +56,7 @@ CANOPEN = (
     Fault("drive 1 sto on", "drive 1 sto off", 0.0),
     Fault("drive 2 statusword 0x4440", "drive 2 statusword off", 0.0),
     Fault("drive 1 bus-off on", "drive 1 bus-off off", 0.0),
-    Fault("drive 2 torque-limit 8", "drive 2 torque-limit off", DWELL_S),
+    Fault("drive 2 torque-limit 8", "drive 2 torque-limit off", DWELL_S, waits=True),
 )
 
 
@@ -80,8 +81,8 @@ def faults_of(kind):
         return [*SENSORS, *CANOPEN]
     is_line = kind == "rtu"
     return [*SENSORS, *modbus("driving", is_line), *modbus("load", is_line),
-            Fault("drive load torque-limit 8", "drive load torque-limit off", DWELL_S),
-            Fault("drive driving speed-limit 608", "drive driving speed-limit off", DWELL_S)]
+            Fault("drive load torque-limit 8", "drive load torque-limit off", DWELL_S, waits=True),
+            Fault("drive driving speed-limit 608", "drive driving speed-limit off", DWELL_S, waits=True)]
 
 
 def with_text(text, old, new):
