@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -34,12 +35,16 @@ constexpr TableColumn kColumns[] = {
 };
 constexpr std::size_t kMostRows = 24;
 
-// All cycles of a short campaign; of a long one the first, the last, and equally spaced ones between.
-std::vector<int> CyclesShown(const std::vector<CycleRow>& cycles) {
+std::vector<int> CompleteCycles(const std::vector<CycleRow>& cycles) {
   std::vector<int> all;
   for (const CycleRow& row : cycles) {
     if (row.cycle > 0 && row.outcome == "complete") all.push_back(row.cycle);
   }
+  return all;
+}
+
+// All cycles of a short campaign; of a long one the first, the last, and equally spaced ones between.
+std::vector<int> CyclesShown(const std::vector<int>& all) {
   if (all.size() <= kMostRows) return all;
   std::vector<int> shown;
   for (std::size_t i = 0; i < kMostRows; ++i) shown.push_back(all[i * (all.size() - 1) / (kMostRows - 1)]);
@@ -73,8 +78,7 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
   if (cycles.size() < 2) return;
   const std::vector<Result> first = journal.Results(cycles.front(), 0);
   const std::vector<Result> last = journal.Results(cycles.back(), 0);
-  ToStdout("\nchange from cycle {} to {}, beside the repeatability limit of one difference (95 %)\n",
-           cycles.front(), cycles.back());
+  bool is_first = true;
   for (const auto& column : kColumns) {
     const auto before = FindResult(first, column.quantity);
     const auto after = FindResult(last, column.quantity);
@@ -82,6 +86,11 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
     if (!before || !after || !gauge) continue;
     const double change = after->value - before->value;
     const double limit = gauge->value;
+    if (std::isnan(change)) continue;
+    if (std::exchange(is_first, false)) {
+      ToStdout("\nchange from cycle {} to {}, beside the repeatability limit of one difference (95 %)\n",
+               cycles.front(), cycles.back());
+    }
     ToStdout("  {:22} {:>+12.{}f}   gauge {:>10.{}f}   {}\n", column.quantity, change, column.decimals + 1,
              limit, column.decimals + 1,
              std::abs(change) > limit ? "larger than the gauge" : "within the gauge");
@@ -91,14 +100,20 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
 void PrintMethods(const Journal& journal, const std::vector<int>& cycles) {
   if (cycles.empty()) return;
   const std::vector<Result> results = journal.Results(cycles.back(), 0);
+  const bool has_loops =
+      std::ranges::any_of(results, [](const Result& result) { return result.quantity.starts_with("k1_"); });
+  if (!has_loops) return;
   ToStdout("\ncycle {}, three ways to read K from the same loops\n", cycles.back());
   for (const auto& [title, middle] : {std::pair{"model", ""}, std::pair{"loading (secants)", "_loading"},
                                       std::pair{"backbone", "_backbone"}}) {
     ToStdout("  {:18}", title);
     for (const char* k : {"k1", "k2", "k3"}) {
       const auto value = FindResult(results, fmt::format("{}{}_Nm_per_rad", k, middle));
-      ToStdout(" {:>9.0f}", value ? value->value : std::nan(""));
-      if (value) ToStdout(" ± {:<5.0f}", value->standard_error);
+      if (value && !std::isnan(value->value)) {
+        ToStdout(" {:>9.0f} ± {:<5.0f}", value->value, value->standard_error);
+      } else {
+        ToStdout(" {:>9}        ", "-");
+      }
     }
     ToStdout("  Nm/rad\n");
   }
@@ -132,12 +147,17 @@ int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool jso
     ToStdout("{}\n", CampaignJson(folder, journal).dump(2));
     return 0;
   }
-  const std::vector<int> cycles = CyclesShown(journal.Cycles());
+  const std::vector<int> complete = CompleteCycles(journal.Cycles());
+  const std::vector<int> cycles = CyclesShown(complete);
   if (cycles.empty()) {
     ToStdout("no cycle is complete yet\ncampaign: {}\n", folder.root.string());
     return 0;
   }
   PrintTable(journal, cycles);
+  if (cycles.size() < complete.size()) {
+    ToStdout("{} of {} cycles are shown: the first, the last, and as many between; all of them with --json\n",
+             cycles.size(), complete.size());
+  }
   PrintChanges(journal, cycles);
   PrintMethods(journal, cycles);
   const std::vector<Hole> holes = journal.Holes();

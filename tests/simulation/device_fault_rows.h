@@ -97,7 +97,8 @@ inline std::vector<Fault> FaultsOnCan() {
   return {
       {"heartbeat stops", "drive 1 heartbeat off", drive, "heartbeat is lost", "", kHeartbeat_s},
       // Its process data are missed before its heartbeat, and it hears nothing either.
-      {"drive falls silent", "drive 2 silent on", drive, "process data no longer come in", "", kUnheard_s},
+      {"drive falls silent", "drive 2 silent on", drive, "load servo", "", kUnheard_s, Shows::kAlways, load,
+       TestedBench::kCan, StopCause::kDriveSilent},
       {"drive reboots", "drive 1 reboot", drive, "started anew", "", kAtOnce_s},
       {"emergency message", "drive 2 emergency 0x4310", drive, "4310", "", kAtOnce_s},
       {"safe torque off opens", "drive 1 sto on", drive, "safe torque off is open", "", kAtOnce_s,
@@ -185,7 +186,9 @@ inline std::vector<Fault> FaultsOnModbus(const ModbusDriveUnderTest& drive, bool
   add("reports a fault", "drive {} fault", StopCause::kDriveFault, kState_s);
   add("is in no known state", "drive {} statusword 15", dropped_out, kState_s, Shows::kAlways, silent);
   add("does not follow the watchdog register", "drive {} count-stuck on", dropped_out, kCount_s,
-      Shows::kWhileUsed);
+      Shows::kOnceUsed, StopCause::kDriveNotReady);
+  rows.back().or_cause = dropped_out;  // it may be enabled before that is known
+  rows.back().breaks_limits = true;
   add("tells its brake wrongly", "drive {} brake-inverted on", StopCause::kBrakeEngaged, kBrake_s,
       Shows::kOnceUsed);
   if (drive.servo == BenchServo::kDriving) {
