@@ -102,7 +102,7 @@ std::vector<RecomputedCycle> RecomputeCampaign(
     cycles.push_back(std::move(cycle));
   }
   std::size_t done = 0;
-  std::mutex files;  // neither HDF5, as Debian builds it, nor the journal may be used by two threads
+  std::mutex files;  // the journal is for one thread; HDF5 lets in one at a time
   std::mutex reporting;
   std::vector<std::pair<int, std::string>> findings;
   OnAllProcessors(cycles.size(), [&](std::size_t i) {

@@ -73,8 +73,7 @@ auto Enablings(ModbusBench::Servo& servo) {
   return std::ranges::count(servo.model.TakeWritten(), "control 1");
 }
 
-// Side by side, as starts wait rather than compute; without the campaign around them, whose files are written
-// by a library of one thread.
+// Side by side, as starts wait rather than compute.
 TEST(FieldStart, IsNoRaceWithTheFirstSamplesInBlocksOf1To500Milliseconds) {
   constexpr int kStarts = 50;
   constexpr int kAtATime = 5;
