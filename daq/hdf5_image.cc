@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daq/hdf5_image.h"
 
+#include <fmt/format.h>
+
+#include <atomic>
+
 namespace strainwave::daq {
 namespace {
 
@@ -17,7 +21,10 @@ Hdf5Handle CreateHdf5InMemory() {
   Check(H5Pset_link_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
   Check(H5Pset_attr_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
   Check(H5Pset_obj_track_times(creation.get(), false));
-  Hdf5Handle file(H5Fcreate("in_memory.h5", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
+  // The library takes two open files of one name for the same one, also in memory.
+  static std::atomic<unsigned> number{};
+  const std::string name = fmt::format("in_memory_{}.h5", ++number);
+  Hdf5Handle file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
   // From 1.10 on the index of chunks carries a checksum as everything else does; before, a flipped bit in it
   // could read as another value.
   Check(H5Fset_libver_bounds(file.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));

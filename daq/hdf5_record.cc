@@ -129,9 +129,7 @@ class GroupReader {
       if (child.type == H5I_DATASET) ReadDataset(child);
     }
     DropOddLengths();
-    // What could not be read would be missed as well, and is no further fault.
-    if (findings_.empty())
-      Report(checking_ == Checking::kRules ? CheckRecord(record_) : CheckBounds(record_));
+    Report(checking_ == Checking::kRules ? CheckRecord(record_) : CheckBounds(record_));
     if (!findings_.empty()) throw RecordError(std::move(findings_));
     return std::move(record_);
   }
@@ -226,6 +224,7 @@ class GroupReader {
   }
 
   bool IsAboutTroubledColumn(const RuleBreak& rule_break) const {
+    if (rule_break.what == "no channel is there") return !troubled_.empty();
     return std::any_of(troubled_.begin(), troubled_.end(), [&](const std::string& name) {
       return rule_break.what == fmt::format("column '{}' is missing", name);
     });

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "daq/hdf5_handle.h"
+#include "daq/hdf5_image.h"
 #include "daq/read_records.h"
 #include "daq/record_error.h"
 #include "daq/sensor_serials.h"
@@ -27,6 +28,12 @@ const std::vector<NamedRecord>& Samples() {
 }
 
 const Attributes kAttributes{{"specimen", "A-3"}, {"cycle", "17"}, {"schedule_sha256", "ab12"}};
+
+TEST(CycleFile, IsBuiltBesideAnother) {
+  const Hdf5Handle one = CreateHdf5InMemory();
+  const Hdf5Handle other = CreateHdf5InMemory();
+  EXPECT_EQ(ImageOfHdf5(one.get()), ImageOfHdf5(other.get()));
+}
 
 TEST(CycleFile, ReadsBackToTheSameBits) {
   const ScratchFolder folder;

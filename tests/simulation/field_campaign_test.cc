@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <thread>
+#include <future>
 
 #include <gtest/gtest.h>
 
@@ -142,9 +142,8 @@ class FieldCampaign : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     tripped_ = new ScratchFolder;
-    std::thread trips([] { RunUntilItTrips(*tripped_); });
+    const auto trips = std::async(std::launch::async, [] { RunUntilItTrips(*tripped_); });
     RunToItsEnd();
-    trips.join();
   }
   static void RunToItsEnd() {
     scratch_ = new ScratchFolder;

@@ -4,6 +4,7 @@ import contextlib
 import os
 import pathlib
 import re
+import signal
 import sqlite3
 import subprocess
 import sys
@@ -177,6 +178,9 @@ def jogging(program, words):
 
 def shard_of(suite):
     """The share of its tests that in_shards.sh asks this process for, as it asks GoogleTest's programs."""
+    for number in (signal.SIGINT, signal.SIGQUIT):  # a shell has what it puts in the background ignore these
+        signal.signal(number, signal.SIG_DFL)
+
     def each(tests):
         for test in tests:
             yield from each(test) if isinstance(test, unittest.TestSuite) else [test]
