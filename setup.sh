@@ -6,7 +6,8 @@ usage() {
   cat <<'TEXT'
 usage: ./setup.sh VERB
 
-  build   install what is missing (Debian 12, apt, as root) and build the program at build/strainwave
+  build   install what is missing (Debian 12, apt, as root) and build the program at build/strainwave, strainwave-devices
+          beside it, and the C library of predictors with its example
   demo    build, run schedules/quick.yaml on the simulated bench into a new folder under campaigns/, train a small
           predictor and show predicted against measured, then diagnose the transmission error of the first cycle:
           what a plain simulation would have got wrong
@@ -125,7 +126,7 @@ fi
 case $1 in
   build)
     install_missing_packages
-    build strainwave
+    build strainwave strainwave-devices strainwave_predictor predictor_example
     ;;
   demo)
     install_missing_packages

@@ -7,6 +7,7 @@
 
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/sensor_stamps.h"
+#include "bench/configuration/sensors_of.h"
 #include "daq/cycle_file.h"
 #include "daq/record.h"
 
@@ -19,10 +20,16 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForRequest(const PhaseOutcome& outco
   return CampaignEnd{CampaignEnd::Kind::kInterrupted, outcome.reason, text, false};
 }
 
+std::string CampaignRunner::InWords(const StopReason& reason) const {
+  const std::optional<Channel> channel = ChannelOf(reason);
+  if (!channel) return Describe(reason);
+  return fmt::format("{} [{}]", Describe(reason), SensorOf(*channel, bench_));
+}
+
 CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome, std::string_view phase) {
   Transition(BenchEvent::kFault);
   checkpoint_.Sync();
-  std::string text = Describe(outcome.reason);
+  std::string text = InWords(outcome.reason);
   if (!outcome.words.empty()) text += ": " + outcome.words;
   if (const std::string troubles = machine_.Troubles(); !troubles.empty()) text += "\n" + troubles;
   Note("alarm", phase, Code(outcome.reason.cause), text);
@@ -47,7 +54,9 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
        {"bench", bench_.name},
        {"stop_cause", std::string(Code(outcome.reason.cause))},
        {"stop_time_s", daq::ShortestText(std::chrono::duration<double>(outcome.reason.time).count())}});
-  return CampaignEnd{CampaignEnd::Kind::kFault, outcome.reason, text, IsOfADevice(outcome.reason.cause)};
+  CampaignEnd end{CampaignEnd::Kind::kFault, outcome.reason, text, IsOfADevice(outcome.reason.cause), {}};
+  if (!outcome.black_box.empty()) end.black_box = file;
+  return end;
 }
 
 }  // namespace strainwave::bench

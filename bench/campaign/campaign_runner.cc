@@ -227,7 +227,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   for (const std::string& note : machine_.TakeNotes()) Note("info", phase.name, "bench", note);
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase.name);
   if (again) {
-    Note("warning", phase.name, Code(outcome.reason.cause), Describe(outcome.reason));
+    Note("warning", phase.name, Code(outcome.reason.cause), InWords(outcome.reason));
     Transition(BenchEvent::kSuspend);
     return std::nullopt;
   }

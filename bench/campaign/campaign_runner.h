@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
@@ -33,6 +34,7 @@ struct CampaignEnd {
   StopReason reason;  // fault or request
   std::string text;   // for people
   bool device_failed{};
+  std::filesystem::path black_box{};  // of a fault: the channels before it; empty where nothing had moved
 };
 
 /// Runs the cycles of a campaign on a bench: one state machine, one step after the other, each journalled
@@ -60,6 +62,7 @@ class CampaignRunner {
   MaybeEnd StoreCycle(const std::vector<CycleStep>& steps);
   MaybeEnd EndForRequest(const PhaseOutcome& outcome);
   MaybeEnd EndForFault(const PhaseOutcome& outcome, std::string_view phase);
+  std::string InWords(const StopReason& reason) const;  // with the sensor that showed it
   MaybeEnd WaitSuspended(std::string_view phase);
   MaybeEnd WaitUntilRecovered(std::string_view phase);
   MaybeEnd AfterCycle(const std::vector<Result>& results);

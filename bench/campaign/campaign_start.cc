@@ -48,7 +48,7 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   // A campaign that was suspended, and then stopped, is resumed while its gear is warm.
   while (IsSuspend(outcome.reason.cause)) {
     WatchChannels("referencing");
-    Note("warning", "referencing", Code(outcome.reason.cause), Describe(outcome.reason));
+    Note("warning", "referencing", Code(outcome.reason.cause), InWords(outcome.reason));
     if (auto end = WaitUntilRecovered("referencing")) return end;
     outcome = reference();
   }

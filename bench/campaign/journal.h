@@ -93,6 +93,9 @@ struct Hole {
   std::string clock;
 };
 
+/// Property: when the last run of the campaign began, "MILLISECONDS_UTC BENCH_SECONDS".
+inline constexpr const char* kRunBegun = "run_begun";
+
 /// The campaign's journal, `campaign.db`: what was done, when, with which outcome, and every result.
 /// Times in seconds are bench time, which stands still while the program does not run; `utc` is for people.
 /// Every page carries a checksum (`page_checksums.h`) but in journals of earlier versions of this program.
@@ -142,6 +145,8 @@ class Journal {
 
   void AddEvent(const Event& event);
   std::vector<Event> Events(int newest) const;
+  /// Since the campaign was last resumed or complete, however many events ago that is; newest first.
+  std::vector<Event> OpenAlarms() const;
   /// All that are bad by now, or were when the program ended.
   void SetChannelTroubles(const std::vector<ChannelTrouble>& troubles);
   std::vector<ChannelTrouble> ChannelTroubles() const;

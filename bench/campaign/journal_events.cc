@@ -10,6 +10,15 @@ namespace {
 constexpr std::string_view kChannelTrouble = "channel_trouble/";
 constexpr const char* kChannelTroubles = "channel_trouble/*";
 
+std::vector<Event> EventsOf(Statement& statement) {
+  std::vector<Event> events;
+  while (statement.Step()) {
+    events.push_back({statement.Real(0), statement.Text(1), static_cast<int>(statement.Integer(2)),
+                      statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
+  }
+  return events;
+}
+
 }  // namespace
 
 void Journal::AddEvent(const Event& event) {
@@ -31,12 +40,14 @@ std::vector<Event> Journal::Events(int newest) const {
   Statement statement = database_.Prepare(
       "SELECT time_s, utc, cycle, phase, severity, code, text FROM events ORDER BY id DESC LIMIT ?");
   statement.Bind(newest);
-  std::vector<Event> events;
-  while (statement.Step()) {
-    events.push_back({statement.Real(0), statement.Text(1), static_cast<int>(statement.Integer(2)),
-                      statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
-  }
-  return events;
+  return EventsOf(statement);
+}
+
+std::vector<Event> Journal::OpenAlarms() const {
+  Statement statement = database_.Prepare(
+      "SELECT time_s, utc, cycle, phase, severity, code, text FROM events WHERE severity = 'alarm' AND id > "
+      "(SELECT COALESCE(MAX(id), 0) FROM events WHERE code IN ('resume', 'completed')) ORDER BY id DESC");
+  return EventsOf(statement);
 }
 
 // Properties, so that the journals of earlier programs have them, too: none.

@@ -185,4 +185,23 @@ std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>&
   return calibrations;
 }
 
+std::vector<StopDistance> StopDistances(const schedules::StopCriteria& stop,
+                                        const std::vector<Result>& first_cycle,
+                                        const std::vector<Result>& cycle) {
+  std::vector<StopDistance> distances;
+  const auto first_k2 = FindResult(first_cycle, "k2_Nm_per_rad");
+  for (const Result& result : cycle) {
+    if (std::isnan(result.value)) continue;
+    if (result.quantity == "k2_Nm_per_rad" && stop.k2_below_share_of_first && first_k2) {
+      distances.push_back(
+          {"K2", "Nm/rad", result.value, *stop.k2_below_share_of_first * first_k2->value, true});
+    } else if (result.quantity == "e_max_arcmin" && stop.e_max_above_rad) {
+      distances.push_back({"e_max", "arcmin", result.value, ArcminFromRad(*stop.e_max_above_rad), false});
+    } else if (result.quantity.starts_with("vibration_rms_") && stop.vibration_rms_above_m_per_s2) {
+      distances.push_back({result.quantity, "m/s2", result.value, *stop.vibration_rms_above_m_per_s2, false});
+    }
+  }
+  return distances;
+}
+
 }  // namespace strainwave::bench

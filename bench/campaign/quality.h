@@ -54,4 +54,18 @@ inline constexpr std::string_view kRepeatabilityLimitPrefix = "limit_95_";
 /// that 1.96 of it hold 95 %), and "limit_95_QUANTITY", by which two of them differ in 5 of 100 cases.
 std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>& repeats);
 
+/// How far a cycle is from one of the schedule's stop criteria.
+struct StopDistance {
+  std::string quantity;
+  std::string unit;
+  double value{};
+  double limit{};
+  bool is_lower{};  // the campaign ends below it, else above
+};
+
+/// Of those criteria whose quantities the cycle has.
+std::vector<StopDistance> StopDistances(const schedules::StopCriteria& stop,
+                                        const std::vector<Result>& first_cycle,
+                                        const std::vector<Result>& cycle);
+
 }  // namespace strainwave::bench

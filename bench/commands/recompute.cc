@@ -118,6 +118,7 @@ void PrintCampaignText(const CampaignReport& campaign) {
 int Recompute(const RecomputeOptions& options) {
   nlohmann::json reports = nlohmann::json::array();
   bool differs = false;
+  bool failed = false;
   for (const std::string& path : options.paths) {
     if (std::filesystem::is_directory(path)) {
       CampaignReport campaign = RecomputeFolder({path}, options);
@@ -131,6 +132,7 @@ int Recompute(const RecomputeOptions& options) {
       const bool computable = record.kind == "transmission_error" || record.kind == "hysteresis";
       if (!computable && record.source.first_data_line == 0) continue;
       reports.push_back(RecordJson(record, kMethods.at(options.method)));
+      failed = failed || !reports.back()["failed_checks"].empty();
       if (!options.json) ToStdout("{}", RecordText(reports.back(), record.source.file));
       if (options.plots.empty()) continue;
       for (const auto& picture : DrawRecord(record, kMethods.at(options.method), options.plots)) {
@@ -145,7 +147,8 @@ int Recompute(const RecomputeOptions& options) {
                     options.paths.front()));
   }
   if (options.json) ToStdout("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
-  return static_cast<int>(differs && MustEqual(options) ? ExitCode::kEndedBadly : ExitCode::kDone);
+  const bool is_bad = failed || (differs && MustEqual(options));
+  return static_cast<int>(is_bad ? ExitCode::kEndedBadly : ExitCode::kDone);
 }
 
 }  // namespace
@@ -154,6 +157,7 @@ void AddRecompute(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "recompute",
       "Transmission error and stiffness again from raw data: campaign folders, or record files (CSV, HDF5).\n"
+      "Exit code 1 where a check of a record fails, or a campaign does not give what it has stored.\n"
       "Example: strainwave recompute campaigns/first --plots pictures");
   auto options = std::make_shared<RecomputeOptions>();
   command->add_option("PATH", options->paths, "campaign folders and record files")->required();

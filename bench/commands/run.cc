@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -10,6 +11,7 @@
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/campaign_runner.h"
+#include "bench/campaign/disk_room.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/pace.h"
@@ -77,6 +79,16 @@ void CheckDoubts(const BenchMachine& machine, Journal& journal) {
   if (!refused.empty()) throw CampaignError(ExitCode::kMachineFailed, refused);
 }
 
+// A disk that is full ends the campaign safely, and days too late.
+void WarnOfLittleRoom(const CampaignFolder& folder, const schedules::Schedule& schedule, int complete) {
+  const auto room = LittleRoom(folder, schedule, complete);
+  if (!room) return;
+  ToStderr(
+      "{}: warning: {} are free, and the raw data of the cycles to come may take {} (expected more; what is "
+      "compressed takes less)\n",
+      folder.root.string(), BytesText(room->free_bytes), BytesText(room->needed_bytes));
+}
+
 // A limit of the schedule that nothing on this bench measures.
 void NoteUnwatchedLimits(const BenchDescription& bench, Journal& journal) {
   for (const InterlockRow& row : Interlocks::Table(SensorsOf(bench))) {
@@ -128,6 +140,7 @@ int Run(const RunOptions& options) {
     }
     inputs.bench = BenchToResume(folder, journal);
   }
+  WarnOfLittleRoom(folder, inputs.schedule, std::max(0, journal.LastCompleteCycle()));
   CampaignEnd end;
   {
     const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth), Ask);
@@ -141,6 +154,8 @@ int Run(const RunOptions& options) {
     TerminalProgress progress;
     CampaignRunner runner(std::move(held), inputs.schedule, inputs.bench, *machine, journal, Requested(),
                           progress);
+    journal.SetProperty(kRunBegun,
+                        fmt::format("{} {:.3f}", UtcMilliseconds(), resume ? resume->time_s : 0.0));
     try {
       end = runner.Run(resume.value_or(ResumePoint{}));
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));
@@ -153,6 +168,13 @@ int Run(const RunOptions& options) {
           options.schedule, options.out);
       throw;
     }
+  }
+  if (end.kind == CampaignEnd::Kind::kFault) {
+    if (!end.black_box.empty()) ToStderr("the channels before and after it: {}\n", end.black_box.string());
+    ToStderr(
+        "stopped: torque is off, brakes are on; when the cause is mended, go on with: strainwave run {} "
+        "--out {} --resume\n",
+        options.schedule, options.out);
   }
   if (end.kind == CampaignEnd::Kind::kInterrupted) {
     ToStderr("stopped safely; go on with: strainwave run {} --out {} --resume\n", options.schedule,

@@ -10,6 +10,9 @@
 
 namespace strainwave::bench {
 
+/// "7.0 MB".
+std::string BytesText(double bytes);
+
 /// "1 h 05 min", "3 min 20 s", "12 s": for people.
 std::string DurationText(double time_s);
 

@@ -13,6 +13,7 @@
 #include "analysis/units.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
+#include "bench/campaign/life_share.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
@@ -28,20 +29,6 @@ struct ValidateOptions {
   std::string bench;
   bool json{};
 };
-
-analysis::GearRating RatingOf(const schedules::Specimen& specimen) {
-  return {specimen.rated_torque_Nm, specimen.rated_speed_rad_per_s, specimen.bearing_l10_s,
-          specimen.ratcheting_torque_Nm, specimen.buckling_torque_Nm};
-}
-
-/// Share of the wave-generator bearing's L10 life that the load blocks use up (Miner).
-double LifeShare(const schedules::Specimen& specimen, const std::vector<schedules::LoadBlock>& blocks) {
-  std::vector<analysis::LoadBlock> loads;
-  for (const auto& block : blocks) {
-    loads.push_back({block.output_torque_Nm, block.mean_input_speed_rad_per_s, block.duration_s});
-  }
-  return analysis::LifeConsumed(RatingOf(specimen), loads);
-}
 
 struct LifePlan {
   double whole_share{};
@@ -60,12 +47,6 @@ LifePlan LifeOf(const schedules::Schedule& schedule, const schedules::Plan& plan
   }
   life.margins = analysis::MarginsAtPeak(RatingOf(schedule.specimen), life.peak_torque_Nm);
   return life;
-}
-
-std::string BytesText(double bytes) {
-  if (bytes >= 1e9) return fmt::format("{:.2f} GB", bytes * 1e-9);
-  if (bytes >= 1e6) return fmt::format("{:.1f} MB", bytes * 1e-6);
-  return fmt::format("{:.1f} kB", bytes * 1e-3);
 }
 
 void PrintPhases(const char* title, const std::vector<schedules::PhaseTime>& phases) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -276,7 +277,11 @@ StopReason PhaseRunner::WaitUntilRecovered(const HeartbeatFunction& heartbeat) {
     if (const StopReason asked = SoftRequest()) return asked;
     if (suspend_.Recovered(readings_, period_s)) return {};
     if (waited_s > settings_.suspend.give_up_s) {
-      return {StopCause::kPhaseTimeout, waited_s, settings_.suspend.give_up_s, readings_.time};
+      if (readings_.bad_channels == 0) {
+        return {StopCause::kDidNotCool, waited_s, settings_.suspend.resume_temperature_degC, readings_.time};
+      }
+      return {StopCause::kSensorStayedBad, static_cast<double>(std::countr_zero(readings_.bad_channels)),
+              waited_s, readings_.time};
     }
     since_heartbeat_s += period_s;
     if (since_heartbeat_s >= kHeartbeat_s) {

@@ -9,6 +9,8 @@
 namespace strainwave::bench {
 namespace {
 
+constexpr double kSecondsPerHour = 3600.0;
+
 // A reason carries the channel as a number.
 std::string_view NameOf(double channel) {
   switch (static_cast<Channel>(static_cast<unsigned>(channel))) {
@@ -30,6 +32,20 @@ std::string_view NameOf(double channel) {
       return "vibration";
   }
   return "channel";
+}
+
+// "60.69 Nm is beyond the limit of 60.00 Nm": with as many decimals as it takes that the two differ.
+std::string Beyond(double value, double limit, int decimals, std::string_view unit, std::string_view word) {
+  constexpr int kMostDecimals = 9;
+  while (decimals < kMostDecimals &&
+         fmt::format("{:.{}f}", value, decimals) == fmt::format("{:.{}f}", limit, decimals)) {
+    ++decimals;
+  }
+  return fmt::format("{:.{}f} {} is {} {:.{}f} {}", value, decimals, unit, word, limit, decimals, unit);
+}
+
+std::string BeyondLimit(double value, double limit, int decimals, std::string_view unit) {
+  return Beyond(value, limit, decimals, unit, "beyond the limit of");
 }
 
 std::string_view NameOf(BenchServo servo) {
@@ -88,6 +104,10 @@ std::string_view Code(StopCause cause) {
       return "sensor_check";
     case StopCause::kLogFull:
       return "log_full";
+    case StopCause::kDidNotCool:
+      return "did_not_cool";
+    case StopCause::kSensorStayedBad:
+      return "sensor_stayed_bad";
     case StopCause::kTemperatureSuspend:
       return "temperature_suspend";
     case StopCause::kSensorSuspend:
@@ -112,17 +132,18 @@ std::string Describe(const StopReason& reason) {
     case StopCause::kNone:
       return "nothing stopped";
     case StopCause::kOutputTorqueLimit:
-      return fmt::format("output torque {:.2f} Nm is beyond the limit of {:.2f} Nm", value, limit);
+      return fmt::format("output torque {} (limits.output_torque)", BeyondLimit(value, limit, 2, "Nm"));
     case StopCause::kInputSpeedLimit:
-      return fmt::format("input speed {:.0f} rpm is beyond the limit of {:.0f} rpm", RpmFromRadPerS(value),
-                         RpmFromRadPerS(limit));
+      return fmt::format("input speed {} (limits.input_speed)",
+                         BeyondLimit(RpmFromRadPerS(value), RpmFromRadPerS(limit), 0, "rpm"));
     case StopCause::kGearTemperatureLimit:
-      return fmt::format("gear temperature {:.1f} degC is beyond the limit of {:.1f} degC", value, limit);
+      return fmt::format("gear temperature {} (limits.gear_temperature)",
+                         BeyondLimit(value, limit, 1, "degC"));
     case StopCause::kVibrationLimit:
-      return fmt::format("vibration {:.2f} m/s2 RMS is beyond the limit of {:.2f} m/s2", value, limit);
+      return fmt::format("vibration RMS {} (limits.vibration_rms)", BeyondLimit(value, limit, 2, "m/s2"));
     case StopCause::kTwistLimit:
-      return fmt::format("twist {:.2f} arcmin is beyond the limit of {:.2f} arcmin with the input locked",
-                         ArcminFromRad(value), ArcminFromRad(limit));
+      return fmt::format("twist {} with the input locked (limits.twist)",
+                         BeyondLimit(ArcminFromRad(value), ArcminFromRad(limit), 2, "arcmin"));
     case StopCause::kStaleReadings:
       return fmt::format("no fresh readings for {:.0f} ms (at most {:.0f} ms)", value * 1e3, limit * 1e3);
     case StopCause::kImplausibleReading:
@@ -189,9 +210,19 @@ std::string Describe(const StopReason& reason) {
     case StopCause::kLogFull:
       return fmt::format("the phase gave more than the {:.0f} rows set aside for it", limit);
     case StopCause::kTemperatureSuspend:
-      return fmt::format("suspended: gear temperature {:.1f} degC is above {:.1f} degC", value, limit);
+      return fmt::format("suspended: gear temperature {} (suspend.trip_temperature)",
+                         Beyond(value, limit, 1, "degC", "above"));
     case StopCause::kSensorSuspend:
-      return fmt::format("suspended: the {} was bad for {:.1f} s", NameOf(value), limit);
+      return fmt::format("suspended: the {} was bad for {:.1f} s (suspend.bad_sensor)", NameOf(value), limit);
+    case StopCause::kDidNotCool:
+      return fmt::format(
+          "the gear did not cool below {:g} degC in {:.3g} h (suspend.resume_temperature, suspend.give_up): "
+          "is "
+          "the room cooler than that?",
+          limit, value / kSecondsPerHour);
+    case StopCause::kSensorStayedBad:
+      return fmt::format("the {} gave no good value again in {:.3g} h (suspend.give_up)", NameOf(value),
+                         limit / kSecondsPerHour);
     case StopCause::kPauseRequested:
       return "paused on request";
     case StopCause::kQuickStopRequested:
@@ -202,6 +233,34 @@ std::string Describe(const StopReason& reason) {
       return "shut down on request";
   }
   return "?";
+}
+
+std::optional<Channel> ChannelOf(const StopReason& reason) {
+  switch (reason.cause) {
+    case StopCause::kOutputTorqueLimit:
+    case StopCause::kTorqueFactor:
+    case StopCause::kTorqueOfCheck:
+      return Channel::kOutputTorque;
+    case StopCause::kInputSpeedLimit:
+      return Channel::kInputSpeed;
+    case StopCause::kGearTemperatureLimit:
+    case StopCause::kTemperatureSuspend:
+    case StopCause::kDidNotCool:
+      return Channel::kGearTemperature;
+    case StopCause::kVibrationLimit:
+      return Channel::kVibrationRms;
+    case StopCause::kTwistLimit:
+      return Channel::kOutputAngle;
+    case StopCause::kInputAngleApart:
+    case StopCause::kSpeedFactor:
+      return Channel::kInputAngle;
+    case StopCause::kImplausibleReading:
+    case StopCause::kSensorSuspend:
+    case StopCause::kSensorStayedBad:
+      return static_cast<Channel>(static_cast<unsigned>(reason.value));
+    default:
+      return std::nullopt;
+  }
 }
 
 bool IsSuspend(StopCause cause) {
@@ -221,7 +280,8 @@ bool IsOfADevice(StopCause cause) {
          cause == StopCause::kTorqueFactor || cause == StopCause::kTorqueOfCheck ||
          cause == StopCause::kSpeedFactor || cause == StopCause::kStaleReadings ||
          cause == StopCause::kImplausibleReading || cause == StopCause::kInputAngleApart ||
-         cause == StopCause::kReferenceCheck || cause == StopCause::kSensorCheck;
+         cause == StopCause::kReferenceCheck || cause == StopCause::kSensorStayedBad ||
+         cause == StopCause::kSensorCheck;
 }
 
 bool IsFault(StopCause cause) { return cause != StopCause::kNone && !IsSuspend(cause) && !IsRequest(cause); }

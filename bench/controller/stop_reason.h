@@ -2,8 +2,11 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "bench/roles/sampler.h"
 
 namespace strainwave::bench {
 
@@ -34,6 +37,8 @@ enum class StopCause {
   kReferenceCheck,
   kSensorCheck,
   kLogFull,
+  kDidNotCool,       // suspended, and given up
+  kSensorStayedBad,  // the same
   // Suspension: the phase goes on or starts again when the condition has passed.
   kTemperatureSuspend,
   kSensorSuspend,
@@ -60,8 +65,11 @@ struct StopReason {
 /// Short name for the journal ("output_torque_limit").
 std::string_view Code(StopCause cause);
 
-/// One sentence for a technician, with the value, the limit and their units.
+/// One sentence for a technician, with the value, the limit, their units, and the schedule's key.
 std::string Describe(const StopReason& reason);
+
+/// The channel that it was seen in; none where it was in no one channel.
+std::optional<Channel> ChannelOf(const StopReason& reason);
 
 bool IsFault(StopCause cause);
 bool IsSuspend(StopCause cause);

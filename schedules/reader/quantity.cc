@@ -115,6 +115,15 @@ LeadingNumber TakeNumber(std::string_view text) {
   return number;
 }
 
+// "55,5 Nm", as it is written in many countries.
+void RefuseComma(std::string_view text, const LeadingNumber& number) {
+  const std::string_view rest = number.rest;
+  if (rest.size() < 2 || rest[0] != ',' || rest[1] < '0' || rest[1] > '9') return;
+  std::string with_point(text);
+  with_point[text.size() - rest.size()] = '.';
+  throw std::invalid_argument(fmt::format("decimal comma (expected a point, as in '{}')", with_point));
+}
+
 }  // namespace
 
 std::string DimensionName(Dimension dimension) {
@@ -137,6 +146,7 @@ double ParseQuantity(std::string_view text, Dimension dimension) {
     throw std::invalid_argument(fmt::format("not a number with a unit (expected {}, as in '{}')",
                                             DimensionName(dimension), entry.example));
   }
+  RefuseComma(Trimmed(text), number);
   const std::string_view symbol = Trimmed(number.rest);
   double factor = 1.0;
   if (symbol.empty()) {
@@ -168,6 +178,7 @@ double ParseQuantity(std::string_view text, Dimension dimension) {
 double ParseNumber(std::string_view text) {
   const LeadingNumber number = TakeNumber(Trimmed(text));
   if (!number.found) throw std::invalid_argument("not a number (expected a plain number, as in '0.5')");
+  RefuseComma(Trimmed(text), number);
   if (!number.rest.empty()) {
     throw std::invalid_argument(
         fmt::format("'{}' after the number (expected a plain number)", Trimmed(number.rest)));

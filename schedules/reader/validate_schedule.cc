@@ -93,9 +93,19 @@ void CheckLimits(const Schedule& schedule, const Comparison& compare) {
   }
 }
 
+constexpr double kWarmRoom_degC = 25.0;  // of a laboratory on a warm day
+
 void CheckThermalRules(const Schedule& schedule, const Comparison& compare) {
   const Named trip{"suspend.trip_temperature", schedule.suspend.trip_temperature_degC};
-  compare.MustBeBelow({"suspend.resume_temperature", schedule.suspend.resume_temperature_degC}, trip);
+  const Named resume{"suspend.resume_temperature", schedule.suspend.resume_temperature_degC};
+  compare.MustBeBelow(resume, trip);
+  if (resume.value < kWarmRoom_degC) {
+    compare.Warning(resume.path,
+                    fmt::format("resume_temperature = {} may be below the room's own temperature, so that a "
+                                "suspended gear never comes down to it (expected at least {:g} degC, or a "
+                                "climate chamber)",
+                                compare.Written(resume), kWarmRoom_degC));
+  }
   compare.MustBeBelow(trip, {"limits.gear_temperature", schedule.limits.gear_temperature_degC});
   compare.MustBeBelow({"measurements.declared_temperature", schedule.measurements.declared_temperature_degC},
                       trip);

@@ -14,6 +14,7 @@
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/cycle_steps.h"
 #include "bench/campaign/record_results.h"
+#include "bench/campaign/time_to_go.h"
 #include "daq/acquisition/running_statistics.h"
 
 namespace strainwave::bench {
@@ -32,7 +33,7 @@ TEST(Difference, NamesTheLinesThatDiffer) {
 
 TEST(UtcText, IsReadable) { EXPECT_EQ(UtcText(1772366400250), "2026-03-01T12:00:00.250Z"); }
 
-TEST(StepsOf, PutsTheRepeatsAfterThePreparation) {
+schedules::Schedule LoadAndLock() {
   schedules::Schedule schedule;
   schedule.cycles = 2;
   schedule.measurements.repeatability_repeats = 2;
@@ -48,6 +49,11 @@ TEST(StepsOf, PutsTheRepeatsAfterThePreparation) {
   lock.torque_rate_Nm_per_s = 3.0;
   lock.lock_angles_rad = {0.0};
   schedule.phases.push_back({"lock", lock, 3});
+  return schedule;
+}
+
+TEST(StepsOf, PutsTheRepeatsAfterThePreparation) {
+  const schedules::Schedule schedule = LoadAndLock();
   const auto preparation = StepsOf(schedule, 0);
   ASSERT_EQ(preparation.size(), 3u);
   EXPECT_EQ(preparation[0].group, "blank");
@@ -59,6 +65,33 @@ TEST(StepsOf, PutsTheRepeatsAfterThePreparation) {
   EXPECT_FALSE(cycle[0].measurement);
   EXPECT_TRUE(cycle[1].measurement);
   EXPECT_EQ(cycle[1].begins_s, cycle[0].planned_s);
+}
+
+TEST(TimeToGo, IsThatOfThePlanWithoutWhatIsDone) {
+  const schedules::Schedule schedule = LoadAndLock();
+  const double preparation_s = PlannedDuration_s(StepsOf(schedule, 0));
+  const double cycle_s = PlannedDuration_s(StepsOf(schedule, 1));
+  EXPECT_DOUBLE_EQ(TimeToGo_s(schedule, 0, {}, 0.0, 0.0), preparation_s + 2.0 * cycle_s);
+  const double load_s = StepsOf(schedule, 1)[0].planned_s;
+  const auto row = [](int step, const char* outcome) {
+    PhaseRow phase;
+    phase.cycle = 1;
+    phase.step = step;
+    phase.started_s = 1000.0;
+    phase.outcome = outcome;
+    return phase;
+  };
+  const auto to_go_s = [&](const PhaseRow& newest, double credited_s, double bench_time_s) {
+    return TimeToGo_s(schedule, 1, std::vector{newest}, credited_s, bench_time_s);
+  };
+  // Half of the load, and for as long as that may have taken.
+  EXPECT_DOUBLE_EQ(to_go_s(row(0, "running"), 30.0, 5000.0), 2.0 * cycle_s - 0.5 * load_s);
+  EXPECT_DOUBLE_EQ(to_go_s(row(0, "interrupted"), 30.0, 5000.0), 2.0 * cycle_s - 0.5 * load_s);
+  EXPECT_DOUBLE_EQ(to_go_s(row(0, "complete"), 60.0, 5000.0), 2.0 * cycle_s - load_s);
+  EXPECT_DOUBLE_EQ(to_go_s(row(1, "running"), 0.0, 1002.0), 2.0 * cycle_s - load_s - 2.0);
+  EXPECT_DOUBLE_EQ(to_go_s(row(1, "suspended"), 0.0, 1002.0), 2.0 * cycle_s - load_s) << "it begins anew";
+  EXPECT_DOUBLE_EQ(to_go_s(row(1, "running"), 0.0, 9000.0), cycle_s) << "no less than the cycles after it";
+  EXPECT_EQ(TimeToGo_s(schedule, 3, {}, 0.0, 9000.0), 0.0);
 }
 
 // Two points a step apart, so that mean and range can be told by head.

@@ -50,12 +50,13 @@ TEST(Interlocks, TripOnEachLimitInBothDirectionsAndSayWhichAndHowMuch) {
   readings.output_torque_Nm = -60.5;
   StopReason reason = kInterlocks.Check(readings, Now());
   EXPECT_EQ(reason.cause, StopCause::kOutputTorqueLimit);
-  EXPECT_EQ(Describe(reason), "output torque -60.50 Nm is beyond the limit of 60.00 Nm");
+  EXPECT_EQ(Describe(reason),
+            "output torque -60.50 Nm is beyond the limit of 60.00 Nm (limits.output_torque)");
 
   readings = Quiet();
   readings.input_speed_rad_per_s = RadPerSFromRpm(-3100.0);
   reason = kInterlocks.Check(readings, Now());
-  EXPECT_EQ(Describe(reason), "input speed -3100 rpm is beyond the limit of 3000 rpm");
+  EXPECT_EQ(Describe(reason), "input speed -3100 rpm is beyond the limit of 3000 rpm (limits.input_speed)");
 
   readings = Quiet();
   readings.gear_temperature_degC = 75.1;
@@ -135,6 +136,13 @@ schedules::SuspendRule TestRule() {
   rule.dwell_s = 5.0;
   rule.bad_sensor_s = 2.0;
   return rule;
+}
+
+TEST(Describe, ShowsAValueAndItsLimitWithAsManyDecimalsAsTellThemApart) {
+  EXPECT_EQ(Describe({StopCause::kTemperatureSuspend, 70.0004, 70.0}),
+            "suspended: gear temperature 70.0004 degC is above 70.0000 degC (suspend.trip_temperature)");
+  EXPECT_EQ(Describe({StopCause::kSensorStayedBad, 7.0, 1800.0}),
+            "the vibration gave no good value again in 0.5 h (suspend.give_up)");
 }
 
 TEST(SuspendMonitor, ResumesBelowItsOwnThresholdAfterTheDwell) {

@@ -22,6 +22,35 @@ class Quality : public testing::Test {
   Journal journal_;
 };
 
+TEST(StopDistances, AreThoseOfTheQuantitiesThatTheCycleHas) {
+  schedules::StopCriteria stop;
+  stop.k2_below_share_of_first = 0.8;
+  stop.e_max_above_rad = RadFromArcmin(1.2);
+  const std::vector<Result> first{{"k2_Nm_per_rad", 25000.0, 10.0, ""}};
+  const std::vector<Result> last{{"k2_Nm_per_rad", 24000.0, 10.0, ""},
+                                 {"vibration_rms_x_m_per_s2", 3.0, 0.1, ""}};
+  const auto distances = StopDistances(stop, first, last);
+  ASSERT_EQ(distances.size(), 1U);
+  EXPECT_EQ(distances[0].quantity, "K2");
+  EXPECT_EQ(distances[0].value, 24000.0);
+  EXPECT_DOUBLE_EQ(distances[0].limit, 20000.0);
+  EXPECT_TRUE(distances[0].is_lower);
+}
+
+TEST(OpenAlarms, AreThoseSinceTheLastResumeHoweverLongAgo) {
+  Journal journal = Journal::Create(":memory:");
+  const auto note = [&](const char* severity, const char* code) {
+    journal.AddEvent({0.0, "", 1, "", severity, code, ""});
+  };
+  note("alarm", "twist_limit");
+  note("info", "resume");
+  note("alarm", "output_torque_limit");
+  for (int i = 0; i < 2000; ++i) note("warning", "failed_check");
+  const auto alarms = journal.OpenAlarms();
+  ASSERT_EQ(alarms.size(), 1U);
+  EXPECT_EQ(alarms[0].code, "output_torque_limit");
+}
+
 // A slow decline with scatter of ±15 that has no memory: the fraction of a fast sine.
 double Declining(int cycle) {
   const double fast = 43758.5453 * std::sin(12.9898 * cycle);

@@ -86,8 +86,7 @@ TEST(ParseQuantity, RefusesWhatIsNotADecimalNumber) {
               "not a number with a unit (expected a torque, as in '40 Nm')")
         << text;
   }
-  EXPECT_EQ(MessageFor("2,5 Nm", Dimension::kTorque),
-            "',5 Nm' is not a unit of torque (expected Nm, mNm, Ncm or kNm)");
+  EXPECT_EQ(MessageFor("2,5 Nm", Dimension::kTorque), "decimal comma (expected a point, as in '2.5 Nm')");
   EXPECT_EQ(MessageFor("0x10 Nm", Dimension::kTorque),
             "'x10 Nm' is not a unit of torque (expected Nm, mNm, Ncm or kNm)");
 }

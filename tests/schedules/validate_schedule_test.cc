@@ -130,6 +130,13 @@ TEST(ValidateSchedule, WantsTolerancesThatTellALoadFromAnother) {
   }
 }
 
+TEST(ValidateSchedule, DoubtsThatAGearCoolsBelowTheRoom) {
+  EXPECT_EQ(
+      WarningsOf(GoodWith("cycles: 3", "suspend:\n  resume_temperature: 15 degC\ncycles: 3")),
+      "small.yaml:24:23: warning: resume_temperature = 15 degC may be below the room's own temperature, so "
+      "that a suspended gear never comes down to it (expected at least 25 degC, or a climate chamber)\n");
+}
+
 TEST(ValidateSchedule, WantsThresholdsInOrder) {
   EXPECT_EQ(
       MessageOf(GoodWith("cycles: 3",

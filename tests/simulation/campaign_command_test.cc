@@ -95,6 +95,9 @@ TEST_F(Campaign, TellsItsStatus) {
   EXPECT_EQ(status["running"], false);
   EXPECT_EQ(status["cycles_complete"], 3);
   EXPECT_EQ(status["alarms"].size(), 0u);
+  EXPECT_EQ(status["eta_s"], 0.0);
+  EXPECT_TRUE(status["pace"].is_null()) << "nothing runs";
+  EXPECT_GT(status["life_share"], 0.0);
 }
 
 TEST_F(Campaign, IsNotBegunTwiceInOneFolder) {
@@ -265,7 +268,11 @@ TEST(FullDisk, StopsSafelyAndTheCampaignOpensAndGoesOn) {
       std::string::npos)
       << full.error;
   EXPECT_NE(full.error.find(": No space left on device\n"), std::string::npos) << full.error;
-  EXPECT_EQ(RunProgram({"status", folder}).exit_code, 0);
+  EXPECT_NE(full.error.find(" are free, and the raw data of the cycles to come may take "), std::string::npos)
+      << full.error;
+  const ProgramResult status = RunProgram({"status", folder});
+  EXPECT_EQ(status.exit_code, 0);
+  EXPECT_NE(status.out.find("  LITTLE ROOM  "), std::string::npos) << status.out;
   disk.Remount(0, "size=50m");
   const ProgramResult resumed = RunProgram({"run", kSchedule, "--out", folder, "--resume"});
   EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
@@ -365,9 +372,14 @@ TEST(Limit, TripsTheBenchKeepsTheSamplesAndTheCampaignCanGoOn) {
   const auto folder = scratch / "campaign";
   const ProgramResult result = RunProgram({"run", schedule, "--out", folder.string()});
   EXPECT_EQ(result.exit_code, 1) << result.error;
-  EXPECT_NE(result.error.find("arcmin is beyond the limit of 5.00 arcmin with the input locked"),
-            std::string::npos)
-      << result.error;
+  const std::vector<std::string> told{
+      "arcmin is beyond the limit of 5.00 arcmin with the input locked (limits.twist) [output encoder ",
+      "the channels before and after it: " + (folder / "faults").string(),
+      "stopped: torque is off, brakes are on; when the cause is mended, go on with: strainwave run " +
+          schedule + " --out " + folder.string() + " --resume\n"};
+  for (const std::string& words : told) {
+    EXPECT_NE(result.error.find(words), std::string::npos) << words << "\n" << result.error;
+  }
   const auto status = nlohmann::json::parse(RunProgram({"status", folder.string(), "--json"}).out);
   ASSERT_EQ(status["alarms"].size(), 1u);
   EXPECT_EQ(status["alarms"][0]["code"], "twist_limit");

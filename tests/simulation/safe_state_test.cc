@@ -233,6 +233,21 @@ TEST(Suspend, GoesOnByItselfWhenTheGearHasCooledDown) {
   EXPECT_LT(bench.devices.sampler.Read().gear_temperature_degC, 51.0);
 }
 
+TEST(Suspend, ThatGivesUpSaysWhatDidNotComeBack) {
+  RunnerSettings settings = TestSettings();
+  settings.suspend.trip_temperature_degC = 60.0;
+  settings.suspend.resume_temperature_degC = 15.0;  // the room has 20
+  settings.suspend.give_up_s = 4.0 * 3600.0;
+  SpiedBench bench(settings);
+  const StopReason reason = bench.runner.WaitUntilRecovered(NoHeartbeat);
+  EXPECT_EQ(
+      Describe(reason),
+      "the gear did not cool below 15 degC in 4 h (suspend.resume_temperature, suspend.give_up): is the room "
+      "cooler than that?");
+  EXPECT_TRUE(bench.Safe());
+  EXPECT_TRUE(IsFault(reason.cause));
+}
+
 // A hand that is on the key from one time to another, again and again; then it ends.
 class Jog : public testing::TestWithParam<JogDrive> {
  protected:

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "bench/campaign/folder.h"
+#include "schedules/reader/schedule.h"
+
+namespace strainwave::bench {
+
+struct DiskRoom {
+  double free_bytes{};
+  double needed_bytes{};  // by the raw data of the cycles to come, uncompressed
+};
+
+/// Nothing where the disk has room enough, or does not say how much it has.
+std::optional<DiskRoom> LittleRoom(const CampaignFolder& folder, const schedules::Schedule& schedule,
+                                   int complete_cycles);
+
+}  // namespace strainwave::bench
