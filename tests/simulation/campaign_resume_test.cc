@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <sys/mount.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <thread>
 
 #include "bench/campaign/checkpoint.h"
@@ -112,10 +114,11 @@ TEST_P(FolderInItsPlace, GetsNothingAndEndsTheRunSafely) {
   const auto away = scratch / "away";
   const pid_t process = StartProgram({"run", kSchedule, "--out", folder.string(), "--pace", "200"}, scratch);
   WaitForPhase(folder, "load_run", process);
-  std::filesystem::rename(swapped, away);
-  std::filesystem::create_directories(swapped / "cycles");
-  std::filesystem::create_directories(swapped / "unfinished");
-  std::ofstream(swapped / "unfinished/of_somebody_else.h5") << "mine";
+  std::filesystem::create_directories(away / "cycles");
+  std::filesystem::create_directories(away / "unfinished");
+  std::ofstream(away / "unfinished/of_somebody_else.h5") << "mine";
+  // The one for the other in one step: in between there would be none.
+  ASSERT_EQ(::renameat2(AT_FDCWD, swapped.c_str(), AT_FDCWD, away.c_str(), RENAME_EXCHANGE), 0);
   const ProgramResult stopped = WaitForProgram(process, scratch);
   EXPECT_EQ(stopped.exit_code, 3);
   EXPECT_NE(stopped.error.find("stopped: torque is off, brakes are on, the campaign is whole"),
