@@ -31,7 +31,7 @@ StepResult ReferencingProgram::Step(const Readings& readings, double elapsed_s, 
   if (elapsed_s < kReadFor_s) return StepResult::kRunning;
   const double torque_Nm = torque_sum_Nm_ / count_;
   if (std::abs(torque_Nm) > tolerances_.torque_zero_Nm) {
-    failed_ = {StopCause::kReferenceCheck, torque_Nm, tolerances_.torque_zero_Nm, readings.time};
+    failed_ = {StopCause::kTorqueAtRest, torque_Nm, tolerances_.torque_zero_Nm, readings.time};
     return StepResult::kFailedCheck;
   }
   if (!std::isnan(expected_offset_rad_)) {

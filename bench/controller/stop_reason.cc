@@ -98,6 +98,8 @@ std::string_view Code(StopCause cause) {
       return "speed_factor";
     case StopCause::kPhaseTimeout:
       return "phase_timeout";
+    case StopCause::kTorqueAtRest:
+      return "torque_at_rest";
     case StopCause::kReferenceCheck:
       return "reference_check";
     case StopCause::kSensorCheck:
@@ -203,8 +205,19 @@ std::string Describe(const StopReason& reason) {
           value, limit);
     case StopCause::kPhaseTimeout:
       return fmt::format("the phase took {:.0f} s, planned were at most {:.0f} s", value, limit);
+    case StopCause::kTorqueAtRest:
+      return fmt::format(
+          "at rest, with both torques off, the transducer shows {:.1f} Nm (at most {:.1f} Nm): the gear is "
+          "wound "
+          "up between its brakes, as after a stop under load (a few turns of strainwave bench jog let it "
+          "go), or "
+          "the transducer has lost its zero",
+          value, limit);
     case StopCause::kReferenceCheck:
-      return fmt::format("reference check: {:.3f} is outside of ±{:.3f}", value, limit);
+      return fmt::format(
+          "at rest, input and output encoder are {:.3f} deg of the output from where they were left (at most "
+          "{:.3f} deg): somebody has turned a shaft or its coupling, or an encoder counts anew",
+          DegFromRad(value), DegFromRad(limit));
     case StopCause::kSensorCheck:
       return "a sensor does not show what it should";
     case StopCause::kLogFull:
@@ -240,6 +253,7 @@ std::optional<Channel> ChannelOf(const StopReason& reason) {
     case StopCause::kOutputTorqueLimit:
     case StopCause::kTorqueFactor:
     case StopCause::kTorqueOfCheck:
+    case StopCause::kTorqueAtRest:
       return Channel::kOutputTorque;
     case StopCause::kInputSpeedLimit:
       return Channel::kInputSpeed;
@@ -280,8 +294,8 @@ bool IsOfADevice(StopCause cause) {
          cause == StopCause::kTorqueFactor || cause == StopCause::kTorqueOfCheck ||
          cause == StopCause::kSpeedFactor || cause == StopCause::kStaleReadings ||
          cause == StopCause::kImplausibleReading || cause == StopCause::kInputAngleApart ||
-         cause == StopCause::kReferenceCheck || cause == StopCause::kSensorStayedBad ||
-         cause == StopCause::kSensorCheck;
+         cause == StopCause::kTorqueAtRest || cause == StopCause::kReferenceCheck ||
+         cause == StopCause::kSensorStayedBad || cause == StopCause::kSensorCheck;
 }
 
 bool IsFault(StopCause cause) { return cause != StopCause::kNone && !IsSuspend(cause) && !IsRequest(cause); }

@@ -34,6 +34,7 @@ enum class StopCause {
   kTorqueOfCheck,
   kSpeedFactor,
   kPhaseTimeout,
+  kTorqueAtRest,
   kReferenceCheck,
   kSensorCheck,
   kLogFull,

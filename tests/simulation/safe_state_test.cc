@@ -9,9 +9,11 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/units.h"
 #include "bench/controller/dead_man.h"
 #include "bench/controller/jog_program.h"
 #include "bench/controller/make_program.h"
+#include "bench/controller/standstill_programs.h"
 #include "tests/simulation/bench_fixture.h"
 
 namespace strainwave::bench {
@@ -246,6 +248,28 @@ TEST(Suspend, ThatGivesUpSaysWhatDidNotComeBack) {
       "cooler than that?");
   EXPECT_TRUE(bench.Safe());
   EXPECT_TRUE(IsFault(reason.cause));
+}
+
+TEST(Reference, TellsAWoundUpGearFromShaftsThatWereTurned) {
+  SpiedBench bench;
+  const auto said = [&](double torque_Nm, double output_deg) {
+    ReferencingProgram program({5.0, RadFromDeg(0.5)}, 80.0, 0.0);
+    Readings readings;
+    readings.output_torque_Nm = torque_Nm;
+    readings.output_angle_rad = RadFromDeg(output_deg);
+    EXPECT_EQ(program.Step(readings, 1.0, bench.devices), StepResult::kFailedCheck);
+    return Describe(program.failed_check());
+  };
+  EXPECT_EQ(
+      said(17.24, 0.0),
+      "at rest, with both torques off, the transducer shows 17.2 Nm (at most 5.0 Nm): the gear is wound up "
+      "between its brakes, as after a stop under load (a few turns of strainwave bench jog let it go), or "
+      "the "
+      "transducer has lost its zero");
+  EXPECT_EQ(
+      said(0.0, 3.0),
+      "at rest, input and output encoder are -3.000 deg of the output from where they were left (at most "
+      "0.500 deg): somebody has turned a shaft or its coupling, or an encoder counts anew");
 }
 
 // A hand that is on the key from one time to another, again and again; then it ends.
