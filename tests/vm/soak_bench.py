@@ -15,6 +15,7 @@ HEARTBEAT_S = 0.4  # drive_timeout
 POLL_S = 0.2  # of the thermometers
 GOOD_FOR_S = 2.0
 BAD_SENSOR_S = 2.0
+BLOCK_S = 0.15  # of accelerometers, and the window of their RMS
 FOUND_S = 2.0  # a sensor that tells nothing new
 WATCHDOG_S = 0.8  # of a drive on Modbus, which ends what an order no longer reaches
 STATE_S = 0.04  # two polls of a drive's state
@@ -46,7 +47,7 @@ SENSORS = (
     Fault("sensor drift 3 40", "sensor drift off", LIMIT_S),
     Fault("modbus thermometers silence", "modbus thermometers ok", GOOD_FOR_S + BAD_SENSOR_S, True),
     Fault("modbus thermometers exception 4", "modbus thermometers ok", POLL_S + BAD_SENSOR_S, True),
-    Fault("sensor dead 7", "sensor dead off", BAD_SENSOR_S, True),
+    Fault("sensor dead 7", "sensor dead off", BLOCK_S + BAD_SENSOR_S, True),
 )
 CANOPEN = (
     Fault("drive 1 heartbeat off", "drive 1 heartbeat on", HEARTBEAT_S),
