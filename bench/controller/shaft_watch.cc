@@ -34,9 +34,7 @@ StopReason ShaftWatch::Check(const Readings& readings, const DriveActual& drivin
   const double apart_now_rad = readings.input_angle_rad - driving.position_rad;
   if (!apart_at_start_rad_) apart_at_start_rad_ = apart_now_rad;
   const double apart_rad = apart_now_rad - *apart_at_start_rad_;
-  fastest_rad_per_s_ = std::max(std::abs(driving.speed_rad_per_s),
-                                fastest_rad_per_s_ * std::exp(-Seconds(since) / kApartFor_s));
-  const double turned_between_rad = fastest_rad_per_s_ * (Seconds(between) + kBusCycles_s);
+  const double turned_between_rad = std::abs(driving.speed_rad_per_s) * (Seconds(between) + kBusCycles_s);
   const double most_rad = kPlay_rad + kSteps * encoder_step_rad_ + turned_between_rad;
   apart_for_s_ = std::abs(apart_rad) > most_rad ? apart_for_s_ + Seconds(since) : 0.0;
   if (apart_for_s_ < kApartFor_s) return {};

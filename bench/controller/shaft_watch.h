@@ -15,9 +15,8 @@ namespace strainwave::bench {
 /// has one that slips.
 ///
 /// They may be apart by a degree (coupling, eccentricity of a motor's resolver), two steps of the encoder,
-/// and what the shaft turns in the time that lies between the two readings, a bus cycle of each included, at
-/// the fastest that it turned lately: one that swings on the spring of its gear is told standing as often as
-/// not. Longer than a quarter of a second beyond that is a fault. While nothing turns, nothing can be told.
+/// and what the shaft turns in the time that lies between the two readings, a bus cycle of each included.
+/// Longer than a quarter of a second beyond that is a fault. While nothing turns, nothing can be told.
 class ShaftWatch {
  public:
   /// @param encoder_step_rad  of the input encoder, not negative.
@@ -36,7 +35,6 @@ class ShaftWatch {
   std::chrono::nanoseconds encoder_time_{};  // of the readings judged last
   std::chrono::nanoseconds drive_time_{};
   double apart_for_s_{};
-  double fastest_rad_per_s_{};  // lately
 };
 
 }  // namespace strainwave::bench

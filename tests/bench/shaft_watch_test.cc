@@ -77,25 +77,6 @@ TEST(ShaftWatch, FindsAnEncoderThatSlips) {
   EXPECT_EQ(Describe(found.reason).substr(0, 24), "the input angle went -13");
 }
 
-// As after a stop: 10 Hz and 27 rpm at most, told by a drive that answers 30 ms late.
-TEST(ShaftWatch, BearsAShaftThatSwingsOnTheSpringOfItsGear) {
-  constexpr double kSwing_rad_per_s = kTwoPi * 10.0;
-  const double most_rad_per_s = RadPerSFromRpm(27.0);
-  ShaftWatch watch(0.0);
-  for (nanoseconds time = 2 * kPeriod; time < std::chrono::seconds(10); time += 2 * kPeriod) {
-    const double time_s = std::chrono::duration<double>(time).count();
-    const double told_s = time_s - 0.03;
-    Readings readings;
-    readings.time = readings.angles_time = time;
-    readings.input_angle_rad = most_rad_per_s / kSwing_rad_per_s * std::sin(kSwing_rad_per_s * time_s);
-    const DriveActual driving{
-        .time = time - milliseconds(20),
-        .position_rad = most_rad_per_s / kSwing_rad_per_s * std::sin(kSwing_rad_per_s * told_s),
-        .speed_rad_per_s = most_rad_per_s * std::cos(kSwing_rad_per_s * told_s)};
-    ASSERT_EQ(Describe(watch.Check(readings, driving)), Describe({})) << time_s << " s";
-  }
-}
-
 TEST(ShaftWatch, BearsTheStepsOfACoarseEncoder) {
   constexpr double kStep_rad = kTwoPi / 60.0;
   Shaft shaft;
