@@ -44,10 +44,7 @@ QualityControl::QualityControl(const schedules::Schedule& schedule, const Journa
     : schedule_(schedule) {
   TakeGauge(journal);
   for (const char* quantity : kControlled) history_[quantity] = HistoryIn(journal, quantity);
-  journal.ForEachResult("k2_Nm_per_rad", [&](const CycleResult& row) {
-    if (IsSound(row.result)) first_k2_Nm_per_rad_ = row.result.value;
-    return !first_k2_Nm_per_rad_;
-  });
+  first_k2_Nm_per_rad_ = FirstK2_Nm_per_rad(journal);
 }
 
 // What the values in the order in which they came have left, so that a resumed campaign judges as one that
@@ -120,29 +117,15 @@ std::vector<std::string> QualityControl::Outliers(const std::vector<Result>& res
 }
 
 std::optional<std::string> QualityControl::StopCriterion(const std::vector<Result>& results) const {
-  const schedules::StopCriteria& stop = schedule_.stop;
-  const auto good = [&](std::string_view quantity) -> std::optional<double> {
-    const auto result = FindResult(results, quantity);
-    return result && IsSound(*result) ? std::optional(result->value) : std::nullopt;
-  };
-  if (const auto k2 = good("k2_Nm_per_rad"); k2 && stop.k2_below_share_of_first && first_k2_Nm_per_rad_) {
-    const double limit = *stop.k2_below_share_of_first * *first_k2_Nm_per_rad_;
-    if (*k2 < limit) {
-      return fmt::format("K2 = {:.0f} Nm/rad is below {:.0f} Nm/rad, {:.0f} % of its first value", *k2, limit,
-                         100.0 * *stop.k2_below_share_of_first);
+  for (const StopDistance& stop : StopDistances(schedule_.stop, first_k2_Nm_per_rad_, results)) {
+    if (stop.is_lower && stop.value < stop.limit) {
+      return fmt::format("{} = {:.0f} {} is below {:.0f} {}, {:.0f} % of its first value", stop.quantity,
+                         stop.value, stop.unit, stop.limit, stop.unit,
+                         100.0 * *schedule_.stop.k2_below_share_of_first);
     }
-  }
-  if (const auto e_max = good("e_max_arcmin"); e_max && stop.e_max_above_rad) {
-    const double limit = ArcminFromRad(*stop.e_max_above_rad);
-    if (*e_max > limit) return fmt::format("e_max = {:.2f} arcmin is above {:.2f} arcmin", *e_max, limit);
-  }
-  if (stop.vibration_rms_above_m_per_s2) {
-    for (const Result& result : results) {
-      if (!result.quantity.starts_with("vibration_rms_") ||
-          result.value <= *stop.vibration_rms_above_m_per_s2)
-        continue;
-      return fmt::format("{} = {:.2f} m/s2 is above {:.2f} m/s2", result.quantity, result.value,
-                         *stop.vibration_rms_above_m_per_s2);
+    if (!stop.is_lower && !(stop.value <= stop.limit)) {
+      return fmt::format("{} = {:.2f} {} is above {:.2f} {}", stop.quantity, stop.value, stop.unit,
+                         stop.limit, stop.unit);
     }
   }
   return std::nullopt;
@@ -185,21 +168,34 @@ std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>&
   return calibrations;
 }
 
+std::optional<double> FirstK2_Nm_per_rad(const Journal& journal) {
+  std::optional<double> first;
+  journal.ForEachResult("k2_Nm_per_rad", [&](const CycleResult& row) {
+    if (IsSound(row.result)) first = row.result.value;
+    return !first;
+  });
+  return first;
+}
+
 std::vector<StopDistance> StopDistances(const schedules::StopCriteria& stop,
-                                        const std::vector<Result>& first_cycle,
-                                        const std::vector<Result>& cycle) {
+                                        std::optional<double> first_k2_Nm_per_rad,
+                                        const std::vector<Result>& results) {
   std::vector<StopDistance> distances;
-  const auto first_k2 = FindResult(first_cycle, "k2_Nm_per_rad");
-  for (const Result& result : cycle) {
-    if (std::isnan(result.value)) continue;
-    if (result.quantity == "k2_Nm_per_rad" && stop.k2_below_share_of_first && first_k2) {
-      distances.push_back(
-          {"K2", "Nm/rad", result.value, *stop.k2_below_share_of_first * first_k2->value, true});
-    } else if (result.quantity == "e_max_arcmin" && stop.e_max_above_rad) {
-      distances.push_back({"e_max", "arcmin", result.value, ArcminFromRad(*stop.e_max_above_rad), false});
-    } else if (result.quantity.starts_with("vibration_rms_") && stop.vibration_rms_above_m_per_s2) {
-      distances.push_back({result.quantity, "m/s2", result.value, *stop.vibration_rms_above_m_per_s2, false});
-    }
+  const auto good = [&](std::string_view quantity) -> std::optional<double> {
+    const auto result = FindResult(results, quantity);
+    const bool is_known = result && IsSound(*result) && !std::isnan(result->value);
+    return is_known ? std::optional(result->value) : std::nullopt;
+  };
+  if (const auto k2 = good("k2_Nm_per_rad"); k2 && stop.k2_below_share_of_first && first_k2_Nm_per_rad) {
+    distances.push_back({"K2", "Nm/rad", *k2, *stop.k2_below_share_of_first * *first_k2_Nm_per_rad, true});
+  }
+  if (const auto e_max = good("e_max_arcmin"); e_max && stop.e_max_above_rad) {
+    distances.push_back({"e_max", "arcmin", *e_max, ArcminFromRad(*stop.e_max_above_rad), false});
+  }
+  if (!stop.vibration_rms_above_m_per_s2) return distances;
+  for (const Result& result : results) {
+    if (!result.quantity.starts_with("vibration_rms_")) continue;
+    distances.push_back({result.quantity, "m/s2", result.value, *stop.vibration_rms_above_m_per_s2, false});
   }
   return distances;
 }

@@ -54,6 +54,9 @@ inline constexpr std::string_view kRepeatabilityLimitPrefix = "limit_95_";
 /// that 1.96 of it hold 95 %), and "limit_95_QUANTITY", by which two of them differ in 5 of 100 cases.
 std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>& repeats);
 
+/// Of the first cycle whose value is sound; nothing: there is none yet.
+std::optional<double> FirstK2_Nm_per_rad(const Journal& journal);
+
 /// How far a cycle is from one of the schedule's stop criteria.
 struct StopDistance {
   std::string quantity;
@@ -63,9 +66,10 @@ struct StopDistance {
   bool is_lower{};  // the campaign ends below it, else above
 };
 
-/// Of those criteria whose quantities the cycle has.
+/// Of those criteria whose quantities the cycle has, in the order in which they are looked at.
+/// @param first_k2_Nm_per_rad  as `FirstK2_Nm_per_rad` has it.
 std::vector<StopDistance> StopDistances(const schedules::StopCriteria& stop,
-                                        const std::vector<Result>& first_cycle,
-                                        const std::vector<Result>& cycle);
+                                        std::optional<double> first_k2_Nm_per_rad,
+                                        const std::vector<Result>& results);
 
 }  // namespace strainwave::bench

@@ -121,7 +121,7 @@ Status StatusOf(const CampaignFolder& folder) {
   status.remaining_s = TimeToGo_s(inputs.schedule, cycle, rows, credited_in_step_s, status.bench_time_s);
   if (status.complete > 0) {
     status.last_results = journal.Results(status.complete, 0);
-    status.stops = StopDistances(inputs.schedule.stop, journal.Results(1, 0), status.last_results);
+    status.stops = StopDistances(inputs.schedule.stop, FirstK2_Nm_per_rad(journal), status.last_results);
     const auto plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
     status.life_share = LifeShare(inputs.schedule.specimen, plan.once_load_blocks) +
                         LifeShare(inputs.schedule.specimen, plan.cycle_load_blocks) * status.complete;

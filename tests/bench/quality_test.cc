@@ -26,10 +26,9 @@ TEST(StopDistances, AreThoseOfTheQuantitiesThatTheCycleHas) {
   schedules::StopCriteria stop;
   stop.k2_below_share_of_first = 0.8;
   stop.e_max_above_rad = RadFromArcmin(1.2);
-  const std::vector<Result> first{{"k2_Nm_per_rad", 25000.0, 10.0, ""}};
   const std::vector<Result> last{{"k2_Nm_per_rad", 24000.0, 10.0, ""},
                                  {"vibration_rms_x_m_per_s2", 3.0, 0.1, ""}};
-  const auto distances = StopDistances(stop, first, last);
+  const auto distances = StopDistances(stop, 25000.0, last);
   ASSERT_EQ(distances.size(), 1U);
   EXPECT_EQ(distances[0].quantity, "K2");
   EXPECT_EQ(distances[0].value, 24000.0);

@@ -312,8 +312,8 @@ ModbusReply ModbusServoDrive::Write(ModbusLink& link) {
     if (const ModbusReply reply = SetWatchdogTime(link); !reply.good()) return reply;
     // From a quick stop the way leads through off, so that a stop never turns into motion by one word.
     const ModbusReply reply = WriteStop(link, false, true);
-    begun_ns_ =
-        clock_.Now().count();  // before it counts as begun: `IsEnabledAsAsked` looks from other threads
+    // Before it counts as begun: `IsEnabledAsAsked` looks from other threads.
+    begun_ns_ = clock_.Now().count();
     if (reply.good()) enables_begun_ = command.enables;
     return reply;
   }
