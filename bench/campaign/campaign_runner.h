@@ -53,7 +53,8 @@ class CampaignRunner {
 
   void Transition(BenchEvent event);
   MaybeEnd Reference(double expected_offset_rad);
-  MaybeEnd RunUncredited(PhaseProgram& program, std::string_view phase);
+  MaybeEnd Unwind(double torque_Nm, double torque_zero_Nm);
+  MaybeEnd RunUncredited(PhaseProgram& program, std::string_view phase, BenchEvent begin);
   MaybeEnd CheckLoad();
   MaybeEnd WarmUp(const Pause& pause);
   MaybeEnd RunCycle(int cycle);

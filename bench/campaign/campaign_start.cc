@@ -11,6 +11,7 @@
 #include "bench/controller/load_check_program.h"
 #include "bench/controller/make_program.h"
 #include "bench/controller/standstill_programs.h"
+#include "bench/controller/unwind_program.h"
 
 namespace strainwave::bench {
 namespace {
@@ -45,11 +46,19 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
     return runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
   };
   PhaseOutcome outcome = reference();
-  // A campaign that was suspended, and then stopped, is resumed while its gear is warm.
-  while (IsSuspend(outcome.reason.cause)) {
-    WatchChannels("referencing");
-    Note("warning", "referencing", Code(outcome.reason.cause), InWords(outcome.reason));
-    if (auto end = WaitUntilRecovered("referencing")) return end;
+  bool unwound = false;
+  while (true) {
+    if (IsSuspend(outcome.reason.cause)) {
+      // A campaign that was suspended, and then stopped, is resumed while its gear is warm.
+      WatchChannels("referencing");
+      Note("warning", "referencing", Code(outcome.reason.cause), InWords(outcome.reason));
+      if (auto end = WaitUntilRecovered("referencing")) return end;
+    } else if (outcome.reason.cause == StopCause::kTorqueAtRest && !unwound) {
+      unwound = true;
+      if (auto end = Unwind(outcome.reason.value, tolerances.torque_zero_Nm)) return end;
+    } else {
+      break;
+    }
     outcome = reference();
   }
   WatchChannels("referencing");
@@ -60,9 +69,21 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   return std::nullopt;
 }
 
-// As a load run, of which the journal has no phase.
-CampaignRunner::MaybeEnd CampaignRunner::RunUncredited(PhaseProgram& program, std::string_view phase) {
-  Transition(BenchEvent::kBeginLoadRun);
+// A drive that brakes at once, as one on Modbus does when its line falls silent, leaves the gear wound up.
+CampaignRunner::MaybeEnd CampaignRunner::Unwind(double torque_Nm, double torque_zero_Nm) {
+  UnwindProgram program(torque_zero_Nm);
+  if (auto end = RunUncredited(program, "unwinding", BenchEvent::kBeginUnwinding)) return end;
+  Note("info", "", "unwound",
+       fmt::format("the gear stood wound up between its brakes with {:.1f} Nm; the load servo's brake was "
+                   "released at zero torque, the transducer shows {:.1f} Nm now",
+                   torque_Nm, runner_.last_readings().output_torque_Nm));
+  return std::nullopt;
+}
+
+// Torque of which the journal has no phase.
+CampaignRunner::MaybeEnd CampaignRunner::RunUncredited(PhaseProgram& program, std::string_view phase,
+                                                       BenchEvent begin) {
+  Transition(begin);
   const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase);
   Transition(BenchEvent::kPhaseEnded);
@@ -77,7 +98,7 @@ CampaignRunner::MaybeEnd CampaignRunner::CheckLoad() {
       std::ranges::any_of(schedule_.preparation, loads) || std::ranges::any_of(schedule_.phases, loads);
   if (bench_.simulated || !any) return std::nullopt;
   LoadCheckProgram program(schedule_.specimen, bench_.control_period_s);
-  if (auto end = RunUncredited(program, "load_check")) return end;
+  if (auto end = RunUncredited(program, "load_check", BenchEvent::kBeginLoadRun)) return end;
   Note("info", "", "load_check",
        fmt::format(
            "load check: the transducer shows {:.3f} times the torque asked for, the input encoder {:.3f} "
@@ -111,7 +132,7 @@ CampaignRunner::MaybeEnd CampaignRunner::WarmUp(const Pause& pause) {
                    pause.length_s ? fmt::format("{:.0f} s", pause_s) : "a time that is not known",
                    run.duration_s));
   const auto program = MakeProgram(run, schedule_.specimen, 0.0, bench_.control_period_s);
-  if (auto end = RunUncredited(*program, "warm_up")) return end;
+  if (auto end = RunUncredited(*program, "warm_up", BenchEvent::kBeginLoadRun)) return end;
   TakeMemory();
   return std::nullopt;
 }

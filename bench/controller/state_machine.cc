@@ -26,6 +26,7 @@ std::optional<BenchState> NextFromReady(BenchEvent event) {
       return BenchState::kFinished;
     case BenchEvent::kReset:
     case BenchEvent::kStart:
+    case BenchEvent::kBeginUnwinding:
     case BenchEvent::kReferenced:
     case BenchEvent::kPhaseEnded:
     case BenchEvent::kSuspend:
@@ -51,7 +52,10 @@ std::optional<BenchState> Next(BenchState state, BenchEvent event) {
     case BenchState::kIdle:
       return When(event == BenchEvent::kStart, BenchState::kReferencing);
     case BenchState::kReferencing:
+      if (event == BenchEvent::kBeginUnwinding) return BenchState::kUnwinding;
       return When(event == BenchEvent::kReferenced, BenchState::kReady);
+    case BenchState::kUnwinding:
+      return When(event == BenchEvent::kPhaseEnded, BenchState::kReferencing);
     case BenchState::kReady:
       return NextFromReady(event);
     case BenchState::kLoadRun:
@@ -75,6 +79,7 @@ std::optional<BenchState> Next(BenchState state, BenchEvent event) {
 
 bool TorqueAllowed(BenchState state) {
   switch (state) {
+    case BenchState::kUnwinding:
     case BenchState::kLoadRun:
     case BenchState::kMeasurementRotation:
     case BenchState::kTransmissionErrorSweep:
@@ -103,6 +108,8 @@ std::string_view Name(BenchState state) {
       return "idle";
     case BenchState::kReferencing:
       return "referencing";
+    case BenchState::kUnwinding:
+      return "unwinding";
     case BenchState::kReady:
       return "ready";
     case BenchState::kLoadRun:

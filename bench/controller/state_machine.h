@@ -6,11 +6,13 @@
 
 namespace strainwave::bench {
 
-/// What the bench is doing. Torque is possible only in the states from kLoadRun to kBlankTest.
+/// What the bench is doing. Torque is possible only in kUnwinding and in the states from kLoadRun to
+/// kBlankTest.
 enum class BenchState {
   kFaulted,      // at power-up and after every trip: torque off, brakes on, until a person resets
   kIdle,         // reset, waiting for the start action
   kReferencing,  // encoders, torque zero and sensors are checked at standstill
+  kUnwinding,    // the load servo at zero torque lets go of a gear that was braked under load
   kReady,        // between phases: torque off, brakes on
   kLoadRun,
   kMeasurementRotation,
@@ -27,6 +29,7 @@ enum class BenchState {
 enum class BenchEvent {
   kReset,
   kStart,
+  kBeginUnwinding,
   kReferenced,
   kBeginLoadRun,
   kBeginMeasurementRotation,

@@ -207,11 +207,9 @@ std::string Describe(const StopReason& reason) {
       return fmt::format("the phase took {:.0f} s, planned were at most {:.0f} s", value, limit);
     case StopCause::kTorqueAtRest:
       return fmt::format(
-          "at rest, with both torques off, the transducer shows {:.1f} Nm (at most {:.1f} Nm): the gear is "
-          "wound "
-          "up between its brakes, as after a stop under load (a few turns of strainwave bench jog let it "
-          "go), or "
-          "the transducer has lost its zero",
+          "at rest, with both torques off, the transducer shows {:.1f} Nm (at most {:.1f} Nm), also after "
+          "the "
+          "load servo has let go of the gear: it has lost its zero, or a shaft is clamped",
           value, limit);
     case StopCause::kReferenceCheck:
       return fmt::format(

@@ -11,6 +11,7 @@ namespace {
 const std::vector<BenchState> kAllStates{BenchState::kFaulted,
                                          BenchState::kIdle,
                                          BenchState::kReferencing,
+                                         BenchState::kUnwinding,
                                          BenchState::kReady,
                                          BenchState::kLoadRun,
                                          BenchState::kMeasurementRotation,
@@ -24,6 +25,7 @@ const std::vector<BenchState> kAllStates{BenchState::kFaulted,
                                          BenchState::kFinished};
 const std::vector<BenchEvent> kAllEvents{BenchEvent::kReset,
                                          BenchEvent::kStart,
+                                         BenchEvent::kBeginUnwinding,
                                          BenchEvent::kReferenced,
                                          BenchEvent::kBeginLoadRun,
                                          BenchEvent::kBeginMeasurementRotation,
@@ -85,16 +87,33 @@ TEST(StateMachine, NoPhaseBeginsBeforeReferencingIsDone) {
   for (const BenchState state : {BenchState::kFaulted, BenchState::kIdle, BenchState::kReferencing}) {
     for (const BenchEvent event : kAllEvents) {
       const auto next = Next(state, event);
-      EXPECT_FALSE(next && TorqueAllowed(*next)) << Name(state);
+      EXPECT_FALSE(next && TorqueAllowed(*next) && next != BenchState::kUnwinding) << Name(state);
     }
   }
 }
 
-TEST(StateMachine, TorqueIsReachedFromReadyAlone) {
+TEST(StateMachine, AGearIsUnwoundWithinReferencing) {
+  for (const BenchState state : kAllStates) {
+    const auto next = Next(state, BenchEvent::kBeginUnwinding);
+    EXPECT_EQ(next, state == BenchState::kReferencing ? std::optional(BenchState::kUnwinding) : std::nullopt);
+  }
+  for (const BenchEvent event : kAllEvents) {
+    const auto next = Next(BenchState::kUnwinding, event);
+    if (event == BenchEvent::kPhaseEnded) {
+      EXPECT_EQ(next, BenchState::kReferencing);
+    } else if (event != BenchEvent::kFault) {
+      EXPECT_EQ(next, std::nullopt);
+    }
+  }
+}
+
+TEST(StateMachine, LoadIsReachedFromReadyAlone) {
   for (const BenchState state : kAllStates) {
     for (const BenchEvent event : kAllEvents) {
       const auto next = Next(state, event);
-      EXPECT_TRUE(!next || !TorqueAllowed(*next) || state == BenchState::kReady) << Name(state);
+      EXPECT_TRUE(!next || !TorqueAllowed(*next) || next == BenchState::kUnwinding ||
+                  state == BenchState::kReady)
+          << Name(state);
     }
   }
 }

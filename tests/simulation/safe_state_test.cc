@@ -14,6 +14,7 @@
 #include "bench/controller/jog_program.h"
 #include "bench/controller/make_program.h"
 #include "bench/controller/standstill_programs.h"
+#include "bench/controller/unwind_program.h"
 #include "tests/simulation/bench_fixture.h"
 
 namespace strainwave::bench {
@@ -250,7 +251,7 @@ TEST(Suspend, ThatGivesUpSaysWhatDidNotComeBack) {
   EXPECT_TRUE(IsFault(reason.cause));
 }
 
-TEST(Reference, TellsAWoundUpGearFromShaftsThatWereTurned) {
+TEST(Reference, TellsALostZeroFromShaftsThatWereTurned) {
   SpiedBench bench;
   const auto said = [&](double torque_Nm, double output_deg) {
     ReferencingProgram program({5.0, RadFromDeg(0.5)}, 80.0, 0.0);
@@ -262,14 +263,42 @@ TEST(Reference, TellsAWoundUpGearFromShaftsThatWereTurned) {
   };
   EXPECT_EQ(
       said(17.24, 0.0),
-      "at rest, with both torques off, the transducer shows 17.2 Nm (at most 5.0 Nm): the gear is wound up "
-      "between its brakes, as after a stop under load (a few turns of strainwave bench jog let it go), or "
-      "the "
-      "transducer has lost its zero");
+      "at rest, with both torques off, the transducer shows 17.2 Nm (at most 5.0 Nm), also after the load "
+      "servo has let go of the gear: it has lost its zero, or a shaft is clamped");
   EXPECT_EQ(
       said(0.0, 3.0),
       "at rest, input and output encoder are -3.000 deg of the output from where they were left (at most "
       "0.500 deg): somebody has turned a shaft or its coupling, or an encoder counts anew");
+}
+
+TEST(Reference, UnwindsAGearThatWasBrakedUnderLoad) {
+  SpiedBench bench;
+  // The input's brake stays on; the load's comes on under torque.
+  const auto wait = [&](double torque_Nm) {
+    for (int period = 0; period < 100; ++period) {
+      if (bench.load.Actual().power == protocols::PowerState::kOperationEnabled) {
+        bench.load.CommandTorque(torque_Nm);
+      }
+      bench.devices.clock.SleepUntil(bench.devices.clock.Now() + kControlPeriod);
+    }
+  };
+  bench.load.Enable(DriveMode::kTorque);
+  wait(0.0);
+  bench.load.SetBrake(false);
+  wait(20.0);
+  bench.load.SetBrake(true);
+  wait(20.0);
+  bench.load.QuickStop();
+  wait(0.0);
+  ReferencingProgram before({2.0, RadFromDeg(0.5)}, TestSpecimen().ratio, std::nan(""));
+  ASSERT_EQ(bench.runner.Run(before, NoHeartbeat).reason.cause, StopCause::kTorqueAtRest);
+  const auto driving_enabled_at = bench.driving.enabled_at;
+  UnwindProgram unwind(2.0);
+  EXPECT_FALSE(bench.runner.Run(unwind, NoHeartbeat).reason);
+  EXPECT_TRUE(bench.Safe());
+  EXPECT_EQ(bench.driving.enabled_at, driving_enabled_at);
+  ReferencingProgram after({2.0, RadFromDeg(0.5)}, TestSpecimen().ratio, std::nan(""));
+  EXPECT_FALSE(bench.runner.Run(after, NoHeartbeat).reason);
 }
 
 // A hand that is on the key from one time to another, again and again; then it ends.
