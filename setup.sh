@@ -103,10 +103,8 @@ next_campaign() {
 predict_demo() {
   local folder=$1/predictor
   mkdir -p "$folder"
-  sed -e 's/^cycles: .*/cycles: 80/' -e '/kind: load_run/,/log_rate/ {s/30 min/4 h/;s/40 Nm/55 Nm/;s/1 Hz/0.1 Hz/}' \
-    schedules/paper.yaml >"$folder/life.yaml"
   echo "a predictor of transmission error and stiffness, from the vibration of 80 cycles of 4 h at 55 Nm (half a minute):"
-  build/strainwave run "$folder/life.yaml" --out "$folder/life" >"$folder/run.txt"
+  build/strainwave run schedules/life.yaml --out "$folder/life" >"$folder/run.txt"
   build/strainwave train "$folder/life" --out "$folder/trained"
   echo
   build/strainwave predict "$folder/trained" "$folder/life/cycles/000080.h5"

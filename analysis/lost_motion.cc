@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/angle_weights.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis {
@@ -25,15 +26,13 @@ class Turn {
     }
     std::stable_sort(points_.begin(), points_.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<double> angle_rad;
+    for (const auto& point : points_) angle_rad.push_back(point.first);
+    longest_gap_rad_ = 3.0 * UsualStep(angle_rad);
     points_.emplace_back(points_.front().first + kTwoPi, points_.front().second);
-    std::size_t distinct = 0;
-    for (std::size_t i = 1; i < points_.size(); ++i) {
-      distinct += points_[i].first > points_[i - 1].first ? 1 : 0;
-    }
-    longest_gap_rad_ = 3.0 * kTwoPi / static_cast<double>(distinct);
   }
 
-  // None across a gap of more than three mean steps: the sweep was not there.
+  // None across a gap of more than three usual steps: the sweep was not there.
   std::optional<double> At(double angle_rad) const {
     double angle = Remainder(angle_rad);
     if (angle < points_.front().first) {
@@ -60,16 +59,17 @@ class Turn {
 
 struct Sum {
   double total{};
-  std::size_t count{};
+  double weight{};
 };
 
 Sum DifferencesAtAngles(const SweepError& at, const SweepError& other) {
   const Turn turn(other);
+  const std::vector<double> weights = AngleWeights(at.output_angle_rad);
   Sum sum;
   for (std::size_t i = 0; i < at.error_rad.size(); ++i) {
     if (const auto there = turn.At(at.output_angle_rad[i])) {
-      sum.total += at.error_rad[i] - *there;
-      ++sum.count;
+      sum.total += weights[i] * (at.error_rad[i] - *there);
+      sum.weight += weights[i];
     }
   }
   return sum;
@@ -80,11 +80,10 @@ Sum DifferencesAtAngles(const SweepError& at, const SweepError& other) {
 std::optional<double> MeanDifferenceAtEqualAngle(const SweepError& first, const SweepError& second) {
   const Sum forward = DifferencesAtAngles(first, second);
   const Sum backward = DifferencesAtAngles(second, first);
-  if (forward.count == 0 || backward.count == 0) {
+  if (!(forward.weight > 0.0) || !(backward.weight > 0.0)) {
     return std::nullopt;
   }
-  return 0.5 * (forward.total / static_cast<double>(forward.count) -
-                backward.total / static_cast<double>(backward.count));
+  return 0.5 * (forward.total / forward.weight - backward.total / backward.weight);
 }
 
 }  // namespace strainwave::analysis

@@ -45,10 +45,13 @@ struct TorsionalStiffness {
   double friction_torque_Nm{};  // model: the element's, 0 where none shows; backbone: half the loop's height
   double yield_twist_rad{};     // model only
   double rms_residual_Nm{};     // model only
+  double noise_Nm{};            // model only: of both signals, from neighbouring samples
   /// The fitted loop at the record's samples (model only), for pictures.
   std::vector<double> fitted_torque_Nm;
   /// Checks that did not hold, in words; a number with a failed check is not to be stored as good.
   std::vector<std::string> failed_checks;
+  /// What a reader of the numbers should know though they stand: sentences.
+  std::vector<std::string> warnings;
 };
 
 /// Fits to the whole record
@@ -60,7 +63,8 @@ struct TorsionalStiffness {
 /// are K₁, K₂, K₃, W, δ, φ₀ and the element's state at the first sample. The element is driven by the twist
 /// made monotone between reversals, since the noise of the raw twist would ratchet it. Outliers lose weight
 /// (Huber, three standard deviations). The standard errors hold under autocorrelated and uneven noise
-/// (analysis/linear_regression.h, SandwichCovariance).
+/// (analysis/linear_regression.h, SandwichCovariance). A check fails where the model leaves far more than the
+/// noise, and more than another form of friction would.
 ///
 /// Limit: a signal made monotone runs outward at its reversals by a part of its noise. Where a sample's step
 /// is about as large as the noise, K3 comes out some 1e-4 high, up to half its standard error, and its 95 %
@@ -89,7 +93,8 @@ TorsionalStiffness FitStiffnessBackbone(const TorsionLoop& loop, const TestTorqu
 /// The stiffness of the gear alone by one of the methods: takes the bench's compliance C out of the twist
 /// (φ − C·T, so that 1/K = 1/K_measured − C and the breaks are those of the gear) and adds to the standard
 /// errors those of C (by a second fit at C + its standard error) and of the transducer's calibration, in
-/// quadrature.
+/// quadrature. Where model and backbone part by more than their errors, the friction is not one element: the
+/// model's errors then hold that misfit of form as well, and a warning gives both numbers.
 ///
 /// @param torque_gain_relative_se  relative standard error of the torque transducer's gain (0.003 / √3 for
 /// ±0.3 %

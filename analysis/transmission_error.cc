@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/angle_weights.h"
 #include "analysis/arguments.h"
 #include "analysis/autocorrelation.h"
 #include "analysis/extremes_under_noise.h"
@@ -22,7 +23,14 @@ namespace {
 
 constexpr std::size_t kMinSamples = 8;
 constexpr std::size_t kMinSteps = 36;
+constexpr double kLongestStep_rad = 1.5 * kTwoPi / static_cast<double>(kMinSteps);
 constexpr double kMaxRatioDeviation = 0.01;
+// A sample that stands off alone: in noise of the others, and of the range of the error.
+constexpr double kOffByNoise = 10.0;
+constexpr double kOffByDeviation = 6.0;  // standard deviations over the angle, itself among them
+constexpr double kOffByRange = 0.02;
+constexpr double kOffAtLeast_rad = RadFromArcsec(1.0);
+constexpr double kNeighboursOff = 0.3;  // of it: damage of a tooth reaches further
 
 void RequireSweep(const char* direction, const AngleSweep& sweep) {
   const std::string input = fmt::format("{}.input_angle_rad", direction);
@@ -36,17 +44,13 @@ void RequireSweep(const char* direction, const AngleSweep& sweep) {
   RequireFinite(output, sweep.output_angle_rad);
 }
 
-double MeanStep(std::span<const double> angle_rad) {
-  return std::abs(angle_rad.back() - angle_rad.front()) / static_cast<double>(angle_rad.size() - 1);
-}
-
 double Direction(std::span<const double> angle_rad) {
   return angle_rad.back() >= angle_rad.front() ? 1.0 : -1.0;
 }
 
 // Number of samples of the first revolution: up to the first one that has come round.
 std::size_t FirstRevolution(std::span<const double> output_rad) {
-  const double whole_rad = kTwoPi - 0.25 * MeanStep(output_rad);
+  const double whole_rad = kTwoPi - 0.25 * UsualStep(output_rad);
   const double direction = Direction(output_rad);
   for (std::size_t i = 0; i < output_rad.size(); ++i) {
     if (direction * (output_rad[i] - output_rad.front()) >= whole_rad) {
@@ -69,15 +73,34 @@ double Slope(std::span<const double> x, std::span<const double> y) {
   return xy / xx;
 }
 
+// Where the longest step ends.
+std::size_t LongestStep(std::span<const double> angle_rad) {
+  std::size_t longest = 1;
+  const auto step = [&](std::size_t i) { return std::abs(angle_rad[i] - angle_rad[i - 1]); };
+  for (std::size_t i = 2; i < angle_rad.size(); ++i) {
+    if (step(i) > step(longest)) longest = i;
+  }
+  return longest;
+}
+
 void CheckSweep(const char* direction, const AngleSweep& sweep, double ratio, std::size_t used,
                 std::vector<std::string>* failed) {
   const auto output_rad = sweep.output_angle_rad.first(used);
   const auto input_rad = sweep.input_angle_rad.first(used);
-  const double step_rad = MeanStep(output_rad);
+  const double step_rad = UsualStep(output_rad);
   const double travel_rad = std::abs(output_rad.back() - output_rad.front());
-  if (used < kMinSteps) {
+  const auto steps = static_cast<std::size_t>(std::lround(travel_rad / step_rad)) + 1;
+  const std::size_t longest = LongestStep(output_rad);
+  const double longest_rad = std::abs(output_rad[longest] - output_rad[longest - 1]);
+  if (std::min(steps, used) < kMinSteps) {
+    failed->push_back(fmt::format("{}: {} steps in the revolution (expected at least {})", direction,
+                                  std::min(steps, used), kMinSteps));
+  } else if (longest_rad > kLongestStep_rad) {
     failed->push_back(
-        fmt::format("{}: {} steps in the revolution (expected at least {})", direction, used, kMinSteps));
+        fmt::format("{}: the sweep leaves out {:.3g} deg behind {:.4g} deg (expected steps of {:.3g} "
+                    "deg at most)",
+                    direction, DegFromRad(longest_rad), DegFromRad(output_rad[longest - 1]),
+                    DegFromRad(kLongestStep_rad)));
   }
   if (travel_rad + 1.5 * step_rad < kTwoPi) {
     failed->push_back(fmt::format("{}: the sweep covers {:.5g} deg of the output (expected 360 deg)",
@@ -105,7 +128,24 @@ struct AnalysedSweep {
   SweepError error;
   double mean_error_rad{};  // standard error of the mean, without that of the zero
   std::vector<std::string> notes;
+  std::vector<std::size_t> lone;  // samples that stand off what the orders say, alone
+  std::string hidden;             // OrderAnalysis::second_harmonic_hidden
 };
+
+std::vector<std::size_t> LoneSamples(std::span<const double> residuals, std::span<const double> weights,
+                                     double range) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < residuals.size(); ++i)
+    squares += std::abs(weights[i]) * residuals[i] * residuals[i];
+  const double off = std::max({kOffByNoise * RobustStandardDeviation(residuals),
+                               kOffByDeviation * std::sqrt(squares), kOffByRange * range, kOffAtLeast_rad});
+  std::vector<std::size_t> lone;
+  for (std::size_t i = 1; i + 1 < residuals.size(); ++i) {
+    const double beside = std::max(std::abs(residuals[i - 1]), std::abs(residuals[i + 1]));
+    if (std::abs(residuals[i]) > off && beside < kNeighboursOff * std::abs(residuals[i])) lone.push_back(i);
+  }
+  return lone;
+}
 
 AnalysedSweep AnalyseSweep(const AngleSweep& sweep, double ratio, std::size_t used) {
   AnalysedSweep result;
@@ -116,13 +156,14 @@ AnalysedSweep AnalyseSweep(const AngleSweep& sweep, double ratio, std::size_t us
     error.error_rad.push_back(sweep.input_angle_rad[i] / ratio - sweep.output_angle_rad[i]);
   }
   OrderAnalysis orders = AnalyseOrders(error.output_angle_rad, error.error_rad, ratio);
-  const auto n = static_cast<double>(used);
   const double sigma_rad = orders.fit.residual_standard_deviation;
   error.noise_rad = sigma_rad;
-  result.mean_error_rad = sigma_rad * std::sqrt(VarianceInflation(orders.fit.residuals) / n);
+  const std::vector<double> weights = AngleWeights(error.output_angle_rad);
+  const double squares = std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
+  result.mean_error_rad = sigma_rad * std::sqrt(VarianceInflation(orders.fit.residuals) * squares);
 
   const bool zeroed = sweep.input_angle_rad.front() == 0.0 && sweep.output_angle_rad.front() == 0.0;
-  error.e_avg_rad = {std::accumulate(error.error_rad.begin(), error.error_rad.end(), 0.0) / n,
+  error.e_avg_rad = {std::inner_product(weights.begin(), weights.end(), error.error_rad.begin(), 0.0),
                      std::hypot(result.mean_error_rad, zeroed ? sigma_rad : 0.0)};
 
   std::vector<double> smooth_rad(used);
@@ -133,8 +174,10 @@ AnalysedSweep AnalyseSweep(const AngleSweep& sweep, double ratio, std::size_t us
   const RangeUnderNoise range = ExpectRangeUnderNoise(smooth_rad, sigma_rad);
   error.e_max_rad = {*high - *low, range.root_mean_square_error};
   error.e_max_noise_bias_rad = range.bias;
+  result.lone = LoneSamples(orders.fit.residuals, weights, error.e_max_rad.value);
   error.orders = std::move(orders.lines);
   result.notes = std::move(orders.notes);
+  result.hidden = std::move(orders.second_harmonic_hidden);
   return result;
 }
 
@@ -158,12 +201,21 @@ TransmissionError ComputeTransmissionError(const AngleSweep& cw, const AngleSwee
       continue;
     }
     const std::size_t used = FirstRevolution(sweeps[k]->output_angle_rad);
-    if (!(MeanStep(sweeps[k]->output_angle_rad.first(used)) > 0.0)) {
+    if (sweeps[k]->output_angle_rad.front() == sweeps[k]->output_angle_rad[used - 1]) {
       result.failed_checks.push_back(fmt::format("{}: the output does not turn", names[k]));
       continue;
     }
     CheckSweep(names[k], *sweeps[k], ratio, used, &result.failed_checks);
     analysed[k] = AnalyseSweep(*sweeps[k], ratio, used);
+    for (const std::size_t sample : analysed[k]->lone) {
+      result.failed_checks.push_back(fmt::format(
+          "{}: sample {} at {:.5g} deg stands off all others alone (expected none: its angles are wrong)",
+          names[k], sample, DegFromRad(sweeps[k]->output_angle_rad[sample])));
+    }
+    if (!analysed[k]->hidden.empty()) {
+      result.failed_checks.push_back(fmt::format(
+          "{}: {} (expected other steps: mean and range do not hold it)", names[k], analysed[k]->hidden));
+    }
     for (std::string& note : analysed[k]->notes) {
       if (std::find(result.notes.begin(), result.notes.end(), note) == result.notes.end()) {
         result.notes.push_back(std::move(note));

@@ -24,7 +24,7 @@ struct AngleSweep {
 struct OrderLine {
   double order_per_output_rev{};
   double order_per_input_rev{};
-  Estimate amplitude_rad;
+  Estimate amplitude_rad;  // NaN where the samples show a part of it that hangs on its phase
   double phase_rad{};
   /// Named source where the order has one ("wave generator, 2nd harmonic"); else empty. Where two candidates
   /// appear at one order, both names, joined by " or ".
@@ -39,7 +39,7 @@ struct OrderLine {
 struct SweepError {
   std::vector<double> output_angle_rad;  // of the samples used: one full revolution
   std::vector<double> error_rad;         // input angle / ratio − output angle, same length
-  Estimate e_avg_rad;                    // mean over the revolution
+  Estimate e_avg_rad;                    // mean over the angle of the revolution
   Estimate e_max_rad;                    // max − min over the revolution
   double e_max_noise_bias_rad{};         // by how much noise alone widens e_max on average; not taken off
   double noise_rad{};                    // standard deviation of the harmonic regression's residual
@@ -62,20 +62,26 @@ struct TransmissionError {
 /// regression, and the lost motion between the directions.
 ///
 /// The revolution: samples whose output travel from the sweep's first sample, in the sweep's own direction,
-/// lies in [0, 2π) less a quarter step. A longer sweep gives its first revolution.
+/// lies in [0, 2π) less a quarter of its usual step. A longer sweep gives its first revolution.
 ///
 /// Orders: a constant and the known candidates (1 and 2 per output turn; 1, 2 and 4 per input turn; tooth
 /// engagement, 2 · ratio + 2 per output turn), each at the order where the sampling makes it appear, and
 /// every other integer order that stands out of the noise (false in one record of a hundred).
 ///
-/// Standard errors. The noise σ is the residual of that regression, with its degrees of freedom and its
-/// autocorrelation. e_avg: σ/√n; if the sweep's angles are zero at its first sample, the noise of that one
-/// sample shifts all others and is added. e_max: root of the mean square by which max − min under noise σ
-/// differs from max − min of the fitted curve, from the distributions of the largest and the smallest of n
-/// independent normal values. Lost motion: both sweeps' errors of the mean; the common zero falls out.
+/// Means are over the angle, by the trapezoid rule (`angle_weights.h`): rows of a sweep that is sampled in
+/// time lie closer together wherever it is slow, and standing still is no part of it.
 ///
-/// Checks: a full revolution covered; at least 36 steps; monotone; input and output turn as the sign of the
-/// ratio says and by its size within 1 %; the two sweeps turn against each other.
+/// Standard errors. The noise σ is the residual of that regression, with its degrees of freedom and its
+/// autocorrelation. e_avg: σ √∑w², σ/√n for even steps; if the sweep's angles are zero at its first sample,
+/// the noise of that one sample shifts all others and is added. e_max: root of the mean square by which max −
+/// min under noise σ differs from max − min of the fitted curve, from the distributions of the largest and
+/// the smallest of n independent normal values. Lost motion: both sweeps' errors of the mean; the common zero
+/// falls out.
+///
+/// Checks: the wave generator's second harmonic seen by the steps; a full revolution covered; at least 36
+/// steps, none of them longer than 15°; no sample that stands off all others alone; monotone; input and
+/// output turn as the sign of the ratio says and by its size within 1 %; the two sweeps turn against each
+/// other.
 ///
 /// @param cw, ccw  the two sweeps; an empty one is a direction that was not measured.
 /// @param ratio    signed, not zero.

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "analysis/angle_weights.h"
 #include "analysis/noise_level.h"
 #include "analysis/units.h"
 
@@ -20,14 +22,23 @@ struct PlacedLine {
   double appears_at{};
   double order{};
   std::string name;
+  bool seen_in_part{};  // at half the samples a turn
 };
 
-std::size_t MaxLines(std::size_t samples) { return samples / 4; }
+// Angles a turn that the error was seen at. Of rows that come in time many may lie at one: the steps count
+// then.
+double SamplesPerTurn(std::span<const double> angle_rad) {
+  constexpr double kUneven = 1.5;  // usual step over mean step
+  const double travel_rad = std::abs(angle_rad.back() - angle_rad.front());
+  const double mean_rad = travel_rad / static_cast<double>(angle_rad.size() - 1);
+  const double usual_rad = UsualStep(angle_rad);
+  return kTwoPi / (usual_rad > kUneven * mean_rad ? usual_rad : mean_rad);
+}
 
 // Candidates at the orders where they appear; those that appear at one order become one line.
-std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev,
-                                        std::vector<std::string>* notes) {
+std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev, OrderAnalysis* analysis) {
   std::vector<PlacedLine> placed;
+  std::vector<std::string>* notes = &analysis->notes;
   for (const OrderCandidate& candidate : KnownOrders(ratio)) {
     const double appears_at = FoldedOrder(candidate.order, samples_per_rev);
     const bool folded = std::abs(appears_at - candidate.order) > kResolution;
@@ -36,16 +47,26 @@ std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev,
           fmt::format("order {:.6g} ({}) appears at order {:.4g}: {:.4g} samples per output turn",
                       candidate.order, candidate.name, appears_at, samples_per_rev));
     }
+    const bool is_second = candidate.order == 2.0 * std::abs(ratio);
     if (appears_at < kResolution) {
       notes->push_back(
           fmt::format("order {:.6g} ({}) cannot be told from a constant", candidate.order, candidate.name));
+      if (is_second) analysis->second_harmonic_hidden = notes->back();
       continue;
+    }
+    const bool in_part = 0.5 * samples_per_rev - appears_at < kResolution;
+    if (in_part) {
+      notes->push_back(
+          fmt::format("order {:.6g} ({}) is half of {:.4g} samples per output turn: how much of it "
+                      "is seen hangs on its phase",
+                      candidate.order, candidate.name, samples_per_rev));
+      if (is_second) analysis->second_harmonic_hidden = notes->back();
     }
     const auto same = std::find_if(placed.begin(), placed.end(), [&](const PlacedLine& line) {
       return std::abs(line.appears_at - appears_at) < kResolution;
     });
     if (same == placed.end()) {
-      placed.push_back({appears_at, candidate.order, candidate.name});
+      placed.push_back({appears_at, candidate.order, candidate.name, in_part});
     } else {
       notes->push_back(fmt::format("orders {:.6g} ({}) and {:.6g} ({}) appear at one order, {:.4g}",
                                    same->order, same->name, candidate.order, candidate.name, appears_at));
@@ -58,8 +79,10 @@ std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev,
 // Integer orders that stand out of the noise. The floor comes from the median over all orders, so that lines
 // do not raise it: the squared amplitude of white noise is exponentially distributed.
 void AddFurtherLines(std::span<const double> angle_rad, std::span<const double> residuals,
-                     std::size_t max_lines, std::vector<PlacedLine>* placed) {
-  const std::vector<double> spectrum = IntegerOrderSpectrum(angle_rad, residuals);
+                     double samples_per_rev, std::size_t max_lines, std::vector<PlacedLine>* placed) {
+  std::vector<double> spectrum = IntegerOrderSpectrum(angle_rad, residuals);
+  // Beyond half of the samples a turn each order is another one's alias.
+  spectrum.resize(std::min(spectrum.size(), static_cast<std::size_t>(0.5 * samples_per_rev + 1.0) + 1));
   std::vector<double> powers;
   for (std::size_t order = 1; order < spectrum.size(); ++order) {
     powers.push_back(spectrum[order] * spectrum[order]);
@@ -81,7 +104,7 @@ void AddFurtherLines(std::span<const double> angle_rad, std::span<const double> 
       return std::abs(line.appears_at - order) < kResolution;
     });
     if (!taken && placed->size() < max_lines) {
-      placed->push_back({order, order, ""});
+      placed->push_back({order, order, "", false});
     }
   }
 }
@@ -105,17 +128,17 @@ std::vector<OrderCandidate> KnownOrders(double ratio) {
 
 OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<const double> error_rad,
                             double ratio) {
-  const double travel_rad = std::abs(output_angle_rad.back() - output_angle_rad.front());
-  const double samples_per_rev = kTwoPi * static_cast<double>(output_angle_rad.size() - 1) / travel_rad;
+  const double samples_per_rev = SamplesPerTurn(output_angle_rad);
   OrderAnalysis analysis;
-  std::vector<PlacedLine> placed = PlaceCandidates(ratio, samples_per_rev, &analysis.notes);
-  const std::size_t max_lines = MaxLines(error_rad.size());
+  std::vector<PlacedLine> placed = PlaceCandidates(ratio, samples_per_rev, &analysis);
+  const auto max_lines =
+      static_cast<std::size_t>(std::min(static_cast<double>(error_rad.size()), samples_per_rev + 1.0) / 4.0);
   if (placed.size() > max_lines) {
     placed.resize(max_lines);
   }
   const std::vector<double> known = Orders(placed);
   analysis.fit = FitHarmonics(output_angle_rad, error_rad, known, ErrorModel::kIndependent);
-  AddFurtherLines(output_angle_rad, analysis.fit.residuals,
+  AddFurtherLines(output_angle_rad, analysis.fit.residuals, samples_per_rev,
                   std::min(max_lines, placed.size() + kMaxFurtherLines), &placed);
   analysis.fit = FitHarmonics(output_angle_rad, error_rad, Orders(placed), ErrorModel::kAutocorrelated);
 
@@ -124,16 +147,19 @@ OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<
     OrderLine line;
     line.order_per_output_rev = placed[k].order;
     line.order_per_input_rev = placed[k].order / std::abs(ratio);
-    line.amplitude_rad = harmonic.amplitude;
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    line.amplitude_rad = placed[k].seen_in_part ? Estimate{kNaN, kNaN} : harmonic.amplitude;
     line.phase_rad = harmonic.phase_rad.value;
     line.name = placed[k].name;
     line.aliased = std::abs(placed[k].appears_at - placed[k].order) > kResolution;
     line.alias_order_per_output_rev = placed[k].appears_at;
     analysis.lines.push_back(std::move(line));
   }
-  std::stable_sort(analysis.lines.begin(), analysis.lines.end(), [](const OrderLine& a, const OrderLine& b) {
-    return a.amplitude_rad.value > b.amplitude_rad.value;
-  });
+  const auto strength = [](const OrderLine& line) {
+    return std::isnan(line.amplitude_rad.value) ? -1.0 : line.amplitude_rad.value;
+  };
+  std::stable_sort(analysis.lines.begin(), analysis.lines.end(),
+                   [&](const OrderLine& a, const OrderLine& b) { return strength(a) > strength(b); });
   return analysis;
 }
 

@@ -24,6 +24,9 @@ struct OrderAnalysis {
   std::vector<OrderLine> lines;  // strongest first
   HarmonicFit fit;
   std::vector<std::string> notes;
+  /// Why the wave generator's second harmonic, the largest line of a sound gear, is not seen as large as it
+  /// is; empty where it is.
+  std::string second_harmonic_hidden;
 };
 
 /// @param output_angle_rad, error_rad  the samples of one full revolution, at least 8, in the order of the

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "daq/csv_findings.h"
+#include "daq/csv_form.h"
 #include "daq/csv_text.h"
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
@@ -22,7 +23,9 @@ namespace {
 
 class CsvReader {
  public:
-  CsvReader(std::string_view text, const std::string& file) : rest_(text) { record_.source.file = file; }
+  CsvReader(const CsvForm& form, const std::string& file) : rest_(form.text()), separator_(form.separator()) {
+    record_.source.file = file;
+  }
 
   Record Read() {
     ReadMetadata();
@@ -138,7 +141,7 @@ class CsvReader {
   }
 
   void ReadHeader() {
-    std::vector<Cell> cells = SplitCells(header_);
+    std::vector<Cell> cells = SplitCells(header_, separator_);
     if (cells.size() > kMostColumns) {
       Refuse({header_line_, cells[kMostColumns].column},
              fmt::format("the header has {} columns", cells.size()),
@@ -204,10 +207,10 @@ class CsvReader {
   // A logger that was killed leaves half a line; what an axis did before is worth having without it.
   bool IsCutOffLog(const Line& line) {
     if (record_.kind != "motion" || line.has_end || row_ == 0) return false;
-    const std::vector<Cell> cells = SplitCells(line.text);
+    const std::vector<Cell> cells = SplitCells(line.text, separator_);
     const bool whole = cells.size() == columns_.size() && NumberFromText(cells.back().text);
     if (whole || cells.size() > columns_.size()) return false;
-    record_.notes.push_back(fmt::format("line {} is left out: it is cut off", line_number_));
+    record_.notes.push_back({line_number_, fmt::format("line {} is left out: it is cut off", line_number_)});
     return true;
   }
 
@@ -220,7 +223,7 @@ class CsvReader {
     for (; done < columns_.size(); ++done) {
       CsvColumn& column = columns_[done];
       if (done > 0) {
-        if (at == end || *at != ',') break;
+        if (at == end || *at != separator_) break;
         ++at;
       }
       if (column.is_direction) {
@@ -254,7 +257,7 @@ class CsvReader {
       for (CsvColumn& column : columns_) PushNothing(column);
       return;
     }
-    const std::vector<Cell> cells = SplitCells(line.text);
+    const std::vector<Cell> cells = SplitCells(line.text, separator_);
     // A last line without an end may have been cut; an empty last cell then is one that was about to come.
     const bool may_be_cut = !line.has_end;
     const std::size_t whole = may_be_cut && cells.back().text.empty() ? cells.size() - 1 : cells.size();
@@ -311,8 +314,9 @@ class CsvReader {
     for (CsvColumn& column : columns_) {
       const bool is_channel = TakesFurtherChannels(record_.kind) && column.good_numbers > 0;
       if (!column.bad_cells.empty() && !column.is_known && !is_channel) {
-        record_.notes.push_back(fmt::format("column {} is left out: line {} is not a number",
-                                            Quoted(column.name), column.bad_cells.front().place.line));
+        const int line = column.bad_cells.front().place.line;
+        record_.notes.push_back(
+            {line, fmt::format("column {} is left out: line {} is not a number", Quoted(column.name), line)});
         continue;
       }
       findings_.insert(findings_.end(), column.bad_cells.begin(), column.bad_cells.end());
@@ -360,11 +364,12 @@ class CsvReader {
   Place PlaceOfCell(std::size_t row, std::size_t column) const {
     std::string_view rest = rows_text_;
     for (std::size_t skipped = 0; skipped < row; ++skipped) TakeLine(rest);
-    const std::vector<Cell> cells = SplitCells(TakeLine(rest).text);
+    const std::vector<Cell> cells = SplitCells(TakeLine(rest).text, separator_);
     return {record_.source.first_data_line + static_cast<int>(row), cells[column].column};
   }
 
   std::string_view rest_;
+  char separator_;
   std::string_view header_;
   std::string_view rows_text_;
   int line_number_ = 0;
@@ -384,17 +389,7 @@ Record ReadCsvRecord(const std::filesystem::path& path) {
 }
 
 Record ParseCsvRecord(std::string_view text, const std::string& file) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  if (const std::optional<std::size_t> bad = FindNonTextByte(text)) {
-    const std::string_view before = text.substr(0, *bad);
-    const auto line = std::count(before.begin(), before.end(), '\n') + 1;
-    const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
-    throw RecordError(fmt::format("{}:{}:{}", file, line, *bad - line_start + 1),
-                      fmt::format("byte 0x{:02X} is not text", static_cast<unsigned char>(text[*bad])),
-                      "a record as CSV in UTF-8, or as HDF5");
-  }
-  return CsvReader(text, file).Read();
+  return CsvReader(PlainCsvForm(text, file), file).Read();
 }
 
 }  // namespace strainwave::daq

@@ -9,8 +9,8 @@
 
 namespace strainwave::daq {
 
-/// Reads one record from CSV (contract, section 3): lines `# key: value`, one header line, numbers. A UTF-8
-/// byte order mark, CR LF, blanks around cells, a plus sign, and blank lines at the end are taken as they
+/// Reads one record from CSV (contract, section 3): lines `# key: value`, one header line, numbers; in the forms that
+/// `csv_form.h` understands as well. A UTF-8 byte order mark, CR LF, blanks around cells, a plus sign, and blank lines at the end are taken as they
 /// come. Columns of text that the kind does not know are left out, which `Record::notes` says. Numbers become
 /// doubles.
 /// @throws RecordError with every finding as `FILE:LINE:COLUMN: error: WHAT (expected ...)`; the column

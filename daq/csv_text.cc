@@ -8,6 +8,23 @@ namespace {
 
 bool IsBlank(char c) { return c == ' ' || c == '\t'; }
 
+// In UTF-8, of Unicode's category Zs those that are met in files.
+constexpr std::string_view kWideBlanks[] = {"\u00A0", "\u2007", "\u2009", "\u202F"};
+
+// Bytes of the blank that the text begins or ends with; 0 if there is none.
+std::size_t BlankBefore(std::string_view text) {
+  if (text.empty() || IsBlank(text.front())) return text.empty() ? 0 : 1;
+  const auto* const wide =
+      std::ranges::find_if(kWideBlanks, [text](auto blank) { return text.starts_with(blank); });
+  return wide == std::end(kWideBlanks) ? 0 : wide->size();
+}
+std::size_t BlankBehind(std::string_view text) {
+  if (text.empty() || IsBlank(text.back())) return text.empty() ? 0 : 1;
+  const auto* const wide =
+      std::ranges::find_if(kWideBlanks, [text](auto blank) { return text.ends_with(blank); });
+  return wide == std::end(kWideBlanks) ? 0 : wide->size();
+}
+
 // Bytes of the UTF-8 sequence at the start of `text`, at least one; 0 if there is none.
 std::size_t SequenceLength(std::string_view text) {
   const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -57,19 +74,19 @@ Line TakeLine(std::string_view& rest) {
 }
 
 std::string_view Trim(std::string_view text) {
-  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
+  while (const std::size_t blank = BlankBefore(text)) text.remove_prefix(blank);
+  while (const std::size_t blank = BlankBehind(text)) text.remove_suffix(blank);
   return text;
 }
 
-std::vector<Cell> SplitCells(std::string_view line) {
+std::vector<Cell> SplitCells(std::string_view line, char separator) {
   std::vector<Cell> cells;
   std::size_t at = 0;
   while (true) {
-    while (at < line.size() && IsBlank(line[at])) ++at;
+    while (at < line.size() && IsBlank(line[at]) && line[at] != separator) ++at;
     const bool quoted = at < line.size() && line[at] == '"';
     Cell cell = quoted ? TakeQuotedCell(line, at) : Cell{.text = {}, .column = static_cast<int>(at) + 1};
-    const std::size_t end = std::min(line.find(',', at), line.size());
+    const std::size_t end = std::min(line.find(separator, at), line.size());
     // After a closing quote only blanks are left, in a well-formed file; anything else stays part of the
     // cell.
     cell.text += Trim(line.substr(at, end - at));

@@ -24,11 +24,11 @@ struct Line {
 };
 Line TakeLine(std::string_view& rest);
 
-/// `text` without blanks and tabs at both ends.
+/// `text` without blanks and tabs at both ends, nor the no-break and thin spaces that come with copied text.
 std::string_view Trim(std::string_view text);
 
-/// Splits at commas; a cell in double quotes may hold commas, and a quote doubled.
-std::vector<Cell> SplitCells(std::string_view line);
+/// Splits at the separators; a cell in double quotes may hold them, and a quote doubled.
+std::vector<Cell> SplitCells(std::string_view line, char separator);
 
 /// Where a text stops being one: the offset of the first byte that is not UTF-8, or that is a control
 /// character other than tab and line end; nothing for a text.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
 
 #include "daq/csv_text.h"
 #include "daq/hdf5_attributes.h"
@@ -214,6 +215,76 @@ void ReadValues(const Hdf5Values& values, ColumnType type, ReadColumnResult& res
   }
 }
 
+// Filters of others, by their numbers in the list of the HDF Group, and who brings them.
+std::string NameOfFilter(H5Z_filter_t filter) {
+  switch (filter) {
+    case H5Z_FILTER_SZIP:
+      return "szip";
+    case 307:
+      return "bzip2, which needs a plug-in";
+    case 32000:
+      return "LZF, which needs h5py";
+    case 32001:
+      return "Blosc, which needs a plug-in";
+    case 32004:
+      return "LZ4, which needs a plug-in";
+    case 32008:
+      return "bitshuffle, which needs a plug-in";
+    case 32013:
+      return "ZFP, which needs a plug-in";
+    case 32015:
+      return "Zstandard, which needs a plug-in";
+    case 32026:
+      return "Blosc2, which needs a plug-in";
+    default:
+      return fmt::format("filter {} of HDF5, which needs a plug-in", filter);
+  }
+}
+
+// The library itself speaks of its folder of plug-ins.
+ColumnTrouble WhyUnreadable(hid_t dataset, const Hdf5Error& error) {
+  const std::string what = fmt::format("HDF5 cannot read it: {}", error.what());
+  const Hdf5Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  const int filters = H5Pget_nfilters(properties.get());
+  for (int i = 0; i < filters; ++i) {
+    std::size_t values = 0;
+    unsigned flags{};
+    unsigned config{};
+    const H5Z_filter_t filter = H5Pget_filter2(properties.get(), static_cast<unsigned>(i), &flags, &values,
+                                               nullptr, 0, nullptr, &config);
+    if (filter < 0 || H5Zfilter_avail(filter) > 0) continue;
+    return {std::nullopt, "compressed with " + NameOfFilter(filter),
+            "gzip or none, as after h5repack -f GZIP=4"};
+  }
+  return {std::nullopt, what, "the values as they were written"};
+}
+
+void ReadAllValues(hid_t dataset, hid_t type_in_file, const std::string& member, ColumnType type,
+                   ReadColumnResult& result) {
+  const std::string& name = result.column.name;
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+  const std::optional<std::size_t> rows = RowsOf(space.get());
+  if (!rows) {
+    result.troubles.push_back({std::nullopt, name + " is not one-dimensional", "a column of values"});
+    return;
+  }
+  if (*rows == 0) return;
+  if (!HoldsAllValues(dataset, space.get())) {
+    result.troubles.push_back({std::nullopt, name + " has values missing that were never written",
+                               "as many values stored as there are rows"});
+    return;
+  }
+  if (std::optional<ColumnTrouble> trouble = TooLarge(dataset, name, *rows)) {
+    result.troubles.push_back(std::move(*trouble));
+    return;
+  }
+  try {
+    ReadValues({type_in_file, space.get(), *rows, false, dataset, member}, type, result);
+  } catch (const Hdf5Error& error) {
+    result.troubles.push_back(WhyUnreadable(dataset, error));
+  }
+}
+
 }  // namespace
 
 void WriteColumn(hid_t group, const Column& column, const std::optional<std::string>& sample_rate_hz) {
@@ -242,29 +313,33 @@ ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType t
       result.column.calibration_terms.emplace_back(attribute.name, attribute.text);
     }
   }
-  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
-  const std::optional<std::size_t> rows = RowsOf(space.get());
-  if (!rows) {
-    result.troubles.push_back({std::nullopt, name + " is not one-dimensional", "a column of values"});
-    return result;
-  }
-  if (*rows == 0) return result;
-  if (!HoldsAllValues(dataset, space.get())) {
-    result.troubles.push_back({std::nullopt, name + " has values missing that were never written",
-                               "as many values stored as there are rows"});
-    return result;
-  }
-  if (std::optional<ColumnTrouble> trouble = TooLarge(dataset, name, *rows)) {
-    result.troubles.push_back(std::move(*trouble));
-    return result;
-  }
   const Hdf5Handle file_type(H5Dget_type(dataset), H5Tclose);
-  try {
-    ReadValues({file_type.get(), space.get(), *rows, false, dataset}, type, result);
-  } catch (const Hdf5Error& error) {
-    result.troubles.push_back({std::nullopt, fmt::format("HDF5 cannot read it: {}", error.what()),
-                               "the values as they were written"});
+  ReadAllValues(dataset, file_type.get(), "", type, result);
+  return result;
+}
+
+std::vector<std::string> MembersOf(hid_t dataset) {
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+  std::vector<std::string> names;
+  if (H5Tget_class(type.get()) != H5T_COMPOUND) return names;
+  const auto count = static_cast<unsigned>(Check(H5Tget_nmembers(type.get())));
+  if (count > kMostColumns) {
+    throw Hdf5Error(fmt::format("a dataset has rows of {} values (at most {})", count, kMostColumns));
   }
+  for (unsigned i = 0; i < count; ++i) {
+    const std::unique_ptr<char, herr_t (*)(void*)> name(H5Tget_member_name(type.get(), i), H5free_memory);
+    if (name != nullptr) names.emplace_back(name.get());
+  }
+  return names;
+}
+
+ReadColumnResult ReadMember(hid_t dataset, const std::string& member, ColumnType type) {
+  ReadColumnResult result;
+  result.column.name = member;
+  const Hdf5Handle row_type(H5Dget_type(dataset), H5Tclose);
+  const auto index = static_cast<unsigned>(Check(H5Tget_member_index(row_type.get(), member.c_str())));
+  const Hdf5Handle member_type(H5Tget_member_type(row_type.get(), index), H5Tclose);
+  ReadAllValues(dataset, member_type.get(), member, type, result);
   return result;
 }
 

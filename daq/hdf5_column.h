@@ -29,11 +29,18 @@ enum class ColumnType { kDouble, kFloatIfStoredSo, kDirection };
 /// Reads a dataset of one dimension (or of more, if all but one have length 1, as MATLAB writes) of floats,
 /// integers, or, for a direction, of "cw" and "ccw" as text or enumeration, or of 1 and -1.
 /// Trouble instead of values where it cannot: another type, values that were never written, a checksum that
-/// does not match.
+/// does not match, a compression that this HDF5 does not have.
 struct ReadColumnResult {
   Column column;
   std::vector<ColumnTrouble> troubles;
 };
 ReadColumnResult ReadColumn(hid_t dataset, const std::string& name, ColumnType type);
+
+/// Names of the values in each row of a dataset of compound rows, as tables of h5py, PyTables and pandas are;
+/// empty for any other dataset. @throws Hdf5Error for more of them than a record has columns.
+std::vector<std::string> MembersOf(hid_t dataset);
+
+/// `ReadColumn` for one of the members, which gives the column its name.
+ReadColumnResult ReadMember(hid_t dataset, const std::string& member, ColumnType type);
 
 }  // namespace strainwave::daq

@@ -2,6 +2,7 @@
 #include "daq/hdf5_record.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -129,6 +130,7 @@ class GroupReader {
       if (child.type == H5I_DATASET) ReadDataset(child);
     }
     DropOddLengths();
+    ReportTroubles();
     Report(checking_ == Checking::kRules ? CheckRecord(record_) : CheckBounds(record_));
     if (!findings_.empty()) throw RecordError(std::move(findings_));
     return std::move(record_);
@@ -151,33 +153,68 @@ class GroupReader {
       }
     }
     for (const std::string& name : left_out) {
-      record_.notes.push_back(fmt::format("attribute '{}' is left out: it is not one text or number", name));
+      record_.notes.push_back(
+          {0, fmt::format("attribute '{}' is left out: it is not one text or number", name)});
     }
   }
 
+  ColumnType TypeOf(const std::string& name) const {
+    if (name == "direction" && IsKnownColumn(record_.kind, name)) return ColumnType::kDirection;
+    return IsReadAsDoubles(record_.kind, name) ? ColumnType::kDouble : ColumnType::kFloatIfStoredSo;
+  }
+
   void ReadDataset(const Child& child) {
-    const bool is_known = IsKnownColumn(record_.kind, child.name);
-    const ColumnType type = is_known && child.name == "direction"       ? ColumnType::kDirection
-                            : IsReadAsDoubles(record_.kind, child.name) ? ColumnType::kDouble
-                                                                        : ColumnType::kFloatIfStoredSo;
-    ReadColumnResult result = ReadColumn(child.object.get(), child.name, type);
+    const hid_t dataset = child.object.get();
+    const std::vector<std::string> members = MembersOf(dataset);
+    for (const std::string& name : members.empty() ? std::vector{child.name} : members) {
+      if (record_.FindColumn(name) != nullptr) {
+        Add(fmt::format(", dataset '{}'", child.name), fmt::format("column '{}' is doubled", name),
+            "each column once");
+      } else {
+        Take(members.empty() ? ReadColumn(dataset, name, TypeOf(name))
+                             : ReadMember(dataset, name, TypeOf(name)),
+             child.name);
+      }
+    }
+    const auto is_known = [this](const std::string& name) { return IsKnownColumn(record_.kind, name); };
+    if (!members.empty() && std::ranges::none_of(members, is_known)) tables_.push_back(child.name);
+  }
+
+  void Take(ReadColumnResult result, const std::string& dataset) {
+    const std::string name = result.column.name;
     if (result.troubles.empty()) {
       record_.columns.push_back(std::move(result.column));
       return;
     }
     // A bench's own file has nothing in it that does not belong there: what cannot be read is damaged.
-    if (!is_known && !TakesFurtherChannels(record_.kind) && checking_ == Checking::kRules) {
+    if (!IsKnownColumn(record_.kind, name) && !TakesFurtherChannels(record_.kind) &&
+        checking_ == Checking::kRules) {
       record_.notes.push_back(
-          fmt::format("dataset '{}' is left out: {}", child.name, result.troubles.front().what));
+          {0, fmt::format("dataset '{}' is left out: {}", dataset, result.troubles.front().what)});
       return;
     }
-    for (const ColumnTrouble& trouble : result.troubles) {
-      Add(trouble.row ? fmt::format(", dataset '{}', row {}", child.name, *trouble.row)
-                      : fmt::format(", dataset '{}'", child.name),
-          trouble.what, trouble.expected);
+    for (ColumnTrouble& trouble : result.troubles) {
+      const auto same = std::ranges::find_if(troubles_, [&](const Trouble& other) {
+        return !trouble.row && !other.trouble.row && other.trouble.what == trouble.what;
+      });
+      if (same == troubles_.end()) {
+        troubles_.push_back({std::move(trouble), {dataset}});
+      } else if (std::ranges::find(same->datasets, dataset) == same->datasets.end()) {
+        same->datasets.push_back(dataset);
+      }
     }
     // Named, so that it is not reported as missing as well.
-    troubled_.insert(child.name);
+    troubled_.insert(name);
+  }
+
+  // What keeps several datasets from being read, such as a compression, is said once.
+  void ReportTroubles() {
+    for (const Trouble& trouble : troubles_) {
+      const bool is_one = trouble.datasets.size() == 1;
+      Add(fmt::format(", {} '{}'{}", is_one ? "dataset" : "datasets", fmt::join(trouble.datasets, "', '"),
+                      trouble.trouble.row ? fmt::format(", row {}", *trouble.trouble.row) : ""),
+          trouble.trouble.what, trouble.trouble.expected);
+    }
   }
 
   // A group may hold arrays beside the record's columns, such as a spectrum.
@@ -191,14 +228,21 @@ class GroupReader {
     std::erase_if(record_.columns, [&](const Column& column) {
       const bool drop = column.size() != rows && !IsKnownColumn(record_.kind, column.name);
       if (drop) {
-        record_.notes.push_back(fmt::format("dataset '{}' is left out: it has {} rows, the record has {}",
-                                            column.name, column.size(), rows));
+        record_.notes.push_back({0, fmt::format("dataset '{}' is left out: it has {} rows, the record has {}",
+                                                column.name, column.size(), rows)});
       }
       return drop;
     });
   }
 
   void Report(const std::vector<RuleBreak>& breaks) {
+    const auto misses_a_column = [](const RuleBreak& found) { return found.what.ends_with("is missing"); };
+    if (!tables_.empty() && std::ranges::any_of(breaks, misses_a_column)) {
+      Add(fmt::format(", dataset '{}'", tables_.front()),
+          "its rows hold several values, none with the name of a column",
+          "a dataset for each column, or rows whose values have the names of columns, such as torque_Nm");
+      return;
+    }
     for (const RuleBreak& rule_break : breaks) {
       const RecordPart& part = rule_break.part;
       switch (part.level) {
@@ -231,8 +275,15 @@ class GroupReader {
   }
 
   Checking checking_;
+  struct Trouble {
+    ColumnTrouble trouble;
+    std::vector<std::string> datasets;  // that have it
+  };
+
   Record record_;
-  std::set<std::string> troubled_;
+  std::vector<Trouble> troubles_;
+  std::vector<std::string> tables_;  // of rows in which no known column is
+  std::set<std::string> troubled_;   // columns
   std::vector<Finding> findings_;
 };
 

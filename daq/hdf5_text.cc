@@ -39,7 +39,11 @@ std::vector<std::string> ReadFixedTexts(const Hdf5Values& values) {
 }  // namespace
 
 void Hdf5Values::Read(hid_t memory_type, void* buffer) const {
-  if (is_attribute) {
+  if (!member.empty()) {
+    const Hdf5Handle row_type(H5Tcreate(H5T_COMPOUND, H5Tget_size(memory_type)), H5Tclose);
+    Check(H5Tinsert(row_type.get(), member.c_str(), 0, memory_type));
+    Check(H5Dread(object, row_type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer));
+  } else if (is_attribute) {
     Check(H5Aread(object, memory_type, buffer));
   } else {
     Check(H5Dread(object, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer));

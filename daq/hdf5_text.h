@@ -18,6 +18,7 @@ struct Hdf5Values {
   std::size_t count;
   bool is_attribute;
   hid_t object;
+  std::string member{};  // of rows of several values: which of them; `type` is its own
 
   /// @throws Hdf5Error.
   void Read(hid_t memory_type, void* buffer) const;

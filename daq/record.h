@@ -39,6 +39,14 @@ struct RecordSource {
   std::string group{};    // HDF5 path of the record; empty for CSV
 };
 
+/// What a reader of a record left out, took by default, found odd or corrected, in words.
+struct RecordNote {
+  int line{};  // of a CSV; 0 where there is none
+  std::string text;
+
+  bool operator==(const RecordNote&) const = default;
+};
+
 /// One measurement: metadata (text, in file order) and columns of equal length.
 /// Field units at this edge: degrees, Nm, s, degC (contract, sections 2 and 3).
 struct Record {
@@ -46,7 +54,7 @@ struct Record {
   std::vector<std::pair<std::string, std::string>> metadata;  // without `kind`
   std::vector<Column> columns;
   RecordSource source;
-  std::vector<std::string> notes{};  // what a reader left out or found odd, in words; never written to a file
+  std::vector<RecordNote> notes{};  // never written to a file
 
   std::size_t rows() const;
   const Column* FindColumn(std::string_view name) const;

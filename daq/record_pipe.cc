@@ -113,15 +113,21 @@ Pairs ReceivePairs(Receiver& in) {
   return pairs;
 }
 
-void Send(Sender& out, const std::vector<std::string>& texts) {
-  out.Number(texts.size());
-  for (const std::string& text : texts) out.Text(text);
+void Send(Sender& out, std::span<const RecordNote> notes) {
+  out.Number(notes.size());
+  for (const RecordNote& note : notes) {
+    out.Number(static_cast<std::size_t>(note.line));
+    out.Text(note.text);
+  }
 }
 
-std::vector<std::string> ReceiveTexts(Receiver& in) {
-  std::vector<std::string> texts(in.Count(2 * kMostMetadata));
-  for (std::string& text : texts) text = in.Text();
-  return texts;
+std::vector<RecordNote> ReceiveNotes(Receiver& in) {
+  std::vector<RecordNote> notes(in.Count(2 * kMostMetadata));
+  for (RecordNote& note : notes) {
+    note.line = static_cast<int>(in.Number());
+    note.text = in.Text();
+  }
+  return notes;
 }
 
 void Send(Sender& out, const Column& column) {
@@ -174,7 +180,7 @@ Record ReceiveRecord(Receiver& in) {
   Record record;
   record.kind = in.Text();
   record.metadata = ReceivePairs(in);
-  record.notes = ReceiveTexts(in);
+  record.notes = ReceiveNotes(in);
   record.source.file = in.Text();
   record.source.group = in.Text();
   record.columns.resize(in.Count(kMostColumns));

@@ -172,7 +172,13 @@ std::string HostStateTopic(const std::string& host) {
   return "spBv1.0/STATE/" + host;
 }
 
+std::string OldHostStateTopic(const std::string& host) {
+  RequireTopicName("host", host);
+  return "STATE/" + host;
+}
+
 std::optional<HostState> ParseHostState(std::string_view bytes) {
+  if (bytes == "ONLINE" || bytes == "OFFLINE") return HostState{bytes == "ONLINE", std::nullopt};
   const auto json = nlohmann::json::parse(bytes, nullptr, false);
   if (!json.is_object() || !json.contains("online") || !json["online"].is_boolean() ||
       !json.contains("timestamp") || !json["timestamp"].is_number_integer()) {

@@ -79,13 +79,17 @@ class SparkplugEdgeNode {
 /// @throws std::invalid_argument as the edge node's names.
 std::string HostStateTopic(const std::string& host);
 
-/// The host's word under that topic.
+/// Where hosts of Sparkplug 2.2 say it (chapter 13.1 of that version).
+std::string OldHostStateTopic(const std::string& host);
+
+/// The host's word under either topic.
 struct HostState {
   bool online{};
-  std::int64_t time_ms{};
+  std::optional<std::int64_t> time_ms;  // nothing in 2.2
 };
 
-/// Nothing when the bytes are not `{"online": …, "timestamp": …}` (5.5.1 and 6.4.24 of the specification).
+/// `{"online": …, "timestamp": …}` (5.5.1 and 6.4.24 of 3.0), or ONLINE and OFFLINE (2.2); nothing of
+/// anything else.
 std::optional<HostState> ParseHostState(std::string_view bytes);
 
 /// A payload read back.

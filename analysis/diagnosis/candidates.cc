@@ -112,7 +112,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const CauseRule& rule = judge.study().causes()[cause];
   const Comparison comparison = judge.Compare(with, without);
   CandidateResult result{
-      cause, {comparison.delta_bic, judge.Corrected(comparison.p_value, rule), 0.0}, false, {}};
+      cause, {DeltaBic(comparison, rule), judge.Corrected(comparison.p_value, rule), 0.0}, false, {}};
   if (!IsBeyondChance(comparison, rule, result.evidence.p_value, error_allowed)) {
     result.objection = "not beyond chance";
     return result;
@@ -123,7 +123,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
       with.fit.causes, [&](std::size_t other) { return judge.study().causes()[other].local; });
   result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, local);
   const bool no_doubt =
-      comparison.delta_bic > kNoDoubt || result.evidence.p_value < std::exp(-0.5 * kNoDoubt);
+      result.evidence.delta_bic > kNoDoubt || result.evidence.p_value < std::exp(-0.5 * kNoDoubt);
   // A block that alone has the highest speeds is nothing that the others could foretell.
   if (!local && (judge.HasFewBlocks() || no_doubt) && !(result.evidence.heldout_gain > 0.0))
     result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, true);

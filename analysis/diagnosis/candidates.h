@@ -29,7 +29,8 @@ inline constexpr double kNotExcluded = 2.0;
 /// @returns it fitted beside a model; its own model is not usable where that fails.
 Candidate FitCandidate(const Judge& judge, const ScoredModel& model, std::size_t cause);
 
-/// All that may stand beside a model, each fitted with it, but for those that `is_out` names.
+/// All that may stand beside a model, each fitted with it, but for those that `is_out` names; it is asked
+/// right before each of the fits, which may take long.
 std::vector<Candidate> FitCandidates(
     const Judge& judge, const ScoredModel& model,
     const std::function<bool(std::size_t)>& is_out = [](std::size_t) { return false; });

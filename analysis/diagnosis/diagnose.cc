@@ -19,6 +19,10 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
+// Of the time that a diagnosis takes, about: until what was found is judged, and until what is left is told.
+constexpr double kShareOfSearch = 0.8;
+constexpr double kShareOfJudging = 0.9;
+
 double SquareSum(const Study& study, const ModelFit& fit, std::span<const double> weights) {
   const std::vector<double> residuals = ResidualsOf(study, fit);
   double sum = 0.0;
@@ -57,7 +61,8 @@ std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const Di
     std::vector<Found> all = JudgeAll(judge, model, options);
     const auto is_unproven = [&](const Found& found) {
       const bool may_go = all.size() > 1 || !judge.study().causes()[found.cause].named ||
-                          found.judged.evidence.heldout_gain < 0.0;
+                          !(found.judged.evidence.heldout_gain > 0.0) ||
+                          !(found.judged.evidence.delta_bic > 0.0);
       return may_go && !found.judged.passed && found.without.fit.usable &&
              IsWithinRanges(judge, options.given_causes, found.without.fit);
     };
@@ -71,6 +76,19 @@ std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const Di
     candidates.push_back(std::move(weakest->judged));
     model = std::move(weakest->without);
   }
+}
+
+// Where no more is left of a response that stands on steps than the steps do: it follows them, and so time
+// and all that turns with the response, without a course of its own. Beside the standard deviation of
+// rounding there may be noise of 0.3 steps, √(1 + 12 · 0.3²) of it in all: more leaves less than a sixth of
+// the steps' course, exp(−2π² · 0.3²) of its first harmonic.
+constexpr double kLeftOfRounding = 1.44;
+
+bool IsRounding(const Study& study, const ModelFit& fit, std::span<const double> weights) {
+  double samples = 0.0;
+  for (const double weight : weights) samples += weight;
+  return study.Rounding() > 0.0 &&
+         SquareSum(study, fit, weights) <= samples * std::pow(kLeftOfRounding * study.Rounding(), 2);
 }
 
 Finding Report(const Judge& judge, const ScoredModel& model, const Found& found, double explainable,
@@ -111,26 +129,54 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
     const ModelFit fit = study.Fit(options.given_causes, diagnosis.weights, nullptr, FitPurpose::kCompare);
     if (!LeaveOutSpikes(study, fit, diagnosis.weights)) break;
   }
+  DiagnoseOptions searching = options;
+  if (options.progress) {
+    searching.progress = [&options](const std::string& step, double share) {
+      options.progress(step, kShareOfSearch * share);
+    };
+  }
   auto judge = std::make_unique<Judge>(study, diagnosis.weights, options);
-  Selection selection = Select(*judge, options.given_causes, options);
+  Selection selection = Select(*judge, options.given_causes, searching);
   // What looked like noise beside a missing effect may stand out now.
   if (LeaveOutSpikes(study, selection.model.fit, diagnosis.weights)) {
     judge = std::make_unique<Judge>(study, diagnosis.weights, options);
-    selection = Select(*judge, options.given_causes, options);
+    selection = Select(*judge, options.given_causes, searching);
   }
+  if (options.progress) options.progress("judging what was found", kShareOfSearch);
   const ScoredModel nominal = judge->Fit(options.given_causes, nullptr, FitPurpose::kReport);
   ScoredModel extended = judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kJudge);
   diagnosis.candidates = std::move(selection.candidates);
-  const std::vector<Found> all_found = DropUnproven(*judge, extended, options, diagnosis.candidates);
+  std::vector<Found> all_found = DropUnproven(*judge, extended, options, diagnosis.candidates);
+  const bool only_described = !all_found.empty() && std::ranges::all_of(all_found, [&](const Found& one) {
+    return IsDescription(study.causes()[one.cause]);
+  });
+  if (only_described && IsRounding(study, nominal.fit, diagnosis.weights)) {
+    for (Found& one : all_found) {
+      one.judged.passed = false;
+      one.judged.objection = "no more than the steps of the response do";
+      diagnosis.candidates.push_back(std::move(one.judged));
+    }
+    all_found.clear();
+    extended = nominal;
+    diagnosis.notes.push_back(
+        fmt::format("the response stands on steps of {:.3g} {}: what is left is no more than they do, and no "
+                    "verdict on it",
+                    std::sqrt(12.0) * study.Rounding() * study.unit_per_si(), study.unit()));
+  }
   extended = judge->Fit(extended.fit.causes, &extended.fit, FitPurpose::kReport);
   diagnosis.nominal = nominal.fit;
   diagnosis.extended = extended.fit;
+  diagnosis.open = nominal.fit.open;
+  for (const std::string& words : extended.fit.open)
+    if (std::ranges::find(diagnosis.open, words) == diagnosis.open.end()) diagnosis.open.push_back(words);
   const double filtered_out = study.FilteredOutVariance();
   const auto of_record = [&](double rmse) { return std::sqrt(rmse * rmse + filtered_out); };
   diagnosis.noise_floor = study.NoiseFloor() > 0.0 ? of_record(study.NoiseFloor()) : 0.0;
 
-  const double explainable = SquareSum(study, nominal.fit, diagnosis.weights) -
-                             judge->samples() * study.NoiseFloor() * study.NoiseFloor();
+  const double missed = SquareSum(study, nominal.fit, diagnosis.weights);
+  // What is explained could be, also where the noise was taken for more than it is.
+  const double explainable = std::max(missed - judge->samples() * study.NoiseFloor() * study.NoiseFloor(),
+                                      missed - SquareSum(study, extended.fit, diagnosis.weights));
   bool local = false;
   for (const Found& one : all_found) {
     Finding finding = Report(*judge, extended, one, explainable, selection.far_behind);
@@ -172,6 +218,7 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   }
   diagnosis.leftover.ljung_box_p = LjungBoxP(left, diagnosis.weights, study.stretches(), 0);
   diagnosis.leftover.runs_p = RunsP(left, diagnosis.weights, study.stretches());
+  if (options.progress) options.progress("describing what is left", kShareOfJudging);
   diagnosis.leftover.signature = WordsOf(*judge, extended.fit, {});
   if (std::ranges::any_of(diagnosis.corrections, IsCurve))
     diagnosis.leftover.described = WordsOf(*judge, extended.fit, diagnosis.corrections);

@@ -66,6 +66,8 @@ struct Diagnosis {
   std::vector<CandidateResult> candidates;  // all, strongest first
   GainEstimate gain;
   Leftover leftover;
+  /// In words, what the records leave open of the numbers above, of both models.
+  std::vector<std::string> open;
   std::vector<std::string> notes;  // what a reader should know: parameters out of range, outliers left out
 };
 

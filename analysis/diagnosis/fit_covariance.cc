@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -13,6 +14,9 @@ namespace strainwave::analysis::diagnosis {
 
 using Eigen::Index;
 namespace {
+
+// Of the largest eigenvalue of unit columns' products: below it stands rounding alone.
+constexpr double kDetermined = 1e-12;
 
 // Rows filtered backwards in time by 1 / A(z) within each stretch: Σ = σ² A⁻¹ A⁻ᵀ, so that JᵀΣJ is σ² times
 // the square of A⁻ᵀ J.
@@ -30,11 +34,24 @@ Eigen::MatrixXd ColourBackwards(Eigen::MatrixXd rows, const NoiseFit& noise,
   return rows;
 }
 
+// Directions whose change moves no sample, as far as rounding lets that be seen; of unit columns.
+Eigen::MatrixXd OpenDirections(const Eigen::MatrixXd& columns, const Eigen::VectorXd& ridge) {
+  constexpr double kRounding = 1e-4;  // of a parameter's share in a direction
+  Eigen::MatrixXd gram = columns.transpose() * columns;
+  gram.diagonal() += ridge;
+  const SymmetricParts eigen = SymmetricEigen(gram);
+  const double least = kDetermined * std::max(eigen.values.maxCoeff(), 1e-300);
+  const Index count = (eigen.values.array() <= least).count();
+  const Eigen::MatrixXd open = eigen.vectors.leftCols(count);  // the values rise
+  return (open.array().abs() > kRounding).select(open, 0.0);
+}
+
 }  // namespace
 
-Eigen::MatrixXd FitCovariance(const Eigen::MatrixXd& sensitivities, std::span<const double> measured,
-                              const Eigen::VectorXd& predicted, std::span<const double> weights,
-                              std::span<const std::size_t> stretches, int largest_noise_order) {
+FitErrors ErrorsOfFit(const Eigen::MatrixXd& sensitivities, std::span<const double> measured,
+                      const Eigen::VectorXd& predicted, std::span<const double> weights,
+                      std::span<const std::size_t> stretches, int largest_noise_order,
+                      const Eigen::VectorXd& ridge) {
   const Index p = sensitivities.cols();
   std::vector<double> residual(measured.begin(), measured.end());
   Eigen::MatrixXd used = sensitivities;
@@ -52,15 +69,15 @@ Eigen::MatrixXd FitCovariance(const Eigen::MatrixXd& sensitivities, std::span<co
   Eigen::VectorXd scale(p);
   for (Index j = 0; j < p; ++j) {
     const double norm = used.col(j).norm();
-    scale(j) = norm > 0.0 ? 1.0 / norm : 0.0;
+    scale(j) = norm > 0.0 ? 1.0 / norm : 1.0;
     used.col(j) *= scale(j);
   }
   const NoiseFit noise =
       FitNoise(residual, weights, stretches, largest_noise_order, std::max(std::sqrt(square_sum), 1e-300));
   const SymmetricParts eigen = SymmetricEigen(used.transpose() * used);
-  const double largest = std::max(eigen.values.maxCoeff(), 1e-300);
+  const double least = kDetermined * std::max(eigen.values.maxCoeff(), 1e-300);
   const Eigen::MatrixXd bread =
-      eigen.vectors * eigen.InverseAbove(1e-12 * largest).asDiagonal() * eigen.vectors.transpose();
+      eigen.vectors * eigen.InverseAbove(least).asDiagonal() * eigen.vectors.transpose();
   const double freedom = std::max(1.0, count - static_cast<double>(p));
   Eigen::MatrixXd covariance = square_sum / freedom * bread;
   if (noise.order > 0) {
@@ -68,7 +85,8 @@ Eigen::MatrixXd FitCovariance(const Eigen::MatrixXd& sensitivities, std::span<co
     covariance = noise.innovation_sd * noise.innovation_sd * count / freedom *
                  (bread * (coloured.transpose() * coloured) * bread);
   }
-  return scale.asDiagonal() * covariance * scale.asDiagonal();
+  return {scale.asDiagonal() * covariance * scale.asDiagonal(),
+          scale.asDiagonal() * OpenDirections(used, scale.cwiseAbs2().cwiseProduct(ridge))};
 }
 
 double StandardErrorOver(std::span<const Believed> models) {
@@ -76,13 +94,16 @@ double StandardErrorOver(std::span<const Believed> models) {
   constexpr double kErrors = 1.959964;  // of a normal distribution that hold this share
   double all = 0.0;
   double farthest = 0.0;
+  if (!std::isfinite(models[0].standard_error)) return models[0].standard_error;
   for (const Believed& model : models) {
     all += model.likelihood;
+    if (!std::isfinite(model.standard_error)) continue;
     farthest = std::max(farthest, std::abs(model.value - models[0].value) + 10.0 * model.standard_error);
   }
   const auto share_within = [&](double reach) {
     double share = 0.0;
     for (const Believed& model : models) {
+      if (!std::isfinite(model.standard_error)) continue;
       // One that is known exactly is within or beyond.
       const double width = std::numbers::sqrt2 * std::max(model.standard_error, 1e-12 * farthest);
       const double off = model.value - models[0].value;
@@ -91,6 +112,7 @@ double StandardErrorOver(std::span<const Believed> models) {
     }
     return share;
   };
+  if (share_within(farthest) < kShare) return std::numeric_limits<double>::infinity();
   double below = 0.0;
   double above = farthest;
   for (int halving = 0; halving < 60; ++halving) {

@@ -25,7 +25,8 @@ constexpr std::size_t kMostHeldOut = 8;
 constexpr double kShareOfCauses = 0.75;
 
 // BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
-// phase): it may say so much less where chance is excluded, and less for each of many parameters.
+// phase): of a description it may say so much less where chance is excluded, and less for each of many
+// parameters.
 constexpr double kLeastBic = -12.0;
 constexpr double kLeastBicEach = -5.0;
 constexpr double kLeastBicOfMany = -40.0;
@@ -34,20 +35,21 @@ constexpr double kOpen = 0.5;  // of a number's range: a standard error that lea
 
 }  // namespace
 
-double BicOfRepeats(const Comparison& comparison, const CauseRule& rule) {
-  return kLeastBicEach *
-         std::clamp<double>(comparison.more_parameters - rule.degrees_of_freedom, 0.0, rule.repeated);
+double DeltaBic(const Comparison& comparison, const CauseRule& rule) {
+  if (!rule.known_by_size || !(comparison.more_parameters > 0.0)) return comparison.delta_bic;
+  const double samples = std::max(1.0, comparison.samples);
+  const double sharpness = std::clamp(comparison.likelihood_ratio, 1.0, samples);
+  return comparison.delta_bic + comparison.more_parameters * std::log(samples / sharpness);
 }
 
-double LeastBicBeside(const Comparison& comparison, const CauseRule& rule) {
-  return std::min(BicOfRepeats(comparison, rule), rule.least_bic.value_or(0.0));
-}
+double LeastBicBeside(const CauseRule& rule) { return std::min(0.0, rule.least_bic.value_or(0.0)); }
 
 bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double corrected_p_value,
                     double error) {
   const double by_number = std::clamp(kLeastBicEach * comparison.more_parameters, kLeastBicOfMany, kLeastBic);
-  const double least = std::min(by_number, kLeastBic + BicOfRepeats(comparison, rule));
-  return corrected_p_value < error && comparison.delta_bic > rule.least_bic.value_or(least);
+  // A name has to pay for its numbers, whatever its p-value.
+  const double asked = rule.named ? 0.0 : rule.least_bic.value_or(by_number);
+  return corrected_p_value < error && DeltaBic(comparison, rule) > asked;
 }
 
 Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOptions&)
@@ -67,8 +69,8 @@ ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* star
   const auto make = [&] {
     ScoredModel model{study_.Fit(causes, weights_, start, purpose), {}};
     if (model.fit.usable) {
-      model.noise = FitNoise(ResidualsOf(study_, model.fit), weights_, study_.stretches(),
-                             study_.LargestNoiseOrder(), scale_);
+      model.noise = FitNoise(study_.Decorrelated(ResidualsOf(study_, model.fit), weights_), weights_,
+                             study_.stretches(), study_.LargestNoiseOrder(), scale_);
     }
     return model;
   };
@@ -98,6 +100,7 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   comparison.log_places = richer.fit.log_places - poorer.fit.log_places;
   comparison.more_placed = std::max(0, richer.fit.placed_parameters - poorer.fit.placed_parameters);
   comparison.likelihood_ratio = LikelihoodRatio(richer.noise, poorer.noise);
+  comparison.samples = samples_;
   comparison.delta_bic = comparison.likelihood_ratio - more * std::log(samples_);
   comparison.likelihood_ratio = std::max(0.0, comparison.likelihood_ratio);
   const double freedom = samples_ - richer.fit.free_parameters;
@@ -131,14 +134,15 @@ double Judge::Corrected(double p_value, const CauseRule& rule) const {
 
 double Judge::HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const NoiseFit& noise,
                           bool local) const {
-  const std::vector<double>& before = HeldOut(poorer, local);
-  const std::vector<double>& after = HeldOut(richer, local);
+  const std::vector<double> before = study_.Decorrelated(HeldOut(poorer, local), weights_);
+  const std::vector<double> after = study_.Decorrelated(HeldOut(richer, local), weights_);
   double gain = 0.0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     gain += weights_[i] * (before[i] * before[i] - after[i] * after[i]);
   }
   double inflation = 1.0;
-  if (noise.order > 0) inflation = VarianceInflation(ResidualsOf(study_, richer));
+  if (noise.order > 0)
+    inflation = VarianceInflation(study_.Decorrelated(ResidualsOf(study_, richer), weights_));
   const double variance = noise.innovation_sd * noise.innovation_sd;
   return variance > 0.0 ? gain / (2.0 * variance * inflation) : 0.0;
 }

@@ -32,7 +32,11 @@ double MisfitShareOf(const CauseRule& rule) {
 
 bool MayStandBeside(const Study& study, const ModelFit& fit, std::size_t cause) {
   const auto is_description = [&](std::size_t other) { return IsDescription(study.causes()[other]); };
-  return !Contains(fit.causes, cause) &&
+  // One cause in two forms is named once.
+  const auto has_its_name = [&](std::size_t other) {
+    return study.causes()[cause].named && study.causes()[other].name == study.causes()[cause].name;
+  };
+  return !Contains(fit.causes, cause) && std::ranges::none_of(fit.causes, has_its_name) &&
          (!is_description(cause) || std::ranges::count_if(fit.causes, is_description) < kMostDescriptions);
 }
 

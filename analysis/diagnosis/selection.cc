@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/diagnosis/selection.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -60,16 +63,15 @@ const Candidate* ChooseNext(const Judge& judge, std::span<const std::size_t> giv
     const CauseRule& rule = rules[candidate.cause];
     CandidateResult result{
         candidate.cause,
-        {candidate.against.delta_bic, judge.Corrected(candidate.against.p_value, rule), 0.0},
+        {DeltaBic(candidate.against, rule), judge.Corrected(candidate.against.p_value, rule), 0.0},
         false,
         "not beyond chance"};
     if (chosen == nullptr && !full && LooksPossible(judge, candidate, error)) {
       result = JudgeCause(judge, candidate.model, model, candidate.cause, error);
-      if (result.passed &&
-          ((beside && candidate.against.delta_bic < LeastBicBeside(candidate.against, rule)) ||
-           candidate.against.likelihood_ratio <
-               (lacks && !rule.named ? kLeastShareOfDescription : kLeastShare) * explained ||
-           IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
+      if (result.passed && ((beside && result.evidence.delta_bic < LeastBicBeside(rule)) ||
+                            candidate.against.likelihood_ratio <
+                                (lacks && !rule.named ? kLeastShareOfDescription : kLeastShare) * explained ||
+                            IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
         result.passed = false;
         result.objection = "too small beside what was found already to be told from a misfit of its formula";
       }
@@ -82,9 +84,21 @@ const Candidate* ChooseNext(const Judge& judge, std::span<const std::size_t> giv
   return chosen;
 }
 
+// How many rounds there will be nobody knows: each is taken for half of what is left.
+void TellProgress(const DiagnoseOptions& options, const std::string& cause, std::size_t round,
+                  std::size_t looked_at, std::size_t of) {
+  if (!options.progress) return;
+  const double left = std::exp2(1.0 - static_cast<double>(round));
+  const double of_round = static_cast<double>(looked_at) / static_cast<double>(of);
+  options.progress(
+      round == 1 ? "looking for " + cause : fmt::format("round {}: looking for {}", round, cause),
+      1.0 - left * (1.0 - 0.5 * of_round));
+}
+
 }  // namespace
 
 Selection Select(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options) {
+  const auto& rules = judge.study().causes();
   Selection selection;
   selection.model = judge.Fit(given, nullptr);
   const ScoredModel first = selection.model;
@@ -104,17 +118,14 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
     // In a round that goes in circles they are asked for beside a description alone.
     std::vector<Candidate> candidates;
-    if (!circling || HasDescription(judge, model)) candidates = FitCandidates(judge, model);
+    const auto looking = [&](std::size_t cause) {
+      TellProgress(options, rules[cause].name, seen.size(), cause, rules.size());
+      return false;
+    };
+    if (!circling || HasDescription(judge, model)) candidates = FitCandidates(judge, model, looking);
     Rank(judge.study(), candidates);
     const Candidate* chosen = nullptr;
-    if (!circling) {
-      chosen = ChooseNext(judge, given, model, candidates, explained, full, error, judged);
-      if (options.progress) {
-        options.progress(
-            chosen == nullptr ? "no further effect" : "found " + judge.study().causes()[chosen->cause].name,
-            static_cast<double>(seen.size()) / static_cast<double>(options.max_effects + 1));
-      }
-    }
+    if (!circling) chosen = ChooseNext(judge, given, model, candidates, explained, full, error, judged);
     if (chosen != nullptr && FindDeeper(judge, chosen->model, selection.model)) {
       seen.erase(selection.model.fit.causes);
       continue;

@@ -24,25 +24,27 @@ struct ScoredModel {
 /// What one model is ahead of another one by.
 struct Comparison {
   double likelihood_ratio{};  // 2 Δ log-likelihood, never below 0
-  double delta_bic{};
-  double log_places{};       // of the places searched, over those that the richer model's rules count
-  double p_value{1.0};       // of so many looks more, not yet corrected by the rule's
-  double more_parameters{};  // as they are charged for
-  double more_placed{};      // of these, those that `log_places` charges for
+  double delta_bic{};         // each number charged by all samples
+  double samples{};           // with weight
+  double log_places{};        // of the places searched, over those that the richer model's rules count
+  double p_value{1.0};        // of so many looks more, not yet corrected by the rule's
+  double more_parameters{};   // as they are charged for
+  double more_placed{};       // of these, those that `log_places` charges for
 };
 
 /// Whether what the richer model has more is no play of chance: by the p-value, corrected for all that was
-/// looked at, with BIC as a bound.
+/// looked at, with BIC as a bound; a cause has to bring more than none.
 bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double corrected_p_value,
                     double error);
 
-/// BIC that a cause may bring less, since what it says of further channels is charged as if nobody could
-/// expect it; never above 0.
-double BicOfRepeats(const Comparison& comparison, const CauseRule& rule);
+/// BIC that a cause brings. Its numbers are charged by the samples, ln n each (a standard error of 1/√n of
+/// the prior's width); of those that are known as sharply as the effect is large, by that, ln of the
+/// likelihood ratio: Laplace's approximation for phases, places and shares of one amplitude (Kass & Raftery,
+/// J. Am. Stat. Assoc. 90 (1995) 773, section 4).
+double DeltaBic(const Comparison& comparison, const CauseRule& rule);
 
-/// BIC that a cause has to bring beside another one: none at all, but for its repeats, unless its rule asks
-/// for less.
-double LeastBicBeside(const Comparison& comparison, const CauseRule& rule);
+/// BIC that a cause has to bring beside another one: none at all, unless its rule asks for less.
+double LeastBicBeside(const CauseRule& rule);
 
 /// Fits and compares sets of causes of one study under one set of weights.
 class Judge {

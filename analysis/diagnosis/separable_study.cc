@@ -13,6 +13,7 @@
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/noise_likelihood.h"
+#include "analysis/diagnosis/open_numbers.h"
 #include "analysis/diagnosis/recent.h"
 #include "analysis/diagnosis/separable_search.h"
 #include "analysis/units.h"
@@ -72,23 +73,32 @@ struct Record {
     return FitNoise(LeftBy(solution.predicted), weights, model.stretches, model.largest_noise_order,
                     std::max(high - low, 1e-300));
   }
-  // With what was known before of some numbers: one that the record says nothing of is as uncertain as its
-  // range, and no more.
-  Eigen::MatrixXd CovarianceOf(const SeparableSolution& solution) const {
-    Eigen::MatrixXd covariance =
-        FitCovariance(Sensitivities(set, solution), model.measured, solution.predicted, weights,
-                      model.stretches, model.largest_noise_order);
+  // With what was known before of some numbers: a shape that the record says nothing of is as uncertain as
+  // its range, and no more; one that the fit does not move is none of its numbers.
+  FitErrors ErrorsOf(const SeparableSolution& solution) const {
+    Eigen::VectorXd ridge =
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(set.coefficients() + set.shapes()));
     Eigen::Index at = 0;
+    for (const SeparableTerm* term : set.terms) {
+      const auto columns = static_cast<Eigen::Index>(term->columns);
+      ridge.segment(at, columns).setConstant(term->ridge);
+      at += columns + static_cast<Eigen::Index>(term->shapes.size());
+    }
+    FitErrors errors = ErrorsOfFit(Sensitivities(set, solution), model.measured, solution.predicted, weights,
+                                   model.stretches, model.largest_noise_order, ridge);
+    at = 0;
     for (const SeparableTerm* term : set.terms) {
       at += static_cast<Eigen::Index>(term->columns);
       for (const ShapeRange& range : term->shapes) {
         const double before = (range.high - range.low) * (range.high - range.low) / 12.0;
-        const Eigen::VectorXd with = covariance.col(at);
-        if (range.known) covariance -= with * with.transpose() / (before + with(at));
-        ++at;
+        const Eigen::VectorXd with = errors.covariance.col(at);
+        if (range.known) errors.covariance -= with * with.transpose() / (before + with(at));
+        const bool open = !errors.open.row(at).isZero(0.0);
+        if (open && set.Moves(range)) errors.covariance(at, at) = before;
+        errors.open.row(at++).setZero();
       }
     }
-    return covariance;
+    return errors;
   }
 };
 
@@ -133,7 +143,7 @@ void WidenByOtherOptima(const Record& record, const SeparableSolution& solution,
                         std::vector<ParameterValue>& described) {
   std::vector<OtherModel> others;
   for (const auto& [likelihood, other] : OtherOptima(record, solution, term))
-    others.push_back({likelihood, DescribeTerm(record.set, other, record.CovarianceOf(other), term)});
+    others.push_back({likelihood, DescribeTerm(record.set, other, record.ErrorsOf(other).covariance, term)});
   WidenErrors(others, described);
 }
 
@@ -141,11 +151,24 @@ void WidenByOtherOptima(const Record& record, const SeparableSolution& solution,
 void Describe(const Record& record, const SeparableSolution& solution, ModelFit& fit) {
   const auto numbers = static_cast<Eigen::Index>(fit.state.size());
   const FitPurpose purpose = record.set.purpose;
-  const Eigen::MatrixXd covariance = purpose == FitPurpose::kCompare ? Eigen::MatrixXd::Zero(numbers, numbers)
-                                                                     : record.CovarianceOf(solution);
+  const FitErrors errors = purpose == FitPurpose::kCompare
+                               ? FitErrors{Eigen::MatrixXd::Zero(numbers, numbers), {}}
+                               : record.ErrorsOf(solution);
+  OpenNumbers open(errors.open);
   const std::size_t nominal_terms = record.model.nominal.size();
+  Eigen::Index first = 0;
   for (std::size_t t = 0; t < record.set.terms.size(); ++t) {
-    std::vector<ParameterValue> values = DescribeTerm(record.set, solution, covariance, t);
+    const SeparableTerm& term = *record.set.terms[t];
+    std::vector<ParameterValue> values = DescribeTerm(record.set, solution, errors.covariance, t);
+    const auto width = static_cast<Eigen::Index>(term.columns + term.shapes.size());
+    const Eigen::MatrixXd own = errors.covariance.block(first, first, width, width);
+    open.Mark(
+        Eigen::Map<const Eigen::VectorXd>(fit.state.data() + first, width), first,
+        [&](const Eigen::VectorXd& moved) {
+          return term.describe({moved.data(), static_cast<std::size_t>(moved.size())}, own);
+        },
+        values);
+    first += width;
     if (t < nominal_terms) {
       fit.nominal.insert(fit.nominal.end(), values.begin(), values.end());
       continue;
@@ -154,6 +177,7 @@ void Describe(const Record& record, const SeparableSolution& solution, ModelFit&
       WidenByOtherOptima(record, solution, t, values);
     fit.cause_parameters.push_back(std::move(values));
   }
+  fit.open = open.Words();
 }
 
 // Candidates are fitted one after the other beside the same known terms, whose columns are the same each

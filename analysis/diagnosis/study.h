@@ -23,6 +23,7 @@ struct ParameterValue {
   std::string name;  // "amplitude_arcmin"
   std::string unit;  // "arcmin"
   double value{};
+  /// Infinite where the records leave the number open: the value is then one of those that explain them.
   double standard_error{};
   /// True for what belongs to the record that it was fitted to: taken as zero for another one without it.
   bool of_record{};
@@ -46,10 +47,9 @@ struct CauseRule {
   std::string effect{};  // row of the effects catalogue, "E4"; or empty
   std::vector<ParameterRule> parameters{};
   int degrees_of_freedom{1};  // parameters that it adds
-  /// How many parameters, beyond `degrees_of_freedom`, may say in further channels what one channel says
-  /// already. A size is much better foretold by the others than BIC has it, which takes it for anything
-  /// (judge.cc).
-  int repeated{};
+  /// True where all of its numbers are known as sharply as the effect is large: phases, places and shares of
+  /// one amplitude, which BIC else charges as if all samples spoke of each (DeltaBic).
+  bool known_by_size{};
   /// How many of these are places that the search looked for (an order, a window's two ends): they are
   /// charged by the places there are, not by the samples. Of the ordinates of a curve all but one: they have
   /// one size in common, and each is known as sharply as the curve is strong.
@@ -58,9 +58,9 @@ struct CauseRule {
   /// overlap or the likelihood ratio is no χ², as many as make p < 0.05 in one of twenty clean records
   /// (checked on 480 of tests/blind).
   double trials{1.0};
-  /// BIC that it has to bring; by default somewhat less than nothing will do (judge.cc). For a cause whose
-  /// shapes mean nothing where it is not there, so that its likelihood ratio is no χ². Below zero it holds
-  /// beside another cause, too: for one whose p-value says all.
+  /// BIC that a description has to bring; by default somewhat less than nothing will do (judge.cc). Below
+  /// zero it holds beside another one, too: for one whose p-value says all. A named cause has to bring more
+  /// than none, always.
   std::optional<double> least_bic{};
   /// Of the sum of squares that it takes away, what may be left since nature's shape is not quite ours: what
   /// else is found beside it has to be more. By default nothing for a cause, and for a correction what a
@@ -105,7 +105,9 @@ struct ModelFit {
   std::vector<std::size_t> causes;  // indices into Study::causes(), ascending
   std::vector<ParameterValue> nominal;
   std::vector<std::vector<ParameterValue>> cause_parameters;  // one list a cause, in the order of `causes`
-  Eigen::VectorXd predicted;                                  // all samples, those without weight, too
+  /// In words, which of these the records leave open, or know in one sum only.
+  std::vector<std::string> open;
+  Eigen::VectorXd predicted;  // all samples, those without weight, too
   int free_parameters{};
   /// Of these, as many as are not charged for: what the record says of them is no more than was known before.
   double known_before{};
@@ -168,6 +170,10 @@ class Study {
   /// them, else from what changes fastest. 0 where the record cannot tell.
   virtual double NoiseFloor() const = 0;
 
+  /// Standard deviation of what rounding to steps does to a response that stands on steps, SI; 0 for one that
+  /// does not.
+  virtual double Rounding() const { return 0.0; }
+
   /// Weight of each sample from the start, in (0, 1]: the noise's variance over the variance that is expected
   /// there, where the study knows of errors that come and go. Empty: all count alike.
   virtual std::span<const double> Weights() const { return {}; }
@@ -182,6 +188,13 @@ class Study {
 
   /// Largest order of the autoregressive noise that candidates are judged under; 0 takes it as white.
   virtual int LargestNoiseOrder() const { return 4; }
+
+  /// A residual whose noise is independent from stretch to stretch, for likelihoods: where several channels
+  /// share noise, what they have in common is taken apart. Samples without weight count as zero there.
+  virtual std::vector<double> Decorrelated(std::vector<double> residual,
+                                           std::span<const double> /*weights*/) const {
+    return residual;
+  }
 
   /// True where a sample that stands off its neighbours is a disturbance of the measurement, and is left out.
   virtual bool SpikesAreOutliers() const { return true; }

@@ -71,6 +71,31 @@ std::string DeviceFilesSha256(const BenchDescription& bench) {
   return Sha256(all);
 }
 
+// The text of a schedule with another number of cycles in the place of its own.
+std::string WithCycles(const CampaignInputs& inputs, int cycles) {
+  std::string text = inputs.schedule_text;
+  const schedules::Origin& origin = inputs.schedule.origins.at("cycles");
+  std::size_t at = 0;
+  for (int line = 1; line < origin.line; ++line) at = text.find('\n', at) + 1;
+  at += static_cast<std::size_t>(origin.column - 1);
+  if (text.compare(at, origin.text.size(), origin.text) == 0) {
+    text.replace(at, origin.text.size(), std::to_string(cycles));
+  }
+  return text;
+}
+
+// @param frozen  with the campaign's cycles.
+[[noreturn]] void RefuseSchedule(const CampaignFolder& folder, const CampaignInputs& frozen,
+                                 const CampaignInputs& given, std::string_view or_else) {
+  Refuse(folder.root, "the schedule has changed since the start",
+         fmt::format("the frozen schedule.yaml; the difference is:\n{}  {}",
+                     Difference(WithCycles(frozen, frozen.schedule.cycles), given.schedule_text), or_else));
+}
+
+bool SameButForCycles(const CampaignInputs& frozen, const CampaignInputs& given) {
+  return WithCycles(frozen, 1) == WithCycles(given, 1);
+}
+
 // What is made of a campaign that does not come to be is taken back.
 class Beginning {
  public:
@@ -141,7 +166,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
       journal.SetProperty("device_files_sha256", DeviceFilesSha256(inputs.bench));
     }
     journal.SetProperty("started_utc", UtcNow());
-    journal.SetProperty("cycles", std::to_string(inputs.schedule.cycles));
+    journal.SetProperty(kCycles, std::to_string(inputs.schedule.cycles));
     journal.SetProperty("specimen", inputs.schedule.specimen.identity);
     transaction.Commit();
     journal.database().Execute("PRAGMA wal_checkpoint(TRUNCATE)");
@@ -152,7 +177,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
 }
 
 BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& journal) {
-  const BenchDescription frozen = ReadFrozenInputs(folder).bench;
+  const BenchDescription frozen = ReadFrozenInputs(folder, journal).bench;
   if (frozen.devices.empty()) return frozen;
   BenchDescription bench = ParseBenchFile(ReadText(folder.Bench()), folder.Bench().string(),
                                           journal.Property("bench_folder").value_or(""));
@@ -164,12 +189,31 @@ BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& jour
   return bench;
 }
 
+std::string ExtendCampaign(const CampaignFolder& folder, const CampaignInputs& given, Journal& journal) {
+  const CampaignInputs frozen = ReadFrozenInputs(folder, journal);
+  if (!SameButForCycles(frozen, given)) RefuseSchedule(folder, frozen, given, {});
+  const int before = frozen.schedule.cycles;
+  const int cycles = given.schedule.cycles;
+  if (cycles <= before) {
+    Refuse(folder.root, fmt::format("the schedule has {} cycles, the campaign {}", cycles, before),
+           "more, to extend the campaign");
+  }
+  std::string words = fmt::format("extended from {} to {} cycles", before, cycles);
+  Transaction transaction(journal.database());
+  journal.SetProperty(kCycles, std::to_string(cycles));
+  journal.AddEvent(
+      {journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", "info", "extended", words});
+  transaction.Commit();
+  return words;
+}
+
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
                                          Journal& journal, bool accept_pause) {
-  const std::string frozen = ReadText(folder.Schedule());
-  if (frozen != given.schedule_text) {
-    Refuse(folder.root, "the schedule has changed since the start",
-           "the frozen schedule.yaml; the difference is:\n" + Difference(frozen, given.schedule_text) + "  ");
+  const CampaignInputs frozen = ReadFrozenInputs(folder, journal);
+  const bool unchanged = SameButForCycles(frozen, given);
+  if (!unchanged || given.schedule.cycles != frozen.schedule.cycles) {
+    const bool more = unchanged && given.schedule.cycles > frozen.schedule.cycles;
+    RefuseSchedule(folder, frozen, given, more ? "or --extend, to go on with more cycles" : "");
   }
   if (journal.LastCompleteCycle() >= given.schedule.cycles) return std::nullopt;
   const auto checkpoint = ReadCheckpoint(folder.Checkpoint());

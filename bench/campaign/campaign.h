@@ -33,8 +33,8 @@ CampaignInputs ReadInputs(const std::filesystem::path& schedule,
 /// this bench, and a stiffness that would include the bench's compliance because nothing measures that.
 schedules::FindingList WarningsOf(const CampaignInputs& inputs);
 
-/// The inputs frozen in a folder that OpenCampaign has looked at.
-CampaignInputs ReadFrozenInputs(const CampaignFolder& folder);
+/// The inputs frozen in a folder that OpenCampaign has looked at, with the cycles that it was extended to.
+CampaignInputs ReadFrozenInputs(const CampaignFolder& folder, const Journal& journal);
 
 /// The journal of a campaign, to read or to go on with; every command that reads a campaign comes through
 /// here.
@@ -61,11 +61,18 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
 /// order: phases that were running are closed as interrupted with the load they had served, and the time
 /// since is a hole. Doing it twice changes nothing. Bench time goes on from the later of the two: a power cut
 /// may leave a checkpoint that is older than the journal.
-/// @param given  the schedule on the command line; it must be the frozen one.
+/// @param given  the schedule on the command line; it must be the frozen one, with the campaign's cycles.
 /// @throws CampaignError: not a campaign, a changed schedule (with the difference), finished already, a pause
 ///   longer than the schedule allows or not known without `accept_pause`, a journal without its checkpoint.
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
                                          Journal& journal, bool accept_pause);
+
+/// More cycles for a campaign, complete or not; the journal has them, and a line of it. The frozen schedule
+/// stays as it was.
+/// @param given  the schedule on the command line: the frozen one, but for a higher number of cycles.
+/// @return what was done, in words.
+/// @throws CampaignError for any other schedule.
+std::string ExtendCampaign(const CampaignFolder& folder, const CampaignInputs& given, Journal& journal);
 
 /// Lines that differ, as "-old" and "+new" with line numbers; empty when equal.
 std::string Difference(const std::string& before, const std::string& after);

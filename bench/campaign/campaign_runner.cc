@@ -58,6 +58,7 @@ CampaignRunner::CampaignRunner(HeldFolder held, const schedules::Schedule& sched
       progress_(progress),
       runner_(machine.Devices(), SettingsOf(schedule, bench), request),
       checkpoint_(folder_.Checkpoint()),
+      live_(held_.wherever().Readings()),
       quality_(schedule, journal),
       identity_(journal.Identity()),
       records_(folder_, bench, machine.Calibrations(), identity_),
@@ -196,6 +197,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   auto last_kept = std::chrono::steady_clock::now();
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
     held_.DemandInPlace();
+    live_.Show(now.readings);
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
       records_.WriteAhead(step, repeat, attempt, running.RecordsSoFar());
@@ -260,8 +262,9 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
 }
 
 CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view phase) {
-  const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot&, const PhaseProgram&) {
+  const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot& now, const PhaseProgram&) {
     held_.DemandInPlace();
+    live_.Show(now.readings);
     Show(phase, share_);
   });
   WatchChannels(phase);

@@ -17,6 +17,7 @@
 #include "bench/campaign/folder.h"
 #include "bench/campaign/held_folder.h"
 #include "bench/campaign/journal.h"
+#include "bench/campaign/live_readings.h"
 #include "bench/campaign/progress.h"
 #include "bench/campaign/quality.h"
 #include "bench/campaign/resume_point.h"
@@ -97,6 +98,7 @@ class CampaignRunner {
   ProgressSink& progress_;
   PhaseRunner runner_;
   CheckpointWriter checkpoint_;
+  LiveReadingsFile live_;
   QualityControl quality_;
   BenchState state_{BenchState::kFaulted};
   double encoder_offset_rad_{};  // of the shafts against each other, at the last end of a phase

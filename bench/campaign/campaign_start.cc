@@ -43,7 +43,8 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
                                                   kEncoderOffsetTolerance_rad};
   const auto reference = [&] {
     ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
-    return runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
+    return runner_.Run(program,
+                       [&](const PhaseSnapshot& now, const PhaseProgram&) { live_.Show(now.readings); });
   };
   PhaseOutcome outcome = reference();
   bool unwound = false;
@@ -84,7 +85,8 @@ CampaignRunner::MaybeEnd CampaignRunner::Unwind(double torque_Nm, double torque_
 CampaignRunner::MaybeEnd CampaignRunner::RunUncredited(PhaseProgram& program, std::string_view phase,
                                                        BenchEvent begin) {
   Transition(begin);
-  const PhaseOutcome outcome = runner_.Run(program, [](const PhaseSnapshot&, const PhaseProgram&) {});
+  const PhaseOutcome outcome =
+      runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) { live_.Show(now.readings); });
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase);
   Transition(BenchEvent::kPhaseEnded);
   if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);

@@ -140,9 +140,12 @@ void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod met
     if (main_method) flag += results.Flag(fits.back().failed_checks, "hysteresis");
   }
   if (main_method) flag = WithThermalFlag(std::move(flag), *loops.front(), context);
+  std::string k_flag = flag;
+  if (main_method && !KnowsCompliance(context.corrections))
+    k_flag += fmt::format("{}{}", flag.empty() ? "" : "; ", kNoBlankFlag);
   const auto add = [&](const char* name, Estimate analysis::TorsionalStiffness::*field) {
     const std::string quantity = fmt::format("{}{}_Nm_per_rad", name, suffix);
-    results.Add(quantity, WithBenchUncertainty(MeanOf(fits, field), quantity, context.corrections), flag);
+    results.Add(quantity, WithBenchUncertainty(MeanOf(fits, field), quantity, context.corrections), k_flag);
   };
   add("k1", &analysis::TorsionalStiffness::k1_Nm_per_rad);
   add("k2", &analysis::TorsionalStiffness::k2_Nm_per_rad);
@@ -185,6 +188,11 @@ CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleCont
   for (Result& result : VibrationStatisticsResults(records)) analysis.results.push_back(std::move(result));
   for (Result& result : LoadResults(records)) analysis.results.push_back(std::move(result));
   return analysis;
+}
+
+bool IsSound(const Result& result) {
+  return result.flag.empty() || result.flag.starts_with(kThermalFlag) ||
+         result.flag.starts_with(kNoBlankFlag);
 }
 
 std::vector<Result> SensorCheckResults(std::span<const NamedRecord> records) {

@@ -29,6 +29,12 @@ struct CycleContext {
 /// How the flag of a result begins that is sound but was not measured in the declared thermal state.
 inline constexpr std::string_view kThermalFlag = "measured";
 
+/// What the flag of a stiffness ends with that no blank test has corrected.
+inline constexpr std::string_view kNoBlankFlag = "holds the bench's compliance: no blank test";
+
+/// True for a result without a flag, or with one that only says in which state it was measured.
+bool IsSound(const Result& result);
+
 /// Results of one cycle and what pictures need of them.
 struct CycleAnalysis {
   std::vector<Result> results;

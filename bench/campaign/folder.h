@@ -30,6 +30,8 @@ struct CampaignFolder {
   std::filesystem::path Faults() const { return root / "faults"; }
   std::filesystem::path BusLogs() const { return root / "can"; }
   std::filesystem::path Checkpoint() const { return root / "checkpoint"; }
+  /// What the bench shows while the campaign runs; gone when it does not.
+  std::filesystem::path Readings() const { return root / "readings"; }
   std::filesystem::path Pictures() const { return root / "pictures"; }
   std::filesystem::path Lock() const { return root / "lock"; }
 };

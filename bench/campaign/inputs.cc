@@ -71,9 +71,11 @@ schedules::FindingList WarningsOf(const CampaignInputs& inputs) {
   return warnings;
 }
 
-CampaignInputs ReadFrozenInputs(const CampaignFolder& folder) {
+CampaignInputs ReadFrozenInputs(const CampaignFolder& folder, const Journal& journal) {
   // They were held against each other at the start, with profiles of drives that need not be here.
-  return ReadBoth(folder.Schedule(), folder.Bench());
+  CampaignInputs inputs = ReadBoth(folder.Schedule(), folder.Bench());
+  if (const auto cycles = journal.Property(kCycles)) inputs.schedule.cycles = std::stoi(*cycles);
+  return inputs;
 }
 
 }  // namespace strainwave::bench

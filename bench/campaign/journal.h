@@ -96,6 +96,9 @@ struct Hole {
 /// Property: when the last run of the campaign began, "MILLISECONDS_UTC BENCH_SECONDS".
 inline constexpr const char* kRunBegun = "run_begun";
 
+/// Property: the campaign's cycles, those that it was extended by among them.
+inline constexpr const char* kCycles = "cycles";
+
 /// The campaign's journal, `campaign.db`: what was done, when, with which outcome, and every result.
 /// Times in seconds are bench time, which stands still while the program does not run; `utc` is for people.
 /// Every page carries a checksum (`page_checksums.h`) but in journals of earlier versions of this program.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/pictures.h"
 
+#include <cstdlib>
 #include <map>
 #include <optional>
 
@@ -36,18 +37,31 @@ std::vector<double> TwistOf(const daq::Record& record, double compliance_rad_per
   return twist_rad;
 }
 
+// With the errors that the tables give.
+void AddUncertainty(const BenchCorrections& corrections, analysis::TransmissionError& error) {
+  const auto add = [&](std::optional<analysis::SweepError>& sweep, const char* quantity) {
+    if (!sweep) return;
+    const analysis::Estimate arcmin{ArcminFromRad(sweep->e_max_rad.value),
+                                    ArcminFromRad(sweep->e_max_rad.standard_error)};
+    sweep->e_max_rad.standard_error = RadFromArcmin(
+        WithEncoderUncertainty(arcmin, quantity, corrections, AngleKind::kRange).standard_error);
+  };
+  add(error.cw, "e_max_arcmin");
+  add(error.ccw, "e_max_ccw_arcmin");
+}
+
 HysteresisCurve CurveOf(std::string label, const analysis::TorsionalStiffness& stiffness,
                         std::span<const double> twist_rad, std::span<const double> torque_Nm,
-                        const analysis::TestTorques& torques) {
+                        const analysis::TestTorques& torques, const BenchCorrections& corrections) {
   HysteresisCurve curve;
   curve.label = std::move(label);
   curve.twist_rad = twist_rad;
   curve.torque_Nm = torque_Nm;
   curve.fitted_torque_Nm = stiffness.fitted_torque_Nm;
   curve.torques = torques;
-  curve.k1_Nm_per_rad = stiffness.k1_Nm_per_rad;
-  curve.k2_Nm_per_rad = stiffness.k2_Nm_per_rad;
-  curve.k3_Nm_per_rad = stiffness.k3_Nm_per_rad;
+  curve.k1_Nm_per_rad = WithBenchUncertainty(stiffness.k1_Nm_per_rad, "k1_Nm_per_rad", corrections);
+  curve.k2_Nm_per_rad = WithBenchUncertainty(stiffness.k2_Nm_per_rad, "k2_Nm_per_rad", corrections);
+  curve.k3_Nm_per_rad = WithBenchUncertainty(stiffness.k3_Nm_per_rad, "k3_Nm_per_rad", corrections);
   curve.friction_torque_Nm = stiffness.friction_torque_Nm;
   return curve;
 }
@@ -57,6 +71,8 @@ DrawnCycle Load(const CampaignFolder& folder, const Journal& journal, int cycle,
   DrawnCycle drawn;
   drawn.records = ReadCycleRecords(folder, journal, cycle);
   drawn.analysis = AnalyzeCycle(drawn.records, context);
+  if (drawn.analysis.transmission_error)
+    AddUncertainty(context.corrections, *drawn.analysis.transmission_error);
   if (drawn.analysis.loop != nullptr) {
     drawn.twist_rad =
         TwistOf(*drawn.analysis.loop, context.corrections.series_compliance.compliance_rad_per_Nm.value);
@@ -66,7 +82,8 @@ DrawnCycle Load(const CampaignFolder& folder, const Journal& journal, int cycle,
   return drawn;
 }
 
-bool DrawTrendPicture(const Journal& journal, const std::string& title, const std::filesystem::path& stem) {
+std::optional<std::filesystem::path> DrawTrendPicture(const Journal& journal, const std::string& title,
+                                                      const std::filesystem::path& stem) {
   struct Series {
     std::vector<double> cycle, value, standard_error;
   };
@@ -92,9 +109,42 @@ bool DrawTrendPicture(const Journal& journal, const std::string& title, const st
     if (found == series.end() || found->second.cycle.size() < 2) continue;
     trends.push_back({label, unit, found->second.cycle, found->second.value, found->second.standard_error});
   }
-  if (trends.empty()) return false;
-  DrawTrends(title, trends, stem);
-  return true;
+  if (trends.empty()) return std::nullopt;
+  return DrawTrends(title, trends, stem);
+}
+
+std::string NameOfCampaign(const std::filesystem::path& root) {
+  return std::filesystem::weakly_canonical(root).filename().string();
+}
+
+// What a picture of a record is called: by its campaign and cycle or its file, its group, its lock angle.
+struct DrawnRecord {
+  std::string stem;
+  std::string title;
+};
+
+DrawnRecord NamesOf(const daq::Record& record) {
+  const std::filesystem::path source = std::filesystem::absolute(record.source.file);
+  DrawnRecord names{source.stem().string(), source.filename().string()};
+  const std::filesystem::path folder = source.parent_path();
+  if (folder.filename() == "cycles" && std::filesystem::exists(folder.parent_path() / "campaign.db")) {
+    const std::string campaign = NameOfCampaign(folder.parent_path());
+    const int cycle = std::atoi(names.stem.c_str());
+    names = {fmt::format("{}_cycle_{}", campaign, cycle), fmt::format("{}, cycle {}", campaign, cycle)};
+  }
+  // "/hysteresis/hysteresis_2" → "hysteresis_2"
+  std::string group;
+  for (const std::filesystem::path& part : std::filesystem::path(record.source.group).relative_path()) {
+    const std::string name = part.string();
+    group = group.empty() || name.starts_with(group) ? name : group + "_" + name;
+  }
+  names.stem += "_" + (group.empty() ? record.kind : group);
+  if (!group.empty()) names.title += ", " + group;
+  if (const auto angle = record.Metadata("lock_angle_deg")) {
+    names.stem += fmt::format("_lock_{}deg", *angle);
+    names.title += fmt::format(", lock angle {}°", *angle);
+  }
+  return names;
 }
 
 }  // namespace
@@ -106,7 +156,7 @@ std::vector<std::filesystem::path> DrawCampaign(const CampaignFolder& folder, co
     if (row.cycle > 0 && row.outcome == "complete") complete.push_back(row.cycle);
   }
   if (complete.empty()) return {};
-  const CampaignInputs inputs = ReadFrozenInputs(folder);
+  const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   const CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   const std::string title = fmt::format("{}, {}", inputs.schedule.specimen.identity, inputs.schedule.name);
   const DrawnCycle first = Load(folder, journal, complete.front(), context);
@@ -117,48 +167,60 @@ std::vector<std::filesystem::path> DrawCampaign(const CampaignFolder& folder, co
   const auto& specimen = inputs.schedule.specimen;
   const analysis::TestTorques torques{specimen.t1_Nm, specimen.t2_Nm, specimen.t3_Nm};
   const auto label = [&](int cycle) { return fmt::format("cycle {}", cycle); };
+  const std::string name = NameOfCampaign(folder.root);
+  const auto cycles = [&](bool two) {
+    return two ? fmt::format("{}_cycles_{}_and_{}", name, complete.front(), complete.back())
+               : fmt::format("{}_cycle_{}", name, complete.front());
+  };
   if (first.analysis.stiffness) {
+    // One loop at its own lock angle; the table's values are means over the angles.
+    const std::string angle = first.analysis.loop->Metadata("lock_angle_deg").value_or("");
     const auto curve = [&](const DrawnCycle& drawn, int cycle) {
-      // One loop at its own lock angle; the table's values are means over the angles.
-      const std::string angle = drawn.analysis.loop->Metadata("lock_angle_deg").value_or("");
-      return CurveOf(angle.empty() ? label(cycle) : fmt::format("{} at lock angle {}°", label(cycle), angle),
-                     *drawn.analysis.stiffness, drawn.twist_rad, drawn.torque_Nm, torques);
+      return CurveOf(label(cycle), *drawn.analysis.stiffness, drawn.twist_rad, drawn.torque_Nm, torques,
+                     context.corrections);
     };
     std::optional<HysteresisCurve> second;
     if (last && last->analysis.stiffness) second = curve(*last, complete.back());
-    pictures.push_back(into / "hysteresis");
-    DrawHysteresis(title, curve(first, complete.front()), second, pictures.back());
+    const std::string at = angle.empty() ? "" : fmt::format("_lock_{}deg", angle);
+    pictures.push_back(
+        DrawHysteresis(angle.empty() ? title : fmt::format("{}, one loop, at lock angle {}°", title, angle),
+                       curve(first, complete.front()), second,
+                       into / fmt::format("{}_hysteresis{}", cycles(second.has_value()), at)));
   }
   if (first.analysis.transmission_error) {
     std::optional<TransmissionErrorCurve> second;
     if (last && last->analysis.transmission_error) {
       second = TransmissionErrorCurve{label(complete.back()), *last->analysis.transmission_error};
     }
-    pictures.push_back(into / "transmission_error");
-    DrawTransmissionError(title, {label(complete.front()), *first.analysis.transmission_error}, second,
-                          pictures.back());
+    pictures.push_back(
+        DrawTransmissionError(title, {label(complete.front()), *first.analysis.transmission_error}, second,
+                              into / fmt::format("{}_transmission_error", cycles(second.has_value()))));
   }
-  if (DrawTrendPicture(journal, title, into / "trends")) pictures.push_back(into / "trends");
+  const auto trends = DrawTrendPicture(
+      journal, title,
+      into / fmt::format("{}_cycles_{}_to_{}_trends", name, complete.front(), complete.back()));
+  if (trends) pictures.push_back(*trends);
   return pictures;
 }
 
 std::vector<std::filesystem::path> DrawRecord(const daq::Record& record, analysis::StiffnessMethod method,
+                                              const BenchCorrections& corrections,
                                               const std::filesystem::path& into) {
-  const std::filesystem::path source = record.source.file;
-  const std::filesystem::path stem = into / fmt::format("{}_{}", source.stem().string(), record.kind);
+  const DrawnRecord drawn = NamesOf(record);
   if (record.kind == "transmission_error") {
-    DrawTransmissionError(source.filename().string(), {record.kind, TransmissionErrorOf(record, {})},
-                          std::nullopt, stem);
-    return {stem};
+    analysis::TransmissionError error = TransmissionErrorOf(record, corrections);
+    AddUncertainty(corrections, error);
+    return {
+        DrawTransmissionError(drawn.title, {"measured", std::move(error)}, std::nullopt, into / drawn.stem)};
   }
   if (record.kind != "hysteresis") return {};
-  const auto stiffness = StiffnessOf(record, method, {});
-  const std::vector<double> twist_rad = TwistOf(record, 0.0);
-  DrawHysteresis(
-      source.filename().string(),
-      CurveOf("measured", stiffness, twist_rad, record.Doubles("torque_Nm"), TestTorquesOf(record)),
-      std::nullopt, stem);
-  return {stem};
+  const auto stiffness = StiffnessOf(record, method, corrections);
+  const std::vector<double> twist_rad =
+      TwistOf(record, corrections.series_compliance.compliance_rad_per_Nm.value);
+  return {DrawHysteresis(drawn.title,
+                         CurveOf("this record", stiffness, twist_rad, record.Doubles("torque_Nm"),
+                                 TestTorquesOf(record), corrections),
+                         std::nullopt, into / drawn.stem)};
 }
 
 }  // namespace strainwave::bench

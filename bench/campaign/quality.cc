@@ -12,6 +12,7 @@
 #include "analysis/repeatability.h"
 #include "analysis/units.h"
 #include "bench/campaign/cycle_results.h"
+#include "bench/controller/texts_apart.h"
 
 namespace strainwave::bench {
 namespace {
@@ -34,9 +35,6 @@ std::string UnitOf(const std::string& quantity) {
   }
   return "";
 }
-
-// Nothing is wrong with the value itself; at most it was not taken in the declared thermal state.
-bool IsSound(const Result& result) { return result.flag.empty() || result.flag.starts_with(kThermalFlag); }
 
 }  // namespace
 
@@ -110,8 +108,11 @@ std::vector<std::string> QualityControl::Outliers(const std::vector<Result>& res
     if (history == history_.end()) continue;
     const auto limits = LimitsAfter(quantity, history->second);
     if (!limits || !limits->IsOutlier(result->value)) continue;
-    outliers.push_back(fmt::format("{} = {:.5g} is outside of its control limits {:.5g} to {:.5g}", quantity,
-                                   result->value, limits->lower, limits->upper));
+    const int decimals = std::string_view(quantity).ends_with("_Nm_per_rad") ? 0 : 4;
+    const std::vector<std::string> texts =
+        TextsApart(result->value, {limits->lower, limits->upper}, decimals);
+    outliers.push_back(fmt::format("{} = {} is outside of its control limits {} to {}", quantity, texts[0],
+                                   texts[1], texts[2]));
   }
   return outliers;
 }
@@ -119,13 +120,14 @@ std::vector<std::string> QualityControl::Outliers(const std::vector<Result>& res
 std::optional<std::string> QualityControl::StopCriterion(const std::vector<Result>& results) const {
   for (const StopDistance& stop : StopDistances(schedule_.stop, first_k2_Nm_per_rad_, results)) {
     if (stop.is_lower && stop.value < stop.limit) {
-      return fmt::format("{} = {:.0f} {} is below {:.0f} {}, {:.0f} % of its first value", stop.quantity,
-                         stop.value, stop.unit, stop.limit, stop.unit,
-                         100.0 * *schedule_.stop.k2_below_share_of_first);
+      const std::vector<std::string> texts = TextsApart(stop.value, {stop.limit}, 0);
+      return fmt::format("{} = {} {} is below {} {}, {:.0f} % of its first value", stop.quantity, texts[0],
+                         stop.unit, texts[1], stop.unit, 100.0 * *schedule_.stop.k2_below_share_of_first);
     }
     if (!stop.is_lower && !(stop.value <= stop.limit)) {
-      return fmt::format("{} = {:.2f} {} is above {:.2f} {}", stop.quantity, stop.value, stop.unit,
-                         stop.limit, stop.unit);
+      const std::vector<std::string> texts = TextsApart(stop.value, {stop.limit}, 2);
+      return fmt::format("{} = {} {} is above {} {}", stop.quantity, texts[0], stop.unit, texts[1],
+                         stop.unit);
     }
   }
   return std::nullopt;

@@ -25,16 +25,8 @@ std::vector<double> AngleColumn(const daq::Record& record, std::string_view colu
 void TakeOff(const EncoderCorrection& correction, std::span<const double> encoder_deg,
              std::vector<double>& angle_rad) {
   if (correction.harmonics.empty() || angle_rad.empty()) return;
-  const auto error_at = [&](double reading_deg) {
-    double error_rad = 0.0;
-    for (const auto& harmonic : correction.harmonics) {
-      const double phase = harmonic.order * RadFromDeg(reading_deg);
-      error_rad += harmonic.cosine_rad * std::cos(phase) + harmonic.sine_rad * std::sin(phase);
-    }
-    return error_rad;
-  };
-  const double first = error_at(encoder_deg.front());
-  for (std::size_t i = 0; i < angle_rad.size(); ++i) angle_rad[i] -= error_at(encoder_deg[i]) - first;
+  const double first = correction.At(encoder_deg.front());
+  for (std::size_t i = 0; i < angle_rad.size(); ++i) angle_rad[i] -= correction.At(encoder_deg[i]) - first;
 }
 
 double RootOfSquares(std::initializer_list<double> parts) {
@@ -54,6 +46,20 @@ struct Sweep {
 };
 
 }  // namespace
+
+double EncoderCorrection::At(double reading_deg) const {
+  double error_rad = 0.0;
+  for (const Harmonic& harmonic : harmonics) {
+    const double phase = harmonic.order * RadFromDeg(reading_deg);
+    error_rad += harmonic.cosine_rad * std::cos(phase) + harmonic.sine_rad * std::sin(phase);
+  }
+  return error_rad;
+}
+
+bool KnowsCompliance(const BenchCorrections& corrections) {
+  const analysis::Estimate& compliance = corrections.series_compliance.compliance_rad_per_Nm;
+  return compliance.value != 0.0 || compliance.standard_error > 0.0;
+}
 
 analysis::TransmissionError TransmissionErrorOf(const daq::Record& record,
                                                 const BenchCorrections& corrections) {

@@ -25,6 +25,9 @@ struct EncoderCorrection {
   double standard_error_rad{};      // of the correction
   double residual_rad{};            // of one reading after the correction
   double reference_accuracy_rad{};  // half width, of what the correction was measured against
+
+  /// What the encoder reads too much where it reads this.
+  double At(double reading_deg) const;
 };
 
 /// What the bench knows of itself that a record does not say: all zero for a record from elsewhere.
@@ -37,6 +40,9 @@ struct BenchCorrections {
   /// single record can say of itself: how the gear seats when it is locked, where the drives come to rest.
   std::map<std::string, double, std::less<>> repeatability;
 };
+
+/// True where a blank test has said what the bench adds to the twist.
+bool KnowsCompliance(const BenchCorrections& corrections);
 
 /// Transmission error of a record of that kind (contract, sections 2 and 3).
 analysis::TransmissionError TransmissionErrorOf(const daq::Record& record,

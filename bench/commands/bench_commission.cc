@@ -72,6 +72,7 @@ int Commission(const CommissionOptions& options) {
   WaitForValues(machine);
   const std::vector<MeasuredStop> stops = machine.MeasureStopTime(speed, limits, Requested());
   const std::filesystem::path file = CommissioningFileOf(options.bench);
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
   daq::WriteFileAtomically(file, CommissioningText(stops));
   bool good = true;
   nlohmann::ordered_json document{{"file", file.string()}, {"drives", nlohmann::ordered_json::array()}};
@@ -103,7 +104,8 @@ void AddBenchCommission(CLI::App& bench, Action& action) {
   CLI::App* command = bench.add_subcommand(
       "commission",
       "Measure how long the drives take to stop when this program is gone: turns the input, falls silent and "
-      "watches. Asks before anything moves. The result is kept beside the bench file, shown by bench check, "
+      "watches. Asks before anything moves. The result is kept beside the bench file (of an example in "
+      "campaigns/), shown by bench check, "
       "and looked at when a campaign starts.\n"
       "Example: strainwave bench commission bench/examples/in_process.yaml");
   auto options = std::make_shared<CommissionOptions>();

@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/commands/check_report.h"
 
-#include <fmt/core.h>
+#include "bench/text.h"
+
 #include <nlohmann/json.hpp>
+
+#include "bench/commands/error_text.h"
 
 namespace strainwave::bench {
 
 std::string CheckText(std::span<const CheckHistory> histories) {
   std::string text;
   for (const CheckHistory& history : histories) {
-    text += fmt::format("  {:28} {:12.5g} ± {:.2g}, allowed {:.5g} ± {:.5g}", history.quantity,
-                        history.last.value, history.last.standard_error, history.limits.expected,
-                        history.limits.allowed);
+    text +=
+        Text("  {:28} {:12.5g} ± {}, allowed {:.5g} ± {:.5g}", history.quantity, history.last.value,
+                    ErrorText(history.last.standard_error), history.limits.expected, history.limits.allowed);
     if (history.trend) {
-      text += fmt::format("; {:+.3g} ± {:.2g} a day over {} checks", history.trend->slope_per_day,
-                          history.trend->slope_standard_error, history.checks);
+      text += Text("; {:+.3g} ± {} a day over {} checks", history.trend->slope_per_day,
+                          ErrorText(history.trend->slope_standard_error), history.checks);
       text += history.trend->days_left
-                  ? fmt::format(", meets the limit in {:.3g} days of bench time", *history.trend->days_left)
+                  ? Text(", meets the limit in {:.3g} days of bench time", *history.trend->days_left)
                   : ", not towards a limit that can be told";
     }
     if (!history.last.flag.empty()) text += "  " + history.last.flag;

@@ -2,6 +2,7 @@
 
 #include <malloc.h>
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -15,6 +16,7 @@
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/diagnosis/diagnosis_json.h"
 #include "bench/diagnosis/diagnosis_pictures.h"
@@ -36,6 +38,7 @@ struct DiagnoseCommand {
   std::string out;
   RecordChoice choice;
   unsigned long long seed{1};
+  bool details{};
   bool json{};
 };
 
@@ -84,17 +87,34 @@ std::optional<ExtendedModel> ReadModel(const DiagnoseCommand& command, const std
 PlantMapping PlantOf(const ExtendedModel& model, const MappingContext& context) {
   if (model.kind == "campaign") return {{}, {"the model of a campaign has no terms of the plant"}};
   try {
-    return PlantTermsOf(model.kind, model.nominal, NamedCausesOf(model, false), context);
+    PlantMapping plant = PlantTermsOf(model.kind, model.nominal, NamedCausesOf(model, false), context);
+    for (const diagnosis::ParameterValue& number : model.nominal) {
+      if (std::isinf(number.standard_error))
+        plant.not_run.push_back(number.name + ": left open by the records; one value of many is taken");
+    }
+    return plant;
   } catch (const std::invalid_argument& error) {
     return {{}, {error.what()}};
   }
 }
 
+std::vector<RecordWarning> WarningsOfOpen(const diagnosis::Diagnosis& result, const StudyInput& input) {
+  const std::string file = input.records.size() == 1 ? input.records.front().file : "";
+  std::vector<RecordWarning> warnings;
+  for (const std::string& words : result.open) warnings.push_back({file, 0, words});
+  return warnings;
+}
+
 int Run(const DiagnoseCommand& command) {
   ShareLine line;
-  const StudyInput input = ReadStudyInput(command.paths, command.choice);
+  StudyInput input = ReadStudyInput(command.paths, command.choice);
   const std::optional<ExtendedModel> given = ReadModel(command, input.kind);
-  const diagnosis::Diagnosis result = RunDiagnosis(input, given, command, line);
+  TellWarnings(input.warnings);
+  diagnosis::Diagnosis result = RunDiagnosis(input, given, command, line);
+  result.notes.insert(result.notes.begin(), input.notes.begin(), input.notes.end());
+  const std::vector<RecordWarning> open = WarningsOfOpen(result, input);
+  TellWarnings(open);
+  input.warnings.insert(input.warnings.end(), open.begin(), open.end());
   DiagnosisReport report{
       input, result, command.model, given ? given->nominal : DataSheetParameters(input.kind), {}};
   if (result.verdict == diagnosis::Verdict::kUnnamedStructure) {
@@ -125,7 +145,8 @@ int Run(const DiagnoseCommand& command) {
     files = FilesText(folder / "extended_model.yaml", pictures);
   }
   line.Clear();
-  command.json ? ToStdout("{}\n", document.dump(2)) : ToStdout("{}{}", DiagnosisText(report), files);
+  command.json ? ToStdout("{}\n", document.dump(2))
+               : ToStdout("{}{}", DiagnosisText(report, command.details), files);
   if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
   ToStderr("error: no pictures: {}\n", picture_trouble);
   return static_cast<int>(ExitCode::kMachineFailed);
@@ -154,6 +175,7 @@ void AddDiagnose(CLI::App& app, Action& action) {
   command->add_option("--group", options->choice.group,
                       "of HDF5 files: only records with this in the name of their group");
   command->add_option("--seed", options->seed, "of the bootstrap")->capture_default_str();
+  command->add_flag("--details", options->details, "with the numbers of every line and every channel");
   command->add_flag("--json", options->json, "the diagnosis as JSON on standard output");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

@@ -2,12 +2,15 @@
 
 #include <memory>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/prediction/export_predictor.h"
+#include "bench/prediction/network_worth.h"
 #include "bench/prediction/onnx_model.h"
 
 namespace strainwave::bench {
@@ -16,10 +19,19 @@ namespace {
 struct ExportCommand {
   std::string predictor;
   std::string out;
+  bool anyway{};
 };
 
 int Run(const ExportCommand& command) {
-  const ExportSummary summary = ExportPredictor(ReadPredictor(command.predictor), command.out);
+  const Predictor predictor = ReadPredictor(command.predictor);
+  const auto training = nlohmann::ordered_json::parse(predictor.training_json);
+  if (IsWorthNothing(training) && !command.anyway) {
+    throw CampaignError(ExitCode::kWrongInput,
+                        fmt::format("{}: error: {} Nothing was written (expected a predictor that is worth "
+                                    "something, or --anyway)",
+                                    command.predictor, WorthSentence(training)));
+  }
+  const ExportSummary summary = ExportPredictor(predictor, command.out);
   ToStdout(
       "{}: network, {} kB, opset {}; input features 1 × {}, outputs {} 1 × {}, distance\n"
       "{}: how a record becomes features, and the intervals\n"
@@ -42,6 +54,8 @@ void AddExport(CLI::App& app, Action& action) {
   auto options = std::make_shared<ExportCommand>();
   command->add_option("PREDICTOR", options->predictor, "folder that train has written")->required();
   command->add_option("--out", options->out, "folder of the exported predictor")->required();
+  command->add_flag("--anyway", options->anyway,
+                    "also a network that its training found to be worth nothing");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }
 

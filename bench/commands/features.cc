@@ -11,6 +11,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/diagnosis/record_data.h"
 #include "bench/prediction/campaign_features.h"
@@ -155,9 +156,12 @@ int Run(const FeaturesCommand& command) {
     if (command.json)
       line.Show("features", static_cast<double>(done++) / static_cast<double>(paths.files.size()));
     for (const daq::Record& record : ReadVibrationRecords(path, MotorTorqueAdded(command.motor_torque))) {
+      const std::vector<RecordWarning> warnings = WarningsOf(record);
+      TellWarnings(warnings);
       nlohmann::ordered_json report = command.coefficients
                                           ? CoefficientsReport(record, command)
                                           : FeaturesReport(record, command, channel_features);
+      if (!warnings.empty()) report["warnings"] = WarningTexts(warnings);
       if (command.json) reports.push_back(std::move(report));
     }
   }

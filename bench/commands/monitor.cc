@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -43,7 +44,8 @@ struct MonitorCommand {
   bool simulate{};
   std::string bench;
   std::optional<double> input_speed_rpm;
-  double output_torque_Nm{40.0};
+  std::optional<double> output_torque_Nm;
+  std::optional<double> temperature_degC;
   double duration_s{60.0};
   std::string settings;
   std::string pace{"real"};
@@ -54,6 +56,7 @@ struct MonitorCommand {
 std::atomic<bool> g_stop{false};
 
 constexpr double kSimulatedSpeed_rpm = 2400.0;
+constexpr double kSimulatedTorque_Nm = 40.0;
 
 // A device that can never give what the predictor takes is told before anything is published.
 void RequireFit(const AcquisitionSource& source, const FeatureRecipe& recipe) {
@@ -119,12 +122,26 @@ std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const
       command.bench.empty() ? EmbeddedBench() : ReadBenchFile(command.bench),
       SimulatedStream{
           .input_speed_rad_per_s = RadPerSFromRpm(command.input_speed_rpm.value_or(kSimulatedSpeed_rpm)),
-          .output_torque_Nm = command.output_torque_Nm,
+          .output_torque_Nm = command.output_torque_Nm.value_or(kSimulatedTorque_Nm),
           .ratio = settings.ratio,
           .sample_rate_hz = predictor.recipe().sample_rate_hz,
           .duration_s = command.duration_s,
           .pace = pace,
           .start_ns = start_ns});
+}
+
+// What the options say of the gear, and the settings where they do not; a simulated gear tells it itself.
+OperatingPoint GivenPoint(const MonitorCommand& command, const MonitorSettings& settings) {
+  OperatingPoint given;
+  if (!command.simulate) {
+    given[OperatingQuantity::kOutputTorque] = command.output_torque_Nm;
+    given[OperatingQuantity::kInputSpeed] = command.input_speed_rpm;
+  }
+  given[OperatingQuantity::kTemperature] = command.temperature_degC;
+  for (const OperatingQuantity quantity : kOperatingQuantities) {
+    if (given[quantity]) given[quantity] = std::abs(*given[quantity]);
+  }
+  return settings.source ? Completed(given, settings.source->operating) : given;
 }
 
 nlohmann::ordered_json JsonOf(const MonitorResult& result, const MonitorFrame& frame) {
@@ -140,6 +157,8 @@ nlohmann::ordered_json JsonOf(const MonitorResult& result, const MonitorFrame& f
     json["status"] = NameOf(result.outside_training ? ValueStatus::kOutsideTraining : ValueStatus::kGood);
     json["distance"] = result.distance;
     json["outside_training"] = result.outside_training;
+    if (!result.left.empty()) json["outside"] = result.left;
+    if (!result.not_known.empty()) json["warnings"] = result.not_known;
     if (!frame.classes) json["coverage"] = frame.coverage;
   }
   json["alarm"] = NameOf(result.alarm);
@@ -163,10 +182,8 @@ std::string LineOf(const MonitorResult& result, const MonitorFrame& frame) {
   std::string line =
       fmt::format("{}  window {}  {}", UtcText(result.end_ms), result.number, NameOf(result.alarm));
   if (result.outside_training) {
-    line += fmt::format(
-        "  outside what the predictor was trained on ({:.1f} times the limit): do not rely on "
-        "these",
-        result.distance);
+    line += fmt::format("  outside what the predictor was trained on ({}): not valid:",
+                        OutsideText(result.distance, result.left));
   }
   if (frame.classes && !result.outputs.empty()) {
     const std::size_t likeliest = LikeliestOf(result.outputs);
@@ -175,8 +192,8 @@ std::string LineOf(const MonitorResult& result, const MonitorFrame& frame) {
   }
   for (std::size_t i = 0; i < result.outputs.size(); ++i) {
     const MonitoredOutput& output = result.outputs[i];
-    line +=
-        fmt::format("  {} {:.5g} ± {:.2g}", frame.outputs[i], output.value, 0.5 * (output.high - output.low));
+    line += fmt::format("  {} {:.5g}", frame.outputs[i], output.value);
+    if (!result.outside_training) line += fmt::format(" ± {:.2g}", 0.5 * (output.high - output.low));
   }
   return line;
 }
@@ -189,6 +206,7 @@ std::string ErrorOf(const MonitorResult& result) {
 
 void Print(const MonitorResult& result, const MonitorFrame& frame, bool json) {
   if (result.fault) ToStderr("{}\n", ErrorOf(result));
+  for (const std::string& text : result.not_known) ToStderr("warning: {}\n", text);
   if (json) {
     ToStdout("{}\n", JsonOf(result, frame).dump());
   } else if (!result.fault) {
@@ -198,20 +216,20 @@ void Print(const MonitorResult& result, const MonitorFrame& frame, bool json) {
 
 void Say(const std::string& line) { ToStderr("{}\n", line); }
 
-void FinishMqtt(MqttPublisher& mqtt, const std::filesystem::path& outbox_file, double linger_s) {
-  const std::chrono::duration<double> linger(linger_s);
-  const auto [waiting, dropped] = mqtt.Finish(std::chrono::duration_cast<std::chrono::milliseconds>(linger));
-  if (dropped != 0) {
+// As the last line, with the cause.
+void TellLost(const MqttPublisher::NotDelivered& left, const std::filesystem::path& outbox_file) {
+  if (left.dropped != 0) {
     Say(
         fmt::format("mqtt: error: {} windows found no room while they waited for a broker and are lost "
                     "(keep_windows and keep_mebibytes of the settings give more)",
-                    dropped));
+                    left.dropped));
   }
-  if (waiting == 0) return;
+  if (left.waiting == 0) return;
   Say(outbox_file.empty()
-          ? fmt::format("mqtt: error: {} windows were not delivered and are lost", waiting)
-          : fmt::format("mqtt: {} windows were not delivered and wait in {} for the next start", waiting,
-                        outbox_file.string()));
+          ? fmt::format("mqtt: error: {} windows were not delivered and are lost: {}", left.waiting,
+                        left.cause)
+          : fmt::format("mqtt: {} windows were not delivered and wait in {} for the next start: {}",
+                        left.waiting, outbox_file.string(), left.cause));
 }
 
 // Windows as in training, unless the settings have others.
@@ -245,7 +263,8 @@ int Run(const MonitorCommand& command) {
   std::unique_ptr<OutboxStore> store;
   if (settings.mqtt && !settings.mqtt->outbox_file.empty())
     store = std::make_unique<OutboxStore>(settings.mqtt->outbox_file);
-  WindowJudge judge(predictor, settings.limits, store ? store->last_window() : 0);
+  WindowJudge judge(predictor, settings.limits, store ? store->last_window() : 0,
+                    GivenPoint(command, settings));
   const std::unique_ptr<VibrationSource> source = MakeSource(command, settings, predictor);
   WindowCutter cutter(RuleFor(command, settings, predictor.recipe()));
   Board board({predictor.outputs(), predictor.coverage(), settings.stale_after_ms, predictor.classes()},
@@ -267,13 +286,17 @@ int Run(const MonitorCommand& command) {
   const auto publish = [&](std::int64_t at_ms) {
     if (mqtt) mqtt->Publish(SparkplugMetrics(board.State(), board.frame(), at_ms));
   };
+  std::set<std::string> told;  // what is not known of the gear, once
   RunMonitor(*source, cutter, judge, board,
              {.on_result =
                   [&](const MonitorResult& result) {
                     // As it was at its own time: a result that comes late is still a result. First, so that
                     // whatever was shown is kept.
                     publish(result.end_ms);
-                    Print(result, board.frame(), command.json);
+                    MonitorResult shown = result;
+                    std::erase_if(shown.not_known,
+                                  [&](const auto& text) { return !told.insert(text).second; });
+                    Print(shown, board.frame(), command.json);
                   },
               .on_stale =
                   [&] {
@@ -281,10 +304,13 @@ int Run(const MonitorCommand& command) {
                     publish(board.NowMilliseconds());
                   }},
              g_stop);
-  if (mqtt) FinishMqtt(*mqtt, settings.mqtt->outbox_file, command.linger_s);
+  const std::chrono::duration<double> linger(command.linger_s);
+  const auto left = mqtt ? mqtt->Finish(std::chrono::duration_cast<std::chrono::milliseconds>(linger))
+                         : MqttPublisher::NotDelivered{};
   const MonitorState state = board.State();
   Say(fmt::format("windows: {} good, {} bad, {} outside the training", state.good_windows, state.bad_windows,
                   state.outside_windows));
+  if (mqtt) TellLost(left, settings.mqtt->outbox_file);
   if (g_stop) return static_cast<int>(ExitCode::kInterrupted);
   // A record that cannot be used is wrong input here as with `predict`; a device that was away for a while
   // was told as it happened.
@@ -324,11 +350,12 @@ void AddMonitor(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_flag("--simulate", options->simulate, "the simulated bench as a stream, turning evenly");
   command->add_option("--bench", options->bench, "of --simulate: bench file; without it, the embedded one");
-  command->add_option(
-      "--input-speed", options->input_speed_rpm,
-      "rpm of the input shaft, of --simulate (2400) or where no channel of --source tells it");
-  command->add_option("--output-torque", options->output_torque_Nm, "of --simulate: Nm")
-      ->capture_default_str();
+  command->add_option("--input-speed", options->input_speed_rpm,
+                      "rpm of the input shaft, of --simulate (2400) or where the stream does not tell it");
+  command->add_option("--output-torque", options->output_torque_Nm,
+                      "Nm at the output, of --simulate (40) or where the stream does not tell it");
+  command->add_option("--temperature", options->temperature_degC,
+                      "degC of the gear, where the stream does not tell it");
   command->add_option("--duration", options->duration_s, "of --simulate: seconds")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();

@@ -3,8 +3,9 @@
 
 #include <functional>
 #include <string_view>
+#include <utility>
 
-#include <fmt/core.h>
+#include "bench/text.h"
 
 namespace strainwave::bench {
 
@@ -16,12 +17,12 @@ void Write(Output output, std::string_view text);
 
 template <typename... T>
 void ToStdout(fmt::format_string<T...> format, T&&... values) {
-  Write(Output::kResults, fmt::vformat(format, fmt::make_format_args(values...)));
+  Write(Output::kResults, Text(format, std::forward<T>(values)...));
 }
 
 template <typename... T>
 void ToStderr(fmt::format_string<T...> format, T&&... values) {
-  Write(Output::kWords, fmt::vformat(format, fmt::make_format_args(values...)));
+  Write(Output::kWords, Text(format, std::forward<T>(values)...));
 }
 
 /// A line of standard error that is written anew in place and gives way to words; the newest alone counts,

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
+#include <set>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -12,11 +14,13 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/tell_warnings.h"
 #include "bench/prediction/baseline_file.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/recipe_inputs.h"
 #include "bench/prediction/record_features.h"
 #include "bench/prediction/record_labels.h"
+#include "bench/prediction/record_operating_point.h"
 
 namespace strainwave::bench {
 namespace {
@@ -27,6 +31,7 @@ struct PredictCommand {
   std::string predictor;
   std::string baseline;
   std::vector<std::string> paths;
+  OperatingPoint given;  // under what the reducer ran, where a record does not tell it
   bool json{};
 };
 
@@ -41,8 +46,9 @@ struct Together {
   Eigen::RowVectorXd half_width;
   double distance{};
   Eigen::Index windows{};
+  std::vector<std::string> left{};  // of training's torques, speeds and temperatures, in words
 
-  bool outside() const { return distance > 1.0; }
+  bool outside() const { return distance > 1.0 || !left.empty(); }
 };
 Together TogetherOf(const prediction::FittedPredictor::Prediction& windows) {
   std::vector<double> distances(windows.distance.begin(), windows.distance.end());
@@ -55,8 +61,8 @@ void PrintHead(const daq::Record& record, const Together& predicted) {
   ToStdout("{}{}{}", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
   if (predicted.windows > 1) ToStdout(", {} windows", predicted.windows);
   if (predicted.outside()) {
-    ToStdout(": outside what the predictor was trained on ({:.1f} times the limit): do not rely on these",
-             predicted.distance);
+    ToStdout(": outside what the predictor was trained on ({}): not valid",
+             OutsideText(predicted.distance, predicted.left));
   }
   ToStdout("\n");
 }
@@ -73,7 +79,8 @@ nlohmann::ordered_json ValuesReport(const daq::Record& record, const Predictor& 
     if (std::isfinite(measured)) entry["measured"] = measured;
     values[predictor.outputs[i]] = std::move(entry);
     if (!print) continue;
-    ToStdout("  {:<20} {:>12.5g} ± {:.3g}", predictor.outputs[i], value, half_width);
+    ToStdout("  {:<20} {:>12.5g}", predictor.outputs[i], value);
+    if (!predicted.outside()) ToStdout(" ± {:.3g}", half_width);
     if (std::isfinite(measured)) ToStdout("   measured {:.5g}", measured);
     ToStdout("\n");
   }
@@ -108,7 +115,22 @@ nlohmann::ordered_json ReportOf(const daq::Record& record, const Predictor& pred
   report["windows"] = predicted.windows;
   report["distance"] = predicted.distance;
   report["outside_training"] = predicted.outside();
+  report["outside"] = predicted.left;
   return report;
+}
+
+// What leaves the torques, speeds and temperatures of the training goes into `predicted`.
+// @return what of these is not known, or contradicts itself.
+std::vector<RecordWarning> JudgeOperation(const daq::Record& record, const OperatingEnvelope& envelope,
+                                          const OperatingPoint& given, Together& predicted) {
+  const OperatingPoint own = OperatingPointOf(record);
+  const OperatingPoint operating = Completed(own, given);
+  predicted.left = envelope.Left(operating);
+  std::vector<RecordWarning> warnings;
+  for (const std::vector<std::string>& texts : {envelope.NotKnown(operating), Contradictions(own, given)}) {
+    for (const std::string& text : texts) warnings.push_back({record.source.file, 0, text});
+  }
+  return warnings;
 }
 
 int Run(const PredictCommand& command) {
@@ -117,13 +139,22 @@ int Run(const PredictCommand& command) {
   const auto baseline = BaselineFor(predictor.recipe, predictor.outputs, command.baseline);
   const MotorTorque motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe.channels));
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
+  std::set<std::string> told;
   for (const std::string& path : command.paths) {
     for (const daq::Record& record : ReadVibrationRecords(path, motor_torque)) {
+      std::vector<RecordWarning> warnings = WarningsOf(record);
+      TellWarnings(warnings);
       Eigen::MatrixXd features = inputs.OfWindows(record);
       if (baseline) features.rowwise() -= baseline->features;
       Together predicted = TogetherOf(predictor.fitted.Predict(features));
       if (baseline) predicted.value += baseline->values;
+      for (RecordWarning& warning :
+           JudgeOperation(record, predictor.recipe.envelope, command.given, predicted)) {
+        if (told.insert(warning.text).second) TellWarnings({&warning, 1});
+        warnings.push_back(std::move(warning));
+      }
       reports.push_back(ReportOf(record, predictor, predicted, !command.json));
+      reports.back()["warnings"] = WarningTexts(warnings);
     }
   }
   if (command.json) ToStdout("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
@@ -146,6 +177,17 @@ void AddPredict(CLI::App& app, Action& action) {
   command->add_option(
       "--baseline", options->baseline,
       "what the reducer was like at first, as `baseline` writes it, for a predictor of changes");
+  const auto given = [&](const char* name, OperatingQuantity quantity, const char* what) {
+    command->add_option_function<double>(
+        name, [options, quantity](double value) { options->given[quantity] = std::abs(value); }, what);
+  };
+  given("--output-torque", OperatingQuantity::kOutputTorque,
+        "Nm at the output, where a record does not tell it (metadata or column output_torque_Nm)");
+  given("--input-speed", OperatingQuantity::kInputSpeed,
+        "rpm of the input shaft, where a record does not tell it (input_speed_rpm)");
+  command->add_option_function<double>(
+      "--temperature", [options](double value) { options->given[OperatingQuantity::kTemperature] = value; },
+      "degC of the gear, where a record does not tell it (temperature_degC)");
   command->add_flag("--json", options->json, "one object a record; several as an array");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -12,12 +14,16 @@
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/pictures.h"
 #include "bench/campaign/recompute.h"
+#include "bench/campaign/record_context.h"
 #include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/record_report.h"
 #include "bench/commands/results_table.h"
+#include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
+#include "bench/records/look_at_samples.h"
+#include "bench/records/record_warnings.h"
 #include "daq/read_records.h"
 
 namespace strainwave::bench {
@@ -51,15 +57,25 @@ bool MustEqual(const RecomputeOptions& options) {
   return options.calibrations.empty() && kMethods.at(options.method) == CycleContext{}.method;
 }
 
+// Standard output is the document's alone where there is one.
+void ListPictures(const std::vector<std::filesystem::path>& pictures, bool json) {
+  for (const auto& picture : pictures) {
+    const std::string line = fmt::format("picture: {}.svg (and .png)\n", picture.string());
+    json ? ToStderr("{}", line) : ToStdout("{}", line);
+  }
+}
+
 struct CampaignReport {
   nlohmann::json json;
   std::string checks;
+  std::vector<std::filesystem::path> pictures;
 };
 
 CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOptions& options) {
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
-  for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
-  const CampaignInputs inputs = ReadFrozenInputs(folder);
+  const std::vector<std::string> doubts = DoubtsAbout(folder, journal);
+  for (const std::string& doubt : doubts) ToStderr("{}\n", doubt);
+  const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   context.method = kMethods.at(options.method);
   if (!options.calibrations.empty()) context.recalibrations = ReadCalibrations(options.calibrations);
@@ -78,7 +94,8 @@ CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
     rows.push_back(std::move(row));
   }
   const auto checks = CheckHistories(inputs.schedule, AgainAndWhen(cycles));
-  if (!options.plots.empty()) DrawCampaign(folder, journal, options.plots);
+  std::vector<std::filesystem::path> pictures;
+  if (!options.plots.empty()) pictures = DrawCampaign(folder, journal, options.plots);
   return {{{"kind", "campaign"},
            {"folder", folder.root.string()},
            {"method", options.method},
@@ -86,8 +103,10 @@ CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
            {"cycles_equal_to_stored", cycles.size() - differing.size()},
            {"cycles_differing", std::move(differing)},
            {"sensor_checks", CheckJson(checks)},
+           {"warnings", doubts},
            {"cycles", std::move(rows)}},
-          CheckText(checks)};
+          CheckText(checks),
+          std::move(pictures)};
 }
 
 void PrintCampaignText(const CampaignReport& campaign) {
@@ -101,8 +120,7 @@ void PrintCampaignText(const CampaignReport& campaign) {
           std::tuple{"lost_motion_arcmin", 9, 4}, std::tuple{"k1_Nm_per_rad", 11, 1},
           std::tuple{"k2_Nm_per_rad", 11, 1}, std::tuple{"k3_Nm_per_rad", 11, 1}}) {
       const bool known = row.contains(key) && row[key].is_number();
-      known ? ToStdout(" {:>{}.{}f}", row[key].get<double>(), width, decimals)
-            : ToStdout(" {:>{}}", "-", width);
+      ToStdout(" {:>{}.{}f}", known ? row[key].get<double>() : std::nan(""), width, decimals);
     }
     ToStdout("{}\n", row["equals_stored"].get<bool>() ? "" : "  differs from what is stored");
   }
@@ -123,21 +141,31 @@ int Recompute(const RecomputeOptions& options) {
     if (std::filesystem::is_directory(path)) {
       CampaignReport campaign = RecomputeFolder({path}, options);
       if (!options.json) PrintCampaignText(campaign);
+      ListPictures(campaign.pictures, options.json);
       differs = differs || !campaign.json["cycles_differing"].empty();
       reports.push_back(std::move(campaign.json));
       continue;
     }
-    for (const daq::Record& record : daq::ReadRecords(path)) {
+    const std::optional<CampaignBeside> beside = FindCampaignBeside(path);
+    for (daq::Record& record : daq::ReadRecords(path)) {
       // A cycle's file holds records of other kinds beside those that have something to compute.
       const bool computable = record.kind == "transmission_error" || record.kind == "hysteresis";
       if (!computable && record.source.first_data_line == 0) continue;
-      reports.push_back(RecordJson(record, kMethods.at(options.method)));
+      LookAtSamples(record);
+      const RecordContext context = ContextOfRecord(record, beside);
+      nlohmann::json report = RecordJson(record, kMethods.at(options.method), context);
+      for (const std::string& warning : context.warnings) record.notes.push_back({0, warning});
+      for (const auto& warning : report.value("warnings", nlohmann::json::array()))
+        record.notes.push_back({0, warning.get<std::string>()});
+      const std::vector<RecordWarning> warnings = WarningsOf(record);
+      TellWarnings(warnings);
+      report["warnings"] = WarningTexts(warnings);
+      reports.push_back(std::move(report));
       failed = failed || !reports.back()["failed_checks"].empty();
       if (!options.json) ToStdout("{}", RecordText(reports.back(), record.source.file));
       if (options.plots.empty()) continue;
-      for (const auto& picture : DrawRecord(record, kMethods.at(options.method), options.plots)) {
-        ToStderr("picture: {}.svg (and .png)\n", picture.string());
-      }
+      ListPictures(DrawRecord(record, kMethods.at(options.method), context.corrections, options.plots),
+                   options.json);
     }
   }
   if (reports.empty()) {

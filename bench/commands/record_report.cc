@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/commands/record_report.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/core.h>
 
+#include "analysis/diagnosis/hysteresis/checks.h"
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/record_results.h"
+#include "bench/commands/error_text.h"
+#include "bench/diagnosis/record_data.h"
+#include "bench/text.h"
 
 namespace strainwave::bench {
 namespace {
@@ -29,107 +36,148 @@ nlohmann::json Orders(const std::vector<analysis::OrderLine>& lines) {
   return orders;
 }
 
-void AddEstimate(nlohmann::json& report, const std::string& name, const analysis::Estimate& estimate_rad) {
-  report[name] = ArcminFromRad(estimate_rad.value);
-  report[name + "_se"] = ArcminFromRad(estimate_rad.standard_error);
+// JSON null and no error where there is no value.
+void AddEstimate(nlohmann::json& report, const std::string& name, const analysis::Estimate& estimate) {
+  report[name] = estimate.value;
+  report[name + "_se"] = estimate.standard_error;
 }
 
-nlohmann::json TransmissionErrorJson(const daq::Record& record) {
-  const analysis::TransmissionError error = TransmissionErrorOf(record, {});
+void AddAngle(nlohmann::json& report, const std::string& name, const analysis::Estimate& estimate_rad,
+              const RecordContext& context, AngleKind kind) {
+  const analysis::Estimate arcmin{ArcminFromRad(estimate_rad.value),
+                                  ArcminFromRad(estimate_rad.standard_error)};
+  AddEstimate(report, name, WithEncoderUncertainty(arcmin, name, context.corrections, kind));
+}
+
+nlohmann::json TransmissionErrorJson(const daq::Record& record, const RecordContext& context) {
+  const analysis::TransmissionError error = TransmissionErrorOf(record, context.corrections);
   nlohmann::json report{{"kind", "transmission_error"}};
   // e_avg and e_max are those of the clockwise sweep (contract, section 2).
   if (error.cw) {
-    AddEstimate(report, "e_avg_arcmin", error.cw->e_avg_rad);
-    AddEstimate(report, "e_max_arcmin", error.cw->e_max_rad);
+    AddAngle(report, "e_avg_arcmin", error.cw->e_avg_rad, context, AngleKind::kZeroed);
+    AddAngle(report, "e_max_arcmin", error.cw->e_max_rad, context, AngleKind::kRange);
     report["orders"] = Orders(error.cw->orders);
   }
   if (error.ccw) {
-    AddEstimate(report, "e_avg_ccw_arcmin", error.ccw->e_avg_rad);
-    AddEstimate(report, "e_max_ccw_arcmin", error.ccw->e_max_rad);
+    AddAngle(report, "e_avg_ccw_arcmin", error.ccw->e_avg_rad, context, AngleKind::kZeroed);
+    AddAngle(report, "e_max_ccw_arcmin", error.ccw->e_max_rad, context, AngleKind::kRange);
   }
-  if (error.lost_motion_rad) AddEstimate(report, "lost_motion_arcmin", *error.lost_motion_rad);
+  if (error.lost_motion_rad)
+    AddAngle(report, "lost_motion_arcmin", *error.lost_motion_rad, context, AngleKind::kMean);
   report["failed_checks"] = error.failed_checks;
   report["notes"] = error.notes;
   return report;
 }
 
-void AddStiffness(nlohmann::json& report, const analysis::TorsionalStiffness& stiffness) {
+void AddStiffness(nlohmann::json& report, const analysis::TorsionalStiffness& stiffness,
+                  const RecordContext& context) {
   const auto add = [&](const std::string& name, const analysis::Estimate& k) {
-    report[name] = k.value;
-    report[name + "_se"] = k.standard_error;
+    AddEstimate(report, name, WithBenchUncertainty(k, name, context.corrections));
   };
   add("k1_Nm_per_rad", stiffness.k1_Nm_per_rad);
   add("k2_Nm_per_rad", stiffness.k2_Nm_per_rad);
   add("k3_Nm_per_rad", stiffness.k3_Nm_per_rad);
 }
 
-nlohmann::json HysteresisJson(const daq::Record& record, StiffnessMethod method) {
-  const auto stiffness = StiffnessOf(record, method, {});
+// What diagnose says of such a loop before it looks for causes: units mixed up, all three slopes moved alike.
+void AddDoubts(const daq::Record& record, const analysis::TorsionalStiffness& stiffness,
+               const RecordContext& context, nlohmann::json& warnings) {
+  const analysis::diagnosis::HysteresisData data = HysteresisDataOf(Corrected(record, context.corrections));
+  const auto [low_rad, high_rad] = std::ranges::minmax(data.output_angle_rad);
+  const auto [low_Nm, high_Nm] = std::ranges::minmax(data.torque_Nm);
+  for (const std::string& odd : analysis::diagnosis::OddThingsAbout(
+           data, high_rad - low_rad, std::max(std::abs(low_Nm), std::abs(high_Nm))))
+    warnings.push_back(odd);
+  const double k[] = {stiffness.k1_Nm_per_rad.value, stiffness.k2_Nm_per_rad.value,
+                      stiffness.k3_Nm_per_rad.value};
+  if (!std::ranges::all_of(k, [](double slope) { return std::isfinite(slope) && slope > 0.0; })) return;
+  const std::string common = analysis::diagnosis::CommonStiffnessChange(k, data.t1_Nm, data.t2_Nm);
+  if (!common.empty()) warnings.push_back(common);
+}
+
+nlohmann::json HysteresisJson(const daq::Record& record, StiffnessMethod method,
+                              const RecordContext& context) {
+  const auto stiffness = StiffnessOf(record, method, context.corrections);
   nlohmann::json report{{"kind", "hysteresis"}};
-  AddStiffness(report, stiffness);
-  AddEstimate(report, "hysteresis_arcmin", stiffness.hysteresis_rad);
-  AddEstimate(report, "lost_motion_arcmin", stiffness.lost_motion_rad);
+  AddStiffness(report, stiffness, context);
+  AddAngle(report, "hysteresis_arcmin", stiffness.hysteresis_rad, context, AngleKind::kMean);
+  AddAngle(report, "lost_motion_arcmin", stiffness.lost_motion_rad, context, AngleKind::kMean);
   if (method == StiffnessMethod::kModel) {
     report["friction_torque_Nm"] = stiffness.friction_torque_Nm;
     report["yield_twist_arcmin"] = ArcminFromRad(stiffness.yield_twist_rad);
     report["rms_residual_Nm"] = stiffness.rms_residual_Nm;
   }
   report["failed_checks"] = stiffness.failed_checks;
+  report["warnings"] = stiffness.warnings;
+  AddDoubts(record, stiffness, context, report["warnings"]);
   nlohmann::json methods;
   for (const auto& [name, other] :
        {std::pair{"model", StiffnessMethod::kModel}, std::pair{"loading", StiffnessMethod::kLoading},
         std::pair{"backbone", StiffnessMethod::kBackbone}}) {
     nlohmann::json row;
-    AddStiffness(row, other == method ? stiffness : StiffnessOf(record, other, {}));
+    AddStiffness(row, other == method ? stiffness : StiffnessOf(record, other, context.corrections), context);
     methods[name] = std::move(row);
   }
   report["methods"] = std::move(methods);
   return report;
 }
 
+// "27648 ± 160": as many digits as the error has; a dash where there is no value, none behind ± where the
+// error is not known.
+std::string ValueText(const nlohmann::json& report, const std::string& key) {
+  const double value = report[key].get<double>();
+  if (!std::isfinite(value)) return fmt::format("{:>12}", "–");
+  const std::string se = key + "_se";
+  return report.contains(se) ? fmt::format("{:12.5g} ± {}", value, ErrorText(report[se].get<double>()))
+                             : fmt::format("{:12.5g}", value);
+}
+
 }  // namespace
 
-nlohmann::json RecordJson(const daq::Record& record, StiffnessMethod method) {
-  if (record.kind == "transmission_error") return TransmissionErrorJson(record);
-  if (record.kind == "hysteresis") return HysteresisJson(record, method);
-  throw CampaignError(
-      ExitCode::kWrongInput,
-      fmt::format("{}: error: kind '{}' has nothing to recompute (expected transmission_error or "
-                  "hysteresis)",
-                  record.source.file, record.kind));
+nlohmann::json RecordJson(const daq::Record& record, StiffnessMethod method, const RecordContext& context) {
+  if (record.kind != "transmission_error" && record.kind != "hysteresis") {
+    throw CampaignError(
+        ExitCode::kWrongInput,
+        fmt::format("{}: error: kind '{}' has nothing to recompute (expected transmission_error or "
+                    "hysteresis)",
+                    record.source.file, record.kind));
+  }
+  nlohmann::json report = record.kind == "hysteresis" ? HysteresisJson(record, method, context)
+                                                      : TransmissionErrorJson(record, context);
+  if (!context.campaign.empty()) report["campaign"] = context.campaign;
+  for (const std::string& note : context.notes) report["notes"].push_back(note);
+  return report;
 }
 
 std::string RecordText(const nlohmann::json& report, const std::string& source) {
   std::string text = fmt::format("{}: {}\n", source, report["kind"].get<std::string>());
   for (const auto& [key, value] : report.items()) {
     if (!value.is_number() || key.ends_with("_se")) continue;
-    text += fmt::format("  {:28} {:12.5g}", key, value.get<double>());
-    const std::string se = key + "_se";
-    if (report.contains(se) && report[se].is_number())
-      text += fmt::format(" ± {:.2g}", report[se].get<double>());
-    text += "\n";
+    text += Text("  {:28} {}\n", key, ValueText(report, key));
   }
   if (report.contains("methods")) {
-    text += "  methods side by side              K1          K2          K3  Nm/rad\n";
+    text += "  methods side by side                 K1               K2               K3  Nm/rad\n";
     for (const auto& [name, row] : report["methods"].items()) {
-      const auto number = [&](const char* key) {
-        return row[key].is_number() ? row[key].get<double>() : 0.0;
-      };
-      text += fmt::format("    {:20} {:11.0f} {:11.0f} {:11.0f}\n", name, number("k1_Nm_per_rad"),
-                          number("k2_Nm_per_rad"), number("k3_Nm_per_rad"));
+      text += fmt::format("    {:20}", name);
+      for (const char* k : {"k1_Nm_per_rad", "k2_Nm_per_rad", "k3_Nm_per_rad"}) {
+        const double value = row[k].get<double>();
+        text += std::isfinite(value) ? fmt::format(" {:7.0f} ± {:<6}", value,
+                                                   ErrorText(row[std::string(k) + "_se"].get<double>()))
+                                     : fmt::format(" {:>7}         ", "–");
+      }
+      text += "\n";
     }
   }
   if (report.contains("orders")) {
     text += "  order a turn (output, input)   amplitude, arcmin\n";
     for (const auto& row : report["orders"]) {
-      text += fmt::format("    {:8.2f} {:8.4f}           {:8.4f}  {}\n",
-                          row["order_per_output_rev"].get<double>(), row["order_per_input_rev"].get<double>(),
-                          row["amplitude_arcmin"].get<double>(), row["name"].get<std::string>());
+      text += fmt::format("    {:8.2f} {:8.4f}           {}  {}\n", row["order_per_output_rev"].get<double>(),
+                          row["order_per_input_rev"].get<double>(), ValueText(row, "amplitude_arcmin"),
+                          row["name"].get<std::string>());
     }
   }
-  if (report.contains("notes")) {
-    for (const auto& note : report["notes"]) text += fmt::format("  note: {}\n", note.get<std::string>());
-  }
+  for (const auto& note : report.value("notes", nlohmann::json::array()))
+    text += fmt::format("  note: {}\n", note.get<std::string>());
   for (const auto& check : report["failed_checks"]) {
     text += fmt::format("  check failed: {}\n", check.get<std::string>());
   }

@@ -13,6 +13,7 @@
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/pictures.h"
 #include "bench/campaign/quality.h"
+#include "bench/commands/error_text.h"
 #include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/plots/gnuplot.h"
@@ -61,12 +62,8 @@ void PrintTable(const Journal& journal, const std::vector<int>& cycles) {
     std::string flags;
     for (const auto& column : kColumns) {
       const auto result = FindResult(results, column.quantity);
-      if (!result || std::isnan(result->value)) {
-        ToStdout(" {:>{}}", "-", column.width);
-        continue;
-      }
-      ToStdout(" {:>{}.{}f}", result->value, column.width, column.decimals);
-      if (!result->flag.empty() && flags.find(result->flag) == std::string::npos)
+      ToStdout(" {:>{}.{}f}", result ? result->value : std::nan(""), column.width, column.decimals);
+      if (result && !result->flag.empty() && flags.find(result->flag) == std::string::npos)
         flags += "  " + result->flag;
     }
     ToStdout("{}\n", flags);
@@ -110,9 +107,9 @@ void PrintMethods(const Journal& journal, const std::vector<int>& cycles) {
     for (const char* k : {"k1", "k2", "k3"}) {
       const auto value = FindResult(results, fmt::format("{}{}_Nm_per_rad", k, middle));
       if (value && !std::isnan(value->value)) {
-        ToStdout(" {:>9.0f} ± {:<5.0f}", value->value, value->standard_error);
+        ToStdout(" {:>9.0f} ± {:<5}", value->value, ErrorText(value->standard_error));
       } else {
-        ToStdout(" {:>9}        ", "-");
+        ToStdout(" {:>9}        ", "–");
       }
     }
     ToStdout("  Nm/rad\n");
@@ -161,7 +158,7 @@ int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool jso
   PrintChanges(journal, cycles);
   PrintMethods(journal, cycles);
   const std::vector<Hole> holes = journal.Holes();
-  const double longest_pause_s = ReadFrozenInputs(folder).schedule.resume.longest_pause_s;
+  const double longest_pause_s = ReadFrozenInputs(folder, journal).schedule.resume.longest_pause_s;
   ToStdout(
       "\n{} interruption(s), each in the journal's table holes; after a pause of up to {} it counts as the "
       "same "

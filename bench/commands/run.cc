@@ -32,6 +32,7 @@ struct RunOptions {
   std::string pace{"max"};
   std::string truth;
   bool resume{};
+  bool extend{};
   bool accept_pause{};
   bool accept_expired{};
   bool json{};
@@ -133,6 +134,7 @@ int Run(const RunOptions& options) {
   std::optional<ResumePoint> resume;
   if (options.resume) {
     for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
+    if (options.extend) ToStderr("{}\n", ExtendCampaign(folder, inputs, journal));
     resume = PrepareResume(folder, inputs, journal, options.accept_pause);
     if (!resume) {
       ToStderr("{}: all cycles are complete; nothing to resume\n", folder.root.string());
@@ -201,7 +203,14 @@ void AddRun(CLI::App& app, Action& action) {
   command->add_option("--bench", options->bench,
                       "bench file (YAML); without it, the embedded simulated bench");
   command->add_option("--out", options->out, "the campaign's folder")->required();
-  command->add_flag("--resume", options->resume, "go on with the campaign in the folder");
+  CLI::Option* const resume =
+      command->add_flag("--resume", options->resume, "go on with the campaign in the folder");
+  command
+      ->add_flag(
+          "--extend", options->extend,
+          "go on to the schedule's number of cycles, which is higher than the campaign's; nothing else "
+          "of the schedule may have changed")
+      ->needs(resume);
   command->add_flag("--accept-pause", options->accept_pause,
                     "resume even after a pause longer than the schedule allows");
   command->add_flag("--accept-expired", options->accept_expired,

@@ -10,9 +10,10 @@
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/tell_warnings.h"
 #include "bench/diagnosis/make_study.h"
-#include "bench/diagnosis/record_checks.h"
 #include "bench/diagnosis/simulate_record.h"
+#include "bench/records/look_at_samples.h"
 #include "daq/csv_record.h"
 #include "daq/cycle_file.h"
 #include "daq/read_records.h"
@@ -35,7 +36,8 @@ struct SimulateOptions {
 daq::Record ReadLike(const SimulateOptions& options, const std::string& kind) {
   for (daq::Record& record : daq::ReadRecords(options.like)) {
     if (record.kind != kind || record.source.group.find(options.group) == std::string::npos) continue;
-    CheckForDiagnosis(record);
+    LookAtSamples(record);
+    TellWarnings(WarningsOf(record));
     return std::move(record);
   }
   throw CampaignError(ExitCode::kWrongInput,

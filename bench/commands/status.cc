@@ -16,10 +16,12 @@
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/disk_room.h"
 #include "bench/campaign/life_share.h"
+#include "bench/campaign/live_readings.h"
 #include "bench/campaign/quality.h"
 #include "bench/campaign/time_to_go.h"
 #include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/error_text.h"
 #include "bench/commands/output.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
@@ -45,6 +47,9 @@ struct Status {
   double bench_time_s{};
   double remaining_s{};              // bench time, as planned
   std::optional<double> pace;        // of bench time, against the world's, while it runs
+  std::string live_utc;              // of the newest readings, while it runs; empty: there are none
+  std::optional<double> live_age_s;  // nothing: not known
+  std::vector<LiveValue> live;
   std::vector<StopDistance> stops;   // how far the last cycle is from ending the campaign
   std::optional<double> life_share;  // of the bearing's L10, used up by the complete cycles
   std::optional<DiskRoom> little_room;
@@ -88,7 +93,7 @@ std::string EndUtc(const Status& status) {
 Status StatusOf(const CampaignFolder& folder) {
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
   for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
-  const CampaignInputs inputs = ReadFrozenInputs(folder);
+  const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   Status status;
   status.process = CampaignLock::Holder(folder);
   status.complete = std::max(0, journal.LastCompleteCycle());
@@ -118,6 +123,11 @@ Status StatusOf(const CampaignFolder& folder) {
     }
     if (status.process > 0) status.pace = PaceOf(journal, *checkpoint);
   }
+  if (const auto readings = ReadLiveReadings(folder.Readings()); readings && status.process > 0) {
+    status.live_utc = UtcText(readings->taken.utc_ms);
+    status.live_age_s = PauseBetween(readings->taken, Now()).length_s;
+    status.live = LiveValues(*readings, status.live_age_s, inputs.schedule.limits, inputs.bench);
+  }
   status.remaining_s = TimeToGo_s(inputs.schedule, cycle, rows, credited_in_step_s, status.bench_time_s);
   if (status.complete > 0) {
     status.last_results = journal.Results(status.complete, 0);
@@ -134,6 +144,22 @@ Status StatusOf(const CampaignFolder& folder) {
   status.samples = SamplesOf(journal);
   status.checks = CheckHistories(inputs.schedule, CheckResultsIn(journal, inputs.schedule));
   return status;
+}
+
+void PrintLive(const Status& status) {
+  if (status.process == 0) return;
+  const bool fresh = status.live_age_s && *status.live_age_s <= kOldestLive_s;
+  ToStdout("  readings     {}\n",
+           status.live_utc.empty() ? "– (none yet)"
+           : fresh                 ? fmt::format("of {}, {:.1f} s ago", status.live_utc, *status.live_age_s)
+                                   : fmt::format("– (the last are of {}, {}: stale)", status.live_utc,
+                                 status.live_age_s ? DurationText(*status.live_age_s) + " ago" : "long ago"));
+  if (!fresh) return;
+  for (const LiveValue& live : status.live) {
+    ToStdout("    {:16} {:>8} {:4}  {}\n", live.quantity,
+             live.value ? fmt::format("{:.4g}", *live.value) : "–", live.unit,
+             live.value ? fmt::format("stops at {:.4g}", live.limit) : live.missing);
+  }
 }
 
 void Print(const Status& status, const CampaignFolder& folder) {
@@ -157,6 +183,7 @@ void Print(const Status& status, const CampaignFolder& folder) {
         DurationText(status.remaining_s / *status.pace),
         std::abs(*status.pace - 1.0) < 0.1 ? "" : fmt::format(", at {:.3g} times real time", *status.pace));
   }
+  PrintLive(status);
   for (const StopDistance& stop : status.stops) {
     ToStdout("  stops        when {} is {} {:.5g} {}; now {:.5g}\n", stop.quantity,
              stop.is_lower ? "below" : "above", stop.limit, stop.unit, stop.value);
@@ -164,7 +191,7 @@ void Print(const Status& status, const CampaignFolder& folder) {
   if (status.life_share)
     ToStdout("  life         {:.3g} % of the bearing's L10\n", 100.0 * *status.life_share);
   for (const Result& result : status.last_results) {
-    ToStdout("  {:28} {:12.5g} ± {:.2g}{}\n", result.quantity, result.value, result.standard_error,
+    ToStdout("  {:28} {:12.5g} ± {}{}\n", result.quantity, result.value, ErrorText(result.standard_error),
              result.flag.empty() ? "" : "  " + result.flag);
   }
   for (const auto& [source, count] : status.samples) {
@@ -214,6 +241,19 @@ nlohmann::json Json(const Status& status) {
   for (const ChannelTrouble& bad : status.bad_channels) {
     bad_channels.push_back({{"channel", bad.channel}, {"reason", bad.reason}, {"since_utc", bad.since_utc}});
   }
+  nlohmann::json live;
+  if (!status.live_utc.empty()) {
+    live = {{"utc", status.live_utc},
+            {"age_s", status.live_age_s ? nlohmann::json(*status.live_age_s) : nlohmann::json()},
+            {"values", nlohmann::json::array()}};
+    for (const LiveValue& value : status.live) {
+      live["values"].push_back({{"quantity", value.quantity},
+                                {"value", value.value ? nlohmann::json(*value.value) : nlohmann::json()},
+                                {"limit", value.limit},
+                                {"unit", value.unit},
+                                {"missing", value.missing}});
+    }
+  }
   nlohmann::json stops = nlohmann::json::array();
   for (const StopDistance& stop : status.stops) {
     stops.push_back({{"quantity", stop.quantity},
@@ -237,6 +277,7 @@ nlohmann::json Json(const Status& status) {
       {"little_room", status.little_room ? nlohmann::json{{"free_bytes", status.little_room->free_bytes},
                                                           {"needed_bytes", status.little_room->needed_bytes}}
                                          : nlohmann::json()},
+      {"live", std::move(live)},
       {"stop_criteria", std::move(stops)},
       {"life_share", status.life_share ? nlohmann::json(*status.life_share) : nlohmann::json()},
       {"last_results", CycleJson(status.complete, status.last_results)},

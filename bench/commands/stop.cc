@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -30,6 +31,11 @@ const std::map<std::string, int>& Signals() {
 int Stop(const StopOptions& options) {
   const CampaignFolder folder{options.folder};
   const int process = CampaignLock::Holder(folder);
+  if (process <= 0 && std::filesystem::exists(folder.Journal())) {
+    ToStdout("{}: nobody runs this campaign, and nothing moves: there is nothing to stop\n",
+             folder.root.string());
+    return static_cast<int>(ExitCode::kDone);
+  }
   if (process <= 0) {
     throw CampaignError(
         ExitCode::kWrongInput,

@@ -33,9 +33,14 @@ std::string DurationText(double time_s) {
 }
 
 void ShareLine::Show(const std::string& step, double share) {
-  const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const auto now = steady_clock::now();
+  const double elapsed_s = duration<double>(now - start_).count();
   const std::string left = share > 0.02 ? DurationText(elapsed_s * (1.0 - share) / share) + " left" : "";
-  line_.Show(fmt::format("{:5.1f} %  {}  {}", 100.0 * share, step, left));
+  const std::string text = fmt::format("{:5.1f} %  {}  {}", 100.0 * share, step, left);
+  line_.Show(text);
+  if (StderrIsTerminal() || now - last_logged_ < kLogInterval) return;
+  last_logged_ = now;
+  ToStderr("{}\n", text);
 }
 
 TerminalProgress::TerminalProgress() : start_(steady_clock::now()) {}

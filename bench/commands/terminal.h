@@ -28,7 +28,8 @@ class TerminalLine {
   void Clear() { ShowLine({}); }
 };
 
-/// Long work as one line of a terminal: the share done, the step, and the time left.
+/// Long work as one line of a terminal: the share done, the step, and the time left. In a log a line each
+/// half minute.
 class ShareLine {
  public:
   void Show(const std::string& step, double share);
@@ -37,6 +38,7 @@ class ShareLine {
  private:
   TerminalLine line_;
   std::chrono::steady_clock::time_point start_{std::chrono::steady_clock::now()};
+  std::chrono::steady_clock::time_point last_logged_{start_};
 };
 
 /// Progress on standard error: a bar with the time left on a terminal, a line a minute in a log.

@@ -9,6 +9,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/commands/train_report.h"
 #include "bench/plots/gnuplot.h"
@@ -24,6 +25,7 @@ struct TrainCommand {
   std::string set{"wavelet"};
   SourceSettings sources;
   double window_s{-1.0};
+  std::string specimen_per;
   TrainingJob job;
   bool json{};
 };
@@ -42,7 +44,9 @@ int Run(const TrainCommand& command) {
   if (command.window_s >= 0.0) settings.window_s = command.window_s;
   const TrainingData data = ReadTrainingData(
       {command.paths.begin(), command.paths.end()}, settings,
+      command.specimen_per.empty() ? SpecimenPer::kGuessed : SpecimenPerOf(command.specimen_per),
       [&](const std::string& step, double share) { line.Show(step, kShareOfReading * share); });
+  TellWarnings(data.warnings);
   std::mutex telling;
   const TrainingOutcome outcome =
       TrainPredictor(data, command.job, [&](const std::string& step, double share) {
@@ -61,8 +65,10 @@ int Run(const TrainCommand& command) {
     }
   }
   line.Clear();
+  const auto report = nlohmann::ordered_json::parse(outcome.report_json);
+  const std::string worth = WorthSentence(report);
   if (command.json) {
-    ToStdout("{}\n", nlohmann::ordered_json::parse(outcome.report_json).dump(2));
+    ToStdout("{}\n", report.dump(2));
   } else {
     PrintTrainingReport(data, outcome);
     if (outcome.predictor) ToStdout("\npredictor: {}\n", command.out);
@@ -71,7 +77,9 @@ int Run(const TrainCommand& command) {
       ToStdout("next: strainwave predict {} RECORD, or strainwave export {} --out DIR\n", command.out,
                command.out);
     }
+    if (!worth.empty()) ToStdout("\n{}\n", worth);
   }
+  if (command.json && !worth.empty()) ToStderr("warning: {}\n", worth);
   if (picture_trouble.empty()) return static_cast<int>(ExitCode::kDone);
   ToStderr("error: no pictures: {}\n", picture_trouble);
   return static_cast<int>(ExitCode::kMachineFailed);
@@ -114,6 +122,12 @@ void AddTrain(CLI::App& app, Action& action) {
                    "seconds, rounded up to whole turns where the speed is known; 0: records whole (default: "
                    "records are cut where there are fewer than 200)")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--specimen-per", options->specimen_per,
+          "file or folder: what one specimen's records that do not name it are (default: folder, where there "
+          "are several with several files)")
+      ->check(CLI::IsMember({"file", "folder"}));
   command->add_flag("--motor-torque", options->sources.motor_torque,
                     "the motor's torque (from its current), logged beside the vibration, as a channel");
   command->add_option("--design", options->job.design, "small, or the paper's ann and cnn")

@@ -34,6 +34,7 @@ void PrintFeatures(const TrainingData& data, const FilterSummary& filter) {
              filter.torque_features - filter.torque_kept, filter.torque_features);
   }
   ToStdout("\n");
+  ToStdout("trained at {}\n", data.recipe.envelope.Text());
 }
 
 void PrintSearch(const std::vector<prediction::Trial>& trials) {

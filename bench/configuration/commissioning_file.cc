@@ -42,7 +42,12 @@ std::vector<MeasuredStop> ReadTop(const schedules::YamlNode& root, ReadContext& 
 }  // namespace
 
 std::filesystem::path CommissioningFileOf(const std::filesystem::path& bench_file) {
-  return std::filesystem::path(bench_file).replace_extension(".commissioned.yaml");
+  std::filesystem::path file = bench_file;
+  const auto folder = std::filesystem::absolute(bench_file).lexically_normal().parent_path();
+  if (folder.filename() == "examples" && folder.parent_path().filename() == "bench") {
+    file = folder.parent_path().parent_path() / "campaigns" / bench_file.filename();
+  }
+  return file.replace_extension(".commissioned.yaml");
 }
 
 std::string CommissioningText(const std::vector<MeasuredStop>& stops) {

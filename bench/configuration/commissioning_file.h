@@ -18,7 +18,8 @@ struct MeasuredStop {
   std::string measured;     // "2026-03-01T12:00:00Z"
 };
 
-/// Where the measurements of a bench are kept: BENCH.commissioned.yaml beside BENCH.yaml.
+/// Where the measurements of a bench are kept: BENCH.commissioned.yaml beside BENCH.yaml. Those of an
+/// example, which is to stay as it came with the program, in `campaigns/` of the same checkout.
 std::filesystem::path CommissioningFileOf(const std::filesystem::path& bench_file);
 
 /// What such a file holds.

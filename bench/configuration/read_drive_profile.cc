@@ -187,6 +187,8 @@ void ReadUnits(YamlMap map, protocols::canopen::DriveUnits& units) {
   units.acceleration_units_per_rpm_per_s =
       map.Number("acceleration_units_per_rpm_per_s", Bound::kPositive, "1");
   units.rated_torque_Nm = map.Quantity("rated_torque", Dimension::kTorque, Bound::kPositive);
+  units.rated_torque_units_per_Nm = map.Choice<double>(
+      "rated_torque_unit", {{"Nm", 1.0}, {"Ncm", 100.0}, {"mNm", 1e3}, {"uNm", 1e6}}, "mNm");
   map.Finish();
 }
 
@@ -271,8 +273,8 @@ void ReadQuirks(YamlMap map, protocols::canopen::DriveQuirks& quirks) {
   map.Finish();
 }
 
-void CheckAgainstEds(const DriveProfile& profile, const std::string& eds_file,
-                     const std::filesystem::path& folder, ReadContext& context) {
+void CheckAgainstEds(DriveProfile& profile, const std::string& eds_file, const std::filesystem::path& folder,
+                     ReadContext& context) {
   // Any node serves: what depends on its number is shifted by it alike on both sides.
   constexpr std::uint8_t kSomeNode = 1;
   const schedules::Origin& place = context.origins["eds"];
@@ -291,6 +293,7 @@ void CheckAgainstEds(const DriveProfile& profile, const std::string& eds_file,
     for (const std::string& finding : protocols::canopen::CheckProfileAgainstEds(profile, eds, kSomeNode)) {
       error(finding);
     }
+    profile.eds_notes = eds.notes;
   } catch (const std::runtime_error& failure) {
     error(fmt::format("eds = {} cannot be used (expected an EDS file):\n{}", eds_file, failure.what()));
   }

@@ -4,7 +4,9 @@
 #include <fmt/core.h>
 
 #include "analysis/units.h"
+#include "bench/controller/texts_apart.h"
 #include "bench/roles/sampler.h"
+#include "bench/text.h"
 
 namespace strainwave::bench {
 namespace {
@@ -34,14 +36,10 @@ std::string_view NameOf(double channel) {
   return "channel";
 }
 
-// "60.69 Nm is beyond the limit of 60.00 Nm": with as many decimals as it takes that the two differ.
+// "60.69 Nm is beyond the limit of 60.00 Nm".
 std::string Beyond(double value, double limit, int decimals, std::string_view unit, std::string_view word) {
-  constexpr int kMostDecimals = 9;
-  while (decimals < kMostDecimals &&
-         fmt::format("{:.{}f}", value, decimals) == fmt::format("{:.{}f}", limit, decimals)) {
-    ++decimals;
-  }
-  return fmt::format("{:.{}f} {} is {} {:.{}f} {}", value, decimals, unit, word, limit, decimals, unit);
+  const std::vector<std::string> texts = TextsApart(value, {limit}, decimals);
+  return Text("{} {} is {} {} {}", texts[0], unit, word, texts[1], unit);
 }
 
 std::string BeyondLimit(double value, double limit, int decimals, std::string_view unit) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
@@ -85,9 +86,14 @@ SimulatedVibrationSource::Got SimulatedVibrationSource::Next(std::chrono::millis
                stream_.start_ns + std::llround(static_cast<double>(samples_) * 1e9 / stream_.sample_rate_hz),
            .sample_rate_hz = stream_.sample_rate_hz,
            .channels = {"accel_x_m_per_s2", "accel_y_m_per_s2", "accel_z_m_per_s2", "accel_motor_z_m_per_s2",
-                        "motor_torque_Nm"},
-           .samples = {copied(block.accel_x_m_per_s2), copied(block.accel_y_m_per_s2),
-                       copied(block.accel_z_m_per_s2), copied(block.accel_motor_z_m_per_s2), {}},
+                        "motor_torque_Nm", "output_torque_Nm", "temperature_degC"},
+           .samples = {copied(block.accel_x_m_per_s2),
+                       copied(block.accel_y_m_per_s2),
+                       copied(block.accel_z_m_per_s2),
+                       copied(block.accel_motor_z_m_per_s2),
+                       {},
+                       {},
+                       {}},
            .output_turns = {},
            .origin = "simulated bench",
            .trouble = {}};
@@ -100,7 +106,11 @@ SimulatedVibrationSource::Got SimulatedVibrationSource::Next(std::chrono::millis
     const double share = place - static_cast<double>(period);
     chunk.output_turns.push_back(
         std::lerp(TurnsOf(before, stream_.ratio), TurnsOf(after, stream_.ratio), share));
-    chunk.samples.back().push_back(std::lerp(before.motor_torque_Nm, after.motor_torque_Nm, share));
+    const double slow[] = {std::lerp(before.motor_torque_Nm, after.motor_torque_Nm, share),
+                           std::lerp(before.output_torque_Nm, after.output_torque_Nm, share),
+                           std::lerp(before.gear_temperature_degC, after.gear_temperature_degC, share)};
+    for (std::size_t k = 0; k < std::size(slow); ++k)
+      chunk.samples[chunk.samples.size() - std::size(slow) + k].push_back(slow[k]);
   }
   samples_ += count;
   return count == 0 ? Got::kNothingYet : Got::kChunk;

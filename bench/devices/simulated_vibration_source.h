@@ -20,7 +20,8 @@ struct SimulatedStream {
   std::int64_t start_ns{};  // time of the beginning, since 1970, UTC
 };
 
-/// The accelerometers and the motor's torque of a simulated bench that turns at one speed under one torque, clockwise.
+/// The accelerometers of a simulated bench that turns at one speed under one torque, clockwise, with the
+/// torques of motor and output and the temperature of the gear.
 class SimulatedVibrationSource final : public VibrationSource {
  public:
   /// @throws CampaignError for a bench that is not simulated, or drives that do not come up.

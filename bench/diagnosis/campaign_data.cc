@@ -42,7 +42,7 @@ analysis::diagnosis::CampaignData CampaignDataOf(const CampaignFolder& folder, c
     data.sensor_serials.push_back(SerialsOf(folder, row.cycle));
     for (auto& series : data.series) {
       const auto result = FindResult(results, series.name);
-      const bool good = result && (result->flag.empty() || result->flag.starts_with(kThermalFlag));
+      const bool good = result && IsSound(*result);
       series.value.push_back(good ? result->value : std::nan(""));
       series.standard_error.push_back(good ? result->standard_error : std::nan(""));
     }

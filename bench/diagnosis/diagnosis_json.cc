@@ -27,8 +27,11 @@ double Probability(double p) {
 Json ParametersJson(const std::vector<ParameterValue>& parameters) {
   Json object = Json::object();
   for (const ParameterValue& parameter : parameters) {
-    object[parameter.name] = {
-        {"value", Known(parameter.value)}, {"se", Known(parameter.standard_error)}, {"unit", parameter.unit}};
+    // A value that the records leave open is one of many.
+    const bool open = !std::isfinite(parameter.standard_error);
+    object[parameter.name] = {{"value", open ? Json(nullptr) : Known(parameter.value)},
+                              {"se", Known(parameter.standard_error)},
+                              {"unit", parameter.unit}};
   }
   return object;
 }
@@ -165,7 +168,7 @@ nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report) {
           {"quantities", QuantitiesJson(report)},
           {"records", RecordsJson(report.input)},
           {"notes", result.notes},
-          {"warnings", report.input.warnings}};
+          {"warnings", report.input.WarningTexts()}};
 }
 
 }  // namespace strainwave::bench

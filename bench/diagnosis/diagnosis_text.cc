@@ -3,13 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "bench/diagnosis/extended_model.h"
+#include "bench/diagnosis/parameter_words.h"
 #include "bench/diagnosis/residual_views.h"
 #include "bench/plots/script.h"
+#include "bench/text.h"
 
 namespace strainwave::bench {
 namespace {
@@ -55,26 +57,58 @@ std::string Wrapped(const std::string& head, const std::string& words, std::size
 
 // A section's name stands in a column of its own.
 std::string Section(std::string_view name, const std::string& words) {
-  return Wrapped(fmt::format("{:<13}", name), words, 13);
+  return Wrapped(Text("{:<13}", name), words, 13);
 }
 
 std::string ValueText(const ParameterValue& parameter) {
+  if (!std::isfinite(parameter.standard_error)) return "–";
   const std::string unit = parameter.unit == "1" ? "" : parameter.unit;
   std::string text = EstimateText({parameter.value, parameter.standard_error}, unit);
   while (text.ends_with(' ')) text.pop_back();
   return text;
 }
 
-std::string ParametersText(const std::vector<ParameterValue>& parameters,
-                           const std::vector<ParameterValue>& before) {
+// Of a share: what is there never reads as nothing.
+std::string PercentText(double share) {
+  const double percent = 100.0 * share;
+  return std::abs(percent) < 9.95 ? Text("{:.2g}", percent) : Text("{:.0f}", percent);
+}
+
+// Name, value with error, a remark beside it, and what it is.
+std::string ParameterLine(const ParameterValue& parameter, const std::string& remark) {
+  std::string line = Text("             {:<36} {:<28} {:<22} {}", parameter.name, ValueText(parameter),
+                          remark, ParameterWords(parameter.name));
+  line.resize(line.find_last_not_of(' ') + 1);
+  return line + "\n";
+}
+
+// Without details, long lists are left out with a word.
+std::string ParametersText(const std::vector<ParameterValue>& parameters, bool details) {
   std::string text;
+  std::size_t left_out = 0;
   for (const ParameterValue& parameter : parameters) {
-    text += fmt::format("             {:<36} {}", parameter.name, ValueText(parameter));
-    const auto earlier = std::ranges::find(before, parameter.name, &ParameterValue::name);
-    if (earlier != before.end()) text += fmt::format("   (before: {:.4g})", earlier->value);
-    text += "\n";
+    if (details || !IsDetail(parameter.name)) {
+      text += ParameterLine(parameter, "");
+    } else {
+      ++left_out;
+    }
   }
+  if (left_out > 0)
+    text += Text("             and {} numbers of its lines and channels (--details)\n", left_out);
   return text;
+}
+
+const ParameterValue* Find(const std::vector<ParameterValue>& values, std::string_view name) {
+  const auto found = std::ranges::find(values, name, &ParameterValue::name);
+  return found == values.end() ? nullptr : &*found;
+}
+
+// Those of the list by what they explain, largest first.
+std::vector<const diagnosis::Finding*> LargestFirst(const std::vector<diagnosis::Finding>& findings) {
+  std::vector<const diagnosis::Finding*> order;
+  for (const diagnosis::Finding& finding : findings) order.push_back(&finding);
+  std::ranges::stable_sort(order, std::greater<>(), &diagnosis::Finding::share_of_explainable);
+  return order;
 }
 
 std::string MeasuredText(const DiagnosisReport& report) {
@@ -82,56 +116,72 @@ std::string MeasuredText(const DiagnosisReport& report) {
   for (const RecordIdentity& record : report.input.records) samples += record.rows;
   const std::size_t records = report.input.records.size();
   std::string text =
-      Section("measured",
-              report.input.kind == "campaign"
-                  ? fmt::format("a campaign of {} cycles", samples)
-                  : fmt::format("{} of kind {}, {} samples{}",
-                                records == 1 ? std::string("one record") : fmt::format("{} records", records),
-                                report.input.kind, samples, records == 1 ? "" : " together"));
+      Section("measured", report.input.kind == "campaign"
+                              ? Text("a campaign of {} cycles", samples)
+                              : Text("{} of kind {}, {} samples{}",
+                                     records == 1 ? std::string("one record") : Text("{} records", records),
+                                     report.input.kind, samples, records == 1 ? "" : " together"));
   for (const RecordIdentity& record : report.input.records) {
-    text += fmt::format("             {}{}  sha256 {}\n", record.file,
-                        record.group.empty() ? "" : " " + record.group, record.sha256.substr(0, 12));
+    text += Text("             {}{}  sha256 {}\n", record.file,
+                 record.group.empty() ? "" : " " + record.group, record.sha256.substr(0, 12));
   }
-  for (const std::string& warning : report.input.warnings) text += Section("  warning", warning);
+  for (const std::string& warning : report.input.WarningTexts()) text += Section("  warning", warning);
   for (const std::string& note : report.result.notes) text += Section("  note", note);
   return text;
 }
 
-std::string NominalText(const DiagnosisReport& report) {
+std::string NominalText(const DiagnosisReport& report, bool details) {
   const diagnosis::Study& study = *report.input.study;
-  std::string text =
-      Section("simulation", fmt::format("{}, refitted to the record{}",
-                                        report.model.empty() ? "the nominal model of " + report.input.kind
-                                                             : "the model " + report.model,
-                                        report.input.records.size() == 1 ? "" : "s"));
+  std::string text = Section(
+      "simulation",
+      Text("{}, refitted to the record{}",
+           report.model.empty() ? "the nominal model of " + report.input.kind : "the model " + report.model,
+           report.input.records.size() == 1 ? "" : "s"));
   const diagnosis::ModelFit& fit = report.result.nominal;
-  text += ParametersText(fit.nominal, report.nominal_before);
+  for (const ParameterValue& parameter : fit.nominal) {
+    const ParameterValue* const before = Find(report.nominal_before, parameter.name);
+    text += ParameterLine(parameter, before == nullptr ? "" : Text("(before: {:.4g})", before->value));
+  }
   for (std::size_t i = 0; i < fit.causes.size(); ++i) {
-    text += fmt::format("             {}\n", study.causes()[fit.causes[i]].name);
-    text += ParametersText(fit.cause_parameters[i], {});
+    text += Text("             {}\n", study.causes()[fit.causes[i]].name);
+    text += ParametersText(fit.cause_parameters[i], details);
   }
   return text;
 }
 
-std::string FoundText(const DiagnosisReport& report) {
+// What the simulation's numbers are when what was found is in it.
+std::string CorrectedText(const DiagnosisReport& report) {
+  const diagnosis::Diagnosis& result = report.result;
+  if (result.causes.empty() && result.corrections.empty()) return {};
+  std::string text = Section("corrected", "the simulation's numbers with what was found:");
+  for (const ParameterValue& parameter : result.extended.nominal) {
+    const ParameterValue* const without = Find(result.nominal.nominal, parameter.name);
+    // What is left open has one value of many.
+    const bool known = without != nullptr && std::isfinite(without->standard_error);
+    text += ParameterLine(parameter, known ? Text("(without: {:.5g})", without->value) : "");
+  }
+  return text;
+}
+
+std::string FoundText(const DiagnosisReport& report, bool details) {
   std::string text;
-  for (const diagnosis::Finding& finding : report.result.causes) {
+  for (const diagnosis::Finding* const cause : LargestFirst(report.result.causes)) {
+    const diagnosis::Finding& finding = *cause;
     const CauseRule& rule = report.input.study->causes()[finding.index];
-    text += Section("found", fmt::format("{}: {}", rule.name, rule.sentence));
-    text += Section("", fmt::format("lies {}; explains {:.0f} % of what the simulation misses beyond noise",
-                                    WhereWords(rule.where), 100.0 * finding.share_of_explainable));
-    text += ParametersText(finding.parameters, {});
+    text += Section("found", Text("{}: {}", rule.name, rule.sentence));
+    text += Section("", Text("lies {}; explains {} % of what the simulation misses beyond noise",
+                             WhereWords(rule.where), PercentText(finding.share_of_explainable)));
+    text += ParametersText(finding.parameters, details);
     if (!finding.indistinguishable_from.empty()) {
-      text += Section("", fmt::format("these records would be explained as well by: {}",
-                                      fmt::join(finding.indistinguishable_from, ", ")));
+      text += Section("", Text("these records would be explained as well by: {}",
+                               fmt::join(finding.indistinguishable_from, ", ")));
     }
   }
   for (const diagnosis::Finding& finding : report.result.corrections) {
     const CauseRule& rule = report.input.study->causes()[finding.index];
-    text += rule.stated_number
-                ? Section("to correct", fmt::format("{}: {}", rule.name, rule.sentence))
-                : Section("left over", fmt::format("{} (a description, not a cause)", rule.name));
-    text += ParametersText(TellingParameters(finding), {});
+    text += rule.stated_number ? Section("to correct", Text("{}: {}", rule.name, rule.sentence))
+                               : Section("left over", Text("{} (a description, not a cause)", rule.name));
+    text += ParametersText(TellingParameters(finding), details);
   }
   if (!report.formula.formula.empty()) {
     text += Section("formula", report.formula.formula);
@@ -142,24 +192,23 @@ std::string FoundText(const DiagnosisReport& report) {
 
 // Held-out data are asked only of a candidate that chance does not explain.
 std::string HeldOutText(double gain) {
-  return gain == 0.0 || !std::isfinite(gain) ? "-" : fmt::format("{:+.1f}", gain);
+  return gain == 0.0 || !std::isfinite(gain) ? "-" : Text("{:+.1f}", gain);
 }
 
 std::string CandidatesText(const DiagnosisReport& report) {
-  std::string text =
-      fmt::format("{:<13}{:<34} {:>10} {:>8} {:>9}\n", "candidates", "", "ΔBIC", "p", "held out");
+  std::string text = Text("{:<13}{:<34} {:>10} {:>8} {:>9}\n", "candidates", "", "ΔBIC", "p", "held out");
   std::size_t shown = 0;
   for (const diagnosis::CandidateResult& candidate : report.result.candidates) {
     if (shown == kCandidatesShown && !candidate.passed) continue;
     ++shown;
     const std::string name = CandidateName(*report.input.study, candidate.index);
-    text += fmt::format("  {} {:<44} {:>9.1f} {:>8} {:>9}  {}\n", candidate.passed ? "yes" : " no", name,
-                        candidate.evidence.delta_bic, ProbabilityText(candidate.evidence.p_value),
-                        HeldOutText(candidate.evidence.heldout_gain),
-                        candidate.passed ? "passed" : candidate.objection);
+    text +=
+        Text("  {} {:<44} {:>9.1f} {:>8} {:>9}  {}\n", candidate.passed ? "yes" : " no", name,
+             candidate.evidence.delta_bic, ProbabilityText(candidate.evidence.p_value),
+             HeldOutText(candidate.evidence.heldout_gain), candidate.passed ? "passed" : candidate.objection);
   }
   const std::size_t left = report.result.candidates.size() - shown;
-  if (left > 0) text += fmt::format("             and {} more with less evidence\n", left);
+  if (left > 0) text += Text("             and {} more with less evidence\n", left);
   return text;
 }
 
@@ -167,19 +216,17 @@ std::string GainText(const DiagnosisReport& report) {
   const diagnosis::Diagnosis& result = report.result;
   const double unit = report.input.study->unit_per_si();
   const std::string& name = report.input.study->unit();
-  const std::string noise = result.noise_floor > 0.0
-                                ? fmt::format("; noise {:.3g} {}", result.noise_floor * unit, name)
-                                : std::string();
+  const std::string noise =
+      result.noise_floor > 0.0 ? Text("; noise {:.3g} {}", result.noise_floor * unit, name) : std::string();
   if (result.causes.empty() && result.corrections.empty()) {
-    return Section("error", fmt::format("{:.3g} {} on data that no fit has seen{}",
-                                        result.nominal_heldout_rmse * unit, name, noise));
+    return Section("error", Text("{:.3g} {} on data that no fit has seen{}",
+                                 result.nominal_heldout_rmse * unit, name, noise));
   }
-  return Section(
-      "gain",
-      fmt::format("error on data that no fit has seen: {:.3g} -> {:.3g} {}, {:.0f} % less ({:.0f} "
-                  "to {:.0f} % with 95 % confidence){}",
-                  result.nominal_heldout_rmse * unit, result.extended_heldout_rmse * unit, name,
-                  100.0 * result.gain.reduction, 100.0 * result.gain.low, 100.0 * result.gain.high, noise));
+  return Section("gain", Text("error on data that no fit has seen: {:.3g} -> {:.3g} {}, {} % less ({} "
+                              "to {} % with 95 % confidence){}",
+                              result.nominal_heldout_rmse * unit, result.extended_heldout_rmse * unit, name,
+                              PercentText(result.gain.reduction), PercentText(result.gain.low),
+                              PercentText(result.gain.high), noise));
 }
 
 std::string RemainsText(const DiagnosisReport& report) {
@@ -194,8 +241,8 @@ std::string RemainsText(const DiagnosisReport& report) {
           "looks from one sample to the next";
     }
   }
-  return Section("remains", fmt::format("{:.1f} % of the variance of that error; {}",
-                                        100.0 * leftover.share_of_residual_variance, what));
+  return Section("remains", Text("{:.1f} % of the variance of that error; {}",
+                                 100.0 * leftover.share_of_residual_variance, what));
 }
 
 std::string QuantitiesText(const DiagnosisReport& report) {
@@ -203,12 +250,12 @@ std::string QuantitiesText(const DiagnosisReport& report) {
   const auto extended = report.input.study->Quantities(report.result.extended.predicted);
   if (nominal.empty()) return {};
   const bool found = !report.result.causes.empty() || !report.result.corrections.empty();
-  std::string text = fmt::format("{:<13}{:<28} {:>12} {:>12}{}\n", "quantities", "", "measured",
-                                 found ? "without" : "simulated", found ? "         with" : "");
+  std::string text = Text("{:<13}{:<28} {:>12} {:>12}{}\n", "quantities", "", "measured",
+                          found ? "without" : "simulated", found ? "         with" : "");
   for (std::size_t i = 0; i < nominal.size() && i < extended.size(); ++i) {
-    text += fmt::format("             {:<28} {:>12.5g} {:>12.5g}", nominal[i].name, nominal[i].measured,
-                        nominal[i].predicted);
-    text += found ? fmt::format(" {:>12.5g}\n", extended[i].predicted) : "\n";
+    text += Text("             {:<28} {:>12.5g} {:>12.5g}", nominal[i].name, nominal[i].measured,
+                 nominal[i].predicted);
+    text += found ? Text(" {:>12.5g}\n", extended[i].predicted) : "\n";
   }
   return text;
 }
@@ -216,8 +263,8 @@ std::string QuantitiesText(const DiagnosisReport& report) {
 std::string LooksText(const DiagnosisReport& report) {
   const std::vector<RegressorShare> shares = SharesByRegressor(report);
   if (report.result.verdict == diagnosis::Verdict::kNoEffect || shares.empty()) return {};
-  return Section("shows over", fmt::format("{}: {:.0f} % of the variance of the nominal residual follows it",
-                                           shares.front().title, 100.0 * shares.front().share));
+  return Section("shows over", Text("{}: {:.0f} % of the variance of the nominal residual follows it",
+                                    shares.front().title, 100.0 * shares.front().share));
 }
 
 std::string NextText(const DiagnosisReport& report) {
@@ -249,14 +296,14 @@ std::string VerdictSentence(const DiagnosisReport& report) {
   if (result.verdict == diagnosis::Verdict::kNoEffect) {
     if (!result.corrections.empty()) {
       const CauseRule& rule = report.input.study->causes()[result.corrections.front().index];
-      return fmt::format("Nothing is missing in the simulation, but a number of the record is wrong: {}.",
-                         rule.sentence);
+      return Text("Nothing is missing in the simulation, but a number of the record is wrong: {}.",
+                  rule.sentence);
     }
     const double excess = result.noise_floor > 0.0 ? result.nominal_heldout_rmse / result.noise_floor : 1.0;
     if (excess < kCloseToNoise) {
       return "Nothing is missing in the simulation: it explains these records down to their noise.";
     }
-    return fmt::format(
+    return Text(
         "Nothing was found missing in the simulation, but it does not explain these records down to their "
         "noise: "
         "its error on unseen data is {:.2g} times that (too few data, or noise that is not white).",
@@ -268,31 +315,49 @@ std::string VerdictSentence(const DiagnosisReport& report) {
            (signature.empty() ? std::string(".") : ": " + signature + ".");
   }
   std::vector<std::string> names;
-  for (const diagnosis::Finding& finding : result.causes) {
+  for (const diagnosis::Finding* const cause : LargestFirst(result.causes)) {
+    const diagnosis::Finding& finding = *cause;
     const CauseRule& rule = report.input.study->causes()[finding.index];
     std::string name = rule.name;
     for (const std::string& rival : finding.indistinguishable_from) name += " or " + rival;
-    names.push_back(fmt::format(
+    names.push_back(Text(
         "{} ({})", name,
         rule.where == diagnosis::Where::kUndecided ? std::string("bench or unit") : WhereWords(rule.where)));
   }
-  return names.size() == 1 ? fmt::format("One effect is missing in the simulation: {}.", names.front())
-                           : fmt::format("{} effects are missing in the simulation: {}.", names.size(),
-                                         fmt::join(names, ", "));
+  return names.size() == 1
+             ? Text("One effect is missing in the simulation: {}.", names.front())
+             : Text("{} effects are missing in the simulation: {}.", names.size(), fmt::join(names, ", "));
 }
 
-std::string DiagnosisText(const DiagnosisReport& report) {
-  return Wrapped("", VerdictSentence(report), 0) + "\n" + MeasuredText(report) + NominalText(report) + "\n" +
-         FoundText(report) + LooksText(report) + CandidatesText(report) + "\n" + GainText(report) +
+std::string PlainSentence(const DiagnosisReport& report) {
+  const std::vector<diagnosis::Finding>& causes = report.result.causes;
+  if (causes.empty()) return {};
+  const diagnosis::Finding& largest = *LargestFirst(causes).front();
+  const std::string& sentence = report.input.study->causes()[largest.index].sentence;
+  // What it is; what usually makes it stands behind.
+  std::string text = "The simulation lacks " + sentence.substr(0, sentence.find_first_of(":;"));
+  text += Text(" ({:.0f} % of what it misses", 100.0 * largest.share_of_explainable);
+  if (causes.size() > 1) {
+    text +=
+        causes.size() == 2 ? ", and one smaller effect" : Text(", and {} smaller effects", causes.size() - 1);
+  }
+  return text + ").";
+}
+
+std::string DiagnosisText(const DiagnosisReport& report, bool details) {
+  const std::string plain = PlainSentence(report);
+  return (plain.empty() ? "" : plain + "\n") + Wrapped("", VerdictSentence(report), 0) + "\n" +
+         MeasuredText(report) + NominalText(report, details) + "\n" + FoundText(report, details) +
+         CorrectedText(report) + LooksText(report) + CandidatesText(report) + "\n" + GainText(report) +
          RemainsText(report) + QuantitiesText(report) + "\n" + NextText(report);
 }
 
 std::string FilesText(const std::filesystem::path& model,
                       const std::vector<std::filesystem::path>& pictures) {
-  std::string text = fmt::format("\nmodel        {}\n", model.string());
+  std::string text = Text("\nmodel        {}\n", model.string());
   for (const auto& picture : pictures) {
-    text += fmt::format("{:<13}{}.svg (and .png)\n", &picture == &pictures.front() ? "pictures" : "",
-                        picture.string());
+    text +=
+        Text("{:<13}{}.svg (and .png)\n", &picture == &pictures.front() ? "pictures" : "", picture.string());
   }
   return text;
 }

@@ -21,11 +21,11 @@ double Squeezed(double delta_bic) { return std::asinh(0.5 * delta_bic) / std::lo
 
 }  // namespace
 
-void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& stem) {
+std::filesystem::path DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& stem) {
   constexpr std::size_t kMostShown = 24;
   constexpr std::size_t kLongestObjection = 60;
   constexpr int kWidth_px = 1200;
-  constexpr double kLetter_px = 8.0;  // of the names' font, on average
+  constexpr double kLetter_px = 9.0;  // of the names' font, on average
   const auto& candidates = report.result.candidates;
   const std::size_t shown = std::min(candidates.size(), kMostShown);
   const double height = 130.0 + 34.0 * static_cast<double>(std::max<std::size_t>(shown, 1));
@@ -65,7 +65,7 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
     tics += fmt::format("{}'{:g}' {:.5g}", tics.empty() ? "" : ", ", level, Squeezed(level));
   }
   std::string script = CommonStyle();
-  script += TitleLabel("what speaks for each candidate", height);
+  script += TitleLabel(TitleOf(report, "what speaks for each candidate"), height);
   script += fmt::format(
       "set lmargin at screen {:.5f}\nset rmargin at screen 0.975\nset tmargin at screen {:.5f}\nset bmargin "
       "at screen {:.5f}\n",
@@ -93,7 +93,7 @@ void DrawCandidates(const DiagnosisReport& report, const std::filesystem::path& 
                     plot.empty() ? "plot" : ",", group, group == 0 ? kFirstColour.plain : "#BBBBBB");
   }
   script += "set style fill solid 1 noborder\n" + plot + "\n";
-  RenderPicture(script, stem, {.width_px = kWidth_px, .height_px = static_cast<int>(height)});
+  return RenderPicture(script, stem, {.width_px = kWidth_px, .height_px = static_cast<int>(height)});
 }
 
 std::vector<std::filesystem::path> DrawDiagnosis(const DiagnosisReport& report,
@@ -103,23 +103,27 @@ std::vector<std::filesystem::path> DrawDiagnosis(const DiagnosisReport& report,
   std::vector<std::filesystem::path> pictures;
   const double all = 4.0 + static_cast<double>(regressors.size());
   const auto add = [&](const std::string& name, const auto& draw) {
-    draw(folder / name);
-    pictures.push_back(folder / name);
+    pictures.push_back(draw(folder / name));
     if (progress) progress(static_cast<double>(pictures.size()) / all);
   };
-  add("measured_over_simulated", [&](const auto& stem) { DrawResponse(report, stem); });
-  add("residual", [&](const auto& stem) { DrawResidual(report, stem); });
+  const bool campaign = report.input.campaign.has_value();
+  add("measured_over_simulated", [&](const auto& stem) {
+    return campaign ? DrawCampaignResults(report, stem) : DrawResponse(report, stem);
+  });
+  if (!campaign) add("residual", [&](const auto& stem) { return DrawResidual(report, stem); });
   std::vector<std::size_t> order;
   for (const RegressorShare& share : SharesByRegressor(report)) order.push_back(share.index);
   for (std::size_t k = 0; k < regressors.size(); ++k) {
     if (std::ranges::find(order, k) == order.end()) order.push_back(k);
   }
   for (const std::size_t k : order) {
-    add("residual_over_" + regressors[k].name, [&](const auto& stem) { DrawResidualOver(report, k, stem); });
+    add("residual_over_" + regressors[k].name, [&](const auto& stem) {
+      return campaign ? DrawCampaignResiduals(report, k, stem) : DrawResidualOver(report, k, stem);
+    });
   }
-  add("order_spectrum", [&](const auto& stem) { DrawResidualSpectrum(report, stem); });
+  if (!campaign) add("order_spectrum", [&](const auto& stem) { return DrawResidualSpectrum(report, stem); });
   if (!report.result.candidates.empty()) {
-    add("candidates", [&](const auto& stem) { DrawCandidates(report, stem); });
+    add("candidates", [&](const auto& stem) { return DrawCandidates(report, stem); });
   }
   return pictures;
 }

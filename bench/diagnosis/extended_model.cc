@@ -38,7 +38,7 @@ void AddParameters(const std::vector<ParameterValue>& parameters, std::string_vi
       text += fmt::format(", se: {}", NumberText(parameter.standard_error));
     }
     if (!parameter.unit.empty()) text += fmt::format(", unit: {}", Quoted(parameter.unit));
-    text += "}\n";
+    text += std::isfinite(parameter.standard_error) ? "}\n" : "}  # the records leave it open\n";
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <span>
 #include <stdexcept>
@@ -13,9 +14,11 @@
 
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
+#include "bench/campaign/record_context.h"
 #include "bench/diagnosis/campaign_data.h"
-#include "bench/diagnosis/record_checks.h"
 #include "bench/diagnosis/record_data.h"
+#include "bench/records/look_at_samples.h"
+#include "bench/records/record_refusal.h"
 #include "daq/read_records.h"
 #include "daq/record_rules.h"
 
@@ -55,6 +58,7 @@ std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const Reco
         throw RecordRefusal(record, fmt::format("a record of kind {} cannot be diagnosed (expected {})",
                                                 record.kind, kDiagnosedKinds));
       }
+      LookAtSamples(record);
       kinds.insert(record.kind);
       records.push_back(std::move(record));
     }
@@ -118,9 +122,9 @@ std::unique_ptr<diagnosis::Study> MakeStudyOrSay(std::span<const Record> records
 StudyInput ReadCampaign(const std::string& path) {
   const CampaignFolder folder{path};
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
-  const CampaignInputs inputs = ReadFrozenInputs(folder);
-  const diagnosis::CampaignData data = CampaignDataOf(folder, journal);
+  const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   StudyInput input;
+  const diagnosis::CampaignData& data = input.campaign.emplace(CampaignDataOf(folder, journal));
   input.kind = "campaign";
   input.records.push_back({path, "", Sha256OfFile(folder.Journal()), data.cycle.size()});
   const auto& specimen = inputs.schedule.specimen;
@@ -149,6 +153,10 @@ void RefuseTheSameTwice(const Record& record, std::span<const RecordIdentity> be
 
 }  // namespace
 
+std::vector<std::string> StudyInput::WarningTexts() const {
+  return bench::WarningTexts(warnings, records.size() > 1 ? NamedFiles::kYes : NamedFiles::kNo);
+}
+
 std::unique_ptr<diagnosis::Study> MakeStudy(std::span<const Record> records) {
   const std::string& kind = records.front().kind;
   if (kind == "transmission_error")
@@ -163,23 +171,31 @@ StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordCho
   if (paths.size() == 1 && std::filesystem::is_directory(paths.front())) {
     input = ReadCampaign(paths.front());
   } else {
-    const std::vector<Record> records = ReadChosen(paths, choice);
+    std::vector<Record> records = ReadChosen(paths, choice);
     input.kind = records.front().kind;
     input.mapping = MappingOf(records.front());
-    const auto add_warning = [&](const Record& record, const std::string& text) {
-      input.warnings.push_back(records.size() == 1 ? text : record.source.file + ": " + text);
-    };
-    for (const Record& record : records) {
+    std::optional<CampaignBeside> beside;
+    for (Record& record : records) {
       const bool same_file = !input.records.empty() && input.records.back().file == record.source.file;
       std::string sha256 = same_file ? input.records.back().sha256 : Sha256(ReadText(record.source.file));
       RefuseTheSameTwice(record, input.records, sha256);
       input.records.push_back({record.source.file, record.source.group, std::move(sha256), record.rows()});
-      for (const std::string& note : record.notes) add_warning(record, note);
-      for (const std::string& doubt : CheckForDiagnosis(record)) add_warning(record, doubt);
+      if (!same_file) beside = FindCampaignBeside(record.source.file);
+      const RecordContext context = ContextOfRecord(record, beside);
+      for (const std::string& warning : context.warnings) record.notes.push_back({0, warning});
+      for (const std::string& note : context.notes)
+        if (std::ranges::find(input.notes, note) == input.notes.end()) input.notes.push_back(note);
+      if (record.kind == "vibration" && !record.Metadata("ratio"))
+        record.notes.push_back({0, "metadata ratio is missing: the default of 80 is taken"});
+      record = Corrected(std::move(record), context.corrections);
+      for (RecordWarning& warning : WarningsOf(record)) input.warnings.push_back(std::move(warning));
     }
     input.study = MakeStudyOrSay(records);
   }
-  for (const std::string& warning : input.study->warnings()) input.warnings.push_back(warning);
+  for (const std::string& warning : input.study->warnings()) {
+    // Of several records it says itself which one it means.
+    input.warnings.push_back({input.records.size() == 1 ? input.records.front().file : "", 0, warning});
+  }
   return input;
 }
 

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "analysis/diagnosis/records.h"
 #include "analysis/diagnosis/study.h"
 #include "bench/diagnosis/plant_mapping.h"
+#include "bench/records/record_warnings.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {
@@ -30,8 +33,12 @@ struct RecordChoice {
 struct StudyInput {
   std::string kind;  // the contract's, or "campaign"
   std::vector<RecordIdentity> records;
-  std::vector<std::string> warnings;  // what was noticed about the records, in sentences
+  std::vector<RecordWarning> warnings;  // what was noticed about the records
+  std::vector<std::string> notes;       // what was taken off them, as their campaign does
+
+  std::vector<std::string> WarningTexts() const;
   MappingContext mapping;
+  std::optional<analysis::diagnosis::CampaignData> campaign{};  // of a campaign: its results
   std::unique_ptr<analysis::diagnosis::Study> study;
 };
 

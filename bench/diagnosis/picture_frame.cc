@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include <fmt/format.h>
@@ -37,6 +38,26 @@ std::string ResponseName(std::string_view kind) {
   if (kind == "vibration") return "acceleration";
   return "result";
 }
+
+std::string TitleOf(const DiagnosisReport& report, const std::string& what) {
+  const std::vector<RecordIdentity>& records = report.input.records;
+  if (records.empty()) return what;
+  const std::filesystem::path file = records.front().file;
+  std::string name = (file.has_filename() ? file : file.parent_path()).filename().string();
+  if (!records.front().group.empty()) name += " " + records.front().group;
+  if (records.size() > 1) name += fmt::format(" and {} more", records.size() - 1);
+  return fmt::format("{}: {}", name, what);
+}
+
+std::string AxisTitle(const std::string& title) {
+  const std::size_t slash = title.find(" / ");
+  if (slash == std::string::npos) return title;
+  std::string unit = title.substr(slash + 3);
+  if (!unit.starts_with('(')) unit = "(" + unit + ")";
+  return title.substr(0, slash) + " " + unit;
+}
+
+double DotSize(std::size_t count) { return count <= 200 ? 0.9 : count <= 1000 ? 0.6 : 0.4; }
 
 PanelLayout StackPanels(std::size_t count, double panel_px, double gap_px) {
   constexpr double kTitle = 56.0;

@@ -29,6 +29,15 @@ std::string ExtendedName(const DiagnosisReport& report);
 /// "twist", "transmission error": what the response of a kind is.
 std::string ResponseName(std::string_view kind);
 
+/// "loop.csv: measured and simulated": what is shown, of which record.
+std::string TitleOf(const DiagnosisReport& report, const std::string& what);
+
+/// "torque / Nm" as all pictures have it: "torque (Nm)".
+std::string AxisTitle(const std::string& title);
+
+/// Size of dots for so many of them: few are large.
+double DotSize(std::size_t count);
+
 /// Panels one above the other: from the top in pixels, each between its edges.
 struct PanelEdges {
   double top{};  // share of the picture's height

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/diagnosis/record_data.h"
 
-#include <algorithm>
-#include <variant>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "analysis/units.h"
+#include "bench/diagnosis/vibration_channels.h"
+#include "bench/records/record_refusal.h"
 #include "daq/record_rules.h"
 
 namespace strainwave::bench {
@@ -93,21 +96,13 @@ std::vector<double> InputAnglesOf_rad(const Record& record) {
 }
 
 std::vector<std::string> VibrationChannelsOf(const Record& record) {
-  constexpr std::string_view kNoChannels[] = {"time_s", "temperature_degC", "input_speed_rpm",
-                                              "input_speed_rad_per_s"};
-  // What a predictor learns may stand beside the signals as a column.
-  constexpr std::string_view kLabels[] = {"k1_Nm_per_rad", "k2_Nm_per_rad", "k3_Nm_per_rad",
-                                          "e_avg_arcmin",  "e_max_arcmin",  "class"};
-  std::vector<std::string> names;
-  for (const daq::Column& column : record.columns) {
-    const bool holds_numbers = !std::holds_alternative<std::vector<daq::Direction>>(column.values);
-    if (holds_numbers && !daq::IsShaftAngle(column.name) &&
-        std::ranges::find(kNoChannels, column.name) == std::end(kNoChannels) &&
-        std::ranges::find(kLabels, column.name) == std::end(kLabels)) {
-      names.push_back(column.name);
-    }
+  VibrationColumns columns = SortVibrationColumns(record);
+  if (columns.channels.empty()) {
+    throw RecordRefusal(
+        record, fmt::format("no column is a channel of vibration{} (expected one such as accel_x_m_per_s2)",
+                            columns.warnings.empty() ? "" : ": " + columns.warnings.front().second));
   }
-  return names;
+  return std::move(columns.channels);
 }
 
 analysis::diagnosis::VibrationData VibrationDataOf(const Record& record) {

@@ -11,8 +11,7 @@ analysis::diagnosis::TransmissionErrorData TransmissionErrorDataOf(const daq::Re
 analysis::diagnosis::HysteresisData HysteresisDataOf(const daq::Record& record);
 /// A current in the torque's place is multiplied by its gain.
 analysis::diagnosis::MotionData MotionDataOf(const daq::Record& record);
-/// Every column of numbers is a channel but time, temperature, `input_speed_rpm` (`input_speed_rad_per_s`) and
-/// the angles of the shafts.
+/// The channels are those of `VibrationChannelsOf`.
 analysis::diagnosis::VibrationData VibrationDataOf(const daq::Record& record);
 
 /// Of a vibration record: a value a sample, one in all from the metadata, or none.
@@ -21,8 +20,8 @@ std::vector<double> InputSpeedsOf_rad_per_s(const daq::Record& record);
 /// Of a vibration record: the angle of the input shaft, a value a sample, or none.
 std::vector<double> InputAnglesOf_rad(const daq::Record& record);
 
-/// The columns that are channels of a vibration record, in its order: neither time, speed, angles of the
-/// shafts and temperature nor labels of a predictor.
+/// The columns that are channels of a vibration record, in its order (vibration_channels.h).
+/// @throws CampaignError naming the record if none is.
 std::vector<std::string> VibrationChannelsOf(const daq::Record& record);
 
 }  // namespace strainwave::bench

@@ -43,9 +43,14 @@ Abscissa AbscissaOf(const diagnosis::Study& study, std::initializer_list<std::st
 
 Abscissa ResponseAbscissa(const DiagnosisReport& report) {
   const diagnosis::Study& study = *report.input.study;
-  if (report.input.kind == "transmission_error") return AbscissaOf(study, {"output_angle"});
-  if (report.input.kind == "hysteresis") return AbscissaOf(study, {"torque"});
-  if (report.input.kind == "campaign") return AbscissaOf(study, {"cycle", "load_time", "time"});
+  if (report.input.kind == "transmission_error") {
+    Abscissa turn = AbscissaOf(study, {"output_angle"});
+    // From the first turn on, whichever turns of the shaft these were.
+    const double before = 360.0 * std::floor(std::ranges::min(turn.place) / 360.0 + 1e-6);
+    for (double& place : turn.place) place -= before;
+    return turn;
+  }
+  if (report.input.kind == "hysteresis") return AbscissaOf(study, {"torque"});  // drawn over the twist
   return AbscissaOf(study, {"time"});
 }
 
@@ -73,6 +78,9 @@ std::vector<std::size_t> DetailOf(const DiagnosisReport& report, std::size_t len
   std::iota(indices.begin(), indices.end(), first);
   return indices;
 }
+
+// As everywhere, a loop is drawn as torque over twist.
+bool IsLoop(const DiagnosisReport& report) { return report.input.kind == "hysteresis"; }
 
 // A line through so many turns would be a bush.
 bool IsZigzag(const std::vector<double>& values) {
@@ -110,17 +118,20 @@ std::string ResponsePanel(const DiagnosisReport& report, const Abscissa& absciss
     drawn.insert(drawn.end(), values->begin(), values->end());
   }
   data += BrokenBlock(name, indices, study.stretches(), {place, measured, before, after});
+  const auto over = [&](int column) {
+    return IsLoop(report) ? fmt::format("{}:1", column) : fmt::format("1:{}", column);
+  };
   const bool points = whole && IsZigzag(before);
   const auto style = [&](std::string_view colour, int shape) {
     return points ? fmt::format("points pointtype {} pointsize 0.5 linecolor rgb '{}'", shape, colour)
                   : fmt::format("lines linewidth 1.6 linecolor rgb '{}'", colour);
   };
   std::string plot = fmt::format(
-      "plot ${0} using 1:2 with points pointtype 7 pointsize {1} linecolor rgb '{2}',\\\n"
-      "  ${0} using 1:3 with {3}",
-      name, whole ? 0.45 : 0.7, kMeasuredColour, style(kLastColour.plain, 6));
+      "plot ${0} using {4} with points pointtype 7 pointsize {1} linecolor rgb '{2}',\\\n"
+      "  ${0} using {5} with {3}",
+      name, DotSize(indices.size()), kMeasuredColour, style(kLastColour.plain, 6), over(2), over(3));
   if (IsExtended(report)) {
-    plot += fmt::format(",\\\n  ${} using 1:4 with {}", name, style(kFirstColour.plain, 4));
+    plot += fmt::format(",\\\n  ${} using {} with {}", name, over(4), style(kFirstColour.plain, 4));
   }
   return plot + "\n";
 }
@@ -154,7 +165,7 @@ std::vector<double> Counted(std::span<const double> values, std::span<const std:
 
 }  // namespace
 
-void DrawResponse(const DiagnosisReport& report, const std::filesystem::path& stem) {
+std::filesystem::path DrawResponse(const DiagnosisReport& report, const std::filesystem::path& stem) {
   const diagnosis::Study& study = *report.input.study;
   const Abscissa abscissa = ResponseAbscissa(report);
   const std::size_t samples = study.measured().size();
@@ -167,14 +178,20 @@ void DrawResponse(const DiagnosisReport& report, const std::filesystem::path& st
   std::string data;
   std::vector<double> drawn;
   const std::string above = ResponsePanel(report, abscissa, "whole", whole, true, data, drawn);
-  std::string script = FrameCommands(layout.height_px, "measured and simulated");
-  script +=
-      fmt::format("set ylabel {}\nset xlabel {} offset 0,0.4\n",
-                  Quoted(fmt::format("{}{} ({})", ResponseName(report.input.kind),
-                                     shift == 0.0 ? "" : fmt::format(" less {:.10g}", shift), study.unit())),
-                  Quoted(abscissa.title));
-  script += fmt::format("set yrange {}\nset xrange {}\n", RangeText(drawn),
-                        RangeText(Picked(abscissa.place, whole), 0.01));
+  std::string script = FrameCommands(layout.height_px, TitleOf(report, "measured and simulated"));
+  const std::string response =
+      fmt::format("{}{} ({})", ResponseName(report.input.kind),
+                  shift == 0.0 ? "" : fmt::format(" less {:.10g}", shift), study.unit());
+  const std::string over = AxisTitle(abscissa.title);
+  script += fmt::format("set ylabel {}\nset xlabel {} offset 0,0.4\n",
+                        Quoted(IsLoop(report) ? over : response), Quoted(IsLoop(report) ? response : over));
+  const auto ranges = [&](const std::vector<double>& values, std::span<const std::size_t> indices) {
+    const std::string of_values = RangeText(values);
+    const std::string of_places = RangeText(Picked(abscissa.place, indices), 0.02);
+    return fmt::format("set yrange {}\nset xrange {}\n", IsLoop(report) ? of_places : of_values,
+                       IsLoop(report) ? of_values : of_places);
+  };
+  script += ranges(drawn, whole);
   std::vector<LegendEntry> legend{{kMeasuredColour, "measured"}, {kLastColour.plain, NominalName(report)}};
   if (IsExtended(report)) legend.push_back({kFirstColour.plain, ExtendedName(report)});
   script += Legend(legend, layout.panels[0], layout.height_px);
@@ -183,15 +200,15 @@ void DrawResponse(const DiagnosisReport& report, const std::filesystem::path& st
   const std::string below = ResponsePanel(report, abscissa, "detail", detail, false, data, drawn);
   script += Legend({{{"#666666", "in detail, where the " + NominalName(report) + " is off most", false}}},
                    layout.panels[1], layout.height_px);
-  script += fmt::format("set yrange {}\nset xrange {}\n", RangeText(drawn),
-                        RangeText(Picked(abscissa.place, detail), 0.02));
+  script += ranges(drawn, detail);
   script += PanelMargins(layout.panels[1]) + below + "unset multiplot\n";
-  RenderPicture(data + script, stem, {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
+  return RenderPicture(data + script, stem,
+                       {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
 }
 
-void DrawResidual(const DiagnosisReport& report, const std::filesystem::path& stem) {
+std::filesystem::path DrawResidual(const DiagnosisReport& report, const std::filesystem::path& stem) {
   const diagnosis::Study& study = *report.input.study;
-  const Abscissa abscissa = AbscissaOf(study, {"time", "cycle"});
+  const Abscissa abscissa = AbscissaOf(study, {"time"});
   const auto indices = Thinned(study.measured().size(), kMostDrawn);
   const auto place = Picked(abscissa.place, indices);
   const bool extended = IsExtended(report);
@@ -200,7 +217,8 @@ void DrawResidual(const DiagnosisReport& report, const std::filesystem::path& st
   const double floor = 2.0 * study.NoiseFloor() * unit;
   const auto before = Picked(diagnosis::ResidualsOf(study, report.result.nominal), indices, unit);
   const auto after = Picked(diagnosis::ResidualsOf(study, report.result.extended), indices, unit);
-  std::string script = FrameCommands(layout.height_px, "what the simulation misses") + MissLabel(study);
+  std::string script =
+      FrameCommands(layout.height_px, TitleOf(report, "what the simulation misses")) + MissLabel(study);
   script += fmt::format("set xrange {}\nset yrange {}\n", RangeText(place, 0.01),
                         RangeText(Counted(before, indices, report.result.weights)));
   if (floor > 0.0) {
@@ -212,21 +230,21 @@ void DrawResidual(const DiagnosisReport& report, const std::filesystem::path& st
   const std::string band = floor > 0.0 ? " (grey: 2 standard deviations of the noise)" : "";
   for (std::size_t k = 0; k < layout.panels.size(); ++k) {
     const std::string_view colour = k == 0 ? kLastColour.plain : kFirstColour.plain;
-    script += AxisBelow(k + 1 == layout.panels.size(), abscissa.title);
+    script += AxisBelow(k + 1 == layout.panels.size(), AxisTitle(abscissa.title));
     script += Legend({{{colour, k == 0 ? NominalName(report) + band : ExtendedName(report)}}},
                      layout.panels[k], layout.height_px);
     script += PanelMargins(layout.panels[k]);
     script += fmt::format(
-        "plot $residual using 1:{} with points pointtype 7 pointsize 0.35 linecolor rgb '{}'\nunset label "
+        "plot $residual using 1:{} with points pointtype 7 pointsize {} linecolor rgb '{}'\nunset label "
         "1000\n",
-        k + 2, colour);
+        k + 2, DotSize(indices.size()), colour);
   }
-  RenderPicture(DataBlock("residual", {place, before, after}) + script + "unset multiplot\n", stem,
-                {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
+  return RenderPicture(DataBlock("residual", {place, before, after}) + script + "unset multiplot\n", stem,
+                       {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
 }
 
-void DrawResidualOver(const DiagnosisReport& report, std::size_t regressor,
-                      const std::filesystem::path& stem) {
+std::filesystem::path DrawResidualOver(const DiagnosisReport& report, std::size_t regressor,
+                                       const std::filesystem::path& stem) {
   const diagnosis::Study& study = *report.input.study;
   const Regressor& over = study.regressors()[regressor];
   const std::string quantity = over.title.substr(0, over.title.find(" / "));
@@ -234,8 +252,9 @@ void DrawResidualOver(const DiagnosisReport& report, std::size_t regressor,
   const auto indices = Thinned(places.size(), kMostDrawn);
   const PanelLayout layout = StackPanels(IsExtended(report) ? 2 : 1, 300.0, 44.0);
   std::string data;
-  std::string script = FrameCommands(layout.height_px, "what the simulation misses, over " + quantity) +
-                       MissLabel(study) + fmt::format("set xrange {}\n", RangeText(places, 0.02));
+  std::string script =
+      FrameCommands(layout.height_px, TitleOf(report, "what the simulation misses, over " + quantity)) +
+      MissLabel(study) + fmt::format("set xrange {}\n", RangeText(places, 0.02));
   for (std::size_t k = 0; k < layout.panels.size(); ++k) {
     const bool nominal = k == 0;
     std::vector<double> residual =
@@ -250,20 +269,20 @@ void DrawResidualOver(const DiagnosisReport& report, std::size_t regressor,
     }
     const PictureColour& colour = nominal ? kLastColour : kFirstColour;
     script += AxisBelow(k + 1 == layout.panels.size(),
-                        over.title + (IsFolded(over) ? ", turns folded into one" : ""));
+                        AxisTitle(over.title) + (IsFolded(over) ? ", turns folded into one" : ""));
     script += Legend({{{colour.dark, "mean and 2 standard errors"},
                        {colour.plain, nominal ? NominalName(report) : ExtendedName(report)}}},
                      layout.panels[k], layout.height_px);
     script += PanelMargins(layout.panels[k]);
     script += fmt::format(
-        "plot $points{0} using 1:2 with points pointtype 7 pointsize 0.3 linecolor rgb '{1}',\\\n"
+        "plot $points{0} using 1:2 with points pointtype 7 pointsize {3} linecolor rgb '{1}',\\\n"
         "  $means{0} using 1:2:3 with yerrorbars pointtype 7 pointsize 0.8 linewidth 1.8 linecolor rgb "
         "'{2}'\n"
         "unset label 1000\n",
-        k, colour.pale, colour.dark);
+        k, colour.pale, colour.dark, DotSize(indices.size()));
   }
-  RenderPicture(data + script + "unset multiplot\n", stem,
-                {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
+  return RenderPicture(data + script + "unset multiplot\n", stem,
+                       {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
 }
 
 }  // namespace strainwave::bench

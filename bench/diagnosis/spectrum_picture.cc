@@ -88,7 +88,7 @@ Axis AxisOf(const DiagnosisReport& report) {
   } else {
     const bool is_time = axis.over != nullptr && axis.over->title.ends_with("/ s");
     axis.unit = is_time ? "Hz" : "per sample";
-    axis.title = is_time ? "frequency / Hz" : "periods per sample";
+    axis.title = is_time ? "frequency (Hz)" : "periods per sample";
     for (double& place : axis.angle_rad) place *= kTwoPi;
   }
   const auto [low, high] = std::ranges::minmax(axis.angle_rad);
@@ -267,7 +267,7 @@ std::size_t CountThatMatters(std::span<const double> before, std::span<const dou
 
 }  // namespace
 
-void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::path& stem) {
+std::filesystem::path DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::path& stem) {
   constexpr double kHeight = 560.0;
   Axis axis = AxisOf(report);
   const std::vector<NamedOrder> found = FoundOrders(report, axis);
@@ -284,7 +284,7 @@ void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::
     return std::span<const double>(amplitude).first(axis.count);
   };
   std::string script = DataBlock("spectrum", {orders, shown(before), shown(after)}) + CommonStyle();
-  script += TitleLabel("spectrum of what the simulation misses", kHeight);
+  script += TitleLabel(TitleOf(report, "spectrum of what the simulation misses"), kHeight);
   script += fmt::format(
       "set lmargin at screen {}\nset rmargin at screen {}\nset tmargin at screen {:.5f}\nset bmargin at "
       "screen {:.5f}\n",
@@ -309,7 +309,7 @@ void DrawResidualSpectrum(const DiagnosisReport& report, const std::filesystem::
         "  $spectrum using 1:3 with lines linewidth 1.4 linecolor rgb '{0}'",
         kFirstColour.plain);
   }
-  RenderPicture(script + "\n", stem, {.width_px = 1200, .height_px = static_cast<int>(kHeight)});
+  return RenderPicture(script + "\n", stem, {.width_px = 1200, .height_px = static_cast<int>(kHeight)});
 }
 
 }  // namespace strainwave::bench

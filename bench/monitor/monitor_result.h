@@ -28,6 +28,8 @@ struct MonitorResult {
   std::optional<SignalFault> fault;
   double distance{};  // above 1: outside the training
   bool outside_training{};
+  std::vector<std::string> left{};       // of training's torques, speeds and temperatures, in words
+  std::vector<std::string> not_known{};  // of these, and what contradicts itself; in words
   std::vector<MonitoredOutput> outputs;
   std::vector<AlarmLevel> alarms;  // of each output; after a window that is not good, as they were
   AlarmLevel alarm{};              // the highest of them

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -25,6 +26,7 @@ constexpr std::size_t kMostUnderWay = 20;  // what libmosquitto itself lets pass
 constexpr milliseconds kFirstPause{100};
 constexpr milliseconds kLongestPause{5000};
 constexpr milliseconds kAnswer{10'000};  // for a broker to accept a connection
+constexpr milliseconds kForState{2000};  // for a retained state of the primary host to come
 constexpr milliseconds kFarewell{1000};  // for a broker to acknowledge a death
 
 struct Library {
@@ -77,6 +79,8 @@ class MqttPublisher::Connection {
       LetGo();
       if (!accepted_ && steady_clock::now() - start > kAnswer) Lose("no answer");
       if (accepted_ && !lost_ && host_online_ && (!born_ || asked_for_birth_)) Birth();
+      const bool is_told = !host_said_.empty() || steady_clock::now() - accepted_at_ > kForState;
+      if (accepted_ && !lost_ && !host_online_ && !born_ && is_told) publisher_.TellWaiting(Waiting());
       if (born_ && !host_online_) {
         cause_ = "the primary host does not listen";
         break;
@@ -90,6 +94,19 @@ class MqttPublisher::Connection {
 
   const std::string& cause() const { return cause_; }
 
+  /// What keeps the windows here while nothing is wrong with the connection.
+  std::string Waiting() const {
+    const MqttSettings& settings = publisher_.settings_;
+    if (!accepted_) return fmt::format("no answer yet from {} port {}", settings.host, settings.port);
+    if (born_) return "the broker did not acknowledge them in time";
+    const std::string& host = settings.primary_host;
+    return fmt::format("waits for the primary host {}: {}", host,
+                       host_said_.empty()
+                           ? fmt::format("nothing is heard on {} (Sparkplug 3.0) or {} (2.2)",
+                                         protocols::HostStateTopic(host), protocols::OldHostStateTopic(host))
+                           : host_said_);
+  }
+
  private:
   void OnConnect(int code) {
     if (code != 0) {
@@ -97,11 +114,13 @@ class MqttPublisher::Connection {
       return;
     }
     accepted_ = true;
+    accepted_at_ = steady_clock::now();
     Check(mosquitto_subscribe(client_.get(), nullptr, publisher_.node_.CommandTopic().c_str(), 1));
     const std::string& host = publisher_.settings_.primary_host;
     host_online_ = host.empty();
     if (!host.empty()) {
       Check(mosquitto_subscribe(client_.get(), nullptr, protocols::HostStateTopic(host).c_str(), 1));
+      Check(mosquitto_subscribe(client_.get(), nullptr, protocols::OldHostStateTopic(host).c_str(), 1));
     }
   }
 
@@ -113,9 +132,16 @@ class MqttPublisher::Connection {
       return;
     }
     const auto state = protocols::ParseHostState(payload);
-    if (!state || state->time_ms < host_time_ms_) return;
+    if (!state) {
+      if (!host_time_ms_)
+        host_said_ = fmt::format("what is heard on {} is no state of a host", message.topic);
+      return;
+    }
+    // A host of both versions is believed by the newer one, where an old word cannot come last.
+    if (host_time_ms_ && (!state->time_ms || *state->time_ms < *host_time_ms_)) return;
     host_time_ms_ = state->time_ms;
     host_online_ = state->online;
+    host_said_ = fmt::format("it says on {} that it is {}line", message.topic, state->online ? "on" : "off");
   }
 
   // libmosquitto also calls this from within a publish, where the mutex may be held.
@@ -144,6 +170,7 @@ class MqttPublisher::Connection {
       publisher_.log_(fmt::format("mqtt: published the birth of {}/{}", publisher_.settings_.group,
                                   publisher_.settings_.node));
       publisher_.told_broken_ = false;
+      publisher_.told_waiting_.clear();
     }
     publisher_.live_ = true;
     publisher_.ShowLink();
@@ -202,7 +229,9 @@ class MqttPublisher::Connection {
   bool born_{};
   bool lost_{};
   bool host_online_{};
-  std::int64_t host_time_ms_{};
+  std::optional<std::int64_t> host_time_ms_;  // of its last word; nothing in Sparkplug 2.2
+  std::string host_said_;
+  steady_clock::time_point accepted_at_{};
   bool asked_for_birth_{};
   std::vector<int> acknowledged_;
   int farewell_{-1};
@@ -269,7 +298,7 @@ MqttPublisher::NotDelivered MqttPublisher::Finish(milliseconds patience) {
   }
   wake_.notify_all();
   thread_.join();
-  return {outbox_.size(), outbox_.dropped() - dropped_before_};
+  return {outbox_.size(), outbox_.dropped() - dropped_before_, waits_for_};
 }
 
 bool MqttPublisher::Finished() {
@@ -290,6 +319,12 @@ void MqttPublisher::ShowLink() {
            : fmt::format("mqtt: {} (what waits is in memory alone meanwhile)", told_trouble_));
 }
 
+void MqttPublisher::TellWaiting(const std::string& words) {
+  if (words == std::exchange(told_waiting_, words)) return;
+  const std::scoped_lock lock(mutex_);
+  log_(fmt::format("mqtt: {}; nothing is sent meanwhile, {} windows wait", words, outbox_.size()));
+}
+
 void MqttPublisher::Run() {
   const Library library;
   milliseconds pause = kFirstPause;
@@ -300,9 +335,12 @@ void MqttPublisher::Run() {
       Connection connection(*this);
       was_born = connection.Serve();
       cause = connection.cause();
+      waits_for_ = connection.Waiting();
     } catch (const CampaignError& error) {
       cause = error.what();  // a certificate that is being exchanged: the next try may find it
     }
+    if (!cause.empty())
+      waits_for_ = fmt::format("no connection to {} port {}: {}", settings_.host, settings_.port, cause);
     std::unique_lock lock(mutex_);
     outbox_.ConnectionLost();
     live_ = false;
@@ -310,8 +348,7 @@ void MqttPublisher::Run() {
     if (FinishedLocked()) return;
     const bool other_cause = cause != std::exchange(told_cause_, cause);
     if (!std::exchange(told_broken_, true) || was_born || other_cause) {
-      log_(fmt::format("mqtt: no connection to {} port {}: {}; {} windows wait", settings_.host,
-                       settings_.port, cause, outbox_.size()));
+      log_(fmt::format("mqtt: {}; {} windows wait", waits_for_, outbox_.size()));
     }
     pause = was_born ? kFirstPause : std::min(2 * pause, kLongestPause);
     wake_.wait_for(lock, pause, [this] { return FinishedLocked(); });

@@ -24,7 +24,8 @@ namespace strainwave::bench {
 ///
 /// Data goes with quality of service 1, where Sparkplug asks for 0: only what a broker acknowledges may be
 /// forgotten. Subscribers see no difference. With a primary host named, nothing is sent before that host says
-/// that it listens. With a store, what waits and the numbers of connections outlive the monitor.
+/// that it listens, by Sparkplug 3.0 or 2.2; what it waits for is told. With a store, what waits and the
+/// numbers of connections outlive the monitor.
 class MqttPublisher {
  public:
   using Log = std::function<void(const std::string& line)>;  // called from any thread
@@ -45,6 +46,7 @@ class MqttPublisher {
   struct NotDelivered {
     std::size_t waiting{};
     std::uint64_t dropped{};  // since the start, for which there was no room
+    std::string cause;        // what they waited for at last
   };
   /// Goes on until nothing waits or the time is over, then ends the connection with a death.
   NotDelivered Finish(std::chrono::milliseconds patience);
@@ -58,6 +60,7 @@ class MqttPublisher {
   void ShowLink();  // with the mutex held
   void RequireSameMetrics() const;
   protocols::MqttMessage Death();
+  void TellWaiting(const std::string& words);
 
   MqttSettings settings_;
   Board& board_;
@@ -65,13 +68,15 @@ class MqttPublisher {
   protocols::SparkplugEdgeNode node_;  // of the thread alone
   bool told_broken_{};                 // of the thread alone
   std::string told_cause_;             // of the thread alone
+  std::string told_waiting_;           // of the thread alone
+  std::string waits_for_;              // of the thread, until it has ended
   std::string told_trouble_;           // of the store
 
   std::mutex mutex_;
   std::condition_variable wake_;
   Outbox outbox_;
   std::uint64_t dropped_before_;  // by a monitor before this one
-  bool live_{};  // connected and born
+  bool live_{};                   // connected and born
   bool stopping_{};
   std::chrono::steady_clock::time_point deadline_{};
 

@@ -10,6 +10,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/diagnosis/record_data.h"
+#include "bench/prediction/record_operating_point.h"
 #include "daq/record_error.h"
 
 namespace strainwave::bench {
@@ -33,6 +34,19 @@ std::vector<double> OutputTurnsOf(const daq::Record& record, double ratio, doubl
     turns += step;
   }
   return values;
+}
+
+// What a record tells of torque, speed and temperature, as a device would: a channel each. A number of its
+// metadata holds throughout.
+void AddOperatingChannels(const daq::Record& record, VibrationChunk& whole) {
+  for (const OperatingName& name : OperatingNames()) {
+    if (std::ranges::find(whole.channels, name.name) != whole.channels.end()) continue;
+    std::vector<double> values = OperatingValuesOf(record, name.name);
+    if (values.size() == 1) values.resize(record.rows(), values.front());
+    if (values.empty()) continue;
+    whole.channels.emplace_back(name.name);
+    whole.samples.push_back(std::move(values));
+  }
 }
 
 }  // namespace
@@ -141,6 +155,7 @@ void ReplaySource::AddRecord(const daq::Record& record) {
       .origin = record.source.file + (record.source.group.empty() ? "" : " ") + record.source.group,
       .trouble = {}};
   for (const std::string& channel : whole.channels) whole.samples.push_back(record.CopyAsDoubles(channel));
+  AddOperatingChannels(record, whole);
   if (whole.samples.empty() || whole.samples.front().empty()) {
     whole.samples.clear();
     whole.trouble = "the record has no samples (expected channels of vibration)";

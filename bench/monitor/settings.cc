@@ -251,6 +251,10 @@ StreamSettings ReadSource(YamlMap map, const std::filesystem::path& folder) {
       Milliseconds(map.Quantity("silent_after", Dimension::kTime, Bound::kPositive, "3 s"));
   source.input_speed_rad_per_s =
       map.OptionalQuantity("input_speed", Dimension::kAngularSpeed, Bound::kNotZero);
+  source.operating[OperatingQuantity::kOutputTorque] =
+      map.OptionalQuantity("output_torque", Dimension::kTorque, Bound::kNotNegative);
+  source.operating[OperatingQuantity::kTemperature] =
+      map.OptionalQuantity("temperature", Dimension::kTemperature, Bound::kAny);
   for (YamlMap& channel : map.MapList("channels", Presence::kOptional)) {
     const std::string from = channel.Text("source");
     source.renamed.emplace_back(from, channel.Identifier("name"));

@@ -42,6 +42,7 @@ struct StreamSettings {
   StreamAddress address;
   std::int64_t silent_after_ms{3000};
   std::optional<double> input_speed_rad_per_s;
+  OperatingPoint operating;  // where no channel tells it
   std::vector<std::pair<std::string, std::string>>
       renamed;  // the source's name of a channel, the predictor's
 };

@@ -2,6 +2,7 @@
 #include "bench/monitor/window_judge.h"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <variant>
 
@@ -12,6 +13,7 @@ namespace strainwave::bench {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
+constexpr double kSecondsPerMinute = 60.0;
 
 std::vector<MonitoredOutput> OutputsOf(const PredictedOutputs& predicted) {
   std::vector<MonitoredOutput> outputs;
@@ -24,11 +26,13 @@ std::vector<MonitoredOutput> OutputsOf(const PredictedOutputs& predicted) {
 
 }  // namespace
 
-WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits, std::int64_t last_number)
+WindowJudge::WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits, std::int64_t last_number,
+                         const OperatingPoint& given)
     : predictor_(predictor),
       limits_(predictor.outputs().size()),
       alarms_(predictor.outputs().size()),
-      last_number_(last_number) {
+      last_number_(last_number),
+      given_(given) {
   if (predictor.classes() && !limits.empty()) {
     throw std::invalid_argument(fmt::format(
         "a threshold is for '{}' (expected none: the predictor tells classes)", limits.front().first));
@@ -49,6 +53,8 @@ MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
                        .end_ms = window.end_ns / kNanosecondsPerMillisecond,
                        .origin = window.origin,
                        .fault = window.fault,
+                       .left = {},
+                       .not_known = {},
                        .outputs = {},
                        .alarms = {}};
   if (!result.fault) {
@@ -56,7 +62,13 @@ MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
     for (std::size_t k = 0; k < window.channels.size(); ++k) {
       signals.push_back({window.channels[k], window.samples[k]});
     }
-    const auto predicted = predictor_.Predict(signals, window.sample_rate_hz, window.samples_per_turn);
+    OperatingPoint own = OperatingPointOf(signals);
+    if (window.samples_per_turn)
+      own[OperatingQuantity::kInputSpeed] =
+          window.sample_rate_hz * kSecondsPerMinute / *window.samples_per_turn;
+    const OperatingPoint operating = Completed(own, given_);
+    const auto predicted =
+        predictor_.Predict(signals, window.sample_rate_hz, window.samples_per_turn, operating);
     if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
       result.fault = *fault;
     } else {
@@ -64,6 +76,9 @@ MonitorResult WindowJudge::Judge(const VibrationWindow& window) {
       result.outputs = OutputsOf(outputs);
       result.distance = outputs.distance;
       result.outside_training = outputs.outside_training();
+      result.left = outputs.left;
+      result.not_known = predictor_.recipe().envelope.NotKnown(operating);
+      std::ranges::move(Contradictions(own, given_), std::back_inserter(result.not_known));
     }
   }
   for (std::size_t i = 0; i < alarms_.size(); ++i) {

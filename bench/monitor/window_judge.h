@@ -21,9 +21,11 @@ class WindowJudge {
  public:
   /// @param predictor  outlives the judge.
   /// @param last_number  of the window before the first one.
+  /// @param given  under what the reducer runs, where the stream does not tell it.
   /// @throws std::invalid_argument if a limit is of an output that the predictor does not have, or of a
   /// class.
-  WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits, std::int64_t last_number = 0);
+  WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits, std::int64_t last_number = 0,
+              const OperatingPoint& given = {});
 
   /// Windows in order of time. Only a window that is good moves an alarm.
   MonitorResult Judge(const VibrationWindow& window);
@@ -33,6 +35,7 @@ class WindowJudge {
   std::vector<AlarmLimits> limits_;  // of each output
   std::vector<AlarmState> alarms_;
   std::int64_t last_number_;
+  OperatingPoint given_;
 };
 
 }  // namespace strainwave::bench

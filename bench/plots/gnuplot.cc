@@ -10,6 +10,8 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string_view>
 
@@ -133,10 +135,24 @@ fs::path WithSuffix(const fs::path& stem, std::string_view suffix) {
   return path;
 }
 
+std::string BytesOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Whether there is a picture of that name which is not this one.
+bool HoldsAnother(const fs::path& name, const fs::path& svg, const fs::path& png) {
+  const auto differs = [&](std::string_view ending, const fs::path& file) {
+    const fs::path there = WithSuffix(name, ending);
+    return fs::exists(there) && BytesOf(there) != BytesOf(file);
+  };
+  return differs(".svg", svg) || differs(".png", png);
+}
+
 }  // namespace
 
-void RenderPictureWith(const std::string& program, const std::string& script, const fs::path& stem,
-                       PictureSize size) {
+fs::path RenderPictureWith(const std::string& program, const std::string& script, const fs::path& stem,
+                           PictureSize size) {
   if (stem.has_parent_path()) {
     fs::create_directories(stem.parent_path());
   }
@@ -165,12 +181,16 @@ void RenderPictureWith(const std::string& program, const std::string& script, co
     fs::remove(png, ignored);
     throw;
   }
-  fs::rename(svg, WithSuffix(stem, ".svg"));
-  fs::rename(png, WithSuffix(stem, ".png"));
+  fs::path name = stem;
+  for (int number = 2; HoldsAnother(name, svg, png); ++number)
+    name = WithSuffix(stem, fmt::format("_{}", number));
+  fs::rename(svg, WithSuffix(name, ".svg"));
+  fs::rename(png, WithSuffix(name, ".png"));
+  return name;
 }
 
-void RenderPicture(const std::string& script, const fs::path& stem, PictureSize size) {
-  RenderPictureWith("gnuplot", script, stem, size);
+fs::path RenderPicture(const std::string& script, const fs::path& stem, PictureSize size) {
+  return RenderPictureWith("gnuplot", script, stem, size);
 }
 
 }  // namespace strainwave::bench

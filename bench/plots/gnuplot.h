@@ -20,15 +20,18 @@ struct PictureSize {
 };
 
 /// Draws `script` with gnuplot into `stem`.svg and `stem`.png. Each file is written aside and renamed, so it
-/// appears whole or not at all; the folder of `stem` is made when it is missing.
+/// appears whole or not at all; the folder of `stem` is made when it is missing. A picture that is there
+/// already is never overwritten by another one, which then is `stem`_2.
 ///
 /// @param script  gnuplot commands with inline data; no `set terminal` and no `set output`.
+/// @return the picture's path without ending.
 /// @throws GnuplotError if gnuplot cannot be started, ends with an error, or leaves no picture.
 /// @throws std::filesystem::filesystem_error if the folder or a file cannot be written.
-void RenderPicture(const std::string& script, const std::filesystem::path& stem, PictureSize size = {});
+std::filesystem::path RenderPicture(const std::string& script, const std::filesystem::path& stem,
+                                    PictureSize size = {});
 
 /// The same with another program in gnuplot's place.
-void RenderPictureWith(const std::string& program, const std::string& script,
-                       const std::filesystem::path& stem, PictureSize size = {});
+std::filesystem::path RenderPictureWith(const std::string& program, const std::string& script,
+                                        const std::filesystem::path& stem, PictureSize size = {});
 
 }  // namespace strainwave::bench

@@ -68,13 +68,15 @@ struct Layer {
   std::string slopes;
 };
 
-std::string SlopeElement(std::string_view id, int piece, const analysis::Estimate& k_Nm_per_rad,
-                         double from_Nm, double to_Nm, double linewidth, std::string_view colour) {
+std::string SlopeElement(std::string_view id, const std::string& label, int piece,
+                         const analysis::Estimate& k_Nm_per_rad, double from_Nm, double to_Nm,
+                         double linewidth, std::string_view colour) {
   constexpr std::array<std::string_view, 3> kNames{"K₁", "K₂", "K₃"};
+  // K1 and K3, which have one colour, differ by their dashes.
   return fmt::format(
-      "$spring_{}_{} using 1:2 with lines linewidth {} linecolor rgb '{}' title {}", id, piece, linewidth,
-      colour,
-      Quoted(fmt::format("{} = {}, {:g} to {:g} Nm", kNames[static_cast<std::size_t>(piece - 1)],
+      "$spring_{}_{} using 1:2 with lines linewidth {} dashtype {} linecolor rgb '{}' title {}", id, piece,
+      linewidth, piece == 3 ? "'-'" : "1", colour,
+      Quoted(fmt::format("{}, {} = {}, {:g} to {:g} Nm", label, kNames[static_cast<std::size_t>(piece - 1)],
                          EstimateText(k_Nm_per_rad, "Nm/rad"), from_Nm, to_Nm)));
 }
 
@@ -109,17 +111,20 @@ Layer MakeLayer(std::string_view id, const HysteresisCurve& curve, const Picture
     layer.data += DataBlock(fmt::format("spring_{}_{}", id, piece), {x, y});
   }
   const analysis::TestTorques& t = curve.torques;
-  layer.slopes = SlopeElement(id, 1, curve.k1_Nm_per_rad, 0.0, t.t1_Nm, 2.5 + rim, colour.dark) + ",\\\n  " +
-                 SlopeElement(id, 2, curve.k2_Nm_per_rad, t.t1_Nm, t.t2_Nm, 2.5 + rim, colour.plain) +
-                 ",\\\n  " +
-                 SlopeElement(id, 3, curve.k3_Nm_per_rad, t.t2_Nm, t.t3_Nm, 2.5 + rim, colour.dark);
+  layer.slopes =
+      SlopeElement(id, curve.label, 1, curve.k1_Nm_per_rad, 0.0, t.t1_Nm, 2.5 + rim, colour.dark) +
+      ",\\\n  " +
+      SlopeElement(id, curve.label, 2, curve.k2_Nm_per_rad, t.t1_Nm, t.t2_Nm, 2.5 + rim, colour.plain) +
+      ",\\\n  " +
+      SlopeElement(id, curve.label, 3, curve.k3_Nm_per_rad, t.t2_Nm, t.t3_Nm, 2.5 + rim, colour.dark);
   return layer;
 }
 
 }  // namespace
 
-void DrawHysteresis(const std::string& title, const HysteresisCurve& first,
-                    const std::optional<HysteresisCurve>& last, const std::filesystem::path& stem) {
+std::filesystem::path DrawHysteresis(const std::string& title, const HysteresisCurve& first,
+                                     const std::optional<HysteresisCurve>& last,
+                                     const std::filesystem::path& stem) {
   const Layer lower = MakeLayer("first", first, kFirstColour, last ? 3.5 : 0.0);
   std::string script = lower.data;
   std::string elements = lower.loops + ",\\\n  " + lower.slopes;
@@ -137,7 +142,7 @@ void DrawHysteresis(const std::string& title, const HysteresisCurve& first,
   script +=
       fmt::format("set key below vertical maxrows {} Left reverse samplen 3 spacing 1.2 width 2\n", rows);
   script += "plot " + elements + "\n";
-  RenderPicture(script, stem, {.width_px = 1100, .height_px = 900});
+  return RenderPicture(script, stem, {.width_px = 1100, .height_px = 900});
 }
 
 }  // namespace strainwave::bench

@@ -28,9 +28,11 @@ struct HysteresisCurve {
 /// Torque over twist, with the fitted loop and the lines of K1–K3, whose values stand in the key. `last` is
 /// laid over `first` in another colour. Writes `stem`.svg and `stem`.png.
 ///
+/// @return the picture's path, as RenderPicture does.
 /// @throws std::invalid_argument if a curve is empty or its columns differ in length.
 /// @throws GnuplotError, std::filesystem::filesystem_error as RenderPicture does.
-void DrawHysteresis(const std::string& title, const HysteresisCurve& first,
-                    const std::optional<HysteresisCurve>& last, const std::filesystem::path& stem);
+std::filesystem::path DrawHysteresis(const std::string& title, const HysteresisCurve& first,
+                                     const std::optional<HysteresisCurve>& last,
+                                     const std::filesystem::path& stem);
 
 }  // namespace strainwave::bench

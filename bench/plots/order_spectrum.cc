@@ -28,8 +28,9 @@ double AmplitudeArcmin(const OrderLine& line) { return ArcminFromRad(line.amplit
 
 std::vector<OrderLine> NamedOrders(std::span<const OrderLine> lines) {
   std::vector<OrderLine> named;
-  std::copy_if(lines.begin(), lines.end(), std::back_inserter(named),
-               [](const OrderLine& line) { return !line.name.empty(); });
+  std::copy_if(lines.begin(), lines.end(), std::back_inserter(named), [](const OrderLine& line) {
+    return !line.name.empty() && std::isfinite(line.amplitude_rad.value);
+  });
   std::stable_sort(named.begin(), named.end(), [](const OrderLine& a, const OrderLine& b) {
     return AmplitudeArcmin(a) > AmplitudeArcmin(b);
   });

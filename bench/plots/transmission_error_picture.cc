@@ -121,9 +121,9 @@ std::span<const OrderLine> Orders(const TransmissionErrorCurve& curve) {
 
 }  // namespace
 
-void DrawTransmissionError(const std::string& title, const TransmissionErrorCurve& first,
-                           const std::optional<TransmissionErrorCurve>& last,
-                           const std::filesystem::path& stem) {
+std::filesystem::path DrawTransmissionError(const std::string& title, const TransmissionErrorCurve& first,
+                                            const std::optional<TransmissionErrorCurve>& last,
+                                            const std::filesystem::path& stem) {
   const TransmissionErrorCurve* const second = last ? &*last : nullptr;
   Check(first);
   if (second) {
@@ -169,7 +169,7 @@ void DrawTransmissionError(const std::string& title, const TransmissionErrorCurv
   script += "set xzeroaxis linetype 1 linewidth 0.8 linecolor rgb '#AAAAAA'\n";
   script += "set key at graph 0,1.03 left bottom vertical maxrows 1 Left reverse samplen 2.5\n";
   script += plots + "unset label\nset format x '%g'\n" + spectrum.commands + "unset multiplot\n";
-  RenderPicture(script, stem, {.width_px = 1200, .height_px = static_cast<int>(height)});
+  return RenderPicture(script, stem, {.width_px = 1200, .height_px = static_cast<int>(height)});
 }
 
 }  // namespace strainwave::bench

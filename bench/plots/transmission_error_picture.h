@@ -19,10 +19,11 @@ struct TransmissionErrorCurve {
 /// numbered in the spectrum and listed beside it with their amplitudes. The spectrum is that of the clockwise
 /// sweep where there is one. `last` is laid over `first` in another colour. Writes `stem`.svg and `stem`.png.
 ///
+/// @return the picture's path, as RenderPicture does.
 /// @throws std::invalid_argument if a curve has neither direction.
 /// @throws GnuplotError, std::filesystem::filesystem_error as RenderPicture does.
-void DrawTransmissionError(const std::string& title, const TransmissionErrorCurve& first,
-                           const std::optional<TransmissionErrorCurve>& last,
-                           const std::filesystem::path& stem);
+std::filesystem::path DrawTransmissionError(const std::string& title, const TransmissionErrorCurve& first,
+                                            const std::optional<TransmissionErrorCurve>& last,
+                                            const std::filesystem::path& stem);
 
 }  // namespace strainwave::bench

@@ -60,7 +60,8 @@ std::pair<double, double> CycleRange(std::span<const Trend> trends) {
 
 }  // namespace
 
-void DrawTrends(const std::string& title, std::span<const Trend> trends, const std::filesystem::path& stem) {
+std::filesystem::path DrawTrends(const std::string& title, std::span<const Trend> trends,
+                                 const std::filesystem::path& stem) {
   if (trends.empty()) {
     throw std::invalid_argument("trends is empty (expected at least one)");
   }
@@ -103,7 +104,7 @@ void DrawTrends(const std::string& title, std::span<const Trend> trends, const s
       fmt::format("set xrange [{}:{}]\nset ytics 1,1\nset ytics autofreq\n", first - margin, last + margin);
   script += "set offsets 0,0,graph 0.08,graph 0.08\n";
   script += "set multiplot\n" + plots + "unset multiplot\n";
-  RenderPicture(script, stem, {.width_px = 1100, .height_px = height_px});
+  return RenderPicture(script, stem, {.width_px = 1100, .height_px = height_px});
 }
 
 }  // namespace strainwave::bench

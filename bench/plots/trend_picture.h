@@ -19,9 +19,11 @@ struct Trend {
 /// One panel for each trend, above each other over a common axis of cycles, with a band of ± one standard
 /// error. Writes `stem`.svg and `stem`.png.
 ///
+/// @return the picture's path, as RenderPicture does.
 /// @throws std::invalid_argument if there is no trend, or a trend's columns differ in length or hold no
 /// value.
 /// @throws GnuplotError, std::filesystem::filesystem_error as RenderPicture does.
-void DrawTrends(const std::string& title, std::span<const Trend> trends, const std::filesystem::path& stem);
+std::filesystem::path DrawTrends(const std::string& title, std::span<const Trend> trends,
+                                 const std::filesystem::path& stem);
 
 }  // namespace strainwave::bench

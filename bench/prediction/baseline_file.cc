@@ -25,7 +25,7 @@ Json ByName(const std::vector<std::string>& names, const Eigen::RowVectorXd& val
 Json FeaturesJson(const FeatureRecipe& recipe) {
   Json json = JsonOf(recipe);
   for (const char* of_one_predictor :
-       {"channels", "inputs", "least_samples", "baseline_records", "decimates"})
+       {"channels", "inputs", "least_samples", "baseline_records", "decimates", "operating_envelope"})
     json.erase(of_one_predictor);
   return json;
 }

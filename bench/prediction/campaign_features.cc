@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_error.h"
@@ -18,6 +19,7 @@
 #include "bench/campaign/recompute.h"
 #include "bench/diagnosis/record_data.h"
 #include "bench/prediction/record_features.h"
+#include "bench/prediction/record_operating_point.h"
 #include "bench/prediction/record_windows.h"
 #include "daq/arrays_file.h"
 #include "daq/data_file_error.h"
@@ -35,6 +37,7 @@ struct CycleFeatures {
   std::vector<double> values;
   double sample_rate_hz{};
   std::size_t samples{};
+  OperatingPoint operating;
   std::string left_out;
 };
 
@@ -56,7 +59,9 @@ CycleFeatures FeaturesOf(const std::vector<NamedRecord>& records, bool motor_tor
   }
   daq::Record vibration = *found;
   const daq::Record* const rotation = FindRecord(records, "motion", kTorqueChannel);
+  if (rotation != nullptr) AddOperatingPoint(vibration, *rotation);
   if (motor_torque && rotation != nullptr) AddMotorTorque(vibration, *rotation);
+  cycle.operating = OperatingPointOf(vibration);
   cycle.channels = VibrationChannelsOf(vibration);
   cycle.sample_rate_hz = SampleRateOf_hz(vibration);
   cycle.samples = vibration.rows();
@@ -82,7 +87,8 @@ daq::Attributes AttributesOf(const FeatureSettings& settings, bool motor_torque,
           {"channels", fmt::format("{}", fmt::join(features.channels, " "))},
           {"torque_channels", fmt::format("{}", fmt::join(features.torque_channels, " "))},
           {"sample_rate_hz", daq::ShortestText(features.sample_rate_hz)},
-          {"least_samples", std::to_string(features.least_samples)}};
+          {"least_samples", std::to_string(features.least_samples)},
+          {"operating_envelope", features.operating.Json().dump()}};
 }
 
 std::vector<std::string> Words(const std::string& text) {
@@ -116,6 +122,8 @@ std::optional<CampaignFeatures> Kept(const std::filesystem::path& store, const F
     kept.sample_rate_hz = daq::NumberFromText(attributes.at("sample_rate_hz")).value();
     kept.least_samples =
         static_cast<std::size_t>(daq::NumberFromText(attributes.at("least_samples")).value());
+    kept.operating =
+        OperatingEnvelope::From(nlohmann::ordered_json::parse(attributes.at("operating_envelope")));
     if (file.attributes != AttributesOf(settings, motor_torque, kept)) return std::nullopt;
     kept.names = NamesOf(kept, channel_features);
     const daq::NamedArray* const cycle = file.Find("cycle");
@@ -201,6 +209,7 @@ void Append(CampaignFeatures& all, const std::vector<int>& cycles, std::vector<C
       continue;
     }
     all.least_samples = std::min(all.least_samples, one.samples);
+    all.operating.Include(one.operating);
     all.cycle.push_back(cycles[i]);
     rows.emplace_back(Eigen::Map<const Eigen::RowVectorXd>(one.values.data(),
                                                            static_cast<Eigen::Index>(one.values.size())));

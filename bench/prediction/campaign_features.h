@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "bench/prediction/feature_settings.h"
+#include "bench/prediction/operating_envelope.h"
 
 namespace strainwave::bench {
 
@@ -21,6 +22,7 @@ struct CampaignFeatures {
   Eigen::MatrixXd values;   // cycles × names
   double sample_rate_hz{};  // of the vibration
   std::size_t least_samples{};
+  OperatingEnvelope operating;     // of these cycles
   std::vector<std::string> notes;  // cycles that were left out, and why
 };
 

@@ -28,7 +28,7 @@ Labels LabelsOf(const std::vector<Result>& results, const std::vector<std::strin
       labels.missing = output + " was not measured";
       return labels;
     }
-    if (!(result->flag.empty() || result->flag.starts_with(kThermalFlag)) || !std::isfinite(result->value)) {
+    if (!IsSound(*result) || !std::isfinite(result->value)) {
       labels.missing = fmt::format("{} is flagged: {}", output, result->flag);
       return labels;
     }
@@ -63,10 +63,11 @@ SourceRows ReadCampaignRows(const std::filesystem::path& path, const SourceSetti
   const std::size_t all_channels = features.channels.size() + features.torque_channels.size();
   SourceRows rows{
       .source = path,
-      .specimen = journal.Property("specimen").value_or(path.string()),
+      .specimen = journal.Property("specimen").value_or(""),
       .shape = {features.channels, features.names,
                 features.names.size() / all_channels * features.channels.size(), features.sample_rate_hz},
       .least_samples = features.least_samples,
+      .operating = features.operating,
       .place = {},
       .features = {},
       .targets = {},

@@ -96,7 +96,8 @@ Json RecipeJson(const Predictor& predictor, const std::string& onnx, const std::
 
 ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem::path& folder) {
   const Json training = Json::parse(predictor.training_json);
-  OnnxMetadata metadata{{"data_sha256", training.at("data_sha256").get<std::string>()}};
+  OnnxMetadata metadata{{"data_sha256", training.at("data_sha256").get<std::string>()},
+                        {"operating_envelope", predictor.recipe.envelope.Json().dump()}};
   for (std::size_t i = 0; i < predictor.outputs.size(); ++i) {
     metadata.emplace_back(fmt::format("output_{}", i), predictor.outputs[i]);
   }

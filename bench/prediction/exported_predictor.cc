@@ -196,8 +196,10 @@ OnnxNetwork::Output ExportedPredictor::RunSinceBaseline(const Eigen::RowVectorXd
   return output;
 }
 
-std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
-    std::span<const NamedSignal> signals, double sample_rate_hz, std::optional<double> samples_per_turn) {
+std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(std::span<const NamedSignal> signals,
+                                                                       double sample_rate_hz,
+                                                                       std::optional<double> samples_per_turn,
+                                                                       const OperatingPoint& operating) {
   if (auto fault = inputs_.Compute(signals, sample_rate_hz, samples_per_turn, features_))
     return *std::move(fault);
   if ((parts_.recipe.baseline_records > 0) != baseline_.has_value()) {
@@ -206,12 +208,13 @@ std::variant<PredictedOutputs, SignalFault> ExportedPredictor::Predict(
   const OnnxNetwork::Output output = RunSinceBaseline(features_);
   PredictedOutputs predicted{.value = {output.prediction.begin(), output.prediction.end()},
                              .half_width = {output.half_width.begin(), output.half_width.end()},
-                             .distance = output.distance};
+                             .distance = output.distance,
+                             .left = parts_.recipe.envelope.Left(operating)};
   if (!output.prediction.allFinite() || !output.half_width.allFinite() || !std::isfinite(output.distance)) {
     return SignalFault{SignalFaultKind::kUndefined,
                        "the prediction is not a number (expected signals like those trained on)"};
   }
-  if (!predicted.outside_training()) return predicted;
+  if (predicted.distance <= 1.0) return predicted;
   const std::vector<std::string>& channels = parts_.recipe.channels;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     for (std::size_t j = i + 1; j < channels.size(); ++j) {

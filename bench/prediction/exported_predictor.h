@@ -47,9 +47,10 @@ inline constexpr double kExportAgreement = 1e-5;
 struct PredictedOutputs {
   std::vector<double> value;
   std::vector<double> half_width;
-  double distance{};  // above 1: outside what was trained on, nothing is promised
+  double distance{};                // above 1: outside what was trained on, nothing is promised
+  std::vector<std::string> left{};  // of the torques, speeds and temperatures of the training, in words
 
-  bool outside_training() const { return !(distance <= 1.0); }
+  bool outside_training() const { return !(distance <= 1.0) || !left.empty(); }
 };
 
 /// A folder that `strainwave export` wrote, as a monitor runs it. One object a thread.
@@ -73,11 +74,13 @@ class ExportedPredictor {
 
   /// @param signals  in any order, samples at `sample_rate_hz`.
   /// @param samples_per_turn  of the input shaft, where it is known; energies by order need it.
+  /// @param operating  under what the reducer runs, as far as it is known.
   /// @return the outputs, or why there are none (signal_inputs.h). Signals that lie outside what was trained
   ///   on but would not if two channels were exchanged, count as swapped.
   std::variant<PredictedOutputs, SignalFault> Predict(std::span<const NamedSignal> signals,
                                                       double sample_rate_hz,
-                                                      std::optional<double> samples_per_turn = {});
+                                                      std::optional<double> samples_per_turn = {},
+                                                      const OperatingPoint& operating = {});
 
  private:
   struct Parts {

@@ -52,6 +52,7 @@ Json JsonOf(const FeatureRecipe& recipe) {
   json["window"] = {{"samples", recipe.window.samples}, {"turns", recipe.window.turns}};
   json["least_samples"] = recipe.least_samples;
   json["baseline_records"] = recipe.baseline_records;
+  json["operating_envelope"] = recipe.envelope.Json();
   json["inputs"] = recipe.inputs;
   return json;
 }
@@ -65,11 +66,14 @@ FeatureRecipe RecipeFrom(const Json& json, const std::filesystem::path& file) {
                          .window = {},
                          .least_samples = json.at("least_samples").get<std::size_t>(),
                          .baseline_records = json.value("baseline_records", 0),
+                         .envelope = {},
                          .inputs = json.at("inputs").get<std::vector<std::string>>()};
     if (json.contains("window")) {
       recipe.window = {json.at("window").at("samples").get<std::size_t>(),
                        json.at("window").at("turns").get<int>()};
     }
+    if (json.contains("operating_envelope"))
+      recipe.envelope = OperatingEnvelope::From(json.at("operating_envelope"));
     ChannelFeatures{recipe.features};  // throws for a wavelet, levels or edges that there are not
     Require(recipe.sample_rate_hz > 0.0, "sample_rate_hz is not above 0");
     Require(recipe.baseline_records >= 0, "baseline_records is below 0");

@@ -9,6 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "bench/prediction/feature_settings.h"
+#include "bench/prediction/operating_envelope.h"
 #include "bench/prediction/signal_settings.h"
 
 namespace strainwave::bench {
@@ -23,6 +24,7 @@ struct FeatureRecipe {
   WindowLength window;
   std::size_t least_samples{};      // of a window
   int baseline_records{};           // since which features and outputs are changes (0: they are values)
+  OperatingEnvelope envelope{};     // of the records that were trained on
   std::vector<std::string> inputs;  // the features that are kept, by name, in the networks' order
 
   SignalSettings signals() const { return {channels, sample_rate_hz, decimates}; }

@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/prediction/network_worth.h"
+
 namespace strainwave::bench {
 namespace {
 
@@ -72,6 +74,26 @@ std::string FoldsText(const Json& folds, const Predictor& predictor) {
   return text;
 }
 
+std::string WorthText(const Json& training) {
+  const std::string sentence = WorthSentence(training);
+  return sentence.empty() ? "" : "**" + sentence + "**\n\n";
+}
+
+std::string EnvelopeText(const OperatingEnvelope& envelope) {
+  std::string text = "\n## Operating range\n\n| | least | greatest |\n" + Rule(3);
+  for (const OperatingQuantity quantity : kOperatingQuantities) {
+    const auto range = envelope.RangeOf(quantity);
+    text += range ? fmt::format("| {} | {:.4g} | {:.4g} |\n", NameOf(quantity), range->least, range->greatest)
+                  : fmt::format("| {} | not known | not known |\n", NameOf(quantity));
+  }
+  return text +
+         "\nOf the records that were trained on. Beyond these, by more than a twentieth of torque or speed "
+         "or 5 K, "
+         "what is predicted is outside, however near the signal's features lie. Under what training did not "
+         "know, "
+         "nothing is noticed.\n";
+}
+
 Json CardJson(const Predictor& predictor, const std::string& date) {
   const auto& fitted = predictor.fitted;
   Json range;
@@ -82,6 +104,7 @@ Json CardJson(const Predictor& predictor, const std::string& date) {
   return {{"exported_utc", date},
           {"predicts", predictor.classes() ? "classes" : "values"},
           {"outputs", predictor.outputs},
+          {"operating_envelope", predictor.recipe.envelope.Json()},
           {"training", Json::parse(predictor.training_json)},
           {"valid_range", std::move(range)}};
 }
@@ -90,13 +113,13 @@ std::string CardText(const Predictor& predictor, const Json& card) {
   const Json& training = card.at("training");
   std::string text = fmt::format(
       "# Predictor of {}\n\nFrom vibration ({} at {:g} Hz{}, features: {}, at least {} samples). Exported "
-      "{}.\n\n"
+      "{}.\n\n{}"
       "## Trained on\n\n| source | specimen | records |\n| --- | --- | --- |\n",
       predictor.classes() ? fmt::format("the class: {}", fmt::join(predictor.outputs, ", "))
                           : fmt::format("{}", fmt::join(predictor.outputs, ", ")),
       fmt::join(predictor.recipe.channels, ", "), predictor.recipe.sample_rate_hz,
       WindowText(predictor.recipe.window), NameOf(predictor.recipe.features.set),
-      predictor.recipe.least_samples, card.at("exported_utc").get<std::string>());
+      predictor.recipe.least_samples, card.at("exported_utc").get<std::string>(), WorthText(training));
   for (const Json& campaign : training.at("campaigns")) {
     text +=
         fmt::format("| {} | {} | {} |\n", campaign.at("folder").get<std::string>(),
@@ -106,6 +129,7 @@ std::string CardText(const Predictor& predictor, const Json& card) {
                       training.at("data_sha256").get<std::string>(), training.at("design").get<std::string>(),
                       SearchText(training), predictor.fitted.ensemble.members.size(),
                       predictor.fitted.ensemble.line.empty() ? "" : " beside a line (ridge)");
+  text += EnvelopeText(predictor.recipe.envelope);
   if (predictor.recipe.baseline_records > 0) {
     text += fmt::format(
         "\n## Baseline\n\nIt tells changes: the means over a reducer's first {} records are taken off the "

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "bench/diagnosis/record_checks.h"
 #include "bench/prediction/record_windows.h"
+#include "bench/records/record_refusal.h"
 
 namespace strainwave::bench {
 

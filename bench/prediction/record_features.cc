@@ -10,8 +10,11 @@
 #include <stdexcept>
 
 #include "analysis/units.h"
-#include "bench/diagnosis/record_checks.h"
 #include "bench/diagnosis/record_data.h"
+#include "bench/diagnosis/vibration_channels.h"
+#include "bench/prediction/record_operating_point.h"
+#include "bench/records/look_at_samples.h"
+#include "bench/records/record_refusal.h"
 #include "daq/read_records.h"
 
 namespace strainwave::bench {
@@ -84,13 +87,16 @@ bool HasMotorTorque(const std::vector<std::string>& channels) {
 
 std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path, MotorTorque motor_torque) {
   std::vector<daq::Record> records = daq::ReadRecords(path);
-  if (motor_torque == MotorTorque::kAdded) {
-    const auto rotation = std::ranges::find_if(records, [](const daq::Record& record) {
-      return record.kind == "motion" && record.FindColumn("output_torque_Nm") != nullptr && record.rows() > 1;
-    });
-    for (daq::Record& record : records) {
-      if (record.kind == "vibration" && rotation != records.end()) AddMotorTorque(record, *rotation);
-    }
+  const auto rotation = std::ranges::find_if(records, [](const daq::Record& record) {
+    return record.kind == "motion" && record.FindColumn("output_torque_Nm") != nullptr && record.rows() > 1;
+  });
+  for (daq::Record& record : records) {
+    if (record.kind != "vibration" || rotation == records.end()) continue;
+    AddOperatingPoint(record, *rotation);
+    if (motor_torque == MotorTorque::kAdded) AddMotorTorque(record, *rotation);
+  }
+  for (daq::Record& record : records) {
+    if (record.kind == "vibration") LookAtSamples(record);
   }
   std::vector<std::string> kinds;
   for (const daq::Record& record : records) {

@@ -34,7 +34,9 @@ constexpr MotorTorque MotorTorqueAdded(bool added) {
 }
 
 /// The records of kind vibration in a file. Records of other kinds beside them in one HDF5 file are passed
-/// over, but for the motor's torque of a measurement rotation where it is to be added.
+/// over, but that a measurement rotation beside the vibration tells its torque and temperature
+/// (record_operating_point.h), and the motor's torque where it is to be added. What of the columns is no
+/// channel (vibration_channels.h) stands in the notes.
 /// @throws RecordError; CampaignError if the file holds none.
 std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path,
                                               MotorTorque motor_torque = MotorTorque::kAsRecorded);

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "bench/diagnosis/record_checks.h"
+#include "bench/records/record_refusal.h"
 
 namespace strainwave::bench {
 namespace {
@@ -41,10 +41,6 @@ std::optional<std::string> ClassOf(const daq::Record& record) {
     throw RecordRefusal(record, "the column class has several values (expected one class a record)");
   }
   return daq::ShortestText(values.front());
-}
-
-std::string SpecimenOf(const daq::Record& record) {
-  return record.Metadata("specimen").value_or(record.source.file);
 }
 
 }  // namespace strainwave::bench

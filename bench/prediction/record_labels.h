@@ -14,7 +14,4 @@ std::optional<double> LabelOf(const daq::Record& record, const std::string& name
 /// The class of a record: metadata `class`, or else a column of that name with one number throughout.
 std::optional<std::string> ClassOf(const daq::Record& record);
 
-/// Metadata `specimen`, or else the file.
-std::string SpecimenOf(const daq::Record& record);
-
 }  // namespace strainwave::bench

@@ -12,11 +12,13 @@
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
-#include "bench/diagnosis/record_checks.h"
 #include "bench/diagnosis/record_data.h"
+#include "bench/diagnosis/vibration_channels.h"
 #include "bench/prediction/record_features.h"
 #include "bench/prediction/record_labels.h"
+#include "bench/prediction/record_operating_point.h"
 #include "bench/prediction/source_rows.h"
+#include "bench/records/record_refusal.h"
 
 namespace strainwave::bench {
 namespace {
@@ -29,7 +31,7 @@ constexpr double kLeastTurns = 8.0;
 // One record, without its samples.
 struct Facts {
   daq::Record record;  // no columns
-  std::vector<std::string> channels;
+  VibrationColumns columns;
   std::vector<std::string> labels;  // of the predicted quantities
   bool has_class{};
   double sample_rate_hz{};
@@ -43,7 +45,7 @@ std::vector<daq::Record> ReadFile(const std::filesystem::path& file, const Sourc
 
 Facts FactsOf(daq::Record record) {
   Facts facts{.record = {},
-              .channels = VibrationChannelsOf(record),
+              .columns = SortVibrationColumns(record),
               .labels = {},
               .has_class = ClassOf(record).has_value(),
               .sample_rate_hz = SampleRateOf_hz(record),
@@ -112,12 +114,15 @@ void RequireAlike(const std::vector<Facts>& all, const SourceSettings& settings,
                     one.sample_rate_hz, signals.sample_rate_hz, all.front().record.source.file));
     }
     for (const std::string& channel : signals.channels) {
-      if (std::ranges::find(one.channels, channel) != one.channels.end()) continue;
+      if (std::ranges::find(one.columns.channels, channel) != one.columns.channels.end()) continue;
+      const auto warned =
+          std::ranges::find(one.columns.warnings, channel, &std::pair<std::string, std::string>::first);
+      if (warned != one.columns.warnings.end()) throw RecordRefusal(one.record, warned->second);
       throw RecordRefusal(one.record,
                           fmt::format("there is no channel {} (expected {}; --channels names those to take)",
                                       channel, fmt::join(signals.channels, ", ")));
     }
-    for (const std::string& channel : one.channels) {
+    for (const std::string& channel : one.columns.channels) {
       if (!settings.channels.empty() ||
           std::ranges::find(signals.channels, channel) != signals.channels.end()) {
         continue;
@@ -128,6 +133,35 @@ void RequireAlike(const std::vector<Facts>& all, const SourceSettings& settings,
                       channel, fmt::join(signals.channels, ", "), all.front().record.source.file));
     }
   }
+}
+
+std::vector<std::string> ChannelsOf(const Facts& one) {
+  if (!one.columns.channels.empty()) return one.columns.channels;
+  throw RecordRefusal(
+      one.record,
+      fmt::format("no column is a channel of vibration{} (expected one such as accel_x_m_per_s2)",
+                  one.columns.warnings.empty() ? "" : ": " + one.columns.warnings.front().second));
+}
+
+// What holds for several records in the same words is told once, with the first of them.
+std::vector<RecordWarning> WarningsOf(const std::vector<Facts>& all) {
+  std::vector<RecordWarning> warnings;
+  std::vector<std::size_t> records;
+  for (const Facts& one : all) {
+    for (RecordWarning& warning : bench::WarningsOf(one.record)) {
+      const auto same = std::ranges::find(warnings, warning.text, &RecordWarning::text);
+      if (same == warnings.end()) {
+        warnings.push_back(std::move(warning));
+        records.push_back(1);
+      } else {
+        ++records[static_cast<std::size_t>(same - warnings.begin())];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < warnings.size(); ++i) {
+    if (all.size() > 1) warnings[i].text += fmt::format("; so in {} of {} records", records[i], all.size());
+  }
+  return warnings;
 }
 
 WindowLength WindowFor(const std::vector<Facts>& all, const SourceSettings& settings,
@@ -190,6 +224,7 @@ class RowTaker {
                       records_.window.turns > 0 ? fmt::format("{} turns", records_.window.turns)
                                                 : fmt::format("{} samples", records_.window.samples)));
     }
+    rows.operating.Include(OperatingPointOf(record));
     const Labels labels = LabelsOf(record);
     for (const Window& window : windows) {
       const std::vector<double> values = FeaturesOfWindow(record, signals, window, features_);
@@ -229,10 +264,11 @@ RecordFiles SurveyRecords(const std::vector<std::filesystem::path>& files, const
   RecordFiles records{
       .files = files,
       .outputs = settings.outputs.empty() ? OutputsOf(all) : settings.outputs,
-      .signals = {settings.channels.empty() ? all.front().channels : settings.channels,
+      .signals = {settings.channels.empty() ? ChannelsOf(all.front()) : settings.channels,
                   settings.sample_rate_hz > 0.0 ? settings.sample_rate_hz : all.front().sample_rate_hz,
                   settings.sample_rate_hz > 0.0},
-      .window = {}};
+      .window = {},
+      .warnings = WarningsOf(all)};
   if (records.outputs.empty()) {
     Refuse(files.front(), "no record has a label",
            fmt::format("metadata or a column with {} or class", fmt::join(kPredictedQuantities, ", ")));
@@ -254,7 +290,7 @@ std::vector<SourceRows> ReadRecordRows(const RecordFiles& records, const SourceS
     for (const daq::Record& record : file) {
       SourceRows rows;
       rows.source = records.files[i];
-      rows.specimen = SpecimenOf(record);
+      rows.specimen = record.Metadata("specimen").value_or("");
       rows.shape = shape;
       taker.Take(record, rows);
       of_file[i].push_back(std::move(rows));

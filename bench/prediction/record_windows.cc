@@ -11,8 +11,8 @@
 
 #include "analysis/features/decimation.h"
 #include "analysis/units.h"
-#include "bench/diagnosis/record_checks.h"
 #include "bench/prediction/record_features.h"
+#include "bench/records/record_refusal.h"
 
 namespace strainwave::bench {
 RecordSignals SignalsOf(const daq::Record& record, const SignalSettings& settings) {

@@ -23,17 +23,16 @@ std::vector<SourceRows> RowsOf(const MeasurementPaths& paths, const FeatureRecip
   for (const auto& campaign : paths.campaigns)
     sources.push_back(ReadCampaignRows(campaign, settings, outputs, {}));
   if (!paths.files.empty()) {
-    std::ranges::move(
-        ReadRecordRows(
-            {.files = paths.files, .outputs = outputs, .signals = recipe.signals(), .window = recipe.window},
-            settings, {}),
-        std::back_inserter(sources));
+    std::ranges::move(ReadRecordRows({.files = paths.files,
+                                      .outputs = outputs,
+                                      .signals = recipe.signals(),
+                                      .window = recipe.window,
+                                      .warnings = {}},
+                                     settings, {}),
+                      std::back_inserter(sources));
   }
   return sources;
 }
-
-// A record file that names no specimen is of the reducer that it was given for.
-bool NamesSpecimen(const SourceRows& rows) { return rows.specimen != rows.source.string(); }
 
 }  // namespace
 
@@ -56,11 +55,13 @@ ReducerBaseline ReadReducerBaseline(const std::vector<std::filesystem::path>& pa
       Refuse(rows.source, fmt::format("the sampling rate is {} Hz", rows.shape.sample_rate_hz),
              fmt::format("{} Hz, as in training", recipe.sample_rate_hz));
     }
-    if (NamesSpecimen(rows) && !baseline.specimen.empty() && rows.specimen != baseline.specimen) {
+    // A record file that names no specimen is of the reducer that it was given for.
+    const bool named = !rows.specimen.empty();
+    if (named && !baseline.specimen.empty() && rows.specimen != baseline.specimen) {
       Refuse(rows.source, fmt::format("records of {} and {}", baseline.specimen, rows.specimen),
              "those of one reducer");
     }
-    if (NamesSpecimen(rows)) baseline.specimen = rows.specimen;
+    if (named) baseline.specimen = rows.specimen;
     baseline.recipe.inputs = rows.shape.names;
     features.conservativeResize(count, static_cast<Eigen::Index>(rows.shape.names.size()));
     for (std::size_t i = 0; i < rows.features.size() && row < count; ++i, ++row) {

@@ -14,12 +14,6 @@
 
 namespace strainwave::bench {
 
-/// One channel of vibration under the name of its column, m/s².
-struct NamedSignal {
-  std::string_view name;
-  std::span<const double> samples;
-};
-
 /// Turns signals into the inputs of a predictor. Keeps its memory from call to call; one object a thread.
 class SignalInputs {
  public:

@@ -10,6 +10,12 @@
 
 namespace strainwave::bench {
 
+/// One channel under the name of its column, in the unit that the name ends in.
+struct NamedSignal {
+  std::string_view name;
+  std::span<const double> samples;
+};
+
 /// How long a window of a record is: so many turns of the input shaft where `turns` is not 0, each record's
 /// own number of samples; else so many samples; with both 0 the record is one window.
 struct WindowLength {

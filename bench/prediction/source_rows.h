@@ -10,7 +10,9 @@
 #include <Eigen/Core>
 
 #include "bench/prediction/feature_settings.h"
+#include "bench/prediction/operating_envelope.h"
 #include "bench/prediction/record_windows.h"
+#include "bench/records/record_warnings.h"
 
 namespace strainwave::bench {
 
@@ -42,9 +44,10 @@ struct SourceShape {
 /// measured with it.
 struct SourceRows {
   std::filesystem::path source;
-  std::string specimen;
+  std::string specimen;  // empty where nothing names it
   SourceShape shape;
   std::size_t least_samples{};
+  OperatingEnvelope operating{};
   std::vector<double> place;  // of each row in the specimen's life: the cycle, or the number of the window
   std::vector<Eigen::RowVectorXd> features;
   std::vector<std::vector<double>> targets;  // a value an output; empty for classes
@@ -68,6 +71,7 @@ struct RecordFiles {
   std::vector<std::string> outputs;  // found, or asked for
   SignalSettings signals;
   WindowLength window;
+  std::vector<RecordWarning> warnings{};  // of all records
 };
 
 /// Looks at all records: outputs, channels, rate, and how to cut them. Records are cut where there are fewer
@@ -76,7 +80,7 @@ struct RecordFiles {
 /// @throws CampaignError if no record has a label, or rates or channels differ, naming the record.
 RecordFiles SurveyRecords(const std::vector<std::filesystem::path>& files, const SourceSettings& settings);
 
-/// A row a window; every file stands for itself. Records that lack a label, are too short or whose sensors
+/// A row a window. Records that lack a label, are too short or whose sensors
 /// are dead or clipped are left out with a note.
 std::vector<SourceRows> ReadRecordRows(const RecordFiles& records, const SourceSettings& settings,
                                        const SourceProgress& progress);

@@ -2,6 +2,7 @@
 #include "bench/prediction/train_predictor.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,6 +21,7 @@ namespace prediction = analysis::prediction;
 // The paper's filter looked at 500 records.
 constexpr Eigen::Index kFilterRecords = 500;
 constexpr int kPermutations = 5;
+constexpr const char* kUnseen = "unseen specimens";
 
 prediction::EnsembleSettings SettingsOf(const TrainingJob& job, const prediction::Samples& samples) {
   const auto inputs = static_cast<int>(samples.inputs.size());
@@ -125,21 +127,44 @@ struct NamedSplit {
   bool honest{true};
 };
 
+// Whether what is predicted changes within a specimen: where it does not, telling known specimens apart is
+// enough.
+bool ChangesWithinSpecimens(const prediction::Samples& samples) {
+  std::map<int, Eigen::Index> first;
+  for (Eigen::Index row = 0; row < samples.size(); ++row) {
+    const auto seen = first.try_emplace(samples.specimen[static_cast<std::size_t>(row)], row).first;
+    if (samples.targets.row(row) != samples.targets.row(seen->second)) return true;
+  }
+  return false;
+}
+
 // Whether each specimen has a later part that is worth the name.
 bool HasLives(const prediction::Samples& samples, double test_share) {
   const double rows = static_cast<double>(samples.size()) / prediction::SpecimenCount(samples);
   return rows * test_share >= 1.0;
 }
 
-std::vector<NamedSplit> SplitsOf(const prediction::Samples& samples, const TrainingJob& job) {
+// Those that do not flatter first.
+std::vector<NamedSplit> SplitsOf(const prediction::Samples& samples, const std::string& specimens_taken_for,
+                                 const TrainingJob& job) {
   std::vector<NamedSplit> splits;
   if (HasLives(samples, job.test_share)) {
     splits.push_back({"last part of each life", "a reducer that was watched before goes on",
                       prediction::SplitByTime(samples.specimen, samples.cycle, job.test_share)});
   }
   if (prediction::SpecimenCount(samples) > 1) {
-    splits.push_back({"unseen specimens", "a reducer that was never seen",
-                      prediction::SplitsBySpecimen(samples.specimen, job.folds).front()});
+    if (!splits.empty() && !ChangesWithinSpecimens(samples)) {
+      splits.back().meaning =
+          "flatters: what was measured is one and the same in each specimen, so that to know it again is "
+          "enough";
+      splits.back().honest = false;
+    }
+    splits.push_back(
+        {kUnseen,
+         "a reducer that was never seen" +
+             (specimens_taken_for.empty() ? "" : ", if each " + specimens_taken_for + " is of another"),
+         prediction::SplitsBySpecimen(samples.specimen, job.folds).front()});
+    std::ranges::stable_partition(splits, &NamedSplit::honest);
   }
   splits.push_back({"random", "flatters: the neighbours in time of every tested record were trained on",
                     prediction::SplitAtRandom(samples.size(), job.test_share, job.seed), false});
@@ -190,7 +215,7 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
              data.vibration_features, job.correlation_limit);
   const prediction::Samples& samples = filtered.samples;
   prediction::EnsembleSettings settings = SettingsOf(job, samples);
-  std::vector<NamedSplit> splits = SplitsOf(samples, job);
+  std::vector<NamedSplit> splits = SplitsOf(samples, data.specimens_taken_for, job);
   if (job.compare_only) std::erase_if(splits, [](const NamedSplit& split) { return !split.honest; });
   const double fit_trainings = job.compare_only ? 0.0 : job.folds + 1.0;
   constexpr double kSearch = 3.0;
@@ -214,6 +239,10 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
     const auto predict = [&](const Eigen::MatrixXd& features) {
       return comparison.network.Predict(features).mean;
     };
+    if (job.compare_only || named.name != kUnseen) {
+      outcome.worth.push_back({named.name, prediction::WorthOf(samples, GroupsOfTest(samples, named.split),
+                                                               predict(samples.features))});
+    }
     outcome.held_out.push_back({named.name, test.cycle, prediction::Values(test, test.targets),
                                 prediction::Values(test, predict(test.features))});
     if (k > 0) continue;
@@ -238,6 +267,14 @@ TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
   outcome.folds = {prediction::SpecimenCount(samples) > 1 ? "whole specimens" : "blocks of time",
                    prediction::FoldErrors_percent(samples, fit.folds, fit.cross),
                    prediction::CompareFolds(samples, fit.folds, fit.cross), fit.left_out_coverage};
+  if (prediction::SpecimenCount(samples) > 1) {
+    // All specimens left out in turn tell more of this use than those of one split.
+    const auto unseen = std::ranges::find(outcome.splits, kUnseen, &SplitResult::name);
+    unseen->meaning += "; each left out in turn";
+    unseen->test = static_cast<std::size_t>(samples.size());
+    unseen->contestants = outcome.folds.contestants;
+    outcome.worth.push_back({kUnseen, prediction::WorthOf(samples, fit.folds, fit.cross.predicted)});
+  }
   FeatureRecipe recipe = data.recipe;
   recipe.inputs = samples.inputs;
   recipe.baseline_records = job.baseline_records;

@@ -11,6 +11,7 @@
 #include "analysis/prediction/design_search.h"
 #include "analysis/prediction/importance.h"
 #include "analysis/prediction/learning_curve.h"
+#include "bench/prediction/network_worth.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/training_data.h"
 
@@ -77,6 +78,7 @@ struct TrainingOutcome {
   std::vector<HeldOut> held_out;  // of the honest splits
   std::vector<analysis::prediction::LearningPoint> curve;
   FoldResult folds;
+  std::vector<UseWorth> worth;         // in each use that the honest splits are like
   std::optional<Predictor> predictor;  // none, and no folds, where the job was to compare
   std::string report_json;             // an object: from what it was trained, how, and how well it did
 };

@@ -129,6 +129,16 @@ std::string_view BytesOf(const Eigen::MatrixXd& values) {
           static_cast<std::size_t>(values.size()) * sizeof(double)};
 }
 
+void WarnOfUnknown(TrainingData& data) {
+  const std::vector<std::string> names = data.recipe.envelope.WithoutRange();
+  if (names.empty()) return;
+  data.warnings.push_back(
+      {"", 0,
+       fmt::format("not every record tells {} (expected metadata or a column of that name): the "
+                   "predictor cannot tell when a gear runs at another one",
+                   fmt::join(names, ", "))});
+}
+
 std::vector<SourceRows> ReadCampaigns(const std::vector<fs::path>& campaigns, const SourceSettings& settings,
                                       const std::vector<std::string>& outputs,
                                       const std::function<void(double)>& progress) {
@@ -149,6 +159,7 @@ std::vector<SourceRows> ReadCampaigns(const std::vector<fs::path>& campaigns, co
 }  // namespace
 
 TrainingData ReadTrainingData(const std::vector<fs::path>& paths, const SourceSettings& settings,
+                              SpecimenPer specimen_per,
                               const std::function<void(const std::string&, double)>& progress) {
   if (settings.outputs.size() > 1 &&
       std::ranges::find(settings.outputs, kClassLabel) != settings.outputs.end()) {
@@ -172,6 +183,7 @@ TrainingData ReadTrainingData(const std::vector<fs::path>& paths, const SourceSe
     if (!sources.empty()) of_records.window_s = 0.0;
     const RecordFiles records = SurveyRecords(sorted.files, of_records);
     outputs = records.outputs;
+    data.warnings = records.warnings;
     data.recipe.window = records.window;
     data.recipe.decimates = records.signals.decimates;
     std::vector<SourceRows> rows =
@@ -200,7 +212,12 @@ TrainingData ReadTrainingData(const std::vector<fs::path>& paths, const SourceSe
   const bool campaigns = !sorted.campaigns.empty();
   RequireEnough(sources, data, campaigns);
   std::erase_if(sources, [](const SourceRows& rows) { return rows.features.empty(); });
+  SpecimensFound specimens = NameSpecimens(sources, specimen_per);
+  data.specimens_taken_for = std::move(specimens.taken_for);
+  if (!specimens.warning.empty()) data.warnings.push_back({"", 0, std::move(specimens.warning)});
   data.recipe.least_samples = std::ranges::min(sources, {}, &SourceRows::least_samples).least_samples;
+  for (const SourceRows& rows : sources) data.recipe.envelope.Include(rows.operating);
+  WarnOfUnknown(data);
   if (data.samples.classes) NameClasses(sources, data.samples);
   FillSamples(sources, data);
   LeaveOutUndefined(data);

@@ -129,8 +129,11 @@ std::string TrainingJson(const TrainingData& data, const TrainingJob& job,
               {"torque_features", filter.torque_features},
               {"torque_kept", filter.torque_kept}}},
             {"splits", SplitsJson(outcome, data.samples.outputs)},
+            {"worth", JsonOf(outcome.worth, classes)},
             {"importance", ImportanceJson(outcome, classes)},
-            {"notes", data.notes}};
+            {"operating_envelope", data.recipe.envelope.Json()},
+            {"notes", data.notes},
+            {"warnings", WarningTexts(data.warnings, NamedFiles::kYes)}};
   if (!job.compare_only) json["folds"] = FoldsJson(outcome.folds, data.samples.outputs);
   if (!outcome.trials.empty()) json["search"] = SearchJson(outcome);
   if (!outcome.curve.empty()) json["learning_curve"] = CurveJson(outcome);

@@ -2,6 +2,8 @@
 #include "bench/prediction/training_pictures.h"
 
 #include <algorithm>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -13,66 +15,91 @@ namespace {
 
 namespace prediction = analysis::prediction;
 
-// Of one reducer: its life, measured and predicted.
-void DrawLife(const HeldOut& held_out, const std::vector<std::string>& outputs,
-              const std::filesystem::path& stem) {
-  constexpr int kPanelHeight_px = 320;
-  std::string script = "$held_out << EOD\n";
+// Half of the predictor's interval of each output; zero where there is no predictor.
+Eigen::RowVectorXd HalfWidths(const TrainingOutcome& outcome, Eigen::Index outputs) {
+  if (!outcome.predictor) return Eigen::RowVectorXd::Zero(outputs);
+  const prediction::FittedPredictor& fitted = outcome.predictor->fitted;
+  return fitted.band.factor.cwiseProduct(fitted.residual);
+}
+
+std::string PredictedName(const TrainingOutcome& outcome) {
+  if (!outcome.predictor) return "predicted";
+  return fmt::format("predicted, with the {:.0f} % interval of the predictor",
+                     100.0 * outcome.predictor->fitted.band.coverage);
+}
+
+// Rows of a split: cycle, then measured, predicted and half the interval of each output.
+std::string HeldOutBlock(const std::string& name, const HeldOut& held_out,
+                         const Eigen::RowVectorXd& half_widths) {
+  std::string block = fmt::format("${} << EOD\n", name);
   for (Eigen::Index row = 0; row < held_out.actual.rows(); ++row) {
-    script += fmt::format("{}", held_out.cycle[static_cast<std::size_t>(row)]);
+    block += fmt::format("{}", held_out.cycle[static_cast<std::size_t>(row)]);
     for (Eigen::Index column = 0; column < held_out.actual.cols(); ++column) {
-      script += fmt::format(" {} {}", held_out.actual(row, column), held_out.predicted(row, column));
+      block += fmt::format(" {} {} {}", held_out.actual(row, column), held_out.predicted(row, column),
+                           half_widths(column));
     }
-    script += "\n";
+    block += "\n";
   }
-  script += fmt::format("EOD\nset multiplot layout {},1 title {}\nset grid\nset key outside right top\n",
-                        outputs.size(), Quoted("records that the network had not seen: " + held_out.split));
+  return block + "EOD\n";
+}
+
+constexpr std::string_view kErrorBars = "yerrorbars pt 7 ps 0.7 lw 1.2";
+
+// Of one reducer: its life, measured and predicted.
+std::filesystem::path DrawLife(const TrainingOutcome& outcome, const std::vector<std::string>& outputs,
+                               const std::filesystem::path& stem) {
+  constexpr int kPanelHeight_px = 320;
+  const HeldOut& held_out = outcome.held_out.front();
+  std::string script =
+      HeldOutBlock("held_out", held_out, HalfWidths(outcome, held_out.actual.cols())) + CommonStyle();
+  script +=
+      fmt::format("set multiplot layout {},1 title {} font ',18'\nset offsets graph 0.02,graph 0.02,0,0\n",
+                  outputs.size(), Quoted("records that the network had not seen: " + held_out.split));
+  script += "set key above left horizontal Left reverse samplen 1.5\n";
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (i + 1 == outputs.size()) script += "set xlabel 'cycle'\n";
     script += fmt::format(
-        "set ylabel {}\nplot $held_out using 1:{} with points pt 7 ps 0.4 lc rgb '{}' title 'measured', "
-        "'' using 1:{} with points pt 7 ps 0.4 lc rgb '{}' title 'predicted'\n",
-        Quoted(outputs[i]), 2 * i + 2, kFirstColour.plain, 2 * i + 3, kLastColour.plain);
+        "set ylabel {0}\nplot $held_out using 1:{1} with points pt 7 ps 0.8 lc rgb '{4}' title 'measured', "
+        "'' using 1:{2}:{3} with {6} lc rgb '{5}' title {7}\n",
+        Quoted(outputs[i]), 3 * i + 2, 3 * i + 3, 3 * i + 4, kFirstColour.plain, kLastColour.plain,
+        kErrorBars, Quoted(PredictedName(outcome)));
   }
   script += "unset multiplot\n";
-  RenderPicture(script, stem, {1200, kPanelHeight_px * static_cast<int>(outputs.size())});
+  return RenderPicture(script, stem, {1200, kPanelHeight_px * static_cast<int>(outputs.size())});
 }
 
 // Of several: predicted over measured, which is on the diagonal where all is well.
-void DrawAgreement(const std::vector<HeldOut>& held_out, const std::vector<std::string>& outputs,
-                   const std::filesystem::path& stem) {
+std::filesystem::path DrawAgreement(const TrainingOutcome& outcome, const std::vector<std::string>& outputs,
+                                    const std::filesystem::path& stem) {
   constexpr int kPanel_px = 430;
   const std::string_view colours[] = {kFirstColour.plain, kLastColour.plain};
+  const std::vector<HeldOut>& held_out = outcome.held_out;
   std::string script;
   for (std::size_t k = 0; k < held_out.size(); ++k) {
-    script += fmt::format("$split{} << EOD\n", k);
-    for (Eigen::Index row = 0; row < held_out[k].actual.rows(); ++row) {
-      for (Eigen::Index column = 0; column < held_out[k].actual.cols(); ++column)
-        script += fmt::format("{} {} ", held_out[k].actual(row, column), held_out[k].predicted(row, column));
-      script += "\n";
-    }
-    script += "EOD\n";
+    script +=
+        HeldOutBlock(fmt::format("split{}", k), held_out[k], HalfWidths(outcome, held_out[k].actual.cols()));
   }
   const int rows = (static_cast<int>(outputs.size()) + 1) / 2;
+  script += CommonStyle();
   script += fmt::format(
-      "set multiplot layout {},2 title 'records that the network had not seen'\nset grid\n"
-      "set key left top\nset xtics rotate by 40 right\nset size square\nset xlabel 'measured'\nset ylabel "
-      "'predicted'\n",
-      rows);
+      "set multiplot layout {},2 title {} font ',16'\n"
+      "set key left top Left reverse samplen 1.5\nset xtics rotate by 40 right\nset size square\nset xlabel "
+      "'measured'\nset ylabel 'predicted'\n",
+      rows, Quoted("records that the network had not seen: " + PredictedName(outcome)));
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     script += fmt::format("set title {}\nplot x with lines lc rgb '#888888' notitle", Quoted(outputs[i]));
     for (std::size_t k = 0; k < held_out.size(); ++k) {
-      script += fmt::format(", $split{} using {}:{} with points pt 7 ps 0.35 lc rgb '{}' title {}", k,
-                            2 * i + 1, 2 * i + 2, colours[k % 2], Quoted(held_out[k].split));
+      script += fmt::format(", $split{} using {}:{}:{} with {} lc rgb '{}' title {}", k, 3 * i + 2, 3 * i + 3,
+                            3 * i + 4, kErrorBars, colours[k % 2], Quoted(held_out[k].split));
     }
     script += "\n";
   }
   script += "unset multiplot\n";
-  RenderPicture(script, stem, {2 * kPanel_px + 120, kPanel_px * rows + 60});
+  return RenderPicture(script, stem, {2 * kPanel_px + 120, kPanel_px * rows + 60});
 }
 
-void DrawConfusion(const FoldResult& folds, const std::vector<std::string>& classes,
-                   const std::filesystem::path& stem) {
+std::filesystem::path DrawConfusion(const FoldResult& folds, const std::vector<std::string>& classes,
+                                    const std::filesystem::path& stem) {
   const Eigen::MatrixXi& counts = folds.contestants.front().confusion;
   std::string script = "$confusion << EOD\n";
   std::string x_tics;
@@ -95,11 +122,11 @@ void DrawConfusion(const FoldResult& folds, const std::vector<std::string>& clas
       Quoted(fmt::format("accuracy {:.2f} %, by folds of {}",
                          100.0 - folds.contestants.front().Error_percent(), folds.of)),
       most, most, kFirstColour.pale, x_tics, y_tics, kFirstColour.dark);
-  RenderPicture(script, stem, {900, 800});
+  return RenderPicture(script, stem, {900, 800});
 }
 
-void DrawCurve(const std::vector<prediction::LearningPoint>& curve, const std::string& split,
-               const std::filesystem::path& stem) {
+std::filesystem::path DrawCurve(const std::vector<prediction::LearningPoint>& curve, const std::string& split,
+                                const std::filesystem::path& stem) {
   std::string script = "$curve << EOD\n";
   for (const prediction::LearningPoint& point : curve) {
     script += fmt::format("{} {} {}\n", point.count, point.active_percent, point.even_percent);
@@ -110,7 +137,7 @@ void DrawCurve(const std::vector<prediction::LearningPoint>& curve, const std::s
       "plot $curve using 1:2 with linespoints pt 7 lw 2 lc rgb '{}' title 'chosen actively', "
       "'' using 1:3 with linespoints pt 5 lw 2 lc rgb '{}' title 'spread evenly'\n",
       Quoted("how few measured records would do: error on " + split), kFirstColour.plain, kLastColour.plain);
-  RenderPicture(script, stem, {900, 560});
+  return RenderPicture(script, stem, {900, 560});
 }
 
 }  // namespace
@@ -119,19 +146,14 @@ std::vector<std::filesystem::path> DrawTraining(const TrainingData& data, const 
                                                 const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> pictures;
   if (data.samples.classes) {
-    pictures.push_back(folder / "confusion");
-    DrawConfusion(outcome.folds, data.samples.outputs, pictures.back());
+    pictures.push_back(DrawConfusion(outcome.folds, data.samples.outputs, folder / "confusion"));
+  } else if (prediction::SpecimenCount(data.samples) > 1) {
+    pictures.push_back(DrawAgreement(outcome, data.samples.outputs, folder / "predicted"));
   } else {
-    pictures.push_back(folder / "predicted");
-    if (prediction::SpecimenCount(data.samples) > 1) {
-      DrawAgreement(outcome.held_out, data.samples.outputs, pictures.back());
-    } else {
-      DrawLife(outcome.held_out.front(), data.samples.outputs, pictures.back());
-    }
+    pictures.push_back(DrawLife(outcome, data.samples.outputs, folder / "predicted"));
   }
   if (!outcome.curve.empty()) {
-    pictures.push_back(folder / "learning_curve");
-    DrawCurve(outcome.curve, outcome.splits.front().name, pictures.back());
+    pictures.push_back(DrawCurve(outcome.curve, outcome.splits.front().name, folder / "learning_curve"));
   }
   return pictures;
 }

@@ -17,12 +17,15 @@
 // NOLINTBEGIN(readability-identifier-naming): names of a C library
 struct strainwave_predictor {
   strainwave::bench::ExportedPredictor exported;
+  strainwave::bench::OperatingPoint operating{};
 };
 // NOLINTEND(readability-identifier-naming)
 
 namespace {
 
 using strainwave::bench::NamedSignal;
+using strainwave::bench::OperatingPoint;
+using strainwave::bench::OperatingQuantity;
 using strainwave::bench::PredictedOutputs;
 using strainwave::bench::SignalFault;
 
@@ -34,7 +37,7 @@ void Say(std::string_view text, char* error, size_t error_size) noexcept {
 }
 
 strainwave_status Run(strainwave_predictor& predictor, const double* const* channels, size_t samples,
-                      double sample_rate_hz, std::optional<double> samples_per_turn, strainwave_value* values,
+                      double sample_rate_hz, std::optional<double> input_speed_rpm, strainwave_value* values,
                       double& distance, char* error, size_t error_size) {
   const std::vector<std::string>& names = predictor.exported.recipe().channels;
   std::vector<NamedSignal> signals;
@@ -45,7 +48,14 @@ strainwave_status Run(strainwave_predictor& predictor, const double* const* chan
     }
     signals.push_back({names[k], {channels[k], samples}});
   }
-  const auto predicted = predictor.exported.Predict(signals, sample_rate_hz, samples_per_turn);
+  constexpr double kSecondsPerMinute = 60.0;
+  std::optional<double> samples_per_turn;
+  OperatingPoint operating = predictor.operating;
+  if (input_speed_rpm) {
+    samples_per_turn = sample_rate_hz * kSecondsPerMinute / std::abs(*input_speed_rpm);
+    operating[OperatingQuantity::kInputSpeed] = std::abs(*input_speed_rpm);
+  }
+  const auto predicted = predictor.exported.Predict(signals, sample_rate_hz, samples_per_turn, operating);
   if (const auto* fault = std::get_if<SignalFault>(&predicted)) {
     Say(fault->text, error, error_size);
     return STRAINWAVE_BAD_SIGNAL;
@@ -57,7 +67,9 @@ strainwave_status Run(strainwave_predictor& predictor, const double* const* chan
   }
   distance = outputs.distance;
   if (!outputs.outside_training()) return STRAINWAVE_OK;
-  Say("the window lies outside what the predictor was trained on", error, error_size);
+  Say("the window lies outside what the predictor was trained on: " +
+          strainwave::bench::OutsideText(outputs.distance, outputs.left),
+      error, error_size);
   return STRAINWAVE_OUTSIDE_TRAINING;
 }
 
@@ -73,18 +85,13 @@ strainwave_status RunGuarded(strainwave_predictor* predictor, const double* cons
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::fill_n(values, predictor->exported.outputs().size(), strainwave_value{kNone, kNone, kNone});
-  std::optional<double> samples_per_turn;
-  if (input_speed_rpm) {
-    if (!(std::abs(*input_speed_rpm) > 0.0)) {
-      Say("input_speed_rpm is 0 or no number (expected the speed of a shaft that turns)", error, error_size);
-      return STRAINWAVE_BAD_ARGUMENT;
-    }
-    constexpr double kSecondsPerMinute = 60.0;
-    samples_per_turn = sample_rate_hz * kSecondsPerMinute / std::abs(*input_speed_rpm);
+  if (input_speed_rpm && !(std::abs(*input_speed_rpm) > 0.0)) {
+    Say("input_speed_rpm is 0 or no number (expected the speed of a shaft that turns)", error, error_size);
+    return STRAINWAVE_BAD_ARGUMENT;
   }
   try {
     double measured = kNone;
-    const strainwave_status status = Run(*predictor, channels, samples, sample_rate_hz, samples_per_turn,
+    const strainwave_status status = Run(*predictor, channels, samples, sample_rate_hz, input_speed_rpm,
                                          values, measured, error, error_size);
     if (distance != nullptr) *distance = measured;
     return status;
@@ -175,5 +182,14 @@ strainwave_status strainwave_predictor_run_at(strainwave_predictor* predictor, c
                                               size_t error_size) {
   return RunGuarded(predictor, channels, samples, sample_rate_hz, input_speed_rpm, values, distance, error,
                     error_size);
+}
+
+void strainwave_predictor_set_operating_point(strainwave_predictor* predictor, double output_torque_Nm,
+                                              double input_speed_rpm, double temperature_degC) {
+  if (predictor == nullptr) return;
+  const auto known = [](double value) { return std::isfinite(value) ? std::optional(value) : std::nullopt; };
+  predictor->operating[OperatingQuantity::kOutputTorque] = known(std::abs(output_torque_Nm));
+  predictor->operating[OperatingQuantity::kInputSpeed] = known(std::abs(input_speed_rpm));
+  predictor->operating[OperatingQuantity::kTemperature] = known(temperature_degC);
 }
 // NOLINTEND(readability-identifier-naming)

@@ -77,6 +77,13 @@ strainwave_status strainwave_predictor_run_at(strainwave_predictor* predictor, c
                                               strainwave_value* values, double* distance, char* error,
                                               size_t error_size);
 
+/* Under what the reducer runs from now on: torque at the output in Nm, speed of the input shaft in
+ * revolutions per minute (that of `strainwave_predictor_run_at` comes first), temperature of the gear in
+ * degrees Celsius; NaN for what is not known, as all are at first. A run that leaves the ranges of the
+ * training is outside it. */
+void strainwave_predictor_set_operating_point(strainwave_predictor* predictor, double output_torque_Nm,
+                                              double input_speed_rpm, double temperature_degC);
+
 #ifdef __cplusplus
 }
 #endif

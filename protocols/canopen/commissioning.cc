@@ -3,7 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "protocols/canopen/wire_bytes.h"
@@ -37,6 +41,44 @@ bool IsAsExpected(const CommissioningStep& step, std::uint32_t read) {
       break;
   }
   return true;
+}
+
+struct TorqueUnit {
+  std::string_view name;
+  double per_Nm;
+};
+constexpr TorqueUnit kTorqueUnits[] = {{"Nm", 1.0}, {"Ncm", 100.0}, {"mNm", 1e3}, {"uNm", 1e6}};
+
+std::string_view NameOfUnit(double per_Nm) {
+  const auto* const unit = std::ranges::find_if(kTorqueUnits, [per_Nm](const TorqueUnit& known) {
+    return std::abs(known.per_Nm / per_Nm - 1.0) < 1e-9;
+  });
+  return unit == std::end(kTorqueUnits) ? "units" : unit->name;
+}
+
+// Short, as the bench keeps 240 bytes. A drive that counts in another unit reads as a motor of a power of ten
+// times the torque.
+std::string OtherRatedTorque(const std::string& object, const CommissioningStep& step, std::uint32_t read) {
+  const std::string_view profiles_unit = NameOfUnit(step.units_per_Nm);
+  const std::string both =
+      fmt::format("{} is {}, the profile has {:.6g} {}", object, read, step.exact_value, profiles_unit);
+  for (const TorqueUnit& unit : kTorqueUnits) {
+    const double expected = step.exact_value / step.units_per_Nm * unit.per_Nm;
+    // 6076h is a whole number, and a data sheet's three or four digits are not the last word.
+    constexpr double kDigits = 1e-3;
+    if (unit.per_Nm == step.units_per_Nm || std::abs(read - expected) > 0.5 + kDigits * expected || read == 0)
+      continue;
+    return fmt::format(
+        "{}: they differ by just {:g}; if the drive counts in {}, the profile says so: units: "
+        "{{rated_torque_unit: {}}}",
+        both, std::max(unit.per_Nm / step.units_per_Nm, step.units_per_Nm / unit.per_Nm), unit.name,
+        unit.name);
+  }
+  return fmt::format(
+      "{} (expected rated_torque as on the motor's data sheet, and rated_torque_unit where the drive does "
+      "not count in "
+      "{})",
+      both, profiles_unit);
 }
 
 bool HasNoSuchObject(const SdoClient& client) {
@@ -136,6 +178,8 @@ std::string Commissioning::FailureWords() const {
       return fmt::format(
           "node {} is not able to do what the profile says: {} is {:0{}X}h (expected {:0{}X}h)", node_id_,
           object, read_ & step.mask, digits, step.value, digits);
+    case Concern::kRatedTorque:
+      return fmt::format("node {}: {}", node_id_, OtherRatedTorque(object, step, read_));
     case Concern::kSetting:
       return fmt::format("node {} did not take a setting: {} reads {:0{}X}h (written {:0{}X}h)", node_id_,
                          object, read_ & step.mask, digits, step.value, digits);

@@ -35,6 +35,15 @@ class StepList {
                       std::string(purpose)});
   }
 
+  void AddRatedTorque(double value, double units_per_Nm) {
+    const std::size_t before = steps_.size();
+    Add(Action::kExpect, Concern::kRatedTorque, {0x6076, 0}, 4, std::llround(value), 0xFFFFFFFF,
+        "rated torque");
+    if (steps_.size() == before) return;
+    steps_.back().exact_value = value;
+    steps_.back().units_per_Nm = units_per_Nm;
+  }
+
   void Set(ObjectAddress address, unsigned bytes, std::int64_t value, std::string_view purpose) {
     Add(Action::kWrite, Concern::kSetting, address, bytes, value, AllBits(bytes), purpose);
     Add(Action::kExpect, Concern::kSetting, address, bytes, value, AllBits(bytes), purpose);
@@ -67,8 +76,8 @@ void CheckAbility(const DriveProfile& profile, StepList& list) {
   std::uint32_t modes = 0;
   for (const OperationMode mode : profile.modes) modes |= SupportedModeBit(mode);
   list.Add(Action::kExpect, Concern::kAbility, {0x6502, 0}, 4, modes, modes, "supported modes");
-  list.Add(Action::kExpect, Concern::kAbility, {0x6076, 0}, 4,
-           std::llround(profile.units.rated_torque_Nm * 1000.0), 0xFFFFFFFF, "rated torque in mNm");
+  const double units_per_Nm = profile.units.rated_torque_units_per_Nm;
+  list.AddRatedTorque(profile.units.rated_torque_Nm * units_per_Nm, units_per_Nm);
 }
 
 void SetSupervision(const DriveProfile& profile, StepList& list) {

@@ -23,6 +23,7 @@ struct CommissioningStep {
   enum class Concern : std::uint8_t {
     kIdentity,     // another drive; nothing has been written yet
     kAbility,      // the drive cannot do what the profile says
+    kRatedTorque,  // it counts torque by another motor, or in another unit
     kSetting,      // it does not take a value
     kSupervision,  // it would not notice that the master is gone
     kEmergencies,  // its emergency messages would not be heard
@@ -36,6 +37,8 @@ struct CommissioningStep {
   std::uint32_t value{};
   std::uint32_t mask{0xFFFFFFFF};
   std::string purpose;
+  double exact_value{};   // of the rated torque: before it was rounded
+  double units_per_Nm{};  // of the rated torque
 
   bool operator==(const CommissioningStep&) const = default;
 };

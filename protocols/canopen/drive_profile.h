@@ -98,9 +98,10 @@ struct DriveTiming {
 
 /// In what a drive departs from the standard.
 struct DriveQuirks {
-  std::vector<std::uint16_t> absent_objects;  // indices that it lacks: neither written nor read
-  std::vector<std::uint16_t> warning_codes;   // EMCY codes that are told but do not stop
-  bool lacks_rpdo_event_timer{};              // 14xxh:05: it cannot notice missing set-points
+  std::vector<std::uint16_t>
+      absent_objects;  // indices that are neither written nor read: the drive lacks them
+  std::vector<std::uint16_t> warning_codes;  // EMCY codes that are told but do not stop
+  bool lacks_rpdo_event_timer{};             // 14xxh:05: it cannot notice missing set-points
 };
 
 /// One type of drive, as a file describes it.
@@ -119,6 +120,7 @@ struct DriveProfile {
   std::vector<PdoSetting> pdos;
   DriveTiming timing;
   DriveQuirks quirks;
+  std::vector<std::string> eds_notes;  // what is odd about the maker's EDS file, with its places
 };
 
 bool IsAbsent(const DriveProfile& profile, std::uint16_t index) noexcept;

@@ -13,6 +13,7 @@ struct DriveUnits {
   double velocity_units_per_rpm{1.0};            // of the motor shaft, in units of 606Ch
   double acceleration_units_per_rpm_per_s{1.0};  // of 6083h, 6085h
   double rated_torque_Nm{};                      // of the motor; torque objects are in per mille of it
+  double rated_torque_units_per_Nm{1000.0};      // of 6076h, which says the same: mN·m by the standard
   double gear_ratio{1.0};                        // turns of the motor for one of the axis, > 0
   int sign{1};                                   // -1 where the motor's positive is the axis's negative
 

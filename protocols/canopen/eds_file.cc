@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "protocols/canopen/eds_file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <set>
+#include <stdexcept>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -43,28 +46,55 @@ std::optional<SectionAddress> AddressOf(std::string_view section) {
   return SectionAddress{{*index, *subindex}, true};
 }
 
+// "0x1F ; mask": CiA 306 knows comments at the beginning of a line alone, makers write them behind values.
+std::string WithoutComment(std::string_view text) {
+  text = text.substr(0, text.find(';'));
+  const std::size_t end = text.find_last_not_of(" \t");
+  return std::string(text.substr(0, end == std::string_view::npos ? 0 : end + 1));
+}
+
+// Some are not in UTF-8.
+std::string Printable(std::string text) {
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return text;
+}
+
 class EdsReader {
  public:
   EdsReader(std::string_view text, std::string_view file_name)
-      : findings_(file_name), sections_(ParseIni(text, findings_)) {}
+      : file_name_(file_name), sections_(ParseIni(text, notes_)) {}
 
   EdsFile Read() {
     ReadDevice();
-    const std::set<std::uint16_t> listed = ReadLists();
+    std::set<std::uint16_t> listed = ReadLists();
     for (const auto& [name, section] : sections_) {
       const std::optional<SectionAddress> place = AddressOf(name);
       if (!place) continue;
-      if (listed.count(place->address.index) == 0) {
-        Add(section, fmt::format("object {:04X} is in none of the lists (expected it in [MandatoryObjects], "
-                                 "[OptionalObjects] or [ManufacturerObjects])",
-                                 place->address.index));
-      } else if (place->has_subindex) {
+      if (listed.insert(place->address.index).second) {
+        Note(section, fmt::format("object {:04X} is in none of the lists (expected it in [MandatoryObjects], "
+                                  "[OptionalObjects] or [ManufacturerObjects])",
+                                  place->address.index));
+      }
+      if (place->has_subindex) {
         ReadSub(section, *place);
       } else {
         ReadObject(section, place->address);
       }
     }
-    findings_.ThrowIfAny();
+    if (file_.objects.empty()) {
+      throw std::runtime_error(fmt::format(
+          "{}:1:1: error: no object is described (expected an electronic data sheet, as in CiA 306)",
+          file_name_));
+    }
+    std::stable_sort(notes_.begin(), notes_.end(), [](const FileNote& a, const FileNote& b) {
+      return std::tie(a.line, a.column) < std::tie(b.line, b.column);
+    });
+    for (const FileNote& note : notes_) {
+      file_.notes.push_back(
+          fmt::format("{}:{}:{}: note: {}", file_name_, note.line, note.column, Printable(note.what)));
+    }
     return std::move(file_);
   }
 
@@ -73,27 +103,30 @@ class EdsReader {
     const auto found = sections_.find(LowerCase(name));
     return found == sections_.end() ? nullptr : &found->second;
   }
-  void Add(const IniSection& section, std::string what) { findings_.Add(section.line, 1, std::move(what)); }
-  void Add(const IniValue& value, std::string what) {
-    findings_.Add(value.line, value.column, std::move(what));
+  void Note(const IniSection& section, std::string what) {
+    notes_.push_back({section.line, 1, std::move(what)});
+  }
+  void Note(const IniValue& value, std::string what) {
+    notes_.push_back({value.line, value.column, std::move(what)});
   }
 
   const IniSection* Demand(const std::string& name) {
     const IniSection* section = Section(name);
-    if (section == nullptr) findings_.Add(1, 1, fmt::format("there is no section [{}] (expected one)", name));
+    if (section == nullptr)
+      notes_.push_back({1, 1, fmt::format("there is no section [{}] (expected one)", name)});
     return section;
   }
   const IniValue* Demand(const IniSection& section, std::string_view key) {
     const IniValue* value = section.Find(LowerCase(key));
-    if (value == nullptr) Add(section, fmt::format("[{}] has no {} (expected one)", section.name, key));
+    if (value == nullptr) Note(section, fmt::format("[{}] has no {} (expected one)", section.name, key));
     return value;
   }
 
-  // A number from 0 to `most`; nothing with a finding.
+  // A number from 0 to `most`; nothing with a note.
   std::optional<std::uint32_t> Unsigned(const IniValue& value, std::string_view key, std::int64_t most) {
-    const std::optional<std::int64_t> number = EdsNumber(value.text, kAnyNode);
+    const std::optional<std::int64_t> number = EdsNumber(WithoutComment(value.text), kAnyNode);
     if (number && *number >= 0 && *number <= most) return static_cast<std::uint32_t>(*number);
-    Add(value, fmt::format("{} '{}' (expected a number from 0 to {})", key, value.text, most));
+    Note(value, fmt::format("{} '{}' (expected a number from 0 to {})", key, value.text, most));
     return std::nullopt;
   }
   std::optional<std::uint32_t> Optional(const IniSection& section, std::string_view key, std::int64_t most) {
@@ -109,9 +142,9 @@ class EdsReader {
     const auto text = [&](std::string_view key, std::string& target) {
       if (const IniValue* value = Demand(*device, key)) target = value->text;
     };
-    const auto number = [&](std::string_view key, std::uint32_t& target) {
+    const auto number = [&](std::string_view key, std::optional<std::uint32_t>& target) {
       const IniValue* value = Demand(*device, key);
-      if (value != nullptr) target = Unsigned(*value, key, 0xFFFFFFFF).value_or(0);
+      if (value != nullptr) target = Unsigned(*value, key, 0xFFFFFFFF);
     };
     text("VendorName", file_.vendor_name);
     text("ProductName", file_.product_name);
@@ -127,18 +160,19 @@ class EdsReader {
       const IniValue* count = Demand(*section, "SupportedObjects");
       const std::uint32_t entries =
           count == nullptr ? 0 : Unsigned(*count, "SupportedObjects", 0xFFFF).value_or(0);
-      for (std::uint32_t i = 1; i <= entries; ++i) {
+      for (std::uint32_t i = 1;; ++i) {
         const IniValue* value = section->Find(std::to_string(i));
         if (value == nullptr) {
-          Add(*count, fmt::format("[{}] has no entry {} (expected 1 to {})", section->name, i, entries));
+          if (i > entries) break;
+          Note(*count, fmt::format("[{}] has no entry {} (expected 1 to {})", section->name, i, entries));
           break;
         }
         const auto index = Unsigned(*value, "object", 0xFFFF);
         if (!index) continue;
         if (!listed.insert(static_cast<std::uint16_t>(*index)).second) {
-          Add(*value, fmt::format("object {:04X} is listed twice (expected once)", *index));
+          Note(*value, fmt::format("object {:04X} is listed twice (expected once)", *index));
         } else if (Section(fmt::format("{:04x}", *index)) == nullptr) {
-          Add(*value, fmt::format("object {:04X} has no section (expected [{:04X}])", *index, *index));
+          Note(*value, fmt::format("object {:04X} has no section (expected [{:04X}])", *index, *index));
         }
       }
     };
@@ -161,9 +195,10 @@ class EdsReader {
         break;
     }
     if (kind != 0x8 && kind != 0x9) {
-      Add(*section.Find("objecttype"),
-          fmt::format("ObjectType 0x{:X} (expected 0x2 domain, 0x7 variable, 0x8 array or 0x9 record)",
-                      kind));
+      Note(*section.Find("objecttype"),
+           fmt::format("ObjectType 0x{:X} (expected 0x2 domain, 0x7 variable, 0x8 array or 0x9 record)",
+                       kind));
+      if (section.Find("datatype") != nullptr) file_.objects[address] = ReadValue(section, false);
       return;
     }
     if (const auto compact = Optional(section, "CompactSubObj", kMostSubindex); compact && *compact > 0) {
@@ -179,13 +214,12 @@ class EdsReader {
       if (Section(fmt::format("{:04x}sub{:x}", address.index, subindex)) != nullptr) ++subs;
     }
     if (subs != *expected) {
-      Add(*number, fmt::format("SubNumber {} of object {:04X}, which has {} sub-objects (expected {})",
-                               *expected, address.index, subs, subs));
+      Note(*number, fmt::format("SubNumber {} of object {:04X}, which has {} sub-objects (expected {})",
+                                *expected, address.index, subs, subs));
     }
   }
 
   void ReadSub(const IniSection& section, SectionAddress place) {
-    if (Section(fmt::format("{:04x}", place.address.index)) == nullptr) return;  // said of the list
     Demand(section, "ParameterName");
     file_.objects[place.address] = ReadValue(section, false);
   }
@@ -217,14 +251,16 @@ class EdsReader {
 
   EdsObject ReadValue(const IniSection& section, bool domain) {
     EdsObject object;
-    if (const IniValue* name = section.Find("parametername")) object.name = name->text;
-    object.type = ReadType(section, domain);
-    object.access = ReadAccess(section, domain);
-    object.mappable = Optional(section, "PDOMapping", 1).value_or(0) == 1;
+    if (const IniValue* name = section.Find("parametername")) object.name = Printable(name->text);
+    ReadType(section, domain, object);
+    ReadAccess(section, domain, object);
+    const IniValue* mapping = section.Find("pdomapping");
+    object.mappable =
+        mapping != nullptr && !mapping->text.empty() && Optional(section, "PDOMapping", 1) != 0U;
     const auto number = [&](std::string_view key, std::string& target) {
       const IniValue* value = section.Find(LowerCase(key));
       if (value == nullptr) return std::optional<std::int64_t>();
-      target = value->text;
+      target = IsIntegerType(object.type) ? WithoutComment(value->text) : value->text;
       return CheckNumber(*value, key, object.type);
     };
     auto initial = number("DefaultValue", object.default_value);
@@ -232,54 +268,75 @@ class EdsReader {
     if (section.Find("parametervalue") != nullptr) initial = number("ParameterValue", object.default_value);
     const auto low = number("LowLimit", object.low_limit);
     const auto high = number("HighLimit", object.high_limit);
+    bool is_contradiction = false;
     if (low && high && *low > *high) {
-      Add(*section.Find("highlimit"), fmt::format("HighLimit {} is below LowLimit {} (expected not below)",
-                                                  object.high_limit, object.low_limit));
+      is_contradiction = true;
+      Note(*section.Find("highlimit"),
+           fmt::format(
+               "HighLimit {} is below LowLimit {} (expected not below; the object's limits are not used)",
+               object.high_limit, object.low_limit));
     } else if (initial && ((low && *initial < *low) || (high && *initial > *high))) {
+      is_contradiction = true;
       const IniValue* value = section.Find("parametervalue");
-      Add(value == nullptr ? *section.Find("defaultvalue") : *value,
-          fmt::format("value {} is not within the object's limits (expected {} to {})", object.default_value,
-                      low ? object.low_limit : "any", high ? object.high_limit : "any"));
+      Note(value == nullptr ? *section.Find("defaultvalue") : *value,
+           fmt::format("value {} is not within the object's limits (expected {} to {}; they are not used)",
+                       object.default_value, low ? object.low_limit : "any",
+                       high ? object.high_limit : "any"));
     }
+    if (is_contradiction || (!low && IsIntegerType(object.type))) object.low_limit.clear();
+    if (is_contradiction || (!high && IsIntegerType(object.type))) object.high_limit.clear();
     return object;
   }
 
-  DataType ReadType(const IniSection& section, bool domain) {
-    if (domain && section.Find("datatype") == nullptr) return DataType::kDomain;
+  void ReadType(const IniSection& section, bool domain, EdsObject& object) {
+    object.type = domain ? DataType::kDomain : DataType::kUnsigned8;
+    if (domain && section.Find("datatype") == nullptr) return;
     const IniValue* value = Demand(section, "DataType");
-    if (value == nullptr) return DataType::kUnsigned8;
-    const auto type = Unsigned(*value, "DataType", 0xFFFF);
-    if (type && IsKnownType(static_cast<DataType>(*type))) return static_cast<DataType>(*type);
+    const auto type = value == nullptr ? std::nullopt : Unsigned(*value, "DataType", 0xFFFF);
+    if (type && IsKnownType(static_cast<DataType>(*type))) {
+      object.type = static_cast<DataType>(*type);
+      return;
+    }
+    object.unclear = fmt::format("no DataType that is known here (line {})",
+                                 value == nullptr ? section.line : value->line);
+    // Bytes without a meaning: no number in the section can be judged.
+    object.type = DataType::kDomain;
     if (type)
-      Add(*value, fmt::format("DataType '{}' (expected a type of CiA 301 that is used here)", value->text));
-    return DataType::kUnsigned8;
+      Note(*value, fmt::format("DataType '{}' (expected a type of CiA 301 that is used here)", value->text));
   }
 
-  AccessType ReadAccess(const IniSection& section, bool domain) {
-    if (domain && section.Find("accesstype") == nullptr) return AccessType::kReadWrite;
+  void ReadAccess(const IniSection& section, bool domain, EdsObject& object) {
+    object.access = AccessType::kReadWrite;
+    if (domain && section.Find("accesstype") == nullptr) return;
     const IniValue* value = Demand(section, "AccessType");
-    if (value == nullptr) return AccessType::kReadOnly;
-    const std::string access = LowerCase(value->text);
-    if (access == "ro") return AccessType::kReadOnly;
-    if (access == "wo") return AccessType::kWriteOnly;
-    if (access == "const") return AccessType::kConstant;
-    if (access != "rw" && access != "rwr" && access != "rww") {
-      Add(*value, fmt::format("AccessType '{}' (expected ro, wo, rw, rwr, rww or const)", value->text));
+    const std::string access = value == nullptr ? "" : LowerCase(WithoutComment(value->text));
+    if (access == "ro") {
+      object.access = AccessType::kReadOnly;
+    } else if (access == "wo") {
+      object.access = AccessType::kWriteOnly;
+    } else if (access == "const") {
+      object.access = AccessType::kConstant;
+    } else if (access != "rw" && access != "rwr" && access != "rww") {
+      object.unclear = fmt::format("no AccessType that is known here (line {})",
+                                   value == nullptr ? section.line : value->line);
+      if (value != nullptr) {
+        Note(*value, fmt::format("AccessType '{}' (expected ro, wo, rw, rwr, rww or const)", value->text));
+      }
     }
-    return AccessType::kReadWrite;
   }
 
   // The number as a value of `type`; nothing of an empty text and of types that are no integers.
   std::optional<std::int64_t> CheckNumber(const IniValue& value, std::string_view key, DataType type) {
     if (value.text.empty() || !IsIntegerType(type)) return std::nullopt;
-    const std::optional<std::int64_t> typed = TypedEdsNumber(value.text, kAnyNode, type);
+    const std::optional<std::int64_t> typed = TypedEdsNumber(WithoutComment(value.text), kAnyNode, type);
     if (!typed) {
-      Add(value, fmt::format("{} '{}' (expected {})", key, value.text, RangeWords(type)));
+      Note(value, fmt::format("{} '{}' (expected {})", key, value.text, RangeWords(type)));
     }
     return typed;
   }
 
-  FileFindings findings_;
+  std::string file_name_;
+  std::vector<FileNote> notes_;
   std::map<std::string, IniSection> sections_;
   EdsFile file_;
 };

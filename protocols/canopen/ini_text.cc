@@ -2,8 +2,6 @@
 #include "protocols/canopen/ini_text.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -20,23 +18,6 @@ std::string_view Trimmed(std::string_view text) {
 
 }  // namespace
 
-void FileFindings::Add(int line, int column, std::string what) {
-  findings_.push_back({line, column, std::move(what)});
-}
-
-void FileFindings::ThrowIfAny() {
-  if (findings_.empty()) return;
-  std::stable_sort(findings_.begin(), findings_.end(), [](const Finding& a, const Finding& b) {
-    return std::tie(a.line, a.column) < std::tie(b.line, b.column);
-  });
-  std::string text;
-  for (const Finding& finding : findings_) {
-    text += fmt::format("{}{}:{}:{}: error: {}", text.empty() ? "" : "\n", file_name_, finding.line,
-                        finding.column, finding.what);
-  }
-  throw std::runtime_error(text);
-}
-
 const IniValue* IniSection::Find(std::string_view key) const {
   const auto found = values.find(std::string(key));
   return found == values.end() ? nullptr : &found->second;
@@ -50,7 +31,7 @@ std::string LowerCase(std::string_view text) {
   return lower;
 }
 
-std::map<std::string, IniSection> ParseIni(std::string_view text, FileFindings& findings) {
+std::map<std::string, IniSection> ParseIni(std::string_view text, std::vector<FileNote>& notes) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::map<std::string, IniSection> sections;
@@ -71,7 +52,7 @@ std::map<std::string, IniSection> ParseIni(std::string_view text, FileFindings& 
 
     if (content.front() == '[') {
       if (content.back() != ']' || Trimmed(content.substr(1, content.size() - 2)).empty()) {
-        findings.Add(number, column_of(content), "not the head of a section (expected '[NAME]')");
+        notes.push_back({number, column_of(content), "not the head of a section (expected '[NAME]')"});
         passed_over = true;
         continue;
       }
@@ -79,9 +60,9 @@ std::map<std::string, IniSection> ParseIni(std::string_view text, FileFindings& 
       const auto [place, fresh] =
           sections.try_emplace(LowerCase(name), IniSection{std::string(name), number, {}});
       if (!fresh) {
-        findings.Add(number, column_of(name),
-                     fmt::format("section [{}] comes twice (expected once; first on line {})", name,
-                                 place->second.line));
+        notes.push_back({number, column_of(name),
+                         fmt::format("section [{}] comes twice (expected once; first on line {})", name,
+                                     place->second.line)});
       }
       section = &place->second;
       passed_over = !fresh;
@@ -91,14 +72,15 @@ std::map<std::string, IniSection> ParseIni(std::string_view text, FileFindings& 
     const std::size_t equals = content.find('=');
     const std::string_view key = Trimmed(content.substr(0, equals));
     if (equals == std::string_view::npos || key.empty()) {
-      findings.Add(number, column_of(content),
-                   "neither a section nor a value (expected '[NAME]', 'KEY=VALUE' or a comment after ';')");
+      notes.push_back(
+          {number, column_of(content),
+           "neither a section nor a value (expected '[NAME]', 'KEY=VALUE' or a comment after ';')"});
       continue;
     }
     if (passed_over) continue;
     if (section == nullptr) {
-      findings.Add(number, column_of(content),
-                   fmt::format("'{}' stands before the first section (expected '[NAME]' first)", key));
+      notes.push_back({number, column_of(content),
+                       fmt::format("'{}' stands before the first section (expected '[NAME]' first)", key)});
       continue;
     }
     const std::string_view value = Trimmed(content.substr(equals + 1));
@@ -106,9 +88,9 @@ std::map<std::string, IniSection> ParseIni(std::string_view text, FileFindings& 
     const auto [place, fresh] =
         section->values.try_emplace(LowerCase(key), IniValue{std::string(value), number, column});
     if (!fresh) {
-      findings.Add(number, column_of(key),
-                   fmt::format("'{}' comes twice in [{}] (expected once; first on line {})", key,
-                               section->name, place->second.line));
+      notes.push_back({number, column_of(key),
+                       fmt::format("'{}' comes twice in [{}] (expected once; first on line {})", key,
+                                   section->name, place->second.line)});
     }
   }
   return sections;

@@ -8,23 +8,11 @@
 
 namespace strainwave::protocols::canopen {
 
-/// What is wrong with a file, gathered so that its author sees everything at once.
-class FileFindings {
- public:
-  explicit FileFindings(std::string_view file_name) : file_name_(file_name) {}
-
-  void Add(int line, int column, std::string what);
-  /// @throws std::runtime_error with the findings in the order of the file, if there are any.
-  void ThrowIfAny();
-
- private:
-  struct Finding {
-    int line;
-    int column;
-    std::string what;
-  };
-  std::string file_name_;
-  std::vector<Finding> findings_;
+/// What is odd about a file and does not keep it from being read, with its place.
+struct FileNote {
+  int line{};
+  int column{};
+  std::string what;  // "WHAT (what was expected)"
 };
 
 struct IniValue {
@@ -46,7 +34,8 @@ std::string LowerCase(std::string_view text);
 
 /// Sections by name in lower case, as an EDS file has them (CiA 306, 4.2): `[Name]`, `key=value`, comments
 /// from
-/// `;` at the beginning of a line, either end of line. A key or section that comes twice is a finding.
-std::map<std::string, IniSection> ParseIni(std::string_view text, FileFindings& findings);
+/// `;` at the beginning of a line, either end of line. Of a key or section that comes twice the first counts,
+/// a line that is neither is passed over; both are noted.
+std::map<std::string, IniSection> ParseIni(std::string_view text, std::vector<FileNote>& notes);
 
 }  // namespace strainwave::protocols::canopen

@@ -17,15 +17,43 @@ std::string Named(ObjectAddress address, const EdsObject& object) {
   return fmt::format("{} {}", Words(address), object.name);
 }
 
-void CheckStep(const CommissioningStep& step, const EdsFile& eds, std::uint8_t node_id, Findings& findings) {
+// What the profile would say if the drive really lacked the object; nothing where no drive may.
+std::string HowToLeaveOut(const CommissioningStep& step, const DriveProfile& profile) {
+  DriveProfile without = profile;
+  without.quirks.absent_objects.push_back(step.address.index);
+  const bool is_left_out =
+      std::ranges::none_of(CommissioningSteps(without, 1),
+                           [&](const CommissioningStep& other) { return other.address == step.address; });
+  if (step.address.subindex == 5 && step.address.index >= 0x1400 && step.address.index < 0x1600) {
+    return " (expected it there; where the drive lacks it, quirks: {lacks_rpdo_event_timer: true} in the "
+           "profile)";
+  }
+  if (!is_left_out || !CheckProfile(without).empty()) return "";
+  return fmt::format(
+      " (expected it there; where the drive lacks it, quirks: {{absent_objects: [0x{:04X}]}} in the profile)",
+      step.address.index);
+}
+
+void CheckStep(const DriveProfile& profile, const CommissioningStep& step, const EdsFile& eds,
+               std::uint8_t node_id, Findings& findings) {
   const auto found = eds.objects.find(step.address);
   if (found == eds.objects.end()) {
     if (step.action == CommissioningStep::Action::kExpectNoEnd) return;  // none to be had
-    findings.push_back(fmt::format("{} ({}) is not in the EDS", Words(step.address), step.purpose));
+    // One object may be set and watched: it is told once.
+    const std::string what = Words(step.address) + " (";
+    const bool is_told =
+        std::ranges::any_of(findings, [&](const std::string& finding) { return finding.starts_with(what); });
+    if (is_told) return;
+    findings.push_back(
+        fmt::format("{}{}) is not in the EDS{}", what, step.purpose, HowToLeaveOut(step, profile)));
     return;
   }
   const EdsObject& object = found->second;
   const std::string name = Named(step.address, object);
+  if (!object.unclear.empty()) {
+    findings.push_back(fmt::format("{}: the EDS gives it {}", name, object.unclear));
+    return;
+  }
   if (BytesOf(object.type) != step.bytes) {
     findings.push_back(
         fmt::format("{}: {} bytes in the profile, {} in the EDS", name, step.bytes, BytesOf(object.type)));
@@ -44,8 +72,8 @@ void CheckStep(const CommissioningStep& step, const EdsFile& eds, std::uint8_t n
   const bool is_whole = step.mask == (bits >= 32 ? 0xFFFFFFFF : (1U << bits) - 1);
   if (!is_whole) return;  // bits within a number have no limits
   const std::int64_t value = IsSignedType(object.type) ? SignExtended(step.value, bits) : step.value;
-  const std::optional<std::int64_t> low = EdsNumber(object.low_limit, node_id);
-  const std::optional<std::int64_t> high = EdsNumber(object.high_limit, node_id);
+  const std::optional<std::int64_t> low = TypedEdsNumber(object.low_limit, node_id, object.type);
+  const std::optional<std::int64_t> high = TypedEdsNumber(object.high_limit, node_id, object.type);
   if (low && value < *low) {
     findings.push_back(fmt::format("{}: {} is below the EDS's low limit {}", name, value, *low));
   }
@@ -63,6 +91,10 @@ void CheckMapped(const PdoSetting& pdo, const EdsFile& eds, Findings& findings) 
     }
     const EdsObject& object = found->second;
     const std::string name = Named(entry.address, object);
+    if (!object.unclear.empty()) {
+      findings.push_back(fmt::format("{}: the EDS gives it {}", name, object.unclear));
+      continue;
+    }
     if (!object.mappable)
       findings.push_back(fmt::format("{}: is mapped, but the EDS does not allow it", name));
     if (8 * BytesOf(object.type) != entry.bits) {
@@ -79,9 +111,10 @@ void CheckMapped(const PdoSetting& pdo, const EdsFile& eds, Findings& findings) 
   }
 }
 
-void CheckIdentity(std::string_view name, std::uint32_t profile, std::uint32_t eds, Findings& findings) {
-  if (profile != 0 && profile != eds) {
-    findings.push_back(fmt::format("{} {:08X}h in the profile, {:08X}h in the EDS", name, profile, eds));
+void CheckIdentity(std::string_view name, std::uint32_t profile, std::optional<std::uint32_t> eds,
+                   Findings& findings) {
+  if (profile != 0 && eds && profile != *eds) {
+    findings.push_back(fmt::format("{} {:08X}h in the profile, {:08X}h in the EDS", name, profile, *eds));
   }
 }
 
@@ -93,14 +126,25 @@ std::vector<std::string> CheckProfileAgainstEds(const DriveProfile& profile, con
   CheckIdentity("vendor", profile.identity.vendor, eds.vendor_number, findings);
   CheckIdentity("product", profile.identity.product, eds.product_number, findings);
   CheckIdentity("revision", profile.identity.revision, eds.revision_number, findings);
+  // What is only read before a start may be left unread; a setting that is there must be made.
+  DriveProfile whole = profile;
+  whole.quirks.absent_objects.clear();
+  const std::vector<CommissioningStep> all_steps = CommissioningSteps(whole, node_id);
   for (const std::uint16_t index : profile.quirks.absent_objects) {
+    const auto is_read = [index](const CommissioningStep& step) {
+      return step.address.index == index && step.action == CommissioningStep::Action::kExpect;
+    };
+    const auto is_written = [index](const CommissioningStep& step) {
+      return step.address.index == index && step.action == CommissioningStep::Action::kWrite;
+    };
+    if (std::ranges::any_of(all_steps, is_read) && std::ranges::none_of(all_steps, is_written)) continue;
     const auto found = eds.objects.lower_bound({index, 0});
     if (found != eds.objects.end() && found->first.index == index) {
       findings.push_back(fmt::format("{:04X}h is absent according to the profile, but is in the EDS", index));
     }
   }
   for (const CommissioningStep& step : CommissioningSteps(profile, node_id)) {
-    CheckStep(step, eds, node_id, findings);
+    CheckStep(profile, step, eds, node_id, findings);
   }
   for (const PdoSetting& pdo : PdosOf(profile, node_id)) CheckMapped(pdo, eds, findings);
   // Several steps touch the same object; each finding is told once.

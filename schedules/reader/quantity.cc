@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "analysis/units.h"
+#include "schedules/reader/unicode_spaces.h"
 #include "schedules/reader/wording.h"
 
 namespace strainwave::schedules {
@@ -25,8 +26,8 @@ struct Unit {
 constexpr double kStandardGravity_m_per_s2 = 9.80665;  // exact by definition
 constexpr double kAbsoluteZero_degC = -273.15;
 
-constexpr Unit kTimes[] = {{"us", 1e-6},  {"ms", 1e-3},  {"s", 1.0},
-                           {"min", 60.0}, {"h", 3600.0}, {"d", 86400.0}};
+constexpr Unit kTimes[] = {{"us", 1e-6},  {"ms", 1e-3},   {"s", 1.0},          {"min", 60.0},
+                           {"h", 3600.0}, {"d", 86400.0}, {"µs", 1e-6, false}, {"μs", 1e-6, false}};
 constexpr Unit kAngles[] = {{"arcsec", RadFromArcsec(1.0)},
                             {"arcmin", RadFromArcmin(1.0)},
                             {"deg", RadFromDeg(1.0)},
@@ -40,8 +41,10 @@ constexpr Unit kAngularAccelerations[] = {{"rad/s2", 1.0},
                                           {"rpm/s", RadPerSFromRpm(1.0)},
                                           {"rad/s^2", 1.0, false},
                                           {"rad/s²", 1.0, false}};
-constexpr Unit kTorques[] = {{"Nm", 1.0}, {"mNm", 1e-3}, {"Ncm", 1e-2}, {"kNm", 1e3}, {"N·m", 1.0, false}};
-constexpr Unit kTorqueRates[] = {{"Nm/s", 1.0}, {"Nm/min", 1.0 / 60.0}, {"N·m/s", 1.0, false}};
+constexpr Unit kTorques[] = {{"Nm", 1.0},  {"mNm", 1e-3},       {"Ncm", 1e-2},
+                             {"kNm", 1e3}, {"N·m", 1.0, false}, {"N⋅m", 1.0, false}};
+constexpr Unit kTorqueRates[] = {
+    {"Nm/s", 1.0}, {"Nm/min", 1.0 / 60.0}, {"N·m/s", 1.0, false}, {"N⋅m/s", 1.0, false}};
 constexpr Unit kFrequencies[] = {{"Hz", 1.0}, {"kHz", 1e3}};
 constexpr Unit kTemperatures[] = {{"degC", 1.0}, {"°C", 1.0, false}};
 constexpr Unit kTemperatureDifferences[] = {{"K", 1.0}};
@@ -141,12 +144,13 @@ std::string AcceptedUnits(Dimension dimension) {
 
 double ParseQuantity(std::string_view text, Dimension dimension) {
   const DimensionEntry entry = Entry(dimension);
-  const LeadingNumber number = TakeNumber(Trimmed(text));
+  const std::string plain = WithPlainSpaces(text);
+  const LeadingNumber number = TakeNumber(Trimmed(plain));
   if (!number.found) {
-    throw std::invalid_argument(fmt::format("not a number with a unit (expected {}, as in '{}')",
-                                            DimensionName(dimension), entry.example));
+    throw std::invalid_argument(fmt::format("not a number with a unit{} (expected {}, as in '{}')",
+                                            NonAsciiIn(plain), DimensionName(dimension), entry.example));
   }
-  RefuseComma(Trimmed(text), number);
+  RefuseComma(Trimmed(plain), number);
   const std::string_view symbol = Trimmed(number.rest);
   double factor = 1.0;
   if (symbol.empty()) {
@@ -159,8 +163,8 @@ double ParseQuantity(std::string_view text, Dimension dimension) {
       if (unit.symbol == symbol) match = &unit;
     }
     if (match == nullptr) {
-      throw std::invalid_argument(fmt::format("'{}' is not a unit of {} (expected {})", symbol, entry.name,
-                                              AcceptedUnits(dimension)));
+      throw std::invalid_argument(fmt::format("'{}'{} is not a unit of {} (expected {})", symbol,
+                                              NonAsciiIn(symbol), entry.name, AcceptedUnits(dimension)));
     }
     factor = match->factor;
   }
@@ -176,9 +180,13 @@ double ParseQuantity(std::string_view text, Dimension dimension) {
 }
 
 double ParseNumber(std::string_view text) {
-  const LeadingNumber number = TakeNumber(Trimmed(text));
-  if (!number.found) throw std::invalid_argument("not a number (expected a plain number, as in '0.5')");
-  RefuseComma(Trimmed(text), number);
+  const std::string plain = WithPlainSpaces(text);
+  const LeadingNumber number = TakeNumber(Trimmed(plain));
+  if (!number.found) {
+    throw std::invalid_argument(
+        fmt::format("not a number{} (expected a plain number, as in '0.5')", NonAsciiIn(plain)));
+  }
+  RefuseComma(Trimmed(plain), number);
   if (!number.rest.empty()) {
     throw std::invalid_argument(
         fmt::format("'{}' after the number (expected a plain number)", Trimmed(number.rest)));

@@ -16,6 +16,8 @@ namespace {
 
 // Ripple and control error come on top of a set point; nearer than this to the limit they trip it.
 constexpr double kShareOfLimitWithoutRoom = 0.95;
+// A turn of the output in fewer steps shows no more of the error than chance, and fails its own check.
+constexpr double kFewestStepsPerTurn = 36.0;
 // Below this many samples up to T1 the first slope is a guess.
 constexpr double kFewestSamplesUpToT1 = 10.0;
 // Angles are written in decimal degrees: a turn is whole when it is so to a thousandth of an arcsecond.
@@ -144,6 +146,15 @@ class PhaseCheck {
           fmt::format("steps = {} of step = {} make {:.6g} deg (expected whole turns of the output, a "
                       "multiple of 360 deg)",
                       sweep.steps, compare_.Written({At("step"), sweep.step_rad}), DegFromRad(swept_rad)));
+      return;
+    }
+    const double steps_per_turn = kTwoPi / sweep.step_rad;
+    if (steps_per_turn < kFewestStepsPerTurn - 0.5) {
+      compare_.Error(
+          At("step"),
+          fmt::format("step = {} makes {:.4g} steps a turn of the output (expected at least "
+                      "{:g}, or no sweep passes its checks)",
+                      compare_.Written({At("step"), sweep.step_rad}), steps_per_turn, kFewestStepsPerTurn));
     }
   }
 

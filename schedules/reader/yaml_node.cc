@@ -14,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "schedules/reader/unicode_spaces.h"
 #include "schedules/reader/yaml_text.h"
 
 namespace strainwave::schedules {
@@ -145,7 +146,7 @@ std::optional<YamlNode> ParseYaml(const std::string& text, const FileKind& kind,
   }
   TreeBuilder builder(own);
   try {
-    std::istringstream stream(text);
+    std::istringstream stream(WithPlainSpaces(text));
     YAML::Parser parser(stream);
     while (parser.HandleNextDocument(builder)) {
     }

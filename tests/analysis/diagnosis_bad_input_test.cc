@@ -66,6 +66,15 @@ TEST(BadHysteresis, RecordsOfTwoGearsAreRefused) {
             "gear in all of them)");
 }
 
+TEST(BadHysteresis, ATwistThatNoGearOfTheSizeHasIsTold) {
+  HysteresisData record = Loop();
+  for (double& angle : record.output_angle_rad) angle *= 2.0 * kPi;
+  EXPECT_EQ(
+      WarningsOf(record).front(),
+      "twist per torque is 6.4 times what a gear with t3 = 34 Nm has: look at the units of torque_Nm and "
+      "output_angle_deg");
+}
+
 TEST(BadHysteresis, AnglesInAnotherUnitAreTold) {
   HysteresisData record = Loop();
   for (double& angle : record.output_angle_rad) angle *= 60.0;
@@ -97,9 +106,8 @@ TEST(BadHysteresis, ASignThatIsSwappedIsToldAndPutRight) {
 }
 
 TEST(BadHysteresis, WhatALoopCannotShowIsTold) {
-  EXPECT_EQ(
-      WarningsOf(Loop(20.0)),
-      Texts{"torque goes up to 19.99 Nm and never beyond t2_Nm = 25: K3 cannot be seen and is taken as K2"});
+  EXPECT_EQ(WarningsOf(Loop(20.0)),
+            Texts{"torque goes up to 19.99 Nm and never beyond t2_Nm = 25: K3 cannot be seen"});
   HysteresisData record = Loop();
   for (double& torque_Nm : record.torque_Nm) torque_Nm = std::abs(torque_Nm);
   for (double& angle : record.output_angle_rad) angle = std::abs(angle);
@@ -141,6 +149,14 @@ Texts WarningsOf(const MotionData& record) { return MakeMotionStudy({&record, 1}
 std::string MessageOf(const MotionData& record) { return RefusalOf(&MakeMotionStudy, record); }
 bool Says(const Texts& texts, const std::string& text) {
   return std::ranges::find(texts, text) != texts.end();
+}
+
+TEST(BadMotion, ATorqueOfTheOtherSignIsTold) {
+  MotionData record = Swing();
+  for (double& torque_Nm : record.torque) torque_Nm = -torque_Nm;
+  EXPECT_TRUE(Says(WarningsOf(record),
+                   "the inertia comes out negative: the position or the torque has the other sign"))
+      << testing::PrintToString(WarningsOf(record));
 }
 
 TEST(BadMotion, AVelocityInAnotherUnitIsToldAndPutRight) {

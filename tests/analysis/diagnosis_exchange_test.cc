@@ -41,8 +41,10 @@ TEST(Exchange, PutsNothingThatChanceMakesInThePlaceOfWhatItDoesNot) {
   } causes[] = {{"loud", 300, 1, 1.0}, {"weak", 500, 8, 1e3}, {"absent", 700, 1, 1.0}};
   for (const auto& cause : causes) {
     model.causes.push_back(Waves(cause.periods, cause.count));
-    model.rules.push_back(
-        {.name = cause.name, .degrees_of_freedom = cause.count, .trials = cause.trials, .least_bic = -100.0});
+    model.rules.push_back({.name = cause.name,
+                           .degrees_of_freedom = cause.count,
+                           .known_by_size = true,
+                           .trials = cause.trials});
   }
   model.measured = WhiteNoise(kSamples, kNoise, 11);
   for (std::size_t i = 0; i < kSamples; ++i) {

@@ -122,7 +122,7 @@ TEST(Selection, AsksLessOfTheSizeOfWhatChanceDoesNotMake) {
   });
   std::vector<Shape> shapes;
   for (int k = 0; k < 8; ++k) shapes.push_back(bell(k));
-  Add(model, {.name = "bells", .parameters = {{"size_0", "1", -10.0, 10.0, true}}, .least_bic = -1e9},
+  Add(model, {.name = "bells", .parameters = {{"size_0", "1", -10.0, 10.0, true}}, .known_by_size = true},
       std::move(shapes));
   EXPECT_EQ(FoundIn(std::move(model)), "bells ");
 }

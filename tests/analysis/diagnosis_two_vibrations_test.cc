@@ -11,20 +11,25 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Each line is as weak in each channel as noise may be; BIC asks for the length of the record to each phase.
+// Each line is as weak in each channel as noise may be; the weakest brings less than its numbers are charged,
+// and no name.
 TEST(VibrationPair, NamesAMeshThatFourChannelsHearWeaklyBesideKnocks) {
   const struct {
     double amplitude;
     unsigned seed;
-  } records[] = {{0.006, 1}, {0.008, 1}, {0.007, 2}, {0.008, 2}};
-  for (const auto& [amplitude, seed] : records) {
+    Names mesh;
+  } records[] = {
+      {0.006, 1, {}}, {0.008, 1, {"gear_mesh"}}, {0.007, 2, {"gear_mesh"}}, {0.008, 2, {"gear_mesh"}}};
+  for (const auto& [amplitude, seed, mesh] : records) {
     const Effect both = [amplitude = amplitude](const Turning& run) {
       Signal signal = Line(run, 160.0, amplitude) + Line(run, 162.0, amplitude);
       for (const double start_s : {0.2, 0.61}) AddRing(run, start_s, 1.0, 94.0, 0.01, signal);
       return signal;
     };
     const Diagnosed answer = Ask({Record(Turning(700.0, 1.5, 0.0), seed, both, {1.0, 0.9, 0.6, 0.8})});
-    EXPECT_EQ(answer.names(), (Names{"torsional_resonance", "gear_mesh"})) << amplitude << " " << seed;
+    Names expected{"torsional_resonance"};
+    expected.insert(expected.end(), mesh.begin(), mesh.end());
+    EXPECT_EQ(answer.names(), expected) << amplitude << " " << seed;
   }
 }
 

@@ -57,8 +57,11 @@ TEST(VibrationStudy, JudgesAnImbalanceInManyChannelsByItsChance) {
   const auto study = MakeVibrationStudy({&record, 1});
   const auto rule = std::ranges::find(study->causes(), "imbalance", &CauseRule::name);
   ASSERT_NE(rule, study->causes().end());
-  const Comparison weak{
-      .likelihood_ratio = 47.1, .delta_bic = -48.4, .p_value = 1.5e-7, .more_parameters = 8.0};
+  const Comparison weak{.likelihood_ratio = 47.1,
+                        .delta_bic = -48.4,
+                        .samples = 4.0 * 38400.0,
+                        .p_value = 1.5e-7,
+                        .more_parameters = 8.0};
   EXPECT_TRUE(IsBeyondChance(weak, *rule, 1e-5, 0.005));
   EXPECT_FALSE(IsBeyondChance(weak, *rule, 0.01, 0.005));
 }
@@ -300,11 +303,47 @@ TEST(VibrationStudy, SaysWhatIsWrongWithARecord) {
   record = good;
   record.channels[0].values.assign(run.time_s.size(), 0.5);
   EXPECT_EQ(message(record), "no channel moves (expected at least one accelerometer)");
-  record = good;
+}
+
+// A gear of so many teeth has lines where the shaft's would be if the speed were in Hz.
+TEST(VibrationStudy, DoubtsTheUnitOfASpeedAndGoesOn) {
+  const Turning run(1500.0, 1.0, 0.0);
+  VibrationData record = Record(run, 14, Silence);
   record.input_speed_rad_per_s = {RadPerSFromRpm(RadPerSFromRpm(1500.0))};
-  EXPECT_EQ(message(record),
-            "the input speed looks like rad/s: the file says 157.1 rpm, the shaft's lines stand at 1500 rpm "
-            "(expected input_speed_rpm in turns per minute)");
+  const std::unique_ptr<Study> doubtful = MakeVibrationStudy({&record, 1});
+  ASSERT_FALSE(doubtful->warnings().empty());
+  EXPECT_EQ(doubtful->warnings().front(),
+            "the input speed may be in rad/s: the file says 157.1 rpm, where the shaft has no clear lines; a "
+            "pair at 1 and 2 per turn of 1500 rpm stands out. It was taken as the file says, input_speed_rpm "
+            "in turns per minute");
+  // Nothing is wrong here, and nobody can tell.
+  const Turning slow(600.0, 1.0, 0.0);
+  const Effect teeth = [](const Turning& at) { return Line(at, 60.0, 0.3) + Line(at, 120.0, 0.2); };
+  record = Record(slow, 15, teeth);
+  const Signal shaft = Line(slow, 1.0, -0.2) + Line(slow, 2.0, -0.3);
+  record.channels.front().values = std::move(record.channels.front().values) + shaft;
+  const std::unique_ptr<Study> right = MakeVibrationStudy({&record, 1});
+  ASSERT_FALSE(right->warnings().empty());
+  EXPECT_EQ(
+      right->warnings().front(),
+      "the input speed may be in Hz: the file says 600 rpm, where the shaft has no clear lines; a pair "
+      "at 1 and 2 per turn of 3.6e+04 rpm stands out. It was taken as the file says, input_speed_rpm in "
+      "turns per minute");
+}
+
+// Every gear has lines where its teeth meet: the name says so, and stands once.
+TEST(VibrationStudy, WordsAGearMeshAsWhatEveryGearHas) {
+  const Turning run(600.0, 2.0, 0.0);
+  const Effect mesh = [](const Turning& at) {
+    return Line(at, 160.0, 0.1) + Line(at, 162.0, 0.06) + Line(at, 2.025, 0.1) + Line(at, 4.05, 0.05);
+  };
+  const Diagnosed found = Ask({Record(run, 24, mesh)});
+  EXPECT_EQ(std::ranges::count(found.names(), "gear_mesh"), 1);
+  for (const CauseRule& rule : found.study->causes()) {
+    if (rule.name == "gear_mesh") {
+      EXPECT_NE(rule.sentence.find("every gear has"), std::string::npos) << rule.sentence;
+    }
+  }
 }
 
 }  // namespace

@@ -52,8 +52,9 @@ TEST(Weights, MakeTheNoiseThatOfASampleOfWeightOne) {
 TEST(Weights, CountInTheErrorsOfParameters) {
   const std::vector<double> weights = Weights();
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(kSamples);
-  const Eigen::MatrixXd covariance = FitCovariance(Eigen::MatrixXd::Ones(kSamples, 1), Noise(2), zero,
-                                                   weights, std::vector<std::size_t>{0}, 4);
+  const Eigen::MatrixXd covariance = ErrorsOfFit(Eigen::MatrixXd::Ones(kSamples, 1), Noise(2), zero, weights,
+                                                 std::vector<std::size_t>{0}, 4, Eigen::VectorXd::Zero(1))
+                                         .covariance;
   const double expected = kNoise / std::sqrt(500.0 + 500.0 / (kTimes * kTimes));
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), expected, 4.0 * expected / std::sqrt(2.0 * kSamples));
 }
@@ -113,22 +114,35 @@ TEST(Weights, CountInWhatIsHeldOut) {
 }
 
 // Two lines of a mesh in each of four channels, clearly beyond chance.
-TEST(IsBeyondChance, LetsFurtherChannelsRepeatWhatOneSays) {
+TEST(IsBeyondChance, ChargesWhatIsAsSharpAsItIsLoudByThat) {
   CauseRule rule{.degrees_of_freedom = 2};
-  const Comparison comparison{
-      .likelihood_ratio = 119.0, .delta_bic = -57.0, .p_value = 1e-17, .more_parameters = 16.0};
+  const Comparison comparison{.likelihood_ratio = 119.0,
+                              .delta_bic = 119.0 - 16.0 * 11.0,
+                              .samples = std::exp(11.0),
+                              .p_value = 1e-17,
+                              .more_parameters = 16.0};
+  EXPECT_DOUBLE_EQ(DeltaBic(comparison, rule), -57.0);
   EXPECT_FALSE(IsBeyondChance(comparison, rule, 1e-15, 0.01));
-  rule.repeated = 12;
-  EXPECT_DOUBLE_EQ(BicOfRepeats(comparison, rule), -60.0);
+  rule.known_by_size = true;
+  EXPECT_NEAR(DeltaBic(comparison, rule), 119.0 - 16.0 * std::log(119.0), 1e-9);
   EXPECT_TRUE(IsBeyondChance(comparison, rule, 1e-15, 0.01));
   EXPECT_FALSE(IsBeyondChance(comparison, rule, 0.02, 0.01));
 }
 
 TEST(IsBeyondChance, AsksForTheEvidenceThatTheRuleAsksFor) {
   const Comparison weak{.likelihood_ratio = 30.0, .delta_bic = -6.0, .more_parameters = 5.0};
-  EXPECT_TRUE(IsBeyondChance(weak, {.name = "ring"}, 0.001, 0.004));
-  EXPECT_FALSE(IsBeyondChance(weak, {.name = "play", .least_bic = 0.0}, 0.001, 0.004));
-  EXPECT_FALSE(IsBeyondChance(weak, {.name = "ring"}, 0.01, 0.004));
+  EXPECT_TRUE(IsBeyondChance(weak, {.name = "line", .named = false}, 0.001, 0.004));
+  EXPECT_FALSE(IsBeyondChance(weak, {.name = "bend", .least_bic = 0.0, .named = false}, 0.001, 0.004));
+  EXPECT_FALSE(IsBeyondChance(weak, {.name = "line", .named = false}, 0.01, 0.004));
+}
+
+// However small its p-value: a cause that costs more than it brings is not named.
+TEST(IsBeyondChance, NamesNothingWithABicBelowZero) {
+  Comparison weak{.likelihood_ratio = 30.0, .delta_bic = -0.1, .more_parameters = 5.0};
+  EXPECT_FALSE(IsBeyondChance(weak, {.name = "play"}, 1e-9, 0.004));
+  EXPECT_FALSE(IsBeyondChance(weak, {.name = "play", .least_bic = -100.0}, 1e-9, 0.004));
+  weak.delta_bic = 0.1;
+  EXPECT_TRUE(IsBeyondChance(weak, {.name = "play"}, 1e-9, 0.004));
 }
 
 }  // namespace

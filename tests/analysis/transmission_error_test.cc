@@ -269,5 +269,30 @@ TEST(TransmissionErrorArguments, AreRefusedByName) {
             "ccw.input_angle_rad has 9 values, ccw.output_angle_rad has 361 (expected the same number)");
 }
 
+// Ratio 90 by steps of 1 deg: the second harmonic changes sign from step to step, and its cosine alone is
+// seen.
+TEST(ComputeTransmissionError, GivesNoAmplitudeAtHalfTheStepsOfATurn) {
+  const Sweep sweep = MakeSweep({{1, 10, 0.3}, {180, 40, 1.1}}, {.noise_arcsec = 0.5, .ratio = 90.0});
+  const TransmissionError result = ComputeTransmissionError(sweep.View(), {}, 90.0);
+  const auto& orders = result.cw->orders;
+  const auto second = std::find_if(orders.begin(), orders.end(),
+                                   [](const OrderLine& line) { return line.order_per_output_rev == 180.0; });
+  ASSERT_NE(second, orders.end());
+  EXPECT_TRUE(std::isnan(second->amplitude_rad.value));
+  EXPECT_EQ(orders.front().order_per_output_rev, 1.0);
+  EXPECT_EQ(
+      result.failed_checks,
+      Checks{"cw: order 180 (wave generator, 2nd harmonic) is half of 360 samples per output turn: how much "
+             "of it is seen hangs on its phase (expected other steps: mean and range do not hold it)"});
+}
+
+TEST(ComputeTransmissionError, FailsACheckWhereTheSecondHarmonicLooksLikeAConstant) {
+  const Sweep sweep = MakeSweep({{1, 10, 0.3}, {360, 40, 1.1}}, {.noise_arcsec = 0.5, .ratio = 180.0});
+  EXPECT_EQ(
+      ComputeTransmissionError(sweep.View(), {}, 180.0).failed_checks,
+      Checks{"cw: order 360 (wave generator, 2nd harmonic) cannot be told from a constant (expected other "
+             "steps: mean and range do not hold it)"});
+}
+
 }  // namespace
 }  // namespace strainwave::analysis

@@ -200,6 +200,9 @@ TEST(CommissioningFile, IsReadAsItWasWritten) {
   EXPECT_DOUBLE_EQ(stops[0].stood_s, 0.131);
   EXPECT_EQ(stops[0].measured, "2026-03-01T12:00:00Z");
   EXPECT_EQ(CommissioningFileOf("lab/real.yaml"), "lab/real.commissioned.yaml");
+  EXPECT_EQ(CommissioningFileOf("/opt/strainwave/bench/examples/in_process.yaml"),
+            "/opt/strainwave/campaigns/in_process.commissioned.yaml")
+      << "an example stays as it came";
   try {
     ParseCommissioningFile(With(text, "131 ms", "131"), "real.commissioned.yaml");
     FAIL() << "a time without a unit was taken";

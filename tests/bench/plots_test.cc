@@ -151,6 +151,16 @@ TEST_F(Pictures, OfOneScriptAreTheSameBytes) {
   EXPECT_EQ(Read(".png"), png);
 }
 
+TEST_F(Pictures, AreNeverOverwrittenByOthers) {
+  EXPECT_EQ(RenderPicture("plot sin(x)", Stem()), Stem());
+  const std::string before = Read(".svg");
+  EXPECT_EQ(RenderPicture("plot cos(x)", Stem()), Stem().string() + "_2");
+  EXPECT_EQ(RenderPicture("plot x", Stem()), Stem().string() + "_3");
+  EXPECT_EQ(Read(".svg"), before);
+  EXPECT_NE(Read("_2.svg"), before);
+  EXPECT_EQ(RenderPicture("plot cos(x)", Stem()), Stem().string() + "_2") << "the same again is one picture";
+}
+
 TEST_F(Pictures, OfARefusedScriptFailWithTheWordsOfGnuplotAndLeaveNothing) {
   const std::string message =
       MessageOf<GnuplotError>([&] { RenderPicture("plot no_such_function(x)", Stem()); });
@@ -178,7 +188,7 @@ TEST_F(Pictures, OfHysteresisNameBothCyclesAndTheirStiffness) {
   ExpectBothFilesAndNothingElse();
   for (const char* text :
        {"unit 'A' set output", "cycle 1, measured", "cycle 1, fitted loop", "cycle 12, measured",
-        "K₁ = 16000 ± 35 Nm/rad, 0 to 7 Nm", "K₁ = 14880 ± 35 Nm/rad, 0 to 7 Nm",
+        "cycle 1, K₁ = 16000 ± 35 Nm/rad, 0 to 7 Nm", "cycle 12, K₁ = 14880 ± 35 Nm/rad, 0 to 7 Nm",
         "K₃ = 29000 ± 120 Nm/rad, 25 to 34 Nm", "output twist (arcmin)", "output torque (Nm)"}) {
     ExpectText(text);
   }
@@ -201,6 +211,7 @@ TEST_F(Pictures, OfHysteresisLeaveOutASlopeThatTheRecordDoesNotHold) {
   ExpectBothFilesAndNothingElse();
   ExpectText("K₃ = no value, 25 to 34 Nm");
   curve.k1_Nm_per_rad.value = curve.k3_Nm_per_rad.value;
+  fs::remove_all(Stem().parent_path());
   DrawHysteresis("a record", curve, std::nullopt, Stem());
   ExpectText("K₁ = no value, 0 to 7 Nm");
 }

@@ -214,7 +214,7 @@ class Predictors(unittest.TestCase):
         self.assertEqual(code, 0, error)
         self.assertEqual(json.loads(out)["baseline_records"], 3)
         self.assertEqual([split["train"] + split["test"] for split in json.loads(out)["splits"]], [CYCLES - 3] * 2)
-        code, _, error = run("export", predictor, "--out", exported)
+        code, _, error = run("export", predictor, "--out", exported, "--anyway")
         self.assertEqual(code, 0, error)
         self.assertIn("first 3 records", (exported / "model_card.md").read_text())
         cycle = self.campaign / "cycles" / "000010.h5"
@@ -258,7 +258,7 @@ class Predictors(unittest.TestCase):
 
     def test_the_export_says_what_it_is(self):
         out = FOLDER / "exported"
-        code, text, error = run("export", self.predictor, "--out", out)
+        code, text, error = run("export", self.predictor, "--out", out, "--anyway")
         self.assertEqual(code, 0, error)
         agreement = re.search(r"read back by OpenCV dnn: agrees to (\S+) of each output, \S+ of its error", text)
         self.assertLessEqual(float(agreement.group(1)), 1e-5)

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <regex>
 #include <vector>
 
@@ -37,6 +38,20 @@ class CutCampaign : public testing::Test {
   }
   void Leave(const Checkpoint& checkpoint) {
     CheckpointWriter(folder_.Checkpoint()).Write(checkpoint, std::vector<std::byte>(5, std::byte{7}));
+  }
+  CampaignInputs Given(const std::string& from, const std::string& to) const {
+    const auto file = folder_.root / "given.yaml";
+    std::string text = inputs_.schedule_text;
+    std::ofstream(file) << text.replace(text.find(from), from.size(), to);
+    return ReadInputs(file, std::nullopt);
+  }
+  std::string Refusal(const std::function<void()>& asked) const {
+    try {
+      asked();
+    } catch (const CampaignError& error) {
+      return std::string(error.what()).substr(folder_.root.string().size());
+    }
+    return "none";
   }
   std::optional<ResumePoint> Resume(bool accept_pause = true) {
     return PrepareResume(folder_, inputs_, journal_, accept_pause);
@@ -168,6 +183,44 @@ TEST_F(CutCampaign, HasEveryBeatOfARealSecondOnTheDisk) {
   EXPECT_FALSE(writer.Write({}, {}, now - std::chrono::microseconds(600'000)));
 }
 
+TEST_F(CutCampaign, IsExtendedByCyclesAloneAndSaysSoInItsJournal) {
+  Leave({.time_s = 30.0});
+  const CampaignInputs longer = Given("cycles: 3", "cycles: 12");
+  const auto refusal = [&](const CampaignInputs& given) {
+    return Refusal([&] { PrepareResume(folder_, given, journal_, true); });
+  };
+  EXPECT_EQ(
+      refusal(longer),
+      ": error: the schedule has changed since the start (expected the frozen schedule.yaml; the "
+      "difference is:\n  line 34: -cycles: 3\n  line 34: +cycles: 12\n  or --extend, to go on with more "
+      "cycles)");
+  EXPECT_EQ(ExtendCampaign(folder_, longer, journal_), "extended from 3 to 12 cycles");
+  EXPECT_EQ(journal_.Events(1).at(0).code, "extended");
+  EXPECT_EQ(journal_.Events(1).at(0).text, "extended from 3 to 12 cycles");
+  EXPECT_EQ(ReadFrozenInputs(folder_, journal_).schedule.cycles, 12);
+  EXPECT_EQ(refusal(longer), "none");
+  EXPECT_EQ(refusal(inputs_),
+            ": error: the schedule has changed since the start (expected the frozen schedule.yaml; the "
+            "difference is:\n  line 34: -cycles: 12\n  line 34: +cycles: 3\n  )");
+  EXPECT_NO_THROW(OpenCampaign(folder_, Database::Mode::kReadOnly)) << "the frozen files are what they were";
+}
+
+TEST_F(CutCampaign, IsNotExtendedByAnythingElse) {
+  const auto refusal = [&](const CampaignInputs& given) {
+    return Refusal([&] { ExtendCampaign(folder_, given, journal_); });
+  };
+  EXPECT_EQ(refusal(inputs_),
+            ": error: the schedule has 3 cycles, the campaign 3 (expected more, to extend the campaign)");
+  EXPECT_EQ(refusal(Given("cycles: 3", "cycles: 2")),
+            ": error: the schedule has 2 cycles, the campaign 3 (expected more, to extend the campaign)");
+  EXPECT_EQ(
+      refusal(Given("output_torque: 40 Nm", "output_torque: 41 Nm"))
+          .find(": error: the schedule has changed since the start (expected the frozen schedule.yaml; the "
+                "difference is:\n  line "),
+      0U);
+  EXPECT_EQ(ReadFrozenInputs(folder_, journal_).schedule.cycles, 3);
+}
+
 TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
   // Without a preparation the first phase is of cycle 1.
   BeginPhase(0, 1);
@@ -184,8 +237,9 @@ TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
 TEST_F(CutCampaign, HasItsInputsWithoutTheProfilesOfItsDrives) {
   const CampaignFolder folder{folder_.root / "field"};
   const std::filesystem::path tests = STRAINWAVE_SOURCE_DIR "/tests/simulation";
-  CreateCampaign(folder, ReadInputs(tests / "small.yaml", tests / "field/bench.yaml"));
-  EXPECT_EQ(ReadFrozenInputs(folder).bench.driving_servo.drive.profile.filename(), "drive.yaml");
+  const Journal journal =
+      CreateCampaign(folder, ReadInputs(tests / "small.yaml", tests / "field/bench.yaml"));
+  EXPECT_EQ(ReadFrozenInputs(folder, journal).bench.driving_servo.drive.profile.filename(), "drive.yaml");
 }
 
 TEST(BeginningOfACampaign, LeavesNothingWhereItFails) {

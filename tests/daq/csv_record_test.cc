@@ -64,8 +64,8 @@ TEST(CsvRecord, KeepsUnknownColumnsOfNumbersAndNotesThoseOfText) {
   EXPECT_EQ(record.Doubles("humidity")[0], 40.5);
   EXPECT_TRUE(std::isnan(record.Doubles("humidity")[1]));
   EXPECT_EQ(record.FindColumn("remark"), nullptr);
-  EXPECT_EQ(record.notes, (std::vector<std::string>{"column 'remark' is left out: line 3 is not a number",
-                                                    "column 'gap' is left out: line 3 is not a number"}));
+  EXPECT_EQ(record.notes, (std::vector<RecordNote>{{3, "column 'remark' is left out: line 3 is not a number"},
+                                                   {3, "column 'gap' is left out: line 3 is not a number"}}));
 }
 
 TEST(CsvRecord, GivesTheDefaultsOfTheContract) {
@@ -200,7 +200,7 @@ TEST(CsvRecord, LeavesOutTheLineThatALoggerWasKilledIn) {
   for (const char* cut : {"0.2", "0.2,", "0.2,1", "0.2,1,", "0.2,1,-", "0.2,1,1e-"}) {
     const Record record = ParseCsvRecord(log + cut, "r.csv");
     EXPECT_EQ(record.rows(), 2U) << cut;
-    EXPECT_EQ(record.notes, std::vector<std::string>{"line 5 is left out: it is cut off"}) << cut;
+    EXPECT_EQ(record.notes, (std::vector<RecordNote>{{5, "line 5 is left out: it is cut off"}})) << cut;
   }
   EXPECT_EQ(ParseCsvRecord(log + "0.2,1,2", "r.csv").rows(), 3U);
   EXPECT_EQ(ErrorOf(log + "0.2,1\n"),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What others write, we read, and the other way round: h5py, another face of HDF5 than the one under test.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <regex>
@@ -84,10 +85,10 @@ g['remark'] = ['a', 'b', 'c']
   EXPECT_EQ(record.Doubles("output_angle_deg")[2], 3.0);
   EXPECT_EQ(record.FindColumn("torque_Nm")->sensor_serial, "S1");
   EXPECT_EQ(record.notes,
-            (std::vector<std::string>{"attribute 'list' is left out: it is not one text or number",
-                                      "dataset 'remark' is left out: remark does not hold numbers",
-                                      "dataset 'spectrum' is left out: spectrum is not one-dimensional",
-                                      "dataset 'long' is left out: it has 9 rows, the record has 3"}));
+            (std::vector<RecordNote>{{0, "attribute 'list' is left out: it is not one text or number"},
+                                     {0, "dataset 'remark' is left out: remark does not hold numbers"},
+                                     {0, "dataset 'spectrum' is left out: spectrum is not one-dimensional"},
+                                     {0, "dataset 'long' is left out: it has 9 rows, the record has 3"}}));
 }
 
 TEST_F(H5pyTest, WritesARecordInTheRootGroup) {
@@ -154,6 +155,67 @@ TEST_F(H5pyTest, BreaksTheRulesWithGroupDatasetAndRow) {
           "f['output_angle_deg'] = [1, 2]\nf.attrs['ratio'] = 0"),
       "r.h5: error: group '/', dataset 'direction', row 1: direction is 2 (expected cw or ccw, or 1 or -1)\n"
       "r.h5: error: group '/', attribute 'ratio': ratio is 0 (expected a number other than zero)");
+}
+
+TEST_F(H5pyTest, NamesTheCompressionThatItCannotRead) {
+  const std::string expected = " (expected gzip or none, as after h5repack -f GZIP=4)";
+  EXPECT_EQ(ErrorOf(R"(
+g = f.create_group('x'); g.attrs['kind'] = 'hysteresis'
+for name in ('time_s', 'torque_Nm', 'output_angle_deg'): g.create_dataset(name, data=np.arange(2000) // 500, compression='lzf')
+f.close()
+)"),
+            "r.h5: error: group '/x', datasets 'output_angle_deg', 'time_s', 'torque_Nm': compressed with "
+            "LZF, which "
+            "needs h5py" +
+                expected);
+  const auto with_filter = [&](int filter) {
+    return ErrorOf(fmt::format(R"({}
+del g['torque_Nm']
+p = h5py.h5p.create(h5py.h5p.DATASET_CREATE); p.set_chunk((20,)); p.set_filter({}, h5py.h5z.FLAG_OPTIONAL, ())
+d = h5py.h5d.create(g.id, b'torque_Nm', h5py.h5t.NATIVE_DOUBLE, h5py.h5s.create_simple((20,)), dcpl=p)
+d.write_direct_chunk((0,), b'0123456789')
+f.close()
+)",
+                               kLoop, filter));
+  };
+  EXPECT_EQ(with_filter(32015),
+            "r.h5: error: group '/x', dataset 'torque_Nm': compressed with Zstandard, which needs a plug-in" +
+                expected);
+  EXPECT_EQ(with_filter(31999),
+            "r.h5: error: group '/x', dataset 'torque_Nm': compressed with filter 31999 of HDF5, which needs "
+            "a plug-in" +
+                expected);
+}
+
+TEST_F(H5pyTest, ReadsTablesOfCompoundRowsByTheNamesInThem) {
+  const std::vector<Record> records = ReadRecords(Write(R"(
+g = f.create_group('sweep'); g.attrs['kind'] = 'transmission_error'
+rows = np.zeros(3, [('index', 'i8'), ('output_angle_deg', '>f4'), ('direction', 'S3'), ('input_angle_deg', 'f8'),
+                    ('cell', 'f8', (2,))])
+rows['output_angle_deg'] = [1, 2, 3.5]; rows['direction'] = [b'cw', b'ccw', b'cw']; rows['input_angle_deg'] = [80, 160.25, 7]
+g.create_dataset('table', data=rows, compression='gzip')
+)"));
+  ASSERT_EQ(records.size(), 1U);
+  EXPECT_EQ(records[0].Doubles("output_angle_deg")[2], 3.5);
+  EXPECT_EQ(records[0].Doubles("input_angle_deg")[1], 160.25);
+  EXPECT_EQ(records[0].Directions("direction")[1], Direction::kCounterClockwise);
+  EXPECT_EQ(records[0].notes,
+            (std::vector<RecordNote>{{0, "dataset 'table' is left out: cell does not hold numbers"}}));
+}
+
+TEST_F(H5pyTest, SaysWhatATableOfOtherNamesIs) {
+  EXPECT_EQ(ErrorOf(R"(
+g = f.create_group('x'); g.attrs['kind'] = 'hysteresis'
+g['table'] = np.zeros(9, [('index', 'i8'), ('values_block_0', 'f8', (3,))])
+f.close()
+)"),
+            "r.h5: error: group '/x', dataset 'table': its rows hold several values, none with the name of a "
+            "column "
+            "(expected a dataset for each column, or rows whose values have the names of columns, such as "
+            "torque_Nm)");
+  EXPECT_EQ(ErrorOf(std::string(kLoop) + "g['table'] = np.zeros(20, [('torque_Nm', 'f8')])\nf.close()"),
+            "r.h5: error: group '/x', dataset 'torque_Nm': column 'torque_Nm' is doubled (expected each "
+            "column once)");
 }
 
 TEST_F(H5pyTest, NeverFillsInValuesThatWereNotWritten) {

@@ -113,6 +113,24 @@ TEST(ParseSparkplug, RefusesEveryPieceOfAPayloadThatIsNotOne) {
   EXPECT_FALSE(ParseSparkplug("\xff\xff\xff").has_value());
 }
 
+TEST(HostState, IsReadInBothVersions) {
+  EXPECT_EQ(HostStateTopic("scada"), "spBv1.0/STATE/scada");
+  EXPECT_EQ(OldHostStateTopic("scada"), "STATE/scada");
+  const auto newer = ParseHostState(R"({"online": false, "timestamp": 1700000000000})");
+  ASSERT_TRUE(newer.has_value());
+  EXPECT_FALSE(newer->online);
+  EXPECT_EQ(newer->time_ms, 1'700'000'000'000);
+  const auto older = ParseHostState("ONLINE");
+  ASSERT_TRUE(older.has_value());
+  EXPECT_TRUE(older->online);
+  EXPECT_EQ(older->time_ms, std::nullopt);
+  EXPECT_FALSE(ParseHostState("OFFLINE")->online);
+  for (const char* other :
+       {"", "online", "ONLINE ", "true", "{}", R"({"online": true})", R"({"online": 1, "timestamp": 2})"}) {
+    EXPECT_FALSE(ParseHostState(other).has_value()) << other;
+  }
+}
+
 TEST(AsksForRebirth, OnlyWhenTheControlIsTrue) {
   const std::string name = "\x0a\x14Node Control/Rebirth"s;
   EXPECT_TRUE(AsksForRebirth("\x12\x1a"s + name + "\x20\x0b\x70\x01"s));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "schedules/reader/quantity.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -65,8 +66,27 @@ TEST(ParseQuantity, TakesOtherSpellingsOfANumberAndItsUnit) {
   EXPECT_EQ(ParseQuantity("  3e1   min ", Dimension::kTime), 1800.0);
   EXPECT_EQ(ParseQuantity("+.5 s", Dimension::kTime), 0.5);
   EXPECT_EQ(ParseQuantity("40 N·m", Dimension::kTorque), 40.0);
+  EXPECT_EQ(ParseQuantity("40 N\u22C5m", Dimension::kTorque), 40.0);
+  EXPECT_DOUBLE_EQ(ParseQuantity("5 \u00B5s", Dimension::kTime), 5e-6);
+  EXPECT_DOUBLE_EQ(ParseQuantity("5 \u03BCs", Dimension::kTime), 5e-6);
   EXPECT_EQ(ParseQuantity("3 m/s²", Dimension::kAcceleration), 3.0);
   EXPECT_EQ(ParseQuantity("60 °C", Dimension::kTemperature), 60.0);
+}
+
+TEST(ParseQuantity, TakesEverySpaceOfUnicode) {
+  for (const char* space :
+       {"\u00A0", "\u2009", "\u202F", "\u2007", "\u3000", "\u200B", " \u00A0", "\uFEFF "}) {
+    EXPECT_EQ(ParseQuantity(fmt::format("40{}Nm", space), Dimension::kTorque), 40.0) << space;
+    EXPECT_EQ(ParseQuantity(fmt::format("{}40 Nm{}", space, space), Dimension::kTorque), 40.0) << space;
+    EXPECT_EQ(ParseNumber(fmt::format("80{}", space)), 80.0) << space;
+  }
+}
+
+TEST(ParseQuantity, NamesALetterThatLooksLikeAnother) {
+  EXPECT_EQ(MessageFor("40 N\u2022m", Dimension::kTorque),
+            "'N\u2022m' with U+2022 is not a unit of torque (expected Nm, mNm, Ncm or kNm)");
+  EXPECT_EQ(MessageFor("\u22124 Nm", Dimension::kTorque),
+            "not a number with a unit with U+2212 (expected a torque, as in '40 Nm')");
 }
 
 TEST(ParseQuantity, SaysWhichUnitsItTakes) {

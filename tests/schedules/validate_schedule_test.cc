@@ -108,6 +108,11 @@ TEST(ValidateSchedule, WantsWholeTurnsOfTheOutput) {
             "small.yaml:33:11: error: steps = 360 of step = 0.7 deg make 252 deg (expected whole turns of "
             "the output, "
             "a multiple of 360 deg)");
+  EXPECT_EQ(
+      MessageOf(GoodWith("input_speed: 300 rpm", "input_speed: 300 rpm\n    step: 30 deg")),
+      "small.yaml:33:11: error: step = 30 deg makes 12 steps a turn of the output (expected at least 36, or "
+      "no sweep passes its checks)");
+  EXPECT_EQ(MessageOf(GoodWith("input_speed: 300 rpm", "input_speed: 300 rpm\n    step: 10 deg")), "");
   EXPECT_NE(MessageOf(GoodWith("input_speed: 300 rpm", "input_speed: 300 rpm\n    step: 1e-10 deg")), "");
   EXPECT_EQ(MessageOf(GoodWith("input_speed: 300 rpm", "input_speed: 300 rpm\n    step: 2 deg")), "");
   EXPECT_EQ(

@@ -35,6 +35,13 @@ TEST(ParseYaml, TakesTabsThatIndentNothing) {
   EXPECT_EQ(MessageOf(With(GoodSchedule(), "cycles: 3", "cycles: 3\t# tab\n\t# a comment\n\t")), "");
 }
 
+TEST(ParseYaml, TakesTheSpacesOfWebPagesForSpaces) {
+  std::string text = GoodSchedule();
+  for (std::size_t at = 0; (at = text.find(' ', at)) != text.npos; at += 2) text.replace(at, 1, "\u00A0");
+  EXPECT_EQ(MessageOf(text), "");
+  EXPECT_EQ(MessageOf(With(GoodSchedule(), "cycles: 3", "\uFEFFcycles:\u20093\u202F")), "");
+}
+
 TEST(ParseYaml, SaysWhereItIsNotYaml) {
   EXPECT_EQ(MessageOf("a: b: c\n"),
             "small.yaml:1:5: error: not YAML: illegal map value (expected 'key: value' lines)");

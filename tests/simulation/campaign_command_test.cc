@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <fmt/core.h>
 #include <sys/mount.h>
 
-#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <thread>
@@ -44,10 +42,12 @@ TEST_F(Campaign, EndsWellWithATableAndPictures) {
   EXPECT_EQ(result_.exit_code, 0) << result_.error;
   EXPECT_NE(result_.out.find("K1 Nm/rad"), std::string::npos);
   EXPECT_NE(result_.out.find("campaign: " + Path()), std::string::npos);
-  for (const char* picture : {"hysteresis", "transmission_error", "trends"}) {
-    for (const char* ending : {".svg", ".png"}) {
-      EXPECT_GT(std::filesystem::file_size(Path() + "/pictures/" + picture + ending), 1000u);
-    }
+  for (const char* name : {"_cycles_1_and_3_hysteresis_lock_0deg", "_cycles_1_and_3_transmission_error",
+                           "_cycles_1_to_3_trends"}) {
+    const std::string picture = Path() + "/pictures/campaign" + name;
+    EXPECT_NE(result_.out.find(picture + ".svg (and .png)\n"), std::string::npos);
+    for (const char* ending : {".svg", ".png"})
+      EXPECT_GT(std::filesystem::file_size(picture + ending), 1000u);
   }
 }
 
@@ -120,7 +120,9 @@ TEST_F(Campaign, IsNotResumedWithAnotherSchedule) {
   EXPECT_EQ(resumed.error,
             Path() +
                 ": error: the schedule has changed since the start (expected the frozen schedule.yaml; "
-                "the difference is:\n  line 34: -cycles: 3\n  line 34: +cycles: 4\n  )\n");
+                "the difference is:\n  line 34: -cycles: 3\n  line 34: +cycles: 4\n  or --extend, to go on "
+                "with more "
+                "cycles)\n");
 }
 
 TEST_F(Campaign, SaysWhichCycleFileIsMissing) {

@@ -33,7 +33,7 @@ std::string Without(std::string text, const std::string& kind, const std::string
 std::string ShortSchedule(TestedBench bench) {
   std::string text = daq::ReadWholeFile(kSource / "tests/vm/campaign/short.yaml");
   text = schedules::With(text, "dwell: 1 min", "dwell: 1 s");
-  text = schedules::With(text, "step: 5 deg\n    steps: 72", "step: 20 deg\n    steps: 18");
+  text = schedules::With(text, "step: 5 deg\n    steps: 72", "step: 10 deg\n    steps: 36");
   text = schedules::With(text, "vibration_rate: 25.6 kHz", "vibration_rate: 12.8 kHz");
   text = schedules::With(text, "input_speed: 300 rpm", "input_speed: 1000 rpm");
   text = schedules::With(text, "torque_rate: 8 Nm/s", "torque_rate: 20 Nm/s");

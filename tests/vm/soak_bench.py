@@ -120,7 +120,7 @@ def schedule_text(kind, cycles):
     does not move to positions."""
     text = (HERE / "campaign" / "short.yaml").read_text(encoding="utf-8")
     for old, new in (("dwell: 1 min", "dwell: 1 s"), ("cycles: 1", f"cycles: {cycles}"), ("duration: 3 s", "duration: 20 s"),
-                     ("vibration_rate: 25.6 kHz", "vibration_rate: 12.8 kHz"), ("step: 5 deg\n    steps: 72", "step: 20 deg\n    steps: 18"),
+                     ("vibration_rate: 25.6 kHz", "vibration_rate: 12.8 kHz"), ("step: 5 deg\n    steps: 72", "step: 10 deg\n    steps: 36"),
                      ("torque_rate: 8 Nm/s", "torque_rate: 20 Nm/s"), ("operator_acknowledges: true", "operator_acknowledges: false"),
                      ("direction: cw\n    output_torque: 40 Nm", "direction: cw\n    output_torque: 0 Nm")):
         text = with_text(text, old, new)

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "analysis/diagnosis/campaign/causes.h"
+#include "analysis/diagnosis/campaign/results.h"
 #include "analysis/diagnosis/records.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -48,29 +49,16 @@ std::vector<UserQuantity> LastResults(const CampaignLayout& layout, const Eigen:
   std::vector<UserQuantity> quantities;
   for (const SeriesName& name : layout.series) quantities.push_back({"last_" + name.full, 0.0, 0.0});
   std::vector<double> count(layout.series.size(), 0.0);
-  for (std::size_t cycle = layout.cycles() - std::min(kLast, layout.cycles()); cycle < layout.cycles();
-       ++cycle) {
-    std::vector<Index> samples;
-    std::vector<Index> series;
-    for (std::size_t i = 0; i < layout.cycle_of.size(); ++i) {
-      if (layout.cycle_of[i] != cycle) continue;
-      samples.push_back(static_cast<Index>(i));
-      series.push_back(static_cast<Index>(layout.mixed_of[i]));
-    }
-    if (samples.empty()) continue;
-    const Eigen::MatrixXd mixing = layout.mixing(samples, series);
-    Eigen::MatrixXd mixed(static_cast<Index>(samples.size()), 2);
-    for (Index k = 0; k < mixed.rows(); ++k) {
-      const Index sample = samples[static_cast<std::size_t>(k)];
-      mixed.row(k) << layout.measured[static_cast<std::size_t>(sample)], predicted(sample);
-    }
-    const Eigen::MatrixXd values = mixing.partialPivLu().solve(mixed);
-    for (std::size_t k = 0; k < series.size(); ++k) {
-      const auto s = static_cast<std::size_t>(series[k]);
-      quantities[s].measured += layout.scale[s] * values(static_cast<Index>(k), 0);
-      quantities[s].predicted += layout.scale[s] * values(static_cast<Index>(k), 1);
-      count[s] += 1.0;
-    }
+  Eigen::MatrixXd responses(predicted.size(), 2);
+  responses << Eigen::Map<const Eigen::VectorXd>(layout.measured.data(), predicted.size()), predicted;
+  const Eigen::MatrixXd results = InTheirUnits(layout, responses);
+  const std::size_t first = layout.cycles() - std::min(kLast, layout.cycles());
+  for (std::size_t i = 0; i < layout.cycle_of.size(); ++i) {
+    if (layout.cycle_of[i] < first) continue;
+    const std::size_t s = layout.mixed_of[i];
+    quantities[s].measured += results(static_cast<Index>(i), 0);
+    quantities[s].predicted += results(static_cast<Index>(i), 1);
+    count[s] += 1.0;
   }
   for (std::size_t s = 0; s < quantities.size(); ++s) {
     quantities[s].measured /= std::max(1.0, count[s]);

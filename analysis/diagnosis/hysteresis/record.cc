@@ -17,6 +17,7 @@
 #include "analysis/diagnosis/hysteresis/signal.h"
 #include "analysis/loop_branches.h"
 #include "analysis/noise_level.h"
+#include "analysis/samples/resolution.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -305,6 +306,12 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
   }
   prepared.step_s = std::max(prepared.step_s, prepared.duration_s / static_cast<double>(grid.size()));
   prepared.noise_floor_rad = NoiseFloorOf(prepared);
+  for (const HysteresisData& record : records) {
+    const double step_rad =
+        std::hypot(samples::QuantisationStep(record.output_angle_rad),
+                   prepared.compliance_rad_per_Nm() * samples::QuantisationStep(record.torque_Nm));
+    prepared.rounding_rad = std::max(prepared.rounding_rad, step_rad / std::sqrt(12.0));
+  }
   prepared.block_length = BlockLengthOf(prepared);
   return prepared;
 }

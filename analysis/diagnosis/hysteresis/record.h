@@ -49,6 +49,7 @@ struct LoopRecords {
   double duration_s{};       // of the longest record
   double step_s{};           // median between samples
   double noise_floor_rad{};
+  double rounding_rad{};     // standard deviation by the steps of angle and torque; 0: there are none
   double place_noise_rad{};  // of the angle, from sample to sample
   std::size_t block_length{};
   std::vector<std::string> warnings;

@@ -10,13 +10,14 @@
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/hysteresis/checks.h"
 #include "analysis/diagnosis/hysteresis/model.h"
+#include "analysis/diagnosis/hysteresis/quantities.h"
 #include "analysis/diagnosis/hysteresis/regressors.h"
 #include "analysis/diagnosis/hysteresis/search.h"
 #include "analysis/diagnosis/hysteresis/torque_noise.h"
 #include "analysis/diagnosis/hysteresis/uncharged_shapes.h"
 #include "analysis/diagnosis/noise_likelihood.h"
+#include "analysis/diagnosis/open_numbers.h"
 #include "analysis/diagnosis/records.h"
-#include "analysis/torsional_stiffness.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -35,10 +36,6 @@ std::vector<ParameterValue> DescribeEffect(const LoopModel& model, std::size_t e
   const auto first = static_cast<Index>(own.data() - numbers.data());
   const auto count = static_cast<Index>(own.size());
   return model.effects()[effect]->Describe(own, covariance.block(first, first, count, count));
-}
-
-std::string OfRecord(const std::string& name, std::size_t record) {
-  return record == 0 ? name : fmt::format("{}_{}", name, record + 1);
 }
 
 // Hysteresis of one or several records: twist as the response to the measured torque.
@@ -69,12 +66,15 @@ class HysteresisStudy final : public Study {
   std::string unit() const override { return "arcmin"; }
   double unit_per_si() const override { return ArcminFromRad(1.0); }
   double NoiseFloor() const override { return records_.noise_floor_rad; }
+  double Rounding() const override { return records_.rounding_rad; }
   std::size_t BlockLength() const override { return records_.block_length; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
 
   ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                const ModelFit* start, FitPurpose purpose) const override;
-  std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override;
+  std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override {
+    return QuantitiesOfLoops(records_, predicted);
+  }
   Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
                           std::span<const NamedCause> causes) const override;
 
@@ -87,8 +87,7 @@ class HysteresisStudy final : public Study {
   std::vector<ParameterValue> DescribeNominal(const Eigen::VectorXd& x,
                                               const std::vector<double>& errors) const;
   NoiseFit NoiseOf(const Eigen::VectorXd& predicted, std::span<const double> weights) const;
-  Eigen::MatrixXd CovarianceOf(const LoopModel& model, const Eigen::VectorXd& numbers,
-                               const LoopGrid& all) const;
+  FitErrors ErrorsAt(const LoopModel& model, const Eigen::VectorXd& numbers, const LoopGrid& all) const;
   void WidenByAlternatives(const LoopModel& model, std::size_t effect, const Eigen::VectorXd& numbers,
                            const LoopGrid& all, const Eigen::MatrixXd& covariance,
                            std::vector<ParameterValue>& described) const;
@@ -196,20 +195,31 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
   const LoopModel model = ModelOf(cause_indices);
   LoopSolution solution = Search(cause_indices, weights, start);
   if (!std::isfinite(solution.cost) || !solution.numbers.allFinite()) return fit;
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(model.size(), model.size());
+  FitErrors errors{Eigen::MatrixXd::Zero(model.size(), model.size()), {}};
   const bool judges = purpose != FitPurpose::kCompare;
   const LoopGrid all = judges ? Condense(records_, weights, 0) : LoopGrid();
   if (judges) {
     solution = SolveLoop(model, all, solution.numbers, kMostIterations);
-    covariance = CovarianceOf(model, solution.numbers, all);
+    errors = ErrorsAt(model, solution.numbers, all);
   }
   fit.predicted = AboutZero(model.Predict(solution.numbers, records_.samples));
-  fit.nominal = DescribeNominal(solution.numbers, ErrorsOf(covariance));
+  OpenNumbers open(errors.open);
+  fit.nominal = DescribeNominal(solution.numbers, ErrorsOf(errors.covariance));
+  open.Mark(
+      solution.numbers, 0,
+      [&](const Eigen::VectorXd& moved) { return DescribeNominal(moved, ErrorsOf(errors.covariance)); },
+      fit.nominal);
   for (std::size_t e = 0; e < fit.causes.size(); ++e) {
-    fit.cause_parameters.push_back(DescribeEffect(model, e, solution.numbers, covariance));
+    std::vector<ParameterValue> described = DescribeEffect(model, e, solution.numbers, errors.covariance);
+    open.Mark(
+        solution.numbers, 0,
+        [&](const Eigen::VectorXd& moved) { return DescribeEffect(model, e, moved, errors.covariance); },
+        described);
     if (purpose == FitPurpose::kReport)
-      WidenByAlternatives(model, e, solution.numbers, all, covariance, fit.cause_parameters.back());
+      WidenByAlternatives(model, e, solution.numbers, all, errors.covariance, described);
+    fit.cause_parameters.push_back(std::move(described));
   }
+  fit.open = open.Words();
   fit.log_places = model.LogPlaces(solution.numbers);
   fit.free_parameters = model.FreeParameters(solution.numbers);
   fit.known_before = UnchargedShapes(model, solution, judges ? all : GridOf(model, weights));
@@ -224,11 +234,27 @@ NoiseFit HysteresisStudy::NoiseOf(const Eigen::VectorXd& predicted, std::span<co
   return FitNoise(residual, weights, stretches_, LargestNoiseOrder(), records_.twist_range_rad);
 }
 
-Eigen::MatrixXd HysteresisStudy::CovarianceOf(const LoopModel& model, const Eigen::VectorXd& numbers,
-                                              const LoopGrid& all) const {
+// What an effect's shapes are, and the state in which friction starts, lies in a range that is known before.
+FitErrors HysteresisStudy::ErrorsAt(const LoopModel& model, const Eigen::VectorXd& numbers,
+                                    const LoopGrid& all) const {
+  constexpr double kOfState = 1.0 / 3.0;  // variance of anything from −1 to 1
   Eigen::MatrixXd derivatives;
   const Eigen::VectorXd predicted = model.Predict(numbers, all, derivatives);
-  return FitCovariance(derivatives, all.twist_rad, predicted, all.weight, stretches_, LargestNoiseOrder());
+  FitErrors errors = ErrorsOfFit(derivatives, all.twist_rad, predicted, all.weight, stretches_,
+                                 LargestNoiseOrder(), Eigen::VectorXd::Zero(model.size()));
+  for (Index state = kFirstOfRecord + 1; state < model.nominal_size(); state += kNumbersOfRecord) {
+    if (!errors.open.row(state).isZero(0.0)) errors.covariance(state, state) = kOfState;
+    errors.open.row(state).setZero();
+  }
+  const std::vector<bool> held = model.Held(numbers);
+  Index next = model.nominal_size();
+  for (const LoopEffect* effect : model.effects()) {
+    for (const FitNumber& number : effect->numbers) {
+      if (!number.amount || held[static_cast<std::size_t>(next)]) errors.open.row(next).setZero();
+      ++next;
+    }
+  }
+  return errors;
 }
 
 // In which form an effect goes (a brake that slips at one speed, or the faster the more it is loaded) is
@@ -268,7 +294,7 @@ void HysteresisStudy::WidenByAlternatives(const LoopModel& model, std::size_t ef
         errors -= with_shape * with_shape.transpose() / covariance(shape, shape);
       }
     } else {
-      errors = CovarianceOf(model, other.numbers, all);
+      errors = ErrorsAt(model, other.numbers, all).covariance;
     }
     others.push_back({likelihood, DescribeEffect(model, effect, other.numbers, errors)});
     std::erase_if(others.back().numbers, is_amount);
@@ -285,8 +311,7 @@ std::vector<ParameterValue> HysteresisStudy::DescribeNominal(const Eigen::Vector
   };
   logarithm("k1_Nm_per_rad", "Nm/rad", kLnK1);
   logarithm("k2_Nm_per_rad", "Nm/rad", kLnK2);
-  // A third segment that no sample reaches is not reported.
-  if (records_.peak_torque_Nm >= kReachesThird * records_.t2_Nm) logarithm("k3_Nm_per_rad", "Nm/rad", kLnK3);
+  logarithm("k3_Nm_per_rad", "Nm/rad", kLnK3);
   logarithm("friction_torque_Nm", "Nm", kLnFriction);
   logarithm("yield_twist_arcmin", "arcmin", kLnYield);
   for (std::size_t r = 0; r < records_.samples.records(); ++r) {
@@ -307,35 +332,6 @@ Eigen::VectorXd HysteresisStudy::AboutZero(Eigen::VectorXd about_centres) const 
         .array() += records_.centre_rad[r];
   }
   return about_centres + noise_response_rad_;
-}
-
-std::vector<UserQuantity> HysteresisStudy::Quantities(const Eigen::VectorXd& predicted) const {
-  std::vector<UserQuantity> quantities;
-  const LoopGrid& samples = records_.samples;
-  const TestTorques torques{.t1_Nm = records_.t1_Nm,
-                            .t2_Nm = records_.t2_Nm,
-                            .t3_Nm = std::max(records_.t3_Nm, 1.01 * records_.t2_Nm)};
-  for (std::size_t r = 0; r < samples.records(); ++r) {
-    const std::size_t first = samples.starts[r];
-    const std::size_t count = samples.starts[r + 1] - first;
-    const auto measure = [&](const double* twist_rad) {
-      return FitStiffnessBackbone({std::span(samples.time_s).subspan(first, count),
-                                   std::span(samples.torque_Nm).subspan(first, count),
-                                   {twist_rad + first, count}},
-                                  torques);
-    };
-    const TorsionalStiffness seen = measure(records_.measured_rad.data());
-    const TorsionalStiffness simulated = measure(predicted.data());
-    const auto add = [&](const char* name, double there, double here) {
-      if (std::isfinite(there) && std::isfinite(here)) quantities.push_back({OfRecord(name, r), there, here});
-    };
-    add("k1_Nm_per_rad", seen.k1_Nm_per_rad.value, simulated.k1_Nm_per_rad.value);
-    add("k2_Nm_per_rad", seen.k2_Nm_per_rad.value, simulated.k2_Nm_per_rad.value);
-    add("k3_Nm_per_rad", seen.k3_Nm_per_rad.value, simulated.k3_Nm_per_rad.value);
-    add("hysteresis_arcmin", ArcminFromRad(seen.hysteresis_rad.value),
-        ArcminFromRad(simulated.hysteresis_rad.value));
-  }
-  return quantities;
 }
 
 Eigen::VectorXd HysteresisStudy::Predict(std::span<const ParameterValue> nominal,

@@ -316,6 +316,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                       // the likelihood says.
                       {inertia_name, units.inertia(), 0.0, kUnlimited}},
        .degrees_of_freedom = 6,
+       .known_by_size = true,
        .trials = kPlaces,
        .misfit_share = kContactMisfit,
        .to_settle =

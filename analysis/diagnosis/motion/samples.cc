@@ -13,9 +13,12 @@
 #include "analysis/diagnosis/motion/time.h"
 #include "analysis/diagnosis/motion/units.h"
 #include "analysis/noise_level.h"
+#include "analysis/samples/resolution.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
+
+using samples::QuantisationStep;
 
 constexpr std::size_t kFewestSamples = 150;
 constexpr double kClippedWarning = 0.005;
@@ -43,36 +46,6 @@ std::vector<bool> FindClipped(std::span<const double> torque) {
     }
   }
   return clipped;
-}
-
-// Whether nearly all changes are whole multiples of a step.
-bool IsStepOf(std::span<const double> changes, double step) {
-  std::size_t whole = 0;
-  std::size_t small = 0;
-  for (const double change : changes) {
-    const double multiple = change / step;
-    if (multiple > 50.0) continue;  // rounding of the file would blur them
-    ++small;
-    if (std::abs(multiple - std::round(multiple)) < 0.05) ++whole;
-  }
-  return small > 20 && static_cast<double>(whole) > 0.9 * static_cast<double>(small);
-}
-
-// Step of a quantised signal: the smallest change, if nearly all changes are whole multiples of it. Of an
-// axis that is fast nearly always few changes are that small.
-double QuantisationStep(std::span<const double> samples) {
-  std::vector<double> changes;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double change = std::abs(samples[i] - samples[i - 1]);
-    if (change > 0.0) changes.push_back(change);
-  }
-  if (changes.size() < 8) return 0.0;
-  std::sort(changes.begin(), changes.end());
-  for (const std::size_t share : {50, 200, 1000}) {
-    const double step = changes[changes.size() / share];
-    if (IsStepOf(changes, step)) return step;
-  }
-  return 0.0;
 }
 
 // An axis at rest shows no noise of a signal that is quantised.

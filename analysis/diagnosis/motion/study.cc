@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -73,6 +75,11 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
   model.block_length = std::max(kFewestInBlock, grid->rows() / kBlocks);
   // The torque's own were left out before the low-pass; a lone row is a reversal that comes late.
   model.spikes_are_outliers = false;
+  if (grid->prefit(0) < -kAccelerates * grid->inertia_error) {
+    model.warnings.push_back(
+        fmt::format("the {} comes out negative: the position or the {} has the other sign",
+                    samples.linear ? "mass" : "inertia", samples.linear ? "force" : "torque"));
+  }
   if (samples.inertia) {
     const std::string warning =
         InertiaWarning(grid->prefit(0), *samples.inertia, grid->inertia_error, samples.linear);

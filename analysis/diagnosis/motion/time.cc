@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "analysis/noise_level.h"
+#include "analysis/samples/stamps.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kGap = 3.5;           // steps
+using samples::kGap;
 constexpr double kEvenEnough = 0.01;   // of a step
-constexpr double kTicksOff = 1.3;      // by which stamps of a slow clock may be off even ones, to either side
 constexpr std::size_t kShortest = 40;  // samples of a stretch that is of use
 
 // Rows of a record that are kept, with their times.
@@ -26,12 +26,6 @@ struct Rows {
 bool SameRow(const MotionData& record, std::size_t a, std::size_t b) {
   return record.position[a] == record.position[b] && record.torque[a] == record.torque[b] &&
          (record.velocity.empty() || record.velocity[a] == record.velocity[b]);
-}
-
-std::size_t Repeated(std::span<const double> time_s) {
-  std::size_t repeated = 0;
-  for (std::size_t i = 1; i < time_s.size(); ++i) repeated += time_s[i] > time_s[i - 1] ? 0 : 1;
-  return repeated;
 }
 
 // Equal stamps on different rows, up to the next one.
@@ -50,43 +44,6 @@ void SpreadRepeated(std::vector<double>& time_s) {
   }
 }
 
-// Stamps of a clock that ticks more slowly than samples are taken: each stays within a tick of even samples,
-// between two gaps. These take their place.
-// @return false where they do not; `time_s` is of no use then.
-bool EvenWithinTicks(std::vector<double>& time_s) {
-  double tick_s = time_s.back() - time_s.front();
-  for (std::size_t i = 1; i < time_s.size(); ++i) {
-    if (time_s[i] > time_s[i - 1]) tick_s = std::min(tick_s, time_s[i] - time_s[i - 1]);
-  }
-  for (std::size_t first = 0; first < time_s.size();) {
-    std::size_t last = first + 1;
-    while (last < time_s.size() && time_s[last] - time_s[last - 1] <= kGap * tick_s) ++last;
-    const auto count = static_cast<double>(last - first);
-    // By least squares: the ends are within a tick only.
-    double mean_s = 0.0;
-    for (std::size_t i = first; i < last; ++i) mean_s += time_s[i] / count;
-    double along = 0.0;
-    double squares = 0.0;
-    for (std::size_t i = first; i < last; ++i) {
-      const double place = static_cast<double>(i - first) - 0.5 * (count - 1.0);
-      along += place * (time_s[i] - mean_s);
-      squares += place * place;
-    }
-    const double step_s = squares > 0.0 ? along / squares : 0.0;
-    double early_s = 0.0;
-    double late_s = 0.0;
-    for (std::size_t i = first; i < last; ++i) {
-      const double even_s = mean_s + step_s * (static_cast<double>(i - first) - 0.5 * (count - 1.0));
-      early_s = std::min(early_s, even_s - time_s[i]);
-      late_s = std::max(late_s, even_s - time_s[i]);
-      time_s[i] = even_s;
-    }
-    if (late_s - early_s > kTicksOff * tick_s) return false;
-    first = last;
-  }
-  return true;
-}
-
 Rows DistinctRows(const MotionData& record, const std::string& name, std::vector<std::string>& warnings) {
   Rows rows;
   const auto same = [&](std::size_t i) {
@@ -96,18 +53,18 @@ Rows DistinctRows(const MotionData& record, const std::string& name, std::vector
   for (std::size_t i = 0; i < record.time_s.size(); ++i) dropped += same(i) ? 1 : 0;
   // Where a coarse clock makes most stamps repeat, a row of equal values is the next sample of a coarse
   // column.
-  const bool is_coarse = Repeated(record.time_s) > 2 * dropped;
+  const bool is_coarse = samples::RepeatedStamps(record.time_s) > 2 * dropped;
   if (is_coarse) dropped = 0;
   for (std::size_t i = 0; i < record.time_s.size(); ++i) {
     if (!is_coarse && same(i)) continue;
     rows.row.push_back(i);
     rows.time_s.push_back(record.time_s[i]);
   }
-  const std::size_t repeated = Repeated(rows.time_s);
+  const std::size_t repeated = samples::RepeatedStamps(rows.time_s);
   bool by_tick = repeated > 0;
   if (by_tick) {
     std::vector<double> even(rows.time_s);
-    by_tick = EvenWithinTicks(even);
+    by_tick = samples::EvenWithinTicks(even);
     if (by_tick) {
       rows.time_s = std::move(even);
     } else {

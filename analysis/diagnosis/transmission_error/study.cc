@@ -3,11 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
 
+#include "analysis/angle_weights.h"
 #include "analysis/diagnosis/records.h"
 #include "analysis/diagnosis/temperature.h"
+#include "analysis/diagnosis/transmission_error/folded_orders.h"
 #include "analysis/diagnosis/transmission_error/terms.h"
+#include "analysis/harmonic_regression.h"
 #include "analysis/noise_level.h"
 #include "analysis/units.h"
 
@@ -110,19 +116,23 @@ std::vector<UserQuantity> MeanAndRange(const TransmissionErrorSamples& samples,
                                        const Eigen::VectorXd& predicted) {
   std::vector<double> measured;
   std::vector<double> modelled;
+  std::vector<double> angle_rad;
   double first = 0.0;
   for (std::size_t i = 0; i < samples.error_rad.size() && samples.record[i] == 0; ++i) {
     if (samples.direction[i] < 0.0) continue;
     if (measured.empty()) first = samples.output_rad[i];
-    if (std::abs(samples.output_rad[i] - first) > kTwoPi) break;
+    // As many steps as the turn has: its last sample is the first one of the next.
+    const double quarter_step_rad =
+        samples.samples_per_turn > 0.0 ? 0.25 * kTwoPi / samples.samples_per_turn : 0.0;
+    if (std::abs(samples.output_rad[i] - first) >= kTwoPi - quarter_step_rad) break;
     measured.push_back(ArcminFromRad(samples.error_rad[i]));
     modelled.push_back(ArcminFromRad(predicted(static_cast<Eigen::Index>(i))));
+    angle_rad.push_back(samples.output_rad[i]);
   }
-  if (measured.size() < kLeastSamples / 2) return {};
-  const auto mean = [](const std::vector<double>& values) {
-    double sum = 0.0;
-    for (const double value : values) sum += value;
-    return sum / static_cast<double>(values.size());
+  if (measured.size() < kLeastSamples / 2 || angle_rad.back() == angle_rad.front()) return {};
+  const std::vector<double> weights = AngleWeights(angle_rad);
+  const auto mean = [&](const std::vector<double>& values) {
+    return std::inner_product(weights.begin(), weights.end(), values.begin(), 0.0);
   };
   const auto range = [](const std::vector<double>& values) {
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
@@ -130,6 +140,30 @@ std::vector<UserQuantity> MeanAndRange(const TransmissionErrorSamples& samples,
   };
   return {{"e_avg_arcmin", mean(measured), mean(modelled)},
           {"e_max_arcmin", range(measured), range(modelled)}};
+}
+
+void LeaveOpen(SeparableTerm& term) {
+  term.describe = [describe = std::move(term.describe)](std::span<const double> numbers,
+                                                        const Eigen::MatrixXd& covariance) {
+    std::vector<ParameterValue> values = describe(numbers, covariance);
+    for (ParameterValue& value : values) value.standard_error = std::numeric_limits<double>::infinity();
+    return values;
+  };
+}
+
+// What tells the second harmonic from other orders, where the steps do not, is what the steps are off by.
+void LeaveOpenWhatIsNotSeen(const TransmissionErrorSamples& samples, SeparableModel& model) {
+  const double ratio = std::abs(samples.ratio);
+  const std::string why = WhyNotSeen(samples, 2.0 * ratio,
+                                     {{ratio, "the first harmonic"},
+                                      {4.0 * ratio, "the fourth harmonic"},
+                                      {1.0, "once per turn of the output"},
+                                      {2.0, "twice per turn of the output"}});
+  if (why.empty()) return;
+  model.warnings.push_back("the second harmonic of the wave generator is not known: " + why);
+  LeaveOpen(model.nominal.back());
+  if (FoldedOrder(2.0 * ratio, samples.samples_per_turn) >= 0.5) return;
+  for (std::size_t k = 0; k < samples.records; ++k) LeaveOpen(model.nominal[k]);
 }
 
 std::vector<Regressor> RegressorsOf(const TransmissionErrorSamples& samples) {
@@ -164,6 +198,7 @@ std::unique_ptr<Study> MakeTransmissionErrorStudy(std::span<const TransmissionEr
   }
   model.nominal.push_back(
       HarmonicTerm(samples.input_rad, 2.0, "second_harmonic_amplitude_arcmin", "arcmin", ArcminFromRad(1.0)));
+  LeaveOpenWhatIsNotSeen(samples, model);
   AddTransmissionErrorCauses(samples, model);
   model.regressors = RegressorsOf(samples);
   model.places_rad = samples.output_rad;

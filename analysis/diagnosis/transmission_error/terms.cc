@@ -11,6 +11,7 @@
 
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/scans.h"
+#include "analysis/diagnosis/transmission_error/folded_orders.h"
 #include "analysis/harmonic_regression.h"
 #include "analysis/model/local_tooth_damage.h"
 #include "analysis/units.h"
@@ -46,6 +47,12 @@ void AddHarmonicCause(const Samples& samples, SeparableModel& model, CauseRule r
   rule.parameters = {{"amplitude_arcmin", "arcmin", 0.0, kLargest_arcmin, true}};
   rule.degrees_of_freedom = 2;
   const double per_output = input ? order * std::abs(samples.ratio) : order;
+  const std::string why =
+      WhyNotSeen(samples, per_output, {{2.0 * std::abs(samples.ratio), "the second harmonic"}});
+  if (!why.empty()) {
+    model.warnings.push_back(fmt::format("no verdict on {}: {}", rule.name, why));
+    return;
+  }
   if (samples.samples_per_turn > 0.0) {
     const double folded = FoldedOrder(per_output, samples.samples_per_turn);
     if (std::abs(folded - per_output) > 1e-6) {

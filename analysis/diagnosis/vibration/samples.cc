@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/lone_samples.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/vibration/shaft.h"
+#include "analysis/diagnosis/vibration/shared_noise.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/diagnosis/vibration/speed.h"
 #include "analysis/noise_level.h"
@@ -134,14 +135,14 @@ std::vector<double> WithoutLoneSamples(std::vector<double> values) {
 
 // Without the shaft's lines: where the speed changes they are as broad as what they change by, and no median
 // of a spectrum passes them over.
-double NoiseOf(const VibrationRun& run, const std::vector<double>& channel) {
+std::vector<double> WithoutLines(const VibrationRun& run, const std::vector<double>& channel) {
   std::vector<double> values = WithoutLoneSamples(channel);
   if (!run.angle_rad.empty()) {
     Eigen::Map<Eigen::VectorXd> all(values.data(), static_cast<Eigen::Index>(values.size()));
     const Eigen::MatrixXd gram = run.nominal.transpose() * run.nominal;
     all -= run.nominal * gram.ldlt().solve(run.nominal.transpose() * all);
   }
-  return BroadbandDeviation(values);
+  return values;
 }
 
 }  // namespace
@@ -224,15 +225,18 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
   double mean_square = 0.0;
   for (VibrationRun& run : samples.runs) {
     FillNominal(run);
+    std::vector<std::vector<double>> left;
     for (std::size_t of_run = 0; of_run < run.channels.size(); ++of_run) {
       const std::vector<double>& channel = values[noise.size()];
       const double rms = std::sqrt(
           Eigen::Map<const Eigen::VectorXd>(channel.data(), static_cast<Eigen::Index>(channel.size()))
               .squaredNorm() /
           static_cast<double>(channel.size()));
-      noise.push_back(std::max(NoiseOf(run, channel), 1e-9 * rms));
+      left.push_back(WithoutLines(run, channel));
+      noise.push_back(std::max(BroadbandDeviation(left.back()), 1e-9 * rms));
       mean_square += noise.back() * noise.back() / static_cast<double>(values.size());
     }
+    run.decorrelation = DecorrelationOf(left);
   }
   samples.noise_floor = std::sqrt(mean_square);
   std::size_t c = 0;

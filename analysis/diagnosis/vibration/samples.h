@@ -27,9 +27,10 @@ struct VibrationRun {
   std::vector<VibrationStretch> channels;
   double period_s{};  // median distance of samples
   double mean_speed_rad_per_s{};
-  double speed_spread{};    // (largest − smallest) / mean
-  double turns{};           // of the input shaft
-  Eigen::MatrixXd nominal;  // constant, and cos, sin at 1 and 2 per turn
+  double speed_spread{};          // (largest − smallest) / mean
+  double turns{};                 // of the input shaft
+  Eigen::MatrixXd nominal;        // constant, and cos, sin at 1 and 2 per turn
+  Eigen::MatrixXd decorrelation;  // DecorrelationOf its channels
 
   std::size_t size() const { return time_s.size(); }
   double span_s() const { return time_s.back(); }

@@ -84,14 +84,13 @@ std::size_t FastLength(std::size_t length) {
   return length;
 }
 
-}  // namespace
-
-double BroadbandDeviation(std::span<const double> values) {
+// Without its first line, the mean; tapered, so that strong lines do not spill over the whole spectrum. A sum
+// of squares of one is what noise of unit variance has in each line.
+std::vector<std::complex<double>> TaperedSpectrum(std::span<const double> values) {
   values = values.first(FastLength(values.size()));
   const auto n = static_cast<double>(values.size());
   double mean = 0.0;
   for (const double value : values) mean += value / n;
-  // Tapered, so that strong lines do not spill over the whole spectrum.
   std::vector<double> tapered(values.size());
   double taper_square = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -103,13 +102,45 @@ double BroadbandDeviation(std::span<const double> values) {
   transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   std::vector<std::complex<double>> spectrum;
   transform.fwd(spectrum, tapered);
+  if (spectrum.size() < 3) return {};
+  spectrum.erase(spectrum.begin());
+  spectrum.pop_back();
+  for (std::complex<double>& line : spectrum) line /= std::sqrt(taper_square);
+  return spectrum;
+}
+
+std::vector<double> PowerOf(std::span<const std::complex<double>> spectrum) {
   std::vector<double> power;
-  for (std::size_t j = 1; j + 1 < spectrum.size(); ++j)
-    power.push_back(std::norm(spectrum[j]) / taper_square);
-  const std::vector<double> background = BackgroundOf(power, 1);
+  for (const std::complex<double>& line : spectrum) power.push_back(std::norm(line));
+  return power;
+}
+
+double MeanOf(std::span<const double> values) {
   double sum = 0.0;
-  for (const double level : background) sum += level;
-  return std::sqrt(sum / static_cast<double>(background.size()));
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+double BroadbandDeviation(std::span<const double> values) {
+  return std::sqrt(MeanOf(BackgroundOf(PowerOf(TaperedSpectrum(values)), 1)));
+}
+
+double BroadbandCorrelation(std::span<const double> a, std::span<const double> b) {
+  std::vector<std::complex<double>> sum = TaperedSpectrum(a);
+  std::vector<std::complex<double>> difference = TaperedSpectrum(b);
+  const std::vector<double> of_a = BackgroundOf(PowerOf(sum), 1);
+  const std::vector<double> of_b = BackgroundOf(PowerOf(difference), 1);
+  for (std::size_t j = 0; j < sum.size(); ++j) {
+    const std::complex<double> one = sum[j] / std::sqrt(of_a[j]);
+    const std::complex<double> other = difference[j] / std::sqrt(of_b[j]);
+    sum[j] = one + other;
+    difference[j] = one - other;
+  }
+  const double in_step = MeanOf(BackgroundOf(PowerOf(sum), 1));
+  const double against = MeanOf(BackgroundOf(PowerOf(difference), 1));
+  return (in_step - against) / (in_step + against);
 }
 
 VibrationSpectrum::VibrationSpectrum(const VibrationSamples& samples, std::span<const double> residual,

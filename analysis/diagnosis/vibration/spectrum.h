@@ -51,6 +51,10 @@ class VibrationSpectrum {
 /// of its spectrum.
 double BroadbandDeviation(std::span<const double> values);
 
+/// Correlation of the noise of two such signals of equal length, without their lines: that of their sum
+/// against that of their difference, all frequencies alike whatever the colour.
+double BroadbandCorrelation(std::span<const double> a, std::span<const double> b);
+
 /// A peak of a spectrum.
 struct SpectrumPeak {
   double order{};

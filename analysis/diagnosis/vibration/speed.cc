@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "analysis/diagnosis/vibration/projection.h"
@@ -314,8 +313,10 @@ std::optional<double> SquareSumOfPair(VibrationSamples samples, double speed_rad
   return fit.square_sum;
 }
 
-// A speed in another unit puts the pair of lines far from where it should be.
-void CheckUnit(const VibrationSpectrum& spectrum, double speed_rad_per_s) {
+// A speed in another unit puts the pair of lines far from where it should be. So may a gear with as many
+// teeth: a doubt, not a finding.
+void DoubtUnit(const VibrationSpectrum& spectrum, double speed_rad_per_s,
+               std::vector<std::string>& warnings) {
   struct MixUp {
     double factor;
     const char* unit;
@@ -328,11 +329,12 @@ void CheckUnit(const VibrationSpectrum& spectrum, double speed_rad_per_s) {
     if (2.0 * mix_up.factor > 0.9 * spectrum.highest() || mix_up.factor < 3.0 * spectrum.cell()) continue;
     const double order = BestPair(spectrum, mix_up.factor, kTolerance);
     if (!BothLines(spectrum, order) || PairExcess(spectrum, order) < kClearPair) continue;
-    throw std::invalid_argument(
-        fmt::format("the input speed looks like {}: the file says {:.4g} rpm, the shaft's lines stand at "
-                    "{:.4g} rpm (expected "
-                    "input_speed_rpm in turns per minute)",
+    warnings.push_back(
+        fmt::format("the input speed may be in {}: the file says {:.4g} rpm, where the shaft has no clear "
+                    "lines; a pair at 1 and 2 per turn of {:.4g} rpm stands out. It was taken as the file "
+                    "says, input_speed_rpm in turns per minute",
                     mix_up.unit, RpmFromRadPerS(speed_rad_per_s), RpmFromRadPerS(speed_rad_per_s * order)));
+    return;
   }
 }
 
@@ -345,7 +347,7 @@ void CorrectSpeed(VibrationSamples& samples, SpeedSource source) {
     VibrationSamples one;
     one.runs.push_back(run);
     const VibrationSpectrum spectrum(one, centred, ones, SpectrumAxis::kTurns);
-    CheckUnit(spectrum, run.mean_speed_rad_per_s);
+    if (source != SpeedSource::kItsLines) DoubtUnit(spectrum, run.mean_speed_rad_per_s, samples.warnings);
     const double best = BestPair(spectrum, 1.0, source == SpeedSource::kMeasured ? 0.004 : 0.025);
     const double cells = std::abs(best - 1.0) / spectrum.cell();
     const double ahead = PairExcess(spectrum, best) - PairExcess(spectrum, 1.0);

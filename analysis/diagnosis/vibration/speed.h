@@ -12,7 +12,6 @@ enum class SpeedSource { kStated, kMeasured, kItsLines };
 /// own lines at 1 and 2 per turn, where they are strong enough to tell. Changes angle, speed and nominal
 /// columns, sets `order_uncertainty`, and says in the warnings what it did.
 /// What nobody stated is taken as the lines say it.
-/// @throws std::invalid_argument where the lines stand at the speed in another unit.
 void CorrectSpeed(VibrationSamples& samples, SpeedSource source);
 
 /// Where no speed is known at all: the shaft's speed from a clear pair of lines, f and 2f.

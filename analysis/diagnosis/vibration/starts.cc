@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/gear_mesh.h"
 #include "analysis/diagnosis/vibration/resonances.h"
+#include "analysis/diagnosis/vibration/shared_noise.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -62,7 +63,8 @@ const VibrationSpectrum& VibrationRemainder::over_seconds() const {
   return *seconds_;
 }
 
-NoiseFit VibrationRemainder::NoiseOf(std::span<const double> residual) const {
+NoiseFit VibrationRemainder::NoiseOf(std::vector<double> residual) const {
+  Decorrelate(samples_, solver_.weights(), residual);
   return FitNoise(residual, solver_.weights(), samples_.stretches, 1, std::sqrt(base_.variance()));
 }
 
@@ -73,7 +75,7 @@ const NoiseFit& VibrationRemainder::noise() const {
 
 double VibrationRemainder::RatioOf(const TermFit& fit) const {
   const Eigen::VectorXd left = ResidualOf(fit);
-  return LikelihoodRatio(NoiseOf({left.data(), static_cast<std::size_t>(left.size())}), noise());
+  return LikelihoodRatio(NoiseOf({left.begin(), left.end()}), noise());
 }
 
 double VibrationRemainder::LoudnessAt(double frequency_Hz) const {

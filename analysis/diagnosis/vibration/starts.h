@@ -90,7 +90,7 @@ class VibrationRemainder {
   mutable std::optional<OneTermSolver> one_term_;
   mutable std::optional<VibrationSpectrum> turns_;
   mutable std::optional<VibrationSpectrum> seconds_;
-  NoiseFit NoiseOf(std::span<const double> residual) const;
+  NoiseFit NoiseOf(std::vector<double> residual) const;
   mutable std::optional<NoiseFit> noise_;
 };
 

@@ -16,6 +16,7 @@
 #include "analysis/diagnosis/vibration/rules.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/searches.h"
+#include "analysis/diagnosis/vibration/shared_noise.h"
 #include "analysis/diagnosis/vibration/slipping.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/starts.h"
@@ -50,6 +51,11 @@ class VibrationStudy final : public Study {
   std::size_t BlockLength() const override { return block_length_; }
   // More memory would be a resonance.
   int LargestNoiseOrder() const override { return 1; }
+  std::vector<double> Decorrelated(std::vector<double> residual,
+                                   std::span<const double> weights) const override {
+    Decorrelate(samples_, weights, residual);
+    return residual;
+  }
   bool SpikesAreOutliers() const override { return spikes_are_outliers_; }
   bool RemembersSearches() const override { return true; }
   const std::vector<std::string>& warnings() const override { return samples_.warnings; }

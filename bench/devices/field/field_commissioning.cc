@@ -25,6 +25,7 @@ constexpr milliseconds kToBoot{50};
 constexpr milliseconds kToAnswer{300};
 constexpr double kStandstill_rad_per_s = 0.5;  // of a motor whose file does not say
 constexpr double kSpeedUp_s = 1.0;
+constexpr std::size_t kMostEdsNotes = 10;  // of a file that are shown: what else is odd is no news
 
 // The quick stop after the silence: a drive that is on its way cannot be set up.
 void WaitForStop(const std::vector<CanopenServo*>& servos, BenchClock& clock) {
@@ -92,6 +93,14 @@ std::vector<BenchMachine::Doubt> FieldMachine::Doubts() const {
     const StopTimeFinding finding = JudgeStopTime(
         key, StopOf(key), identity == identities_.end() ? "" : identity->second, bench_.longest_stop_s);
     if (!finding.words.empty()) doubts.push_back({finding.refuses, finding.words});
+  }
+  for (const auto& [profile, notes] : eds_notes_) {
+    const std::size_t shown = std::min(notes.size(), kMostEdsNotes);
+    for (std::size_t i = 0; i < shown; ++i) doubts.push_back({false, notes[i]});
+    if (notes.size() > shown) {
+      doubts.push_back({false, fmt::format("{}: and {} more notes about its EDS file", profile.string(),
+                                           notes.size() - shown)});
+    }
   }
   return doubts;
 }

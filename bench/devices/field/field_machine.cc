@@ -217,6 +217,7 @@ void FieldMachine::OpenDrives() {
     CanopenServoSettings settings;
     settings.name = name;
     settings.profile = AtAxis(ReadDriveProfile(servo->drive.profile), reducer, 1);
+    eds_notes_[servo->drive.profile] = settings.profile.eds_notes;
     CheckPeriod(settings);
     settings.node_id = static_cast<std::uint8_t>(servo->drive.node);
     buses_.at(device.name).drives.push_back(std::move(settings));

@@ -152,8 +152,9 @@ class FieldMachine final : public BenchMachine {
   Use use_;
   std::vector<MeasuredStop> stops_;                // as kept beside the bench file
   std::map<std::string, std::string> identities_;  // of the drives that are there, by servo
-  std::map<std::string, WatchdogProof> proofs_;    // the same
-  std::chrono::nanoseconds stale_after_;           // an older value of a channel is none
+  std::map<std::filesystem::path, std::vector<std::string>> eds_notes_;  // by the file of the drive's profile
+  std::map<std::string, WatchdogProof> proofs_;                          // the same
+  std::chrono::nanoseconds stale_after_;  // an older value of a channel is none
   MonotonicClock clock_;
   std::unique_ptr<PlayedBench> played_;  // before what uses its ends, so that it outlives that
   std::map<std::string, OneBus> buses_;

@@ -76,6 +76,12 @@ TEST(DriveProfileFile, TellsAllThatIsWrongWithPlaces) {
       "small.yaml:12:75: error: map has 0x6040:0 (expected INDEX:SUBINDEX:BITS, as in 0x6040:0:16)");
 }
 
+TEST(DriveProfileFile, SaysInWhichUnitTheDriveHoldsItsRatedTorque) {
+  EXPECT_EQ(ParseDriveProfile(SmallProfile(), "small.yaml").units.rated_torque_units_per_Nm, 1e3);
+  const std::string micro = With(SmallProfile(), "2 Nm}", "512.9 mNm, rated_torque_unit: uNm}");
+  EXPECT_EQ(ParseDriveProfile(micro, "small.yaml").units.rated_torque_units_per_Nm, 1e6);
+}
+
 TEST(DriveProfileFile, RefusesToLeaveADriveUnwatched) {
   const std::string unwatched = " is above 2 s (expected no more, since the shafts turn unwatched meanwhile)";
   EXPECT_EQ(MessageOf(SmallProfile() +
@@ -109,6 +115,7 @@ TEST(DriveProfileFile, OfOurOwnDriveFitsItsDataSheet) {
       std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/devices/profiles/strainwave_drive.yaml";
   const auto profile = ReadDriveProfile(file);
   EXPECT_EQ(profile.identity.vendor, 0x5357U);
+  EXPECT_EQ(profile.eds_notes, std::vector<std::string>{});
   // 1000 rpm are 65536 / 60 * 1000 increments a second.
   EXPECT_EQ(protocols::canopen::VelocityUnits(profile.units, RadPerSFromRpm(1000.0)), 1092267);
 }

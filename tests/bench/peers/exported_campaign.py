@@ -14,7 +14,7 @@ def make(program, folder, cycles=25):
     schedule, campaign, predictor, exported = (folder / name for name in ("c.yaml", "campaign", "predictor", "exported"))
     schedule.write_text(text)
     for arguments in (["run", schedule, "--out", campaign], ["train", campaign, "--out", predictor, "--epochs", "20"],
-                      ["export", predictor, "--out", exported]):
+                      ["export", predictor, "--out", exported, "--anyway"]):
         subprocess.run([program, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL,
                        stderr=subprocess.DEVNULL)
     return campaign, exported

@@ -133,6 +133,28 @@ TEST(Commissioning, RefusesAMotorOfAnotherRatedTorque) {
   boot.drive.objects[{0x6076, 0}] = 1270;
   EXPECT_EQ(boot.Run(), State::kFailed);
   EXPECT_TRUE(boot.drive.written.empty());
+  EXPECT_EQ(boot.commissioning.FailureWords(),
+            "node 3: rated torque (6076h:00) is 1270, the profile has 1000 mNm (expected rated_torque as on "
+            "the motor's data "
+            "sheet, and rated_torque_unit where the drive does not count in mNm)");
+}
+
+// One of a public file of a maker: 512871 for a motor of 0.513 Nm.
+TEST(Commissioning, SaysInWhichUnitADriveHoldsItsRatedTorque) {
+  DriveProfile profile = EasyProfile();
+  profile.units.rated_torque_Nm = 0.513;
+  Boot boot(profile);
+  boot.drive.objects[{0x6076, 0}] = 512871;
+  EXPECT_EQ(boot.Run(), State::kFailed);
+  EXPECT_EQ(boot.commissioning.FailureWords(),
+            "node 3: rated torque (6076h:00) is 512871, the profile has 513 mNm: they differ by just 1000; "
+            "if the drive "
+            "counts in uNm, the profile says so: units: {rated_torque_unit: uNm}");
+  profile.units.rated_torque_Nm = 0.512871;
+  profile.units.rated_torque_units_per_Nm = 1e6;
+  Boot named(profile);
+  named.drive.objects[{0x6076, 0}] = 512871;
+  EXPECT_EQ(named.Run(), State::kDone) << named.commissioning.FailureWords();
 }
 
 // Point 2.

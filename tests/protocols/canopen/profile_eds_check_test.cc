@@ -94,12 +94,15 @@ TEST(CheckProfileAgainstEds, FindsAnotherDrive) {
 }
 
 TEST(CheckProfileAgainstEds, FindsObjectsThatTheDriveLacks) {
-  EXPECT_EQ(CheckWith([](DriveProfile&, EdsFile& eds) {
-              eds.objects.erase({0x605A, 0});
-              eds.objects.erase({0x6077, 0});
-            }),
-            (Findings{"605Ah:00 (quick stop option code) is not in the EDS",
-                      "6077h:00 is mapped, but is not in the EDS"}));
+  EXPECT_EQ(
+      CheckWith([](DriveProfile&, EdsFile& eds) {
+        eds.objects.erase({0x605A, 0});
+        eds.objects.erase({0x6077, 0});
+      }),
+      (Findings{
+          "605Ah:00 (quick stop option code) is not in the EDS (expected it there; where the drive lacks it, "
+          "quirks: {absent_objects: [0x605A]} in the profile)",
+          "6077h:00 is mapped, but is not in the EDS"}));
 }
 
 TEST(CheckProfileAgainstEds, FindsAnAbsentObjectThatIsThere) {
@@ -107,6 +110,48 @@ TEST(CheckProfileAgainstEds, FindsAnAbsentObjectThatIsThere) {
               p.quirks.absent_objects = {0x605E, 0x605F};
             }),
             (Findings{"605Eh is absent according to the profile, but is in the EDS"}));
+}
+
+TEST(CheckProfileAgainstEds, NamesNoKeyForWhatADriveMustHave) {
+  EXPECT_EQ(
+      CheckWith([](DriveProfile&, EdsFile& eds) {
+        eds.objects.erase({0x1017, 0});
+        eds.objects.erase({0x1400, 5});
+      }),
+      (Findings{"1017h:00 (heartbeat of the drive) is not in the EDS",
+                "1400h:05 (RPDO 1) is not in the EDS (expected it there; where the drive lacks it, quirks: "
+                "{lacks_rpdo_event_timer: true} in the profile)"}));
+}
+
+TEST(CheckProfileAgainstEds, LetsTheProfileNotLookAtWhatIsOnlyRead) {
+  EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile&) { p.quirks.absent_objects = {0x6076}; }), Findings{});
+}
+
+TEST(CheckProfileAgainstEds, ComparesNoIdentityThatTheEdsDoesNotGive) {
+  EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile& eds) {
+              p.identity.product = 0x18;
+              eds.product_number.reset();
+            }),
+            Findings{});
+}
+
+TEST(CheckProfileAgainstEds, FindsATouchedObjectThatTheEdsLeavesUnclear) {
+  EXPECT_EQ(
+      CheckWith([](DriveProfile&, EdsFile& eds) {
+        eds.objects[{0x6085, 0}].unclear = "no DataType that is known here (line 9)";
+        eds.objects[{0x2000, 0}].unclear = "no DataType that is known here (line 5)";
+      }),
+      (Findings{
+          "6085h:00 Quick stop deceleration: the EDS gives it no DataType that is known here (line 9)"}));
+}
+
+TEST(CheckProfileAgainstEds, ReadsHexadecimalLimitsOfSignedTypes) {
+  EXPECT_EQ(CheckWith([](DriveProfile& p, EdsFile& eds) {
+              p.option_codes.quick_stop = -1;
+              eds.objects[{0x605A, 0}].low_limit = "0x8000";
+              eds.objects[{0x605A, 0}].high_limit = "0x7FFF";
+            }),
+            Findings{});
 }
 
 TEST(CheckProfileAgainstEds, FindsAnObjectThatCannotBeWrittenOrRead) {

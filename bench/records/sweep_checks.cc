@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/diagnosis/record_checks.h"
+#include "bench/records/sweep_checks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "analysis/diagnosis/scans.h"
 #include "analysis/noise_level.h"
 #include "analysis/units.h"
+#include "bench/records/looks.h"
+#include "bench/records/record_refusal.h"
 #include "daq/record_rules.h"
 
 namespace strainwave::bench {
@@ -127,6 +130,8 @@ struct Travel {
   std::size_t against{};
 };
 
+constexpr std::ptrdiff_t kFewestMoving = 8;  // steps: fewer, and the noise is a guess
+
 Travel TravelOf(std::span<const double> angle_deg) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < angle_deg.size(); ++i) steps.push_back(angle_deg[i] - angle_deg[i - 1]);
@@ -134,7 +139,10 @@ Travel TravelOf(std::span<const double> angle_deg) {
   std::vector<double> sizes;
   for (const double step : steps) sizes.push_back(std::abs(step));
   std::ranges::sort(sizes);
-  // Noise between readings at one standstill is no travel.
+  // Noise between readings at one standstill is no travel, however long it lasts.
+  const double noise = 6.0 * analysis::EstimateNoise(angle_deg).standard_deviation;
+  const auto moving = std::ranges::upper_bound(sizes, noise);
+  if (sizes.end() - moving >= kFewestMoving) sizes.erase(sizes.begin(), moving);
   const double counts = 0.2 * sizes[sizes.size() * 9 / 10];
   std::size_t forward = 0;
   std::size_t backward = 0;
@@ -146,8 +154,7 @@ Travel TravelOf(std::span<const double> angle_deg) {
   return {forward > backward ? 1 : -1, std::min(forward, backward)};
 }
 
-void CheckDirections(const daq::Record& record, std::span<const Sweep> sweeps,
-                     std::vector<std::string>& doubts) {
+void CheckDirections(daq::Record& record, std::span<const Sweep> sweeps) {
   const char* const names[] = {"cw", "ccw"};
   int signs[] = {0, 0};
   for (std::size_t k = 0; k < sweeps.size(); ++k) {
@@ -163,18 +170,21 @@ void CheckDirections(const daq::Record& record, std::span<const Sweep> sweeps,
            "cw where the output turns one way, ccw where it turns back");
   }
   if (signs[0] != 0 && signs[0] == signs[1]) {
-    doubts.push_back(fmt::format(
-        "direction contradicts the angles: rows marked cw and rows marked ccw both turn the output {}",
-        signs[0] > 0 ? "forwards" : "backwards"));
+    NoteOn(record,
+           fmt::format("direction contradicts the angles: rows marked cw and rows marked ccw both turn the "
+                       "output {}",
+                       signs[0] > 0 ? "forwards" : "backwards"));
   } else if (signs[0] < 0 || signs[1] > 0) {
-    doubts.push_back(
-        fmt::format("direction contradicts the angles: {} turns the output {}; differences between the "
-                    "directions have the other sign then",
-                    signs[0] < 0 ? "cw" : "ccw", signs[0] < 0 ? "backwards" : "forwards"));
+    NoteOn(record,
+           fmt::format("direction contradicts the angles: {} turns the output {}; differences between the "
+                       "directions have the other sign then",
+                       signs[0] < 0 ? "cw" : "ccw", signs[0] < 0 ? "backwards" : "forwards"));
   }
 }
 
-void CheckSweep(const daq::Record& record, std::vector<std::string>& doubts) {
+}  // namespace
+
+void CheckSweep(daq::Record& record) {
   const double output_span_deg = analysis::diagnosis::SpanOf(record.Doubles("output_angle_deg"));
   for (const char* column : {"input_angle_deg", "output_angle_deg"}) {
     const auto angle_deg = record.Doubles(column);
@@ -185,52 +195,7 @@ void CheckSweep(const daq::Record& record, std::vector<std::string>& doubts) {
                           SweepOf(record, Direction::kCounterClockwise)};
   CheckRatio(record, sweeps, output_span_deg);
   CheckTurns(record, output_span_deg);
-  CheckDirections(record, sweeps, doubts);
-}
-
-void CheckTime(const daq::Record& record, std::vector<std::string>& doubts) {
-  if (record.FindColumn("time_s") == nullptr || record.rows() < 3) return;
-  const auto time_s = record.CopyAsDoubles("time_s");
-  if (!(time_s.back() > time_s.front())) {
-    Refuse(record, fmt::format("time_s stands still at {:g}", time_s.front()), "time that goes on");
-  }
-  // These studies say themselves what is odd about their time, and what they do about it.
-  if (record.kind == "motion" || record.kind == "vibration") return;
-  std::size_t repeated = 0;
-  for (std::size_t i = 1; i < time_s.size(); ++i) {
-    if (time_s[i] == time_s[i - 1]) ++repeated;
-  }
-  const double share = static_cast<double>(repeated) / static_cast<double>(time_s.size() - 1);
-  if (share >= 0.005) {
-    doubts.push_back(fmt::format("{:.1f} % of the time stamps repeat the one before", 100.0 * share));
-    return;
-  }
-  std::vector<double> steps_s;
-  for (std::size_t i = 1; i < time_s.size(); ++i) steps_s.push_back(time_s[i] - time_s[i - 1]);
-  const double step_s = analysis::Median(steps_s);
-  for (double& step : steps_s) step = std::abs(step - step_s);
-  // Half the steps are off by more than this: no pause or gap, which a few of them hold.
-  const double jitter = analysis::Median(steps_s) / step_s;
-  constexpr double kEven = 0.1;
-  if (jitter < kEven) return;
-  doubts.push_back(fmt::format(
-      "the time stamps jitter: half of them are off by {:.0f} % and more of their step of {:.4g} ms",
-      100.0 * jitter, 1e3 * step_s));
-}
-
-}  // namespace
-
-CampaignError RecordRefusal(const daq::Record& record, const std::string& what) {
-  const std::string& group = record.source.group;
-  return {ExitCode::kWrongInput, fmt::format("{}: error: {}{}", record.source.file,
-                                             group.empty() ? "" : fmt::format("group '{}': ", group), what)};
-}
-
-std::vector<std::string> CheckForDiagnosis(const daq::Record& record) {
-  std::vector<std::string> doubts;
-  CheckTime(record, doubts);
-  if (record.kind == "transmission_error") CheckSweep(record, doubts);
-  return doubts;
+  CheckDirections(record, sweeps);
 }
 
 }  // namespace strainwave::bench

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/samples/holds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+
+#include "analysis/noise_level.h"
+#include "analysis/samples/resolution.h"
+#include "analysis/units.h"
+
+namespace strainwave::analysis::samples {
+namespace {
+
+using Run = Frozen;
+
+std::vector<Run> RunsOf(std::span<const double> values) { return StandingStretches(values, 1); }
+
+// Neighbours that would be equal in a signal of this resolution, by how many differ by little. The resolution
+// is the usual distance of its values where they lie densely.
+double RepeatsByChance(std::span<const double> values, std::size_t runs) {
+  constexpr double kComesAgain =
+      0.9;  // distinct values a run: more, and the resolution is not what makes them equal
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (values[i] != values[i - 1]) changes.push_back(std::abs(values[i] - values[i - 1]));
+  }
+  const std::set<double> distinct(values.begin(), values.end());
+  if (changes.size() < 5 || distinct.size() < 4) return 0.0;
+  if (static_cast<double>(distinct.size()) > kComesAgain * static_cast<double>(runs)) return 0.0;
+  std::vector<double> gaps;
+  std::size_t k = 0;
+  for (auto at = std::next(distinct.begin()); at != distinct.end(); ++at, ++k) {
+    if (4 * k >= distinct.size() && 4 * k <= 3 * distinct.size()) gaps.push_back(*at - *std::prev(at));
+  }
+  const auto fifth = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 5);
+  std::nth_element(changes.begin(), fifth, changes.end());
+  return 0.2 * static_cast<double>(changes.size()) * Median(std::move(gaps)) / (2.0 * *fifth);
+}
+
+// Of the white part, from fourth differences, which motion hardly enters, without those where the signal
+// stands.
+double NoiseWhereItMoves(std::span<const double> values) {
+  std::vector<double> differences;
+  for (std::size_t i = 2; i + 2 < values.size(); ++i) {
+    if (values[i] != values[i - 1] || values[i + 1] != values[i]) {
+      differences.push_back(values[i - 2] - 4.0 * values[i - 1] + 6.0 * values[i] - 4.0 * values[i + 1] +
+                            values[i + 2]);
+    }
+  }
+  return RobustStandardDeviation(differences) / std::sqrt(70.0);
+}
+
+// Whether a value was left, or come to, by a jump as nothing else in the signal makes one: it went on
+// meanwhile.
+std::vector<Frozen> LeftByAJump(std::span<const double> values) {
+  constexpr std::size_t kFewestRows = 8;
+  constexpr double kClearly = 3.0;  // times the largest other change
+  const std::vector<Frozen> long_ones = StandingStretches(values, kFewestRows);
+  std::vector<bool> beside(values.size(), false);  // of the change to the value before
+  for (const Frozen& one : long_ones) {
+    beside[one.first] = true;
+    if (one.first + one.count < values.size()) beside[one.first + one.count] = true;
+  }
+  const auto change = [&](std::size_t i) {
+    return i > 0 && i < values.size() ? std::abs(values[i] - values[i - 1]) : 0.0;
+  };
+  double largest = 0.0;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (!beside[i]) largest = std::max(largest, change(i));
+  }
+  std::vector<Frozen> jumped;
+  for (const Frozen& one : long_ones) {
+    if (largest > 0.0 && std::max(change(one.first), change(one.first + one.count)) > kClearly * largest)
+      jumped.push_back(one);
+  }
+  return jumped;
+}
+
+}  // namespace
+
+std::optional<Held> FindHeld(std::span<const double> values, double coarsest_step) {
+  constexpr std::size_t kFewestRuns = 10;
+  constexpr double kLeastShare = 0.02;  // of all values: an axis stops less often
+  constexpr double kClearly = 3.0;      // steps; an encoder that hardly turns goes on by one
+  constexpr double kOfAStep = 0.01;     // tolerance: the changes of a slow ramp are alike, but not that much
+  constexpr double kByChance = 3.0;     // times what the signal's own small changes foretell
+  constexpr std::size_t kFewLevels = 20;  // of a command in steps
+  const std::vector<Run> runs = RunsOf(values);
+  const double step = QuantisationStep(values, kOfAStep);
+  const double clear = step <= coarsest_step ? kClearly * step : 0.0;
+  Held held;
+  held.fresh.assign(values.size(), true);
+  std::set<double> levels;
+  for (std::size_t k = 1; k + 1 < runs.size(); ++k) {
+    const Run& run = runs[k];
+    const double value = values[run.first];
+    if (run.count < 2 || std::abs(value - values[run.first - 1]) < clear ||
+        std::abs(values[run.first + run.count] - value) < clear) {
+      continue;
+    }
+    ++held.runs;
+    held.longest = std::max(held.longest, run.count);
+    std::fill_n(held.fresh.begin() + static_cast<std::ptrdiff_t>(run.first + 1), run.count - 1, false);
+    if (levels.size() <= kFewLevels) levels.insert(value);
+  }
+  const bool often = static_cast<double>(held.runs) >= kLeastShare * static_cast<double>(runs.size());
+  if (held.runs < kFewestRuns || !often || levels.size() <= kFewLevels) return std::nullopt;
+  held.repeated = static_cast<std::size_t>(std::count(held.fresh.begin(), held.fresh.end(), false));
+  if (static_cast<double>(held.repeated) < kByChance * RepeatsByChance(values, runs.size()))
+    return std::nullopt;
+  // Nor is a value at the ends of the record a new one each time.
+  for (const Run& run : runs) {
+    if (run.count <= held.longest)
+      std::fill_n(held.fresh.begin() + static_cast<std::ptrdiff_t>(run.first + 1), run.count - 1, false);
+  }
+  held.repeated = static_cast<std::size_t>(std::count(held.fresh.begin(), held.fresh.end(), false));
+  return held;
+}
+
+double GoesOnMeanwhile(const Held& held, std::span<const double> other) {
+  std::vector<double> standing;
+  std::vector<double> changing;
+  for (std::size_t i = 1; i < other.size(); ++i)
+    (held.fresh[i] ? changing : standing).push_back(std::abs(other[i] - other[i - 1]));
+  const double usual = Median(std::move(changing));
+  return usual > 0.0 ? Median(std::move(standing)) / usual : 1.0;
+}
+
+std::vector<Frozen> FindFrozen(std::span<const double> values) {
+  constexpr double kVisibleNoise = 2.0;  // steps: less, and a value often comes again
+  constexpr double kNever = 1e-9;        // chance in a whole record
+  if (values.size() < 16) return {};
+  const double step = std::max(EstimateNoise(values).step, QuantisationStep(values));
+  const double noise = NoiseWhereItMoves(values);
+  if (!(noise > kVisibleNoise * step)) return LeftByAJump(values);
+  // Two neighbours' difference is normal with √2 of the deviation; half of the step to either side is none.
+  const double again = step / (2.0 * std::sqrt(kPi) * noise);
+  const double rows = static_cast<double>(values.size());
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  std::vector<Frozen> frozen;
+  for (const Run& run : RunsOf(values)) {
+    const double value = values[run.first];
+    if (value == *low || value == *high) continue;
+    if (rows * std::pow(again, static_cast<double>(run.count - 1)) < kNever)
+      frozen.push_back({run.first, run.count});
+  }
+  return frozen;
+}
+
+std::vector<Frozen> StandingStretches(std::span<const double> values, std::size_t fewest) {
+  std::vector<Frozen> stretches;
+  for (std::size_t i = 0; i < values.size();) {
+    std::size_t next = i + 1;
+    while (next < values.size() && values[next] == values[i]) ++next;
+    if (next - i >= fewest) stretches.push_back({i, next - i});
+    i = next;
+  }
+  return stretches;
+}
+
+}  // namespace strainwave::analysis::samples

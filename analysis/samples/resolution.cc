@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/samples/resolution.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace strainwave::analysis::samples {
+namespace {
+
+// Whether nearly all changes are whole multiples of a step.
+bool IsStepOf(std::span<const double> changes, double step, double tolerance) {
+  std::size_t whole = 0;
+  std::size_t small = 0;
+  for (const double change : changes) {
+    const double multiple = change / step;
+    if (multiple > 50.0) continue;  // rounding of the file would blur them
+    ++small;
+    if (std::abs(multiple - std::round(multiple)) < tolerance) ++whole;
+  }
+  return small > 20 && static_cast<double>(whole) > 0.9 * static_cast<double>(small);
+}
+
+}  // namespace
+
+double QuantisationStep(std::span<const double> samples, double tolerance) {
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double change = std::abs(samples[i] - samples[i - 1]);
+    if (change > 0.0) changes.push_back(change);
+  }
+  if (changes.size() < 8) return 0.0;
+  std::sort(changes.begin(), changes.end());
+  // Of an axis that is fast nearly always few changes are that small.
+  for (const std::size_t share : {50, 200, 1000}) {
+    const double step = changes[changes.size() / share];
+    if (IsStepOf(changes, step, tolerance)) return step;
+  }
+  return 0.0;
+}
+
+}  // namespace strainwave::analysis::samples

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daq/record.h"
+
+/// The parts of the look at a record's samples (look_at_samples.h).
+namespace strainwave::bench {
+
+/// Adds a note about the row, from 0.
+void NoteAt(daq::Record& record, std::size_t row, std::string text);
+/// Adds a note about the record.
+void NoteOn(daq::Record& record, std::string text);
+
+/// Puts values in the place of those of a column, if there is one of that name.
+void SetColumn(daq::Record& record, const std::string& column, std::vector<double> values);
+
+/// Time stamps, and a rate beside them.
+void LookAtTime(daq::Record& record);
+/// Angles that start anew.
+void LookAtAngles(daq::Record& record);
+/// Steps that are coarse, and work that goes the wrong way.
+void LookAtSteps(daq::Record& record);
+/// Channels that are held or stand still.
+void LookAtStandstill(daq::Record& record);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "daq/record.h"
+
+namespace strainwave::bench {
+
+/// What makes a valid record of kind transmission_error unfit, or doubtful: a ratio or a unit that the angles
+/// contradict, directions that contradict them. Doubts become notes of the record.
+/// @throws CampaignError with `FILE: error: WHAT (what was expected)`.
+void CheckSweep(daq::Record& record);
+
+}  // namespace strainwave::bench

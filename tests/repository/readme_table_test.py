@@ -1,0 +1,68 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the table of use in README.md from top to bottom, in a folder of its own.
+
+  tests/repository/readme_table_test.py build/strainwave
+
+The campaign is run in the background until it has been looked at and stopped, as people do; everything else one after the
+other. Each command must end well, and never say 'nan'.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
+NOT_A_NUMBER = re.compile(r"(?<![\w/.])[-+]?nan(?![\w/.])", re.I)
+INTERRUPTED = 130
+
+
+def commands():
+    """Those of the second column, in order."""
+    use = (CHECKOUT / "README.md").read_text(encoding="utf-8").split("\n## Use\n")[1]
+    table = re.search(r"\n\| to \| type \|\n\| --- \| --- \|\n((?:\|.*\n)+)", use)[1]
+    return [re.fullmatch(r"\| .* \| `([^`]+)` \|", row)[1] for row in table.splitlines()]
+
+
+class TableOfUse(unittest.TestCase):
+    def run_in(self, folder, command):
+        done = subprocess.run(command, shell=True, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+        self.assertIsNone(NOT_A_NUMBER.search(done.stdout + done.stderr), f"{command}\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+    def test_runs_as_it_stands(self):
+        listed = commands()
+        self.assertGreater(len(listed), 20)
+        run, status, stop = listed[1:4]
+        for command, verb in ((run, " run "), (status, " status "), (stop, " stop ")):
+            self.assertIn(verb, command)
+        with tempfile.TemporaryDirectory() as folder:
+            home = pathlib.Path(folder)
+            (home / "build").mkdir()
+            (home / "build/strainwave").symlink_to(PROGRAM)
+            for name in ("schedules", "bench"):
+                (home / name).symlink_to(CHECKOUT / name)
+            self.run_in(home, listed[0])
+            with subprocess.Popen(f"exec {run}", shell=True, cwd=home, stdout=subprocess.DEVNULL,
+                                  stderr=subprocess.PIPE, text=True) as campaign:
+                while not (home / "campaigns/first/campaign.db").exists() and campaign.poll() is None:
+                    time.sleep(0.01)  # polling another process: nothing to wait on
+                self.assertIn("running in process", self.run_in(home, status))
+                self.run_in(home, stop)
+                said = campaign.communicate()[1]
+                self.assertEqual(campaign.returncode, INTERRUPTED, said)
+            for command in listed[4:]:
+                self.run_in(home, command)
+            self.assertIn("14 of 14 complete", self.run_in(home, status))
+            self.assertTrue((home / "campaigns/in_process.commissioned.yaml").exists())
+        self.assertEqual(list((CHECKOUT / "bench/examples").glob("*.commissioned.yaml")), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
