@@ -25,7 +25,7 @@ struct LoadBlock {
 };
 
 /// Life at a load: L₁₀ (T_r / T)³ (N_r / N), infinite without torque or speed.
-/// Source: BENCH section 0; maker's catalogue, wave-generator life.
+/// Source: docs/effects.md#bearing-life; the maker's catalogue (docs/sources.md#hd-csf-csg).
 /// @throws std::invalid_argument if the rating is not positive or the load not finite.
 double LifeAtLoad_s(const GearRating& rating, double output_torque_Nm, double input_speed_rad_per_s);
 

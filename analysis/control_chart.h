@@ -25,9 +25,9 @@ struct ControlLimits {
   bool IsOutlier(double value) const { return !(value >= lower && value <= upper); }
 };
 
-/// Centre and limits for the next value of a series whose level drifts (BENCH row 39): a line through the
-/// last values by Theil and Sen (median of all slopes, median of the offsets), carried on by one; σ from the
-/// median moving range about that line, over 0.9539. Neither is moved by a few outliers in the history. The
+/// Centre and limits for the next value of a series whose level drifts (docs/requirements.md R39): a line
+/// through the last values by Theil and Sen (median of all slopes, median of the offsets), carried on by one;
+/// σ from the median moving range about that line, over 0.9539. A few outliers before it move neither. The
 /// limits include the line's own error, σ² (1 + 1/n + (x − x̄)²/Sₓₓ), as for least squares.
 ///
 /// @param history  oldest first, one value a cycle; NaN stands for a cycle without a value.

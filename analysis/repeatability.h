@@ -7,7 +7,7 @@
 
 namespace strainwave::analysis {
 
-/// What repeated measurements of one thing say about the gauge (BENCH row 40).
+/// What repeated measurements of one thing say about the gauge (docs/requirements.md R40).
 struct Repeatability {
   double mean{};
   double repeatability_sd{};    // within a mounting

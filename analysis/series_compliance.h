@@ -10,7 +10,7 @@
 
 namespace strainwave::analysis {
 
-/// What the blank test says: the bench with a rigid shaft in the place of the gear (BENCH row 43).
+/// What the blank test says: the bench with a rigid shaft in the gear's place (docs/requirements.md R43).
 struct BlankRamp {
   SeriesCompliance compliance;
   double rms_residual_rad{};
@@ -24,7 +24,7 @@ struct BlankRamp {
 /// samples.
 BlankRamp FitSeriesCompliance(std::span<const double> torque_Nm, std::span<const double> twist_rad);
 
-/// Error of the output encoder by its own angle: once per turn (eccentricity) and twice (tilt), E18.
+/// Error of the output encoder by its own angle: eccentricity once, tilt twice a turn (docs/effects.md E18).
 struct EncoderError {
   Harmonic once;  // amplitude in rad
   Harmonic twice;

@@ -25,11 +25,11 @@ struct TorsionLoop {
   std::span<const double> twist_rad;
 };
 
-/// The three ways of contract section 2.
+/// The three ways of docs/contract.md#stiffness.
 enum class StiffnessMethod { kModel, kLoading, kBackbone };
 
-/// Bench compliance in series with the gear (E17): output twist that the couplings and the sensor add per
-/// newton-metre, measured by a blank test. Zero when the encoder sees the gear alone.
+/// Bench compliance in series with the gear (docs/effects.md E17): output twist that the couplings and the
+/// sensor add per newton-metre, measured by a blank test. Zero when the encoder sees the gear alone.
 struct SeriesCompliance {
   Estimate compliance_rad_per_Nm;
 };
@@ -76,11 +76,11 @@ struct TorsionalStiffness {
 ///   torques are out of order.
 TorsionalStiffness FitStiffnessModel(const TorsionLoop& loop, const TestTorques& torques);
 
-/// The paper's own (003, eq. 4): secants of the loading branch from its start at zero torque to T₁, T₂ and
-/// T₃. The branch is the record's first one that goes from zero torque to T₃ (to −T₃ if none does); a record
-/// that stops up to 2 % short of T₃ is taken to its end. On the way from zero the friction element still
-/// winds up, or has shifted the breaks by its torque W: K₁ of a first loading comes out high, K₂ and K₃ a few
-/// per cent low. Arguments and errors as FitStiffnessModel.
+/// As published (docs/sources.md#shivam-2023, eq. 4): secants of the loading branch from its start at zero
+/// torque to T₁, T₂ and T₃. The branch is the record's first one that goes from zero torque to T₃ (to −T₃ if
+/// none does); a record that stops up to 2 % short of T₃ is taken to its end. On the way from zero the
+/// friction element still winds up, or has shifted the breaks by its torque W: K₁ of a first loading comes
+/// out high, K₂ and K₃ a few per cent low. Arguments and errors as FitStiffnessModel.
 TorsionalStiffness FitStiffnessLoading(const TorsionLoop& loop, const TestTorques& torques);
 
 /// Mid-line of loading and unloading branch without the stretch after each reversal where friction still

@@ -57,9 +57,9 @@ struct TransmissionError {
   std::vector<std::string> notes;
 };
 
-/// Computes the transmission error Δθ = θ_in / ratio − θ_out (003, eq. 1), its mean and range over one full
-/// revolution of the output (003, eq. 2 and 3; contract, section 2), its order spectrum by harmonic
-/// regression, and the lost motion between the directions.
+/// Computes the transmission error Δθ = θ_in / ratio − θ_out, its mean and range over one full revolution of
+/// the output (docs/contract.md#transmission-error; docs/sources.md#shivam-2023, eq. 1 to 3), its order
+/// spectrum by harmonic regression, and the lost motion between the directions.
 ///
 /// The revolution: samples whose output travel from the sweep's first sample, in the sweep's own direction,
 /// lies in [0, 2π) less a quarter of its usual step. A longer sweep gives its first revolution.

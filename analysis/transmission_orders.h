@@ -16,7 +16,7 @@ struct OrderCandidate {
   std::string name;
 };
 
-/// The known ones of a strain wave gear with a fixed circular spline: its teeth are 2 · |ratio| + 2 (E2).
+/// The known ones of a gear whose fixed circular spline has 2 · |ratio| + 2 teeth (docs/effects.md E2).
 std::vector<OrderCandidate> KnownOrders(double ratio);
 
 /// Candidates and further lines of one revolution of error, fitted.

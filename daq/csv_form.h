@@ -24,7 +24,7 @@ class CsvForm {
 };
 
 /// Brings `text` into that form; a byte order mark goes. Every line and every byte column keeps its number,
-/// so that messages are right for the file as it is. Understood besides the contract's own form:
+/// so that messages are right for the file as it is. Understood besides docs/contract.md#record-files:
 ///  - semicolons, tabs, bars or blanks between the cells, told from the names in the header, or by a first
 ///  line `sep=;`;
 ///  - decimal commas, where the cells are not separated by commas, or stand in quotes;

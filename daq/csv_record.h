@@ -9,10 +9,10 @@
 
 namespace strainwave::daq {
 
-/// Reads one record from CSV (contract, section 3): lines `# key: value`, one header line, numbers; in the forms that
-/// `csv_form.h` understands as well. A UTF-8 byte order mark, CR LF, blanks around cells, a plus sign, and blank lines at the end are taken as they
-/// come. Columns of text that the kind does not know are left out, which `Record::notes` says. Numbers become
-/// doubles.
+/// Reads one record from CSV (docs/contract.md#record-files): lines `# key: value`, one header line, numbers;
+/// in the forms that `csv_form.h` understands as well. A UTF-8 byte order mark, CR LF, blanks around cells, a
+/// plus sign, and blank lines at the end are taken as they come. Columns of text that the kind does not know
+/// are left out, which `Record::notes` says. Numbers become doubles.
 /// @throws RecordError with every finding as `FILE:LINE:COLUMN: error: WHAT (expected ...)`; the column
 /// counts
 ///   bytes from 1. A file that is missing, a folder or unreadable has no line and column.

@@ -48,7 +48,7 @@ struct RecordNote {
 };
 
 /// One measurement: metadata (text, in file order) and columns of equal length.
-/// Field units at this edge: degrees, Nm, s, degC (contract, sections 2 and 3).
+/// Field units at this edge: degrees, Nm, s, degC (docs/contract.md#units-and-signs).
 struct Record {
   std::string kind;
   std::vector<std::pair<std::string, std::string>> metadata;  // without `kind`

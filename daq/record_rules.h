@@ -9,7 +9,7 @@
 
 #include "daq/record.h"
 
-/// What makes a record valid, whichever file it came from: contract, section 3, and the kind `history`, the
+/// What makes a record valid, whichever file it came from: docs/contract.md#record-files, and `history`, the
 /// rows that a bench keeps around an event (`time_s` and any channels, in which a dead sensor may be NaN).
 namespace strainwave::daq {
 
@@ -68,8 +68,8 @@ bool IsLinearAxis(const Record& record);
 /// place of `torque_Nm` (`force_N`): the one metadata whose key ends in `_Nm_per_A` (`_N_per_A`).
 std::optional<double> CurrentGain(const Record& record);
 
-/// The number under `key`; without it the default of the contract (`ratio` 80, `t1_Nm` 7, `t2_Nm` 25,
-/// `t3_Nm` 34); else nothing.
+/// The number under `key`; without it the default of docs/contract.md#record-files (`ratio` 80, `t1_Nm` 7,
+/// `t2_Nm` 25, `t3_Nm` 34); else nothing.
 std::optional<double> MetadataNumber(const Record& record, std::string_view key);
 
 }  // namespace strainwave::daq

@@ -41,10 +41,10 @@ struct ParameterRule {
 
 /// One way in which the nominal model may fall short.
 struct CauseRule {
-  std::string name{};      // the contract's; for a correction what it is made of ("line over output angle")
+  std::string name{};      // of docs/contract.md; of a correction what makes it ("line over output angle")
   std::string sentence{};  // for a technician: what it is and what usually makes it
   Where where{Where::kUndecided};
-  std::string effect{};  // row of the effects catalogue, "E4"; or empty
+  std::string effect{};  // a row of docs/effects.md, "E4"; or empty
   std::vector<ParameterRule> parameters{};
   int degrees_of_freedom{1};  // parameters that it adds
   /// True where all of its numbers are known as sharply as the effect is large: phases, places and shares of

@@ -10,7 +10,7 @@
 
 namespace strainwave::analysis::features {
 
-/// How a channel becomes series: those of the paper by default.
+/// How a channel becomes series; by default as in docs/sources.md#shivam-2023.
 struct WaveletRecipe {
   std::string wavelet{"sym8"};
   wavelets::Border border{wavelets::Border::kSymmetric};

@@ -93,7 +93,7 @@ class LooseLoad {
 /// A second inertia behind a spring and a damper, driven by the motion of the near side: the twist x = far −
 /// near follows ẍ + 2ζω₀ẋ + ω₀²x = −a, where a is the acceleration of the near side and ω₀ the frequency at
 /// which the far side swings with the near side held. Exact for an acceleration that is linear within a step
-/// (E15).
+/// (docs/effects.md E15).
 class SecondInertia {
  public:
   SecondInertia(double natural_rad_per_s, double damping_ratio, double step_s) noexcept

@@ -6,9 +6,9 @@
 
 namespace strainwave::analysis::model {
 
-/// Play: a dead zone about zero torque, in series with what bends (E4). Inside it there is next to no
-/// stiffness; the flanks have met at ±`torque_Nm`. It shows as a step of a loop at zero torque, as a
-/// difference between the directions of a transmission error, and as lost contact at reversals.
+/// Play: a dead zone about zero torque, in series with what bends (docs/effects.md E4). Inside it there is
+/// next to no stiffness; the flanks have met at ±`torque_Nm`. It shows as a step of a loop at zero torque, as
+/// a difference between the directions of a transmission error, and as lost contact at reversals.
 struct Backlash {
   double width_rad{};      // of the whole zone
   double torque_Nm{0.05};  // at its ends, > 0

@@ -8,7 +8,7 @@
 
 namespace strainwave::analysis::model {
 
-/// What turns and what bends on the bench around the gear.
+/// What turns and what bends on the bench around the gear: docs/effects.md E15 to E21.
 
 /// Couplings and transducer in series with the gear, between it and the output encoder (E17 [D]).
 struct SeriesCompliance {

@@ -18,8 +18,8 @@ struct CreepLadder {
 
 inline CreepLadder ExponentialCreep(double time_constant_s) { return {{{time_constant_s, 1.0}}}; }
 
-/// Time constants evenly over the logarithm from one to another: a box spectrum. At eight points; within 0.001
-/// of the whole step over three decades.
+/// Time constants evenly over the logarithm from one to another: a box spectrum. At eight points; within
+/// 0.001 of the whole step over three decades.
 inline CreepLadder BandOfCreep(double shortest_s, double longest_s) {
   constexpr int kRungs = 8;
   const double ln_ratio = std::log(longest_s / shortest_s);
@@ -30,7 +30,7 @@ inline CreepLadder BandOfCreep(double shortest_s, double longest_s) {
   return ladder;
 }
 
-/// Logarithmic creep, log₁₀(1 + t / t₀) up to `longest_s` (E22). The weights follow from
+/// Logarithmic creep, log₁₀(1 + t / t₀) up to `longest_s` (docs/effects.md E22). The weights follow from
 ///   ln(1 + t/t₀) = ∫ (1 − e^(−t/τ)) e^(−t₀/τ) d ln τ  (Frullani's integral with x = 1/τ),
 /// taken at three points a decade; the slowest part of it is a straight line. Within 0.002 of a decade's
 /// step.

@@ -3,7 +3,7 @@
 
 namespace strainwave::analysis::model {
 
-/// Torque that a spring takes beyond its piecewise-linear law, T = a φ³, and its slope (E5: T = a₁φ + a₃φ³).
+/// Torque that a spring takes beyond its piecewise-linear law, T = a φ³, and its slope (docs/effects.md E5).
 inline double CubicTorque_Nm(double hardening_Nm_per_rad3, double twist_rad) noexcept {
   return hardening_Nm_per_rad3 * twist_rad * twist_rad * twist_rad;
 }

@@ -8,8 +8,8 @@
 namespace strainwave::analysis::model {
 
 /// Elasto-plastic friction (one Jenkins element): a spring that slips at ±`limit_Nm`. It is the gear's own
-/// hysteresis beside the torsion spring (E6), presliding at the input (E12), and the drag of the load train.
-/// Its one state is the anchor: the deflection at which it carries nothing.
+/// hysteresis beside the torsion spring (docs/effects.md E6), presliding at the input (E12), and the drag of
+/// the load train. Its one state is the anchor: the deflection at which it carries nothing.
 struct ElastoPlasticElement {
   double limit_Nm{};
   double yield_rad{};  // deflection from the anchor at which it slips; > 0

@@ -23,7 +23,7 @@ inline double FrictionDriftFactor(const FrictionDrift& drift, double temperature
   return std::max(0.0, 1.0 + share);
 }
 
-/// Friction of a lubricated component set at the input shaft (E8 to E13), in one law:
+/// Friction of a lubricated component set at the input shaft (docs/effects.md E8 to E13), in one law:
 ///
 ///   F(ω, T, ϑ) = [F_c + (F_s − F_c)·exp(−(ω/ω_s)²)]·p(θ) + b·|T| + flexspline loss + F_v(ϑ)·|ω|
 ///

@@ -31,7 +31,7 @@ struct TwistDeviations {
 
 /// The twisting part of the bench between wave generator and output encoder: torsion spring with the
 /// hysteresis element beside it, both scaled with the angle of the wave generator (E7), and a compliance in
-/// series (E17).
+/// series (docs/effects.md E17).
 struct TwistLaw {
   TorsionSpring spring;
   ElastoPlasticElement hysteresis{2.33, 8e-5};

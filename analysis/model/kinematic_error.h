@@ -10,9 +10,9 @@
 
 namespace strainwave::analysis::model {
 
-/// Orders of the gear's own kinematic error (E1 to E4), in the order of `KinematicError` below. Per input
-/// turn unless the name says output; the tooth engagement is at z_CS = 2N + 2 per output turn (162), beside
-/// the 2N = 160 of the wave generator's second harmonic (E2).
+/// Orders of the gear's own kinematic error (docs/effects.md E1 to E4), in the order of `KinematicError`
+/// below. Per input turn unless the name says output; the tooth engagement is at z_CS = 2N + 2 per output
+/// turn (162), beside the 2N = 160 of the wave generator's second harmonic (E2).
 enum class KinematicOrder : unsigned { kInput1, kInput2, kInput4, kTooth, kOutput1, kOutput2 };
 inline constexpr int kKinematicOrders = 6;
 

@@ -11,8 +11,8 @@ namespace strainwave::analysis::model {
 /// Harmonics of an angle encoder's error over one turn, beyond eccentricity and tilt.
 inline constexpr std::array<int, 4> kEncoderOrders{3, 5, 8, 13};
 
-/// Angle encoder (E18): reading = θ + eccentricity (1 per turn) + tilt (2 per turn) + graduation error +
-/// interpolation error (once per grating period), quantised, with white noise.
+/// Angle encoder (docs/effects.md E18): reading = θ + eccentricity (1 per turn) + tilt (2 per turn) +
+/// graduation error + interpolation error (once per grating period), quantised, with white noise.
 struct Encoder {
   double eccentricity_rad{};
   double eccentricity_phase_rad{};

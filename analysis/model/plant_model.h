@@ -19,7 +19,7 @@ struct TermParameter {
 /// One named physical effect.
 struct Term {
   std::string name;
-  std::string effect;  // its row in BENCH section 8 ("E5"), or empty
+  std::string effect;  // a row of docs/effects.md ("E5"), or empty
   bool enabled{true};
   std::vector<TermParameter> parameters;
 };

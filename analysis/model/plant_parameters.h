@@ -26,8 +26,8 @@ struct SpecimenScatter {
 };
 
 /// Spread from one measurement to the next: how the teeth seat after the gear was turned and locked again
-/// (E25, the magnitudes are general knowledge). Standard deviations of the logarithm, drawn anew for each
-/// phase.
+/// (docs/effects.md E25, the magnitudes are general knowledge). Standard deviations of the logarithm, drawn
+/// anew for each phase.
 struct SeatingScatter {
   double stiffness{0.002};
   double kinematic{0.002};

@@ -7,8 +7,8 @@
 
 namespace strainwave::analysis::model {
 
-/// Gear and housing as two heat stores in a room, and the motor as a third on its own (E10). The slow time
-/// constant is about 40 min (E10: 20 to 60 min [K]); at paper load the gear ends some 28 K above the room.
+/// Gear and housing as two heat stores in a room, and the motor as a third (docs/effects.md E10). The slow
+/// time constant is about 40 min (20 to 60 [K]); at the load of paper.yaml the gear ends 28 K above the room.
 struct Thermal {
   double gear_capacity_J_per_K{700.0};
   double housing_capacity_J_per_K{4000.0};

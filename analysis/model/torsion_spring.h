@@ -8,8 +8,8 @@ namespace strainwave::analysis::model {
 /// Torsional spring of the gear seen from the output, input locked (E5): odd, continuous, piecewise linear,
 /// with knees at the spring torques ±T₁ and ±T₂.
 ///
-/// Defaults: size 20, ratio 80 and above. T₁, T₂ from the maker's table (BENCH E5 [S]); the slopes are
-/// general knowledge [K] that agrees with scaling the size-32 table. The makers call them averages.
+/// Defaults: size 20, ratio 80 and above. T₁, T₂ from the maker's table (docs/effects.md E5 [S]); the
+/// slopes are general knowledge [K] that agrees with scaling the size-32 table. To the makers they are means.
 struct TorsionSpring {
   double k1_Nm_per_rad{1.6e4};
   double k2_Nm_per_rad{2.5e4};

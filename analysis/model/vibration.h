@@ -18,7 +18,7 @@ enum class VibrationOrder : unsigned { kInput1, kInput2, kInput4, kTooth, kMesh1
 inline constexpr int kVibrationModes = 3;
 
 /// Vibration at 2400 rpm, 40 Nm and 40 °C, new gear. Levels are general knowledge [K] about a gear "of low
-/// vibration" (seed 003): some tenths to one m/s².
+/// vibration" (docs/sources.md#shivam-2023): some tenths to one m/s².
 struct Vibration {
   std::array<double, kVibrationOrders> order_m_per_s2{0.20, 0.36, 0.10, 0.09, 0.26, 0.20};
   std::array<double, kVibrationModes> mode_m_per_s2{0.34, 0.26, 0.18};  // standard deviation
@@ -32,7 +32,7 @@ struct Vibration {
   double scatter_per_run{0.03};    // of each source, from one measurement to the next
   double reference_speed_rad_per_s{251.327412287};  // 2400 rpm
   double reference_torque_Nm{40.0};
-  /// Share of each source that each channel sees; drawn for each specimen (E25).
+  /// Share of each source that each channel sees; drawn for each specimen (docs/effects.md E25).
   std::array<std::array<double, kVibrationOrders>, kVibrationChannels> order_gain{
       {{1.0, 0.8, 0.7, 0.9, 0.8, 0.9},
        {0.8, 1.0, 0.9, 0.8, 1.0, 0.8},

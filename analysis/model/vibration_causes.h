@@ -46,7 +46,7 @@ struct FlexsplineCrack {
 inline constexpr int kCrackHarmonics = 3;
 
 /// A torsional mode of the train: friction noise rings it in a narrow band, and a line of the shaft that
-/// comes near it grows (E15).
+/// comes near it grows (docs/effects.md E15).
 struct TorsionalMode {
   double deviation_m_per_s2{};  // standard deviation of the narrow band
   double line_m_per_s2{};       // amplitude of the line before the mode acts on it

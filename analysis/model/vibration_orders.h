@@ -33,7 +33,7 @@ inline double ImbalanceGrowth(double speed, double reference_speed) noexcept {
 }
 
 /// Acceleration of a lightly damped oscillator whose support moves harmonically, relative to that of the
-/// support: what a resonance makes of a line of the shaft that sweeps across it (E15).
+/// support: what a resonance makes of a line of the shaft that sweeps across it (docs/effects.md E15).
 inline std::complex<double> ResonantGain(double angular_frequency, double natural,
                                          double damping_ratio) noexcept {
   const double x = angular_frequency / natural;

@@ -7,8 +7,8 @@
 
 namespace strainwave::analysis::model {
 
-/// Hidden state of a specimen's life (E23). Each is 0 when new and never falls; about 1 is the end of the
-/// life test of seed 003 (1750 h at 40 Nm and 2400 rpm).
+/// Hidden state of a specimen's life (docs/effects.md E23). Each is 0 when new and never falls; about 1 is
+/// the end of the life test of docs/sources.md#shivam-2023 (1750 h at 40 Nm and 2400 rpm).
 struct WearState {
   double run_in{};
   double tooth{};
@@ -41,8 +41,8 @@ struct WearExposure {
   double temperature_degC{};
 };
 
-/// Moves the states on. Load counts with its cube (bearing and tooth life, BENCH section 0), temperature
-/// doubles tooth wear and grease ageing; the fatigue of the flexspline does not know it.
+/// Moves the states on. Load counts with its cube (bearing and tooth life, docs/effects.md#bearing-life),
+/// temperature doubles tooth wear and grease ageing; the fatigue of the flexspline does not know it.
 void AdvanceWear(const WearRates& rates, const WearExposure& exposure, WearState& state) noexcept;
 
 /// What the states do, one share per unit of the state's effect. No state acts on one quantity alone and no

@@ -56,7 +56,7 @@ struct Design {
 ///   has more than 2²⁶ values.
 Shape OutputShape(const Layer& layer, const Shape& input);
 
-/// The two models of Shivam, Tsao & Hsiao (2023), section V, by name, for any number of inputs and outputs
+/// The two models of docs/sources.md#shivam-2023, section V, by name, for any number of inputs and outputs
 /// (204 and 4 there), linear at the output:
 ///   ann: dense 500, 500, 200, 100, sigmoid;
 ///   cnn: convolutions 128 of 6, 64 of 3, pool 3/2, 64 of 3, pool 3/2, 128 of 3, mean over the series, dense

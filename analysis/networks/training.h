@@ -25,7 +25,7 @@ struct EarlyStopping {
   int patience{50};
 };
 
-/// As the paper trains, by default.
+/// By default as in docs/sources.md#shivam-2023.
 struct TrainingOptions {
   Loss loss{Loss::kMape};
   OptimizerSettings optimizer{Adam{}};

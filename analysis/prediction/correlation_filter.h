@@ -15,9 +15,9 @@ struct FilteredColumn {
 };
 
 /// Keeps, from left to right, each column whose correlation with all that were kept before it is at most
-/// `limit` in magnitude; drops what does not vary or is not finite. Source: seed 003, section IV (|r| > 0.75
-/// on 500 records); which of two alike columns stays is not said there: ours is the one that comes first, so
-/// a caller puts the columns it would rather keep in front.
+/// `limit` in magnitude; drops what does not vary or is not finite. Source: docs/sources.md#shivam-2023,
+/// section IV (|r| > 0.75 on 500 records); which of two alike columns stays is not said there: ours is the
+/// one that comes first, so a caller puts the columns it would rather keep in front.
 ///
 /// @param values  n × columns.
 /// @throws std::invalid_argument if n < 3 or the limit is outside 0 … 1.

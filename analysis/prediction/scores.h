@@ -7,7 +7,7 @@
 
 namespace strainwave::analysis::prediction {
 
-/// How well one output is predicted. Source: seed 003, equations 5 to 7.
+/// How well one output is predicted. Source: docs/sources.md#shivam-2023, eq. 5 to 7.
 struct OutputScore {
   double nmse{};              // Σ (y − ŷ)² / Σ y²
   double mape_percent{};      // 100 · mean |y − ŷ| / |y|: the printed equation 6 lacks the division by y

@@ -11,8 +11,8 @@
 
 namespace strainwave::bench {
 
-/// Calibrations that a blank test gives: the compliance in series with the gear (E17) and the first two
-/// harmonics of the output encoder's error (E18).
+/// Calibrations that a blank test gives: the compliance in series with the gear (docs/effects.md E17) and the
+/// first two harmonics of the output encoder's error (E18).
 inline constexpr std::array kBlankCalibrations{"series_compliance_rad_per_Nm", "output_encoder_cosine_1_rad",
                                                "output_encoder_sine_1_rad",    "output_encoder_cosine_2_rad",
                                                "output_encoder_sine_2_rad",    "output_encoder_residual_rad"};

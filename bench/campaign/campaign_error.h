@@ -7,7 +7,7 @@
 
 namespace strainwave::bench {
 
-/// Process exit codes (contract, section 1).
+/// Process exit codes (docs/contract.md#exit-codes).
 enum class ExitCode : int {
   kDone = 0,
   kEndedBadly = 1,

@@ -19,7 +19,7 @@ struct CycleContext {
   double ratio{};
   analysis::StiffnessMethod method{analysis::StiffnessMethod::kModel};
   BenchCorrections corrections;
-  /// Declared thermal state of the measurements (BENCH row 41).
+  /// Declared thermal state of the measurements (docs/requirements.md R41).
   double declared_temperature_degC{};
   double temperature_tolerance_K{};
   /// Calibrations made after the records were: they are scaled anew before anything is computed.

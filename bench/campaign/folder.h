@@ -11,7 +11,7 @@
 
 namespace strainwave::bench {
 
-/// Where the files of a campaign are (contract, section 5).
+/// Where the files of a campaign are (docs/contract.md#campaign-folder).
 struct CampaignFolder {
   std::filesystem::path root;
 

@@ -73,7 +73,7 @@ struct Calibration {
   std::string source;
 };
 
-/// A channel of the bench that gives no value, for as long as that lasts (BENCH row 22).
+/// A channel of the bench that gives no value, for as long as that lasts (docs/requirements.md R22).
 struct ChannelTrouble {
   std::string channel;
   std::string reason;
@@ -82,7 +82,7 @@ struct ChannelTrouble {
   bool operator==(const ChannelTrouble&) const = default;
 };
 
-/// Time in which the bench was not under the program's eye (BENCH row 11).
+/// Time in which the bench was not under the program's eye (docs/requirements.md R11).
 struct Hole {
   int cycle{};
   std::string phase;

@@ -14,8 +14,8 @@
 
 namespace strainwave::bench {
 
-/// Looks at a cycle's results before they are believed: control limits over the cycles (BENCH row 39), stop
-/// criteria, and the repeatability that every claimed change is held against (row 40).
+/// Looks at a cycle's results before they are believed: control limits over the cycles, stop criteria, and
+/// the repeatability that every claimed change is held against (docs/requirements.md R39, R40).
 class QualityControl {
  public:
   /// Takes up what the journal already holds.

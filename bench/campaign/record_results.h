@@ -44,11 +44,11 @@ struct BenchCorrections {
 /// True where a blank test has said what the bench adds to the twist.
 bool KnowsCompliance(const BenchCorrections& corrections);
 
-/// Transmission error of a record of that kind (contract, sections 2 and 3).
+/// Transmission error of a record of that kind (docs/contract.md#transmission-error).
 analysis::TransmissionError TransmissionErrorOf(const daq::Record& record,
                                                 const BenchCorrections& corrections);
 
-/// T1, T2 and T3 of a record, with the contract's defaults.
+/// T1, T2 and T3 of a record, with the defaults of docs/contract.md#record-files.
 analysis::TestTorques TestTorquesOf(const daq::Record& record);
 
 /// Torsional stiffness of a hysteresis record, series compliance removed. The standard errors hold what the

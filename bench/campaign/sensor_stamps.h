@@ -9,9 +9,9 @@
 
 namespace strainwave::bench {
 
-/// Writes into every column which sensor of the bench it came from and under which calibration (contract,
-/// section 5), with what the device itself says of that, and whether it holds today. Columns without a
-/// described sensor, such as time, stay as they are.
+/// Writes into every column which sensor of the bench it came from and under which calibration, with what the
+/// device itself says of that, and whether it holds today (docs/contract.md#campaign-folder). Columns without
+/// a described sensor, such as time, stay as they are.
 void StampSensors(std::span<NamedRecord> records, const BenchDescription& bench,
                   std::span<const ChannelCalibration> of_devices = {});
 

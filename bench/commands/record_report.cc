@@ -52,7 +52,7 @@ void AddAngle(nlohmann::json& report, const std::string& name, const analysis::E
 nlohmann::json TransmissionErrorJson(const daq::Record& record, const RecordContext& context) {
   const analysis::TransmissionError error = TransmissionErrorOf(record, context.corrections);
   nlohmann::json report{{"kind", "transmission_error"}};
-  // e_avg and e_max are those of the clockwise sweep (contract, section 2).
+  // e_avg and e_max are those of the clockwise sweep (docs/contract.md#transmission-error).
   if (error.cw) {
     AddAngle(report, "e_avg_arcmin", error.cw->e_avg_rad, context, AngleKind::kZeroed);
     AddAngle(report, "e_max_arcmin", error.cw->e_max_rad, context, AngleKind::kRange);

@@ -130,7 +130,7 @@ void AddTrain(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"file", "folder"}));
   command->add_flag("--motor-torque", options->sources.motor_torque,
                     "the motor's torque (from its current), logged beside the vibration, as a channel");
-  command->add_option("--design", options->job.design, "small, or the paper's ann and cnn")
+  command->add_option("--design", options->job.design, "small, or ann and cnn of Shivam et al.")
       ->capture_default_str();
   command->add_option("--epochs", options->job.epochs, "default: as the design says")
       ->check(CLI::PositiveNumber);

@@ -68,7 +68,7 @@ struct TermDescription {
 /// Of a simulated bench, and of the device side that stands in for a real one (`strainwave-devices`).
 struct SimulationDescription {
   std::uint64_t seed{};
-  double time_skew_s{};                // by which the output encoder is read late (E20)
+  double time_skew_s{};                // by which the output encoder is read late (docs/effects.md E20)
   bool write_truth{};                  // what no bench can measure, to a file beside the campaign
   std::string plant_file;              // as written; empty when the terms stand in the bench file itself
   std::vector<TermDescription> terms;  // of the bench file or of `plant_file`

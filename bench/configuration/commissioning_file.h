@@ -9,7 +9,7 @@
 
 namespace strainwave::bench {
 
-/// How long one drive takes to stop when this program is gone, as measured on that very drive (BENCH row 14).
+/// How long this very drive takes to stop when the program is gone, as measured (docs/requirements.md R14).
 struct MeasuredStop {
   std::string servo;        // "driving_servo", "load_servo"
   std::string identity;     // of the drive, its serial number in it; empty: it did not tell

@@ -10,7 +10,7 @@
 
 namespace strainwave::bench {
 
-/// Time between the two encoders, from readings in motion (E20): with the output read later by s,
+/// Time between the two encoders, from readings in motion (docs/effects.md E20): the output read s later,
 ///
 ///   input / ratio − output = −s ω + l a + c T + h d + Σ harmonics of input and output (1, 2) + constant,
 ///

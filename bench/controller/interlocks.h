@@ -31,8 +31,8 @@ struct InterlockRow {
   std::string_view unwatched{};  // why this bench does not watch it; empty: it does
 };
 
-/// All limits of the bench in one place (BENCH row 19): evaluated every control period in every phase, the
-/// first one that is broken is the cause; the others are found by going on after the stop.
+/// All limits of the bench in one place (docs/requirements.md R19): evaluated every control period in every
+/// phase, the first one that is broken is the cause; the others are found by going on after the stop.
 class Interlocks {
  public:
   Interlocks(const schedules::Limits& limits, std::chrono::nanoseconds longest_silence)
@@ -53,8 +53,8 @@ class Interlocks {
   std::chrono::nanoseconds longest_silence_;
 };
 
-/// Temperature and sensor conditions that suspend a run and let it go on by themselves (BENCH row 6):
-/// separate thresholds for trip and resume, and a dwell.
+/// Temperature and sensor conditions that suspend a run and let it go on by themselves: separate thresholds
+/// for trip and resume, and a dwell (docs/requirements.md R6).
 class SuspendMonitor {
  public:
   explicit SuspendMonitor(const schedules::SuspendRule& rule) : rule_(rule) {}

@@ -68,7 +68,7 @@ PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
       shaft_(settings.input_encoder_step_rad),
       request_(request),
       history_(static_cast<std::size_t>(kHistory_s / settings.control_period_s), kHistoryChannels) {
-  // Power-up: nothing may turn before a person has started the bench (BENCH row 12).
+  // Power-up: nothing may turn before a person has started the bench (docs/requirements.md R12).
   MakeSafe();
 }
 

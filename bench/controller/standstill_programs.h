@@ -6,9 +6,9 @@
 
 namespace strainwave::bench {
 
-/// Checks at standstill, with torque off and brakes on, before anything moves (BENCH rows 10 and 12): every
-/// channel fresh and plausible, torque near zero, encoders at rest, and, after a pause, both encoders where
-/// the journal says they were.
+/// Checks at standstill, with torque off and brakes on, before anything moves (docs/requirements.md R10 and
+/// R12): every channel fresh and plausible, torque near zero, encoders at rest, and, after a pause, both
+/// encoders where the journal says they were.
 class ReferencingProgram final : public PhaseProgram {
  public:
   struct Tolerances {

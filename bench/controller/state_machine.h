@@ -47,8 +47,8 @@ enum class BenchEvent {
   kFault,
 };
 
-/// The state after `event`, or nothing where the event is not allowed in `state`. A fault is allowed in every
-/// state; a reset only leads to kIdle, from where a distinct start is needed (BENCH rows 12 and 17).
+/// The state after `event`, or nothing where it is not allowed in `state`. A fault is allowed in every state;
+/// a reset only leads to kIdle, from where a distinct start is needed (docs/requirements.md R12 and R17).
 std::optional<BenchState> Next(BenchState state, BenchEvent event);
 
 /// Whether a drive may be enabled in this state.

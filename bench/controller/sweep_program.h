@@ -13,7 +13,7 @@ namespace strainwave::bench {
 /// angle, reading both encoders after each step, clockwise and then counter-clockwise. Before each direction
 /// the output comes from behind, so that the first reading has the same history as the others.
 /// `steps` moves give `steps` + 1 readings. While it moves, the time between the two encoders is measured
-/// (E20), and taken out of the readings where they were not quite at rest.
+/// (docs/effects.md E20), and taken out of the readings where they were not quite at rest.
 class SweepProgram final : public PhaseProgram {
  public:
   SweepProgram(const schedules::TransmissionErrorSweep& parameters, double ratio, double period_s);

@@ -7,8 +7,8 @@
 
 namespace strainwave::bench {
 
-/// A diagnosis as `diagnose --json` prints it: section 4 of the contract, and beside it the records, every
-/// candidate, corrections, quantities, notes and warnings. Field units; what the contract calls a number is a
+/// A diagnosis as `diagnose --json` prints it: docs/contract.md#diagnose, and beside it the records, every
+/// candidate, corrections, quantities, notes and warnings. Field units; what is called a number there is a
 /// finite one, other numbers that are not known are null.
 nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report);
 

@@ -31,7 +31,7 @@ struct RecordChoice {
 
 /// Records of one kind, or a campaign, ready to be diagnosed.
 struct StudyInput {
-  std::string kind;  // the contract's, or "campaign"
+  std::string kind;  // of docs/contract.md, or "campaign"
   std::vector<RecordIdentity> records;
   std::vector<RecordWarning> warnings;  // what was noticed about the records
   std::vector<std::string> notes;       // what was taken off them, as their campaign does

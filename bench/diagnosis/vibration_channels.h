@@ -17,9 +17,9 @@ struct VibrationColumns {
   std::vector<std::pair<std::string, std::string>> warnings;
 };
 
-/// A channel is a column of numbers under a name that ends in a unit (contract, section 3). None are time,
-/// the shafts' angles, torque, speed and temperature of the gear, and labels of a predictor; nor, with a
-/// warning:
+/// A channel is a column of numbers under a name that ends in a unit (docs/contract.md#record-files). None
+/// are time, the shafts' angles, torque, speed and temperature of the gear, and labels of a predictor; nor,
+/// with a warning:
 ///  - names that stand for time, an index or a label ("Time", "sample_no", "target"), and units of time;
 ///  - columns that go on evenly or by one step a sample, as time and indices do, whatever their name;
 ///  - names without a unit, where another column has one; where none has, those of one value.

@@ -18,7 +18,7 @@ namespace {
 namespace networks = analysis::networks;
 namespace prediction = analysis::prediction;
 
-// The paper's filter looked at 500 records.
+// The filter of docs/sources.md#shivam-2023 looked at 500 records.
 constexpr Eigen::Index kFilterRecords = 500;
 constexpr int kPermutations = 5;
 constexpr const char* kUnseen = "unseen specimens";

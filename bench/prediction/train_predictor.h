@@ -19,8 +19,8 @@ namespace strainwave::bench {
 
 /// How a predictor is to be trained.
 struct TrainingJob {
-  /// `small`: two dense layers, squared loss, early stopping, five members, beside a line. `ann`, `cnn`:
-  /// those of seed 003, trained as it says: percentage loss, Adam, 1000 epochs in batches of 32, one network.
+  /// `small`: two dense layers, squared loss, early stopping, five members, beside a line. `ann`, `cnn`: of
+  /// docs/sources.md#shivam-2023, section V: percentage loss, Adam, 1000 epochs in batches of 32, alone.
   std::string design{"small"};
   int epochs{};   // 0: as the design says
   int members{};  // 0: as the design says

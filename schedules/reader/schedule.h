@@ -98,7 +98,7 @@ struct HysteresisTest {
   double hold_s{};  // at each peak
   double loops{1.0};
   double log_rate_hz{50.0};
-  std::vector<double> lock_angles_rad;  // input angles; several average out E7
+  std::vector<double> lock_angles_rad;  // input angles; several average out docs/effects.md E7
 };
 
 /// Standstill until the gear is below a temperature, or for a time: the soak that declares a thermal state.
@@ -115,7 +115,7 @@ struct BlankTest {
   int steps{72};  // of the turn
 };
 
-/// Reads a sensor at standstill, torque off, where what it should read is known (BENCH row 35).
+/// Reads a sensor at standstill, torque off, where what it should read is known (docs/requirements.md R35).
 struct SensorCheck {
   enum class Kind {
     kZero,       // the torque transducer without torque
@@ -162,11 +162,11 @@ struct MeasurementRules {
   double temperature_tolerance_K{};    // … and half width; outside it the results are flagged
 };
 
-/// What counts as the same test after a pause (BENCH row 53).
+/// What counts as the same test after a pause (docs/requirements.md R53).
 struct ResumeRules {
   double longest_pause_s{};      // longer needs --accept-pause
   double re_soak_after_s{};      // a pause longer than this warms up again before measuring
-  bool operator_acknowledges{};  // resume asks before anything moves (row 10)
+  bool operator_acknowledges{};  // resume asks before anything moves (R10)
 };
 
 struct Schedule {

@@ -19,8 +19,8 @@ double ConsumedBy(double torque_Nm, double speed_rpm) {
   return LifeConsumed({}, {&block, 1});
 }
 
-// The figures of BENCH section 0, rounded as there.
-TEST(LifeConsumed, ReproducesTheCampaignsOfTheBenchNotes) {
+// The figures of docs/effects.md#bearing-life, rounded as there.
+TEST(LifeConsumed, ReproducesTheWorkedExamples) {
   EXPECT_NEAR(ConsumedBy(34.0, 2000.0), 0.25, 1e-12);
   EXPECT_NEAR(ConsumedBy(54.0, 2000.0), 1.0, 0.01);
   EXPECT_NEAR(ConsumedBy(47.0, 3000.0), 1.0, 0.015);

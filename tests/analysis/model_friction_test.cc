@@ -17,7 +17,7 @@ double Efficiency(double torque_Nm, double speed_rpm, double temperature_degC) {
 }
 
 TEST(Friction, GivesTheMakersEfficiencies) {
-  // BENCH E8: 78 % at 34 Nm and 72.5 % at 19.6 Nm, 1000 rpm, 20 °C.
+  // docs/effects.md E8: 78 % at 34 Nm and 72.5 % at 19.6 Nm, 1000 rpm, 20 °C.
   EXPECT_NEAR(Efficiency(34.0, 1000.0, 20.0), 0.78, 0.005);
   EXPECT_NEAR(Efficiency(19.6, 1000.0, 20.0), 0.725, 0.005);
 }
@@ -51,7 +51,7 @@ TEST(Friction, OpposesEitherDirectionAlike) {
 }
 
 TEST(Friction, LosesHalfOfItToTheFlexsplineAtFullLoad) {
-  // BENCH E11: 20 % of the loss at no load, 50 % at full load.
+  // docs/effects.md E11: 20 % of the loss at no load, 50 % at full load.
   Friction without;
   without.flexspline_Nm = without.flexspline_load_coefficient = 0.0;
   const double speed = RadPerSFromRpm(1000.0);

@@ -41,7 +41,7 @@ Crossings WalkLoop(const TwistCurve& curve, double peak_Nm) {
 }
 
 TEST(TorsionSpring, WindsUpByFiveArcminAtRatedTorque) {
-  // BENCH E5: 7/1.6e4 + 18/2.5e4 + 9/2.9e4 = 1.4678e-3 rad.
+  // docs/effects.md E5: 7/1.6e4 + 18/2.5e4 + 9/2.9e4 = 1.4678e-3 rad.
   EXPECT_NEAR(SpringTwist({}, 34.0), 1.4678e-3, 1e-7);
   EXPECT_NEAR(ArcminFromRad(SpringTwist({}, 34.0)), 5.05, 0.01);
 }
@@ -104,13 +104,13 @@ TEST(SolveTwist, AtADeflectionSharesItWithTheSeriesCompliance) {
 }
 
 TEST(SeriesCompliance, MakesK3AppearMuchSofter) {
-  // BENCH E17: with 4e4 and 3e4 Nm/rad in series, 2.9e4 appears as 1.1e4.
+  // docs/effects.md E17: with 4e4 and 3e4 Nm/rad in series, 2.9e4 appears as 1.1e4.
   const SeriesCompliance series;
   EXPECT_NEAR(1.0 / (1.0 / 2.9e4 + series.total_rad_per_Nm()), 1.1e4, 300.0);
 }
 
 TEST(TorsionalResonance, LiesWhereTheCatalogueOfEffectsSaysItDoes) {
-  // BENCH E15: 95 Hz with 0.05 kg·m² at the output, 41 Hz with 0.5.
+  // docs/effects.md E15: 95 Hz with 0.05 kg·m² at the output, 41 Hz with 0.5.
   Inertia inertia;
   inertia.output_kgm2 = 0.05;
   EXPECT_NEAR(TorsionalResonance_Hz(1.6e4, inertia, 80.0), 95.0, 0.5);

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLifeTest_h = 1750.0;
 constexpr double kTurnsPerHour = 2400.0 * 60.0;
 
-// The life test of seed 003 in steps of `step_h`.
+// The life test of docs/sources.md#shivam-2023 in steps of `step_h`.
 WearState LifeTest(const WearRates& rates, double hours, double torque_Nm, double temperature_degC,
                    double step_h) {
   WearState state;

@@ -152,7 +152,7 @@ TEST(LossShare, IsTheMeanOfItsDefinition) {
               1e-9);
 }
 
-TEST(DesignOf, HasTheLayersOfThePaper) {
+TEST(DesignOf, HasTheLayersOfThePaper) {  // docs/sources.md#shivam-2023
   const Network ann(DesignOf("ann", 204, 4));
   EXPECT_EQ(ann.parameter_count(), 205 * 500 + 501 * 500 + 501 * 200 + 201 * 100 + 101 * 4);
   const Network cnn(DesignOf("cnn", 204, 4));

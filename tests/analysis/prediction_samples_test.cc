@@ -85,7 +85,7 @@ TEST(SinceBaseline, SaysWhatIsWrong) {
 }
 
 // By hand: errors 1, 0, −1 of 10, 20, 40.
-TEST(ScoresOf, FollowTheEquationsOfThePaper) {
+TEST(ScoresOf, FollowTheEquationsOfThePaper) {  // docs/sources.md#shivam-2023
   Eigen::MatrixXd actual(3, 1);
   actual << 10.0, 20.0, 40.0;
   Eigen::MatrixXd predicted(3, 1);

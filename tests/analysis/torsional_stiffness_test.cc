@@ -71,7 +71,7 @@ TEST(MeasureStiffness, MeasuresTheWidthOfTheLoopWithEveryMethod) {
 
 TEST(MeasureStiffness, TakesTheBenchesComplianceOut) {
   const LoopTruth truth;
-  const double compliance = 1.0 / 4e4 + 1.0 / 3e4;  // E17: more than the gear's own
+  const double compliance = 1.0 / 4e4 + 1.0 / 3e4;  // docs/effects.md E17: more than the gear's own
   const SimulatedRecord record = SimulateLoop(truth, kFromRest_Nm, 3000, {}, compliance);
   const TorsionalStiffness raw = MeasureStiffness(record.View(), kTorques, StiffnessMethod::kModel);
   EXPECT_LT(raw.k3_Nm_per_rad.value, 1.3e4);

@@ -19,7 +19,7 @@
 namespace strainwave::bench {
 namespace {
 
-TEST(DiagnosisJson, HasEveryFieldOfTheContract) {
+TEST(DiagnosisJson, HasEveryFieldOfTheContract) {  // docs/contract.md#diagnose
   const MadeUp made_up = Found();
   const auto json = nlohmann::json::parse(DiagnosisJson(made_up.Report()).dump());
   EXPECT_EQ(json["verdict"], "effect_found");

@@ -69,7 +69,7 @@ TEST(EncoderSkew, IsToldFromTwistLostMotionAndSwing) {
   for (const double skew_s : {1e-3, -1e-3, 1e-4, 0.0}) {
     const auto estimate = AfterASweep(skew_s).Estimate();
     ASSERT_TRUE(estimate.has_value());
-    EXPECT_NEAR(estimate->skew_s, skew_s, 10e-6) << "BENCH E20";
+    EXPECT_NEAR(estimate->skew_s, skew_s, 10e-6) << "docs/effects.md E20";
     EXPECT_LT(estimate->standard_error_s, 10e-6);
   }
 }

@@ -58,7 +58,7 @@ void ExpectAgreement(const prediction::FittedPredictor& fitted) {
 TEST(OnnxBytes, OpenCvAgreesWithADenseEnsemble) { ExpectAgreement(Dense(3)); }
 TEST(OnnxBytes, OpenCvAgreesWithASingleNetwork) { ExpectAgreement(Dense(1)); }
 TEST(OnnxBytes, OpenCvAgreesWithNetworksBesideALine) { ExpectAgreement(Dense(3, true)); }
-TEST(OnnxBytes, OpenCvAgreesWithTheConvolutionsOfThePaper) { ExpectAgreement(Cnn()); }
+TEST(OnnxBytes, OpenCvAgreesWithConvolutionalNetworks) { ExpectAgreement(Cnn()); }
 
 TEST(OnnxBytes, OpenCvAgreesWithTheProbabilitiesOfAClassifier) {
   const auto fitted = Classifier();

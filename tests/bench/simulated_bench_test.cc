@@ -148,7 +148,7 @@ TEST(SimulatedBench, ReadsOnceAPeriod) {
 }
 
 TEST(SimulatedBench, TurnsATimeSkewIntoATransmissionError) {
-  // BENCH E20: 1 ms at 1000 rpm is 4.5 arcmin, and the sign follows the direction.
+  // docs/effects.md E20: 1 ms at 1000 rpm is 4.5 arcmin, and the sign follows the direction.
   const auto error_arcmin = [](double skew_s, double speed_rpm) {
     SimulatedBench bench(PerfectlyMeasured(), {.seed = 4, .time_skew_s = skew_s});
     Driver driver(bench);

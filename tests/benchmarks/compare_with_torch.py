@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""An epoch of the paper's two networks, and one record through `ann`, beside PyTorch: in turn, on the same
-machine; PyTorch at one thread and at all, of which the better counts.
+"""An epoch of the two networks of docs/sources.md#shivam-2023, and one record through `ann`, beside PyTorch: in
+turn, on the same machine; PyTorch at one thread and at all, of which the better counts.
 
 usage: compare_with_torch.py [--rounds N]     after: cmake --build --preset release --target predictor_benchmark
 

@@ -11,7 +11,7 @@ from draw import Request, draw_case
 from effect import Ruler, recursion
 from write_record import record_text
 
-# Contract, section 3: kind -> (columns that must be there, columns that may be there, metadata).
+# docs/contract.md#record-files: kind -> (columns that must be there, columns that may be there, metadata).
 CONTRACT = {
     "transmission_error": ({"direction", "input_angle_deg", "output_angle_deg"},
                            {"time_s", "torque_Nm", "temperature_degC"}, {"ratio"}),

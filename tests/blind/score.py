@@ -10,7 +10,7 @@ REGRESSOR_WORDS = {"velocity": ("speed", "velocity")}
 
 
 def parse_answer(text):
-    """The JSON object, or None where the output is not what the contract says."""
+    """The JSON object, or None where the output is not what docs/contract.md#diagnose says."""
     try:
         answer = json.loads(text)
     except ValueError:

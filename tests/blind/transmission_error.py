@@ -168,7 +168,7 @@ class TransmissionError:
         columns = {"direction": [("cw" if sense > 0 else "ccw") for sense in self.sense[keep]]}
         if self.has_time:
             columns["time_s"] = (self.time_s[keep], "%.4f")
-        # The contract zeroes both angles at the first sample of the record.
+        # Both angles are zeroed at the first sample of the record (docs/contract.md#transmission-error).
         columns["input_angle_deg"] = ((self.input_deg - self.input_deg[keep][0])[keep], "%.6f")
         zeroed_deg = (output_deg - output_deg[keep][0])[keep]
         if quantise:

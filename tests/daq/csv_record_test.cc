@@ -68,7 +68,7 @@ TEST(CsvRecord, KeepsUnknownColumnsOfNumbersAndNotesThoseOfText) {
                                                    {3, "column 'gap' is left out: line 3 is not a number"}}));
 }
 
-TEST(CsvRecord, GivesTheDefaultsOfTheContract) {
+TEST(CsvRecord, GivesTheDefaultsOfTheContract) {  // docs/contract.md#record-files
   const Record loop = ParseCsvRecord(kLoop, "r.csv");
   EXPECT_EQ(MetadataNumber(loop, "t1_Nm"), 7.0);
   EXPECT_EQ(MetadataNumber(loop, "t2_Nm"), 25.0);

@@ -33,8 +33,8 @@ inline SourceFile ReadSource(const std::string& path) {
   return file;
 }
 
-/// All files below the top folders, cmake/ and .ci/, and those in the root itself, in the order of their
-/// paths. Build folders and campaigns are no part of the tree.
+/// All files below the top folders, cmake/, docs/ and .ci/, and those in the root itself, in the order of
+/// their paths. Build folders and campaigns are no part of the tree.
 inline std::vector<std::string> ListSources() {
   const fs::path root = STRAINWAVE_SOURCE_DIR;
   std::vector<std::string> paths;
@@ -47,7 +47,7 @@ inline std::vector<std::string> ListSources() {
     add(entry);
   }
   std::vector<std::string_view> folders(std::begin(kTopFolders), std::end(kTopFolders));
-  folders.insert(folders.end(), {"cmake", ".ci"});
+  folders.insert(folders.end(), {"cmake", "docs", ".ci"});
   for (const std::string_view folder : folders) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
       add(entry);

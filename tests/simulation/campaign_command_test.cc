@@ -51,7 +51,7 @@ TEST_F(Campaign, EndsWellWithATableAndPictures) {
   }
 }
 
-TEST_F(Campaign, HasTheFilesOfTheContract) {
+TEST_F(Campaign, HasTheFilesOfTheContract) {  // docs/contract.md#campaign-folder
   for (const char* file :
        {"schedule.yaml", "bench.yaml", "campaign.db", "cycles/000000.h5", "cycles/000003.h5"}) {
     EXPECT_TRUE(std::filesystem::exists(Path() + "/" + file)) << file;

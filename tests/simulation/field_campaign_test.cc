@@ -215,7 +215,7 @@ std::string AttributeOf(const StreamFileReader& file, const std::string& name) {
   return found == file.attributes().end() ? "" : found->second;
 }
 
-// Row 20: raw data of all channels, ten seconds before the trip and ten after.
+// docs/requirements.md R20: raw data of all channels, ten seconds before the trip and ten after.
 void ExpectAroundTrip(const std::filesystem::path& path, std::size_t channels, double stop_time_s) {
   const StreamFileReader file(path);
   EXPECT_EQ(file.description().channels.size(), channels);

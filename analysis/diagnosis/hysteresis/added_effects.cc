@@ -17,9 +17,9 @@ constexpr double kShortestShare = 0.01;
 // A logarithmic law, or a band, begins where its parts are as short as that: its onset is earlier by as much.
 constexpr double kOnset = 0.1;
 
-// Logarithmic or exponential, of the gear's wind-up with all its bends and friction (E22) or of a part that
-// yields in proportion to the torque (a glued joint, the mount). A band lies between: a box spectrum of time
-// constants (Neubert, Aeronaut. Q. 14 (1963) 187).
+// Logarithmic or exponential, of the gear's wind-up with all its bends and friction (docs/effects.md E22) or
+// of a part that yields in proportion to the torque (a glued joint, the mount). A band lies between: a box
+// spectrum of time constants (Neubert, Aeronaut. Q. 14 (1963) 187).
 enum CreepForm { kLogOfTwist, kOneOfTwist, kLogOfTorque, kOneOfTorque, kBandOfTwist, kBandOfTorque };
 
 bool IsLogarithmic(CreepForm form) { return form == kLogOfTwist || form == kLogOfTorque; }

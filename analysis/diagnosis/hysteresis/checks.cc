@@ -163,7 +163,7 @@ std::vector<std::string> OddThingsAbout(const HysteresisData& record, double twi
 
 std::string CommonStiffnessChange(std::span<const double> k_Nm_per_rad, double t1_Nm, double t2_Nm) {
   constexpr double kAlike = 0.1;    // spread of the three among themselves
-  constexpr double kScatter = 0.3;  // from one unit to the next (E25)
+  constexpr double kScatter = 0.3;  // from one unit to the next (docs/effects.md E25)
   const model::TorsionSpring reference;
   if (std::abs(t1_Nm / reference.t1_Nm - 1.0) > 0.05 || std::abs(t2_Nm / reference.t2_Nm - 1.0) > 0.05 ||
       k_Nm_per_rad.size() != 3) {

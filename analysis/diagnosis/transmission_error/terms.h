@@ -24,7 +24,7 @@ struct TransmissionErrorSamples {
   double samples_per_turn{};  // of the output, where the steps are even; else 0
 };
 
-/// Appends the causes of the contract and those that the effects catalogue adds (tooth engagement, E2), then
+/// Appends the causes of docs/contract.md and those that docs/effects.md adds (tooth engagement, E2), then
 /// the corrections; a cause that the record did not excite is left out, with a warning.
 void AddTransmissionErrorCauses(const TransmissionErrorSamples& samples, SeparableModel& model);
 

@@ -109,8 +109,8 @@ class CanopenServo final : public ServoDrive {
 
   // From the bus thread.
   /// Takes the newest orders to the master.
-  /// @param may_enable  false: the supervision of some drive of the bench is off or unknown (BENCH row
-  ///   15), and this one is not enabled.
+  /// @param may_enable  false: the supervision of some drive of the bench is off or unknown, and this one is
+  ///   not enabled (docs/requirements.md R15).
   void TakeOrders(std::chrono::nanoseconds now, bool may_enable = true) noexcept;
   void Publish() noexcept;
   protocols::canopen::DriveMaster& master() noexcept { return master_; }

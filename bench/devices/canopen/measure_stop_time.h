@@ -34,9 +34,9 @@ struct StopTimes {
   std::array<StopTime, 2> drives{};  // driving, load
 };
 
-/// How long the drives take to stop when this program is gone (BENCH row 14): turns the input with the load's
-/// torque at zero, then `go_silent` must see to it that nothing more is sent, and the shafts are watched. The
-/// drives get their quick stop on every way out; they must be set up anew afterwards.
+/// How long the drives take to stop when this program is gone (docs/requirements.md R14): turns the input
+/// with the load's torque at zero, then `go_silent` must see to it that nothing more is sent, and the shafts
+/// are watched. The drives get their quick stop on every way out; they must be set up anew afterwards.
 StopTimes MeasureStopTimes(BenchDevices devices, const StopTimeParameters& parameters,
                            const std::function<void()>& go_silent, const std::atomic<StopRequest>& request);
 

@@ -71,7 +71,7 @@ void FieldMachine::SetOpen(bool open) noexcept {
   is_open_ = open;
 }
 
-// BENCH row 15.
+// docs/requirements.md R15.
 bool FieldMachine::IsSupervised() const noexcept {
   const std::lock_guard lock(open_mutex_);
   return is_open_ &&

@@ -16,7 +16,7 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-// BENCH row 20. More than a device has under way is not waited for.
+// docs/requirements.md R20. More than a device has under way is not waited for.
 constexpr milliseconds kAroundTrip{10'000};
 constexpr milliseconds kOnTheWay{500};
 constexpr std::size_t kMostAroundTrip_bytes = std::size_t{128} << 20;

@@ -27,8 +27,8 @@ struct PlantCommands {
 /// between them, the servo's speed loop, in substeps of at most a quarter of a millisecond. Longer steps take
 /// the quasi-static limit: the servo follows its set point, the output is where the torques balance, inertia
 /// counts only through the acceleration of the set point. The two agree for motion that is slow beside the
-/// torsional resonance (some 50 Hz); torque ripple at two per input turn (E14, E15) is only in the short
-/// steps, and so is the delay of the drive. An input that nothing holds is integrated at any step length.
+/// torsional resonance (some 50 Hz); torque ripple at two per input turn (docs/effects.md E14, E15) is in the
+/// short steps alone, as is the delay of the drive. An input that nothing holds is integrated at any step.
 ///
 /// Effects that a nominal gear does not have (`TwistDeviations`, `DriveCauses`, ...) cost nothing while they
 /// are off. In short steps the rate dependence of the gear is limited to what the integration carries.

@@ -18,7 +18,7 @@ namespace strainwave::bench {
 
 struct SimulatedBenchSettings {
   std::uint64_t seed{1};  // decides the specimen, its mounting, and all noise
-  /// The output encoder is sampled this much after the input encoder; below zero: before (E20).
+  /// The output encoder is sampled so long after the input encoder; below zero: before (docs/effects.md E20).
   double time_skew_s{10e-6};
   /// Times real time; infinity: as fast as it can.
   double pace{std::numeric_limits<double>::infinity()};

@@ -169,7 +169,7 @@ TEST(DriveBus, StopsDrivesWhoseControlLoopIsGone) {
   EXPECT_EQ(bench.driving().Actual().power, PowerState::kOperationEnabled);
 }
 
-// BENCH row 14: the program dies, and the drives stop by themselves.
+// docs/requirements.md R14: the program dies, and the drives stop by themselves.
 TEST(DriveBus, LeavesDrivesThatStopByThemselvesWhenTheProgramDies) {
   InProcessDrives bench;
   bench.Commission();
@@ -182,7 +182,7 @@ TEST(DriveBus, LeavesDrivesThatStopByThemselvesWhenTheProgramDies) {
   EXPECT_TRUE(bench.motors[0].command.brake_engaged);
 }
 
-// BENCH row 15: not only of the drive itself.
+// docs/requirements.md R15: not only of the drive itself.
 TEST(DriveBus, EnablesNoDriveWhileTheSupervisionOfAnyIsOffOrUnknown) {
   InProcessDrives bench;
   bench.Run(milliseconds(100));

@@ -53,7 +53,7 @@ TEST_F(Servo, SaysWhoItIsAndWhereItsBrakeIsToWhoeverLooks) {
   EXPECT_TRUE(Until([&] { return drive.tells_brake_engaged() == true; }));
 }
 
-// BENCH row 15.
+// docs/requirements.md R15.
 TEST_F(Servo, IsNotEnabledWhileAnotherDriveWouldNotNoticeThatTheProgramIsGone) {
   const auto drive = Drive();
   others_supervised_ = false;

@@ -93,7 +93,7 @@ TEST(SkewByRegression, TellsASkewFromAnEccentricity) {
   ASSERT_TRUE(skew);
   EXPECT_NEAR(skew->skew_s, 1e-3, 1e-5);
   EXPECT_LT(std::abs(skew->skew_s - 1e-3), 3 * skew->standard_error_s);
-  // E20: 1 ms at 1000 rpm is 4.5 arcmin at the output.
+  // docs/effects.md E20: 1 ms at 1000 rpm is 4.5 arcmin at the output.
   EXPECT_NEAR(skew->skew_s * 1000 * 2 * kPi / 60 / 80 * 180 / kPi * 60, 4.5, 0.05);
   EXPECT_FALSE(SkewByRegression(std::vector(9, 1.0), std::vector(9, 2.0)));
   EXPECT_FALSE(SkewByRegression(std::vector{1.0, 2.0}, std::vector{1.0, 2.0}));

@@ -256,7 +256,7 @@ TEST(Commissioning, RefusesAPdoThatReadsBackOtherwise) {
             "node 3 did not take a setting: TPDO 2 (1A01h:02) reads 00000000h (written 606C0020h)");
 }
 
-// BENCH row 15.
+// docs/requirements.md R15.
 TEST(Commissioning, ReadsEverySupervisionAtTheEndAndRefusesOneThatIsOff) {
   const std::vector<CommissioningStep> steps = CommissioningSteps(EasyProfile(), 3);
   std::vector<std::string> last;

@@ -61,7 +61,7 @@ TEST(DriveMaster, SaysThatANodeDoesNotStart) {
   EXPECT_EQ(bench.master.stage(), DriveStage::kOff);
 }
 
-// BENCH row 15.
+// docs/requirements.md R15.
 TEST(DriveMaster, RefusesEnableWhereCommissioningFailed) {
   DriveProfile profile = EasyProfile();
   profile.supervision.communication_error_behaviour = 1;

@@ -28,7 +28,7 @@ TEST(QuickStop, LowersBitTwoAtOnceWithoutWaitingForSync) {
   EXPECT_EQ(bench.master.trouble(), DriveTrouble::kQuickStopAsked);
 }
 
-// BENCH row 16: yarp-devices#246.
+// docs/requirements.md R16: yarp-devices#246.
 TEST(QuickStop, DropsWhatIsQueuedBothHereAndOnTheBus) {
   DriveBench bench;
   ASSERT_TRUE(bench.BringUp(kProfileVelocity));

@@ -266,7 +266,7 @@ TEST(DriveSupervision, AbandonsTheSetUpOfANodeThatStartsAnew) {
   EXPECT_EQ(bench.sent, Texts{});
 }
 
-// BENCH row 14.
+// docs/requirements.md R14.
 TEST(DriveSupervision, SaysNothingMoreAfterGoingSilentWhateverHappens) {
   Moving bench;
   bench.master.GoSilent();

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 using State = StopTimeMeasurement::State;
 
-// BENCH row 14.
+// docs/requirements.md R14.
 TEST(StopTimeMeasurement, TellsWhenTheDriveLeftOperationEnabledAndWhenItStood) {
   StopTimeMeasurement measurement(1s, 1.0, 50ms, 2s);
   measurement.OnPower(PowerState::kSwitchOnDisabled, 990ms);  // before

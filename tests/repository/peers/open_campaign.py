@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Opens a campaign folder with ordinary tools alone (sqlite3, h5py) and checks what the contract promises.
+"""Opens a campaign folder with ordinary tools alone (sqlite3, h5py) and checks what docs/contract.md promises.
 
   tests/repository/peers/open_campaign.py DIR
 """
@@ -15,7 +15,7 @@ import numpy
 
 MOST_SHOWN = 20
 TABLES = ("cycles", "phases", "results", "events", "calibrations", "operator_notes")
-# Endings of column names that carry a unit, as the contract has them.
+# Endings of column names that carry a unit (docs/contract.md#units-and-signs).
 UNITS = ("_deg", "_rad", "_arcmin", "_rpm", "_rad_per_s", "_Nm", "_N", "_m", "_m_per_s", "_m_per_s2", "_s", "_degC",
          "_A", "_K", "_Nm_per_rad")
 
