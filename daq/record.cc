@@ -59,6 +59,15 @@ void Record::SetMetadata(std::string_view key, double value) {
   SetMetadata(key, ShortestText(value));
 }
 
+void Record::SetColumn(std::string_view name, std::vector<double> values) {
+  const auto column = std::ranges::find(columns, name, &Column::name);
+  if (column != columns.end()) {
+    column->values = std::move(values);
+  } else {
+    columns.push_back({std::string(name), std::move(values), "", ""});
+  }
+}
+
 std::span<const double> Record::Doubles(std::string_view column) const {
   return ValuesOf<double>(*this, column, "doubles");
 }

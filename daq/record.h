@@ -63,6 +63,8 @@ struct Record {
   void SetMetadata(std::string_view key, std::string value);
   void SetMetadata(std::string_view key, double value);  // shortest text that reads back to the same bits;
                                                          // std::invalid_argument if not finite
+  /// In the place of the values of the column of that name; a new column, without unit, where there is none.
+  void SetColumn(std::string_view name, std::vector<double> values);
 
   /// @throws std::invalid_argument when the column is missing or holds another type.
   std::span<const double> Doubles(std::string_view column) const;

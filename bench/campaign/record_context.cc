@@ -111,8 +111,7 @@ daq::Record Corrected(daq::Record record, const BenchCorrections& corrections) {
     for (std::size_t i = 0; i < angle_deg.size(); ++i)
       angle_deg[i] -= DegFromRad(corrections.encoder.At(read_deg[i]) - corrections.encoder.At(read_deg[0]));
   }
-  for (daq::Column& column : record.columns)
-    if (column.name == "output_angle_deg") column.values = std::move(angle_deg);
+  record.SetColumn("output_angle_deg", std::move(angle_deg));
   return record;
 }
 

@@ -45,15 +45,6 @@ void AddNoise(double deviation, std::uint64_t seed, std::vector<double>& respons
   for (double& value : response) value += deviation * source();
 }
 
-void SetColumn(Record& record, const std::string& name, std::vector<double> values) {
-  const auto column = std::ranges::find(record.columns, name, &daq::Column::name);
-  if (column != record.columns.end()) {
-    column->values = std::move(values);
-  } else {
-    record.columns.push_back({name, std::move(values), "", ""});
-  }
-}
-
 void ExpectRows(const Record& record, const std::vector<double>& response, std::size_t channels = 1) {
   if (response.size() == channels * record.rows()) return;
   throw std::invalid_argument(
@@ -74,7 +65,7 @@ void SetSweep(Record& record, const std::vector<double>& error_rad) {
   for (std::size_t i = 0; i < error_rad.size(); ++i) {
     output_deg[i] = output_zero_deg + (input_deg[i] - input_zero_deg) / ratio - DegFromRad(error_rad[i]);
   }
-  SetColumn(record, "output_angle_deg", std::move(output_deg));
+  record.SetColumn("output_angle_deg", std::move(output_deg));
 }
 
 void SetLoop(Record& record, const std::vector<double>& twist_rad) {
@@ -83,7 +74,7 @@ void SetLoop(Record& record, const std::vector<double>& twist_rad) {
       record.Metadata("absolute") == "true" ? 0.0 : record.Doubles("output_angle_deg").front();
   std::vector<double> output_deg;
   for (const double twist : twist_rad) output_deg.push_back(zero_deg + DegFromRad(twist));
-  SetColumn(record, "output_angle_deg", std::move(output_deg));
+  record.SetColumn("output_angle_deg", std::move(output_deg));
 }
 
 void SetMotion(Record& record, std::vector<double> torque) {
@@ -92,10 +83,10 @@ void SetMotion(Record& record, std::vector<double> torque) {
   if (record.FindColumn(drive) == nullptr) {
     const double gain = *daq::CurrentGain(record);
     for (double& value : torque) value /= gain;
-    SetColumn(record, "current_A", std::move(torque));
+    record.SetColumn("current_A", std::move(torque));
     return;
   }
-  SetColumn(record, drive, std::move(torque));
+  record.SetColumn(drive, std::move(torque));
 }
 
 // A study scales channels so that all have one noise; the scale is that of what it made of the record.
@@ -114,7 +105,7 @@ void SetVibration(Record& record, const diagnosis::Study& study, const std::vect
     const double scale = product > 0.0 ? product / square : 1.0;
     std::vector<double> after;
     for (std::size_t i = 0; i < rows; ++i) after.push_back(values[c * rows + i] / scale);
-    SetColumn(record, channels[c], std::move(after));
+    record.SetColumn(channels[c], std::move(after));
   }
 }
 

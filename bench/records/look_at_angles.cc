@@ -53,7 +53,7 @@ void UnwrapAlone(daq::Record& record, const std::string& column, double turn, co
   const double share = samples::UsualStep(angle, *wraps);
   if (share > kMostOfModulus) RefuseWraps(record, column, *wraps, unit, share, kMostOfModulus);
   samples::Unwrap(angle, wraps->modulus);
-  SetColumn(record, column, std::move(angle));
+  record.SetColumn(column, std::move(angle));
   NoteWraps(record, column, *wraps, unit);
 }
 
@@ -79,7 +79,7 @@ void UnwrapOutput(daq::Record& record, double ratio) {
   const double share = samples::UsualStep(output_deg, *wraps);
   if (share > kMostOfModulus) RefuseWraps(record, "output_angle_deg", *wraps, "deg", share, kMostOfModulus);
   samples::Unwrap(output_deg, wraps->modulus, returns);
-  SetColumn(record, "output_angle_deg", std::move(output_deg));
+  record.SetColumn("output_angle_deg", std::move(output_deg));
   NoteWraps(record, "output_angle_deg", *wraps, "deg");
 }
 
@@ -108,7 +108,7 @@ void UnwrapInput(daq::Record& record, double ratio) {
   } else {
     return;
   }
-  SetColumn(record, "input_angle_deg", std::move(input_deg));
+  record.SetColumn("input_angle_deg", std::move(input_deg));
   if (found) return NoteWraps(record, "input_angle_deg", *wraps, "deg");
   NoteOn(record,
          fmt::format("input_angle_deg keeps to one turn where the output's way is {:.4g} of its turns: it "

@@ -17,11 +17,6 @@ void NoteAt(daq::Record& record, std::size_t row, std::string text) {
 
 void NoteOn(daq::Record& record, std::string text) { record.notes.push_back({0, std::move(text)}); }
 
-void SetColumn(daq::Record& record, const std::string& column, std::vector<double> values) {
-  const auto found = std::ranges::find(record.columns, column, &daq::Column::name);
-  if (found != record.columns.end()) found->values = std::move(values);
-}
-
 void LookAtSamples(daq::Record& record) {
   LookAtTime(record);
   LookAtAngles(record);

@@ -132,11 +132,11 @@ void TakeNewRows(daq::Record& record, std::vector<HeldColumn> columns) {
     const auto own = std::ranges::find(columns, name, &HeldColumn::name);
     if (name == columns.front().name || !timed) continue;
     const std::vector<bool> all(rows, true);
-    SetColumn(record, name,
-              samples::AtArrivals(time_s, record.CopyAsDoubles(name),
-                                  own == columns.end() ? all : own->held.fresh, arrival_s, kept));
+    record.SetColumn(name,
+                     samples::AtArrivals(time_s, record.CopyAsDoubles(name),
+                                         own == columns.end() ? all : own->held.fresh, arrival_s, kept));
   }
-  if (timed) SetColumn(record, "time_s", arrival_s);
+  if (timed) record.SetColumn("time_s", arrival_s);
   for (const HeldColumn& column : columns) NoteOn(record, HeldText(column, rows) + "; only new values count");
   KeepRows(record, kept);
 }
@@ -149,7 +149,7 @@ void FillIn(daq::Record& record, const std::string& name, const std::vector<bool
     if (!fresh[i]) stale.push_back(i);
   }
   analysis::InterpolateOver(values, stale);
-  SetColumn(record, name, std::move(values));
+  record.SetColumn(name, std::move(values));
 }
 
 // In how many rows a new value came, each time; nothing where they did not come evenly.

@@ -46,7 +46,7 @@ void SettleVibration(daq::Record& record, std::vector<double> time_s, double rep
           : fmt::format("{:.1f} % of the time stamps repeat the one before", 100.0 * repeated);
   std::vector<double> even_s = time_s;
   if (samples::EvenWithinTicks(even_s)) {
-    SetColumn(record, "time_s", std::move(even_s));
+    record.SetColumn("time_s", std::move(even_s));
     return NoteOn(record, found + ": all within a tick of even steps, which take their place");
   }
   if (repeated < kManyRepeated) return;
@@ -54,7 +54,7 @@ void SettleVibration(daq::Record& record, std::vector<double> time_s, double rep
     throw RecordRefusal(record, found + " (expected even steps; sample_rate_hz in the metadata settles it)");
   for (std::size_t i = 0; i < time_s.size(); ++i)
     time_s[i] = time_s.front() + static_cast<double>(i) / *said_hz;
-  SetColumn(record, "time_s", std::move(time_s));
+  record.SetColumn("time_s", std::move(time_s));
   NoteOn(record, fmt::format("{}: sample_rate_hz, {}, takes their place", found, RateText(*said_hz)));
 }
 

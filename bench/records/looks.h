@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "daq/record.h"
 
@@ -13,9 +12,6 @@ namespace strainwave::bench {
 void NoteAt(daq::Record& record, std::size_t row, std::string text);
 /// Adds a note about the record.
 void NoteOn(daq::Record& record, std::string text);
-
-/// Puts values in the place of those of a column, if there is one of that name.
-void SetColumn(daq::Record& record, const std::string& column, std::vector<double> values);
 
 /// Time stamps, and a rate beside them.
 void LookAtTime(daq::Record& record);
