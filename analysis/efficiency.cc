@@ -12,7 +12,7 @@
 namespace strainwave::analysis {
 namespace {
 
-constexpr std::size_t kMinSamples = 8;
+constexpr std::size_t kFewestSteadySamples = 8;
 
 Estimate Mean(std::span<const double> values) {
   const auto n = static_cast<double>(values.size());
@@ -41,7 +41,7 @@ Efficiency MeasureEfficiency(const SteadyRotation& rotation) {
                   {"output_speed_rad_per_s", rotation.output_speed_rad_per_s}};
   for (const auto& channel : channels) {
     RequireSameLength(channel.name, channel.values, channels[0].name, channels[0].values);
-    RequireAtLeast(channel.name, channel.values, kMinSamples);
+    RequireAtLeast(channel.name, channel.values, kFewestSteadySamples);
     RequireFinite(channel.name, channel.values);
   }
   const Estimate input_torque = Mean(rotation.input_torque_Nm);
@@ -75,7 +75,7 @@ std::optional<Estimate> MeasureStartingTorque(std::span<const double> torque_Nm,
                                               std::span<const double> speed_rad_per_s,
                                               double speed_threshold_rad_per_s) {
   RequireSameLength("torque_Nm", torque_Nm, "speed_rad_per_s", speed_rad_per_s);
-  RequireAtLeast("torque_Nm", torque_Nm, kMinSamples);
+  RequireAtLeast("torque_Nm", torque_Nm, kFewestSteadySamples);
   RequireFinite("torque_Nm", torque_Nm);
   RequireFinite("speed_rad_per_s", speed_rad_per_s);
   RequirePositive("speed_threshold_rad_per_s", speed_threshold_rad_per_s);

@@ -15,8 +15,8 @@
 namespace strainwave::analysis {
 namespace {
 
-constexpr std::size_t kMinSamples = 16;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFewestLoopSamples = 16;
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 void RequireLoop(const TorsionLoop& loop, const TestTorques& torques) {
   RequireSameLength("torque_Nm", loop.torque_Nm, "twist_rad", loop.twist_rad);
@@ -24,7 +24,7 @@ void RequireLoop(const TorsionLoop& loop, const TestTorques& torques) {
     RequireSameLength("time_s", loop.time_s, "twist_rad", loop.twist_rad);
     RequireFinite("time_s", loop.time_s);
   }
-  RequireAtLeast("torque_Nm", loop.torque_Nm, kMinSamples);
+  RequireAtLeast("torque_Nm", loop.torque_Nm, kFewestLoopSamples);
   RequireFinite("torque_Nm", loop.torque_Nm);
   RequireFinite("twist_rad", loop.twist_rad);
   const bool in_order = torques.t1_Nm > 0.0 && torques.t1_Nm < torques.t2_Nm &&
@@ -91,7 +91,7 @@ Estimate MeanTwist(const PreparedLoop& loop, double level_Nm, bool rising) {
       return {sum / count, std::sqrt(variance) / count};
     }
   }
-  return {kNaN, kNaN};
+  return {kNotANumber, kNotANumber};
 }
 
 double Hypotenuse(double a, double b, double c, double d) {

@@ -15,13 +15,13 @@
 namespace strainwave::analysis {
 namespace {
 
-constexpr std::size_t kMinSamples = 16;
+constexpr std::size_t kFewestBlankSamples = 16;
 
 }  // namespace
 
 BlankRamp FitSeriesCompliance(std::span<const double> torque_Nm, std::span<const double> twist_rad) {
   RequireSameLength("torque_Nm", torque_Nm, "twist_rad", twist_rad);
-  RequireAtLeast("torque_Nm", torque_Nm, kMinSamples);
+  RequireAtLeast("torque_Nm", torque_Nm, kFewestBlankSamples);
   RequireFinite("torque_Nm", torque_Nm);
   RequireFinite("twist_rad", twist_rad);
   const auto n = static_cast<Eigen::Index>(torque_Nm.size());
@@ -53,7 +53,7 @@ double EncoderError::At(double encoder_angle_rad) const {
 EncoderError FitEncoderError(std::span<const double> encoder_angle_rad,
                              std::span<const double> reference_angle_rad) {
   RequireSameLength("encoder_angle_rad", encoder_angle_rad, "reference_angle_rad", reference_angle_rad);
-  RequireAtLeast("encoder_angle_rad", encoder_angle_rad, kMinSamples);
+  RequireAtLeast("encoder_angle_rad", encoder_angle_rad, kFewestBlankSamples);
   RequireFinite("encoder_angle_rad", encoder_angle_rad);
   RequireFinite("reference_angle_rad", reference_angle_rad);
   const auto [low, high] = std::minmax_element(encoder_angle_rad.begin(), encoder_angle_rad.end());

@@ -30,7 +30,7 @@ struct Sample {
 };
 
 // φ = φ₀ + Σ cₖ aₖ(T − direction · W), aₖ the part of a torque in segment k.
-struct MidLine {
+struct BackboneLine {
   double offset_rad{};
   std::array<double, 3> compliance_rad_per_Nm{};
   double half_height_Nm{};
@@ -63,7 +63,7 @@ std::array<double, 3> SegmentParts(double torque_Nm, const TestTorques& torques)
           sign * std::max(size - torques.t2_Nm, 0.0)};
 }
 
-double TwistOnLine(const MidLine& line, const Sample& sample, const TestTorques& torques) {
+double TwistOnLine(const BackboneLine& line, const Sample& sample, const TestTorques& torques) {
   const auto parts = SegmentParts(sample.torque_Nm - sample.direction * line.half_height_Nm, torques);
   double twist_rad = line.offset_rad;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -73,8 +73,8 @@ double TwistOnLine(const MidLine& line, const Sample& sample, const TestTorques&
 }
 
 // Gauss–Newton in W; all else is linear.
-MidLine FitMidLine(const std::vector<Sample>& all, double left_out_rad, const TestTorques& torques,
-                   MidLine line) {
+BackboneLine FitBackboneLine(const std::vector<Sample>& all, double left_out_rad, const TestTorques& torques,
+                             BackboneLine line) {
   std::vector<Sample> samples;
   std::copy_if(all.begin(), all.end(), std::back_inserter(samples),
                [&](const Sample& sample) { return sample.twist_since_reversal_rad >= left_out_rad; });
@@ -114,7 +114,7 @@ MidLine FitMidLine(const std::vector<Sample>& all, double left_out_rad, const Te
 
 // Distance from a reversal at which the samples have come down to the mid-line of the others, in bins of 0.5
 // % of the twist's range; negative if they have not by the longest stretch allowed.
-double StickLength(const std::vector<Sample>& samples, const MidLine& line, double range_rad,
+double StickLength(const std::vector<Sample>& samples, const BackboneLine& line, double range_rad,
                    const TestTorques& torques) {
   constexpr std::size_t kBins = 90;  // up to kLongest
   std::array<double, kBins> sums_Nm{};
@@ -166,9 +166,9 @@ TorsionalStiffness FitStiffnessBackbone(const TorsionLoop& raw, const TestTorque
   const double range_rad = std::max(*high - *low, 1e-12);
 
   TorsionalStiffness result;
-  MidLine line;
+  BackboneLine line;
   line.compliance_rad_per_Nm.fill(range_rad / std::max(*high_Nm - *low_Nm, 1e-12));
-  line = FitMidLine(samples, kFirstGuess * range_rad, torques, line);
+  line = FitBackboneLine(samples, kFirstGuess * range_rad, torques, line);
   for (int round = 0; round < 3; ++round) {
     const double length_rad = StickLength(samples, line, range_rad, torques);
     if (length_rad < 0.0) {
@@ -176,7 +176,7 @@ TorsionalStiffness FitStiffnessBackbone(const TorsionLoop& raw, const TestTorque
       break;
     }
     // A tenth more, for the 5 % of the height that the length leaves.
-    line = FitMidLine(samples, std::min(1.1 * length_rad, kLongest * range_rad), torques, line);
+    line = FitBackboneLine(samples, std::min(1.1 * length_rad, kLongest * range_rad), torques, line);
   }
 
   result.friction_torque_Nm = std::abs(line.half_height_Nm);

@@ -10,7 +10,7 @@
 namespace strainwave::analysis {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoSlope = std::numeric_limits<double>::quiet_NaN();
 constexpr double kShareOfPeak = 0.98;
 
 // A branch starts at zero torque when it passes it or begins next to it.
@@ -42,7 +42,7 @@ Estimate TwistAt(const PreparedLoop& loop, const Branch& branch, double level_Nm
   const auto wide =
       TwistAtTorque(loop.torque_Nm, loop.twist_rad, branch, level_Nm, kWider * window_Nm, reach_Nm);
   if (!narrow || !wide) {
-    return {kNaN, kNaN};
+    return {kNoSlope, kNoSlope};
   }
   return {narrow->value, std::max(narrow->standard_error, wide->standard_error * std::sqrt(kWider))};
 }
@@ -74,7 +74,7 @@ TorsionalStiffness FitStiffnessLoading(const TorsionLoop& raw, const TestTorques
     result.k2_Nm_per_rad = Secant(side * (torques.t2_Nm - torques.t1_Nm), at_t1, at_t2);
     result.k3_Nm_per_rad = Secant(side * (end_Nm - torques.t2_Nm), at_t2, at_end);
   } else {
-    result.k1_Nm_per_rad = result.k2_Nm_per_rad = result.k3_Nm_per_rad = {kNaN, kNaN};
+    result.k1_Nm_per_rad = result.k2_Nm_per_rad = result.k3_Nm_per_rad = {kNoSlope, kNoSlope};
     result.failed_checks.push_back("no loading branch from zero torque to T3");
   }
   MeasureLoopWidth(loop, &result);

@@ -21,7 +21,7 @@
 namespace strainwave::analysis {
 namespace {
 
-constexpr std::size_t kMinSamples = 8;
+constexpr std::size_t kFewestSweepSamples = 8;
 constexpr std::size_t kMinSteps = 36;
 constexpr double kLongestStep_rad = 1.5 * kTwoPi / static_cast<double>(kMinSteps);
 constexpr double kMaxRatioDeviation = 0.01;
@@ -39,7 +39,7 @@ void RequireSweep(const char* direction, const AngleSweep& sweep) {
   if (sweep.input_angle_rad.empty()) {
     return;
   }
-  RequireAtLeast(input, sweep.input_angle_rad, kMinSamples);
+  RequireAtLeast(input, sweep.input_angle_rad, kFewestSweepSamples);
   RequireFinite(input, sweep.input_angle_rad);
   RequireFinite(output, sweep.output_angle_rad);
 }
@@ -54,7 +54,7 @@ std::size_t FirstRevolution(std::span<const double> output_rad) {
   const double direction = Direction(output_rad);
   for (std::size_t i = 0; i < output_rad.size(); ++i) {
     if (direction * (output_rad[i] - output_rad.front()) >= whole_rad) {
-      return std::max(i, kMinSamples);
+      return std::max(i, kFewestSweepSamples);
     }
   }
   return output_rad.size();

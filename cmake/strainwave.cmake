@@ -17,6 +17,23 @@ if(STRAINWAVE_SANITIZE)
   target_link_options(strainwave_options INTERFACE -fsanitize=${STRAINWAVE_SANITIZE})
 endif()
 
+# strainwave_unity(target): compiles the files of one folder together, STRAINWAVE_UNITY at a time, since most of the
+# compiler's time goes into headers that they share. Names in anonymous namespaces differ within a folder for that.
+function(strainwave_unity target)
+  if(NOT STRAINWAVE_UNITY)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  foreach(source IN LISTS sources)
+    cmake_path(GET source PARENT_PATH folder)
+    string(MAKE_C_IDENTIFIER "files_${folder}" id)
+    math(EXPR count_${id} "${count_${id}} + 1")
+    math(EXPR group "(${count_${id}} - 1) / ${STRAINWAVE_UNITY}")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${id}_${group})
+  endforeach()
+endfunction()
+
 # strainwave_library(name SOURCES ... [LINKS ...] [PRECOMPILED <header> ...]): the static library of one folder.
 # PRECOMPILED: headers of others that most of its files read and that take long.
 function(strainwave_library name)
@@ -24,6 +41,7 @@ function(strainwave_library name)
   add_library(strainwave_${name} STATIC ${ARG_SOURCES})
   add_library(strainwave::${name} ALIAS strainwave_${name})
   target_link_libraries(strainwave_${name} PUBLIC strainwave_options ${ARG_LINKS})
+  strainwave_unity(strainwave_${name})
   if(ARG_PRECOMPILED)
     target_precompile_headers(strainwave_${name} PRIVATE ${ARG_PRECOMPILED})
     # Beside a precompiled header g++ 12 reports its false bounds of strings within the standard library, too.
@@ -61,6 +79,7 @@ function(strainwave_tests program)
     STRAINWAVE_PROGRAM="${CMAKE_BINARY_DIR}/strainwave")
   strainwave_compile_quickly(${program})  # what is tested is built as it runs
   target_precompile_headers(${program} REUSE_FROM strainwave_test_pch)
+  strainwave_unity(${program})
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sources})
   set(taken)
   foreach(name IN LISTS ARG_FILES)

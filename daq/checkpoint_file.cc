@@ -23,7 +23,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "slots are written in the machine's byte order");
 
 constexpr std::size_t kFile_bytes = CheckpointFile::kSlots * CheckpointFile::kSlotStride_bytes;
-constexpr char kMagic[8] = {'s', 'w', 'c', 'h', 'e', 'c', 'k', '1'};
+constexpr char kCheckpointMagic[8] = {'s', 'w', 'c', 'h', 'e', 'c', 'k', '1'};
 
 // The checksum stands last, so that it covers everything before it, and then the payload.
 struct SlotHeader {
@@ -45,8 +45,8 @@ std::uint32_t ChecksumOf(std::span<const std::byte> slot, std::size_t payload_by
 std::optional<SlotHeader> GoodHeader(SlotBytes slot) {
   SlotHeader header;
   std::memcpy(&header, slot.data(), sizeof header);
-  const bool good = std::memcmp(header.magic, kMagic, sizeof kMagic) == 0 && header.sequence > 0 &&
-                    header.payload_bytes <= CheckpointFile::kCapacity_bytes &&
+  const bool good = std::memcmp(header.magic, kCheckpointMagic, sizeof kCheckpointMagic) == 0 &&
+                    header.sequence > 0 && header.payload_bytes <= CheckpointFile::kCapacity_bytes &&
                     header.crc32 == ChecksumOf(slot, header.payload_bytes);
   return good ? std::optional(header) : std::nullopt;
 }
@@ -55,7 +55,7 @@ bool IsUntouched(SlotBytes slot) {
   return std::all_of(slot.begin(), slot.end(), [](std::byte byte) { return byte == std::byte{0}; });
 }
 
-std::error_code LastError() { return {errno, std::generic_category()}; }
+std::error_code LastErrno() { return {errno, std::generic_category()}; }
 
 [[noreturn]] void ThrowNotACheckpoint(const std::string& why, const std::filesystem::path& path) {
   throw DataFileError(std::make_error_code(std::errc::bad_message), why, path.string());
@@ -70,10 +70,10 @@ struct Slots {
 Slots ReadSlots(int fd, const std::filesystem::path& path) {
   std::vector<std::byte> bytes(kFile_bytes);
   const ssize_t got = ::pread(fd, bytes.data(), bytes.size(), 0);
-  if (got < 0) throw DataFileError(LastError(), "cannot read the checkpoint", path.string());
+  if (got < 0) throw DataFileError(LastErrno(), "cannot read the checkpoint", path.string());
   struct stat status {};
   if (::fstat(fd, &status) != 0)
-    throw DataFileError(LastError(), "cannot read the checkpoint", path.string());
+    throw DataFileError(LastErrno(), "cannot read the checkpoint", path.string());
   if (static_cast<std::size_t>(got) != kFile_bytes ||
       static_cast<std::size_t>(status.st_size) != kFile_bytes) {
     ThrowNotACheckpoint(
@@ -114,7 +114,7 @@ FileDescriptor OpenOrCreate(const std::filesystem::path& path) {
     WriteFileAtomically(path, std::vector<std::byte>(kFile_bytes));
     file = FileDescriptor(::open(path.c_str(), O_RDWR | O_CLOEXEC));
   }
-  if (!file.is_open()) throw DataFileError(LastError(), "cannot open the checkpoint", path.string());
+  if (!file.is_open()) throw DataFileError(LastErrno(), "cannot open the checkpoint", path.string());
   return file;
 }
 
@@ -135,7 +135,7 @@ void CheckpointFile::Write(std::span<const std::byte> payload) {
   }
   SlotHeader header{
       .magic = {}, .sequence = sequence_ + 1, .payload_bytes = payload.size(), .reserved = 0, .crc32 = 0};
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  std::memcpy(header.magic, kCheckpointMagic, sizeof kCheckpointMagic);
   std::memcpy(buffer_.data(), &header, sizeof header);
   if (!payload.empty()) std::memcpy(buffer_.data() + sizeof header, payload.data(), payload.size());
   header.crc32 = ChecksumOf(buffer_, payload.size());
@@ -147,7 +147,7 @@ void CheckpointFile::Write(std::span<const std::byte> payload) {
   const ssize_t written =
       ::pwrite(file_.get(), buffer_.data(), length, static_cast<off_t>(slot * kSlotStride_bytes));
   if (written != static_cast<ssize_t>(length)) {
-    const std::error_code code = written < 0 ? LastError() : std::make_error_code(std::errc::io_error);
+    const std::error_code code = written < 0 ? LastErrno() : std::make_error_code(std::errc::io_error);
     throw DataFileError(code, "cannot write the checkpoint", path_.string());
   }
   newest_slot_ = slot;
@@ -156,7 +156,7 @@ void CheckpointFile::Write(std::span<const std::byte> payload) {
 
 void CheckpointFile::Sync() {
   if (::fdatasync(file_.get()) != 0)
-    throw DataFileError(LastError(), "cannot sync the checkpoint", path_.string());
+    throw DataFileError(LastErrno(), "cannot sync the checkpoint", path_.string());
   synced_slot_ = newest_slot_;
 }
 
@@ -166,7 +166,7 @@ std::optional<Checkpoint> CheckpointFile::ReadLatest() const {
 
 std::optional<Checkpoint> ReadCheckpoint(const std::filesystem::path& path) {
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.is_open()) throw DataFileError(LastError(), "cannot open the checkpoint", path.string());
+  if (!file.is_open()) throw DataFileError(LastErrno(), "cannot open the checkpoint", path.string());
   return DemandSlots(file.get(), path).newest;
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "blocks are written in the machine's byte order");
 
-constexpr char kMagic[8] = {'s', 'w', 'r', 'o', 'w', 's', '0', '1'};
+constexpr char kBlockMagic[8] = {'s', 'w', 'r', 'o', 'w', 's', '0', '1'};
 
 // The first checksum covers the header before it, so that a length can be believed; the second the payload.
 struct BlockHeader {
@@ -133,7 +133,7 @@ class PayloadReader {
   throw DataFileError({errno, std::generic_category()}, doing, path.string());
 }
 
-void WriteAll(int file, std::span<const std::byte> bytes, const std::filesystem::path& path) {
+void AppendAll(int file, std::span<const std::byte> bytes, const std::filesystem::path& path) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -146,14 +146,14 @@ std::optional<BlockHeader> HeaderAt(std::span<const std::byte> bytes) {
   BlockHeader header;
   if (bytes.size() < sizeof header) return std::nullopt;
   std::memcpy(&header, bytes.data(), sizeof header);
-  const bool good =
-      std::memcmp(header.magic, kMagic, sizeof kMagic) == 0 && header.header_crc32 == ChecksumOf(header);
+  const bool good = std::memcmp(header.magic, kBlockMagic, sizeof kBlockMagic) == 0 &&
+                    header.header_crc32 == ChecksumOf(header);
   return good ? std::optional(header) : std::nullopt;
 }
 
 bool ABlockBeginsIn(std::span<const std::byte> bytes) {
   for (; bytes.size() >= sizeof(BlockHeader); bytes = bytes.subspan(1)) {
-    if (bytes.front() == static_cast<std::byte>(kMagic[0]) && HeaderAt(bytes)) return true;
+    if (bytes.front() == static_cast<std::byte>(kBlockMagic[0]) && HeaderAt(bytes)) return true;
   }
   return false;
 }
@@ -230,10 +230,10 @@ void GrowingFile::Append(std::span<const NamedRecord> records) {
                      .rows = new_rows,
                      .payload_crc32 = Crc32(payload.bytes()),
                      .header_crc32 = 0};
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  std::memcpy(header.magic, kBlockMagic, sizeof kBlockMagic);
   header.header_crc32 = ChecksumOf(header);
-  WriteAll(file_.get(), std::as_bytes(std::span(&header, 1)), path_);
-  WriteAll(file_.get(), payload.bytes(), path_);
+  AppendAll(file_.get(), std::as_bytes(std::span(&header, 1)), path_);
+  AppendAll(file_.get(), payload.bytes(), path_);
   if (::fdatasync(file_.get()) != 0) ThrowLast("cannot sync", path_);
 }
 

@@ -45,7 +45,7 @@ std::string DescribeLeftover(const Study& study, const Eigen::VectorXd& residual
   constexpr std::size_t kMost = 3;
   // A view further down the list has to be clearly better: over time a line looks as over an evenly run
   // angle.
-  constexpr double kClearlyBetter = 6.0;
+  constexpr double kMoreThanAnother = 6.0;
   Eigen::VectorXd left = residual;
   std::string text;
   for (std::size_t round = 0; round < kMost; ++round) {
@@ -72,7 +72,7 @@ std::string DescribeLeftover(const Study& study, const Eigen::VectorXd& residual
       judged.p_value = std::min(
           1.0, places * boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), ratio)));
       judged.score = ratio - freedom * std::log(static_cast<double>(before.samples)) - 2.0 * std::log(places);
-      if (judged.p_value < kReported && (!best || judged.score > best->score + kClearlyBetter)) {
+      if (judged.p_value < kReported && (!best || judged.score > best->score + kMoreThanAnother)) {
         best = std::move(judged);
         best_coefficients = coefficients;
       }

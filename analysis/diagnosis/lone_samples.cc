@@ -25,8 +25,8 @@ struct OffTheMedians {
 };
 OffTheMedians StandOff(std::span<const double> signal, double resolution) {
   constexpr std::size_t kReach = 4;
-  constexpr double kStandsOff = 5.5;  // standard deviations; one clean sample in 26 million
-  constexpr double kFlicker = 2.0;    // steps of the resolution
+  constexpr double kStandsOff_sd = 5.5;  // standard deviations; one clean sample in 26 million
+  constexpr double kFlicker = 2.0;       // steps of the resolution
   const std::size_t n = signal.size();
   OffTheMedians medians{.off = std::vector<double>(n, 0.0)};
   std::vector<double> middle(n, 0.0);  // from the mean of both
@@ -40,7 +40,7 @@ OffTheMedians StandOff(std::span<const double> signal, double resolution) {
     const double fall = *at - after;
     if (rise * fall > 0.0) medians.off[i] = std::abs(rise) < std::abs(fall) ? rise : fall;
   }
-  medians.limit = kStandsOff * RobustStandardDeviation(middle) + kFlicker * resolution;
+  medians.limit = kStandsOff_sd * RobustStandardDeviation(middle) + kFlicker * resolution;
   return medians;
 }
 
@@ -91,15 +91,15 @@ std::vector<std::size_t> SideBySide(const OffTheMedians& medians, std::size_t al
 // that changes by many times its noise from sample to sample, where all else hides a spike.
 std::vector<std::size_t> OffTheCubicAlone(std::span<const double> signal, std::span<const double> off_cubic,
                                           double cubic_deviation, double resolution) {
-  constexpr double kStandsOff = 8.0;    // standard deviations
-  constexpr double kOut = 0.5;          // of the spike
-  constexpr double kNextTo = 0.12;      // of the spike; a step or a corner leaves 1/3 or 1/6 of itself
-  constexpr double kNextToNoise = 2.5;  // standard deviations
+  constexpr double kStandsOff_sd = 8.0;  // standard deviations
+  constexpr double kOut = 0.5;           // of the spike
+  constexpr double kNextTo = 0.12;       // of the spike; a step or a corner leaves 1/3 or 1/6 of itself
+  constexpr double kNextToNoise = 2.5;   // standard deviations
   const double deviation = cubic_deviation + resolution;
   std::vector<std::size_t> found;
   for (std::size_t i = 3; i + 3 < signal.size(); ++i) {
     const double size = std::abs(off_cubic[i]);
-    if (!(size > kStandsOff * deviation)) continue;
+    if (!(size > kStandsOff_sd * deviation)) continue;
     // Out to the same side of both: within a step it is not.
     const double sign = off_cubic[i] > 0.0 ? 1.0 : -1.0;
     if (sign * (signal[i] - signal[i - 1]) < kOut * size || sign * (signal[i] - signal[i + 1]) < kOut * size)

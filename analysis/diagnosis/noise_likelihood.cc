@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kLeastShare = 1e-12;
+constexpr double kLeastVarianceShare = 1e-12;
 
 // How many good neighbours each sample has right before it, up to `largest`.
 std::vector<int> LagsBefore(std::span<const double> weights, std::span<const std::size_t> stretches,
@@ -58,7 +58,7 @@ std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<
     const Eigen::VectorXd cross = products.col(0).segment(1, order);
     const Eigen::VectorXd coefficients = products.block(1, 1, order, order).ldlt().solve(cross);
     const double share = 1.0 - coefficients.dot(cross) / products(0, 0);
-    predictors.push_back({coefficients, std::clamp(share, kLeastShare, 1.0)});
+    predictors.push_back({coefficients, std::clamp(share, kLeastVarianceShare, 1.0)});
   }
   return predictors;
 }

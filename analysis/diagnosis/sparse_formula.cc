@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kFewestSamples = 100;
+constexpr std::size_t kFewestForFormula = 100;
 constexpr std::size_t kFewestBlocks = 24;
 constexpr std::size_t kMostBlocks = 96;
 constexpr std::size_t kFolds = 5;
@@ -116,11 +116,11 @@ SparseFormula ProposeFormula(const Study& study, const Eigen::VectorXd& residual
                              std::span<const double> weights, unsigned long long seed) {
   constexpr int kPairs = 50;
   // A line over an angle imitates much that is periodic for another reason: it has to be clearly better.
-  constexpr double kClearlyBetter = 1.1;
+  constexpr double kMoreThanBefore = 1.1;
   const auto n = static_cast<std::size_t>(residual.size());
   const auto used = static_cast<std::size_t>(
       std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0.0; }));
-  if (used < kFewestSamples) return {};
+  if (used < kFewestForFormula) return {};
   const std::size_t blocks =
       std::clamp(n / std::max<std::size_t>(1, study.BlockLength()), kFewestBlocks, kMostBlocks);
   Task task{study, residual, std::vector<std::size_t>(n), std::vector<std::size_t>(blocks), false};
@@ -139,7 +139,7 @@ SparseFormula ProposeFormula(const Study& study, const Eigen::VectorXd& residual
     const Choice choice = Choose(task, weights, kPairs, seed);
     if (choice.terms.empty()) continue;
     const double share = HeldOutShare(task, weights, seed);
-    if (share < kWorthSaying || share < kClearlyBetter * result.heldout_share) continue;
+    if (share < kWorthSaying || share < kMoreThanBefore * result.heldout_share) continue;
     result.heldout_share = share;
     result.formula = FormulaText(choice, study, 0.05 * typical);
   }

@@ -57,12 +57,12 @@ class Library {
   std::vector<Eigen::MatrixXd> standardised_;
 };
 
-Eigen::VectorXd AsVector(std::span<const double> values) {
+Eigen::VectorXd VectorOf(std::span<const double> values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Index>(values.size()));
 }
 
 void AddOrder(Library& library, const Regressor& regressor, double order, const Eigen::VectorXd* direction) {
-  const Eigen::VectorXd angle = order * AsVector(regressor.values);
+  const Eigen::VectorXd angle = order * VectorOf(regressor.values);
   Eigen::MatrixXd columns(angle.size(), 2);
   columns << angle.array().cos().matrix(), angle.array().sin().matrix();
   if (direction != nullptr) columns = direction->asDiagonal() * columns;
@@ -110,8 +110,8 @@ void AddAngle(Library& library, const Regressor& regressor, std::span<const doub
 
 void AddPowers(Library& library, const Regressor& regressor, std::span<const double> weights,
                const Eigen::VectorXd* direction) {
-  const Eigen::VectorXd x = regressor.per_unit * AsVector(regressor.values);
-  const Eigen::VectorXd w = AsVector(weights);
+  const Eigen::VectorXd x = regressor.per_unit * VectorOf(regressor.values);
+  const Eigen::VectorXd w = VectorOf(weights);
   const double mean = w.dot(x) / w.sum();
   const Eigen::VectorXd centred = x.array() - mean;
   const std::string centred_text =
@@ -135,7 +135,7 @@ void AddPowers(Library& library, const Regressor& regressor, std::span<const dou
 }
 
 void AddDecays(Library& library, const Regressor& time) {
-  const Eigen::VectorXd t = time.per_unit * AsVector(time.values);
+  const Eigen::VectorXd t = time.per_unit * VectorOf(time.values);
   const double first = t.minCoeff();
   const double span = t.maxCoeff() - first;
   for (const double share : {0.05, 0.2}) {
@@ -155,7 +155,7 @@ std::vector<LibraryTerm> BuildLibrary(const Study& study, std::span<const double
   Eigen::VectorXd direction;
   for (const Regressor& regressor : study.regressors()) {
     if (regressor.name != "direction") continue;
-    direction = AsVector(regressor.values);
+    direction = VectorOf(regressor.values);
     library.AddProduct(direction, "direction");
   }
   const Eigen::VectorXd* by_direction = direction.size() > 0 ? &direction : nullptr;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,6 +29,9 @@ struct ParameterValue {
   /// True for what belongs to the record that it was fitted to: taken as zero for another one without it.
   bool of_record{};
 };
+
+/// Bound of a parameter that may be as large as it likes.
+inline constexpr double kUnlimited = std::numeric_limits<double>::max();
 
 /// What is known of a parameter before the data: a fitted value outside is a wrong number, or another effect.
 struct ParameterRule {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kBins = 30;
 constexpr int kDegree = 3;
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotEstimable = std::numeric_limits<double>::quiet_NaN();
 
 using Cubic = std::array<double, kDegree + 1>;  // from the constant up
 using Edges = std::array<double, kBins + 1>;
@@ -106,20 +106,20 @@ double LargestRealPart(const Cubic& cubic) {
   int lowest = 0;
   int highest = kDegree;
   while (highest >= 0 && cubic[static_cast<std::size_t>(highest)] == 0.0) --highest;
-  if (highest < 0) return kNothing;
+  if (highest < 0) return kNotEstimable;
   while (cubic[static_cast<std::size_t>(lowest)] == 0.0) ++lowest;
   double largest = lowest > 0 ? 0.0 : -std::numeric_limits<double>::infinity();
   const int degree = highest - lowest;
-  if (degree == 0) return lowest > 0 ? 0.0 : kNothing;
+  if (degree == 0) return lowest > 0 ? 0.0 : kNotEstimable;
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
   companion.diagonal(-1).setOnes();
   for (int k = 0; k < degree; ++k) {
     companion(0, k) =
         -cubic[static_cast<std::size_t>(highest - 1 - k)] / cubic[static_cast<std::size_t>(highest)];
   }
-  if (!companion.allFinite()) return kNothing;
+  if (!companion.allFinite()) return kNotEstimable;
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion, false);
-  if (solver.info() != Eigen::Success) return kNothing;
+  if (solver.info() != Eigen::Success) return kNotEstimable;
   for (const std::complex<double>& root : solver.eigenvalues()) {
     largest = std::max(largest, Polish(root, cubic).real());
   }
@@ -129,15 +129,15 @@ double LargestRealPart(const Cubic& cubic) {
 }  // namespace
 
 double LargestLangevinFixedPoint(std::span<const double> x, std::span<const double> sorted) {
-  if (x.size() < 2) return kNothing;
+  if (x.size() < 2) return kNotEstimable;
   const Edges edges = BinEdges(x, sorted);
   for (std::size_t i = 0; i < kBins; ++i) {
-    if (!(edges[i] < edges[i + 1])) return kNothing;
+    if (!(edges[i] < edges[i + 1])) return kNotEstimable;
   }
   BinSums sums;
   AddToBins(x, edges, sums);
   Cubic cubic{};
-  return FitCubic(sums, cubic) ? LargestRealPart(cubic) : kNothing;
+  return FitCubic(sums, cubic) ? LargestRealPart(cubic) : kNotEstimable;
 }
 
 }  // namespace strainwave::analysis::features

@@ -13,7 +13,7 @@
 namespace strainwave::analysis::features {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kEntropyBins = 10;
 
 // Bins hold their lower edge, the last one both.
@@ -38,7 +38,7 @@ double BinnedEntropy(std::span<const double> sorted) {
 double AutocorrelationAtLagOne(std::span<const double> centred, double variance) {
   // A variance that numpy.isclose takes for zero, whatever the unit.
   constexpr double kVanishing = 1e-8;
-  if (centred.size() < 2 || variance <= kVanishing) return kNothing;
+  if (centred.size() < 2 || variance <= kVanishing) return kUndefined;
   std::array<double, 2> products{};
   LagProducts(centred, products);
   return products[1] / (static_cast<double>(centred.size() - 1) * variance);
@@ -48,7 +48,7 @@ std::array<double, kAutoregressiveOrder + 1> Autoregressive(std::span<const doub
                                                             std::span<const double> centred, double mean) {
   if (x.size() >= 2 * kAutoregressiveOrder + 1) return AutoregressiveCoefficients(x, centred, mean);
   std::array<double, kAutoregressiveOrder + 1> nothing{};
-  std::fill_n(nothing.begin(), kAutoregressiveOrder, kNothing);
+  std::fill_n(nothing.begin(), kAutoregressiveOrder, kUndefined);
   return nothing;
 }
 
@@ -112,7 +112,7 @@ void SeriesFeatures(std::span<const double> x, SeriesWorkspace& workspace,
   const auto put = [&place](auto... values) { ((*place++ = values), ...); };
   put(mean, 0.5 * (sorted[(x.size() - 1) / 2] + sorted[x.size() / 2]), deviation, variance);
   put(quantile(0.05), quantile(0.25), quantile(0.75), quantile(0.95));
-  put(std::sqrt(products.squares / n), x.size() > 1 ? (x.back() - x.front()) / (n - 1.0) : kNothing);
+  put(std::sqrt(products.squares / n), x.size() > 1 ? (x.back() - x.front()) / (n - 1.0) : kUndefined);
   put(static_cast<double>(CrossingCount(x, 0.0)), static_cast<double>(CrossingCount(x, mean)));
   put(BinnedEntropy(sorted));
   for (const double coefficient : Autoregressive(x, centred, mean)) put(coefficient);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kMostValues = std::int64_t{1} << 26;  // of a sample between layers
 
-void RequirePositive(std::string_view name, int value) {
+void RequireOneOrMore(std::string_view name, int value) {
   if (value < 1) throw std::invalid_argument(fmt::format("{} = {} is not a number from 1 up", name, value));
 }
 
@@ -27,18 +27,18 @@ struct ShapeAfter {
   Shape input;
 
   Shape operator()(const Dense& layer) const {
-    RequirePositive("units", layer.units);
+    RequireOneOrMore("units", layer.units);
     return {layer.units, 1};
   }
   Shape operator()(const Convolution& layer) const {
-    RequirePositive("filters", layer.filters);
-    RequirePositive("kernel", layer.kernel);
-    RequirePositive("stride", layer.stride);
+    RequireOneOrMore("filters", layer.filters);
+    RequireOneOrMore("kernel", layer.kernel);
+    RequireOneOrMore("stride", layer.stride);
     return {layer.filters, WindowCount("kernel", input.length, layer.kernel, layer.stride)};
   }
   Shape operator()(const MaxPool& layer) const {
-    RequirePositive("size", layer.size);
-    RequirePositive("stride", layer.stride);
+    RequireOneOrMore("size", layer.size);
+    RequireOneOrMore("stride", layer.stride);
     return {input.channels, WindowCount("pool", input.length, layer.size, layer.stride)};
   }
   Shape operator()(const GlobalAveragePool&) const { return {input.channels, 1}; }
@@ -47,8 +47,8 @@ struct ShapeAfter {
 }  // namespace
 
 Shape OutputShape(const Layer& layer, const Shape& input) {
-  RequirePositive("channels", input.channels);
-  RequirePositive("length", input.length);
+  RequireOneOrMore("channels", input.channels);
+  RequireOneOrMore("length", input.length);
   const Shape after = std::visit(ShapeAfter{input}, layer);
   for (const Shape& shape : {input, after}) {
     if (std::int64_t{shape.channels} * shape.length > kMostValues) {
@@ -60,8 +60,8 @@ Shape OutputShape(const Layer& layer, const Shape& input) {
 }
 
 Design DesignOf(std::string_view name, int inputs, int outputs) {
-  RequirePositive("inputs", inputs);
-  RequirePositive("outputs", outputs);
+  RequireOneOrMore("inputs", inputs);
+  RequireOneOrMore("outputs", outputs);
   constexpr Activation kSigmoid = Activation::kSigmoid;
   constexpr Activation kRelu = Activation::kRelu;
   Design design{{1, inputs}, {}};

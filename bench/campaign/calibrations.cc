@@ -10,7 +10,6 @@
 namespace strainwave::bench {
 namespace {
 
-using daq::acquisition::Calibration;
 using daq::acquisition::CalibrationVerdict;
 using daq::acquisition::ExpiredPolicy;
 

@@ -6,13 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "analysis/units.h"
 #include "bench/campaign/journal.h"
 #include "daq/acquisition/sensor_checks.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
-
-inline constexpr double kDay_s = 86400.0;
 
 /// Results of one cycle and when it ended, in bench time.
 struct TimedResults {

@@ -30,7 +30,7 @@ struct Shown {
   double vibration_rms_m_per_s2;
 };
 static_assert(std::is_trivially_copyable_v<Shown>);
-constexpr std::int32_t kVersion = 1;
+constexpr std::int32_t kReadingsVersion = 1;
 constexpr std::int64_t kInterval_ms = 500;
 
 }  // namespace
@@ -54,7 +54,7 @@ void LiveReadingsFile::Show(const Readings& readings) noexcept {
   const Moment now = Now();
   if (!file_ || now.since_boot_ms - last_.since_boot_ms < kInterval_ms) return;
   last_ = now;
-  const Shown shown{kVersion,
+  const Shown shown{kReadingsVersion,
                     readings.bad_channels,
                     now.utc_ms,
                     now.since_boot_ms,
@@ -79,7 +79,7 @@ std::optional<LiveReadings> ReadLiveReadings(const std::filesystem::path& path) 
   } catch (const daq::DataFileError&) {
     return std::nullopt;
   }
-  if (shown.version != kVersion) return std::nullopt;
+  if (shown.version != kReadingsVersion) return std::nullopt;
   return LiveReadings{{shown.utc_ms, shown.since_boot_ms, shown.boot},
                       shown.output_torque_Nm,
                       shown.input_speed_rad_per_s,

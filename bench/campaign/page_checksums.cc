@@ -23,7 +23,7 @@ constexpr std::size_t kPageCountAt = 28;
 constexpr std::size_t kFreePagesAt = 36;
 constexpr std::size_t kUserVersionAt = 60;
 constexpr std::size_t kApplicationIdAt = 68;
-constexpr std::size_t kHeader_bytes = 100;
+constexpr std::size_t kDatabaseHeader_bytes = 100;
 
 constexpr std::size_t kContent_bytes = kPage_bytes - kPageChecksum_bytes;
 constexpr std::size_t kPagesAtOnce = 64;  // fits the cache of a processor
@@ -94,7 +94,7 @@ bool HasPageChecksums(std::span<const std::byte> header) {
 std::optional<PageReport> CheckPages(const std::filesystem::path& file, std::uint32_t application_id,
                                      std::uint32_t version) {
   const Pages pages(file);
-  std::array<std::byte, kHeader_bytes> header{};
+  std::array<std::byte, kDatabaseHeader_bytes> header{};
   if (pages.Read(header, 0) < header.size()) return std::nullopt;
   // Either will do, so that no flipped bit makes the file one without checksums.
   const bool says_so =

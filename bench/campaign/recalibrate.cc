@@ -15,7 +15,7 @@
 namespace strainwave::bench {
 namespace {
 
-using daq::acquisition::Calibration;
+using SensorCalibration = daq::acquisition::Calibration;
 using schedules::Presence;
 using schedules::ReadContext;
 using schedules::YamlMap;
@@ -45,7 +45,7 @@ double Slope(const std::vector<double>& coefficients, double x) {
 }
 
 // The raw value that `calibration` has made `value` of: Newton's method, as a calibration curve hardly bends.
-double RawOf(const Calibration& calibration, double value) {
+double RawOf(const SensorCalibration& calibration, double value) {
   double x = value;
   if (!calibration.polynomial.empty()) {
     for (int i = 0;; ++i) {
@@ -70,8 +70,8 @@ bool IsCalibrated(const daq::Column& column) {
 }
 
 template <typename Number>
-void Scale(std::vector<Number>& values, const daq::ValueBounds& bounds, const Calibration& before,
-           const Calibration& after) {
+void Scale(std::vector<Number>& values, const daq::ValueBounds& bounds, const SensorCalibration& before,
+           const SensorCalibration& after) {
   for (Number& value : values) {
     if (!std::isfinite(value)) continue;
     const double scaled = after.Apply(RawOf(before, static_cast<double>(value)));
@@ -83,8 +83,8 @@ void Scale(std::vector<Number>& values, const daq::ValueBounds& bounds, const Ca
   }
 }
 
-Calibration ReadSensor(YamlMap& map) {
-  Calibration calibration;
+SensorCalibration ReadSensor(YamlMap& map) {
+  SensorCalibration calibration;
   calibration.sensor_serial = map.Text("serial");
   calibration.id = map.Text("calibration");
   calibration.sensitivity = map.Number("sensitivity", schedules::Bound::kNotZero);
@@ -95,7 +95,7 @@ Calibration ReadSensor(YamlMap& map) {
     try {
       const std::string name = key == std::string("polynomial") ? key : fmt::format("calibration_{}", key);
       const std::pair<std::string, std::string> attribute{name, text};
-      const Calibration read = daq::acquisition::CalibrationFrom({&attribute, 1});
+      const SensorCalibration read = daq::acquisition::CalibrationFrom({&attribute, 1});
       if (!read.polynomial.empty()) calibration.polynomial = read.polynomial;
       if (read.date) calibration.date = read.date;
       if (read.due) calibration.due = read.due;
@@ -116,11 +116,11 @@ Calibration ReadSensor(YamlMap& map) {
 
 }  // namespace
 
-std::vector<Calibration> ReadCalibrations(const std::filesystem::path& file) {
+std::vector<SensorCalibration> ReadCalibrations(const std::filesystem::path& file) {
   const auto read = [](const YamlNode& root, ReadContext& context) {
     YamlMap map(root, context);
     map.Version("calibrations");
-    std::vector<Calibration> calibrations;
+    std::vector<SensorCalibration> calibrations;
     for (YamlMap& sensor : map.MapList("sensors", Presence::kRequired)) {
       calibrations.push_back(ReadSensor(sensor));
     }
@@ -135,15 +135,15 @@ std::vector<Calibration> ReadCalibrations(const std::filesystem::path& file) {
   }
 }
 
-std::size_t Recalibrate(std::span<NamedRecord> records, std::span<const Calibration> calibrations) {
+std::size_t Recalibrate(std::span<NamedRecord> records, std::span<const SensorCalibration> calibrations) {
   std::size_t columns = 0;
   for (NamedRecord& named : records) {
     for (daq::Column& column : named.record.columns) {
-      const auto after = std::ranges::find_if(calibrations, [&](const Calibration& of) {
+      const auto after = std::ranges::find_if(calibrations, [&](const SensorCalibration& of) {
         return !column.sensor_serial.empty() && of.sensor_serial == column.sensor_serial;
       });
       if (after == calibrations.end() || !IsCalibrated(column)) continue;
-      const Calibration before = daq::acquisition::CalibrationFrom(column.calibration_terms);
+      const SensorCalibration before = daq::acquisition::CalibrationFrom(column.calibration_terms);
       const daq::ValueBounds& bounds = daq::BoundsOf(column.name);
       if (auto* const wide = std::get_if<std::vector<double>>(&column.values))
         Scale(*wide, bounds, before, *after);

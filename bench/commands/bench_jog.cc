@@ -40,7 +40,7 @@ struct JogOptions {
 constexpr milliseconds kHoldsFor{700};
 constexpr double kMostShareOfPeakSpeed = 0.05;
 constexpr double kSpeedUp_s = 0.5;                  // from rest
-constexpr double kSpeedReserve = 2.0;               // the limit lies so far above what is asked for,
+constexpr double kJogSpeedReserve = 2.0;            // the limit lies so far above what is asked for,
 constexpr double kSpeedReserveFromBehind = 4.0;     // (a gear that is turned by its output breaks loose)
 constexpr double kLeastSpeedLimit_rad_per_s = 2.0;  // and not below this: slow speeds are read with noise
 
@@ -64,7 +64,7 @@ RunnerSettings SettingsOf(const JogOptions& options, const BenchDescription& ben
   const bool from_behind = options.drive == JogDrive::kLoad;
   const double most_input_rad_per_s =
       std::abs(speed_rad_per_s) *
-      (from_behind ? kSpeedReserveFromBehind * std::abs(options.ratio) : kSpeedReserve);
+      (from_behind ? kSpeedReserveFromBehind * std::abs(options.ratio) : kJogSpeedReserve);
   constexpr double kNever = std::numeric_limits<double>::infinity();
   RunnerSettings settings = RunnerSettingsOf(bench);
   settings.limits = {.output_torque_Nm = torque_Nm,
@@ -85,10 +85,10 @@ bool StandsSafe(const BenchDevices& devices) {
 }
 
 bool WaitUntilSafe(const BenchDevices& devices) {
-  constexpr milliseconds kLook{10};
+  constexpr milliseconds kAskEvery{10};
   constexpr int kLooks = 300;
   for (int i = 0; i < kLooks && !StandsSafe(devices); ++i) {
-    devices.clock.SleepUntil(devices.clock.Now() + kLook);
+    devices.clock.SleepUntil(devices.clock.Now() + kAskEvery);
   }
   return StandsSafe(devices);
 }

@@ -110,7 +110,7 @@ nlohmann::ordered_json CoefficientsReport(const daq::Record& record, const Featu
 }
 
 // Those of a campaign stay in its folder; people are told where.
-nlohmann::ordered_json CampaignReport(const std::filesystem::path& folder, const FeaturesCommand& command,
+nlohmann::ordered_json JsonOfCampaign(const std::filesystem::path& folder, const FeaturesCommand& command,
                                       const FeatureSettings& settings, ShareLine& line) {
   const CampaignFeatures all =
       FeaturesOfCampaign(folder, settings, command.motor_torque, [&line](std::size_t done, std::size_t of) {
@@ -148,7 +148,7 @@ int Run(const FeaturesCommand& command) {
     Refuse(paths.campaigns.front(), "is a campaign", "records for --coefficients");
   }
   for (const std::filesystem::path& folder : paths.campaigns) {
-    nlohmann::ordered_json report = CampaignReport(folder, command, settings, line);
+    nlohmann::ordered_json report = JsonOfCampaign(folder, command, settings, line);
     if (command.json) reports.push_back(std::move(report));
   }
   std::size_t done = 0;

@@ -19,9 +19,9 @@ using schedules::YamlMap;
 
 namespace {
 
-constexpr schedules::FileKind kKind{"commissioning record", "commissioned: 1"};
+constexpr schedules::FileKind kCommissioningFile{"commissioning record", "commissioned: 1"};
 
-std::vector<MeasuredStop> ReadTop(const schedules::YamlNode& root, ReadContext& context) {
+std::vector<MeasuredStop> ReadCommissioned(const schedules::YamlNode& root, ReadContext& context) {
   YamlMap map(root, context);
   map.Version("commissioned");
   std::vector<MeasuredStop> stops;
@@ -67,12 +67,12 @@ std::string CommissioningText(const std::vector<MeasuredStop>& stops) {
 }
 
 std::vector<MeasuredStop> ParseCommissioningFile(const std::string& text, std::string_view file_name) {
-  return ParseFile<BenchFileError>(text, file_name, kKind, ReadTop);
+  return ParseFile<BenchFileError>(text, file_name, kCommissioningFile, ReadCommissioned);
 }
 
 std::vector<MeasuredStop> ReadCommissioningFile(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return {};
-  return ParseCommissioningFile(TextOfFile<BenchFileError>(path, kKind), path.string());
+  return ParseCommissioningFile(TextOfFile<BenchFileError>(path, kCommissioningFile), path.string());
 }
 
 StopTimeFinding JudgeStopTime(const std::string& servo, const MeasuredStop* stop, const std::string& identity,

@@ -299,8 +299,8 @@ void CheckAgainstEds(DriveProfile& profile, const std::string& eds_file, const s
   }
 }
 
-DriveProfile ReadTop(const schedules::YamlNode& root, const std::filesystem::path& folder,
-                     ReadContext& context) {
+DriveProfile ReadDriveDevice(const schedules::YamlNode& root, const std::filesystem::path& folder,
+                             ReadContext& context) {
   context.bounds = DeviceBounds();
   YamlMap map(root, context);
   map.Version("drive_profile");
@@ -339,9 +339,10 @@ DriveProfile ReadDriveProfile(const std::filesystem::path& path) {
 
 DriveProfile ParseDriveProfile(const std::string& text, std::string_view file_name,
                                const std::filesystem::path& folder) {
-  return ParseFile<BenchFileError>(
-      text, file_name, kProfileFile,
-      [&](const schedules::YamlNode& root, ReadContext& context) { return ReadTop(root, folder, context); });
+  return ParseFile<BenchFileError>(text, file_name, kProfileFile,
+                                   [&](const schedules::YamlNode& root, ReadContext& context) {
+                                     return ReadDriveDevice(root, folder, context);
+                                   });
 }
 
 DriveProfile AtAxis(DriveProfile profile, double gear_ratio, int sign) {

@@ -26,7 +26,7 @@ using schedules::ReadContext;
 using schedules::YamlMap;
 using schedules::YamlNode;
 
-constexpr schedules::FileKind kKind{"HID device", "hid_device: 1"};
+constexpr schedules::FileKind kHidFile{"HID device", "hid_device: 1"};
 constexpr int kMostReportBytes = 1024;
 
 std::optional<unsigned> Hexadecimal(std::string_view text, unsigned most) {
@@ -88,7 +88,7 @@ HidField ReadField(YamlMap& map) {
   return field;
 }
 
-HidProfile ReadTop(const YamlNode& root, ReadContext& context) {
+HidProfile ReadHidDevice(const YamlNode& root, ReadContext& context) {
   const auto nanoseconds = [](double time_s) { return std::chrono::nanoseconds(std::llround(time_s * 1e9)); };
   context.bounds = DeviceBounds();
   YamlMap map(root, context);
@@ -112,11 +112,11 @@ HidProfile ReadTop(const YamlNode& root, ReadContext& context) {
 }  // namespace
 
 HidProfile ReadHidProfile(const std::filesystem::path& path) {
-  return ParseHidProfile(TextOfFile<HidProfileError>(path, kKind), path.string());
+  return ParseHidProfile(TextOfFile<HidProfileError>(path, kHidFile), path.string());
 }
 
 HidProfile ParseHidProfile(const std::string& text, std::string_view file_name) {
-  return ParseFile<HidProfileError>(text, file_name, kKind, ReadTop);
+  return ParseFile<HidProfileError>(text, file_name, kHidFile, ReadHidDevice);
 }
 
 }  // namespace strainwave::bench

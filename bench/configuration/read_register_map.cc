@@ -27,7 +27,7 @@ using schedules::ReadContext;
 using schedules::YamlMap;
 using schedules::YamlNode;
 
-constexpr schedules::FileKind kKind{"Modbus device", "modbus_device: 1"};
+constexpr schedules::FileKind kRegisterFile{"Modbus device", "modbus_device: 1"};
 
 std::chrono::nanoseconds Nanoseconds(double time_s) {
   return std::chrono::nanoseconds(std::llround(time_s * 1e9));
@@ -149,7 +149,7 @@ ModbusServoProfile ReadServo(YamlMap& map) {
   return servo;
 }
 
-ModbusProfile ReadTop(const YamlNode& root, ReadContext& context) {
+ModbusProfile ReadModbusDevice(const YamlNode& root, ReadContext& context) {
   context.bounds = DeviceBounds();
   YamlMap map(root, context);
   map.Version("modbus_device");
@@ -179,11 +179,11 @@ ModbusProfile ReadTop(const YamlNode& root, ReadContext& context) {
 }  // namespace
 
 ModbusProfile ReadModbusProfile(const std::filesystem::path& path) {
-  return ParseModbusProfile(TextOfFile<ModbusProfileError>(path, kKind), path.string());
+  return ParseModbusProfile(TextOfFile<ModbusProfileError>(path, kRegisterFile), path.string());
 }
 
 ModbusProfile ParseModbusProfile(const std::string& text, std::string_view file_name) {
-  return ParseFile<ModbusProfileError>(text, file_name, kKind, ReadTop);
+  return ParseFile<ModbusProfileError>(text, file_name, kRegisterFile, ReadModbusDevice);
 }
 
 }  // namespace strainwave::bench

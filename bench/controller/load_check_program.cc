@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSpeed_rad_per_s = RadPerSFromRpm(60.0);  // of the input
 constexpr double kAcceleration_rad_per_s2 = 20.0;
-constexpr double kTorqueRate_Nm_per_s = 5.0;
-constexpr double kSettle_s = 0.4;  // of the speed; of a torque that has come to stand
+constexpr double kCheckTorqueRate_Nm_per_s = 5.0;
+constexpr double kCheckSettle_s = 0.4;  // of the speed; of a torque that has come to stand
 constexpr double kAverage_s = 0.4;
 constexpr double kReturnGain_per_s = 3.0;
 constexpr double kReturned_rad = RadFromDeg(1.0);
@@ -22,7 +22,7 @@ constexpr double kLeastTorqueFactor = 0.7;
 constexpr double kMostTorqueFactor = 1.3;
 constexpr double kSpeedTolerance = 0.1;
 // Beyond this much more than asked for the torque goes on rising by the factor that is looked for.
-constexpr double kMostOvershoot = 2.0;
+constexpr double kMostCheckOvershoot = 2.0;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ LoadCheckProgram::LoadCheckProgram(const schedules::Specimen& specimen, double p
     : torque_Nm_(0.5 * specimen.t1_Nm),
       period_s_(period_s),
       speed_(kAcceleration_rad_per_s2),
-      torque_(kTorqueRate_Nm_per_s) {}
+      torque_(kCheckTorqueRate_Nm_per_s) {}
 
 void LoadCheckProgram::SetUp(const Readings& readings, BenchDevices& devices) {
   start_rad_ = readings.input_angle_rad;
@@ -42,10 +42,10 @@ void LoadCheckProgram::SetUp(const Readings& readings, BenchDevices& devices) {
 StepResult LoadCheckProgram::Hold(const Readings& readings, double elapsed_s, Stage next,
                                   double& mean_Nm) noexcept {
   const double in_stage_s = elapsed_s - stage_start_s_;
-  if (in_stage_s < kSettle_s) return StepResult::kRunning;
+  if (in_stage_s < kCheckSettle_s) return StepResult::kRunning;
   sum_Nm_ += readings.output_torque_Nm;
   ++count_;
-  if (in_stage_s < kSettle_s + kAverage_s) return StepResult::kRunning;
+  if (in_stage_s < kCheckSettle_s + kAverage_s) return StepResult::kRunning;
   mean_Nm = sum_Nm_ / count_;
   sum_Nm_ = 0.0;
   count_ = 0;
@@ -86,7 +86,7 @@ StepResult LoadCheckProgram::Step(const Readings& readings, double elapsed_s,
   }
   devices.driving.CommandSpeed(speed_.Step(kSpeed_rad_per_s, period_s_));
   const double over_Nm = std::abs(readings.output_torque_Nm - rest_Nm_);
-  if (stage_ != Stage::kSpeedUp && over_Nm > kMostOvershoot * torque_Nm_) {
+  if (stage_ != Stage::kSpeedUp && over_Nm > kMostCheckOvershoot * torque_Nm_) {
     failed_ = {StopCause::kTorqueOfCheck, readings.output_torque_Nm - rest_Nm_, torque_.value(),
                readings.time, BenchServo::kLoad};
     return StepResult::kFailedCheck;

@@ -12,7 +12,7 @@ namespace {
 using Kind = schedules::SensorCheck::Kind;
 
 // The gear unwinds when the brakes have closed; a shunt passes the amplifier's filter.
-constexpr double kSettle_s = 1.0;
+constexpr double kSensorSettle_s = 1.0;
 
 // To and fro once a second, each time by a tenth less: at last by 2 % of T2.
 constexpr double kShakes_hz = 1.0;
@@ -37,7 +37,7 @@ SensorCheckProgram::SensorCheckProgram(const schedules::SensorCheck& parameters,
       ratio_(specimen.ratio),
       first_Nm_(specimen.t2_Nm),
       stage_(parameters.kind == Kind::kZero ? Stage::kBringUp : Stage::kRead),
-      planned_s_(Stretches(parameters) * (parameters.duration_s + kSettle_s) +
+      planned_s_(Stretches(parameters) * (parameters.duration_s + kSensorSettle_s) +
                  (parameters.kind == Kind::kZero ? kShake_s : 0.0)),
       log_(ColumnsOf(parameters.kind),
            static_cast<std::size_t>(Stretches(parameters) * (parameters.duration_s / period_s + 2.0))) {}
@@ -85,13 +85,13 @@ StepResult SensorCheckProgram::Step(const Readings& readings, double elapsed_s,
     return Shake(readings, elapsed_s, devices) ? StepResult::kRunning : StepResult::kFailedCheck;
   }
   const double in_stretch_s = elapsed_s - stretch_start_s_;
-  if (in_stretch_s < kSettle_s) return StepResult::kRunning;
+  if (in_stretch_s < kSensorSettle_s) return StepResult::kRunning;
   const bool kept = parameters_.kind == Kind::kReference
                         ? log_.Append({elapsed_s, DegFromRad(readings.input_angle_rad),
                                        DegFromRad(readings.output_angle_rad)})
                         : log_.Append({elapsed_s, shunted_ ? 1.0 : 0.0, readings.output_torque_Nm});
   if (!kept) return StepResult::kLogFull;
-  if (in_stretch_s < kSettle_s + parameters_.duration_s) return StepResult::kRunning;
+  if (in_stretch_s < kSensorSettle_s + parameters_.duration_s) return StepResult::kRunning;
   if (parameters_.kind == Kind::kShunt && !shunted_) {
     devices.sampler.ConnectShunt(true);
     shunted_ = true;

@@ -15,8 +15,10 @@ namespace strainwave::bench {
 /// has one that slips.
 ///
 /// They may be apart by a degree (coupling, eccentricity of a motor's resolver), two steps of the encoder,
-/// and what the shaft turns in the time that lies between the two readings, a bus cycle of each included.
-/// Longer than a quarter of a second beyond that is a fault. While nothing turns, nothing can be told.
+/// and what the shaft turns in the time that lies between the two readings, a bus cycle of each included, at
+/// the fastest speed of the last tenth of a second: a shaft that swings stands still where it is farthest
+/// from where it was. Longer than a quarter of a second beyond that is a fault. While nothing turns, nothing
+/// can be told.
 class ShaftWatch {
  public:
   /// @param encoder_step_rad  of the input encoder, not negative.
@@ -35,6 +37,8 @@ class ShaftWatch {
   std::chrono::nanoseconds encoder_time_{};  // of the readings judged last
   std::chrono::nanoseconds drive_time_{};
   double apart_for_s_{};
+  double fastest_rad_per_s_{};  // of late
+  std::chrono::nanoseconds checked_{};
 };
 
 }  // namespace strainwave::bench

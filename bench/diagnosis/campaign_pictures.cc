@@ -22,7 +22,6 @@ namespace {
 namespace diagnosis = analysis::diagnosis;
 using diagnosis::ResultSeries;
 
-constexpr std::string_view kMeasuredColour = "#444444";
 constexpr double kPanel_px = 190.0;
 constexpr double kGap_px = 26.0;
 

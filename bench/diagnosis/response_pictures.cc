@@ -19,8 +19,6 @@ namespace {
 namespace diagnosis = analysis::diagnosis;
 using diagnosis::Regressor;
 
-constexpr std::string_view kMeasuredColour = "#444444";
-
 // What a kind is drawn over: what a person would choose for the abscissa.
 struct Abscissa {
   std::string title{"sample"};

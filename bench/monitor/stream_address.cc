@@ -15,7 +15,6 @@ namespace strainwave::bench {
 namespace {
 
 using daq::acquisition::IioSettings;
-using daq::acquisition::ReplaySettings;
 using daq::acquisition::SampleSource;
 using daq::acquisition::TcpStreamSettings;
 
@@ -59,7 +58,7 @@ StreamAddress ParseStreamAddress(std::string_view text) {
   if (const auto rest = After("tcp:", text)) return TcpFrom(text, *rest);
   if (const auto rest = After("iio:", text)) return IioFrom(text, *rest);
   if (const auto rest = After("replay:", text); rest && !rest->empty()) {
-    return ReplaySettings{.path = std::string(*rest)};
+    return daq::acquisition::ReplaySettings{.path = std::string(*rest)};
   }
   RefuseAddress(text);
 }

@@ -20,6 +20,7 @@ struct PictureColour {
 };
 inline constexpr PictureColour kFirstColour{"#0072B2", "#8CC3E3", "#00405F"};  // blue
 inline constexpr PictureColour kLastColour{"#D55E00", "#F2B48A", "#7A3300"};   // vermilion
+inline constexpr std::string_view kMeasuredColour = "#444444";                 // beside both
 
 /// `text` as a gnuplot string that means exactly these characters; control characters become spaces.
 std::string Quoted(std::string_view text);

@@ -65,7 +65,7 @@ std::filesystem::path DrawTrends(const std::string& title, std::span<const Trend
   if (trends.empty()) {
     throw std::invalid_argument("trends is empty (expected at least one)");
   }
-  std::for_each(trends.begin(), trends.end(), Check);
+  for (const Trend& trend : trends) Check(trend);
   const int panels = static_cast<int>(trends.size());
   const int height_px = panels * kPanelHeight_px + kFrameHeight_px;
   const auto [first, last] = CycleRange(trends);

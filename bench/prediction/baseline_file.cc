@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
-constexpr const char* kAsWritten = "a file as `strainwave baseline` writes it";
+constexpr const char* kBaselineAsWritten = "a file as `strainwave baseline` writes it";
 
 Json ByName(const std::vector<std::string>& names, const Eigen::RowVectorXd& values) {
   Json json = Json::object();
@@ -45,7 +45,7 @@ Eigen::RowVectorXd Chosen(const Json& values, const std::vector<std::string>& na
 }
 
 Json ReadUnchanged(const std::filesystem::path& file) {
-  Json json = Json::parse(ReadBounded(file, kAsWritten));
+  Json json = Json::parse(ReadBounded(file, kBaselineAsWritten));
   if (json.at("format").get<int>() != kFormat) {
     Refuse(file, fmt::format("format {}", json.at("format").dump()), fmt::format("format {}", kFormat));
   }
@@ -92,7 +92,7 @@ std::optional<analysis::prediction::Baseline> BaselineFor(const FeatureRecipe& r
     return analysis::prediction::Baseline{Chosen(json.at("features"), recipe.inputs, file, "input"),
                                           Chosen(json.at("values"), outputs, file, "output")};
   } catch (const Json::exception& error) {
-    Refuse(file, fmt::format("cannot be used: {}", error.what()), kAsWritten);
+    Refuse(file, fmt::format("cannot be used: {}", error.what()), kBaselineAsWritten);
   }
 }
 

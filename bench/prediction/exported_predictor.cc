@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kAsWritten = "the file as `strainwave export` wrote it";
+constexpr const char* kExportAsWritten = "the file as `strainwave export` wrote it";
 constexpr std::size_t kMostNames = 256;
 
 std::string ReadFile(const std::filesystem::path& path) {
@@ -130,7 +130,7 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
     RequireNames(file, "channels", parts.recipe.channels);
     if (!(parts.recipe.sample_rate_hz > 0.0) ||
         (!classes && !(parts.coverage > 0.0 && parts.coverage < 1.0))) {
-      Refuse(file, "sample_rate_hz or coverage is out of range", kAsWritten);
+      Refuse(file, "sample_rate_hz or coverage is out of range", kExportAsWritten);
     }
     for (const Json& golden : json.at("self_test")) {
       parts.golden.push_back(
@@ -138,12 +138,12 @@ ExportedPredictor::Parts ExportedPredictor::Read(const std::filesystem::path& fo
            {RowFrom(golden.at("prediction"), parts.outputs.size()),
             RowFrom(golden.at("half_width"), parts.outputs.size()), golden.at("distance").get<double>()}});
     }
-    if (parts.golden.empty()) Refuse(file, "there is no golden vector", kAsWritten);
+    if (parts.golden.empty()) Refuse(file, "there is no golden vector", kExportAsWritten);
     return parts;
   } catch (const Json::exception& error) {
-    Refuse(file, fmt::format("cannot be used: {}", error.what()), kAsWritten);
+    Refuse(file, fmt::format("cannot be used: {}", error.what()), kExportAsWritten);
   } catch (const std::invalid_argument& error) {
-    Refuse(file, fmt::format("cannot be used: {}", error.what()), kAsWritten);
+    Refuse(file, fmt::format("cannot be used: {}", error.what()), kExportAsWritten);
   }
 }
 
@@ -153,7 +153,7 @@ SignalInputs InputsOf(const std::filesystem::path& folder, const FeatureRecipe& 
   try {
     return SignalInputs(recipe);
   } catch (const std::invalid_argument& error) {
-    Refuse(folder / kExportedRecipe, fmt::format("cannot be used: {}", error.what()), kAsWritten);
+    Refuse(folder / kExportedRecipe, fmt::format("cannot be used: {}", error.what()), kExportAsWritten);
   }
 }
 

@@ -19,7 +19,7 @@ constexpr double kRefinedToSamples = 1e-9;
 constexpr double kUnknowns = 3;
 constexpr int kSmoothing = 5;  // samples to each side
 constexpr double kLeastEigenvalue = 1e-10;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoSample = std::numeric_limits<double>::quiet_NaN();
 
 void DemandSameLength(std::size_t first, std::size_t second) {
   if (first != second)
@@ -203,7 +203,7 @@ std::optional<Skew> SkewByRegression(std::span<const double> speed_rad_per_s,
 }
 
 std::vector<double> ShiftInTime(std::span<const double> values, double rate_hz, double shift_s) {
-  std::vector<double> shifted(values.size(), kNan);
+  std::vector<double> shifted(values.size(), kNoSample);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (const std::optional<Cubic> at = At(values, static_cast<double>(i) + shift_s * rate_hz)) {
       shifted[i] = at->value;
@@ -219,7 +219,7 @@ std::vector<double> OnTimeBase(std::span<const double> times_s, std::span<const 
       times_s.end()) {
     throw std::invalid_argument("times_s does not rise");
   }
-  std::vector<double> result(wanted_s.size(), kNan);
+  std::vector<double> result(wanted_s.size(), kNoSample);
   for (std::size_t k = 0; k < wanted_s.size(); ++k) {
     const auto after = std::upper_bound(times_s.begin(), times_s.end(), wanted_s[k]);
     const auto i = after - times_s.begin();  // times_s[i - 1] <= wanted < times_s[i]

@@ -10,18 +10,18 @@
 namespace strainwave::daq::acquisition {
 namespace {
 
-constexpr unsigned kLeastBits = 8;
-constexpr unsigned kMostBits = 64;
+constexpr unsigned kLeastCounterBits = 8;
+constexpr unsigned kMostCounterBits = 64;
 constexpr double kFurthestStep = 9e18;  // of what an int64 holds
 
-std::uint64_t MaskOf(unsigned bits) { return ~std::uint64_t{0} >> (kMostBits - bits); }
+std::uint64_t MaskOf(unsigned bits) { return ~std::uint64_t{0} >> (kMostCounterBits - bits); }
 
 }  // namespace
 
 GapLedger::GapLedger(CounterRules rules, double rate_hz) : rules_(rules), rate_hz_(rate_hz) {
-  if (rules.bits < kLeastBits || rules.bits > kMostBits) {
+  if (rules.bits < kLeastCounterBits || rules.bits > kMostCounterBits) {
     throw std::invalid_argument(
-        fmt::format("bits = {} is not between {} and {}", rules.bits, kLeastBits, kMostBits));
+        fmt::format("bits = {} is not between {} and {}", rules.bits, kLeastCounterBits, kMostCounterBits));
   }
   if (!(rate_hz > 0) || !std::isfinite(rate_hz)) {
     throw std::invalid_argument(fmt::format("rate_hz = {} is not above zero", rate_hz));
@@ -36,7 +36,7 @@ GapLedger::Step GapLedger::StepOf(const BlockHeader& header) const noexcept {
   const double missing = in_samples(header.arrival - last_arrival_) - static_cast<double>(header.samples);
   const std::uint64_t forward = (header.device_counter - next_counter_) & MaskOf(rules_.bits);
   auto samples = static_cast<std::int64_t>(forward);
-  if (rules_.bits < kMostBits) {
+  if (rules_.bits < kMostCounterBits) {
     const double turn = std::ldexp(1.0, static_cast<int>(rules_.bits));
     const double turns = std::max(-1.0, std::round((missing - static_cast<double>(forward)) / turn));
     samples = static_cast<std::int64_t>(std::min(static_cast<double>(forward) + turns * turn, kFurthestStep));

@@ -9,7 +9,7 @@ namespace strainwave::protocols::canopen::device {
 namespace {
 
 constexpr std::uint32_t kHeartbeatId = 0x700;
-constexpr std::int64_t kIdBits = 0x7FF;
+constexpr std::int64_t kStandardIdBits = 0x7FF;
 // Longer pauses of the program are no step of the drive's ramps.
 constexpr std::chrono::nanoseconds kMostCycle = std::chrono::milliseconds(100);
 
@@ -34,13 +34,14 @@ DriveNode::DriveNode(const EdsFile& eds, std::uint8_t node_id, DrivePhysics& phy
 void DriveNode::AddChecks() {
   objects_.CheckWrites({0x1005, 0}, [](std::int64_t value) -> std::optional<SdoAbort> {
     // No producer of SYNC, and no id of 29 bits.
-    if ((value & ~(std::int64_t{0x80000000} | kIdBits)) != 0) return SdoAbort::kInvalidValue;
+    if ((value & ~(std::int64_t{0x80000000} | kStandardIdBits)) != 0) return SdoAbort::kInvalidValue;
     return std::nullopt;
   });
   objects_.CheckWrites({0x1014, 0}, [this](std::int64_t value) -> std::optional<SdoAbort> {
     constexpr std::int64_t kOff = 0x80000000;
     const std::int64_t now = objects_.Integer({0x1014, 0});
-    if ((value & ~(kOff | kIdBits)) != 0 || (value & kIdBits) == 0) return SdoAbort::kInvalidValue;
+    if ((value & ~(kOff | kStandardIdBits)) != 0 || (value & kStandardIdBits) == 0)
+      return SdoAbort::kInvalidValue;
     if ((now & kOff) == 0 && (value & kOff) == 0 && value != now) return SdoAbort::kInvalidValue;
     return std::nullopt;
   });
@@ -113,7 +114,7 @@ void DriveNode::OnFrame(const CanFrame& frame, std::chrono::nanoseconds now) {
   if (const std::optional<NodeCommand> command = CommandTo(node_id_, frame)) return OnNodeCommand(*command);
   guard_.OnFrame(frame, now);
   if (state_ == NodeState::kOperational) {
-    if (frame.id == (objects_.Integer({0x1005, 0}) & kIdBits)) return OnSync(frame);
+    if (frame.id == (objects_.Integer({0x1005, 0}) & kStandardIdBits)) return OnSync(frame);
     if (pdos_.OnFrame(frame, now)) OnControlword();
   }
   if (state_ != NodeState::kStopped && sdo_.OnFrame(frame, now)) OnControlword();

@@ -8,7 +8,7 @@
 namespace strainwave::protocols::canopen::device {
 namespace {
 
-constexpr std::uint32_t kHeartbeatId = 0x700;
+constexpr std::uint32_t kHeartbeatBase = 0x700;
 
 std::uint32_t NodeOf(std::int64_t entry) { return static_cast<std::uint32_t>(entry >> 16 & 0xFF); }
 std::chrono::milliseconds TimeOf(std::int64_t entry) { return std::chrono::milliseconds(entry & 0xFFFF); }
@@ -35,7 +35,7 @@ HeartbeatGuard::HeartbeatGuard(ObjectDictionary& objects) {
 
 bool HeartbeatGuard::Watches(const Watch& watch, std::uint32_t id) {
   const std::int64_t entry = watch.entry->integer();
-  return NodeOf(entry) != 0 && TimeOf(entry).count() != 0 && id == kHeartbeatId + NodeOf(entry);
+  return NodeOf(entry) != 0 && TimeOf(entry).count() != 0 && id == kHeartbeatBase + NodeOf(entry);
 }
 
 void HeartbeatGuard::OnFrame(const CanFrame& frame, std::chrono::nanoseconds now) {

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kOff = 0x80000000;
 constexpr std::int64_t kNoRemote = 0x40000000;
 constexpr std::int64_t kLongId = 0x20000000;
-constexpr std::int64_t kIdBits = 0x1FFFFFFF;
+constexpr std::int64_t kExtendedIdBits = 0x1FFFFFFF;
 constexpr std::int64_t kMostStandardId = 0x7FF;
 constexpr std::size_t kMostBytes = 8;
 
@@ -85,7 +85,7 @@ std::chrono::nanoseconds PdoSlot::inhibit_time() const {
 }
 
 std::optional<SdoAbort> PdoSlot::CheckId(std::int64_t value) const {
-  const std::int64_t id = value & kIdBits;
+  const std::int64_t id = value & kExtendedIdBits;
   if ((value & kLongId) != 0 || id > kMostStandardId) return SdoAbort::kInvalidValue;
   if (direction_ == PdoDirection::kTransmit && (value & kNoRemote) == 0) return SdoAbort::kInvalidValue;
   if ((value & kOff) != 0) return std::nullopt;

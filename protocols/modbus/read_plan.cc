@@ -10,8 +10,8 @@
 namespace strainwave::protocols::modbus {
 namespace {
 
-constexpr int kMostBits = 2000;  // in one answer (Modbus Application Protocol V1.1b3, 6.1)
-constexpr int kMostRegisters = 125;
+constexpr int kMostBitsRead = 2000;  // in one answer (Modbus Application Protocol V1.1b3, 6.1)
+constexpr int kMostRegistersRead = 125;
 
 int EndOf(const Register& value) { return value.address + Length(value.type); }
 
@@ -53,7 +53,7 @@ std::vector<ReadRequest> PlanReads(const RegisterMap& map, std::span<const std::
   std::vector<ReadRequest> plan;
   for (const std::size_t index : sorted) {
     const Register& value = map.registers[index];
-    const int most = IsBits(value.table) ? kMostBits : std::min(map.most_registers, kMostRegisters);
+    const int most = IsBits(value.table) ? kMostBitsRead : std::min(map.most_registers, kMostRegistersRead);
     ReadRequest* last = plan.empty() ? nullptr : &plan.back();
     const bool joins = last != nullptr && last->table == value.table && EndOf(value) - last->first <= most &&
                        MayCross(map, value.table, last->first + last->count, value.address);

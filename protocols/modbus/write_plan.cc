@@ -12,8 +12,9 @@
 namespace strainwave::protocols::modbus {
 namespace {
 
-constexpr std::size_t kMostBits = 1968;  // in one request (Modbus Application Protocol V1.1b3, 6.11 and 6.12)
-constexpr std::size_t kMostRegisters = 123;
+constexpr std::size_t kMostBitsWritten =
+    1968;  // in one request (Modbus Application Protocol V1.1b3, 6.11 and 6.12)
+constexpr std::size_t kMostRegistersWritten = 123;
 
 }  // namespace
 
@@ -37,7 +38,7 @@ std::vector<WriteRequest> PlanWrites(const RegisterMap& map,
       throw std::invalid_argument(fmt::format("{} = {} {} is {} (expected a value that the register holds)",
                                               value.name, number, value.unit, Name(encoded.problem)));
     }
-    const std::size_t most = IsBits(value.table) ? kMostBits : kMostRegisters;
+    const std::size_t most = IsBits(value.table) ? kMostBitsWritten : kMostRegistersWritten;
     const bool joins = !plan.empty() && plan.back().table == value.table &&
                        plan.back().first + plan.back().words.size() == value.address &&
                        plan.back().words.size() + encoded.length <= most;

@@ -24,7 +24,7 @@ constexpr double kFewestSamplesUpToT1 = 10.0;
 constexpr double kWholeTurn_rad = RadFromArcsec(1e-3);
 // A load run's log is in memory until the run has ended, and once more while it is stored: eleven numbers of
 // 8 bytes a row, with room for a run that takes a fifth and a minute longer than its load.
-constexpr double kLoadRunRow_bytes = 11.0 * 8.0;
+constexpr double kLoadRunRowInMemory_bytes = 11.0 * 8.0;
 constexpr double kLongestLog_bytes = 256e6;
 
 bool IsMeasurement(const PhaseParameters& parameters) {
@@ -242,7 +242,7 @@ class PhaseCheck {
   void CheckLog(const LoadRun& run) const {
     if (!compare_.Readable(At("duration")) || !compare_.Readable(At("log_rate"))) return;
     const double longest_s = 1.2 * run.duration_s + 61.0;
-    const double log_bytes = longest_s * run.log_rate_hz * kLoadRunRow_bytes;
+    const double log_bytes = longest_s * run.log_rate_hz * kLoadRunRowInMemory_bytes;
     if (log_bytes <= kLongestLog_bytes) return;
     compare_.Error(
         At("log_rate"),
@@ -251,7 +251,7 @@ class PhaseCheck {
             "at most {:.3g} Hz, or a shorter duration and more cycles)",
             compare_.Written({At("log_rate"), run.log_rate_hz}),
             compare_.Written({At("duration"), run.duration_s}), log_bytes * 1e-6, kLongestLog_bytes * 1e-6,
-            kLongestLog_bytes / (longest_s * kLoadRunRow_bytes)));
+            kLongestLog_bytes / (longest_s * kLoadRunRowInMemory_bytes)));
   }
 
   void CheckWholeTurns(double turns) const {

@@ -8,7 +8,7 @@
 
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::bearing_life_test {
 namespace {
 
 constexpr double kCampaign_h = 1750.0;
@@ -57,4 +57,4 @@ TEST(BearingLife, RefusesWhatIsNoRatingOrNoBlock) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::bearing_life_test

@@ -10,7 +10,7 @@
 
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::control_chart_test {
 namespace {
 
 std::vector<double> Drift(std::uint32_t seed, int n, double slope) {
@@ -81,4 +81,4 @@ TEST(NextValueLimits, WantsSixValues) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::control_chart_test

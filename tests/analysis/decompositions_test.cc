@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::decompositions_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -47,4 +47,4 @@ TEST(Decompositions, EigenvaluesRise) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::decompositions_test

@@ -52,7 +52,7 @@ struct Case {
 };
 
 /// Draws a campaign, hides something in it and diagnoses it.
-inline Case Diagnosed(unsigned seed, std::size_t cycles, const Hide& hide) {
+inline Case DiagnosedCampaign(unsigned seed, std::size_t cycles, const Hide& hide) {
   CampaignDrawing drawing(seed, cycles);
   Random random(seed + 100000);
   Case result;

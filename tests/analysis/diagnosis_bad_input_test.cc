@@ -12,7 +12,7 @@
 #include "tests/analysis/generated_loop.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_bad_input_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -283,4 +283,4 @@ TEST(BadVibration, AChannelThatIsClippedIsToldOrRefused) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_bad_input_test

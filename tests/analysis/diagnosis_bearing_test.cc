@@ -10,7 +10,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/vibration_record.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_bearing_test {
 namespace {
 
 // Outer race of 21 balls, d/D = 0.1: 9.45 an input turn, twice modulated a turn by the ellipse.
@@ -268,4 +268,4 @@ TEST(IsBearing, TakesNoLinesAtWholeOrdersForABearing) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_bearing_test

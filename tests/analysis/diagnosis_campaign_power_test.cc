@@ -6,7 +6,7 @@
 
 #include "tests/analysis/diagnosed_campaign.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_campaign_power_test {
 namespace {
 
 int CountOnly(const std::string& name, unsigned first_seed, unsigned seeds, std::size_t cycles,
@@ -14,7 +14,7 @@ int CountOnly(const std::string& name, unsigned first_seed, unsigned seeds, std:
   int count = 0;
   std::map<std::string, int> others;
   for (unsigned seed = first_seed; seed < first_seed + seeds; ++seed) {
-    const Case result = Diagnosed(seed, cycles, hide);
+    const Case result = DiagnosedCampaign(seed, cycles, hide);
     if (result.Only(name)) {
       ++count;
     } else {
@@ -32,7 +32,7 @@ int CountOnly(const std::string& name, unsigned first_seed, unsigned seeds, std:
 TEST(MakeCampaignStudy, FindsNothingInWearAlone) {
   int anything = 0;
   for (unsigned seed = 2001; seed <= 2120; ++seed) {
-    const Case result = Diagnosed(seed, 100, [](CampaignDrawing&, double, std::size_t, Random&) {});
+    const Case result = DiagnosedCampaign(seed, 100, [](CampaignDrawing&, double, std::size_t, Random&) {});
     anything += result.diagnosis.verdict == Verdict::kNoEffect ? 0 : 1;
   }
   // The family error is 0.5 %; four of 120 would be met once in 2000 times at that rate.
@@ -42,10 +42,11 @@ TEST(MakeCampaignStudy, FindsNothingInWearAlone) {
 TEST(MakeCampaignStudy, FindsNothingWhereASensorWasReplacedOrARunPausedWithoutAMark) {
   int anything = 0;
   for (unsigned seed = 2201; seed <= 2240; ++seed) {
-    const Case result = Diagnosed(seed, 100, [](CampaignDrawing& drawing, double from, std::size_t, Random&) {
-      drawing.ReplaceSensor(static_cast<std::size_t>(from) - 1);
-      drawing.AddPause(0, static_cast<std::size_t>(0.5 * from), 30.0, 0.0, 1.0);
-    });
+    const Case result =
+        DiagnosedCampaign(seed, 100, [](CampaignDrawing& drawing, double from, std::size_t, Random&) {
+          drawing.ReplaceSensor(static_cast<std::size_t>(from) - 1);
+          drawing.AddPause(0, static_cast<std::size_t>(0.5 * from), 30.0, 0.0, 1.0);
+        });
     anything += result.diagnosis.verdict == Verdict::kNoEffect ? 0 : 1;
   }
   EXPECT_LE(anything, 2);
@@ -59,7 +60,7 @@ TEST(MakeCampaignStudy, NamesAStepOfOneSeriesWithItsCycleAndSize) {
   const double size = 4.0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const Case result =
-        Diagnosed(seed, 120, [&](CampaignDrawing& drawing, double from, std::size_t series, Random&) {
+        DiagnosedCampaign(seed, 120, [&](CampaignDrawing& drawing, double from, std::size_t series, Random&) {
           drawing.AddStep(series, from, size);
         });
     if (!result.Only("step_change")) continue;
@@ -100,7 +101,7 @@ TEST(MakeCampaignStudy, NamesWhatFollowsTheTemperature) {
   constexpr int kSeeds = 24;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const Case result =
-        Diagnosed(seed, 120, [](CampaignDrawing& drawing, double, std::size_t series, Random&) {
+        DiagnosedCampaign(seed, 120, [](CampaignDrawing& drawing, double, std::size_t series, Random&) {
           drawing.AddTemperature(series, 0.8);
         });
     EXPECT_TRUE(result.Only("daily_temperature")) << "seed " << seed;
@@ -130,7 +131,7 @@ TEST(MakeCampaignStudy, TellsAReplacedSensorFromAStepThreeCyclesLater) {
   };
   EXPECT_GE(CountOnly("sensor_replaced", 1, 24, 120, with_step_after(0.0)), 23);
   EXPECT_GE(CountOnly("step_change", 1, 24, 120, with_step_after(3.0)), 22);
-  const Case result = Diagnosed(1, 120, with_step_after(0.0));
+  const Case result = DiagnosedCampaign(1, 120, with_step_after(0.0));
   ASSERT_FALSE(result.diagnosis.causes.empty());
   const CauseRule& rule = result.study->causes()[result.diagnosis.causes[0].index];
   EXPECT_EQ(rule.where, Where::kBench);
@@ -156,7 +157,7 @@ TEST(MakeCampaignStudy, LeavesADeviationThatPassesWithoutAName) {
   constexpr int kSeeds = 24;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const Case result =
-        Diagnosed(seed, 120, [](CampaignDrawing& drawing, double from, std::size_t series, Random&) {
+        DiagnosedCampaign(seed, 120, [](CampaignDrawing& drawing, double from, std::size_t series, Random&) {
           drawing.AddStep(series, from, 5.0);
           drawing.AddStep(series, from + 12.0, -5.0);
         });
@@ -168,8 +169,8 @@ TEST(MakeCampaignStudy, LeavesADeviationThatPassesWithoutAName) {
 TEST(MakeCampaignStudy, TakesCyclesWithoutAValueAsGaps) {
   int named = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    const Case result =
-        Diagnosed(seed, 120, [](CampaignDrawing& drawing, double from, std::size_t series, Random& random) {
+    const Case result = DiagnosedCampaign(
+        seed, 120, [](CampaignDrawing& drawing, double from, std::size_t series, Random& random) {
           drawing.AddStep(series, from, 5.0);
           for (CampaignSeries& one : drawing.data.series) {
             for (double& value : one.value) {
@@ -183,4 +184,4 @@ TEST(MakeCampaignStudy, TakesCyclesWithoutAValueAsGaps) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_campaign_power_test

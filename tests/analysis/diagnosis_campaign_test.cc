@@ -9,11 +9,11 @@
 #include "tests/analysis/diagnosed_campaign.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_campaign_test {
 namespace {
 
 TEST(MakeCampaignStudy, NamesAStepWithItsCycleSizeAndPlace) {
-  const Case result = Diagnosed(
+  const Case result = DiagnosedCampaign(
       1, 100, [](CampaignDrawing& drawing, double, std::size_t, Random&) { drawing.AddStep(1, 41.0, -6.0); });
   ASSERT_EQ(result.Names(), std::vector<std::string>{"step_change"});
   EXPECT_EQ(result.Parameter("cycle").value, 41.0);
@@ -30,7 +30,7 @@ TEST(MakeCampaignStudy, NamesAStepWithItsCycleSizeAndPlace) {
 TEST(MakeCampaignStudy, PredictsFromParametersByNameWhatItFitted) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const Case result =
-        Diagnosed(seed, 100, [](CampaignDrawing& drawing, double from, std::size_t series, Random&) {
+        DiagnosedCampaign(seed, 100, [](CampaignDrawing& drawing, double from, std::size_t series, Random&) {
           drawing.AddStep(series, from, 6.0);
           drawing.AddTemperature((series + 1) % 6, 1.0);
         });
@@ -92,4 +92,4 @@ TEST(MakeCampaignStudy, SaysWhatIsWrongWithACampaign) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_campaign_test

@@ -4,7 +4,7 @@
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/generated_loop.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_coarse_loop_test {
 namespace {
 
 // Each of the record's `every` samples from `first` on.
@@ -34,4 +34,4 @@ TEST(CoarseLoop, HidesNothingWhereThePeaksLieBetweenSamples) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_coarse_loop_test

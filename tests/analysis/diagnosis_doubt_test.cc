@@ -15,7 +15,7 @@
 #include "tests/analysis/led_axis.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_doubt_test {
 namespace {
 
 constexpr std::size_t kSamples = 1000;
@@ -167,4 +167,4 @@ TEST(Doubt, NamesNothingForOneReversalThatComesEarly) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_doubt_test

@@ -15,7 +15,7 @@
 #include "tests/analysis/message_of.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_engine_test {
 namespace {
 
 SeparableTerm Column(std::vector<double> values, std::string name) {
@@ -390,4 +390,4 @@ TEST(Diagnose, TakesGivenCausesAsPartOfTheNominalModel) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_engine_test

@@ -10,7 +10,7 @@
 #include "tests/analysis/toy_terms.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_exchange_test {
 namespace {
 
 constexpr std::size_t kSamples = 20000;
@@ -60,4 +60,4 @@ TEST(Exchange, PutsNothingThatChanceMakesInThePlaceOfWhatItDoesNot) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_exchange_test

@@ -11,7 +11,7 @@
 #include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_holds_test {
 namespace {
 
 constexpr double kNoise_Nm = 0.013;
@@ -206,4 +206,4 @@ TEST(HysteresisHolds, ShowTheTimeConstantOfASingleElement) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_holds_test

@@ -12,7 +12,7 @@
 #include "tests/analysis/generated_loop.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_hysteresis_test {
 namespace {
 
 // Three loops with holds at their ends.
@@ -393,4 +393,4 @@ TEST(HysteresisStudy, SaysWhatIsWrongWithARecord) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_hysteresis_test

@@ -5,7 +5,7 @@
 #include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_knees_test {
 namespace {
 
 // Knees at 7.5 and 24 Nm in a gear whose record says 7 and 25 Nm.
@@ -53,4 +53,4 @@ TEST(HysteresisKnees, BesideTheRecordsOwnHideNoCause) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_knees_test

@@ -10,7 +10,7 @@
 #include "analysis/diagnosis/lone_samples.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_lone_samples_test {
 namespace {
 
 TEST(LoneSamples, StandOffBothSides) {
@@ -75,4 +75,4 @@ TEST(LoneSamples, LeaveWhatRings) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_lone_samples_test

@@ -6,7 +6,7 @@
 #include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_loop_rates_test {
 namespace {
 
 // A ramp of three times the torque's noise a sample, which has one rate: what is left of the noise is none.
@@ -45,4 +45,4 @@ TEST(RateDependence, OfTheTorqueThatIsFeltIsNotAnotherCauseBesideIt) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_loop_rates_test

@@ -7,7 +7,7 @@
 #include "tests/analysis/generated_loop.h"
 
 // Fits of a loop that end in the wrong valley.
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_loop_valleys_test {
 namespace {
 
 // What a gear that is stiffer one way leaves the nominal model makes up for by friction that yields over most
@@ -68,4 +68,4 @@ TEST(LoopValleys, OfAZoneThatFadesAwayHideNoneWithSharpEnds) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_loop_valleys_test

@@ -9,7 +9,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed_loop.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_loud_loop_test {
 namespace {
 
 const std::vector<PathLeg>& Held() {
@@ -72,4 +72,4 @@ TEST(LoudLoop, NamesABacklashBesideAShiftedTorque) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_loud_loop_test

@@ -13,7 +13,7 @@
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/led_axis.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_backlash_test {
 namespace {
 
 constexpr double kGap_rad = 0.02;
@@ -179,4 +179,4 @@ TEST(MotionBacklash, IsHardlyChargedForWhereTheLoadBegins) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_backlash_test

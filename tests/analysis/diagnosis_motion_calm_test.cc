@@ -11,7 +11,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_calm_test {
 namespace {
 
 constexpr double kInertia_kgm2 = 0.1;
@@ -162,4 +162,4 @@ TEST(MotionCalm, KeepsTheKinksThatTheTorqueFollows) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_calm_test

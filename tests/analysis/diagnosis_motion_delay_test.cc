@@ -7,7 +7,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_delay_test {
 namespace {
 
 constexpr double kRate_Hz = 200.0;
@@ -120,4 +120,4 @@ TEST(MotionDelay, ShowsInTheOneSampleOfAReversal) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_delay_test

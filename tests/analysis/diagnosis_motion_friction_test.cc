@@ -11,7 +11,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_friction_test {
 namespace {
 
 // One speed after the other, each as long, from one to the next as a half cosine.
@@ -172,4 +172,4 @@ TEST(MotionFriction, MayBeADragThatThreeSpeedsShow) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_friction_test

@@ -10,7 +10,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_jolts_test {
 namespace {
 
 constexpr double kPeriod_s = 2.3;
@@ -275,4 +275,4 @@ TEST(MotionJolts, CostWeightAlsoWhereNoiseHidesThem) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_jolts_test

@@ -6,7 +6,7 @@
 
 #include "analysis/diagnosis/motion/kernel.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_kernel_test {
 namespace {
 
 // A slow motion is a parabola under the kernel: an acceleration that is a thousandth off there is an inertia
@@ -47,4 +47,4 @@ TEST(MotionKernel, LetsSlowSinesThroughAndFastOnesNot) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_kernel_test

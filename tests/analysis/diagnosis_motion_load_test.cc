@@ -8,7 +8,7 @@
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/led_axis.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_load_test {
 namespace {
 
 constexpr double kInertia_kgm2 = 0.01;
@@ -47,4 +47,4 @@ TEST(MotionLoad, SaysNothingOfAWristInBalance) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_load_test

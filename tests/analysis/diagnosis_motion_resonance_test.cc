@@ -8,7 +8,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_resonance_test {
 namespace {
 
 constexpr double kDamping = 0.03;
@@ -110,4 +110,4 @@ TEST(MotionResonance, IsTheOneThatSwingsAfterAGap) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_resonance_test

@@ -8,7 +8,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_sticking_test {
 namespace {
 
 constexpr double kInertia_kgm2 = 0.07;
@@ -67,4 +67,4 @@ TEST(MotionSticking, IsNobodysEffect) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_sticking_test

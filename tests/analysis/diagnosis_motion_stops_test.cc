@@ -10,7 +10,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_stops_test {
 namespace {
 
 // A move or a dwell of a commanded speed profile.
@@ -125,4 +125,4 @@ TEST(MotionStops, HideNoNoiseOfTheEncoder) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_stops_test

@@ -13,7 +13,7 @@
 #include "tests/analysis/led_axis.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_test {
 namespace {
 
 constexpr double kInertia_kgm2 = 0.02;
@@ -393,4 +393,4 @@ TEST(MotionStudy, SaysWhatIsWrongWithARecord) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_test

@@ -7,7 +7,7 @@
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_noise_likelihood_test {
 namespace {
 
 const std::vector<std::size_t> kOneStretch{0};
@@ -50,4 +50,4 @@ TEST(NoiseLikelihood, KnowsTheMemoryOfSamplesNextToGaps) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_noise_likelihood_test

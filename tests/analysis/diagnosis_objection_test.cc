@@ -7,7 +7,7 @@
 #include "analysis/diagnosis/separable_study.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_objection_test {
 namespace {
 
 // A study of one straight line; what its fit found is up to the test.
@@ -51,4 +51,4 @@ TEST(Objection, AsksForANumberInItsRangeUnlessTheRecordLeavesItOpen) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_objection_test

@@ -11,7 +11,7 @@
 #include "tests/analysis/diagnosed.h"
 #include "tests/analysis/diagnosed_loop.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_open_numbers_test {
 namespace {
 
 bool IsOpen(const ParameterValue& number) { return std::isinf(number.standard_error); }
@@ -138,4 +138,4 @@ TEST(ErrorsOfFit, GivesTheDirectionThatNoSampleKnows) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_open_numbers_test

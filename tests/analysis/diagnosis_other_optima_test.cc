@@ -9,7 +9,7 @@
 #include "tests/analysis/toy_terms.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_other_optima_test {
 namespace {
 
 constexpr std::size_t kSamples = 200;
@@ -132,4 +132,4 @@ TEST(OtherOptima, LeaveANumberThatHardlyShowsTheRangeKnownBefore) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_other_optima_test

@@ -9,7 +9,7 @@
 #include "analysis/diagnosis/vibration/place_sums.h"
 #include "analysis/units.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_place_sums_test {
 namespace {
 
 // Term by term, as the header has it; one list is longer than the next, and the object is used for other
@@ -47,4 +47,4 @@ TEST(PlaceSums, AreTheSumsOfLinesTurnedToEachPlace) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_place_sums_test

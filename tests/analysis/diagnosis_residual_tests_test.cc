@@ -10,7 +10,7 @@
 
 #include "tests/analysis/plain_study.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_residual_tests_test {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -277,4 +277,4 @@ TEST(DescribeLeftover, FindsALineAWindowAndADriftByTheirNumbers) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_residual_tests_test

@@ -11,7 +11,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/vibration_record.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_resonance_test {
 namespace {
 
 constexpr double kFrequency_Hz = 200.0;
@@ -144,4 +144,4 @@ TEST(VibrationResonance, CallsAHumInColouredNoiseUnnamed) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_resonance_test

@@ -9,7 +9,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_scans_test {
 namespace {
 
 TEST(FindLines, FindsAnOrderAmongUnevenSamplesAndRefinesIt) {
@@ -108,4 +108,4 @@ TEST(FindWindows, HasNoneWhereTheirStepsAreLostInRounding) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_scans_test

@@ -12,7 +12,7 @@
 
 // What a search does not go into: each fit is slower beside more, and what would be dropped again is looked
 // at in vain.
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_search_limits_test {
 namespace {
 
 constexpr double kError = 0.006;
@@ -87,4 +87,4 @@ TEST(SearchLimits, ExcludeInACausesPlaceWhatFitsNowhere) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_search_limits_test

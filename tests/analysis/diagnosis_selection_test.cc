@@ -9,7 +9,7 @@
 #include "analysis/diagnosis/separable_study.h"
 #include "tests/analysis/toy_passes.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_selection_test {
 namespace {
 
 // Names of the causes found, and of the descriptions without a cause in brackets.
@@ -140,4 +140,4 @@ TEST(Selection, ForetellsWithinABlockWhatNoOtherBlockShows) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_selection_test

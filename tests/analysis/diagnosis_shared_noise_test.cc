@@ -10,7 +10,7 @@
 #include "tests/analysis/vibration_record.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_shared_noise_test {
 namespace {
 
 using Series = std::vector<std::vector<double>>;
@@ -60,4 +60,4 @@ TEST(SharedNoise, AccusesNoHealthyMachine) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_shared_noise_test

@@ -12,7 +12,7 @@
 
 // Under torque of one sign a brake that slips leaves the angle behind in steps, which over a loop or two go
 // much as a drift by time goes.
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_slip_or_drift_test {
 namespace {
 
 constexpr double kPeak_Nm = 34.0;
@@ -79,4 +79,4 @@ TEST(SlipOrDrift, NamesADriftByTimeBesideATemperature) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_slip_or_drift_test

@@ -11,7 +11,7 @@
 
 // Bearings whose balls slip: each impulse comes by a part of the period early or late, and all that follow
 // with it.
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_slipping_test {
 namespace {
 
 constexpr double kOrder = 7.63;
@@ -136,4 +136,4 @@ TEST(AddKick, RingsOnOverTimeStampsOfFewDigits) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_slipping_test

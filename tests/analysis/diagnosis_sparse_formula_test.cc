@@ -12,7 +12,7 @@
 
 #include "tests/analysis/plain_study.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_sparse_formula_test {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -150,4 +150,4 @@ TEST(ProposeFormula, KeepsSilentBelowAHundredSamples) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_sparse_formula_test

@@ -13,7 +13,7 @@
 #include "analysis/diagnosis/hysteresis/record.h"
 #include "analysis/diagnosis/hysteresis/signal.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_torque_signal_test {
 namespace {
 
 // A ramp of three times its noise a sample that ends in a hold: at the corner and beside it the mean of many
@@ -277,4 +277,4 @@ TEST(FollowedShare, IsAllWhereTheResponseFollowsAll) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_torque_signal_test

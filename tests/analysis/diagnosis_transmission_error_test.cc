@@ -9,7 +9,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_transmission_error_test {
 namespace {
 
 // What one sample of the sweep knows, for an effect to be hidden in it.
@@ -358,4 +358,4 @@ TEST(TransmissionErrorStudy, SaysWhyARecordCannotBeJudged) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_transmission_error_test

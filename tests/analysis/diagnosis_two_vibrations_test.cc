@@ -8,7 +8,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/vibration_record.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_two_vibrations_test {
 namespace {
 
 // Each line is as weak in each channel as noise may be; the weakest brings less than its numbers are charged,
@@ -110,4 +110,4 @@ TEST(LogChoicesOfMesh, CountsSetsOfLinesAndOfChannels) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_two_vibrations_test

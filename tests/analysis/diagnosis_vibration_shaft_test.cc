@@ -10,7 +10,7 @@
 #include "tests/analysis/vibration_record.h"
 
 // Records whose shaft changes its speed, with a column of speeds or of angles.
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_vibration_shaft_test {
 namespace {
 
 double TurnsAt(const SpeedBand& band) { return band.turns; }
@@ -186,4 +186,4 @@ TEST(VibrationShaft, RefusesAShaftThatDoesNotTurnOneWay) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_vibration_shaft_test

@@ -13,7 +13,7 @@
 #include "tests/analysis/message_of.h"
 #include "tests/analysis/vibration_record.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_vibration_test {
 namespace {
 
 TEST(VibrationStudy, FindsNothingInCleanNoise) {
@@ -347,4 +347,4 @@ TEST(VibrationStudy, WordsAGearMeshAsWhatEveryGearHas) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_vibration_test

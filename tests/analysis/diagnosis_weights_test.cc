@@ -12,7 +12,7 @@
 #include "analysis/diagnosis/separable_study.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis {
+namespace strainwave::analysis::diagnosis::diagnosis_weights_test {
 namespace {
 
 constexpr std::size_t kSamples = 1000;
@@ -146,4 +146,4 @@ TEST(IsBeyondChance, NamesNothingWithABicBelowZero) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis
+}  // namespace strainwave::analysis::diagnosis::diagnosis_weights_test

@@ -8,7 +8,7 @@
 
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::efficiency_test {
 namespace {
 
 struct Rotation {
@@ -97,4 +97,4 @@ TEST(Efficiency, RefusesBadArguments) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::efficiency_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::extremes_under_noise_test {
 namespace {
 
 // The truth by drawing.
@@ -56,4 +56,4 @@ TEST(ExpectRangeUnderNoise, IsZeroWithoutNoise) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::extremes_under_noise_test

@@ -11,7 +11,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::harmonic_regression_test {
 namespace {
 
 std::vector<double> UnevenAngles(std::size_t n) {
@@ -105,4 +105,4 @@ TEST(IntegerOrderSpectrum, ShowsEachLineAtItsOrderUpToNyquist) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::harmonic_regression_test

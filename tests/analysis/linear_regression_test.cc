@@ -9,7 +9,7 @@
 #include "analysis/autocorrelation.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::linear_regression_test {
 namespace {
 
 Eigen::VectorXd AutoregressiveNoise(Eigen::Index n, double rho, std::uint32_t seed) {
@@ -114,4 +114,4 @@ TEST(VarianceInflation, IsThatOfAFirstOrderAutoregression) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::linear_regression_test

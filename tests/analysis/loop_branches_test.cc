@@ -8,7 +8,7 @@
 
 #include "analysis/noise_level.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::loop_branches_test {
 namespace {
 
 TEST(SplitBranches, CutsAtEveryReversalOfAPolygon) {
@@ -124,4 +124,4 @@ TEST(Median, OfValuesWithANaNIsNone) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::loop_branches_test

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::analysis::model {
+namespace strainwave::analysis::model::model_axis_motion_test {
 namespace {
 
 constexpr double kContact = 120.0;     // rad/s of a loose load on its contact, half damped
@@ -82,4 +82,4 @@ TEST(LooseLoad, IsPushedLikeARigidOneWithoutAGap) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::model
+}  // namespace strainwave::analysis::model::model_axis_motion_test

@@ -10,7 +10,7 @@
 #include "analysis/model/plant_model.h"
 #include "analysis/units.h"
 
-namespace strainwave::analysis::model {
+namespace strainwave::analysis::model::model_causes_test {
 namespace {
 
 // The plainest gear: one slope, no friction, nothing in series.
@@ -372,4 +372,4 @@ TEST(PlantModelCauses, RejectsCausesThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::model
+}  // namespace strainwave::analysis::model::model_causes_test

@@ -7,7 +7,7 @@
 #include "analysis/model/thermal.h"
 #include "analysis/units.h"
 
-namespace strainwave::analysis::model {
+namespace strainwave::analysis::model::model_friction_test {
 namespace {
 
 double Efficiency(double torque_Nm, double speed_rpm, double temperature_degC) {
@@ -92,4 +92,4 @@ TEST(Ambient, SwingsOnceADay) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::model
+}  // namespace strainwave::analysis::model::model_friction_test

@@ -8,7 +8,7 @@
 #include "analysis/model/vibration.h"
 #include "analysis/units.h"
 
-namespace strainwave::analysis::model {
+namespace strainwave::analysis::model::model_measuring_chain_test {
 namespace {
 
 TEST(OutputEncoder, StaysWithinItsAccuracyButForEccentricity) {
@@ -50,4 +50,4 @@ TEST(Vibration, RisesWithSpeedLoadAndWear) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::model
+}  // namespace strainwave::analysis::model::model_measuring_chain_test

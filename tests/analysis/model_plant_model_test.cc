@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::analysis::model {
+namespace strainwave::analysis::model::model_plant_model_test {
 namespace {
 
 std::string MessageOf(const PlantModel& model) {
@@ -131,4 +131,4 @@ TEST(PlantModel, RejectsNumbersThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::model
+}  // namespace strainwave::analysis::model::model_plant_model_test

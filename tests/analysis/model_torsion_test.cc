@@ -9,7 +9,7 @@
 #include "analysis/model/plant_parameters.h"
 #include "analysis/units.h"
 
-namespace strainwave::analysis::model {
+namespace strainwave::analysis::model::model_torsion_test {
 namespace {
 
 // The loop of the lock test, walked in small steps of torque; returns the twists at zero torque on the way
@@ -185,4 +185,4 @@ TEST(KinematicError, HasTheDerivativeThatDifferencesGive) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::model
+}  // namespace strainwave::analysis::model::model_torsion_test

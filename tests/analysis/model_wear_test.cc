@@ -7,7 +7,7 @@
 
 #include "analysis/model/plant_parameters.h"
 
-namespace strainwave::analysis::model {
+namespace strainwave::analysis::model::model_wear_test {
 namespace {
 
 constexpr double kLifeTest_h = 1750.0;
@@ -132,4 +132,4 @@ TEST(Specimen, IsTheNominalOneWithoutScatter) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::model
+}  // namespace strainwave::analysis::model::model_wear_test

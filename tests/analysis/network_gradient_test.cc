@@ -10,7 +10,7 @@
 #include "analysis/networks/batch_gradient.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::networks {
+namespace strainwave::analysis::networks::network_gradient_test {
 namespace {
 
 constexpr Activation kActivations[] = {Activation::kLinear, Activation::kRelu, Activation::kSigmoid,
@@ -189,4 +189,4 @@ TEST(Network, SaysWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::networks
+}  // namespace strainwave::analysis::networks::network_gradient_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace strainwave::analysis::networks {
+namespace strainwave::analysis::networks::network_products_test {
 namespace {
 
 using Index = std::ptrdiff_t;
@@ -85,4 +85,4 @@ TYPED_TEST(Products, MultiplyRowsIsItsSumAtEverySize) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::networks
+}  // namespace strainwave::analysis::networks::network_products_test

@@ -15,7 +15,7 @@
 #include "tests/analysis/golden.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::networks {
+namespace strainwave::analysis::networks::network_training_test {
 namespace {
 
 Samples<double> RandomSamples(Eigen::Index inputs, Eigen::Index outputs, Eigen::Index count, unsigned seed) {
@@ -299,4 +299,4 @@ TEST(Train, KeepsTheLastGoodParametersWhenItDiverges) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::networks
+}  // namespace strainwave::analysis::networks::network_training_test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace strainwave::analysis::networks {
+namespace strainwave::analysis::networks::network_vector_functions_test {
 namespace {
 
 template <typename Scalar>
@@ -83,4 +83,4 @@ TYPED_TEST(VectorFunctions, WhatIsNoNumberStaysNoneAndTheEndsAreReached) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::networks
+}  // namespace strainwave::analysis::networks::network_vector_functions_test

@@ -11,7 +11,7 @@
 
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::features {
+namespace strainwave::analysis::features::order_bands_test {
 namespace {
 
 constexpr double kSamplesPerTurn = 517.3;
@@ -76,4 +76,4 @@ TEST(OrderBandEnergies, SayWhatIsWrongWithTheirArguments) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::features
+}  // namespace strainwave::analysis::features::order_bands_test

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace strainwave::analysis::prediction {
+namespace strainwave::analysis::prediction::prediction_fit_test {
 namespace {
 
 // Six reducers of ten records; the output follows the feature alone, which has nothing to do with the cycle.
@@ -91,4 +91,4 @@ TEST(Judge, AddsChangesToWhatTheyAreChangesFrom) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::prediction
+}  // namespace strainwave::analysis::prediction::prediction_fit_test

@@ -16,7 +16,7 @@
 #include "analysis/prediction/splits.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::prediction {
+namespace strainwave::analysis::prediction::prediction_samples_test {
 namespace {
 
 constexpr double kRounding = 1e-12;
@@ -200,4 +200,4 @@ TEST(SplitsByBlocks, KeepNeighboursTogetherAndShowEachFoldAllAges) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::prediction
+}  // namespace strainwave::analysis::prediction::prediction_samples_test

@@ -16,7 +16,7 @@
 #include "analysis/prediction/scores.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::prediction {
+namespace strainwave::analysis::prediction::prediction_uncertainty_test {
 namespace {
 
 Eigen::MatrixXd Normal(Eigen::Index rows, Eigen::Index columns, std::uint32_t seed) {
@@ -222,4 +222,4 @@ TEST(ChooseInformative, SpreadsOverWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::prediction
+}  // namespace strainwave::analysis::prediction::prediction_uncertainty_test

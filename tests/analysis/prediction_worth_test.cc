@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace strainwave::analysis::prediction {
+namespace strainwave::analysis::prediction::prediction_worth_test {
 namespace {
 
 // Four reducers of five records, each measured at 100 + its number, give or take 1.
@@ -103,4 +103,4 @@ TEST(GroupsOfTest, AreSpecimensOrStretchesOfOneLife) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::prediction
+}  // namespace strainwave::analysis::prediction::prediction_worth_test

@@ -8,7 +8,7 @@
 
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::repeatability_test {
 namespace {
 
 TEST(EstimateRepeatability, IsTheSpreadOfOneGroupByHand) {
@@ -64,4 +64,4 @@ TEST(EstimateRepeatability, RefusesValuesWithoutARepeat) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::repeatability_test

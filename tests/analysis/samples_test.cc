@@ -13,7 +13,7 @@
 #include "analysis/samples/wraps.h"
 #include "analysis/units.h"
 
-namespace strainwave::analysis::samples {
+namespace strainwave::analysis::samples::samples_test {
 namespace {
 
 // A slow way to and fro with noise.
@@ -217,4 +217,4 @@ TEST(QuantisationStep, IsTheStepOfARoundedSignalAndNoneOfAnother) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::samples
+}  // namespace strainwave::analysis::samples::samples_test

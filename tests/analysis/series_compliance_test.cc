@@ -9,7 +9,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::series_compliance_test {
 namespace {
 
 constexpr double kCompliance_rad_per_Nm = 1.0 / 4e4 + 1.0 / 3e4;
@@ -81,4 +81,4 @@ TEST(FitEncoderError, WantsATurn) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::series_compliance_test

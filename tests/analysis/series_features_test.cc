@@ -17,7 +17,7 @@
 #include "tests/analysis/golden.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::features {
+namespace strainwave::analysis::features::series_features_test {
 namespace {
 
 using Features = std::map<std::string, double, std::less<>>;
@@ -362,4 +362,4 @@ TEST(SeriesFeatures, OfValuesWhoseSquaresOverflowAreNoNumbers) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::features
+}  // namespace strainwave::analysis::features::series_features_test

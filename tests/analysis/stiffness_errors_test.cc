@@ -7,7 +7,7 @@
 #include "analysis/torsional_stiffness.h"
 #include "tests/analysis/simulated_loop.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::stiffness_errors_test {
 namespace {
 
 // Share of records whose 95 % interval holds the truth, per slope, in per cent.
@@ -61,4 +61,4 @@ TEST(StiffnessStandardErrors, HoldForTheBackbone) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::stiffness_errors_test

@@ -7,7 +7,7 @@
 #include "analysis/torsional_stiffness.h"
 #include "tests/analysis/generated_loop.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::stiffness_misfit_test {
 namespace {
 
 using diagnosis::GeneratedGear;
@@ -88,4 +88,4 @@ TEST(MisfitOfForm, FailsNoCheckWhereFrictionIsASpectrum) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::stiffness_misfit_test

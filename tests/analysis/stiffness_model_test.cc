@@ -9,7 +9,7 @@
 
 #include "tests/analysis/simulated_loop.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::stiffness_model_test {
 namespace {
 
 constexpr TestTorques kTorques{.t1_Nm = 7.0, .t2_Nm = 25.0, .t3_Nm = 34.0};
@@ -170,4 +170,4 @@ TEST(FitStiffnessModel, ReturnsTheLoopItFitted) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::stiffness_model_test

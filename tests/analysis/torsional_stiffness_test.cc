@@ -9,7 +9,7 @@
 #include "tests/analysis/message_of.h"
 #include "tests/analysis/simulated_loop.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::torsional_stiffness_test {
 namespace {
 
 constexpr TestTorques kTorques{.t1_Nm = 7.0, .t2_Nm = 25.0, .t3_Nm = 34.0};
@@ -181,4 +181,4 @@ TEST(StiffnessArguments, AreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::torsional_stiffness_test

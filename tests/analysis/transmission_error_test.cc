@@ -11,7 +11,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::transmission_error_test {
 namespace {
 
 constexpr double kRatio = 80.0;
@@ -295,4 +295,4 @@ TEST(ComputeTransmissionError, FailsACheckWhereTheSecondHarmonicLooksLikeAConsta
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::transmission_error_test

@@ -11,7 +11,7 @@
 #include "analysis/transmission_error.h"
 #include "analysis/units.h"
 
-namespace strainwave::analysis {
+namespace strainwave::analysis::transmission_error_uneven_test {
 namespace {
 
 constexpr double kRatio = 80.0;
@@ -128,4 +128,4 @@ TEST(UnevenSweep, ShowsOneBadSampleAndNoDamagedTooth) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis
+}  // namespace strainwave::analysis::transmission_error_uneven_test

@@ -12,7 +12,7 @@
 
 #include "tests/analysis/message_of.h"
 
-namespace strainwave::analysis::wavelets {
+namespace strainwave::analysis::wavelets::wavelet_filter_bank_test {
 namespace {
 
 // Doubles hold about 2e-16 of a tap; PyWavelets prints its symlets to some 12 digits.
@@ -122,4 +122,4 @@ TEST(FilterBank, RefusesANameThatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::wavelets
+}  // namespace strainwave::analysis::wavelets::wavelet_filter_bank_test

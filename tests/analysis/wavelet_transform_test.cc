@@ -29,7 +29,7 @@ __attribute__((noinline)) void* operator new(std::size_t size) {
 __attribute__((noinline)) void operator delete(void* place) noexcept { std::free(place); }
 __attribute__((noinline)) void operator delete(void* place, std::size_t) noexcept { std::free(place); }
 
-namespace strainwave::analysis::wavelets {
+namespace strainwave::analysis::wavelets::wavelet_transform_test {
 namespace {
 
 constexpr Border kBorders[] = {Border::kSymmetric, Border::kPeriodization, Border::kZero};
@@ -244,4 +244,4 @@ TEST(Transform, SaysWhatIsWrongWithItsArguments) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::wavelets
+}  // namespace strainwave::analysis::wavelets::wavelet_transform_test

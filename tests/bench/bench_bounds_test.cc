@@ -8,7 +8,7 @@
 #include "tests/bench/bench_message.h"
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::bench_bounds_test {
 namespace {
 
 using schedules::With;
@@ -70,4 +70,4 @@ TEST(BenchBounds, KnowTheAccelerometersThatABenchHas) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::bench_bounds_test

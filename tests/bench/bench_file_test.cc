@@ -15,7 +15,7 @@
 #include "tests/bench/bench_message.h"
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::bench_file_test {
 namespace {
 
 using schedules::GoodSchedule;
@@ -394,4 +394,4 @@ TEST(CheckScheduleAgainstBench, WantsAccelerometersForTheRotation) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::bench_file_test

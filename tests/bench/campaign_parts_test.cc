@@ -17,7 +17,7 @@
 #include "bench/campaign/time_to_go.h"
 #include "daq/acquisition/running_statistics.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::campaign_parts_test {
 namespace {
 
 TEST(Sha256, IsThatOfTheStandard) {
@@ -351,4 +351,4 @@ TEST(Recalibrate, ScalesTheRawCountsAnew) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::campaign_parts_test

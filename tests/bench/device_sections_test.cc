@@ -11,7 +11,7 @@
 #include "tests/bench/bench_message.h"
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::device_sections_test {
 namespace {
 
 using schedules::With;
@@ -247,4 +247,4 @@ TEST(DeviceSections, SwitchTheShuntByAModbusDevice) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::device_sections_test

@@ -16,7 +16,7 @@
 #include "tests/daq/scratch_folder.h"
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::diagnosis_files_test {
 namespace {
 
 TEST(DiagnosisJson, HasEveryFieldOfTheContract) {  // docs/contract.md#diagnose
@@ -216,4 +216,4 @@ TEST(MeasurementsToSettle, AreThereForWhatHasNoName) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::diagnosis_files_test

@@ -12,7 +12,7 @@
 #include "bench/diagnosis/diagnosis_pictures.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::diagnosis_spectrum_test {
 namespace {
 
 namespace diagnosis = analysis::diagnosis;
@@ -92,4 +92,4 @@ TEST(DiagnosisSpectrum, StaysWhereAnOrderIsJustInView) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::diagnosis_spectrum_test

@@ -7,7 +7,7 @@
 #include "bench/diagnosis/parameter_words.h"
 #include "tests/bench/made_up_diagnosis.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::diagnosis_text_test {
 namespace {
 
 TEST(DiagnosisText, OpensWithTheVerdict) {
@@ -89,4 +89,4 @@ TEST(ParameterWords, AreThereForEveryNumberOfTheDataSheets) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::diagnosis_text_test

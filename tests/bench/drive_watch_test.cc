@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::drive_watch_test {
 namespace {
 
 using protocols::PowerState;
@@ -117,4 +117,4 @@ TEST_F(Watched, MayChangeItsModeThroughOtherStates) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::drive_watch_test

@@ -9,7 +9,7 @@
 
 #include "analysis/units.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::encoder_skew_test {
 namespace {
 
 constexpr double kRatio = 80.0;
@@ -97,4 +97,4 @@ TEST(EncoderSkew, SaysNothingOfShaftsThatStand) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::encoder_skew_test

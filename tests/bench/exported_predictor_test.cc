@@ -14,7 +14,7 @@
 #include "bench/prediction/onnx_model.h"
 #include "tests/bench/exported_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::exported_predictor_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -227,4 +227,4 @@ TEST_F(AnExportedFolder, TellsExchangedChannelsFromAnotherGear) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::exported_predictor_test

@@ -10,7 +10,7 @@
 
 #include "analysis/units.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::interlocks_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -190,4 +190,4 @@ TEST(Interlocks, NameTheChannelThatIsBad) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::interlocks_test

@@ -16,7 +16,7 @@
 #include "bench/campaign/journal.h"
 #include "bench/campaign/page_checksums.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::journal_pages_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -195,4 +195,4 @@ TEST_F(JournalPages, OfEarlierVersionsAreReadAndSaidToBeUnchecked) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::journal_pages_test

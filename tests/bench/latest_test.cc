@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <thread>
 
-namespace strainwave::bench {
+namespace strainwave::bench::latest_test {
 namespace {
 
 struct Three {
@@ -48,4 +48,4 @@ TEST(Latest, IsNeverHalfOfOneAndHalfOfAnother) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::latest_test

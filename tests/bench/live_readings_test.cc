@@ -10,7 +10,7 @@
 #include "bench/configuration/embedded_bench.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::live_readings_test {
 namespace {
 
 Readings SomeReadings() {
@@ -90,4 +90,4 @@ TEST(LiveValues, AreNoneWhenStaleBadOrNotMeasured) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::live_readings_test

@@ -15,7 +15,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/record_results.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::look_at_samples_test {
 namespace {
 
 using daq::Direction;
@@ -357,4 +357,4 @@ TEST(LookAtSamples, RefusesARateThatContradictsTheTime) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::look_at_samples_test

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::metadata_doubts_test {
 namespace {
 
 using Doubts = std::vector<std::string>;
@@ -58,4 +58,4 @@ TEST(MetadataDoubts, NameAKeyThatNothingReadsButOfAVibrationWhereItMayBeALabel) 
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::metadata_doubts_test

@@ -11,7 +11,7 @@
 #include "bench/monitor/prometheus_text.h"
 #include "bench/monitor/sparkplug_metrics.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::monitor_logic_test {
 namespace {
 
 using protocols::SparkplugMetric;
@@ -279,4 +279,4 @@ TEST(SparkplugMetrics, NoValueIsGoodUnlessItsWindowIs) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::monitor_logic_test

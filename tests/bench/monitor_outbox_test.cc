@@ -11,7 +11,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::monitor_outbox_test {
 namespace {
 
 using protocols::SparkplugMetric;
@@ -209,4 +209,4 @@ TEST_F(OutboxOnDisk, IsForOneMonitorAtATimeAndNoOtherFile) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::monitor_outbox_test

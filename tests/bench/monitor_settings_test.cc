@@ -11,7 +11,7 @@
 
 #include "tests/bench/exported_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::monitor_settings_test {
 namespace {
 
 std::string ErrorsOf(const std::string& text) {
@@ -208,4 +208,4 @@ TEST(MonitorSettings, ATriggerChannelNeedsItsLevel) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::monitor_settings_test

@@ -12,7 +12,7 @@
 
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::monitor_source_test {
 namespace {
 
 using daq::acquisition::NextResult;
@@ -170,4 +170,4 @@ TEST(AcquisitionSource, SamplesOfADeviceHaveTheTimeAtWhichTheyWereHere) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::monitor_source_test

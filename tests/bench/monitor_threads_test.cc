@@ -21,7 +21,7 @@
 #include "bench/monitor/sparkplug_metrics.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::monitor_threads_test {
 namespace {
 
 constexpr int kReadings = 200;
@@ -149,4 +149,4 @@ TEST(MonitorThreads, EachReaderSeesOneWindowWhileABrokerHangsAndAllIsKept) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::monitor_threads_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::monitor_window_test {
 namespace {
 
 constexpr double kRate_hz = 1000.0;
@@ -354,4 +354,4 @@ TEST(WindowCutter, TheEndOfTheStreamCompletesNothing) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::monitor_window_test

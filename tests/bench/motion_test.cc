@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::motion_test {
 namespace {
 
 TEST(Ramp, NeverExceedsItsRateAndEndsOnTheTarget) {
@@ -68,4 +68,4 @@ TEST(ApproachSpeed, CanAlwaysStillBeBraked) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::motion_test

@@ -14,7 +14,7 @@
 #include "bench/campaign/sha256.h"
 #include "daq/cycle_file.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::open_campaign_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -164,4 +164,4 @@ TEST_F(Opening, TakesNoFileOfACycleForThatOfAnother) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::open_campaign_test

@@ -6,7 +6,7 @@
 
 #include "bench/prediction/record_operating_point.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::operating_envelope_test {
 namespace {
 
 using enum OperatingQuantity;
@@ -107,4 +107,4 @@ TEST(OperatingPoint, SaysWhereTwoSourcesContradictEachOther) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::operating_envelope_test

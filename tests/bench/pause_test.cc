@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::pause_test {
 namespace {
 
 constexpr std::int64_t kHour_ms = 3'600'000;
@@ -68,4 +68,4 @@ TEST(Moment, OfNowIsOfThisBoot) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::pause_test

@@ -11,7 +11,7 @@
 #include "analysis/units.h"
 #include "tests/bench/mapping_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::plant_mapping_motion_test {
 namespace {
 
 const std::vector<ParameterValue> kNominal = Values(
@@ -272,4 +272,4 @@ TEST(MappingOfMotion, RejectsWhatItCannotRead) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::plant_mapping_motion_test

@@ -9,7 +9,7 @@
 #include "analysis/units.h"
 #include "tests/bench/mapping_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::plant_mapping_test {
 namespace {
 
 double Error_rad(const GearPlant& plant) { return plant.state().input_rad / 80.0 - plant.state().output_rad; }
@@ -378,4 +378,4 @@ TEST(PlantMapping, DriftsAndShiftsALoop) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::plant_mapping_test

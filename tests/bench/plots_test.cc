@@ -20,7 +20,7 @@
 #include "bench/plots/transmission_error_picture.h"
 #include "bench/plots/trend_picture.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::plots_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -294,4 +294,4 @@ TEST_F(Pictures, OfTrendsRejectWhatCannotBeDrawn) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::plots_test

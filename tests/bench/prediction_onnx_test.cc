@@ -14,7 +14,7 @@
 #include "bench/prediction/onnx_network.h"
 #include "tests/bench/random_predictor.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::prediction_onnx_test {
 namespace {
 
 namespace networks = analysis::networks;
@@ -143,4 +143,4 @@ TEST(OnnxNetwork, OutlivesDamage) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::prediction_onnx_test

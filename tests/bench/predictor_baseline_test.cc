@@ -13,7 +13,7 @@
 #include "bench/predictor_api/strainwave_predictor.h"
 #include "tests/bench/exported_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::predictor_baseline_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -163,4 +163,4 @@ TEST_F(APredictorOfChanges, LeavesNoOldValueWhereTheSpeedIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::predictor_baseline_test

@@ -22,7 +22,7 @@
 #include "bench/prediction/recipe_inputs.h"
 #include "tests/bench/random_predictor.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::predictor_fuzz_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -269,4 +269,4 @@ TEST_F(PredictorFolder, RefusesDamagedNumbersBeforeHdf5SeesThem) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::predictor_fuzz_test

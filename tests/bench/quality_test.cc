@@ -7,7 +7,7 @@
 
 #include "analysis/units.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::quality_test {
 namespace {
 
 class Quality : public testing::Test {
@@ -165,4 +165,4 @@ TEST(Repeatability, IsTheSpreadOfTheRepeatsWidenedForTheirNumber) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::quality_test

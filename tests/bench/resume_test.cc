@@ -17,7 +17,7 @@
 #include "bench/campaign/campaign_error.h"
 #include "daq/checkpoint_file.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::resume_test {
 namespace {
 
 class CutCampaign : public testing::Test {
@@ -354,4 +354,4 @@ TEST_F(CutCampaign, ReadsACheckpointThatDoesNotSayOfWhichBootItIs) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::resume_test

@@ -16,7 +16,7 @@
 #include "tests/bench/canopen/in_process_drives.h"
 #include "tests/bench/real_time.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::servo_contract_test {
 namespace {
 
 using protocols::PowerState;
@@ -224,4 +224,4 @@ INSTANTIATE_TEST_SUITE_P(OfADrive, Contract,
                          [](const auto& instance) { return std::string(instance.param); });
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::servo_contract_test

@@ -9,7 +9,7 @@
 
 #include "analysis/units.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::set_point_watch_test {
 namespace {
 
 constexpr double kPeriod_s = 0.01;
@@ -137,4 +137,4 @@ TEST(PositionAway, TellsAnInputThatDidNotFollow) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::set_point_watch_test

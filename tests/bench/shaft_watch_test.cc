@@ -8,7 +8,7 @@
 
 #include "analysis/units.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::shaft_watch_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -86,6 +86,31 @@ TEST(ShaftWatch, BearsTheStepsOfACoarseEncoder) {
   EXPECT_TRUE(shaft.TurnFor(std::chrono::seconds(60), 0.0).reason);
 }
 
+// A drive that is asked once in a period of a swing, always at a turning point, and tells where it was half a
+// period ago: seen at the end of a rotation behind a slow serial line.
+TEST(ShaftWatch, LetsAShaftSwingThatHasComeToStand) {
+  ShaftWatch watch(0.0);
+  constexpr double kSwing_rad = RadFromDeg(1.3);
+  constexpr nanoseconds kSwingPeriod = milliseconds(80);
+  const auto phase = [](nanoseconds time) {
+    return kTwoPi * static_cast<double>(time.count()) /
+           static_cast<double>(milliseconds(80) / nanoseconds(1));
+  };
+  for (nanoseconds time = kPeriod; time <= std::chrono::seconds(5); time += kPeriod) {
+    const nanoseconds told = time - time % kSwingPeriod;
+    Readings readings;
+    readings.time = readings.angles_time = time;
+    // The first of all is told before anything swings.
+    const double swing_rad = told < milliseconds(400) ? 0.0 : kSwing_rad;
+    readings.input_angle_rad = swing_rad * std::cos(phase(time));
+    readings.input_speed_rad_per_s = -swing_rad * std::sin(phase(time)) * phase(std::chrono::seconds(1));
+    const DriveActual driving{.time = told,
+                              .position_rad = swing_rad * std::cos(phase(told - kSwingPeriod / 2)),
+                              .tells_position = true};
+    ASSERT_FALSE(watch.Check(readings, driving)) << time.count() << " ns";
+  }
+}
+
 TEST(ShaftWatch, DoesNotJudgeADriveThatIsHeldUp) {
   Shaft shaft;
   // For four seconds in five nothing new comes from it; then it is heard five times.
@@ -120,4 +145,4 @@ TEST(ShaftWatch, BeginsAnewWhereAPhaseBegins) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::shaft_watch_test

@@ -13,7 +13,7 @@
 #include "analysis/units.h"
 #include "tests/bench/simulated_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::simulated_bench_test {
 namespace {
 
 namespace model = analysis::model;
@@ -301,4 +301,4 @@ TEST(SimulatedBench, RejectsSettingsThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::simulated_bench_test

@@ -10,7 +10,7 @@
 #include "analysis/units.h"
 #include "tests/bench/causes_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::simulated_causes_test {
 namespace {
 
 constexpr std::string_view kCauses[] = {"gear_backlash",
@@ -308,4 +308,4 @@ TEST(SimulatedDrift, SwingsAboutWhereTheMeasurementBegan) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::simulated_causes_test

@@ -10,7 +10,7 @@
 #include "analysis/units.h"
 #include "tests/bench/causes_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::simulated_drive_causes_test {
 namespace {
 
 // Motor torque at a steady speed, quasi-static, mean over whole turns.
@@ -175,4 +175,4 @@ TEST(SimulatedBrake, GivesWayInEveryForm) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::simulated_drive_causes_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::simulated_drive_test {
 namespace {
 
 using protocols::PowerState;
@@ -101,4 +101,4 @@ TEST(SimulatedDrive, KeepsADriveWithoutPositionModeOutOfIt) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::simulated_drive_test

@@ -4,38 +4,17 @@
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
-#include "bench/devices/simulated/gear_plant.h"
-#include "tests/bench/simulated_helpers.h"
+#include "tests/bench/causes_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::simulated_plant_test {
 namespace {
-
-namespace model = analysis::model;
-using Input = PlantCommands::Input;
 
 model::PlantParameters Nominal(std::initializer_list<std::string_view> without = {}) {
   return model::CompilePlantModel(ModelWithout(without));
 }
 
-PlantCommands Locked(double load_Nm) {
-  PlantCommands commands;
-  commands.load_enabled = true;
-  commands.load_brake = false;
-  commands.load_torque_Nm = load_Nm;
-  return commands;
-}
-
 PlantCommands AtSpeed(double speed_rad_per_s, double load_Nm) {
-  PlantCommands commands = Locked(load_Nm);
-  commands.input = Input::kSpeed;
-  commands.input_set_point = speed_rad_per_s;
-  commands.input_brake = false;
-  return commands;
-}
-
-void Hold(GearPlant& plant, const PlantCommands& commands, double time_s, double step_s = 0.01) {
-  const int steps = static_cast<int>(std::lround(time_s / step_s));
-  for (int i = 0; i < steps; ++i) plant.Step(commands, step_s);
+  return Driven(Input::kSpeed, speed_rad_per_s, load_Nm);
 }
 
 // Loads that only spoil a comparison with a formula.
@@ -277,4 +256,4 @@ TEST(GearPlant, CannotBeForcedBeyondThePeakTorqueOfItsServo) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::simulated_plant_test

@@ -9,7 +9,7 @@
 #include "bench/devices/simulated/vibration_synthesis.h"
 #include "tests/bench/causes_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::simulated_vibration_causes_test {
 namespace {
 
 constexpr double kRate_Hz = 25600.0;
@@ -165,4 +165,4 @@ TEST(SimulatedVibration, ShowsDefectsInTheLevelOfTheBench) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::simulated_vibration_causes_test

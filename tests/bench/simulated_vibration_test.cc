@@ -9,7 +9,7 @@
 #include "bench/devices/simulated/vibration_synthesis.h"
 #include "tests/bench/simulated_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::simulated_vibration_test {
 namespace {
 
 namespace model = analysis::model;
@@ -166,4 +166,4 @@ TEST(BenchVibration, RecordsVibrationWhileItTurns) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::simulated_vibration_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::state_machine_test {
 namespace {
 
 const std::vector<BenchState> kAllStates{BenchState::kFaulted,
@@ -125,4 +125,4 @@ TEST(StateMachine, ASuspendedPhaseComesBackThroughReady) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::state_machine_test

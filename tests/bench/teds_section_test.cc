@@ -8,7 +8,7 @@
 #include "tests/bench/bench_message.h"
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::teds_section_test {
 namespace {
 
 using schedules::With;
@@ -81,4 +81,4 @@ TEST(TedsSection, RefusesADataSheetThatIsNone) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::teds_section_test

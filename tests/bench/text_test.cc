@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::text_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -27,4 +27,4 @@ TEST(Text, IsThatOfFmtForEverythingElse) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::text_test

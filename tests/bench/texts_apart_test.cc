@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::texts_apart_test {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -17,4 +17,4 @@ TEST(TextsApart, HasAsManyDecimalsAsItTakes) {
 TEST(TextsApart, EndsWhereTheTwoAreOne) { EXPECT_EQ(TextsApart(1.5, {1.5}, 2).front(), "1.500000000"); }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::texts_apart_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::timing_histogram_test {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -56,4 +56,4 @@ TEST(TimingHistogram, SaysItInOneLine) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::timing_histogram_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::vibration_channels_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -123,4 +123,4 @@ TEST(SortVibrationColumns, TakesNamesWithoutAUnitOnlyWhereNoneHasOne) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::vibration_channels_test

@@ -9,7 +9,7 @@
 #include "daq/whole_file.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::arrays_file_test {
 namespace {
 
 ArraysFile TwoArrays() {
@@ -65,4 +65,4 @@ TEST(ArraysFile, RefusesAShapeThatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::arrays_file_test

@@ -13,7 +13,7 @@
 #include "daq/data_file_error.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::checkpoint_file_test {
 namespace {
 
 std::span<const std::byte> Bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
@@ -233,4 +233,4 @@ TEST_F(CheckpointFileTest, LosesAtMostTheWriteThatAKillInterrupts) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::checkpoint_file_test

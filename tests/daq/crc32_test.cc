@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace strainwave::daq {
+namespace strainwave::daq::crc32_test {
 namespace {
 
 TEST(Crc32, GivesTheCheckValueOfTheStandard) {
@@ -23,4 +23,4 @@ TEST(Crc32, GoesOnFromWhereItStopped) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::crc32_test

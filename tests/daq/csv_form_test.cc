@@ -4,7 +4,7 @@
 
 #include "tests/daq/csv_sample.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::csv_form_test {
 namespace {
 
 const std::string kHead = "# kind: hysteresis\n# t1_Nm: 7\n";
@@ -122,4 +122,4 @@ TEST(CsvForm, MessagesCountColumnsAsTheFileHasThem) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::csv_form_test

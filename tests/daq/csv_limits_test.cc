@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/daq/csv_sample.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::csv_limits_test {
 namespace {
 
 TEST(CsvLimits, RefusesWhatAQuantityCannotBeWithItsPlace) {
@@ -72,4 +72,4 @@ TEST(CsvLimits, TakesNoMemoryForBlankLines) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::csv_limits_test

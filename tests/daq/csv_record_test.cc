@@ -2,7 +2,7 @@
 #include "daq/value_bounds.h"
 #include "tests/daq/csv_sample.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::csv_record_test {
 namespace {
 
 TEST(CsvRecord, ReadsMetadataAndColumns) {
@@ -360,4 +360,4 @@ TEST(CsvRecord, ReadsLargeFilesWhole) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::csv_record_test

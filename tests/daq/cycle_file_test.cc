@@ -18,7 +18,7 @@
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
-namespace strainwave::daq {
+namespace strainwave::daq::cycle_file_test {
 namespace {
 
 const std::vector<NamedRecord>& Samples() {
@@ -231,4 +231,4 @@ TEST(ReadRecords, TellsHdf5FromCsvByContentAndNotByName) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::cycle_file_test

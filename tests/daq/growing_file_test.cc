@@ -12,7 +12,7 @@
 
 #include "daq/record_error.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::growing_file_test {
 namespace {
 
 constexpr std::size_t kBlocks = 3;
@@ -134,4 +134,4 @@ TEST_F(GrowingFileOnDisk, BeginsAnew) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::growing_file_test

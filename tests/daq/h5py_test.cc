@@ -13,7 +13,7 @@
 #include "tests/daq/sample_records.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::h5py_test {
 namespace {
 
 class H5pyTest : public testing::Test {
@@ -300,4 +300,4 @@ TEST_F(H5pyTest, RefusesWhatAQuantityCannotBe) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::h5py_test

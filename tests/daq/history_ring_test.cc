@@ -9,7 +9,7 @@
 
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::history_ring_test {
 namespace {
 
 using Columns = std::vector<std::vector<double>>;
@@ -60,4 +60,4 @@ TEST(HistoryRing, RefusesToKeepNothing) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::history_ring_test

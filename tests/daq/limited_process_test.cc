@@ -12,7 +12,7 @@
 #include "tests/daq/sample_records.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::limited_process_test {
 namespace {
 
 using std::chrono::seconds;
@@ -103,4 +103,4 @@ TEST(ReadInOwnProcess, TurnsACrashIntoWords) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::limited_process_test

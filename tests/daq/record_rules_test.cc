@@ -9,7 +9,7 @@
 #include "daq/value_bounds.h"
 #include "tests/daq/sample_records.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::record_rules_test {
 namespace {
 
 TEST(CheckRecord, FindsNothingWrongInGoodRecords) {
@@ -124,4 +124,4 @@ TEST(RecordError, HoldsEveryFindingAndShowsTheFirstTwenty) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::record_rules_test

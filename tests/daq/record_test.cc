@@ -10,7 +10,7 @@
 
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::record_test {
 namespace {
 
 Record SmallSweep() {
@@ -90,4 +90,4 @@ TEST(NumberFromText, TakesTheWholeTextOrNothing) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::record_test

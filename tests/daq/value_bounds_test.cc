@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace strainwave::daq {
+namespace strainwave::daq::value_bounds_test {
 namespace {
 
 TEST(ValueBounds, AreThoseOfTheUnitThatANameEndsIn) {
@@ -48,4 +48,4 @@ TEST(FindImplausible, NamesTheFirstValueOutOfBounds) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::value_bounds_test

@@ -18,7 +18,7 @@
 #include "tests/daq/sample_records.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq {
+namespace strainwave::daq::whole_file_test {
 namespace {
 
 std::string WriteError(const std::filesystem::path& path, const std::string& text = "new") {
@@ -176,4 +176,4 @@ TEST(WriteFileAtomically, IsWholeWhenKilledAtAnyMoment) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq
+}  // namespace strainwave::daq::whole_file_test

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace strainwave::protocols {
+namespace strainwave::protocols::candump_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -103,4 +103,4 @@ TEST(ParseCandump, TellsOfEveryBadLineAtOnce) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols
+}  // namespace strainwave::protocols::candump_test

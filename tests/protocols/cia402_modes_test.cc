@@ -9,7 +9,7 @@
 
 #include "protocols/cia402.h"
 
-namespace strainwave::protocols {
+namespace strainwave::protocols::cia402_modes_test {
 namespace {
 
 using enum OperationMode;
@@ -103,4 +103,4 @@ TEST(ModeName, IsDifferentForEachMode) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols
+}  // namespace strainwave::protocols::cia402_modes_test

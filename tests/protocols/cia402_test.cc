@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace strainwave::protocols {
+namespace strainwave::protocols::cia402_test {
 namespace {
 
 using enum PowerState;
@@ -196,4 +196,4 @@ TEST(ControlwordTowardsEnabled, HasNoWordWhereNoCommandLeadsOn) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols
+}  // namespace strainwave::protocols::cia402_test

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace strainwave::protocols {
+namespace strainwave::protocols::hid_report_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -76,4 +76,4 @@ TEST(ChangesOf, TellsKeysThatGoDownFromThoseThatComeUp) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols
+}  // namespace strainwave::protocols::hid_report_test

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace strainwave::protocols {
+namespace strainwave::protocols::sparkplug_test {
 namespace {
 
 using namespace std::string_literals;
@@ -139,4 +139,4 @@ TEST(AsksForRebirth, OnlyWhenTheControlIsTrue) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols
+}  // namespace strainwave::protocols::sparkplug_test

@@ -12,7 +12,7 @@
 
 #include "tests/repository/source_tree.h"
 
-namespace strainwave::repository {
+namespace strainwave::repository::house_rules_test {
 namespace {
 
 constexpr std::size_t kMostLines = 400;
@@ -85,6 +85,19 @@ TEST(HouseRules, FilesStayShort) {
   }
 }
 
+// Files of one program are compiled together, and tests like short names: each has a namespace of its own.
+TEST(HouseRules, EveryTestHasItsOwnNamespace) {
+  for (const SourceFile& file : ReadCode()) {
+    if (!file.path.starts_with("tests/") || !HasSuffix(file.path, "_test.cc")) continue;
+    const std::string name = std::filesystem::path(file.path).stem().string();
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      const std::string& line = file.lines[i];
+      if (!line.starts_with("namespace strainwave") || line.find('=') != std::string::npos) continue;
+      EXPECT_EQ(line, line.substr(0, line.rfind("::")) + "::" + name + " {") << file.path << ":" << i + 1;
+    }
+  }
+}
+
 // Whoever writes past it waits for a stopped terminal, dies of a closed pipe or throws on a full disk.
 TEST(HouseRules, CommandsWriteThroughOneDoor) {
   const std::regex past(
@@ -134,4 +147,4 @@ TEST(HouseRules, ReadmeNamesExactlyTwoCommandsOfSetup) {
 }
 
 }  // namespace
-}  // namespace strainwave::repository
+}  // namespace strainwave::repository::house_rules_test

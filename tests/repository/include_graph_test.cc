@@ -12,7 +12,7 @@
 
 #include "tests/repository/source_tree.h"
 
-namespace strainwave::repository {
+namespace strainwave::repository::include_graph_test {
 namespace {
 
 constexpr std::string_view kFour[] = {"analysis", "daq", "protocols", "schedules"};
@@ -126,4 +126,4 @@ TEST(QuotedInclude, SeesOnlyIncludeLines) {
 }
 
 }  // namespace
-}  // namespace strainwave::repository
+}  // namespace strainwave::repository::include_graph_test

@@ -9,7 +9,7 @@
 #include "schedules/reader/schedule_bounds.h"
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::schedules {
+namespace strainwave::schedules::bounds_test {
 namespace {
 
 constexpr Dimension kDimensions[] = {Dimension::kTime,
@@ -156,4 +156,4 @@ TEST(ScheduleBounds, ASuspensionMustBeAbleToEnd) {
 }
 
 }  // namespace
-}  // namespace strainwave::schedules
+}  // namespace strainwave::schedules::bounds_test

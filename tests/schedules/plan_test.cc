@@ -10,7 +10,7 @@
 
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::schedules {
+namespace strainwave::schedules::plan_test {
 namespace {
 
 using std::chrono::system_clock;
@@ -156,4 +156,4 @@ TEST(MakePlan, ReadsAShuntWithoutAndWithIt) {
 }
 
 }  // namespace
-}  // namespace strainwave::schedules
+}  // namespace strainwave::schedules::plan_test

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace strainwave::schedules {
+namespace strainwave::schedules::quantity_test {
 namespace {
 
 constexpr double kRounding = 1e-15;  // relative; a conversion is one or two roundings
@@ -126,4 +126,4 @@ TEST(ParseNumber, TakesNothingButANumber) {
 }
 
 }  // namespace
-}  // namespace strainwave::schedules
+}  // namespace strainwave::schedules::quantity_test

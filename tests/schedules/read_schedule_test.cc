@@ -9,7 +9,7 @@
 
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::schedules {
+namespace strainwave::schedules::read_schedule_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -258,4 +258,4 @@ TEST(ReadSchedule, RefusesChecksThatCannotBeJudged) {
 }
 
 }  // namespace
-}  // namespace strainwave::schedules
+}  // namespace strainwave::schedules::read_schedule_test

@@ -13,7 +13,7 @@
 #include "schedules/reader/read_schedule.h"
 #include "schedules/reader/validate_schedule.h"
 
-namespace strainwave::schedules {
+namespace strainwave::schedules::schedule_files_test {
 namespace {
 
 const std::filesystem::path kFolder = std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "schedules";
@@ -88,4 +88,4 @@ TEST(ScheduleFiles, TheExampleOfTheReadmeLoadsAndItsDefaultsAreTheReaders) {
 }
 
 }  // namespace
-}  // namespace strainwave::schedules
+}  // namespace strainwave::schedules::schedule_files_test

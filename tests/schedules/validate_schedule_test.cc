@@ -8,7 +8,7 @@
 
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::schedules {
+namespace strainwave::schedules::validate_schedule_test {
 namespace {
 
 // Everything that validation says of a text that the reader takes.
@@ -198,4 +198,4 @@ TEST(ValidateSchedule, ChecksAScheduleThatCameFromNoFile) {
 }
 
 }  // namespace
-}  // namespace strainwave::schedules
+}  // namespace strainwave::schedules::validate_schedule_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::schedules {
+namespace strainwave::schedules::yaml_map_test {
 namespace {
 
 struct Answer {
@@ -62,4 +62,4 @@ TEST(YamlMapTextList, TakesAListOneTextAndNone) {
 }
 
 }  // namespace
-}  // namespace strainwave::schedules
+}  // namespace strainwave::schedules::yaml_map_test

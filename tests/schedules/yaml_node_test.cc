@@ -12,7 +12,7 @@
 
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::schedules {
+namespace strainwave::schedules::yaml_node_test {
 namespace {
 
 std::string MessageOfFile(const std::filesystem::path& path) {
@@ -187,4 +187,4 @@ TEST(ParseYaml, EndsInAResultOrFindingsForAnyDamage) {
 }
 
 }  // namespace
-}  // namespace strainwave::schedules
+}  // namespace strainwave::schedules::yaml_node_test

@@ -17,7 +17,7 @@
 
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::bench_commands_test {
 namespace {
 
 using nlohmann::json;
@@ -331,4 +331,4 @@ TEST(CommissionCommand, MeasuresKeepsAndShowsTheTimeToStop) {
 }
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::bench_commands_test

@@ -8,7 +8,7 @@
 #include "bench/controller/make_program.h"
 #include "tests/simulation/bench_fixture.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::blocks_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -53,4 +53,4 @@ TEST(LoadRun, EndsParkedAtBlocksOf10To500Milliseconds) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::blocks_test

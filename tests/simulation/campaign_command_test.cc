@@ -14,7 +14,7 @@
 #include "tests/simulation/campaign_program.h"
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::campaign_command_test {
 namespace {
 
 /// One campaign for all tests that only look; the ones that damage it take a copy.
@@ -396,4 +396,4 @@ INSTANTIATE_TEST_SUITE_P(BySignal, FourWaysToEnd,
                          [](const auto& instance) { return instance.param.name; });
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::campaign_command_test

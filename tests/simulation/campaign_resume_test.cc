@@ -18,7 +18,7 @@
 #include "tests/simulation/campaign_program.h"
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::campaign_resume_test {
 namespace {
 
 TEST(Resume, WarmsUpAfterALongPauseBeforeItMeasures) {
@@ -143,4 +143,4 @@ INSTANTIATE_TEST_SUITE_P(OfAll, FolderInItsPlace, testing::Values(".", "cycles",
                          });
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::campaign_resume_test

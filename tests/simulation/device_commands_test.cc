@@ -10,7 +10,7 @@
 #include "bench/devices/device_side/device_side.h"
 #include "bench/devices/field/field_machine.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::device_commands_test {
 namespace {
 
 TEST(DeviceCommands, SayWhatWasExpected) {
@@ -38,4 +38,4 @@ TEST(DeviceCommands, SayWhatWasExpected) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::device_commands_test

@@ -9,7 +9,7 @@
 
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::diagnose_command_test {
 namespace {
 
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
@@ -359,4 +359,4 @@ TEST_F(Simulate, TheBenchRunsTheVeryFile) {
 }
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::diagnose_command_test

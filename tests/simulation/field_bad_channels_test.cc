@@ -15,7 +15,7 @@
 #include "tests/simulation/program.h"
 #include "tests/simulation/until.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::field_bad_channels_test {
 namespace {
 
 CampaignInputs InputsIn(const ScratchFolder& scratch) {
@@ -110,4 +110,4 @@ TEST(BadChannels, AreNamedWhileTheyLast) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::field_bad_channels_test

@@ -20,7 +20,7 @@
 #include "tests/simulation/program.h"
 #include "tests/simulation/until.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::field_campaign_test {
 namespace {
 
 std::filesystem::path Folder() {
@@ -309,4 +309,4 @@ TEST_F(FieldCampaign, StoresTheClocksOfTheSources) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::field_campaign_test

@@ -19,7 +19,7 @@
 #include "tests/simulation/bench_fixture.h"
 #include "tests/simulation/device_faults.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::field_faults_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -270,4 +270,4 @@ INSTANTIATE_TEST_SUITE_P(Matrix, FieldFaults,
                          testing::ValuesIn(FaultsInPhases(std::size(kPhases), IsInEveryRun)), NameOf);
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::field_faults_test

@@ -18,7 +18,7 @@
 #include "tests/simulation/field_bench.h"
 #include "tests/simulation/until.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::field_modbus_test {
 namespace {
 
 std::string WithAmplifierAndChamber() {
@@ -197,4 +197,4 @@ TEST_F(ModbusDrives, AreNotEnabledByALook) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::field_modbus_test

@@ -17,7 +17,7 @@
 #include "tests/simulation/device_faults.h"
 #include "tests/simulation/program.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::field_resume_test {
 namespace {
 
 const std::filesystem::path kSource = STRAINWAVE_SOURCE_DIR;
@@ -135,4 +135,4 @@ INSTANTIATE_TEST_SUITE_P(Matrix, FieldResume,
                          testing::ValuesIn(FaultsInPhases(kPhasesOfEveryCycle, IsInEveryRun)), NameOf);
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::field_resume_test

@@ -23,7 +23,7 @@
 #include "tests/simulation/modbus_bench.h"
 #include "tests/simulation/until.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::field_start_test {
 namespace {
 
 class Listener final : public ProgressSink {
@@ -187,4 +187,4 @@ TEST(FieldStart, ResetsAFaultThatWasThereBefore) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::field_start_test

@@ -16,7 +16,7 @@
 #include "tests/simulation/bench_fixture.h"
 #include "tests/simulation/until.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::field_states_test {
 namespace {
 
 BenchDescription Bench() {
@@ -97,4 +97,4 @@ TEST(FieldStates, ShowsBrakeAndSafeTorqueOffOfItsDrives) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::field_states_test

@@ -19,7 +19,7 @@
 #include "tests/simulation/bench_fixture.h"
 #include "tests/simulation/until.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::field_turns_test {
 namespace {
 
 using std::chrono::seconds;
@@ -116,4 +116,4 @@ TEST(FieldTurns, SweepsWhileTheDrivesPositionGoesOver) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::field_turns_test

@@ -11,7 +11,7 @@
 
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::looked_at_records_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -298,4 +298,4 @@ TEST_F(LookedAt, TheStepsOfAQuietEncoderAreNoStructure) {
 }
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::looked_at_records_test

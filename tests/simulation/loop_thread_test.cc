@@ -8,7 +8,7 @@
 #include "bench/controller/make_program.h"
 #include "tests/simulation/bench_fixture.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::loop_thread_test {
 namespace {
 
 // The simulated bench's clock, which holds the loop in its second second until a heartbeat has come: the
@@ -126,4 +126,4 @@ TEST(LoopThread, NamesTheCauseOfAStop) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::loop_thread_test

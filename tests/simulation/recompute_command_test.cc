@@ -11,7 +11,7 @@
 #include "tests/simulation/campaign_program.h"
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::recompute_command_test {
 namespace {
 
 bool SaysNotANumber(const ProgramResult& result) {
@@ -78,4 +78,4 @@ TEST(RecomputeOfACampaign, GivesEachRecordAPictureWhichIsListed) {
 }
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::recompute_command_test

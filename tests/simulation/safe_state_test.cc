@@ -17,7 +17,7 @@
 #include "bench/controller/unwind_program.h"
 #include "tests/simulation/bench_fixture.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::safe_state_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -387,4 +387,4 @@ TEST(Shunt, IsTakenOffHoweverItsCheckEnds) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::safe_state_test

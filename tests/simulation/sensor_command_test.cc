@@ -12,7 +12,7 @@
 #include "daq/cycle_file.h"
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::sensor_command_test {
 namespace {
 
 const std::string kSchedule = STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml";
@@ -151,4 +151,4 @@ TEST(ExpiredCalibration, BlocksTheStartOrStampsTheData) {
 }
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::sensor_command_test

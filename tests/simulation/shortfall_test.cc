@@ -11,7 +11,7 @@
 #include "bench/controller/make_program.h"
 #include "tests/simulation/bench_fixture.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::shortfall_test {
 namespace {
 
 double ResultOf(const PhaseOutcome& outcome, const std::string& quantity) {
@@ -182,4 +182,4 @@ TEST(LoadCheck, SaysWhatIsOff) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::shortfall_test

@@ -10,7 +10,7 @@
 #include "tests/simulation/campaign_program.h"
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::status_command_test {
 namespace {
 
 TEST(StatusOfARunningCampaign, HasItsReadingsBesideTheirLimits) {
@@ -47,4 +47,4 @@ TEST(StatusOfARunningCampaign, HasItsReadingsBesideTheirLimits) {
 }
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::status_command_test

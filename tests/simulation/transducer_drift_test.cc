@@ -18,7 +18,7 @@
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::transducer_drift_test {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -142,4 +142,4 @@ TEST_F(TransducerDrift, AZeroThatIsOffIsSeenWhateverTurnedBefore) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::transducer_drift_test

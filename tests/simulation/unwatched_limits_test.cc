@@ -12,7 +12,7 @@
 #include "bench/configuration/embedded_bench.h"
 #include "tests/simulation/program.h"
 
-namespace strainwave {
+namespace strainwave::unwatched_limits_test {
 namespace {
 
 const std::string kSchedule = STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml";
@@ -82,4 +82,4 @@ TEST_F(WithoutAccelerometers, TheCampaignRunsAndItsJournalSaysWhatIsNotWatched) 
 }
 
 }  // namespace
-}  // namespace strainwave
+}  // namespace strainwave::unwatched_limits_test

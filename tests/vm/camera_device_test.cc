@@ -13,7 +13,7 @@
 #include "tests/bench/real_time.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::camera_device_test {
 namespace {
 
 class CameraDevice : public testing::Test {
@@ -54,4 +54,4 @@ TEST_F(CameraDevice, GivesAPictureForEachRequest) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::camera_device_test

@@ -11,7 +11,7 @@
 #include "tests/bench/real_time.h"
 #include "tests/vm/hid_peer.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::hid_devices_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -176,4 +176,4 @@ TEST_F(HidDevices, AThermometerIsAskedAndItsValueGrowsStale) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::hid_devices_test

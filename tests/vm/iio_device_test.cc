@@ -22,7 +22,7 @@
 #include "tests/simulation/program.h"
 #include "tests/vm/sensor_peer.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::iio_device_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -207,4 +207,4 @@ INSTANTIATE_TEST_SUITE_P(Contexts, IioDevice, testing::Values("local:", "ip:127.
                          [](const auto& context) { return context.param == "local:" ? "Local" : "Iiod"; });
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::iio_device_test

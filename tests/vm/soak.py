@@ -226,7 +226,10 @@ class Soak:
                 said += f"; credited {credited_s:.2f} s of {served_s:.2f} s served; resumed"
                 campaign = self.run("soaked", MANY_CYCLES, resume=True)
             self.say(said)
-        subprocess.run([self.options.build / "strainwave", "stop", self.folder / "soaked", "finish-cycle"], check=False)
+        stop = [self.options.build / "strainwave", "stop", self.folder / "soaked", "finish-cycle"]
+        # Nobody runs the campaign yet where it was resumed just now.
+        expect(until(lambda: campaign.process.poll() is not None or subprocess.run(stop, check=False).returncode == 0, PATIENCE_S),
+               "the campaign takes no stop")
         code = campaign.wait(LONGEST_CYCLE_S)
         expect(code in (0, 130), f"the campaign ended with {code}")
         journal, credited_s, served_s = ledger.note()

@@ -15,7 +15,6 @@ namespace {
 using Eigen::Index;
 
 constexpr double kEdge = 3.0;  // cycles that a level needs to be one
-constexpr double kDay_s = 86400.0;
 
 ShapeRange RowRange(const CampaignLayout& layout) {
   return {kEdge, static_cast<double>(layout.cycles()) - kEdge, 1.0};

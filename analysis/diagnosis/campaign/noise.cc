@@ -18,7 +18,6 @@ namespace {
 using Eigen::Index;
 
 constexpr std::size_t kManyCycles = 30;  // from here on the scatter itself is known to a sixth
-constexpr double kDay_s = 86400.0;
 
 std::vector<Index> RowsWithValue(const std::vector<double>& values) {
   std::vector<Index> rows;

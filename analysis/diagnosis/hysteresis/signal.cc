@@ -164,9 +164,9 @@ std::vector<std::size_t> WithBreaks(std::span<const std::size_t> corners,
 // First samples of the pieces between gaps, corners and breaks, and the number of samples.
 std::vector<std::size_t> PiecesOf(std::span<const double> time_s, std::span<const double> signal,
                                   double noise, std::span<const std::size_t> breaks) {
-  constexpr double kGap = 4.0;  // of a mean step: what happened within it nothing beside it tells
+  constexpr double kNothingBeside = 4.0;  // of a mean step: what happened within it nothing beside it tells
   const std::size_t n = signal.size();
-  const double gap_s = kGap * (time_s[n - 1] - time_s[0]) / static_cast<double>(n - 1);
+  const double gap_s = kNothingBeside * (time_s[n - 1] - time_s[0]) / static_cast<double>(n - 1);
   const std::vector<std::size_t> corners = WithBreaks(Corners(time_s, signal, noise), breaks);
   auto corner = corners.begin();
   std::vector<std::size_t> pieces{0};

@@ -42,9 +42,9 @@ std::vector<double> NeighbourDifferences(std::span<const double> x) {
 // First samples behind the gaps of a record, between the first and the number of samples: steps of many, of
 // which there are few. Stamps that come in bunches have many.
 std::vector<std::size_t> Runs(std::span<const double> time_s) {
-  constexpr double kGap = 8.0;   // of a mean step: no stamp jitters that far
-  constexpr double kFew = 0.01;  // of the samples
-  const double gap_s = kGap * (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+  constexpr double kNoJitter = 8.0;  // of a mean step: no stamp jitters that far
+  constexpr double kFew = 0.01;      // of the samples
+  const double gap_s = kNoJitter * (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
   std::vector<std::size_t> runs{0};
   for (std::size_t i = 1; i < time_s.size(); ++i) {
     if (time_s[i] - time_s[i - 1] > gap_s) runs.push_back(i);

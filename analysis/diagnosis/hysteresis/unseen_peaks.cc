@@ -42,7 +42,7 @@ std::vector<UnseenPeak> FindUnseenPeaks(const LoopGrid& samples) {
   return peaks;
 }
 
-void Place(const UnseenPeak& peak, double share, LoopGrid& samples) {
+void PlaceAt(const UnseenPeak& peak, double share, LoopGrid& samples) {
   samples.turn_Nm[peak.before + 1] = peak.outermost_Nm + share * peak.turned_Nm;
   samples.turn_share[peak.before + 1] = 0.5;
 }
@@ -54,7 +54,7 @@ bool PlaceUnseenPeaks(const GearLaw& law, const Eigen::VectorXd& predicted_rad, 
   constexpr double kShows = 0.5;  // of the noise
   const std::vector<UnseenPeak> peaks = FindUnseenPeaks(samples);
   LoopGrid further = samples;
-  for (const UnseenPeak& peak : peaks) Place(peak, kRound + kSpread, further);
+  for (const UnseenPeak& peak : peaks) PlaceAt(peak, kRound + kSpread, further);
   Eigen::VectorXd as_seen_rad;
   Eigen::VectorXd further_rad;
   FillTwist(law, samples, as_seen_rad);
@@ -75,7 +75,7 @@ bool PlaceUnseenPeaks(const GearLaw& law, const Eigen::VectorXd& predicted_rad, 
     }
     // Round, unless the angle says more.
     const double beyond = following / (weights + noise_rad * noise_rad / (kSpread * kSpread));
-    Place(peaks[p], std::clamp(kRound + beyond, kRound, kSharp), samples);
+    PlaceAt(peaks[p], std::clamp(kRound + beyond, kRound, kSharp), samples);
   }
   return true;
 }

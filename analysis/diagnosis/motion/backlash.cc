@@ -24,7 +24,6 @@ constexpr double kFastestContact = 0.5;
 // Part of a contact's deflection by which the width of a gap is not known.
 constexpr double kContactEdge = 0.1;
 constexpr double kContactMisfit = 0.005;  // of squares; nobody knows the law of the contact
-constexpr double kUnlimited = std::numeric_limits<double>::max();
 // Of a loose load's starts a few are polished, of gaps apart from each other (in ln gap); of these, those
 // that are fitted.
 constexpr double kAnotherGap = 0.3;

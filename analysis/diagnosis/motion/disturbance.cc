@@ -18,9 +18,8 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr double kLeastShare = 0.001;  // of squares: less is what a formula of something else leaves
-constexpr double kUnlimited = std::numeric_limits<double>::max();
 constexpr std::size_t kMostWindows = 3;
-constexpr double kClearly = 25.0;      // noise variances that a window has to take
+constexpr double kClearWindow = 25.0;  // noise variances that a window has to take
 constexpr double kUsualEdge = 0.2;     // to begin with
 constexpr double kLeastBeside = 0.15;  // of the strongest window: soft edges leave a tenth of theirs
 
@@ -59,7 +58,7 @@ std::size_t CountWindowsBeside(const Eigen::MatrixXd& columns, const MotionGrid&
     const double height = window.dot(residual);
     const double drop = height * height;
     strongest = std::max(strongest, drop);
-    if (drop < kClearly * noise * noise || drop < kLeastBeside * strongest) break;
+    if (drop < kClearWindow * noise * noise || drop < kLeastBeside * strongest) break;
     residual -= height * window;
     found.push_back(std::move(window));
   }

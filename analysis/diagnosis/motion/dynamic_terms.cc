@@ -28,14 +28,13 @@ using Eigen::Index;
 constexpr double kLeastDamping = 0.004;
 constexpr double kMostShare = 1.5;  // of the inertia, that may swing
 constexpr std::size_t kMostBeginnings = 4;
-constexpr double kApart = 0.15;         // of ln frequency, that tells two starts apart
-constexpr double kMostSwing = 10.0;     // times the usual acceleration, where a stretch begins
-constexpr double kShortest = 0.02;      // of all points, that a stretch with a beginning of its own has
-constexpr double kDiedAway = 1e-20;     // of a swing's square
-constexpr std::size_t kFirstSwing = 2;  // of the shapes
+constexpr double kApart = 0.15;          // of ln frequency, that tells two starts apart
+constexpr double kMostSwing = 10.0;      // times the usual acceleration, where a stretch begins
+constexpr double kShortestShare = 0.02;  // of all points, that a stretch with a beginning of its own has
+constexpr double kDiedAway = 1e-20;      // of a swing's square
+constexpr std::size_t kFirstSwing = 2;   // of the shapes
 constexpr std::size_t kSwingsRemembered = 8;
 constexpr std::ptrdiff_t kFirstSwingValue = 5;
-constexpr double kUnlimited = std::numeric_limits<double>::max();
 
 // Damping ratios of which a search starts, and their spacing in ln frequency.
 constexpr std::array kDampings{std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std::pair{0.3, 0.25}};
@@ -55,7 +54,7 @@ std::vector<std::size_t> Beginnings(const MotionGrid& grid) {
   const auto count = [&](std::size_t s) { return grid.stretches[s].count; };
   std::ranges::stable_sort(longest, std::greater<>(), count);
   if (longest.size() > kMostBeginnings) longest.resize(kMostBeginnings);
-  const double fewest = kShortest * static_cast<double>(grid.time_s.size());
+  const double fewest = kShortestShare * static_cast<double>(grid.time_s.size());
   while (longest.size() > 1 && static_cast<double>(count(longest.back())) < fewest) longest.pop_back();
   std::ranges::sort(longest);
   return longest;

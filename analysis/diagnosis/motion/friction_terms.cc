@@ -13,7 +13,6 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr double kMisfitOfFriction = 0.001;  // of squares; its laws are fits to what was measured
-constexpr double kUnlimited = std::numeric_limits<double>::max();
 constexpr double kExcited = 0.0005;    // of a column's variance that has to lie beside the nominal terms
 constexpr double kFewestShare = 0.01;  // of the motion that a regime of speed has to make up
 

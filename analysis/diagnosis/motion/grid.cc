@@ -17,13 +17,13 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kFewestRows = 60;
+constexpr std::size_t kFewestGridRows = 60;
 constexpr double kPointsPerSigma = 2.5;  // steps of the points in a σ of the low-pass, at least
 constexpr double kUnknownInertia = 3.0;  // standard errors
 constexpr double kShows = 0.5;           // of the noise, from which on what is wrong with a row does
 // Over the smoothing of the path, which takes next to nothing of what a low-pass half an octave lower lets
 // through.
-const double kWider = std::numbers::sqrt2;
+const double kWideningFactor = std::numbers::sqrt2;
 constexpr double kMuchSmoother = 1.9;  // than the low-pass: an octave
 // Part of what is wrong with a jolt's acceleration that comes from above half the sampling rate, and so lies
 // in all that is below it.
@@ -92,7 +92,7 @@ void WidenRowsAroundJolts(double inertia, MotionGrid& grid) {
   grid.wide.assign(grid.time_s.size(), false);
   if (grid.path_sigma_s < kMuchSmoother * grid.sigma_s) return;
   for (MotionGrid::Stretch& stretch : grid.stretches)
-    stretch.wide_low_pass = MakeKernel(kWider * grid.path_sigma_s, stretch.step_s, 0);
+    stretch.wide_low_pass = MakeKernel(kWideningFactor * grid.path_sigma_s, stretch.step_s, 0);
   const double left = kFoldedBack * std::sqrt(grid.sigma_s / grid.path_sigma_s);
   for (std::size_t i = 0; i < grid.wide.size(); ++i) {
     if (std::abs(inertia) * grid.acceleration_error[i] < kShows * grid.noise_floor) continue;
@@ -133,7 +133,7 @@ void FillRows(const MotionSamples& samples, std::span<const PointLayout> layouts
               std::span<const double> passage_error, MotionGrid& grid) {
   ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, passage_error, grid);
   const auto rows = static_cast<Index>(grid.rows());
-  if (grid.rows() < kFewestRows) {
+  if (grid.rows() < kFewestGridRows) {
     throw std::invalid_argument(
         "too little of the record moves to hold any of it out (expected an axis that is in motion for some "
         "150 "

@@ -33,7 +33,7 @@ const double kSlowestDecay = 1.0 / std::numbers::sqrt2;
 constexpr double kKink = 0.5;
 
 // Half an octave of the acceleration, at the points.
-struct Band {
+struct AccelerationBand {
   std::vector<double> values;
   std::vector<double> mean_squares;  // around each
   std::vector<double> noise;         // standard deviations
@@ -56,9 +56,10 @@ double PathNoise(const MotionSamples& samples, const MotionBandwidth& bandwidth,
   return bandwidth.by_velocity ? samples.velocity_noise : samples.PositionNoise(speed);
 }
 
-Band MeasureBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
-                 std::span<const PointLayout> layouts, const MotionGrid& grid, double sigma_s) {
-  Band band;
+AccelerationBand MeasureAccelerationBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                                         std::span<const PointLayout> layouts, const MotionGrid& grid,
+                                         double sigma_s) {
+  AccelerationBand band;
   band.values.assign(grid.time_s.size(), 0.0);
   const double top_speed = QuantileOfMagnitude(grid.velocity, 0.95);
   std::vector<double> moving;
@@ -122,7 +123,7 @@ struct TorqueBand {
 // @param counts  of a point; asked where the band of the torque is known
 template <typename Predicate>
 TorqueBand MeasureTorqueBand(const MotionSamples& samples, std::span<const PointLayout> layouts,
-                             const MotionGrid& grid, double sigma_s, const Band& band,
+                             const MotionGrid& grid, double sigma_s, const AccelerationBand& band,
                              const Predicate& counts) {
   TorqueBand sums;
   for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
@@ -144,7 +145,7 @@ TorqueBand MeasureTorqueBand(const MotionSamples& samples, std::span<const Point
 }
 
 // What the torque follows is motion, however usual it is.
-void TakeFollowedForMotion(const TorqueBand& torque, Band& band) {
+void TakeFollowedForMotion(const TorqueBand& torque, AccelerationBand& band) {
   const double followed =
       torque.xx > 0.0 && torque.yy > 0.0 ? torque.xy * torque.xy / (torque.xx * torque.yy) : 0.0;
   const double unfollowed = std::sqrt((1.0 - followed) * torque.xx /
@@ -212,7 +213,7 @@ std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionB
   }
   for (double sigma_s = bandwidth.path_sigma_s; sigma_s < 1.01 * bandwidth.calm_sigma_s;
        sigma_s *= std::numbers::sqrt2) {
-    const Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
+    const AccelerationBand band = MeasureAccelerationBand(samples, bandwidth, layouts, grid, sigma_s);
     std::vector<bool> calm(grid.time_s.size(), false);
     const auto is_calm = [&](std::size_t point) {
       calm[point] = std::sqrt(band.mean_squares[point]) < kStandsOut * band.white[point];
@@ -239,7 +240,7 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
        sigma_s > 0.99 * bandwidth.sigma_s; sigma_s /= std::numbers::sqrt2) {
     const bool left = sigma_s > 0.99 * bandwidth.path_sigma_s;
     const bool last = sigma_s < 1.01 * bandwidth.sigma_s;
-    Band band = MeasureBand(samples, bandwidth, layouts, grid, sigma_s);
+    AccelerationBand band = MeasureAccelerationBand(samples, bandwidth, layouts, grid, sigma_s);
     const auto all = [](std::size_t) { return true; };
     TakeFollowedForMotion(MeasureTorqueBand(samples, layouts, grid, sigma_s, band, all), band);
     for (std::size_t i = 0; i < traces.size(); ++i) {
@@ -288,7 +289,7 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
 std::vector<double> LastBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                              std::span<const PointLayout> layouts, const MotionGrid& grid) {
   std::vector<double> sizes =
-      MeasureBand(samples, bandwidth, layouts, grid, bandwidth.path_sigma_s).mean_squares;
+      MeasureAccelerationBand(samples, bandwidth, layouts, grid, bandwidth.path_sigma_s).mean_squares;
   for (double& size : sizes) size = size > 0.0 ? std::sqrt(size) : std::numeric_limits<double>::infinity();
   return sizes;
 }

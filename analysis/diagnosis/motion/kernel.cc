@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFlatness = 6;                    // terms of the exponential series that are kept
 constexpr double kWidth = 2.9918 / kHalfPower;  // σ of the Gaussian in it, over the header's
-constexpr double kReach = 6.0 * kWidth;         // σ
+constexpr double kKernelReach = 6.0 * kWidth;   // σ
 
 // The kernel's derivative: Σⱼ (−½)ʲ/j! · σ²ʲ · G⁽²ʲ⁺ᵏ⁾, with G⁽ⁿ⁾ = (−1)ⁿ Heₙ(u) G / σⁿ.
 double KernelValue(double time_s, double header_sigma_s, int derivative) {
@@ -67,7 +67,7 @@ double KernelTaps::At(std::span<const double> samples, std::size_t place) const 
 
 KernelTaps MakeKernel(double sigma_s, double step_s, int derivative, double shift_s) {
   KernelTaps kernel;
-  kernel.reach = static_cast<std::size_t>(std::ceil((kReach * sigma_s + std::abs(shift_s)) / step_s));
+  kernel.reach = static_cast<std::size_t>(std::ceil((kKernelReach * sigma_s + std::abs(shift_s)) / step_s));
   kernel.taps.resize(2 * kernel.reach + 1);
   std::vector<double> offsets_s(kernel.taps.size());
   for (std::size_t k = 0; k < kernel.taps.size(); ++k) {

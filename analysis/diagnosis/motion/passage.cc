@@ -12,7 +12,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kClearly = 12.0;  // in −2 log-likelihood: what a detail of the nominal model has to bring
+constexpr double kClearDetail =
+    12.0;  // in −2 log-likelihood: what a detail of the nominal model has to bring
 constexpr double kNarrowest = 2e-4;  // of the 95 % quantile of the speed
 constexpr double kWidest = 0.026;    // of it
 
@@ -76,7 +77,7 @@ std::vector<SignPassage> ChooseSignPassage(MotionGrid& grid, const Eigen::Vector
   for (double share = kNarrowest; share < kWidest; share *= 2.0) {
     for (const bool hyperbolic : {false, true})
       try_passage({.width = share * speed, .hyperbolic = hyperbolic},
-                  best.width > grid.velocity_noise ? 0.0 : kClearly);
+                  best.width > grid.velocity_noise ? 0.0 : kClearDetail);
   }
   if (best.width > grid.velocity_noise) {
     for (double ratio = std::sqrt(2.0); ratio > 1.02; ratio = std::sqrt(ratio)) {
@@ -90,7 +91,7 @@ std::vector<SignPassage> ChooseSignPassage(MotionGrid& grid, const Eigen::Vector
   SetPassage(grid, best);
   std::vector<SignPassage> open;
   for (const auto& [left, passage] : tried) {
-    if (static_cast<double>(grid.rows()) * std::log(left / least) < kClearly) open.push_back(passage);
+    if (static_cast<double>(grid.rows()) * std::log(left / least) < kClearDetail) open.push_back(passage);
   }
   return open;
 }

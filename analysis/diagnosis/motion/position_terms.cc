@@ -12,7 +12,6 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kUnlimited = std::numeric_limits<double>::max();
 constexpr double kHighestPerTurn = 1200.0;
 constexpr double kHighestPerM = 2e5;
 

@@ -103,7 +103,7 @@ double NormalisedDifference(std::span<const double> time_s, std::span<const doub
 
 }  // namespace
 
-double WhiteNoise(std::span<const double> samples) {
+double WhiteNoiseLevel(std::span<const double> samples) {
   if (samples.size() < 16) return 0.0;
   std::vector<double> differences(samples.begin(), samples.end());
   double least = 0.0;
@@ -224,13 +224,14 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
     samples.position_step = std::max(samples.position_step, step);
     // Of the samples as they came: bringing them onto even steps smooths them.
     torque_noise.push_back(
-        std::max(WhiteNoise(record.torque), QuantisationStep(record.torque) / std::sqrt(12.0)));
+        std::max(WhiteNoiseLevel(record.torque), QuantisationStep(record.torque) / std::sqrt(12.0)));
     for (EvenStretch& stretch : EvenStretches(record, unknown, name, samples.warnings)) {
       stretch.record = r;
-      position_noise.push_back(std::max(WhiteNoise(WithoutRests(stretch.position)), step / std::sqrt(12.0)));
+      position_noise.push_back(
+          std::max(WhiteNoiseLevel(WithoutRests(stretch.position)), step / std::sqrt(12.0)));
       stamp_error_s.push_back(stretch.stamp_error_s);
       if (!stretch.velocity.empty()) {
-        velocity_noise.push_back(std::max(WhiteNoise(WithoutRests(stretch.velocity)),
+        velocity_noise.push_back(std::max(WhiteNoiseLevel(WithoutRests(stretch.velocity)),
                                           QuantisationStep(stretch.velocity) / std::sqrt(12.0)));
       }
       samples.stretches.push_back(std::move(stretch));

@@ -56,7 +56,7 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
 
 /// Standard deviation of the white part of even samples: median |difference| of the order, from the first to
 /// the eighth, that leaves least, so that no motion counts. 0 for fewer than 16 samples.
-double WhiteNoise(std::span<const double> samples);
+double WhiteNoiseLevel(std::span<const double> samples);
 
 /// Standard deviation of the times of samples: what of the white part of their position grows with speed. A
 /// sample is noisier by its speed times that. 0 where a fast axis is hardly noisier than a slow one, or of

@@ -14,8 +14,8 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 using samples::kGap;
-constexpr double kEvenEnough = 0.01;   // of a step
-constexpr std::size_t kShortest = 40;  // samples of a stretch that is of use
+constexpr double kEvenEnough = 0.01;          // of a step
+constexpr std::size_t kShortestStretch = 40;  // samples of a stretch that is of use
 
 // Rows of a record that are kept, with their times.
 struct Rows {
@@ -131,7 +131,7 @@ std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vect
                                        const std::string& name, std::vector<std::string>& warnings) {
   const Rows rows = DistinctRows(record, name, warnings);
   std::vector<EvenStretch> stretches;
-  if (rows.row.size() < kShortest) return stretches;
+  if (rows.row.size() < kShortestStretch) return stretches;
   std::vector<double> steps;
   for (std::size_t i = 1; i < rows.time_s.size(); ++i) steps.push_back(rows.time_s[i] - rows.time_s[i - 1]);
   const double step_s = Median(steps);
@@ -143,7 +143,7 @@ std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vect
   bool by_number = jitter < kEvenEnough;
   if (!by_number) {
     const std::vector<double> position = Pick(record.position, rows.row);
-    by_number = WhiteNoise(position) < 0.8 * WhiteNoise(Resample(rows.time_s, position, step_s));
+    by_number = WhiteNoiseLevel(position) < 0.8 * WhiteNoiseLevel(Resample(rows.time_s, position, step_s));
     warnings.push_back(fmt::format(
         "{}time stamps jitter by {:.2g} % of their step of {:.4g} ms: {}", name, 100.0 * jitter, 1e3 * step_s,
         by_number ? "taken as even, the position is smoother like that" : "brought onto even steps"));
@@ -160,7 +160,7 @@ std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vect
     }
     if (last < rows.row.size()) ++gaps;
     const std::size_t count = last - first;
-    if (count >= kShortest) {
+    if (count >= kShortestStretch) {
       const std::span<const std::size_t> picked(rows.row.data() + first, count);
       const std::span<const double> time(rows.time_s.data() + first, count);
       EvenStretch stretch;

@@ -17,8 +17,6 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kArcminPerRad = 10800.0 / kPi;
-
 using Samples = TransmissionErrorSamples;
 
 // Orders per output turn that a ripple within a stretch may have.

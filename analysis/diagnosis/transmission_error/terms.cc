@@ -19,7 +19,6 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kArcminPerRad = 10800.0 / kPi;
 constexpr double kLargest_arcmin = 60.0;  // no gear that still turns errs by more
 constexpr double kLeastWarming_K = 0.1;   // a drift of less than that is one of time
 

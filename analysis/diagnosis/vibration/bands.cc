@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 // A tone that holds this share of a band's power is what the band is.
 constexpr double kToneShare = 0.8;
-constexpr double kLeastExcess = 11.0;
+constexpr double kLeastBandExcess = 11.0;
 constexpr int kTurnings = 8;  // towards the best direction
 
 // What the channels of one run have in common in a range of cells: sums of their products in step.
@@ -94,7 +94,7 @@ std::vector<NoiseBand> FindBands(const VibrationRemainder& remainder, double low
         sum += along.back().power;
       }
       const double excess = ExcessOf(sum, noise + 0.5 * directions);
-      if (!(excess > kLeastExcess)) continue;
+      if (!(excess > kLeastBandExcess)) continue;
       double loudest = 0.0;
       for (std::size_t k = i; k < i + length; ++k) {
         double power = 0.0;

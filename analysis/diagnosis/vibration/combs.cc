@@ -11,7 +11,7 @@ namespace {
 constexpr int kLengths[] = {1, 2, 3, 4, 6, 9, 13, 19, 28, 40};
 constexpr std::size_t kMostHarmonics = 160;
 // Weaker combs than this never stand up to the number of places searched.
-constexpr double kLeastExcess = 14.0;
+constexpr double kLeastCombExcess = 14.0;
 constexpr double kLeastNear = 6.0;  // beside an order that is known
 // Combs this much weaker than the strongest are not among the few that are wanted.
 constexpr double kLeastShare = 0.3;
@@ -157,12 +157,12 @@ std::vector<Comb> FindCombs(const VibrationSpectrum& spectrum, double lowest, do
   Harmonics harmonics;
   harmonics.sideband = sideband;
   highest = std::min(highest, 0.5 * spectrum.highest());
-  Limits limits = LimitsFor(spectrum, sideband, kLeastExcess);
+  Limits limits = LimitsFor(spectrum, sideband, kLeastCombExcess);
   for (double order = lowest; order < highest; order += StepAt(spectrum, order)) {
     if (!allowed(order)) continue;
     harmonics.Take(spectrum, order);
     const Comb comb = BestRange(harmonics, static_cast<double>(spectrum.channels()), order, limits);
-    if (comb.excess > kLeastExcess) found.push_back(comb);
+    if (comb.excess > kLeastCombExcess) found.push_back(comb);
     limits.Raise(kLeastShare * comb.excess);
   }
   std::sort(found.begin(), found.end(), [](const Comb& a, const Comb& b) { return a.excess > b.excess; });

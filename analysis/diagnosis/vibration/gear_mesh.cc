@@ -15,9 +15,9 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kLeastOfSet = 4.0;    // −ln p of known lines together
-constexpr double kPartOfCell = 0.3;    // that tells two lines apart
-constexpr double kScalesACell = 12.0;  // standard errors to both sides, and some between
+constexpr double kLeastOfSet = 4.0;      // −ln p of known lines together
+constexpr double kPartOfLineCell = 0.3;  // that tells two lines apart
+constexpr double kScalesACell = 12.0;    // standard errors to both sides, and some between
 constexpr int kMostMultiple = 3;
 
 struct MeshOrders {
@@ -35,7 +35,7 @@ MeshOrders OrdersOf(const VibrationSamples& samples) {
   MeshOrders orders{
       {model::FlexsplineMeshOrder(samples.ratio), model::CircularSplineMeshOrder(samples.ratio)}, {}};
   const double output = 1.0 / std::abs(samples.ratio);
-  const double apart = kPartOfCell / samples.shortest_turns();
+  const double apart = kPartOfLineCell / samples.shortest_turns();
   const auto add = [&](double order) {
     const auto is_near = [&](double other) { return std::abs(other - order) < apart; };
     if (std::ranges::none_of(orders.first_two, is_near) && std::ranges::none_of(orders.others, is_near))

@@ -15,7 +15,7 @@ constexpr std::size_t kMostBases = 4;
 // Of BIC. A further term that brings less hides nothing; and what brings that much, and as much of it beside
 // a further term, is there and was found.
 constexpr double kHidesNothing = 100.0;
-constexpr double kIsThere = 200.0;
+constexpr double kWorthSearching = 200.0;
 constexpr double kAsMuch = 0.9;
 
 VibrationSolution FitTerms(const VibrationSolver& solver, const std::vector<VibrationTerm>& terms) {
@@ -126,7 +126,7 @@ std::optional<VibrationFound> VibrationSearches::FoundBesideFewer(const Vibratio
     if (fewer.size() + 1 != terms.size() || !IsNearlyWithin(base.remainder.samples(), fewer, terms)) continue;
     const auto& [term, gain] = found->second;
     if (gain <= 0.0 && other.bic - base.searched.bic < kHidesNothing) return found->second;
-    if (!term || gain < kIsThere) continue;
+    if (!term || gain < kWorthSearching) continue;
     const double gain_now = base.searched.bic - WithFound(base, *term, cause).bic();
     if (gain_now > kAsMuch * gain) return VibrationFound{term, gain_now};
   }

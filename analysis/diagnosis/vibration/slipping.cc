@@ -24,12 +24,12 @@ using Complex = std::complex<double>;
 using Series = std::vector<Complex>;
 
 constexpr double kLowestRing = 0.04;  // of the sampling rate
-constexpr double kHighestRing = 0.45;
-constexpr double kNextRing = 1.25;      // within a width of what rings
-constexpr double kDamping = 0.08;       // as a bearing's housing has it; what is found is refined
-constexpr double kHarmonics = 4.0;      // of the highest order, in the spectrum of an envelope
-constexpr double kClearExcess = 7.0;    // −ln p of a comb beyond all that were looked at
-constexpr double kLooksPerCell = 30.0;  // ranges of harmonics, and steps finer than a cell
+constexpr double kHighestSlipRing = 0.45;
+constexpr double kNextSlipRing = 1.25;    // within a width of what rings
+constexpr double kHousingDamping = 0.08;  // as a bearing's housing has it; what is found is refined
+constexpr double kHarmonics = 4.0;        // of the highest order, in the spectrum of an envelope
+constexpr double kClearExcess = 7.0;      // −ln p of a comb beyond all that were looked at
+constexpr double kLooksPerCell = 30.0;    // ranges of harmonics, and steps finer than a cell
 constexpr std::size_t kMostTried = 3;
 constexpr int kTracks = 3;
 constexpr std::size_t kMostLinesThatBeat = 5;
@@ -92,21 +92,21 @@ Envelope EnvelopeOf(const VibrationRun& run, const std::vector<Series>& matched,
 }
 
 // An order, and the ring that is heard with it.
-struct Heard {
+struct HeardTrain {
   double order{};
   double ring_Hz{};
   double excess{};
 };
 
-std::vector<Heard> FindHeard(const VibrationRemainder& remainder, double lowest, double highest,
-                             const std::function<bool(double order)>& allowed) {
+std::vector<HeardTrain> FindHeard(const VibrationRemainder& remainder, double lowest, double highest,
+                                  const std::function<bool(double order)>& allowed) {
   const VibrationRun& run = remainder.samples().runs.front();
-  const double looks = std::log(kHighestRing / kLowestRing) / std::log(kNextRing) * kLooksPerCell *
+  const double looks = std::log(kHighestSlipRing / kLowestRing) / std::log(kNextSlipRing) * kLooksPerCell *
                        (highest - lowest) * run.turns;
-  std::vector<Heard> found;
-  for (double ring = kLowestRing; ring < kHighestRing; ring *= kNextRing) {
+  std::vector<HeardTrain> found;
+  for (double ring = kLowestRing; ring < kHighestSlipRing; ring *= kNextSlipRing) {
     const double ring_Hz = ring / run.period_s;
-    const Envelope envelope = EnvelopeOf(run, Matched(remainder, ring_Hz, kDamping), highest);
+    const Envelope envelope = EnvelopeOf(run, Matched(remainder, ring_Hz, kHousingDamping), highest);
     const std::vector<double> ones(envelope.values.size(), 1.0);
     const VibrationSpectrum spectrum(envelope.samples, envelope.values, ones, SpectrumAxis::kTurns);
     for (const Comb& comb :
@@ -115,13 +115,13 @@ std::vector<Heard> FindHeard(const VibrationRemainder& remainder, double lowest,
         found.push_back({Refined(spectrum, comb).order, ring_Hz, comb.excess});
     }
   }
-  std::ranges::sort(found, std::greater<>(), &Heard::excess);
+  std::ranges::sort(found, std::greater<>(), &HeardTrain::excess);
   found.resize(std::min(found.size(), kMostTried));
   return found;
 }
 
 // The channels as one: in the proportion in which they ring at these samples.
-Series InStep(const std::vector<Series>& matched, const std::vector<std::size_t>& at) {
+Series SlipInStep(const std::vector<Series>& matched, const std::vector<std::size_t>& at) {
   const auto loudness = [&](const Series& channel) {
     double sum = 0.0;
     for (const std::size_t i : at) sum += std::norm(channel[i]);
@@ -184,7 +184,7 @@ Best Follow(const VibrationRemainder& remainder, VibrationTerm term) {
     }
     const std::vector<std::size_t> chain = BestChain(run, term.shapes[0], loud);
     if (chain.size() < 8) return best;
-    const Series together = InStep(matched, chain);
+    const Series together = SlipInStep(matched, chain);
     std::vector<double> heights;
     for (const std::size_t i : chain) heights.push_back(std::abs(together[i]) / energy);
     const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
@@ -215,12 +215,12 @@ bool DiesAway(const VibrationRemainder& remainder, const VibrationTerm& ring) {
   return ring.shapes[2] * kTwoPi * ring.shapes[1] * apart_s > kLeastDecayOfEnvelope;
 }
 
-VibrationTerm TermOf(const VibrationRemainder& remainder, std::size_t index, const Heard& heard) {
+VibrationTerm TermOf(const VibrationRemainder& remainder, std::size_t index, const HeardTrain& heard) {
   VibrationTerm term;
   term.cause = index;
   term.form = VibrationForm::kRing;
   term.heard.assign(remainder.samples().channels(), 1);
-  term.shapes = {heard.order, heard.ring_Hz, kDamping, 0.0};
+  term.shapes = {heard.order, heard.ring_Hz, kHousingDamping, 0.0};
   return term;
 }
 
@@ -239,7 +239,7 @@ Best WithChange(const VibrationRemainder& remainder, TermFit even) {
 
 // Lines a few orders apart beat, so that together they are loud so many times a turn: a few of them explain
 // as much. What slips has no lines.
-bool AreLines(const VibrationRemainder& remainder, const TermFit& train, SpectrumAxis axis) {
+bool IsAFamilyOfLines(const VibrationRemainder& remainder, const TermFit& train, SpectrumAxis axis) {
   const bool over_turns = axis == SpectrumAxis::kTurns;
   const VibrationSpectrum& spectrum = over_turns ? remainder.over_turns() : remainder.over_seconds();
   const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
@@ -296,14 +296,14 @@ Best SearchSlippingTrain(const VibrationRemainder& remainder, std::size_t index,
                          double highest, const std::function<bool(double order)>& allowed) {
   Best best;
   if (remainder.samples().runs.size() != 1) return best;
-  for (const Heard& heard : FindHeard(remainder, lowest, highest, allowed)) {
+  for (const HeardTrain& heard : FindHeard(remainder, lowest, highest, allowed)) {
     Best fit = Follow(remainder, TermOf(remainder, index, heard));
     if (fit && DiesAway(remainder, fit->term) &&
         (!best || BicWithSlips(remainder.samples(), *fit) < BicWithSlips(remainder.samples(), *best)))
       best = std::move(fit);
   }
-  if (!best || AreLines(remainder, *best, SpectrumAxis::kTurns) ||
-      AreLines(remainder, *best, SpectrumAxis::kSeconds))
+  if (!best || IsAFamilyOfLines(remainder, *best, SpectrumAxis::kTurns) ||
+      IsAFamilyOfLines(remainder, *best, SpectrumAxis::kSeconds))
     return std::nullopt;
   best = WithChange(remainder, std::move(*best));
   Best again = Follow(remainder, best->term);

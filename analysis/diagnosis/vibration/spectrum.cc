@@ -13,7 +13,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr std::size_t kPadding = 4;
+constexpr std::size_t kSpectrumPadding = 4;
 
 // Residual times weight, at even steps of the axis.
 std::vector<double> AtEvenSteps(std::span<const double> place, std::span<const double> residual,
@@ -163,13 +163,13 @@ VibrationSpectrum::VibrationSpectrum(const VibrationSamples& samples, std::span<
     for (const VibrationStretch& channel : run.channels) {
       std::vector<double> values = AtEvenSteps(place, residual.subspan(channel.first, run.size()),
                                                weights.subspan(channel.first, run.size()), step, even);
-      const std::size_t size = std::bit_ceil(kPadding * values.size());
+      const std::size_t size = std::bit_ceil(kSpectrumPadding * values.size());
       values.resize(size, 0.0);
       std::vector<std::complex<double>> spectrum;
       transform.fwd(spectrum, values);
       std::vector<double> power(size / 2);
       for (std::size_t j = 0; j < power.size(); ++j) power[j] = std::norm(spectrum[j]);
-      const std::vector<double> background = BackgroundOf(power, kPadding);
+      const std::vector<double> background = BackgroundOf(power, kSpectrumPadding);
       std::vector<std::complex<float>> amplitudes(power.size());
       own.power.resize(power.size(), 0.0F);
       own.step = 1.0 / (static_cast<double>(size) * step / (turns ? kTwoPi : 1.0));

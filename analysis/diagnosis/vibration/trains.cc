@@ -20,13 +20,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kOtherRing = 0.25;    // ln of how far apart rings are that one train may have
-constexpr double kNextRing = 1.055;    // within a width of the resonance
-constexpr double kHighestRing = 0.45;  // of the sampling rate
-constexpr double kLeastOverlap = 0.1;  // of a train's harmonics with the resonance
+constexpr double kOtherRing = 0.25;           // ln of how far apart rings are that one train may have
+constexpr double kNextRing = 1.055;           // within a width of the resonance
+constexpr double kHighestMatchedRing = 0.45;  // of the sampling rate
+constexpr double kLeastTrainOverlap = 0.1;    // of a train's harmonics with the resonance
 // Far below what the number of places searched makes of noise: what is weaker is never among the strongest.
-constexpr double kLeastPower = 9.0;
-constexpr double kLeastExcess = 9.0;
+constexpr double kLeastTrainPower = 9.0;
+constexpr double kLeastTrainExcess = 9.0;
 constexpr std::size_t kPlacesPerHarmonic = 2;  // or more: a power of two in all
 constexpr std::size_t kLooksPerRing = 24;
 constexpr std::size_t kTrainsPerRing = 3;
@@ -89,7 +89,7 @@ class TrainSearch {
   std::vector<TrainStart> Find(double lowest, double highest,
                                const std::function<bool(double order)>& allowed) {
     std::vector<std::pair<double, double>> looks;  // statistic, order; the weakest first once it is full
-    double least = kLeastPower;
+    double least = kLeastTrainPower;
     std::vector<Comb> together;
     const auto take = [&] {
       const std::vector<Place> best = BestPlaces(together);
@@ -110,7 +110,7 @@ class TrainSearch {
       if (comb.last < comb.first || !allowed(order)) continue;
       const Look plain = LookAt(comb, 0.0);
       // No sum with phases exceeds that of the amplitudes.
-      if (plain.noise < kLeastOverlap ||
+      if (plain.noise < kLeastTrainOverlap ||
           plain.power * static_cast<double>(comb.harmonics()) < least * plain.noise)
         continue;
       comb.noise = plain.noise;
@@ -122,7 +122,7 @@ class TrainSearch {
     std::vector<TrainStart> found;
     for (const auto& [power, order] : looks) {
       const TrainStart start = WithSidebands(CombOf(order));
-      if (start.excess > kLeastExcess) found.push_back(start);
+      if (start.excess > kLeastTrainExcess) found.push_back(start);
     }
     return found;
   }
@@ -242,7 +242,7 @@ class TrainSearch {
       if (!(square > 0.0)) continue;
       // About a ring that is far from the harmonics the sidebands are the louder ones, by noise alone.
       const double beside = LookAt(comb, side).noise + LookAt(comb, -side).noise;
-      if (beside < kLeastOverlap) continue;
+      if (beside < kLeastTrainOverlap) continue;
       const double more = std::norm(upper + std::conj(lower)) / square * comb.order / beside;
       const double excess = ExcessOf(place.power + more, cells + 1.0);
       if (excess > start.excess) start = {comb.order, ring_Hz_, excess, side, matched_.loudness};
@@ -284,7 +284,7 @@ std::vector<TrainStart> Strongest(std::vector<TrainStart> trains, double turns, 
 std::vector<double> RingsOf(const VibrationRun& run) {
   std::vector<double> rings_Hz;
   const double turn_Hz = run.mean_speed_rad_per_s / kTwoPi;
-  for (double ring = kLowestTrainRing; ring < kHighestRing; ring *= kNextRing) {
+  for (double ring = kLowestTrainRing; ring < kHighestMatchedRing; ring *= kNextRing) {
     const double ring_Hz = ring / run.period_s;
     if (ring_Hz >= 3.0 * turn_Hz) rings_Hz.push_back(ring_Hz);
   }

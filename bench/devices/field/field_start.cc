@@ -22,7 +22,7 @@ constexpr nanoseconds kFirstValue = std::chrono::seconds(3);  // a converter sta
 constexpr milliseconds kLook{2};
 
 // Whose age stops the bench; of the others their devices' files say how old they may be.
-constexpr std::string_view kGuards[] = {"input_angle", "output_angle", "input_speed", "output_torque"};
+constexpr std::string_view kGuardNames[] = {"input_angle", "output_angle", "input_speed", "output_torque"};
 
 double Milliseconds(nanoseconds time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
@@ -62,7 +62,7 @@ std::vector<std::string> FieldMachine::TooSlow() const {
   };
   for (const auto& [name, servo] : modbus_servos_) asked("the " + name, servo->poll_period());
   for (const ChannelLink& link : bench_.channels) {
-    if (std::ranges::find(kGuards, link.channel) == std::end(kGuards)) continue;
+    if (std::ranges::find(kGuardNames, link.channel) == std::end(kGuardNames)) continue;
     if (const auto amplifier = amplifiers_.find(link.device); amplifier != amplifiers_.end()) {
       asked(link.device, amplifier->second->poll_period());
     } else if (const auto client = modbus_.find(link.device); client != modbus_.end()) {

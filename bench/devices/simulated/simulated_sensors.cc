@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/units.h"
+
 namespace strainwave::bench {
 
 namespace model = analysis::model;
@@ -11,7 +13,6 @@ namespace model = analysis::model;
 namespace {
 
 constexpr double kMotorReference_degC = 20.0;
-constexpr double kDay_s = 86400.0;
 
 double Square(double value) noexcept { return value * value; }
 

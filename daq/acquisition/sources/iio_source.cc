@@ -19,7 +19,7 @@
 namespace strainwave::daq::acquisition {
 namespace {
 
-constexpr std::uint64_t kMostBits = 32;
+constexpr std::uint64_t kMostSampleBits = 32;
 constexpr std::chrono::milliseconds kLook{1};  // how often the ring is looked at while it is empty
 
 [[noreturn]] void Throw(int error, const std::string& what) {
@@ -57,7 +57,7 @@ std::optional<double> RateHz(const iio_device* device, const iio_channel* channe
   return NumberFrom(iio_channel_attr_read, channel, "sampling_frequency");
 }
 
-bool SameChannels(const SourceDescription& a, const SourceDescription& b) {
+bool SameChannelNames(const SourceDescription& a, const SourceDescription& b) {
   return a.rate_hz == b.rate_hz &&
          std::ranges::equal(a.channels, b.channels, {}, &ChannelDescription::name, &ChannelDescription::name);
 }
@@ -97,7 +97,7 @@ void IioSource::Open(const SourceDescription* before) {
     Throw(ENODEV, fmt::format("the IIO context '{}' has no device '{}'", settings_.uri, settings_.device));
   }
   Describe();
-  if (before != nullptr && !SameChannels(*before, description_)) {
+  if (before != nullptr && !SameChannelNames(*before, description_)) {
     Throw(EINVAL, fmt::format("'{}' came back with other channels or another rate", description_.name));
   }
   device_->buffer.reset(iio_device_create_buffer(device_->device, settings_.samples_a_block, false));
@@ -133,9 +133,9 @@ void IioSource::Describe() {
     else if (!settings_.channels.empty())
       continue;
     const iio_data_format* const format = iio_channel_get_data_format(channel);
-    if (format->bits > kMostBits || format->repeat > 1) {
+    if (format->bits > kMostSampleBits || format->repeat > 1) {
       Throw(EINVAL, fmt::format("channel '{}' of '{}' has {} bits {} times, at most {} once expected", id,
-                                description_.name, format->bits, format->repeat, kMostBits));
+                                description_.name, format->bits, format->repeat, kMostSampleBits));
     }
     iio_channel_enable(channel);
     device_->channels.push_back(channel);

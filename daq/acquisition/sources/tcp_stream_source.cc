@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-nanoseconds Now() { return std::chrono::steady_clock::now().time_since_epoch(); }
+nanoseconds SteadyNow() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
 // Whether the socket is ready within `patience`.
 bool WaitFor(int fd, short events, nanoseconds patience) {
@@ -73,7 +73,7 @@ void TcpStreamSource::Connect(nanoseconds patience) {
     }
     socket_ = std::move(socket);
     decoder_.Reset();
-    last_message_ = Now();
+    last_message_ = SteadyNow();
     ++connections_;
     return;
   }
@@ -82,12 +82,12 @@ void TcpStreamSource::Connect(nanoseconds patience) {
 
 void TcpStreamSource::Start() {
   has_ended_ = false;
-  last_attempt_ = Now();
-  const nanoseconds deadline = Now() + settings_.hello_within;
+  last_attempt_ = SteadyNow();
+  const nanoseconds deadline = SteadyNow() + settings_.hello_within;
   Connect(settings_.hello_within);
   SampleBlock none(0);
   while (decoder_.Next(none) != TcpStreamEvent::kHello) {
-    const nanoseconds left = deadline - Now();
+    const nanoseconds left = deadline - SteadyNow();
     if (left.count() <= 0 || ReadSome(left) == Read::kClosed) {
       const std::string why =
           decoder_.damage().last.empty() ? "" : fmt::format(" ({})", decoder_.damage().last);
@@ -121,13 +121,13 @@ NextResult TcpStreamSource::Lose(std::string why) {
 }
 
 bool TcpStreamSource::Reconnect(nanoseconds patience) {
-  const nanoseconds wait = last_attempt_ + settings_.between_connections - Now();
+  const nanoseconds wait = last_attempt_ + settings_.between_connections - SteadyNow();
   if (wait > patience) {
     std::this_thread::sleep_for(patience);
     return false;
   }
   if (wait.count() > 0) std::this_thread::sleep_for(wait);
-  last_attempt_ = Now();
+  last_attempt_ = SteadyNow();
   try {
     Connect(patience);
   } catch (const std::system_error& error) {
@@ -139,12 +139,12 @@ bool TcpStreamSource::Reconnect(nanoseconds patience) {
 
 NextResult TcpStreamSource::Next(SampleBlock& block, nanoseconds patience) {
   if (has_ended_) return NextResult::kEnded;
-  const nanoseconds deadline = Now() + patience;
+  const nanoseconds deadline = SteadyNow() + patience;
   if (!socket_.is_open() && !Reconnect(patience)) return NextResult::kNothingYet;
   bool is_last_look = false;
   while (true) {
     const TcpStreamEvent event = decoder_.Next(block);
-    if (event != TcpStreamEvent::kNeedsMore) last_message_ = Now();
+    if (event != TcpStreamEvent::kNeedsMore) last_message_ = SteadyNow();
     switch (event) {
       case TcpStreamEvent::kBlock:
         block.header.source = settings_.source;
@@ -162,7 +162,7 @@ NextResult TcpStreamSource::Next(SampleBlock& block, nanoseconds patience) {
         break;
     }
     if (is_last_look) return NextResult::kNothingYet;
-    const nanoseconds now = Now();
+    const nanoseconds now = SteadyNow();
     if (now - last_message_ > settings_.silent_after) {
       return Lose(fmt::format("no message for {} ms", settings_.silent_after.count()));
     }

@@ -12,7 +12,7 @@
 #include "tests/bench/real_time.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::camera_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -125,4 +125,4 @@ TEST_F(Cameras, RefuseAPathThatIsTooLong) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::camera_test

@@ -20,7 +20,7 @@
 #include "bench/devices/can/wire_bits.h"
 #include "tests/bench/real_time.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::in_process_can_bus_test {
 namespace {
 
 using protocols::CanFrame;
@@ -366,4 +366,4 @@ TEST_F(LoggedBus, CountsWhatItMisses) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::in_process_can_bus_test

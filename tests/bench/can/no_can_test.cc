@@ -12,7 +12,7 @@
 #include "bench/devices/can/device_clock.h"
 #include "bench/devices/can/socket_can_bus.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::no_can_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -108,4 +108,4 @@ TEST(TimeOfFrame, IsElseTheKernelsUnlessTheWallClockWasSet) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::no_can_test

@@ -22,7 +22,7 @@
 #include "bench/devices/can/socket_can_bus.h"
 #include "protocols/candump.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::socket_can_test {
 namespace {
 
 using protocols::CanFrame;
@@ -319,4 +319,4 @@ TEST_F(InterfaceTest, GivesTheKernelFewFramesAndPurgesTheRest) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::socket_can_test

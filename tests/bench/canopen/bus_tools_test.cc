@@ -7,7 +7,7 @@
 #include "protocols/canopen/wire_bytes.h"
 #include "tests/bench/canopen/in_process_drives.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::bus_tools_test {
 namespace {
 
 using protocols::canopen::DeviceTypeWords;
@@ -225,4 +225,4 @@ TEST_F(StopTimeOfDrives, IsNotMeasuredBeyondALimit) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::bus_tools_test

@@ -10,7 +10,7 @@
 #include "bench/devices/canopen/bus_troubles.h"
 #include "tests/bench/canopen/in_process_drives.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::drive_bus_test {
 namespace {
 
 using protocols::PowerState;
@@ -319,4 +319,4 @@ TEST(BusTroubles, HaveTheirOwnWordsEach) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::drive_bus_test

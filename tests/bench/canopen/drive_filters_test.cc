@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace strainwave::bench {
+namespace strainwave::bench::drive_filters_test {
 namespace {
 
 using protocols::canopen::DriveProfile;
@@ -45,4 +45,4 @@ TEST(FiltersOfDrive, LetThroughPdosThatDoNotBearItsNumber) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::drive_filters_test

@@ -8,7 +8,7 @@
 #include "analysis/units.h"
 #include "tests/schedules/schedule_text.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::drive_profile_test {
 namespace {
 
 using protocols::OperationMode;
@@ -121,4 +121,4 @@ TEST(DriveProfileFile, OfOurOwnDriveFitsItsDataSheet) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::drive_profile_test

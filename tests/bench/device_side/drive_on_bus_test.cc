@@ -14,7 +14,7 @@
 #include "bench/devices/simulated/simulated_bench.h"
 #include "tests/protocols/canopen/drive_node_fixture.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::drive_on_bus_test {
 namespace {
 
 using protocols::PowerState;
@@ -144,4 +144,4 @@ TEST_F(DriveOnBusTest, KeepsAFrameThatTheBusDoesNotTake) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::drive_on_bus_test

@@ -8,7 +8,7 @@
 #include "bench/devices/device_side/served_load.h"
 #include "tests/bench/device_side/noting_servo.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::limited_servo_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -135,4 +135,4 @@ TEST(ServedLoad, CountsNothingElse) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::limited_servo_test

@@ -22,7 +22,7 @@ void* operator new(std::size_t size) {
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace strainwave::bench {
+namespace strainwave::bench::no_allocation_test {
 namespace {
 
 using protocols::canopen::device::ByHand;
@@ -75,4 +75,4 @@ TEST(DriveOnBus, TakesNoMemoryInTheCycle) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::no_allocation_test

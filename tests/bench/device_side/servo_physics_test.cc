@@ -10,7 +10,7 @@
 
 #include "tests/bench/device_side/noting_servo.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::servo_physics_test {
 namespace {
 
 using protocols::PowerState;
@@ -116,4 +116,4 @@ TEST(UnitsOf, TakesThemFromTheDataSheet) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::servo_physics_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::bench {
+namespace strainwave::bench::hid_profile_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -66,4 +66,4 @@ TEST(HidProfile, TellsAllMistakesWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::hid_profile_test

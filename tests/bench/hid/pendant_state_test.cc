@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace strainwave::bench {
+namespace strainwave::bench::pendant_state_test {
 namespace {
 
 PendantKeys Keys(unsigned bits) { return {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0}; }
@@ -65,4 +65,4 @@ TEST(NextPendantState, ResetAndStartTogetherAreNoDeliberateActs) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::pendant_state_test

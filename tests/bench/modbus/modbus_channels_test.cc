@@ -9,7 +9,7 @@
 #include "bench/devices/device_side/modbus_device.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_channels_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -104,4 +104,4 @@ TEST(ModbusTemperatureController, RefusesTheMapOfAnotherDevice) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_channels_test

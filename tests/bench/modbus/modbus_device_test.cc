@@ -9,7 +9,7 @@
 #include "bench/devices/modbus/modbus_link.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_device_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -211,4 +211,4 @@ TEST_P(Device, OfAnotherUnitIsToldSo) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_device_test

@@ -7,7 +7,7 @@
 #include "bench/devices/modbus/modbus_link.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_faults_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -215,4 +215,4 @@ TEST_P(Faults, AnUnsoundMapIsRefused) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_faults_test

@@ -10,7 +10,7 @@
 #include "tests/bench/modbus/modbus_helpers.h"
 #include "tests/bench/test_clock.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_poller_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -43,4 +43,4 @@ TEST(ModbusPoller, AsksForEachRegisterAtItsOwnRate) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_poller_test

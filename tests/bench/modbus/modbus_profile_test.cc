@@ -8,7 +8,7 @@
 
 #include "protocols/modbus/read_plan.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_profile_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -160,4 +160,4 @@ TEST(ModbusProfile, TellsWhatAServoDriveLacks) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_profile_test

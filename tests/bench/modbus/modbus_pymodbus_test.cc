@@ -8,7 +8,7 @@
 #include "protocols/modbus/register_codec.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_pymodbus_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -179,4 +179,4 @@ TEST_P(Pymodbus, ThatEndsLeavesNoValueButAReason) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_pymodbus_test

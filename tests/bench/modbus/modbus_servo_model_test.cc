@@ -7,7 +7,7 @@
 #include "bench/configuration/read_register_map.h"
 #include "tests/bench/device_side/noting_servo.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_servo_model_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -124,4 +124,4 @@ TEST_F(ModelWithMotor, TellsWhatItIsToldTo) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_servo_model_test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/modbus/modbus_servo_fixture.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_servo_test {
 namespace {
 
 TEST_F(Servo, IsOffAndBrakedUntilItIsEnabled) {
@@ -315,4 +315,4 @@ TEST_F(Servo, AWatchdogTimeThatReadsBackOtherwiseIsRefused) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_servo_test

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/modbus/modbus_servo_fixture.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::modbus_watchdog_test {
 namespace {
 
 class WatchdogProofs : public Servo {
@@ -105,4 +105,4 @@ TEST_F(WatchdogProofs, RefuseAFaultThatEnablingBringsWithItsCode) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::modbus_watchdog_test

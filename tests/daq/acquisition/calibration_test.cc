@@ -6,7 +6,7 @@
 #include "daq/acquisition/teds.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::calibration_test {
 namespace {
 
 Calibration TorqueCalibration() {
@@ -178,4 +178,4 @@ TEST(Teds, KnowsEveryFieldOfTheTemplateForAccelerometers) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::calibration_test

@@ -9,7 +9,7 @@
 
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::channel_skew_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -139,4 +139,4 @@ TEST(OnTimeBase, ReadsAChannelAtOtherTimes) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::channel_skew_test

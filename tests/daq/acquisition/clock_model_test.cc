@@ -13,7 +13,7 @@
 
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::clock_model_test {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -168,7 +168,7 @@ TEST(Acquisition, NeverReadsTheTimeOfDay) {
            std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "daq/acquisition")) {
     if (entry.path().extension() != ".h" && entry.path().extension() != ".cc") continue;
     ++files;
-    const std::string text = BytesOf(entry.path());
+    const std::string text = daq::BytesOf(entry.path());
     for (const std::string& mark : marks)
       EXPECT_EQ(text.find(mark), std::string::npos) << entry.path() << ": " << mark;
   }
@@ -176,4 +176,4 @@ TEST(Acquisition, NeverReadsTheTimeOfDay) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::clock_model_test

@@ -11,7 +11,7 @@
 #include "tests/daq/acquisition/sample_blocks.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::decimator_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -157,4 +157,4 @@ TEST(Decimator, RefusesWhatNoFilterIs) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::decimator_test

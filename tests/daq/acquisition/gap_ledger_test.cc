@@ -8,7 +8,7 @@
 #include "tests/daq/acquisition/sample_blocks.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::gap_ledger_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -197,4 +197,4 @@ TEST(GapLedger, RefusesACounterThatNoneHas) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::gap_ledger_test

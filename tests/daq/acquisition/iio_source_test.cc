@@ -11,7 +11,7 @@
 #include "tests/daq/acquisition/emulated_iiod.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::iio_source_test {
 namespace {
 
 constexpr std::chrono::nanoseconds kPatience = std::chrono::seconds(5);
@@ -106,4 +106,4 @@ TEST(IioSource, SaysWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::iio_source_test

@@ -12,7 +12,7 @@
 #include "tests/daq/run_python.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::replay_source_test {
 namespace {
 
 constexpr std::chrono::nanoseconds kLong = std::chrono::seconds(10);
@@ -114,7 +114,7 @@ TEST(StreamFile, SaysWhatIsWrongWithAnother) {
   EXPECT_EQ(message("f['channels/b_V'].attrs['sensitivity'] = 0"),
             ": error: sensitivity = 0 scales nothing (expected a stream as it was written)");
   // Cut: a chunk is missing at the end of the file.
-  std::string bytes = BytesOf(path);
+  std::string bytes = daq::BytesOf(path);
   WriteBytes(folder / "y.h5", bytes.substr(0, bytes.size() - 3000));
   EXPECT_NE(MessageOf<RecordError>([&] { StreamFileReader(folder / "y.h5").Values(0); }), "no exception");
 }
@@ -174,4 +174,4 @@ TEST(ReplaySource, RefusesARecordWithoutARate) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::replay_source_test

@@ -9,7 +9,7 @@
 #include "tests/daq/acquisition/sample_blocks.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::running_statistics_test {
 namespace {
 
 // By the definitions, over all values at once, in the longest floats there are.
@@ -126,4 +126,4 @@ TEST(RunningStatistics, TakesEachChannelOfABlock) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::running_statistics_test

@@ -9,7 +9,7 @@
 
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::sensor_checks_test {
 namespace {
 
 constexpr CheckLimits kShunt{.expected = 10, .allowed = 0.05, .most_noise = 0.02};
@@ -68,4 +68,4 @@ TEST(CheckTrend, WantsThreeResultsOfSeveralDays) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::sensor_checks_test

@@ -9,7 +9,7 @@
 #include "tests/daq/acquisition/sample_blocks.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::sensor_watch_test {
 namespace {
 
 using Signal = std::function<double(std::uint64_t, std::size_t)>;
@@ -208,4 +208,4 @@ TEST(SensorWatch, SeesThatNothingComesAndForgetsItWithTheNextBlock) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::sensor_watch_test

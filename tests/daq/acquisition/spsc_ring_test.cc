@@ -10,7 +10,7 @@
 
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::spsc_ring_test {
 namespace {
 
 TEST(SpscRing, GivesWhatWasWrittenInOrderAndCountsWhatFoundNoRoom) {
@@ -100,4 +100,4 @@ TEST(SpscRing, RefusesToHoldNothing) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::spsc_ring_test

@@ -13,7 +13,7 @@
 #include "tests/daq/run_python.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::stream_recorder_test {
 namespace {
 
 constexpr double kRate_hz = 1000;
@@ -203,4 +203,4 @@ TEST_F(StreamRecorderTest, RefusesWhatCannotBeRecorded) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::stream_recorder_test

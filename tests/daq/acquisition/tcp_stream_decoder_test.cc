@@ -10,7 +10,7 @@
 
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::tcp_stream_decoder_test {
 namespace {
 
 void Append(std::string& bytes, std::uint64_t number, int width) {
@@ -222,4 +222,4 @@ TEST(TcpStreamDecoder, LivesThroughAnyBytes) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::tcp_stream_decoder_test

@@ -11,7 +11,7 @@
 
 #include "daq/acquisition/sources/tcp_stream_decoder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::tcp_stream_encoder_test {
 namespace {
 
 SourceDescription TwoChannels() {
@@ -97,4 +97,4 @@ TEST(TcpStreamEncoder, WritesTheBytesThatPythonWrites) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::tcp_stream_encoder_test

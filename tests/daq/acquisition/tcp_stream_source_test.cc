@@ -10,7 +10,7 @@
 #include "daq/acquisition/gap_ledger.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::tcp_stream_source_test {
 namespace {
 
 constexpr std::chrono::nanoseconds kPatience = std::chrono::seconds(5);
@@ -103,4 +103,4 @@ TEST(TcpStreamSource, SaysWhoDoesNotAnswer) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::tcp_stream_source_test

@@ -14,7 +14,7 @@
 #include "tests/daq/acquisition/sample_blocks.h"
 #include "tests/daq/scratch_folder.h"
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::trigger_test {
 namespace {
 
 // Three pulses, each of 40 samples, that begin at samples 1000, 3000 and 3100.
@@ -246,4 +246,4 @@ TEST(Trigger, RefusesWhatCannotTrigger) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::trigger_test

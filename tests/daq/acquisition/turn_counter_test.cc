@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace strainwave::daq::acquisition {
+namespace strainwave::daq::acquisition::turn_counter_test {
 namespace {
 
 constexpr std::int64_t kTurn = 1 << 20;
@@ -43,4 +43,4 @@ TEST(TurnCounter, GoesTheShorterWayOverAGap) {
 }
 
 }  // namespace
-}  // namespace strainwave::daq::acquisition
+}  // namespace strainwave::daq::acquisition::turn_counter_test

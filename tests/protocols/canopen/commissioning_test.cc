@@ -8,7 +8,7 @@
 
 #include "tests/protocols/canopen/scripted_drive.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::commissioning_test {
 namespace {
 
 using Action = CommissioningStep::Action;
@@ -379,4 +379,4 @@ TEST(Commissioning, WritesAndChecksTheProfilesOwnObjects) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::commissioning_test

@@ -19,7 +19,7 @@ void* operator new(std::size_t size) {
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::drive_allocation_test {
 namespace {
 
 TEST(DriveMaster, AllocatesNothingInACycleFromEnableOverAStopToAReset) {
@@ -57,4 +57,4 @@ TEST(DriveMaster, AllocatesNothingInACycleFromEnableOverAStopToAReset) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::drive_allocation_test

@@ -8,7 +8,7 @@
 
 #include "tests/protocols/canopen/scripted_drive.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::drive_enable_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -303,4 +303,4 @@ TEST(DriveMaster, RefusesAProfileThatCannotBeWithEveryFinding) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::drive_enable_test

@@ -8,7 +8,7 @@
 
 #include "tests/protocols/canopen/drive_node_fixture.h"
 
-namespace strainwave::protocols::canopen::device {
+namespace strainwave::protocols::canopen::device::drive_motion_test {
 namespace {
 
 constexpr unsigned kReached = 1U << 10;
@@ -359,4 +359,4 @@ TEST_F(TorqueDriveTest, StopsByTakingItsTorqueAway) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen::device
+}  // namespace strainwave::protocols::canopen::device::drive_motion_test

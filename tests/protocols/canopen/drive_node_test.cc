@@ -10,7 +10,7 @@
 
 #include "tests/protocols/canopen/drive_node_fixture.h"
 
-namespace strainwave::protocols::canopen::device {
+namespace strainwave::protocols::canopen::device::drive_node_test {
 namespace {
 
 TEST_F(DriveNodeTest, SaysThatItHasBootedAndNothingElse) {
@@ -290,4 +290,4 @@ TEST(DriveNode, NamesTheObjectThatItsFileLacks) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen::device
+}  // namespace strainwave::protocols::canopen::device::drive_node_test

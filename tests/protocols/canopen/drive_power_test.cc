@@ -5,7 +5,7 @@
 #include "protocols/cia402.h"
 #include "tests/protocols/canopen/drive_node_fixture.h"
 
-namespace strainwave::protocols::canopen::device {
+namespace strainwave::protocols::canopen::device::drive_power_test {
 namespace {
 
 using enum PowerState;
@@ -226,4 +226,4 @@ TEST_F(DrivePowerTest, IsOffAndBrakedFromTheStartAndAfterAReset) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen::device
+}  // namespace strainwave::protocols::canopen::device::drive_power_test

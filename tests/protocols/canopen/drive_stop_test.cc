@@ -6,7 +6,7 @@
 
 #include "tests/protocols/canopen/scripted_drive.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::drive_stop_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -332,4 +332,4 @@ TEST(SafeTorqueOff, IsResetOnlyOnceItIsClosed) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::drive_stop_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::drive_units_test {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
@@ -78,4 +78,4 @@ TEST(DriveUnits, CutLimitsToTheLargestNumberAndNeverSwitchTheWindowOff) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::drive_units_test

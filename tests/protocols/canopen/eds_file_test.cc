@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::eds_file_test {
 namespace {
 
 constexpr std::string_view kGood = R"([FileInfo]
@@ -367,4 +367,4 @@ TEST(EdsNumber, SaysNothingForAnythingElse) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::eds_file_test

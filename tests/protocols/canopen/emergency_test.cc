@@ -7,7 +7,7 @@
 
 #include "tests/protocols/canopen/frames.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::emergency_test {
 namespace {
 
 // Point 9: the five bytes of the maker are kept.
@@ -57,4 +57,4 @@ TEST(ErrorCodeWords, SpeaksOfTheGroupAndTheClassWhereACodeIsNotListed) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::emergency_test

@@ -10,7 +10,7 @@
 #include "protocols/canopen/sync.h"
 #include "tests/protocols/canopen/frames.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::nmt_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -127,4 +127,4 @@ TEST(SyncMeter, GivesShortestLongestAndMeanIntervalSinceLastAsked) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::nmt_test

@@ -5,7 +5,7 @@
 
 #include "tests/protocols/canopen/drive_node_fixture.h"
 
-namespace strainwave::protocols::canopen::device {
+namespace strainwave::protocols::canopen::device::node_pdos_test {
 namespace {
 
 constexpr std::int64_t kOff = 0x80000000;
@@ -182,4 +182,4 @@ TEST_F(NodePdosTest, DoesNotMissAnRpdoThatNeverCame) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen::device
+}  // namespace strainwave::protocols::canopen::device::node_pdos_test

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace strainwave::protocols::canopen::device {
+namespace strainwave::protocols::canopen::device::object_dictionary_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -144,4 +144,4 @@ TEST(ObjectDictionary, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen::device
+}  // namespace strainwave::protocols::canopen::device::object_dictionary_test

@@ -7,7 +7,7 @@
 
 #include "tests/protocols/canopen/frames.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::pdo_test {
 namespace {
 
 const std::vector<PdoEntry> kStatus{{{0x6041, 0}, 16}, {{0x6061, 0}, 8}, {{0x6064, 0}, 32}};
@@ -130,4 +130,4 @@ TEST(RemapWrites, RefuseAPdoThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::pdo_test

@@ -4,7 +4,7 @@
 #include "protocols/canopen/drive_profile.h"
 #include "tests/protocols/canopen/scripted_drive.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::profile_check_test {
 namespace {
 
 using Findings = std::vector<std::string>;
@@ -128,4 +128,4 @@ TEST(StandardPdos, MapTheDigitalInputsOnlyWhereSomethingIsReadFromThem) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::profile_check_test

@@ -6,7 +6,7 @@
 #include "protocols/canopen/drive_profile.h"
 #include "tests/protocols/canopen/scripted_drive.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::profile_eds_check_test {
 namespace {
 
 using Findings = std::vector<std::string>;
@@ -201,4 +201,4 @@ TEST(CheckProfileAgainstEds, FindsWhatCannotBeMapped) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::profile_eds_check_test

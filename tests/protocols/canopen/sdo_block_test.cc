@@ -8,7 +8,7 @@
 #include "protocols/canopen/sdo_client.h"
 #include "tests/protocols/canopen/frames.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::sdo_block_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -261,4 +261,4 @@ TEST_F(SdoBlockTest, ReadsMuchOverABusThatLosesSegments) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::sdo_block_test

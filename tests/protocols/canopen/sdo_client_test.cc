@@ -9,7 +9,7 @@
 
 #include "tests/protocols/canopen/frames.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::sdo_client_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -307,4 +307,4 @@ TEST(SdoClient, RefusesANodeThatIsNone) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::sdo_client_test

@@ -7,7 +7,7 @@
 
 #include "tests/protocols/canopen/frames_by_hand.h"
 
-namespace strainwave::protocols::canopen::device {
+namespace strainwave::protocols::canopen::device::sdo_server_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -238,4 +238,4 @@ TEST_F(SdoServerTest, MovesLongDomainsBitForBit) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen::device
+}  // namespace strainwave::protocols::canopen::device::sdo_server_test

@@ -8,7 +8,7 @@
 
 #include "tests/protocols/canopen/scripted_drive.h"
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::set_points_test {
 namespace {
 
 using enum OperationMode;
@@ -246,4 +246,4 @@ TEST(SetPoints, TakesNoSetPointThatIsNotANumberOrOfAnotherMode) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::set_points_test

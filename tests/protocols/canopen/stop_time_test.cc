@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace strainwave::protocols::canopen {
+namespace strainwave::protocols::canopen::stop_time_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -53,4 +53,4 @@ TEST(StopTimeMeasurement, RefusesAThresholdThatIsNone) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::canopen
+}  // namespace strainwave::protocols::canopen::stop_time_test

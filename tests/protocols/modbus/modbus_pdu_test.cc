@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace strainwave::protocols::modbus {
+namespace strainwave::protocols::modbus::modbus_pdu_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -143,4 +143,4 @@ TEST(Mbap, StandsBeforeEachFrame) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::modbus
+}  // namespace strainwave::protocols::modbus::modbus_pdu_test

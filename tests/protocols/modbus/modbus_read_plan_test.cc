@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace strainwave::protocols::modbus {
+namespace strainwave::protocols::modbus::modbus_read_plan_test {
 namespace {
 
 Register At(int address, ValueType type = ValueType::kUint16, Table table = Table::kHolding,
@@ -148,4 +148,4 @@ TEST(PlanReads, NeedsTheFewestRequestsOfAllPlans) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::modbus
+}  // namespace strainwave::protocols::modbus::modbus_read_plan_test

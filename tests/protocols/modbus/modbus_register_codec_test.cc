@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-namespace strainwave::protocols::modbus {
+namespace strainwave::protocols::modbus::modbus_register_codec_test {
 namespace {
 
 using Words = std::vector<std::uint16_t>;
@@ -155,4 +155,4 @@ TEST(RegisterCodec, RefusesAnotherNumberOfRegisters) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::modbus
+}  // namespace strainwave::protocols::modbus::modbus_register_codec_test

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace strainwave::protocols::modbus {
+namespace strainwave::protocols::modbus::modbus_register_map_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -88,4 +88,4 @@ TEST(GoodFor, IsThreePollPeriodsUnlessTheMapSaysOtherwise) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::modbus
+}  // namespace strainwave::protocols::modbus::modbus_register_map_test

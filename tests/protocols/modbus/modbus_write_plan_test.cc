@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-namespace strainwave::protocols::modbus {
+namespace strainwave::protocols::modbus::modbus_write_plan_test {
 namespace {
 
 using Plan = std::vector<WriteRequest>;
@@ -60,4 +60,4 @@ TEST(PlanWrites, RefusesWhatIsNotToBeWrittenAndWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace strainwave::protocols::modbus
+}  // namespace strainwave::protocols::modbus::modbus_write_plan_test
