@@ -18,6 +18,20 @@ void MakeMonotone(std::span<const double> signal, bool rising, std::span<double>
   }
 }
 
+// Whether the branch passes the level between two samples that lie several times further apart than any
+// others of it: what it did there is not in the record.
+bool PassesInAGap(std::span<const double> torque_Nm, const Branch& branch, double level_Nm) {
+  constexpr double kClearly = 3.0;
+  double passing_Nm = 0.0;
+  double other_Nm = 0.0;
+  for (std::size_t i = branch.first + 1; i <= branch.last; ++i) {
+    const bool passes = (torque_Nm[i - 1] - level_Nm) * (torque_Nm[i] - level_Nm) <= 0.0;
+    double& largest_Nm = passes ? passing_Nm : other_Nm;
+    largest_Nm = std::max(largest_Nm, std::abs(torque_Nm[i] - torque_Nm[i - 1]));
+  }
+  return passing_Nm > kClearly * other_Nm;
+}
+
 }  // namespace
 
 std::vector<Branch> SplitBranches(std::span<const double> signal, double threshold) {
@@ -81,7 +95,8 @@ std::optional<Estimate> TwistAtTorque(std::span<const double> torque_Nm, std::sp
   constexpr double kLeastSpread = 0.2;
   const auto [low, high] = std::minmax(torque_Nm[branch.first], torque_Nm[branch.last]);
   const std::size_t all = branch.last - branch.first + 1;
-  if (level_Nm < low - reach_Nm || level_Nm > high + reach_Nm || all < kMinSamples) {
+  if (level_Nm < low - reach_Nm || level_Nm > high + reach_Nm || all < kMinSamples ||
+      PassesInAGap(torque_Nm, branch, level_Nm)) {
     return std::nullopt;
   }
   std::vector<std::size_t> near;

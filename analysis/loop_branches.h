@@ -30,8 +30,9 @@ std::vector<double> MonotoneWithinBranches(std::span<const double> signal, std::
 
 /// Twist of one branch at a torque, by a straight line twist(torque) through the samples within ±window of
 /// the level, widened until it holds 4 samples that are as far apart as a fifth of the window (those of a
-/// hold have no slope); none if the level is more than `reach` outside the branch's torques. The standard
-/// error is that of the line; from 20 samples on it holds under autocorrelated noise.
+/// hold have no slope); none if the level is more than `reach` outside the branch's torques, or passed where
+/// samples are missing. The standard error is that of the line; from 20 samples on it holds under
+/// autocorrelated noise.
 std::optional<Estimate> TwistAtTorque(std::span<const double> torque_Nm, std::span<const double> twist_rad,
                                       const Branch& branch, double level_Nm, double window_Nm,
                                       double reach_Nm);

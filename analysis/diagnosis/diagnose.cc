@@ -52,6 +52,15 @@ std::vector<Found> JudgeAll(const Judge& judge, const ScoredModel& model, const 
   return all;
 }
 
+// A description that costs more than it brings, or takes nothing away, helps to find causes and says nothing
+// of its own.
+bool IsWorthTelling(const Judge& judge, const ScoredModel& model, const Found& found) {
+  if (!IsDescription(judge.study().causes()[found.cause])) return true;
+  return found.judged.evidence.delta_bic > 0.0 &&
+         SquareSum(judge.study(), found.without.fit, judge.weights()) >
+             SquareSum(judge.study(), model.fit, judge.weights());
+}
+
 // What is found beside something else, has no cause, or foretells worse what was held out, and whose evidence
 // is gone once everything is fitted to the end, is none: the weakest first.
 // @param candidates  gets what was dropped
@@ -59,6 +68,11 @@ std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const Di
                                 std::vector<CandidateResult>& candidates) {
   for (;;) {
     std::vector<Found> all = JudgeAll(judge, model, options);
+    for (Found& found : all) {
+      if (!found.judged.passed || IsWorthTelling(judge, model, found)) continue;
+      found.judged.passed = false;
+      found.judged.objection = "costs more than it brings";
+    }
     const auto is_unproven = [&](const Found& found) {
       const bool may_go = all.size() > 1 || !judge.study().causes()[found.cause].named ||
                           !(found.judged.evidence.heldout_gain > 0.0) ||
@@ -78,10 +92,10 @@ std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const Di
   }
 }
 
-// Where no more is left of a response that stands on steps than the steps do: it follows them, and so time
-// and all that turns with the response, without a course of its own. Beside the standard deviation of
-// rounding there may be noise of 0.3 steps, √(1 + 12 · 0.3²) of it in all: more leaves less than a sixth of
-// the steps' course, exp(−2π² · 0.3²) of its first harmonic.
+// Where no more is left of a response that stands on steps, or whose drive does, than the steps do: it
+// follows them, and so time, rests and all that turns with the response, without a course of its own. Beside
+// the standard deviation of rounding there may be noise of 0.3 steps, √(1 + 12 · 0.3²) of it in all: more
+// leaves less than a sixth of the steps' course, exp(−2π² · 0.3²) of its first harmonic.
 constexpr double kLeftOfRounding = 1.44;
 
 bool IsRounding(const Study& study, const ModelFit& fit, std::span<const double> weights) {
@@ -147,19 +161,16 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   ScoredModel extended = judge->Fit(selection.model.fit.causes, &selection.model.fit, FitPurpose::kJudge);
   diagnosis.candidates = std::move(selection.candidates);
   std::vector<Found> all_found = DropUnproven(*judge, extended, options, diagnosis.candidates);
-  const bool only_described = !all_found.empty() && std::ranges::all_of(all_found, [&](const Found& one) {
-    return IsDescription(study.causes()[one.cause]);
-  });
-  if (only_described && IsRounding(study, nominal.fit, diagnosis.weights)) {
+  if (!all_found.empty() && IsRounding(study, nominal.fit, diagnosis.weights)) {
     for (Found& one : all_found) {
       one.judged.passed = false;
-      one.judged.objection = "no more than the steps of the response do";
+      one.judged.objection = "no more than the steps of the record do";
       diagnosis.candidates.push_back(std::move(one.judged));
     }
     all_found.clear();
     extended = nominal;
     diagnosis.notes.push_back(
-        fmt::format("the response stands on steps of {:.3g} {}: what is left is no more than they do, and no "
+        fmt::format("the record stands on steps of {:.3g} {}: what is left is no more than they do, and no "
                     "verdict on it",
                     std::sqrt(12.0) * study.Rounding() * study.unit_per_si(), study.unit()));
   }

@@ -78,6 +78,53 @@ std::vector<Frozen> LeftByAJump(std::span<const double> values) {
   return jumped;
 }
 
+// How finely a signal is told: between neighbours where it is slow, between any two of its values where it is
+// not.
+double ResolutionOf(std::span<const double> values) {
+  constexpr std::size_t kPart = 20;  // a twentieth of the distances may be odd ones, of spikes
+  const std::set<double> distinct(values.begin(), values.end());
+  std::vector<double> distances;
+  for (auto at = distinct.begin(); at != distinct.end() && std::next(at) != distinct.end(); ++at)
+    distances.push_back(*std::next(at) - *at);
+  double step = EstimateNoise(values).step;
+  if (!distances.empty()) {
+    const auto place = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / kPart);
+    std::nth_element(distances.begin(), place, distances.end());
+    step = std::min(step, *place);
+  }
+  return std::max(step, QuantisationStep(values));
+}
+
+struct Ends {
+  double low{};
+  double high{};
+};
+
+Ends EndsOf(std::span<const double> values) {
+  if (values.empty()) return {};
+  const auto [low, high] = std::ranges::minmax(values);
+  return {low, high};
+}
+
+// Stretches of one value that the signal's own noise would never let stand; nothing where it has none that is
+// seen.
+std::optional<std::vector<Run>> AgainstTheNoise(std::span<const double> values) {
+  constexpr double kVisibleNoise = 2.0;  // steps: less, and a value often comes again
+  constexpr double kNever = 1e-9;        // chance in a whole record
+  if (values.size() < 16) return std::nullopt;
+  const double step = ResolutionOf(values);
+  const double noise = NoiseWhereItMoves(values);
+  if (!(noise > kVisibleNoise * step)) return std::nullopt;
+  // Two neighbours' difference is normal with √2 of the deviation; half of the step to either side is none.
+  const double again = step / (2.0 * std::sqrt(kPi) * noise);
+  const double rows = static_cast<double>(values.size());
+  std::vector<Run> stretches = RunsOf(values);
+  std::erase_if(stretches, [&](const Run& run) {
+    return rows * std::pow(again, static_cast<double>(run.count - 1)) >= kNever;
+  });
+  return stretches;
+}
+
 }  // namespace
 
 std::optional<Held> FindHeld(std::span<const double> values, double coarsest_step) {
@@ -129,24 +176,24 @@ double GoesOnMeanwhile(const Held& held, std::span<const double> other) {
 }
 
 std::vector<Frozen> FindFrozen(std::span<const double> values) {
-  constexpr double kVisibleNoise = 2.0;  // steps: less, and a value often comes again
-  constexpr double kNever = 1e-9;        // chance in a whole record
-  if (values.size() < 16) return {};
-  const double step = std::max(EstimateNoise(values).step, QuantisationStep(values));
-  const double noise = NoiseWhereItMoves(values);
-  if (!(noise > kVisibleNoise * step)) return LeftByAJump(values);
-  // Two neighbours' difference is normal with √2 of the deviation; half of the step to either side is none.
-  const double again = step / (2.0 * std::sqrt(kPi) * noise);
-  const double rows = static_cast<double>(values.size());
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  std::vector<Frozen> frozen;
-  for (const Run& run : RunsOf(values)) {
-    const double value = values[run.first];
-    if (value == *low || value == *high) continue;
-    if (rows * std::pow(again, static_cast<double>(run.count - 1)) < kNever)
-      frozen.push_back({run.first, run.count});
+  std::optional<std::vector<Run>> stretches = AgainstTheNoise(values);
+  if (!stretches) return LeftByAJump(values);
+  std::erase_if(*stretches, [&, ends = EndsOf(values)](const Run& run) {
+    return values[run.first] == ends.low || values[run.first] == ends.high;
+  });
+  return *std::move(stretches);
+}
+
+std::vector<Saturated> FindSaturated(std::span<const double> values) {
+  const std::vector<Run> stretches = AgainstTheNoise(values).value_or(std::vector<Run>{});
+  const Ends ends = EndsOf(values);
+  std::vector<Saturated> found;
+  for (const double end : {ends.low, ends.high}) {
+    const bool stands =
+        std::ranges::any_of(stretches, [&](const Run& run) { return values[run.first] == end; });
+    if (stands) found.push_back({end, static_cast<std::size_t>(std::ranges::count(values, end))});
   }
-  return frozen;
+  return found;
 }
 
 std::vector<Frozen> StandingStretches(std::span<const double> values, std::size_t fewest) {

@@ -39,6 +39,16 @@ struct Frozen {
 /// those of 8 values and more that were left, or come to, by a jump three times as large as any other change.
 std::vector<Frozen> FindFrozen(std::span<const double> values);
 
+/// An end of a signal's range at which it stands where its own noise would never let it: the range of its
+/// sensor or amplifier ends there.
+struct Saturated {
+  double at{};
+  std::size_t count{};  // rows
+};
+
+/// The smallest value, the largest, both or none. A signal without visible noise tells nothing.
+std::vector<Saturated> FindSaturated(std::span<const double> values);
+
 /// Stretches of one value, of so many rows and more.
 std::vector<Frozen> StandingStretches(std::span<const double> values, std::size_t fewest);
 

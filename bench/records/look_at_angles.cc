@@ -70,29 +70,32 @@ std::vector<bool> Returns(std::span<const double> other_deg, double furthest_deg
   return returns;
 }
 
-void UnwrapOutput(daq::Record& record, double ratio) {
+// @returns the modulus, 0 where it does not start anew
+double UnwrapOutput(daq::Record& record, double ratio) {
   std::vector<double> output_deg = record.CopyAsDoubles("output_angle_deg");
   const std::vector<bool> returns = Returns(record.Doubles("input_angle_deg"),
                                             std::max(kTurn_deg * 1.01, 0.5 * std::abs(ratio) * kTurn_deg));
   const std::optional<Wraps> wraps = samples::FindWraps(output_deg, kTurn_deg, returns);
-  if (!wraps) return;
+  if (!wraps) return 0.0;
   const double share = samples::UsualStep(output_deg, *wraps);
   if (share > kMostOfModulus) RefuseWraps(record, "output_angle_deg", *wraps, "deg", share, kMostOfModulus);
   samples::Unwrap(output_deg, wraps->modulus, returns);
   record.SetColumn("output_angle_deg", std::move(output_deg));
   NoteWraps(record, "output_angle_deg", *wraps, "deg");
+  return wraps->modulus;
 }
 
 // The input turns far from row to row: its own steps say how many turns only where they are small, the output
 // and the ratio also where they are not.
-void UnwrapInput(daq::Record& record, double ratio) {
+// @returns the modulus, 0 where it does not start anew
+double UnwrapInput(daq::Record& record, double ratio) {
   const std::span<const double> output_deg = record.Doubles("output_angle_deg");
   std::vector<double> input_deg = record.CopyAsDoubles("input_angle_deg");
   std::optional<Wraps> wraps = samples::FindWraps(input_deg, kTurn_deg, Returns(output_deg, 0.5 * kTurn_deg));
   const bool found = wraps.has_value();
   if (!found) {
     const bool keeps_to_one_turn = SpanOf(input_deg) <= kTurn_deg;
-    if (!keeps_to_one_turn || std::abs(ratio) * SpanOf(output_deg) < kClearlyWrapped * kTurn_deg) return;
+    if (!keeps_to_one_turn || std::abs(ratio) * SpanOf(output_deg) < kClearlyWrapped * kTurn_deg) return 0.0;
     wraps = Wraps{kTurn_deg, {1}};
   }
   std::vector<double> expected_deg(output_deg.size(), 0.0);
@@ -106,14 +109,40 @@ void UnwrapInput(daq::Record& record, double ratio) {
     if (share > kMostOfInput) RefuseWraps(record, "input_angle_deg", *wraps, "deg", share, kMostOfInput);
     samples::Unwrap(input_deg, wraps->modulus);
   } else {
-    return;
+    return 0.0;
   }
   record.SetColumn("input_angle_deg", std::move(input_deg));
-  if (found) return NoteWraps(record, "input_angle_deg", *wraps, "deg");
-  NoteOn(record,
-         fmt::format("input_angle_deg keeps to one turn where the output's way is {:.4g} of its turns: it "
-                     "starts anew each turn; taken as going on",
-                     std::abs(ratio) * SpanOf(output_deg) / kTurn_deg));
+  if (found) {
+    NoteWraps(record, "input_angle_deg", *wraps, "deg");
+  } else {
+    NoteOn(record,
+           fmt::format("input_angle_deg keeps to one turn where the output's way is {:.4g} of its turns: it "
+                       "starts anew each turn; taken as going on",
+                       std::abs(ratio) * SpanOf(output_deg) / kTurn_deg));
+  }
+  return wraps->modulus;
+}
+
+// Absolute angles that start anew have lost the turns before the record: of all numbers of turns the gear is
+// nearest to that which leaves the least error.
+void TakeLostTurns(daq::Record& record, double ratio, double output_modulus_deg, double input_modulus_deg) {
+  std::vector<double> input_deg = record.CopyAsDoubles("input_angle_deg");
+  std::vector<double> output_deg = record.CopyAsDoubles("output_angle_deg");
+  const auto mean_error_deg = [&] {
+    double mean_deg = 0.0;
+    for (std::size_t i = 0; i < input_deg.size(); ++i)
+      mean_deg += (input_deg[i] / ratio - output_deg[i]) / static_cast<double>(input_deg.size());
+    return mean_deg;
+  };
+  const auto shift = [](std::vector<double>& values, double by_deg) {
+    for (double& value : values) value += by_deg;
+  };
+  if (output_modulus_deg > 0.0)
+    shift(output_deg, output_modulus_deg * std::round(mean_error_deg() / output_modulus_deg));
+  if (input_modulus_deg > 0.0)
+    shift(input_deg, -input_modulus_deg * std::round(ratio * mean_error_deg() / input_modulus_deg));
+  record.SetColumn("input_angle_deg", std::move(input_deg));
+  record.SetColumn("output_angle_deg", std::move(output_deg));
 }
 
 }  // namespace
@@ -123,8 +152,10 @@ void LookAtAngles(daq::Record& record) {
   if (record.kind == "hysteresis") UnwrapAlone(record, "output_angle_deg", kTurn_deg, "deg");
   if (record.kind != "transmission_error") return;
   const double ratio = *daq::MetadataNumber(record, "ratio");
-  UnwrapOutput(record, ratio);
-  UnwrapInput(record, ratio);
+  const double output_modulus_deg = UnwrapOutput(record, ratio);
+  const double input_modulus_deg = UnwrapInput(record, ratio);
+  if (record.Metadata("absolute") == "true" && (output_modulus_deg > 0.0 || input_modulus_deg > 0.0))
+    TakeLostTurns(record, ratio, output_modulus_deg, input_modulus_deg);
 }
 
 }  // namespace strainwave::bench

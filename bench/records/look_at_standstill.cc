@@ -95,20 +95,6 @@ std::string HeldText(const HeldColumn& column, std::size_t rows) {
                      column.name, column.held.repeated, rows, column.held.longest);
 }
 
-void KeepRows(daq::Record& record, const std::vector<bool>& kept) {
-  for (daq::Column& column : record.columns) {
-    std::visit(
-        [&kept](auto& values) {
-          std::size_t next = 0;
-          for (std::size_t i = 0; i < values.size(); ++i) {
-            if (kept[i]) values[next++] = values[i];
-          }
-          values.resize(next);
-        },
-        column.values);
-  }
-}
-
 void LeaveOutColumn(daq::Record& record, const std::string& name) {
   std::erase_if(record.columns, [&](const daq::Column& column) { return column.name == name; });
   if (Measured(record).empty()) {

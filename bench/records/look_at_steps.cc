@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/samples/holds.h"
 #include "analysis/samples/resolution.h"
 #include "bench/records/looks.h"
 #include "daq/record_rules.h"
@@ -24,6 +25,16 @@ void LookAtSteps(daq::Record& record, const char* column, const char* unit) {
       record,
       fmt::format("{} stands on steps of {:.3g} {}, {:.0f} from end to end: nothing finer can be told apart",
                   column, step, unit, (*high - *low) / step));
+}
+
+// An axis' and a vibration's study say so themselves.
+void LookAtRange(daq::Record& record, const char* column, const char* unit) {
+  for (const analysis::samples::Saturated& end :
+       analysis::samples::FindSaturated(record.CopyAsDoubles(column))) {
+    NoteOn(record, fmt::format("{} is saturated: {} samples read {:.4g} {} to the last digit, an end of its "
+                               "range; what lies beyond is not in the record",
+                               column, end.count, end.at, unit));
+  }
 }
 
 // Friction takes work; an axis that gives back more than it takes is driven by a load, or one sign is
@@ -56,6 +67,7 @@ void LookAtSteps(daq::Record& record) {
   if (record.kind != "hysteresis") return;
   LookAtSteps(record, "output_angle_deg", "deg");
   LookAtSteps(record, "torque_Nm", "Nm");
+  LookAtRange(record, "torque_Nm", "Nm");
 }
 
 }  // namespace strainwave::bench

@@ -37,6 +37,16 @@ TEST(BadHysteresis, TorqueThatSaturatesIsRefused) {
             "comes back (expected a transducer or an amplifier with room beyond the peak torque)");
 }
 
+// The loop is as wide as the twist goes on beyond the end of the range.
+TEST(BadHysteresis, TorqueOfAWideLoopThatSaturatesALittleIsRefused) {
+  HysteresisData record = GenerateLoop({.friction_Nm = {4.0}}, {.torque_noise_Nm = 0.05},
+                                       {{.to_Nm = 34.0}, {.to_Nm = -34.0}, {.to_Nm = 34.0}}, 700, 12);
+  for (double& torque_Nm : record.torque_Nm) torque_Nm = std::min(1e-4 * std::round(1e4 * torque_Nm), 31.5);
+  EXPECT_EQ(MessageOf(record),
+            "torque_Nm is saturated: 31 samples read 31.5 Nm, its largest value, while the angle goes on and "
+            "comes back (expected a transducer or an amplifier with room beyond the peak torque)");
+}
+
 TEST(BadHysteresis, TorqueThatNeverComesBackIsRefused) {
   HysteresisData record = Loop();
   const auto peak = static_cast<std::size_t>(

@@ -205,5 +205,21 @@ TEST(HysteresisHolds, ShowTheTimeConstantOfASingleElement) {
   }
 }
 
+// The torque's steps are coarser than its noise: all samples of a rest are off by the same.
+TEST(HysteresisStudy, NamesNothingThatIsNoMoreThanTheTorquesSteps) {
+  const std::vector<PathLeg> path{{.to_Nm = 34.0},
+                                  {.to_Nm = 12.3, .hold_s = 40.0},
+                                  {.to_Nm = -34.0},
+                                  {.to_Nm = -12.3, .hold_s = 40.0},
+                                  {.to_Nm = 34.0}};
+  for (const double step_Nm : {0.27, 0.13}) {
+    HysteresisData record = GenerateLoop({}, {.angle_noise_rad = RadFromArcmin(0.001)}, path, 1100, 31);
+    for (double& torque_Nm : record.torque_Nm) torque_Nm = step_Nm * std::round(torque_Nm / step_Nm);
+    const Diagnosed found = DiagnoseRecords(&MakeHysteresisStudy, std::vector{record});
+    EXPECT_EQ(found.names(), Names()) << step_Nm;
+    EXPECT_EQ(found.diagnosis.verdict, Verdict::kNoEffect) << step_Nm;
+  }
+}
+
 }  // namespace
 }  // namespace strainwave::analysis::diagnosis::diagnosis_holds_test

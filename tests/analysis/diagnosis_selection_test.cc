@@ -127,6 +127,22 @@ TEST(Selection, AsksLessOfTheSizeOfWhatChanceDoesNotMake) {
   EXPECT_EQ(FoundIn(std::move(model)), "bells ");
 }
 
+// Four numbers, clearer than chance makes them (p about 1e-4) and dearer than what they bring.
+TEST(Selection, TellsNoDescriptionThatCostsMoreThanItBrings) {
+  const auto curve = [](double size) {
+    const auto wave = [](double rate) {
+      return [rate](std::size_t i) { return std::cos(rate * static_cast<double>(i)); };
+    };
+    const std::vector<Shape> waves{wave(0.05), wave(0.11), wave(0.17), wave(0.23)};
+    SeparableModel model = NoiseAnd(
+        [&](std::size_t i) { return size * (waves[0](i) + waves[1](i) + waves[2](i) + waves[3](i)); });
+    Add(model, {.name = "curve", .named = false}, waves);
+    return model;
+  };
+  EXPECT_EQ(FoundIn(curve(0.021)), "");
+  EXPECT_EQ(FoundIn(curve(0.04)), "(curve) ");
+}
+
 // One block holds nearly all that there is of it: without that the rest can but extrapolate.
 TEST(Selection, ForetellsWithinABlockWhatNoOtherBlockShows) {
   constexpr std::size_t kOfBlock = 30;

@@ -70,6 +70,21 @@ TEST(TwistAtTorque, TakesTheSlopeOfAStaircaseFromItsNextSteps) {
   EXPECT_FALSE(TwistAtTorque(torque_Nm, twist_rad, Branch{15, 19, true}, 0.0, 0.5, 1.0));
 }
 
+// A stretch of a rising branch is not there, or its reversal and with it the rest of the branch before: what
+// lies on either side of the gap says nothing of the twist within.
+TEST(TwistAtTorque, SaysNothingWhereTheBranchHasNoSamples) {
+  std::vector<double> torque_Nm;
+  std::vector<double> twist_rad;
+  for (int i = -80; i <= 80; ++i) {
+    if (i > -15 && i < 22) continue;
+    torque_Nm.push_back(0.1 * i);
+    twist_rad.push_back(0.3 * torque_Nm.back() + (i < 0 ? 0.5 : 0.0));
+  }
+  const Branch branch{0, torque_Nm.size() - 1, true};
+  EXPECT_FALSE(TwistAtTorque(torque_Nm, twist_rad, branch, 0.0, 0.4, 0.0));
+  EXPECT_NEAR(TwistAtTorque(torque_Nm, twist_rad, branch, 4.0, 0.4, 0.0)->value, 1.2, 1e-12);
+}
+
 TEST(EstimateNoise, SeesTheNoiseOnARampAndNotTheRamp) {
   std::mt19937 engine(1);
   std::normal_distribution<double> normal(0.0, 0.5);

@@ -2,6 +2,7 @@
 // What loggers and encoders do to samples, found in signals that are made here and spoiled on purpose.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -165,6 +166,25 @@ TEST(FindFrozen, TellsARestWithoutVisibleNoiseByWhatComesAfterIt) {
   ASSERT_EQ(frozen.size(), 1U);
   EXPECT_EQ(frozen[0].first, 1000U);
   EXPECT_GE(frozen[0].count, 40U);
+}
+
+TEST(FindSaturated, FindsTheEndsAtWhichASignalStandsAgainstItsNoise) {
+  std::vector<double> values = Way(700, 200.0, 0.3);
+  for (double& value : values) value = 1e-3 * std::round(value / 1e-3);
+  EXPECT_TRUE(FindSaturated(values).empty());
+  for (double& value : values) value = std::min(value, 170.0);
+  const auto found = FindSaturated(values);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].at, 170.0);
+  EXPECT_EQ(found[0].count, static_cast<std::size_t>(std::ranges::count(values, 170.0)));
+  for (double& value : values) value = std::max(value, -90.0);
+  EXPECT_EQ(FindSaturated(values).size(), 2U);
+}
+
+TEST(FindSaturated, FindsNoneWhereStepsAreCoarserThanTheNoise) {
+  std::vector<double> values = Way(700, 20.0, 0.1);
+  for (double& value : values) value = std::round(value);
+  EXPECT_TRUE(FindSaturated(values).empty());
 }
 
 TEST(ArrivalTimes, PutsValuesThatComeEvenlyBetweenTheRowsWhereTheyCame) {

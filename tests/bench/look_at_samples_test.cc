@@ -174,6 +174,22 @@ TEST(LookAtSamples, MakesAnglesOfOneTurnGoOn) {
   }
 }
 
+TEST(LookAtSamples, KnowsTheMeanOfAbsoluteAnglesOfOneTurn) {
+  for (const double ratio : {80.0, -120.0}) {
+    Record as_it_was = Sweep(1.0, ratio);
+    as_it_was.SetMetadata("absolute", "true");
+    Change(as_it_was, "output_angle_deg", [](double deg, std::size_t) { return deg + 217.0; });
+    Change(as_it_was, "input_angle_deg", [&](double deg, std::size_t) { return deg + 217.0 * ratio; });
+    for (const bool output_too : {true, false}) {
+      Record record = as_it_was;
+      if (output_too) Wrap(record, "output_angle_deg", 360.0, -180.0);
+      Wrap(record, "input_angle_deg", 360.0, 0.0);
+      LookAtSamples(record);
+      ExpectSameError(record, as_it_was);
+    }
+  }
+}
+
 TEST(LookAtSamples, SaysWhereAnAngleStartsAnew) {
   Record record = Sweep();
   Wrap(record, "output_angle_deg", 360.0, -180.0);

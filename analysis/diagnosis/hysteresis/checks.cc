@@ -12,6 +12,7 @@
 #include "analysis/loop_branches.h"
 #include "analysis/model/torsion_spring.h"
 #include "analysis/noise_level.h"
+#include "analysis/samples/holds.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -41,8 +42,16 @@ double HumpOf(std::span<const double> stretch) {
   return std::max(centre - std::max(begin, end), std::min(begin, end) - centre);
 }
 
-// A run of readings at the largest or smallest torque, equal but for noise, in which the twist goes on
-// outward and comes back: the torque did so, too, and its signal could not follow.
+[[noreturn]] void RefuseSaturated(double extreme_Nm, std::size_t samples, bool largest) {
+  throw std::invalid_argument(fmt::format(
+      "torque_Nm is saturated: {} samples read {:.4g} Nm, its {} value, while the angle goes on and "
+      "comes back (expected a transducer or an amplifier with room beyond the peak torque)",
+      samples, extreme_Nm, largest ? "largest" : "smallest"));
+}
+
+// A run of readings at the largest or smallest torque, equal to the last digit although the signal has noise,
+// or equal but for noise while the twist goes on outward and comes back: the torque did so, too, and its
+// signal could not follow.
 void RequireTorqueNotSaturated(const HysteresisData& record, double twist_range_rad) {
   constexpr double kHump = 0.02;  // of the twist's range
   const std::span<const double> torque = record.torque_Nm;
@@ -50,6 +59,8 @@ void RequireTorqueNotSaturated(const HysteresisData& record, double twist_range_
   const std::vector<double> times_s = TimesOfSamples(record.time_s, torque);
   const double least_hump_rad = std::max(kHump * twist_range_rad, 4.0 * SampleNoise(times_s, twist));
   const auto [low, high] = std::minmax_element(torque.begin(), torque.end());
+  for (const samples::Saturated& end : samples::FindSaturated(torque))
+    RefuseSaturated(end.at, end.count, end.at == *high);
   // A stair of a few samples a step passes for noise, and its risers would be equal.
   constexpr double kMostEqual = 0.02;  // of the torque's range
   const double equal_Nm = std::min(8.0 * SampleNoise(times_s, torque), kMostEqual * (*high - *low));
@@ -64,12 +75,7 @@ void RequireTorqueNotSaturated(const HysteresisData& record, double twist_range_
       humped = humped || HumpOf(twist.subspan(i, end - i)) > least_hump_rad;
       i = end;
     }
-    if (humped) {
-      throw std::invalid_argument(fmt::format(
-          "torque_Nm is saturated: {} samples read {:.4g} Nm, its {} value, while the angle goes on and "
-          "comes back (expected a transducer or an amplifier with room beyond the peak torque)",
-          stuck, extreme, extreme == *high ? "largest" : "smallest"));
-    }
+    if (humped) RefuseSaturated(extreme, stuck, extreme == *high);
   }
 }
 
