@@ -82,11 +82,12 @@ void AddLines(const Study& study, const Regressor& regressor, std::span<const do
   if (regressor.angle) highest = std::min(highest, kHighestOrderPerTurn);
   if (!(highest > lowest)) return;
 
-  std::vector<LinePeak> peaks = FindLines(regressor.values, residual, weights, lowest, highest, 2);
+  const double even_step = folding > 0.0 ? kTwoPi / folding : 0.0;
+  std::vector<LinePeak> peaks = FindLines(regressor.values, residual, weights, lowest, highest, 2, even_step);
   if (noise.order > 0) {
     const Innovations white = InnovationsOf(study, residual, weights, noise);
     for (const LinePeak& peak :
-         FindLines(regressor.values, white.values, white.weights, lowest, highest, 1)) {
+         FindLines(regressor.values, white.values, white.weights, lowest, highest, 1, even_step)) {
       peaks.push_back(peak);
     }
   }

@@ -34,6 +34,7 @@ std::vector<int> LagsBefore(std::span<const double> weights, std::span<const std
 struct Predictor {
   Eigen::VectorXd coefficients;
   double share{1.0};
+  double log_share{};
 };
 
 // One an order, by least squares where all lags of the largest order are there; order 0 alone where these are
@@ -58,7 +59,8 @@ std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<
     const Eigen::VectorXd cross = products.col(0).segment(1, order);
     const Eigen::VectorXd coefficients = products.block(1, 1, order, order).ldlt().solve(cross);
     const double share = 1.0 - coefficients.dot(cross) / products(0, 0);
-    predictors.push_back({coefficients, std::clamp(share, kLeastVarianceShare, 1.0)});
+    const double left = std::clamp(share, kLeastVarianceShare, 1.0);
+    predictors.push_back({coefficients, left, std::log(left)});
   }
   return predictors;
 }
@@ -88,7 +90,7 @@ NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> we
       for (Index k = 0; k < predictor.coefficients.size(); ++k)
         innovation -= predictor.coefficients(k) * residual[i - 1 - static_cast<std::size_t>(k)];
       squares += innovation * innovation / predictor.share;
-      logarithms += std::log(predictor.share);
+      logarithms += predictor.log_share;
     }
     const double variance = std::max(squares / n, 1e-24 * scale * scale);
     fit.log_likelihood.push_back(-0.5 * (n * (std::log(kTwoPi * variance) + 1.0) + logarithms));

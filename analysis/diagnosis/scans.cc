@@ -79,6 +79,17 @@ std::vector<double> LocalLevel(const std::vector<double>& drops, std::size_t rea
   return level;
 }
 
+// The smallest even length from this one on that the transform is quick for.
+std::size_t FastLengthFrom(std::size_t length) {
+  for (std::size_t size = length + length % 2;; size += 2) {
+    std::size_t rest = size;
+    for (const std::size_t factor : {2, 3, 5}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return size;
+  }
+}
+
 // What of a residual lies below each place.
 struct SortedSums {
   std::vector<double> at;  // rising
@@ -205,16 +216,22 @@ double IndependentOrders(std::span<const double> angle_rad, double lowest_order,
 
 std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<const double> residual,
                                 std::span<const double> weights, double lowest_order, double highest_order,
-                                std::size_t count) {
+                                std::size_t count, double even_step) {
   const double span = SpanOf(angle_rad);
   if (!(span > 0.0) || !(highest_order > lowest_order) || count == 0) return {};
   constexpr double kOversampling = 4.0;
   const double cell = kTwoPi / span;
-  const double step = cell / kOversampling;
+  double step = cell / kOversampling;
   // Samples fall into bins of an eighth of the shortest period of the doubled order at most.
   const double bins_needed = 8.0 * 2.0 * (highest_order + cell) / step;
   std::size_t bins = 1024;
   while (static_cast<double>(bins) < bins_needed && bins < (std::size_t{1} << 22)) bins *= 2;
+  const double steps = even_step > 0.0 ? kOversampling * std::round(span / even_step) : 0.0;
+  const bool even = steps > 0.0 && steps < 0.5 * static_cast<double>(bins);
+  if (even) {
+    bins = FastLengthFrom(static_cast<std::size_t>(steps));
+    step = kTwoPi / (even_step * static_cast<double>(bins));
+  }
   const double first = *std::min_element(angle_rad.begin(), angle_rad.end());
   const double per_bin = kTwoPi / step / static_cast<double>(bins);
 
@@ -241,7 +258,8 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
     return std::pair{0.5 * (z + mirrored), std::complex<double>(0.0, -0.5) * (z - mirrored)};
   };
   const auto from = static_cast<std::size_t>(std::max(1.0, std::ceil(lowest_order / step)));
-  const auto to = std::min(static_cast<std::size_t>(std::floor(highest_order / step)) + 1, bins / 4);
+  const auto to =
+      std::min(static_cast<std::size_t>(std::floor(highest_order / step)) + 1, even ? bins / 2 : bins / 4);
   if (to <= from) return {};
   std::vector<double> drops(to - from + 1, 0.0);
   for (std::size_t k = from; k <= to; ++k) {
@@ -257,12 +275,15 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
                               .ss = 0.5 * (mean_weight - doubled.real()),
                               .cs = -0.5 * doubled.imag()});
   }
-  const std::vector<double> level = LocalLevel(drops, static_cast<std::size_t>(30.0 * kOversampling));
+  const std::vector<double> level = LocalLevel(drops, static_cast<std::size_t>(30.0 * cell / step));
   const auto prominence = [&](std::size_t place) { return drops[place] / level[place]; };
   std::vector<std::size_t> places(drops.size());
   std::iota(places.begin(), places.end(), std::size_t{0});
-  std::sort(places.begin(), places.end(),
-            [&](std::size_t a, std::size_t b) { return prominence(a) > prominence(b); });
+  // No more are looked at than lie near the peaks that are taken.
+  const std::size_t near = count * (2 * static_cast<std::size_t>(std::ceil(cell / step)) + 5);
+  std::partial_sort(places.begin(),
+                    places.begin() + static_cast<std::ptrdiff_t>(std::min(near, places.size())), places.end(),
+                    [&](std::size_t a, std::size_t b) { return prominence(a) > prominence(b); });
   // A line over an angle at which the samples crowd in places raises its surroundings with it.
   const auto highest = static_cast<std::size_t>(std::ranges::max_element(drops) - drops.begin());
   places.insert(places.begin() + 1, highest);

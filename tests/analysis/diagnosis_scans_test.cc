@@ -47,6 +47,30 @@ TEST(FindLines, SeesALineInColouredNoiseBesideTheNoisesOwnSwell) {
   EXPECT_NEAR(peaks[0].order, 300.0, 0.3);
 }
 
+// Two channels over one even time, of a length that no fast transform has, with a part that is not known.
+TEST(FindLines, TakesEvenSamplesForTheirOwnBins) {
+  constexpr double kStep = 0.01;
+  constexpr std::size_t kCount = 3001;
+  std::vector<double> time;
+  std::vector<double> residual;
+  std::vector<double> weights;
+  const std::vector<double> noise = WhiteNoise(2 * kCount, 0.5, 6);
+  for (std::size_t i = 0; i < 2 * kCount; ++i) {
+    const std::size_t sample = i % kCount;
+    time.push_back(7.0 + kStep * static_cast<double>(sample));
+    residual.push_back(0.8 + 0.2 * std::cos(296.4 * time.back() + 0.5) + 0.1 * std::cos(53.2 * time.back()) +
+                       noise[i]);
+    weights.push_back(sample > 700 && sample < 1000 ? 0.0 : 1.0);
+  }
+  const auto peaks = FindLines(time, residual, weights, 0.5, kPi / kStep, 2, kStep);
+  ASSERT_EQ(peaks.size(), 2u);
+  // Three standard deviations of an order, and of the drop of half the amplitude squared a sample.
+  const double known = 2.0 * (kCount - 299);
+  EXPECT_NEAR(peaks[0].order, 296.4, 3.0 * std::sqrt(24.0 / known) * 0.5 / 0.2 / 30.0);
+  EXPECT_NEAR(peaks[1].order, 53.2, 3.0 * std::sqrt(24.0 / known) * 0.5 / 0.1 / 30.0);
+  EXPECT_NEAR(peaks[0].drop, known * 0.02, 3.0 * 2.0 * 0.5 * std::sqrt(known * 0.02));
+}
+
 TEST(LogPlacesOfLine, SpreadsWhatChanceMayFindEvenlyOverOctaves) {
   constexpr double kLowest = 0.5;
   constexpr double kHighest = 128.0;

@@ -10,7 +10,7 @@
 
 #include "analysis/units.h"
 
-namespace strainwave::analysis::samples {
+namespace strainwave::analysis::samples::running_test {
 namespace {
 
 using Channels = std::vector<std::vector<double>>;
@@ -76,4 +76,4 @@ TEST(TurningBySpeed, LeavesARunUpFromRestAsItIs) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::samples
+}  // namespace strainwave::analysis::samples::running_test

@@ -13,7 +13,7 @@
 
 #include "analysis/units.h"
 
-namespace strainwave::bench {
+namespace strainwave::bench::look_at_rows_test {
 namespace {
 
 using daq::Record;
@@ -152,4 +152,4 @@ TEST(LookAtRows, LeavesOutTheRowsWithoutSpeed) {
 }
 
 }  // namespace
-}  // namespace strainwave::bench
+}  // namespace strainwave::bench::look_at_rows_test

@@ -25,7 +25,10 @@ constexpr double kLeastNoise = 0.3;  // of the resonance's peak: bins that tell 
 }  // namespace
 
 RingMatcher::RingMatcher(const VibrationRemainder& remainder, const SpeedBand& band)
-    : remainder_(remainder), run_(remainder.samples().runs.front()), band_(band), filtered_(run_.size()) {
+    : remainder_(remainder),
+      run_(remainder.samples().runs.front()),
+      band_(band),
+      filtered_(run_.channels.size(), std::vector<Complex>(run_.size())) {
   const std::size_t speeds = run_.speed_spread < 0.01 ? 1 : kSpeeds;
   double turned = 0.0;
   for (std::size_t i = 1; i < run_.size() && speeds_rad_per_s_.size() < speeds; ++i) {
@@ -78,8 +81,11 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   const double scale =
       angle_step * std::sqrt((1.0 - std::norm(step)) / (remainder_.base().variance() * band_.turns)) / kTwoPi;
   Foretell(natural, half_width, matched);
-  for (const VibrationStretch& channel : run_.channels) {
-    Filter(channel, step, turns);
+  MatchBackwards(run_, step, remainder_.residual(), remainder_.solver().weights(),
+                 [&](std::size_t c, std::size_t i, Complex common) {
+                   filtered_[c][i] = Product(std::conj(common), turns[i]);
+                 });
+  for (const std::vector<Complex>& filtered : filtered_) {
     values_.assign(size, Complex{});
     std::size_t i = 0;
     for (std::size_t p = 0; p < places; ++p) {
@@ -87,7 +93,7 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
       while (i + 2 < run_.size() && run_.angle_rad[i + 1] <= angle) ++i;
       const double gap = run_.angle_rad[i + 1] - run_.angle_rad[i];
       const double u = gap > 0.0 ? std::clamp((angle - run_.angle_rad[i]) / gap, 0.0, 1.0) : 0.0;
-      values_[p] = scale * ((1.0 - u) * filtered_[i] + u * filtered_[i + 1]);
+      values_[p] = scale * ((1.0 - u) * filtered[i] + u * filtered[i + 1]);
     }
     transform_.fwd(spectrum_, values_);
     std::vector<Complex> lines(matched.power.size());
@@ -137,16 +143,6 @@ double RingMatcher::Loudness(const std::vector<Complex>& lines, const MatchedOrd
   const auto middle = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
   std::ranges::nth_element(ratios_, middle);
   return std::max(*middle / std::numbers::ln2, 1e-300);
-}
-
-void RingMatcher::Filter(const VibrationStretch& channel, Complex step, const std::vector<Complex>& turns) {
-  Complex common{};
-  for (std::size_t i = run_.size(); i-- > 0;) {
-    const std::size_t place = channel.first + i;
-    common = Product(common, step) +
-             (remainder_.solver().weights()[place] > 0.0 ? remainder_.residual()[place] : 0.0);
-    filtered_[i] = Product(std::conj(common), turns[i]);
-  }
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -55,14 +55,11 @@ class RingMatcher {
   void Foretell(double natural, double half_width, MatchedOrders& matched) const;
   /// Noise of any colour is as loud here as the lines between those of a train say.
   double Loudness(const std::vector<std::complex<double>>& lines, const MatchedOrders& matched);
-  void Filter(const VibrationStretch& channel, std::complex<double> step,
-              const std::vector<std::complex<double>>& turns);
-
   const VibrationRemainder& remainder_;
   const VibrationRun& run_;
   const SpeedBand band_;
-  std::vector<double> speeds_rad_per_s_;  // evenly over the turns of the band
-  std::vector<std::complex<double>> filtered_;
+  std::vector<double> speeds_rad_per_s_;                     // evenly over the turns of the band
+  std::vector<std::vector<std::complex<double>>> filtered_;  // by channel
   std::vector<std::complex<double>> values_;
   std::vector<std::complex<double>> spectrum_;
   std::vector<double> ratios_;

@@ -30,7 +30,11 @@ class RingStep {
     constexpr double kSmall = 1e-4;  // of a squared turn: the next power is below 1e-12
     const Complex more = pole_ * (step_s - period_s_);
     if (!(std::norm(more) < kSmall)) return std::exp(pole_ * step_s);
-    return even_ * (1.0 + more * (1.0 + more / 2.0 * (1.0 + more / 3.0 * (1.0 + more / 4.0))));
+    // What time stamps are rounded by: the square is lost in the last digit of one.
+    constexpr double kRounding = 1e-18;
+    if (std::norm(more) < kRounding) return Product(even_, 1.0 + more);
+    const Complex powers = 1.0 + Product(more / 2.0, 1.0 + Product(more / 3.0, 1.0 + more / 4.0));
+    return Product(even_, 1.0 + Product(more, powers));
   }
 
  private:
@@ -133,13 +137,14 @@ namespace {
 std::vector<double> MatchRing(const VibrationRun& run, Complex step, std::span<const double> residual,
                               std::span<const double> weights, std::span<const double> gains) {
   std::vector<double> matched(run.size(), 0.0);
-  for (std::size_t c = 0; c < run.channels.size(); ++c) {
-    Complex common{};
-    for (std::size_t i = run.size(); i-- > 0;) {
-      const std::size_t place = run.channels[c].first + i;
-      common = Product(common, step) + (weights[place] > 0.0 ? residual[place] : 0.0);
-      matched[i] += gains.empty() ? common.imag() * common.imag() : gains[c] * common.imag();
-    }
+  if (gains.empty()) {
+    MatchBackwards(run, step, residual, weights, [&](std::size_t, std::size_t i, Complex common) {
+      matched[i] += common.imag() * common.imag();
+    });
+  } else {
+    MatchBackwards(run, step, residual, weights, [&](std::size_t c, std::size_t i, Complex common) {
+      matched[i] += gains[c] * common.imag();
+    });
   }
   return matched;
 }
@@ -246,18 +251,18 @@ TrainMatch MatchTrain(const VibrationRun& run, const RingTrain& train, double si
   std::vector<Complex> plain(bins * channels);
   std::vector<Complex> upper(sideband > 0.0 ? bins * channels : 0);
   std::vector<Complex> lower(upper.size());
-  for (std::size_t c = 0; c < channels; ++c) {
-    Complex common{};
-    for (std::size_t i = n; i-- > 0;) {
-      const std::size_t at = run.channels[c].first + i;
-      common = Product(common, step) + (weights[at] > 0.0 ? residual[at] : 0.0);
+  if (sideband > 0.0) {
+    MatchBackwards(run, step, residual, weights, [&](std::size_t c, std::size_t i, Complex common) {
       const Complex value = Product(common, places[i].turn);
       const std::size_t bin = c * bins + places[i].bin;
       plain[bin] += value;
-      if (!(sideband > 0.0)) continue;
       upper[bin] += Product(value, places[i].slow);
       lower[bin] += Product(value, std::conj(places[i].slow));
-    }
+    });
+  } else {
+    MatchBackwards(run, step, residual, weights, [&](std::size_t c, std::size_t i, Complex common) {
+      plain[c * bins + places[i].bin] += Product(common, places[i].turn);
+    });
   }
   // Samples that one impulse has in a bin, and the noise of a sum over the impulses.
   const double samples = static_cast<double>(n) / (impulses * static_cast<double>(bins));

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "analysis/diagnosis/vibration/samples.h"
@@ -38,6 +40,32 @@ class Directions {
 /// Product of finite numbers: the operator looks for infinities.
 inline std::complex<double> Product(std::complex<double> a, std::complex<double> b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// What a ring that begins at a sample has in common with the residual from there on, for every sample from
+/// the last to the first, and for a few channels at a time: each is a chain of products that wait for one
+/// another, and several run side by side in the time of one.
+/// @param step  what the ring is turned and damped by from sample to sample
+/// @param take  (channel, sample, in common)
+template <typename Take>
+void MatchBackwards(const VibrationRun& run, std::complex<double> step, std::span<const double> residual,
+                    std::span<const double> weights, const Take& take) {
+  constexpr std::size_t kTogether = 4;
+  const auto match = [&]<std::size_t kChannels>(std::size_t first,
+                                                std::integral_constant<std::size_t, kChannels>) {
+    std::array<std::complex<double>, kChannels> common{};
+    for (std::size_t i = run.size(); i-- > 0;) {
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        const std::size_t place = run.channels[first + c].first + i;
+        common[c] = Product(common[c], step) + (weights[place] > 0.0 ? residual[place] : 0.0);
+        take(first + c, i, common[c]);
+      }
+    }
+  };
+  std::size_t first = 0;
+  for (; first + kTogether <= run.channels.size(); first += kTogether)
+    match(first, std::integral_constant<std::size_t, kTogether>());
+  for (; first < run.channels.size(); ++first) match(first, std::integral_constant<std::size_t, 1>());
 }
 
 /// Of a resonance that rings: exp(pole · t) is what is left of it after a time, turned.

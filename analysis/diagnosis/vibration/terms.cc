@@ -32,7 +32,7 @@ void FillLines(const std::vector<double>& angle, const VibrationTerm& term, Matr
     for (std::size_t i = 0; i < angle.size(); ++i) {
       const double more = i > 0 ? order * (angle[i] - angle[i - 1] - step) : 0.0;
       if (i % kFromOneTurnOn != 0 && std::abs(more) < kLeastTurn) {
-        value *= turn * std::complex<double>(1.0 - 0.5 * more * more, more * (1.0 - more * more / 6.0));
+        value = Product(value, Product(turn, {1.0 - 0.5 * more * more, more * (1.0 - more * more / 6.0)}));
       } else {
         value = std::polar(1.0, order * angle[i]);
         step = i + 1 < angle.size() ? angle[i + 1] - angle[i] : 0.0;
