@@ -35,12 +35,31 @@ double SamplesPerTurn(std::span<const double> angle_rad) {
   return kTwoPi / (usual_rad > kUneven * mean_rad ? usual_rad : mean_rad);
 }
 
+// Whether the way is made in steps of one size, so that an order beyond half of them a turn cannot be told
+// from the one that it folds to. With steps of several sizes it is only where it is.
+bool StepsAreEven(std::span<const double> angle_rad) {
+  // A sweep from position to position repeats its steps to a few percent, and begins and ends with others; a
+  // tenth of another size turns an order of twice the samples by more than half a period somewhere.
+  constexpr double kOfUsual = 0.1;
+  constexpr double kShareOfWay = 0.9;
+  const double usual_rad = UsualStep(angle_rad);
+  double way_rad = 0.0;
+  double even_rad = 0.0;
+  for (std::size_t i = 1; i < angle_rad.size(); ++i) {
+    const double step_rad = std::abs(angle_rad[i] - angle_rad[i - 1]);
+    way_rad += step_rad;
+    if (std::abs(step_rad - usual_rad) <= kOfUsual * usual_rad) even_rad += step_rad;
+  }
+  return even_rad >= kShareOfWay * way_rad;
+}
+
 // Candidates at the orders where they appear; those that appear at one order become one line.
-std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev, OrderAnalysis* analysis) {
+std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev, bool even,
+                                        OrderAnalysis* analysis) {
   std::vector<PlacedLine> placed;
   std::vector<std::string>* notes = &analysis->notes;
   for (const OrderCandidate& candidate : KnownOrders(ratio)) {
-    const double appears_at = FoldedOrder(candidate.order, samples_per_rev);
+    const double appears_at = even ? FoldedOrder(candidate.order, samples_per_rev) : candidate.order;
     const bool folded = std::abs(appears_at - candidate.order) > kResolution;
     if (folded) {
       notes->push_back(
@@ -54,7 +73,7 @@ std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev, Or
       if (is_second) analysis->second_harmonic_hidden = notes->back();
       continue;
     }
-    const bool in_part = 0.5 * samples_per_rev - appears_at < kResolution;
+    const bool in_part = even && 0.5 * samples_per_rev - appears_at < kResolution;
     if (in_part) {
       notes->push_back(
           fmt::format("order {:.6g} ({}) is half of {:.4g} samples per output turn: how much of it "
@@ -130,7 +149,8 @@ OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<
                             double ratio) {
   const double samples_per_rev = SamplesPerTurn(output_angle_rad);
   OrderAnalysis analysis;
-  std::vector<PlacedLine> placed = PlaceCandidates(ratio, samples_per_rev, &analysis);
+  std::vector<PlacedLine> placed =
+      PlaceCandidates(ratio, samples_per_rev, StepsAreEven(output_angle_rad), &analysis);
   const auto max_lines =
       static_cast<std::size_t>(std::min(static_cast<double>(error_rad.size()), samples_per_rev + 1.0) / 4.0);
   if (placed.size() > max_lines) {

@@ -52,11 +52,12 @@ std::vector<Found> JudgeAll(const Judge& judge, const ScoredModel& model, const 
   return all;
 }
 
-// A description that costs more than it brings, or takes nothing away, helps to find causes and says nothing
-// of its own.
+// A description that costs more than it brings, where its p-value does not say all, or that takes nothing
+// away, helps to find causes and says nothing of its own.
 bool IsWorthTelling(const Judge& judge, const ScoredModel& model, const Found& found) {
-  if (!IsDescription(judge.study().causes()[found.cause])) return true;
-  return found.judged.evidence.delta_bic > 0.0 &&
+  const CauseRule& rule = judge.study().causes()[found.cause];
+  if (!IsDescription(rule)) return true;
+  return found.judged.evidence.delta_bic > std::min(0.0, rule.least_bic.value_or(0.0)) &&
          SquareSum(judge.study(), found.without.fit, judge.weights()) >
              SquareSum(judge.study(), model.fit, judge.weights());
 }

@@ -206,7 +206,7 @@ TEST(HysteresisHolds, ShowTheTimeConstantOfASingleElement) {
 }
 
 // The torque's steps are coarser than its noise: all samples of a rest are off by the same.
-TEST(HysteresisStudy, NamesNothingThatIsNoMoreThanTheTorquesSteps) {
+TEST(TorqueSteps, NamesNothingThatIsNoMoreThanTheTorquesSteps) {
   const std::vector<PathLeg> path{{.to_Nm = 34.0},
                                   {.to_Nm = 12.3, .hold_s = 40.0},
                                   {.to_Nm = -34.0},

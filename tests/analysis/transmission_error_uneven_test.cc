@@ -3,6 +3,7 @@
 // integral over the angle, by another rule than the one under test.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -91,6 +92,26 @@ TEST(UnevenSweep, HasTheLostMotionOverTheAngleToo) {
   const TransmissionError result = ComputeTransmissionError(cw.View(), ccw.View(), kRatio);
   ASSERT_TRUE(result.lost_motion_rad);
   EXPECT_NEAR(ArcminFromRad(result.lost_motion_rad->value), 0.2, 0.003);
+}
+
+// The wave generator's second harmonic turns by more than half a period from row to row, in the slow part by
+// less: it folds to no one order.
+TEST(UnevenSweep, HasTheSecondHarmonicThatItsStepsFold) {
+  std::mt19937 random(23);
+  std::normal_distribution<double> normal;
+  for (const double slow : {0.3, 0.55, 0.8}) {
+    Sweep sweep;
+    for (double turn = 0.0; turn < 1.0; turn += (turn > 0.4 && turn < 0.7 ? slow : 1.0) * 2.6 / 360.0) {
+      sweep.output_rad.push_back(kTwoPi * turn);
+      sweep.input_rad.push_back(kRatio *
+                                (kTwoPi * turn + Error_rad(kTwoPi * turn) + kNoise_rad * normal(random)));
+    }
+    const TransmissionError result = ComputeTransmissionError(sweep.View(), {}, kRatio);
+    const auto second = std::ranges::find(result.cw->orders, 2.0 * kRatio, &OrderLine::order_per_output_rev);
+    ASSERT_NE(second, result.cw->orders.end()) << slow;
+    EXPECT_NEAR(ArcminFromRad(second->amplitude_rad.value), 0.25, 0.01) << slow;
+    EXPECT_FALSE(second->aliased) << slow;
+  }
 }
 
 TEST(UnevenSweep, CountsItsStepsAndSeesWhatIsLeftOut) {
