@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -16,7 +15,6 @@ namespace strainwave::analysis {
 namespace {
 
 constexpr std::size_t kFewestLoopSamples = 16;
-constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 void RequireLoop(const TorsionLoop& loop, const TestTorques& torques) {
   RequireSameLength("torque_Nm", loop.torque_Nm, "twist_rad", loop.twist_rad);
@@ -91,7 +89,7 @@ Estimate MeanTwist(const PreparedLoop& loop, double level_Nm, bool rising) {
       return {sum / count, std::sqrt(variance) / count};
     }
   }
-  return {kNotANumber, kNotANumber};
+  return kNotEstimated;
 }
 
 double Hypotenuse(double a, double b, double c, double d) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "analysis/linear_regression.h"
@@ -15,7 +14,6 @@
 namespace strainwave::analysis {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Shares of the twist's range after a reversal: left out before anything is known, and the most that may be
 // left out.
 constexpr double kFirstGuess = 0.25;
@@ -184,7 +182,7 @@ TorsionalStiffness FitStiffnessBackbone(const TorsionLoop& raw, const TestTorque
   for (std::size_t k = 0; k < 3; ++k) {
     constexpr int kMinPerSegment = 8;
     if (line.samples[k] < kMinPerSegment) {
-      *slopes[k] = {kNaN, kNaN};
+      *slopes[k] = kNotEstimated;
       result.failed_checks.push_back(
           fmt::format("too few samples for K{} where friction slides: {} (expected at least {})", k + 1,
                       line.samples[k], kMinPerSegment));

@@ -213,9 +213,7 @@ TorsionalStiffness FitStiffnessModel(const TorsionLoop& raw, const TestTorques& 
     const double value = std::exp(best.parameters[k]);
     // A segment that no sample reaches leaves its column empty.
     const bool seen = at.jacobian.col(k).squaredNorm() > 0.0;
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    *slopes[k] =
-        seen ? Estimate{value, value * std::sqrt(std::max(0.0, covariance(k, k)))} : Estimate{nan, nan};
+    *slopes[k] = seen ? Estimate{value, value * std::sqrt(std::max(0.0, covariance(k, k)))} : kNotEstimated;
   }
 
   MeasureLoopWidth(loop, &result);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "analysis/prepared_loop.h"
@@ -10,7 +9,6 @@
 namespace strainwave::analysis {
 namespace {
 
-constexpr double kNoSlope = std::numeric_limits<double>::quiet_NaN();
 constexpr double kShareOfPeak = 0.98;
 
 // A branch starts at zero torque when it passes it or begins next to it.
@@ -42,7 +40,7 @@ Estimate TwistAt(const PreparedLoop& loop, const Branch& branch, double level_Nm
   const auto wide =
       TwistAtTorque(loop.torque_Nm, loop.twist_rad, branch, level_Nm, kWider * window_Nm, reach_Nm);
   if (!narrow || !wide) {
-    return {kNoSlope, kNoSlope};
+    return kNotEstimated;
   }
   return {narrow->value, std::max(narrow->standard_error, wide->standard_error * std::sqrt(kWider))};
 }
@@ -74,7 +72,7 @@ TorsionalStiffness FitStiffnessLoading(const TorsionLoop& raw, const TestTorques
     result.k2_Nm_per_rad = Secant(side * (torques.t2_Nm - torques.t1_Nm), at_t1, at_t2);
     result.k3_Nm_per_rad = Secant(side * (end_Nm - torques.t2_Nm), at_t2, at_end);
   } else {
-    result.k1_Nm_per_rad = result.k2_Nm_per_rad = result.k3_Nm_per_rad = {kNoSlope, kNoSlope};
+    result.k1_Nm_per_rad = result.k2_Nm_per_rad = result.k3_Nm_per_rad = kNotEstimated;
     result.failed_checks.push_back("no loading branch from zero torque to T3");
   }
   MeasureLoopWidth(loop, &result);

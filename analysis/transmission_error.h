@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,10 @@ struct Estimate {
   double value{};
   double standard_error{};
 };
+
+/// What the samples leave open.
+inline constexpr Estimate kNotEstimated{std::numeric_limits<double>::quiet_NaN(),
+                                        std::numeric_limits<double>::quiet_NaN()};
 
 /// Angles of one sweep in one direction, sample by sample, already zeroed as the record asks.
 struct AngleSweep {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analysis/angle_weights.h"
 #include "analysis/noise_level.h"
@@ -25,19 +24,17 @@ struct PlacedLine {
   bool seen_in_part{};  // at half the samples a turn
 };
 
-// Angles a turn that the error was seen at. Of rows that come in time many may lie at one: the steps count
-// then.
-double SamplesPerTurn(std::span<const double> angle_rad) {
-  constexpr double kUneven = 1.5;  // usual step over mean step
-  const double travel_rad = std::abs(angle_rad.back() - angle_rad.front());
-  const double mean_rad = travel_rad / static_cast<double>(angle_rad.size() - 1);
-  const double usual_rad = UsualStep(angle_rad);
-  return kTwoPi / (usual_rad > kUneven * mean_rad ? usual_rad : mean_rad);
-}
+// Where along a turn the error was seen.
+struct Sampling {
+  double per_turn{};
+  /// Whether the way is made in steps of one size, so that an order beyond half of them a turn cannot be told
+  /// from the one that it folds to. With steps of several sizes it is only where it is.
+  bool even{};
+};
 
-// Whether the way is made in steps of one size, so that an order beyond half of them a turn cannot be told
-// from the one that it folds to. With steps of several sizes it is only where it is.
-bool StepsAreEven(std::span<const double> angle_rad) {
+Sampling SamplingOf(std::span<const double> angle_rad) {
+  // Of rows that come in time many may lie at one angle: beyond this the usual step counts, not the mean one.
+  constexpr double kUneven = 1.5;  // usual step over mean step
   // A sweep from position to position repeats its steps to a few percent, and begins and ends with others; a
   // tenth of another size turns an order of twice the samples by more than half a period somewhere.
   constexpr double kOfUsual = 0.1;
@@ -50,16 +47,19 @@ bool StepsAreEven(std::span<const double> angle_rad) {
     way_rad += step_rad;
     if (std::abs(step_rad - usual_rad) <= kOfUsual * usual_rad) even_rad += step_rad;
   }
-  return even_rad >= kShareOfWay * way_rad;
+  const double travel_rad = std::abs(angle_rad.back() - angle_rad.front());
+  const double mean_rad = travel_rad / static_cast<double>(angle_rad.size() - 1);
+  return {kTwoPi / (usual_rad > kUneven * mean_rad ? usual_rad : mean_rad),
+          even_rad >= kShareOfWay * way_rad};
 }
 
 // Candidates at the orders where they appear; those that appear at one order become one line.
-std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev, bool even,
-                                        OrderAnalysis* analysis) {
+std::vector<PlacedLine> PlaceCandidates(double ratio, const Sampling& sampling, OrderAnalysis* analysis) {
+  const double samples_per_rev = sampling.per_turn;
   std::vector<PlacedLine> placed;
   std::vector<std::string>* notes = &analysis->notes;
   for (const OrderCandidate& candidate : KnownOrders(ratio)) {
-    const double appears_at = even ? FoldedOrder(candidate.order, samples_per_rev) : candidate.order;
+    const double appears_at = sampling.even ? FoldedOrder(candidate.order, samples_per_rev) : candidate.order;
     const bool folded = std::abs(appears_at - candidate.order) > kResolution;
     if (folded) {
       notes->push_back(
@@ -73,7 +73,7 @@ std::vector<PlacedLine> PlaceCandidates(double ratio, double samples_per_rev, bo
       if (is_second) analysis->second_harmonic_hidden = notes->back();
       continue;
     }
-    const bool in_part = even && 0.5 * samples_per_rev - appears_at < kResolution;
+    const bool in_part = sampling.even && 0.5 * samples_per_rev - appears_at < kResolution;
     if (in_part) {
       notes->push_back(
           fmt::format("order {:.6g} ({}) is half of {:.4g} samples per output turn: how much of it "
@@ -147,10 +147,10 @@ std::vector<OrderCandidate> KnownOrders(double ratio) {
 
 OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<const double> error_rad,
                             double ratio) {
-  const double samples_per_rev = SamplesPerTurn(output_angle_rad);
+  const Sampling sampling = SamplingOf(output_angle_rad);
+  const double samples_per_rev = sampling.per_turn;
   OrderAnalysis analysis;
-  std::vector<PlacedLine> placed =
-      PlaceCandidates(ratio, samples_per_rev, StepsAreEven(output_angle_rad), &analysis);
+  std::vector<PlacedLine> placed = PlaceCandidates(ratio, sampling, &analysis);
   const auto max_lines =
       static_cast<std::size_t>(std::min(static_cast<double>(error_rad.size()), samples_per_rev + 1.0) / 4.0);
   if (placed.size() > max_lines) {
@@ -167,8 +167,7 @@ OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<
     OrderLine line;
     line.order_per_output_rev = placed[k].order;
     line.order_per_input_rev = placed[k].order / std::abs(ratio);
-    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    line.amplitude_rad = placed[k].seen_in_part ? Estimate{kNaN, kNaN} : harmonic.amplitude;
+    line.amplitude_rad = placed[k].seen_in_part ? kNotEstimated : harmonic.amplitude;
     line.phase_rad = harmonic.phase_rad.value;
     line.name = placed[k].name;
     line.aliased = std::abs(placed[k].appears_at - placed[k].order) > kResolution;

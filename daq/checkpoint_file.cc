@@ -55,8 +55,6 @@ bool IsUntouched(SlotBytes slot) {
   return std::all_of(slot.begin(), slot.end(), [](std::byte byte) { return byte == std::byte{0}; });
 }
 
-std::error_code LastErrno() { return {errno, std::generic_category()}; }
-
 [[noreturn]] void ThrowNotACheckpoint(const std::string& why, const std::filesystem::path& path) {
   throw DataFileError(std::make_error_code(std::errc::bad_message), why, path.string());
 }
@@ -70,10 +68,10 @@ struct Slots {
 Slots ReadSlots(int fd, const std::filesystem::path& path) {
   std::vector<std::byte> bytes(kFile_bytes);
   const ssize_t got = ::pread(fd, bytes.data(), bytes.size(), 0);
-  if (got < 0) throw DataFileError(LastErrno(), "cannot read the checkpoint", path.string());
+  if (got < 0) throw DataFileError(LastError(), "cannot read the checkpoint", path.string());
   struct stat status {};
   if (::fstat(fd, &status) != 0)
-    throw DataFileError(LastErrno(), "cannot read the checkpoint", path.string());
+    throw DataFileError(LastError(), "cannot read the checkpoint", path.string());
   if (static_cast<std::size_t>(got) != kFile_bytes ||
       static_cast<std::size_t>(status.st_size) != kFile_bytes) {
     ThrowNotACheckpoint(
@@ -114,7 +112,7 @@ FileDescriptor OpenOrCreate(const std::filesystem::path& path) {
     WriteFileAtomically(path, std::vector<std::byte>(kFile_bytes));
     file = FileDescriptor(::open(path.c_str(), O_RDWR | O_CLOEXEC));
   }
-  if (!file.is_open()) throw DataFileError(LastErrno(), "cannot open the checkpoint", path.string());
+  if (!file.is_open()) throw DataFileError(LastError(), "cannot open the checkpoint", path.string());
   return file;
 }
 
@@ -147,7 +145,7 @@ void CheckpointFile::Write(std::span<const std::byte> payload) {
   const ssize_t written =
       ::pwrite(file_.get(), buffer_.data(), length, static_cast<off_t>(slot * kSlotStride_bytes));
   if (written != static_cast<ssize_t>(length)) {
-    const std::error_code code = written < 0 ? LastErrno() : std::make_error_code(std::errc::io_error);
+    const std::error_code code = written < 0 ? LastError() : std::make_error_code(std::errc::io_error);
     throw DataFileError(code, "cannot write the checkpoint", path_.string());
   }
   newest_slot_ = slot;
@@ -156,7 +154,7 @@ void CheckpointFile::Write(std::span<const std::byte> payload) {
 
 void CheckpointFile::Sync() {
   if (::fdatasync(file_.get()) != 0)
-    throw DataFileError(LastErrno(), "cannot sync the checkpoint", path_.string());
+    throw DataFileError(LastError(), "cannot sync the checkpoint", path_.string());
   synced_slot_ = newest_slot_;
 }
 
@@ -166,7 +164,7 @@ std::optional<Checkpoint> CheckpointFile::ReadLatest() const {
 
 std::optional<Checkpoint> ReadCheckpoint(const std::filesystem::path& path) {
   const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.is_open()) throw DataFileError(LastErrno(), "cannot open the checkpoint", path.string());
+  if (!file.is_open()) throw DataFileError(LastError(), "cannot open the checkpoint", path.string());
   return DemandSlots(file.get(), path).newest;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cerrno>
 #include <string>
 #include <system_error>
 
@@ -18,5 +19,8 @@ class DataFileError : public std::system_error {
  private:
   std::string path_;
 };
+
+/// What errno says.
+inline std::error_code LastError() { return {errno, std::generic_category()}; }
 
 }  // namespace strainwave::daq

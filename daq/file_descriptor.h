@@ -3,6 +3,9 @@
 
 #include <unistd.h>
 
+#include <cstddef>
+#include <filesystem>
+#include <span>
 #include <utility>
 
 namespace strainwave::daq {
@@ -28,5 +31,9 @@ class FileDescriptor {
  private:
   int fd_;
 };
+
+/// Writes all of it, however little the kernel takes at once.
+/// @throws DataFileError "cannot write" with the path.
+void WriteAll(int fd, std::span<const std::byte> bytes, const std::filesystem::path& path);
 
 }  // namespace strainwave::daq

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstddef>
 #include <cstring>
 #include <optional>
@@ -130,16 +129,7 @@ class PayloadReader {
 };
 
 [[noreturn]] void ThrowLast(const char* doing, const std::filesystem::path& path) {
-  throw DataFileError({errno, std::generic_category()}, doing, path.string());
-}
-
-void AppendAll(int file, std::span<const std::byte> bytes, const std::filesystem::path& path) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) ThrowLast("cannot write", path);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
+  throw DataFileError(LastError(), doing, path.string());
 }
 
 std::optional<BlockHeader> HeaderAt(std::span<const std::byte> bytes) {
@@ -232,8 +222,8 @@ void GrowingFile::Append(std::span<const NamedRecord> records) {
                      .header_crc32 = 0};
   std::memcpy(header.magic, kBlockMagic, sizeof kBlockMagic);
   header.header_crc32 = ChecksumOf(header);
-  AppendAll(file_.get(), std::as_bytes(std::span(&header, 1)), path_);
-  AppendAll(file_.get(), payload.bytes(), path_);
+  WriteAll(file_.get(), std::as_bytes(std::span(&header, 1)), path_);
+  WriteAll(file_.get(), payload.bytes(), path_);
   if (::fdatasync(file_.get()) != 0) ThrowLast("cannot sync", path_);
 }
 

@@ -18,21 +18,8 @@
 namespace strainwave::daq {
 namespace {
 
-std::error_code LastError() { return {errno, std::generic_category()}; }
-
 [[noreturn]] void ThrowUnreadable(const std::filesystem::path& path) {
   throw RecordError(path.string(), LastError().message(), "a record file");
-}
-
-void WriteAll(int fd, std::span<const std::byte> bytes, const std::filesystem::path& path) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      throw DataFileError(LastError(), "cannot write", path.string());
-    }
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
 }
 
 void SyncDirectory(const std::filesystem::path& directory) {

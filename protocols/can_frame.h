@@ -6,6 +6,9 @@
 
 namespace strainwave::protocols {
 
+/// Bits of an id that is not extended (ISO 11898-1).
+inline constexpr std::uint32_t kStandardIdBits = 0x7FF;
+
 /// One classical CAN frame, or what the controller has to say of the bus (ISO 11898-1; error frames as Linux
 /// reports them). Data beyond `length` is zero, so that two equal frames compare equal.
 struct CanFrame {

@@ -57,7 +57,7 @@ std::vector<Found> JudgeAll(const Judge& judge, const ScoredModel& model, const 
 bool IsWorthTelling(const Judge& judge, const ScoredModel& model, const Found& found) {
   const CauseRule& rule = judge.study().causes()[found.cause];
   if (!IsDescription(rule)) return true;
-  return found.judged.evidence.delta_bic > std::min(0.0, rule.least_bic.value_or(0.0)) &&
+  return found.judged.evidence.delta_bic > LeastBicBeside(rule) &&
          SquareSum(judge.study(), found.without.fit, judge.weights()) >
              SquareSum(judge.study(), model.fit, judge.weights());
 }

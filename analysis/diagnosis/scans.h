@@ -20,9 +20,8 @@ struct LinePeak {
 /// of the generalised periodogram between two orders that stand out most from their surroundings, and second
 /// of them the highest one, refined between grid points, at least one resolution cell (2π / span of the
 /// angle) apart. Source: Zechmeister & Kürster, A&A 496 (2009) 577 (floating mean).
-/// @param even_step  of the angle, where all samples with a weight are whole steps of it apart: they are
-/// their
-///                   own bins then, and the transform is as short as the record; 0 where they are not
+/// @param even_step  of the angle, where all samples with a weight are whole steps of it apart: each is a bin
+///   of its own then, and the transform is as short as the record; 0 where they are not
 std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<const double> residual,
                                 std::span<const double> weights, double lowest_order, double highest_order,
                                 std::size_t count, double even_step = 0.0);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "bench/controller/seconds.h"
+
 namespace strainwave::bench {
 namespace {
 
@@ -11,8 +13,6 @@ using std::chrono::nanoseconds;
 
 // To operation enabled with the brake off: a brake's relay and a drive's own checks take up to a second.
 constexpr std::chrono::seconds kLongestWayUp{3};
-
-double Seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 }  // namespace
 

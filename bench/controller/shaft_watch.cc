@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "analysis/units.h"
+#include "bench/controller/seconds.h"
 
 namespace strainwave::bench {
 namespace {
 
-using std::chrono::duration;
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
@@ -25,14 +25,12 @@ constexpr double kApartFor_s = 0.25;
 // drive behind a slow line).
 constexpr double kRemembers_s = 0.1;
 
-double AsSeconds(nanoseconds time) { return duration<double>(time).count(); }
-
 }  // namespace
 
 StopReason ShaftWatch::Check(const Readings& readings, const DriveActual& driving) noexcept {
   fastest_rad_per_s_ =
       std::max({std::abs(driving.speed_rad_per_s), std::abs(readings.input_speed_rad_per_s),
-                fastest_rad_per_s_ * std::exp(AsSeconds(checked_ - readings.time) / kRemembers_s)});
+                fastest_rad_per_s_ * std::exp(Seconds(checked_ - readings.time) / kRemembers_s)});
   checked_ = readings.time;
   const nanoseconds between = std::chrono::abs(readings.angles_time - driving.time);
   const bool is_new = readings.angles_time > encoder_time_ && driving.time > drive_time_;
@@ -43,9 +41,9 @@ StopReason ShaftWatch::Check(const Readings& readings, const DriveActual& drivin
   const double apart_now_rad = readings.input_angle_rad - driving.position_rad;
   if (!apart_at_start_rad_) apart_at_start_rad_ = apart_now_rad;
   const double apart_rad = apart_now_rad - *apart_at_start_rad_;
-  const double turned_between_rad = fastest_rad_per_s_ * (AsSeconds(between) + kBusCycles_s);
+  const double turned_between_rad = fastest_rad_per_s_ * (Seconds(between) + kBusCycles_s);
   const double most_rad = kPlay_rad + kSteps * encoder_step_rad_ + turned_between_rad;
-  apart_for_s_ = std::abs(apart_rad) > most_rad ? apart_for_s_ + AsSeconds(since) : 0.0;
+  apart_for_s_ = std::abs(apart_rad) > most_rad ? apart_for_s_ + Seconds(since) : 0.0;
   if (apart_for_s_ < kApartFor_s) return {};
   return {StopCause::kInputAngleApart, apart_rad, most_rad, readings.time};
 }

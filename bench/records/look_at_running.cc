@@ -29,9 +29,9 @@ std::optional<double> SamplePeriod_s(const daq::Record& record) {
   return analysis::Median(std::move(steps_s));
 }
 
-Stretch TurningRows(const daq::Record& record) {
+// @param speed_rad_per_s  one a row, one for all, or none
+Stretch TurningRows(const daq::Record& record, const std::vector<double>& speed_rad_per_s) {
   const Stretch all{0, record.rows()};
-  const std::vector<double> speed_rad_per_s = InputSpeedsOf_rad_per_s(record);
   if (speed_rad_per_s.empty()) return all;
   if (speed_rad_per_s.size() > 1) return analysis::samples::TurningBySpeed(speed_rad_per_s);
   const std::optional<double> period_s = SamplePeriod_s(record);
@@ -49,9 +49,10 @@ Stretch TurningRows(const daq::Record& record) {
 // of one that runs.
 void LookAtRunning(daq::Record& record) {
   const std::size_t rows = record.rows();
-  const Stretch turning = TurningRows(record);
+  const std::vector<double> speed_rad_per_s = InputSpeedsOf_rad_per_s(record);
+  const Stretch turning = TurningRows(record, speed_rad_per_s);
   if (turning == Stretch{0, rows}) return;
-  const char* why = InputSpeedsOf_rad_per_s(record).size() > 1
+  const char* why = speed_rad_per_s.size() > 1
                         ? "its input speed is next to nothing"
                         : "the lines at 1 and 2 per turn of its input speed are not there";
   for (const Stretch& left_out : {Stretch{0, turning.first}, Stretch{turning.end, rows}}) {

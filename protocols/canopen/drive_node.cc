@@ -3,13 +3,12 @@
 
 #include <algorithm>
 
+#include "protocols/canopen/cob_ids.h"
 #include "protocols/canopen/device_frames.h"
 
 namespace strainwave::protocols::canopen::device {
 namespace {
 
-constexpr std::uint32_t kHeartbeatId = 0x700;
-constexpr std::int64_t kStandardIdBits = 0x7FF;
 // Longer pauses of the program are no step of the drive's ramps.
 constexpr std::chrono::nanoseconds kMostCycle = std::chrono::milliseconds(100);
 
@@ -316,7 +315,7 @@ bool DriveNode::NextOf(CanFrame& frame) {
   const std::uint8_t state = boot_up_due_ ? 0 : static_cast<std::uint8_t>(state_);
   if (boot_up_due_ || heartbeat_due_) {
     (boot_up_due_ ? boot_up_due_ : heartbeat_due_) = false;
-    frame = DataFrame(kHeartbeatId + node_id_, std::span(&state, 1));
+    frame = DataFrame(kHeartbeatBase + node_id_, std::span(&state, 1));
     return true;
   }
   const bool talks = state_ == NodeState::kPreOperational || state_ == NodeState::kOperational;

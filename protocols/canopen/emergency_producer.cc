@@ -9,7 +9,6 @@ namespace strainwave::protocols::canopen::device {
 namespace {
 
 constexpr std::int64_t kNotValid = 0x80000000;  // bit 31 of a COB-ID
-constexpr std::int64_t kEmergencyIdBits = 0x7FF;
 constexpr std::chrono::microseconds kInhibitUnit(100);
 
 // Bits of 1001h (CiA 301, Table 48): 0 any error, 1 current, 2 voltage, 3 temperature, 4 communication, 5 of
@@ -96,7 +95,7 @@ void EmergencyProducer::Clear(std::uint16_t code) {
 bool EmergencyProducer::Next(std::chrono::nanoseconds now, CanFrame& frame) {
   if (queue_.empty() || now < next_ || (cob_id_.integer() & kNotValid) != 0) return false;
   frame = queue_.front();
-  frame.id = static_cast<std::uint32_t>(cob_id_.integer() & kEmergencyIdBits);
+  frame.id = static_cast<std::uint32_t>(cob_id_.integer() & kStandardIdBits);
   queue_.erase(queue_.begin());
   next_ = now + inhibit_.integer() * kInhibitUnit;
   return true;

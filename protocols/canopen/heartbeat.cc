@@ -5,14 +5,13 @@
 
 #include <stdexcept>
 
+#include "protocols/canopen/cob_ids.h"
 #include "protocols/canopen/wire_bytes.h"
 
 namespace strainwave::protocols::canopen {
 namespace {
 
 using std::chrono::nanoseconds;
-
-constexpr std::uint32_t kHeartbeatBase = 0x700;
 
 void Check(std::uint8_t node_id, std::string_view name, nanoseconds time) {
   if (node_id < 1 || node_id > 127) {

@@ -3,12 +3,11 @@
 
 #include <algorithm>
 
+#include "protocols/canopen/cob_ids.h"
 #include "protocols/canopen/device_frames.h"
 
 namespace strainwave::protocols::canopen::device {
 namespace {
-
-constexpr std::uint32_t kHeartbeatBase = 0x700;
 
 std::uint32_t NodeOf(std::int64_t entry) { return static_cast<std::uint32_t>(entry >> 16 & 0xFF); }
 std::chrono::milliseconds TimeOf(std::int64_t entry) { return std::chrono::milliseconds(entry & 0xFFFF); }

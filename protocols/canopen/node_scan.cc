@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/canopen/cob_ids.h"
 #include "protocols/canopen/wire_bytes.h"
 
 namespace strainwave::protocols::canopen {
@@ -119,7 +120,7 @@ void NodeScan::OnFrame(const CanFrame& frame, nanoseconds now) noexcept {
   const auto found = std::ranges::find(asked_, node, [](const Asked& asked) { return asked.node.node_id; });
   if (found == asked_.end()) return;
   Asked& asked = *found;
-  if (function == 0x700 && frame.length == 1) {
+  if (function == kHeartbeatBase && frame.length == 1) {
     asked.node.nmt_state = NmtStateOf(frame.data[0]);
   } else if (function == 0x580) {
     asked.client.OnFrame(frame, now);

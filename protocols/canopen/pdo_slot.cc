@@ -12,8 +12,7 @@ namespace {
 constexpr std::int64_t kOff = 0x80000000;
 constexpr std::int64_t kNoRemote = 0x40000000;
 constexpr std::int64_t kLongId = 0x20000000;
-constexpr std::int64_t kExtendedIdBits = 0x1FFFFFFF;
-constexpr std::int64_t kMostStandardId = 0x7FF;
+constexpr std::int64_t kIdBits = 0x1FFFFFFF;
 constexpr std::size_t kMostBytes = 8;
 
 std::uint16_t CommunicationIndex(PdoDirection direction, std::uint16_t number) {
@@ -79,14 +78,14 @@ PdoSlot::PdoSlot(ObjectDictionary& objects, PdoDirection direction, std::uint16_
 }
 
 bool PdoSlot::on() const { return (cob_id_->integer() & kOff) == 0; }
-std::uint32_t PdoSlot::id() const { return static_cast<std::uint32_t>(cob_id_->integer() & kMostStandardId); }
+std::uint32_t PdoSlot::id() const { return static_cast<std::uint32_t>(cob_id_->integer() & kStandardIdBits); }
 std::chrono::nanoseconds PdoSlot::inhibit_time() const {
   return std::chrono::microseconds(100) * (inhibit_ == nullptr ? 0 : inhibit_->integer());
 }
 
 std::optional<SdoAbort> PdoSlot::CheckId(std::int64_t value) const {
-  const std::int64_t id = value & kExtendedIdBits;
-  if ((value & kLongId) != 0 || id > kMostStandardId) return SdoAbort::kInvalidValue;
+  const std::int64_t id = value & kIdBits;
+  if ((value & kLongId) != 0 || id > kStandardIdBits) return SdoAbort::kInvalidValue;
   if (direction_ == PdoDirection::kTransmit && (value & kNoRemote) == 0) return SdoAbort::kInvalidValue;
   if ((value & kOff) != 0) return std::nullopt;
   if (on() && value != cob_id_->integer()) return SdoAbort::kInvalidValue;

@@ -9,8 +9,6 @@
 namespace strainwave::protocols::modbus {
 namespace {
 
-constexpr int kAddressCount = 65536;
-constexpr int kMostRegistersAnswered = 125;  // that one request reads
 constexpr std::uint8_t kExceptionBit = 0x80;
 constexpr std::uint16_t kCoilOn = 0xFF00;
 
@@ -40,8 +38,7 @@ std::uint16_t WordAt(std::span<const std::uint8_t> bytes, std::size_t at) {
 }
 
 void CheckCount(int first, std::size_t count, int most) {
-  if (count < 1 || count > static_cast<std::size_t>(most) ||
-      first + static_cast<int>(count) > kAddressCount) {
+  if (count < 1 || count > static_cast<std::size_t>(most) || first + static_cast<int>(count) > kAddresses) {
     throw std::invalid_argument(
         fmt::format("count = {} at address {} is out of range (expected 1 to {}, up to address 65535)", count,
                     first, most));
@@ -67,7 +64,7 @@ AnswerKind TakeRead(std::uint8_t function, std::size_t count, std::span<const st
 }  // namespace
 
 Pdu ReadPdu(Table table, std::uint16_t first, std::uint16_t count) {
-  CheckCount(first, count, IsBits(table) ? 2000 : kMostRegistersAnswered);
+  CheckCount(first, count, IsBits(table) ? kMostBitsRead : kMostRegistersRead);
   Pdu pdu;
   Append(pdu, ReadFunction(table));
   AppendWord(pdu, first);
@@ -80,7 +77,7 @@ Pdu WritePdu(Table table, std::uint16_t first, std::span<const std::uint16_t> wo
   if (table == Table::kInput || table == Table::kDiscrete) {
     throw std::invalid_argument("table is read-only (expected the coil or holding table)");
   }
-  CheckCount(first, words.size(), bits ? 1968 : 123);
+  CheckCount(first, words.size(), bits ? kMostBitsWritten : kMostRegistersWritten);
   Pdu pdu;
   if (words.size() == 1) {
     Append(pdu, bits ? 5 : 6);
@@ -133,7 +130,7 @@ Pdu AnswerFromInputRegisters(std::span<const std::uint8_t> request,
   if (request.size() != kReadRequest) return refuse(3);
   const std::size_t first = WordAt(request, 1);
   const std::size_t count = WordAt(request, 3);
-  if (count < 1 || count > kMostRegistersAnswered) return refuse(3);
+  if (count < 1 || count > kMostRegistersRead) return refuse(3);
   if (first + count > registers.size()) return refuse(2);
   Append(answer, function);
   Append(answer, static_cast<std::uint8_t>(2 * count));

@@ -12,6 +12,12 @@
 
 namespace strainwave::protocols::modbus {
 
+/// What one request carries (Modbus Application Protocol V1.1b3, 6.1 to 6.4, 6.11 and 6.12).
+inline constexpr int kMostBitsRead = 2000;
+inline constexpr int kMostRegistersRead = 125;
+inline constexpr int kMostBitsWritten = 1968;
+inline constexpr int kMostRegistersWritten = 123;
+
 /// A request without the envelope of its transport (Modbus Application Protocol V1.1b3, 4.1 and 6): function,
 /// first address, number of addresses, and for writes the values.
 struct Pdu {

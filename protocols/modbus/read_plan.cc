@@ -7,11 +7,10 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "protocols/modbus/pdu.h"
+
 namespace strainwave::protocols::modbus {
 namespace {
-
-constexpr int kMostBitsRead = 2000;  // in one answer (Modbus Application Protocol V1.1b3, 6.1)
-constexpr int kMostRegistersRead = 125;
 
 int EndOf(const Register& value) { return value.address + Length(value.type); }
 

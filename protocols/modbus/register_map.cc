@@ -9,8 +9,6 @@
 namespace strainwave::protocols::modbus {
 namespace {
 
-constexpr int kAddresses = 65536;
-
 std::string_view Word(Table table) {
   switch (table) {
     case Table::kHolding:

@@ -11,6 +11,9 @@
 
 namespace strainwave::protocols::modbus {
 
+/// Addresses of one table.
+inline constexpr int kAddresses = 65536;
+
 /// The four tables of a Modbus device (Modbus Application Protocol V1.1b3, 4.3).
 enum class Table : std::uint8_t { kHolding, kInput, kCoil, kDiscrete };
 

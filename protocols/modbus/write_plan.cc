@@ -7,17 +7,10 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "protocols/modbus/pdu.h"
 #include "protocols/modbus/register_codec.h"
 
 namespace strainwave::protocols::modbus {
-namespace {
-
-constexpr std::size_t kMostBitsWritten =
-    1968;  // in one request (Modbus Application Protocol V1.1b3, 6.11 and 6.12)
-constexpr std::size_t kMostRegistersWritten = 123;
-
-}  // namespace
-
 std::vector<WriteRequest> PlanWrites(const RegisterMap& map,
                                      std::span<const std::pair<std::size_t, double>> values) {
   std::vector<std::pair<std::size_t, double>> sorted(values.begin(), values.end());
@@ -38,7 +31,8 @@ std::vector<WriteRequest> PlanWrites(const RegisterMap& map,
       throw std::invalid_argument(fmt::format("{} = {} {} is {} (expected a value that the register holds)",
                                               value.name, number, value.unit, Name(encoded.problem)));
     }
-    const std::size_t most = IsBits(value.table) ? kMostBitsWritten : kMostRegistersWritten;
+    const auto most =
+        static_cast<std::size_t>(IsBits(value.table) ? kMostBitsWritten : kMostRegistersWritten);
     const bool joins = !plan.empty() && plan.back().table == value.table &&
                        plan.back().first + plan.back().words.size() == value.address &&
                        plan.back().words.size() + encoded.length <= most;

@@ -76,6 +76,8 @@ struct LoopSolution {
   Eigen::VectorXd numbers;
   double cost{};  // weighted sum of squares, rad²
 };
+/// Of a search that goes to its end.
+inline constexpr int kMostIterations = 25;
 /// Levenberg-Marquardt with bounds: a number at its bound that would leave it stays there for the step.
 LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen::VectorXd& start,
                        int most_iterations);

@@ -19,7 +19,6 @@ namespace {
 using Eigen::Index;
 
 constexpr std::size_t kSearchPoints = 1500;
-constexpr int kMostIterations = 25;
 constexpr int kFewIterations = 2;
 constexpr int kFitted = 2;              // of the ranked starts
 constexpr double kAnotherValley = 0.7;  // of ln yield twist

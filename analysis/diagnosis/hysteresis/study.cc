@@ -27,7 +27,6 @@ using Eigen::Index;
 
 // Comparisons are made on means of a few samples where there are more than this.
 constexpr std::size_t kComparisonPoints = 2000;
-constexpr int kMostStudyIterations = 25;
 
 std::vector<ParameterValue> DescribeEffect(const LoopModel& model, std::size_t effect,
                                            const Eigen::VectorXd& numbers,
@@ -162,7 +161,7 @@ LoopSolution HysteresisStudy::Search(std::span<const std::size_t> causes, std::s
   if (!fitted || present.size() == causes.size()) {
     LoopModel model = ModelOf(present);
     model.KeepStarts(UnseenStarts(weights));
-    solution = SolveLoop(model, GridOf(model, weights), x, kMostStudyIterations);
+    solution = SolveLoop(model, GridOf(model, weights), x, kMostIterations);
   }
   for (const std::size_t cause : causes) {
     if (std::binary_search(present.begin(), present.end(), cause)) continue;
@@ -199,7 +198,7 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
   const bool judges = purpose != FitPurpose::kCompare;
   const LoopGrid all = judges ? Condense(records_, weights, 0) : LoopGrid();
   if (judges) {
-    solution = SolveLoop(model, all, solution.numbers, kMostStudyIterations);
+    solution = SolveLoop(model, all, solution.numbers, kMostIterations);
     errors = ErrorsAt(model, solution.numbers, all);
   }
   fit.predicted = AboutZero(model.Predict(solution.numbers, records_.samples));

@@ -55,6 +55,7 @@ class RingMatcher {
   void Foretell(double natural, double half_width, MatchedOrders& matched) const;
   /// Noise of any colour is as loud here as the lines between those of a train say.
   double Loudness(const std::vector<std::complex<double>>& lines, const MatchedOrders& matched);
+
   const VibrationRemainder& remainder_;
   const VibrationRun& run_;
   const SpeedBand band_;

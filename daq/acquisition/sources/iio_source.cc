@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "daq/acquisition/sources/iio_handles.h"
+#include "daq/acquisition/sources/steady_now.h"
 #include "daq/record.h"
 
 namespace strainwave::daq::acquisition {
@@ -209,7 +210,7 @@ void IioSource::Convert(SampleBlock& block) {
                   .samples = samples,
                   .type = SampleType::kInt32,
                   .device_counter = counter_,
-                  .arrival = std::chrono::steady_clock::now().time_since_epoch(),
+                  .arrival = SteadyNow(),
                   .rate_hz = description_.rate_hz};
   const std::span<std::uint32_t> words = block.words();
   for (std::size_t c = 0; c < device_->channels.size(); ++c) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <thread>
 
+#include "daq/acquisition/sources/steady_now.h"
 #include "daq/read_records.h"
 #include "daq/record_error.h"
 #include "daq/record_pipe.h"
@@ -21,8 +22,6 @@ using std::chrono::nanoseconds;
 // What a double counts exactly, and what 64 bits hold of nanoseconds.
 constexpr double kMostSamples = 9e15;
 constexpr double kLongest_s = 9e9;
-
-nanoseconds Now() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
 nanoseconds TimeOf(double samples, double rate_hz) {
   return nanoseconds(std::llround(samples * 1e9 / rate_hz));
@@ -70,7 +69,7 @@ void ReplaySource::Start() {
   } else {
     StartRecord();
   }
-  began_ = Now();
+  began_ = SteadyNow();
 }
 
 void ReplaySource::StartRecord() {
@@ -132,7 +131,7 @@ NextResult ReplaySource::Next(SampleBlock& block, nanoseconds patience) {
   if (settings_.speed > 0) {
     const nanoseconds due =
         began_ + nanoseconds(std::llround(static_cast<double>(DueTime().count()) / settings_.speed));
-    const nanoseconds wait = due - Now();
+    const nanoseconds wait = due - SteadyNow();
     if (wait > patience) {
       std::this_thread::sleep_for(patience);
       return NextResult::kNothingYet;
@@ -140,7 +139,7 @@ NextResult ReplaySource::Next(SampleBlock& block, nanoseconds patience) {
     if (wait.count() > 0) std::this_thread::sleep_for(wait);
   }
   const NextResult result = stream_ ? NextOfStream(block) : NextOfRecord(block);
-  if (settings_.speed > 0) block.header.arrival = Now();
+  if (settings_.speed > 0) block.header.arrival = SteadyNow();
   return result;
 }
 

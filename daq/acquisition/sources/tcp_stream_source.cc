@@ -14,12 +14,12 @@
 #include <system_error>
 #include <thread>
 
+#include "daq/acquisition/sources/steady_now.h"
+
 namespace strainwave::daq::acquisition {
 namespace {
 
 using std::chrono::nanoseconds;
-
-nanoseconds SteadyNow() { return std::chrono::steady_clock::now().time_since_epoch(); }
 
 // Whether the socket is ready within `patience`.
 bool WaitFor(int fd, short events, nanoseconds patience) {
