@@ -124,6 +124,11 @@ void CheckSweep(const char* direction, const AngleSweep& sweep, double ratio, st
   }
 }
 
+bool StartsAtZero(const AngleSweep& sweep) {
+  return !sweep.input_angle_rad.empty() && sweep.input_angle_rad.front() == 0.0 &&
+         sweep.output_angle_rad.front() == 0.0;
+}
+
 struct AnalysedSweep {
   SweepError error;
   double mean_error_rad{};  // standard error of the mean, without that of the zero
@@ -147,7 +152,7 @@ std::vector<std::size_t> LoneSamples(std::span<const double> residuals, std::spa
   return lone;
 }
 
-AnalysedSweep AnalyseSweep(const AngleSweep& sweep, double ratio, std::size_t used) {
+AnalysedSweep AnalyseSweep(const AngleSweep& sweep, double ratio, std::size_t used, bool zeroed) {
   AnalysedSweep result;
   SweepError& error = result.error;
   error.output_angle_rad.assign(sweep.output_angle_rad.begin(),
@@ -162,7 +167,6 @@ AnalysedSweep AnalyseSweep(const AngleSweep& sweep, double ratio, std::size_t us
   const double squares = std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
   result.mean_error_rad = sigma_rad * std::sqrt(VarianceInflation(orders.fit.residuals) * squares);
 
-  const bool zeroed = sweep.input_angle_rad.front() == 0.0 && sweep.output_angle_rad.front() == 0.0;
   error.e_avg_rad = {std::inner_product(weights.begin(), weights.end(), error.error_rad.begin(), 0.0),
                      std::hypot(result.mean_error_rad, zeroed ? sigma_rad : 0.0)};
 
@@ -196,6 +200,7 @@ TransmissionError ComputeTransmissionError(const AngleSweep& cw, const AngleSwee
   std::optional<AnalysedSweep> analysed[2];
   const AngleSweep* sweeps[2] = {&cw, &ccw};
   const char* names[2] = {"cw", "ccw"};
+  const bool zeroed = StartsAtZero(cw) || StartsAtZero(ccw);
   for (int k = 0; k < 2; ++k) {
     if (sweeps[k]->input_angle_rad.empty()) {
       continue;
@@ -206,7 +211,7 @@ TransmissionError ComputeTransmissionError(const AngleSweep& cw, const AngleSwee
       continue;
     }
     CheckSweep(names[k], *sweeps[k], ratio, used, &result.failed_checks);
-    analysed[k] = AnalyseSweep(*sweeps[k], ratio, used);
+    analysed[k] = AnalyseSweep(*sweeps[k], ratio, used, zeroed);
     for (const std::size_t sample : analysed[k]->lone) {
       result.failed_checks.push_back(fmt::format(
           "{}: sample {} at {:.5g} deg stands off all others alone (expected none: its angles are wrong)",

@@ -77,11 +77,11 @@ struct TransmissionError {
 /// time lie closer together wherever it is slow, and standing still is no part of it.
 ///
 /// Standard errors. The noise σ is the residual of that regression, with its degrees of freedom and its
-/// autocorrelation. e_avg: σ √∑w², σ/√n for even steps; if the sweep's angles are zero at its first sample,
-/// the noise of that one sample shifts all others and is added. e_max: root of the mean square by which max −
-/// min under noise σ differs from max − min of the fitted curve, from the distributions of the largest and
-/// the smallest of n independent normal values. Lost motion: both sweeps' errors of the mean; the common zero
-/// falls out.
+/// autocorrelation. e_avg: σ √∑w², σ/√n for even steps; if the angles are zero at the first sample
+/// of either sweep, the noise of that one sample shifts all others, of both sweeps, and is added. e_max: root
+/// of the mean square by which max − min under noise σ differs from max − min of the fitted curve, from the
+/// distributions of the largest and the smallest of n independent normal values. Lost motion: both sweeps'
+/// errors of the mean; the common zero falls out.
 ///
 /// Checks: the wave generator's second harmonic seen by the steps; a full revolution covered; at least 36
 /// steps, none of them longer than 15°; no sample that stands off all others alone; monotone; input and

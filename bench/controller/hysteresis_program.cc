@@ -120,7 +120,7 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
     case Stage::kRamp: {
       if (hold_until_s_ < 0.0 && Ramped(readings)) hold_until_s_ = elapsed_s + parameters_.hold_s;
       devices.load.CommandTorque(torque_->value());
-      torque_watch_->Step(torque_->value(), readings.output_torque_Nm, period_s_);
+      torque_watch_->Step(torque_->value(), readings.output_torque_Nm, readings.torque_time, period_s_);
       if (torque_watch_->is_away_for_too_long()) {
         failed_ = {StopCause::kTorqueAway, torque_watch_->measured(), torque_watch_->set_point(),
                    readings.time, BenchServo::kLoad};

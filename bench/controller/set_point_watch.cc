@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "analysis/units.h"
 
@@ -18,19 +19,24 @@ constexpr double kSpeedWindow_s = 0.1;
 
 }  // namespace
 
-void SetPointWatch::Step(double set_point, double measured, double period_s) noexcept {
+void SetPointWatch::Step(double set_point, double measured, std::chrono::nanoseconds sampled,
+                         double period_s) noexcept {
   if (!set_point_) {
     set_point_ = set_point;
     measured_ = measured;
   }
   const double moved_per_s = std::abs(set_point - *set_point_) / period_s;
   set_point_ = set_point;
-  measured_ += (measured - measured_) * std::min(1.0, period_s / kLowPass_s);
   stood_for_s_ = moved_per_s > 0.0 ? 0.0 : stood_for_s_ + period_s;
   fastest_per_s_ = settled() ? 0.0 : std::max(fastest_per_s_, moved_per_s);
+  since_sample_s_ += period_s;
+  if (sampled_ && sampled <= *sampled_) return;
+  sampled_ = sampled;
+  const double since_s = std::exchange(since_sample_s_, 0.0);
+  measured_ += (measured - measured_) * std::min(1.0, since_s / kLowPass_s);
   const double most = tolerance_ + fastest_per_s_ * schedules::kSettlesWithin_s;
   away_ = !(std::abs(measured_ - set_point) <= most);  // also where nothing is measured
-  away_s_ = away_ ? away_s_ + period_s : std::max(0.0, away_s_ - (settled() ? 1.0 : kOnTheWay) * period_s);
+  away_s_ = away_ ? away_s_ + since_s : std::max(0.0, away_s_ - (settled() ? 1.0 : kOnTheWay) * since_s);
 }
 
 bool SetPointWatch::settled() const noexcept { return stood_for_s_ >= schedules::kSettlesWithin_s; }
@@ -58,8 +64,8 @@ void LoadWatch::Step(double output_torque_Nm, double input_speed_rad_per_s, cons
     encoder_time_ = readings.angles_time;
     encoder_angle_rad_ = readings.input_angle_rad;
   }
-  torque_.Step(output_torque_Nm, readings.output_torque_Nm, period_s);
-  speed_.Step(input_speed_rad_per_s, this->input_speed_rad_per_s(), period_s);
+  torque_.Step(output_torque_Nm, readings.output_torque_Nm, readings.torque_time, period_s);
+  speed_.Step(input_speed_rad_per_s, this->input_speed_rad_per_s(), readings.angles_time, period_s);
   time_ = readings.time;
   if (torque_.is_away_for_too_long()) {
     failed_ = TorqueReason();

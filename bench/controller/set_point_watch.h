@@ -23,8 +23,9 @@ class SetPointWatch {
   ///   counts against it.
   SetPointWatch(double tolerance, double dwell_s) noexcept : tolerance_(tolerance), dwell_s_(dwell_s) {}
 
-  /// Once a control period, with the set point that was last given.
-  void Step(double set_point, double measured, double period_s) noexcept;
+  /// Once a control period, with the set point that was last given. A sample counts once: between two of
+  /// them (`sampled` as before) nothing is known of where the servo is.
+  void Step(double set_point, double measured, std::chrono::nanoseconds sampled, double period_s) noexcept;
 
   /// The set point has stood long enough for the servo to have reached it.
   bool settled() const noexcept;
@@ -37,6 +38,8 @@ class SetPointWatch {
   double tolerance_;
   double dwell_s_;
   std::optional<double> set_point_;
+  std::optional<std::chrono::nanoseconds> sampled_;
+  double since_sample_s_{};
   double measured_{};
   double fastest_per_s_{};  // of the set point's moves that still count
   double stood_for_s_{};

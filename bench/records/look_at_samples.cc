@@ -62,6 +62,7 @@ void LookAtSamples(daq::Record& record) {
   LookAtAngles(record);
   LookAtStandstill(record);
   LookAtSteps(record);
+  LookAtVelocity(record);
   if (record.kind == "transmission_error") CheckSweep(record);
   if (record.kind != "vibration") return;
   LookAtRunning(record);

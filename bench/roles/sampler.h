@@ -15,6 +15,7 @@ namespace strainwave::bench {
 struct Readings {
   std::chrono::nanoseconds time{};
   std::chrono::nanoseconds angles_time{};  // when the older of the two angles was sampled
+  std::chrono::nanoseconds torque_time{};  // when the output torque was sampled
   double input_angle_rad{};
   double output_angle_rad{};
   double input_speed_rad_per_s{};

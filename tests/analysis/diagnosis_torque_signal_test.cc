@@ -198,11 +198,34 @@ TEST(TimesOfSamples, KeepAGapWhereStampsAreRounded) {
     time_s.push_back(1e-6 * std::round(1e6 * at_s));
     torque_Nm.push_back(1e-5 * std::round(1e5 * 17.0 * std::min(at_s, 3.9 - at_s)));
   }
-  const std::vector<double> times_s = TimesOfSamples(time_s, torque_Nm);
+  const std::vector<double> times_s = TimesOfSamples(time_s, torque_Nm, torque_Nm);
   for (std::size_t i = 0; i < times_s.size(); ++i) ASSERT_NEAR(times_s[i], time_s[i], 2e-6) << i;
   const std::vector<Turn> turns = FindTurns(times_s, torque_Nm, 1e-5);
   ASSERT_EQ(turns.size(), 1U);
   EXPECT_NEAR(turns.front().value, 17.0 * 1.95, 1e-3);
+}
+
+// The torque's noise hides stamps that are off by a twentieth of a step; the angle, which follows it with
+// less, does not.
+TEST(TimesOfSamples, AreEvenWhereTheAngleShowsThatStampsJitter) {
+  std::mt19937 random(23);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> late(-0.08, 0.08);
+  std::vector<double> even_s, stamps_s, torque_Nm, angle_rad, uneven_torque_Nm, uneven_angle_rad;
+  const auto clean_Nm = [](double time_s) { return 60.0 * std::sin(0.07 * time_s); };
+  for (int i = 0; i < 800; ++i) {
+    even_s.push_back(0.1 * i);
+    stamps_s.push_back(0.1 * (i + (i == 0 || i == 799 ? 0.0 : late(random))));
+    const double torque_noise_Nm = 0.08 * normal(random);
+    const double angle_noise_rad = 3e-7 * normal(random);
+    torque_Nm.push_back(clean_Nm(even_s.back()) + torque_noise_Nm);
+    angle_rad.push_back(2e-5 * clean_Nm(even_s.back()) + angle_noise_rad);
+    uneven_torque_Nm.push_back(clean_Nm(stamps_s.back()) + torque_noise_Nm);
+    uneven_angle_rad.push_back(2e-5 * clean_Nm(stamps_s.back()) + angle_noise_rad);
+  }
+  const std::vector<double> times_s = TimesOfSamples(stamps_s, torque_Nm, angle_rad);
+  for (std::size_t i = 0; i < times_s.size(); ++i) ASSERT_NEAR(times_s[i], even_s[i], 1e-9) << i;
+  EXPECT_EQ(TimesOfSamples(stamps_s, uneven_torque_Nm, uneven_angle_rad), stamps_s) << "samples were uneven";
 }
 
 TEST(RequireDiagnosableLoop, TakesNoCoarseStairForSaturation) {

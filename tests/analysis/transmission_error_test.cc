@@ -187,6 +187,26 @@ TEST(ComputeTransmissionError, ItsStandardErrorsCoverTheTruth) {
   }
 }
 
+// Both sweeps of a record have one zero, the first sample of the sweep that came first.
+TEST(ComputeTransmissionError, HasTheNoiseOfTheCommonZeroInTheMeansOfBothSweeps) {
+  constexpr int kTrials = 300;
+  int held = 0;
+  for (std::uint32_t seed = 1; seed <= kTrials; ++seed) {
+    Sweep cw = MakeSweep(kGear, {.noise_arcsec = 1.5, .seed = seed});
+    Sweep ccw =
+        MakeSweep(kGear, {.from_deg = 360.0, .step_deg = -1.0, .noise_arcsec = 1.5, .seed = 1000 + seed});
+    const double zero_rad = cw.input_rad.front();
+    for (Sweep* sweep : {&cw, &ccw}) {
+      for (double& input_rad : sweep->input_rad) input_rad -= zero_rad;
+    }
+    const Estimate mean = ComputeTransmissionError(cw.View(), ccw.View(), kRatio).ccw->e_avg_rad;
+    const double truth_rad = -TrueError(kGear, 0.0);  // every line has the mean zero
+    held += std::abs(mean.value - truth_rad) < 1.96 * mean.standard_error ? 1 : 0;
+  }
+  EXPECT_GE(held, 0.90 * kTrials);
+  EXPECT_LE(held, 0.99 * kTrials);
+}
+
 TEST(ComputeTransmissionError, MeasuresLostMotionOnOffsetGrids) {
   const Sweep cw = MakeSweep(kGear, {.offset_arcsec = 12.0, .noise_arcsec = 1.0, .seed = 1});
   const Sweep ccw = MakeSweep(

@@ -87,6 +87,21 @@ Record Axis(double rate_hz = 100.0, double position_noise_rad = 2e-5, double tor
   return record;
 }
 
+// The same with its velocity, of a resolution; what is beyond `end` reads `end`.
+Record AxisWithVelocity(double end_rad_per_s, double step_rad_per_s) {
+  std::mt19937 random(8);
+  Record record = Axis();
+  std::vector<double> velocity;
+  for (int i = 0; i < 800; ++i) {
+    const double t = i / 100.0;
+    const double speed = 2.4 * std::cos(1.7 * t) + 1.8 * std::cos(4.1 * t + 1.0) + Noise(random, 0.01);
+    velocity.push_back(step_rad_per_s *
+                       std::round(std::clamp(speed, -end_rad_per_s, end_rad_per_s) / step_rad_per_s));
+  }
+  AddColumn(record, "velocity_rad_per_s", velocity);
+  return record;
+}
+
 Record Vibration(double rate_hz = 12800.0) {
   std::mt19937 random(7);
   Record record = New("vibration");
@@ -156,6 +171,21 @@ TEST(LookAtSamples, SaysNothingOfHealthyRecordsAndLeavesThemAsTheyAre) {
     for (std::size_t c = 0; c < record.columns.size(); ++c)
       EXPECT_EQ(record.columns[c].values, healthy.columns[c].values) << healthy.columns[c].name;
   }
+}
+
+TEST(LookAtSamples, LeavesOutAVelocityWhoseRangeEndsTooSoon) {
+  for (const double whole : {1e-6, 0.02, 0.3}) {  // resolution; the fastest sample is at about 4.2
+    Record record = AxisWithVelocity(100.0, whole);
+    EXPECT_EQ(Looked(record), std::vector<std::string>{}) << whole;
+    EXPECT_NE(record.FindColumn("velocity_rad_per_s"), nullptr);
+  }
+  Record record = AxisWithVelocity(3.6, 0.02);
+  EXPECT_EQ(Looked(record),
+            std::vector<std::string>{
+                "velocity_rad_per_s is saturated: 49 samples read -3.6, an end of its range, while "
+                "the position goes on by -3.846 a second: it is left out, the position tells the "
+                "velocity"});
+  EXPECT_EQ(record.FindColumn("velocity_rad_per_s"), nullptr);
 }
 
 TEST(LookAtSamples, MakesAnglesOfOneTurnGoOn) {

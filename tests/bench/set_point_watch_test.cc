@@ -14,6 +14,10 @@ namespace {
 
 constexpr double kPeriod_s = 0.01;
 
+std::chrono::nanoseconds ToTime(double time_s) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(time_s));
+}
+
 // Steps a watch of 15 % of 40 Nm through `time_s`; `asked` and `measured` over time.
 struct Torque {
   std::function<double(double)> asked = [](double) { return 40.0; };
@@ -23,7 +27,7 @@ struct Torque {
   double TripsAt(double time_s, double dwell_s = 2.0) const {
     SetPointWatch watch(6.0, dwell_s);
     for (double time = kPeriod_s; time <= time_s; time += kPeriod_s) {
-      watch.Step(asked(time), measured(time), kPeriod_s);
+      watch.Step(asked(time), measured(time), ToTime(time), kPeriod_s);
       if (watch.is_away_for_too_long()) return time;
     }
     return std::nan("");
@@ -75,6 +79,22 @@ TEST(SetPointWatch, ForgetsWhatWasAwayOnceForAsLong) {
   EXPECT_TRUE(std::isnan(torque.TripsAt(120.0)));
 }
 
+// The network was held up just after a ripple's peak: a dwell of a tenth of a second had passed before the
+// next sample came, which is near.
+TEST(SetPointWatch, CountsASampleOnceHoweverLongItIsTheNewest) {
+  SetPointWatch watch(1.5, 0.1);
+  for (int step = 0; step < 100; ++step)
+    watch.Step(0.0, 0.0, std::chrono::milliseconds(10 * step), kPeriod_s);
+  for (int step = 100; step < 105; ++step)
+    watch.Step(0.0, 6.0, std::chrono::milliseconds(10 * step), kPeriod_s);
+  ASSERT_TRUE(watch.away());
+  for (int step = 0; step < 13; ++step) watch.Step(0.0, 6.0, std::chrono::milliseconds(1040), kPeriod_s);
+  EXPECT_FALSE(watch.is_away_for_too_long());
+  watch.Step(0.0, 0.0, std::chrono::milliseconds(1180), kPeriod_s);
+  EXPECT_FALSE(watch.away());
+  EXPECT_FALSE(watch.is_away_for_too_long());
+}
+
 schedules::Specimen Size20() {
   schedules::Specimen specimen;
   specimen.rated_torque_Nm = 30.0;
@@ -88,7 +108,7 @@ TEST(LoadWatch, SaysWhichServoIsAwayByTransducerAndEncoder) {
     const double speed_rad_per_s = torque_is_short ? asked_rad_per_s : RadPerSFromRpm(608.0);
     for (int step = 1; step < 500 && !watch.failed(); ++step) {
       Readings readings;
-      readings.time = readings.angles_time = std::chrono::milliseconds(10) * step;
+      readings.time = readings.angles_time = readings.torque_time = std::chrono::milliseconds(10) * step;
       readings.input_angle_rad = speed_rad_per_s * 0.01 * step;
       readings.input_speed_rad_per_s = asked_rad_per_s;  // as the drive says
       readings.output_torque_Nm = torque_is_short ? 8.0 : 40.0;
@@ -108,7 +128,7 @@ TEST(LoadWatch, KnowsTheSpeedWhereSamplesComeInPairs) {
   LoadWatch watch({}, 40.0, asked_rad_per_s, Size20());
   for (int step = 1; step < 500; ++step) {
     Readings readings;
-    readings.time = std::chrono::milliseconds(10) * step;
+    readings.time = readings.torque_time = std::chrono::milliseconds(10) * step;
     readings.angles_time = readings.time + std::chrono::milliseconds(step % 2 == 0 ? -9 : 0);
     readings.input_angle_rad = asked_rad_per_s * 0.01 * step;
     readings.output_torque_Nm = 40.0;

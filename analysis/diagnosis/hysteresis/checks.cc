@@ -56,7 +56,7 @@ void RequireTorqueNotSaturated(const HysteresisData& record, double twist_range_
   constexpr double kHump = 0.02;  // of the twist's range
   const std::span<const double> torque = record.torque_Nm;
   const std::span<const double> twist = record.output_angle_rad;
-  const std::vector<double> times_s = TimesOfSamples(record.time_s, torque);
+  const std::vector<double> times_s = TimesOfSamples(record.time_s, torque, twist);
   const double least_hump_rad = std::max(kHump * twist_range_rad, 4.0 * SampleNoise(times_s, twist));
   const auto [low, high] = std::minmax_element(torque.begin(), torque.end());
   for (const samples::Saturated& end : samples::FindSaturated(torque))
@@ -100,7 +100,8 @@ void RequireDiagnosableLoop(const HysteresisData& record) {
   const auto [angle_low, angle_high] =
       std::minmax_element(record.output_angle_rad.begin(), record.output_angle_rad.end());
   const double twist_range_rad = *angle_high - *angle_low;
-  const std::vector<double> times_s = TimesOfSamples(record.time_s, record.torque_Nm);
+  const std::vector<double> times_s =
+      TimesOfSamples(record.time_s, record.torque_Nm, record.output_angle_rad);
   if (!(twist_range_rad > 12.0 * SampleNoise(times_s, record.output_angle_rad)) || twist_range_rad == 0.0) {
     throw std::invalid_argument(fmt::format(
         "output_angle_deg stays within {:.3g} arcmin, which is its noise (expected it to follow the torque)",

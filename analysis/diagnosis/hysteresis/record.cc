@@ -272,7 +272,8 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
           "the angle falls with the torque: the sign of one of them is swapped; torque is taken "
           "with the other sign");
     }
-    const std::vector<double> times_s = TimesOfSamples(turned.time_s, turned.torque_Nm);
+    const std::vector<double> times_s =
+        TimesOfSamples(turned.time_s, turned.torque_Nm, turned.output_angle_rad);
     const auto [torque_Nm, noise_Nm] =
         DrivingTorqueOf(times_s, turned.torque_Nm, turned.output_angle_rad, record.t3_Nm);
     AppendBranches(times_s, torque_Nm, record.t3_Nm, prepared);
@@ -286,7 +287,7 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
         std::max(prepared.place_noise_rad, SampleNoise(times_s, record.output_angle_rad));
     prepared.centre_rad.push_back(centre_rad);
     for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
-      grid.time_s.push_back(turned.time_s[i] - turned.time_s[0]);
+      grid.time_s.push_back(times_s[i] - times_s[0]);
       grid.torque_Nm.push_back(torque_Nm[i]);
       grid.twist_rad.push_back(record.output_angle_rad[i] - centre_rad);
       grid.place_rad.push_back(grid.twist_rad.back());

@@ -16,9 +16,10 @@ double RoundingNoise(std::span<const double> signal, double share);
 /// @param time_s  never falling.
 double SampleNoise(std::span<const double> time_s, std::span<const double> signal);
 
-/// The times of a record's samples, or, where a signal is a good deal smoother over the samples' numbers,
-/// even ones: then the stamps jitter and the samples did not. A gap stays one.
-std::vector<double> TimesOfSamples(std::span<const double> time_s, std::span<const double> signal);
+/// The times of a record's samples, or, where torque and angle together are smoother over the samples'
+/// numbers, even ones: then the stamps jitter and the samples did not. A gap stays one.
+std::vector<double> TimesOfSamples(std::span<const double> time_s, std::span<const double> torque,
+                                   std::span<const double> angle);
 
 /// A signal with its white noise taken off.
 struct CleanSignal {

@@ -36,7 +36,7 @@ FieldSampler::FieldSampler(FieldChannels channels, const BenchClock& clock)
 
 Readings FieldSampler::Read() noexcept {
   Readings readings;
-  readings.time = readings.angles_time = clock_.Now();
+  readings.time = readings.angles_time = readings.torque_time = clock_.Now();
   std::array<double, 8> values{};
   std::array<std::chrono::nanoseconds, 8> times{};
   for (std::size_t i = 0; i < channels_.channels.size(); ++i) {
@@ -52,6 +52,7 @@ Readings FieldSampler::Read() noexcept {
     if (channel == Channel::kInputAngle || channel == Channel::kOutputAngle) {
       readings.angles_time = std::min(readings.angles_time, times[i]);
     }
+    if (channel == Channel::kOutputTorque) readings.torque_time = times[i];
   }
   readings.input_angle_rad = values[At(Channel::kInputAngle)];
   readings.input_speed_rad_per_s = values[At(Channel::kInputSpeed)];
