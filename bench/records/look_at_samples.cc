@@ -61,6 +61,7 @@ void LookAtSamples(daq::Record& record) {
   LookAtTime(record);
   LookAtAngles(record);
   LookAtStandstill(record);
+  LookAtOutliers(record);
   LookAtSteps(record);
   LookAtVelocity(record);
   if (record.kind == "transmission_error") CheckSweep(record);

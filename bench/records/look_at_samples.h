@@ -15,6 +15,7 @@ namespace strainwave::bench {
 /// - of a channel that is written again until its next value comes only rows with a new value stay, at the
 ///   times when they came; a channel of a vibration that is held, or stands still, is left out;
 /// - rows in which a channel repeats one value that its own noise would never let stand are left out;
+/// - so are rows in which an axis' position or velocity stands off its neighbours alone;
 /// - so are rows of a vibration in which the machine stands, before it runs or after;
 /// - so is an axis' velocity whose range ends too soon, by the position beside it.
 /// Told only: a torque beyond its sensor's range, steps of a loop's angle or torque that are coarse, an axis

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "analysis/angle_weights.h"
+#include "analysis/diagnosis/scans.h"
 #include "analysis/noise_level.h"
 #include "analysis/samples/arrivals.h"
 #include "analysis/samples/holds.h"
@@ -34,6 +35,8 @@ constexpr std::size_t kFewestResting = 20;
 constexpr std::size_t kFewestFrozen = 4;  // rows
 constexpr double kGoesOnBeside = 0.5;     // of its usual steps, a shaft beside one that stands
 constexpr double kCoarsestEncoder_deg = 360.0 / 1024.0;
+// Of the output, what a shaft goes on beside one that stands where no gear has so much play.
+constexpr double kNoPlay_deg = 1.0;
 // What straight lines take the place of in a vibration: rows in one piece, and share of all rows.
 constexpr std::size_t kMostFilled = 10;
 constexpr double kMostFilledShare = 0.1;
@@ -198,12 +201,15 @@ std::vector<Frozen> FrozenOf(const daq::Record& record, const std::string& name)
     std::erase_if(stretches, [](const Frozen& frozen) { return frozen.count < kFewestFrozen; });
     return stretches;
   }
-  const std::span<const double> other =
-      record.Doubles(name == "input_angle_deg" ? "output_angle_deg" : "input_angle_deg");
+  const char* const beside = name == "input_angle_deg" ? "output_angle_deg" : "input_angle_deg";
+  const std::span<const double> other = record.Doubles(beside);
   const double step = analysis::UsualStep(other);
+  const double no_play = kNoPlay_deg * analysis::diagnosis::SpanOf(other) /
+                         analysis::diagnosis::SpanOf(record.Doubles("output_angle_deg"));
   for (const Frozen& frozen : samples::StandingStretches(record.Doubles(name), kFewestFrozen)) {
     const double way = std::abs(other[frozen.first + frozen.count - 1] - other[frozen.first]);
-    if (way >= kGoesOnBeside * step * static_cast<double>(frozen.count - 1)) stretches.push_back(frozen);
+    if (way >= std::min(kGoesOnBeside * step * static_cast<double>(frozen.count - 1), no_play))
+      stretches.push_back(frozen);
   }
   return stretches;
 }

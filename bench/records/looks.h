@@ -25,6 +25,8 @@ void LookAtTime(daq::Record& record);
 void LookAtAngles(daq::Record& record);
 /// Steps that are coarse, a range that ends too soon, and work that goes the wrong way.
 void LookAtSteps(daq::Record& record);
+/// Single samples of an axis' position or velocity that stand off all others.
+void LookAtOutliers(daq::Record& record);
 /// A velocity whose range ends too soon, by the position beside it.
 void LookAtVelocity(daq::Record& record);
 /// Channels that are held or stand still.

@@ -14,6 +14,7 @@
 #include "analysis/units.h"
 #include "bench/campaign/campaign_error.h"
 #include "bench/campaign/record_results.h"
+#include "bench/records/looks.h"
 
 namespace strainwave::bench::look_at_samples_test {
 namespace {
@@ -173,6 +174,24 @@ TEST(LookAtSamples, SaysNothingOfHealthyRecordsAndLeavesThemAsTheyAre) {
   }
 }
 
+TEST(LookAtSamples, LeavesOutSingleSamplesThatNoAxisMovesTo) {
+  const Record healthy = AxisWithVelocity(100.0, 0.02);
+  Record record = healthy;
+  Change(record, "position_rad",
+         [](double value, std::size_t i) { return i == 300 || i == 640 ? 0.9 * value + 0.2 : value; });
+  Change(record, "velocity_rad_per_s", [](double value, std::size_t i) { return i == 305 ? 0.0 : value; });
+  LookAtSamples(record);
+  EXPECT_EQ(
+      record.notes,
+      (Notes{{kFirstLine + 300,
+              "single samples of position_rad stand off their neighbours, as no axis moves: 2, the first in "
+              "row 301; their rows are left out"},
+             {kFirstLine + 305,
+              "single samples of velocity_rad_per_s stand off their neighbours, as no axis moves: 1, the "
+              "first in row 306; their rows are left out"}}));
+  EXPECT_EQ(record.rows(), healthy.rows() - 3U);
+}
+
 TEST(LookAtSamples, LeavesOutAVelocityWhoseRangeEndsTooSoon) {
   for (const double whole : {1e-6, 0.02, 0.3}) {  // resolution; the fastest sample is at about 4.2
     Record record = AxisWithVelocity(100.0, whole);
@@ -310,6 +329,22 @@ TEST(LookAtSamples, LeavesOutAnAngleThatStoodStillWhileTheOtherShaftWentOn) {
                     "12 samples of input_angle_deg repeat one value, rows 101 to 112: a sensor or "
                     "logger that stood still; they are left out"}}));
   EXPECT_EQ(record.rows(), 722U - 12U);
+}
+
+// Rows are four times as dense there as elsewhere: 41 of them are no longer a way than ten others.
+TEST(LookAtSamples, LeavesOutAnAngleThatStoodStillWhereASweepIsSlow) {
+  Record record = Sweep(0.25);
+  std::vector<bool> kept;
+  for (std::size_t i = 0; i < record.rows(); ++i) kept.push_back(i % 4 == 0 || (i > 400 && i < 800));
+  KeepRows(record, kept);
+  Hold(record, "input_angle_deg", [](std::size_t i) { return i < 201 || i > 240; });
+  LookAtSamples(record);
+  EXPECT_EQ(
+      record.notes,
+      (Notes{{kFirstLine + 200,
+              "41 samples of input_angle_deg repeat one value, rows 201 to 241: a sensor or logger that "
+              "stood still; they are left out"}}));
+  EXPECT_NEAR(ArcminFromRad(TransmissionErrorOf(record, {}).cw->e_max_rad.value), 1.2, 0.05);
 }
 
 TEST(LookAtSamples, TakesOnlyNewValuesOfAnAngleThatIsHeldInASweep) {
