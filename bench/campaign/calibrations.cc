@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {
@@ -91,7 +91,7 @@ void RefuseToStart(std::span<const CalibrationTrouble> troubles, const BenchDesc
         "new certificate into the bench file, or start with --accept-expired, and every record says so)",
         text.empty() ? "" : "\n", at, trouble.words);
   }
-  throw CampaignError(ExitCode::kWrongInput, text);
+  throw BenchError(ExitCode::kWrongInput, text);
 }
 
 std::chrono::year_month_day Today() {

@@ -29,7 +29,7 @@ std::vector<CalibrationTrouble> CalibrationTroubles(std::span<const ChannelCalib
                                                     std::span<const ChannelCalibration> of_devices,
                                                     std::chrono::year_month_day today);
 
-/// Blocks a start. @throws CampaignError naming every channel, its sensor and what to do, with its place in
+/// Blocks a start. @throws BenchError naming every channel, its sensor and what to do, with its place in
 /// the bench file where it has one; nothing where there is no trouble.
 void RefuseToStart(std::span<const CalibrationTrouble> troubles, const BenchDescription& bench);
 
@@ -37,7 +37,7 @@ void RefuseToStart(std::span<const CalibrationTrouble> troubles, const BenchDesc
 std::chrono::year_month_day Today();
 
 /// New calibrations of sensors, by serial number, from a file (bench/campaign/README.md).
-/// @throws CampaignError with every finding.
+/// @throws BenchError with every finding.
 std::vector<daq::acquisition::Calibration> ReadCalibrations(const std::filesystem::path& file);
 
 /// Scales every column of a sensor in `calibrations` anew: back to the raw values by the calibration that

@@ -9,9 +9,10 @@
 
 #include <fmt/core.h>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/configuration/commissioning_file.h"
 #include "bench/configuration/read_bench_file.h"
+#include "bench/errors/bench_error.h"
+#include "bench/utc.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {

@@ -38,7 +38,7 @@ CampaignInputs ReadFrozenInputs(const CampaignFolder& folder, const Journal& jou
 
 /// The journal of a campaign, to read or to go on with; every command that reads a campaign comes through
 /// here.
-/// @throws CampaignError when the folder is not a campaign, a frozen file is not the one that the campaign
+/// @throws BenchError when the folder is not a campaign, a frozen file is not the one that the campaign
 /// was
 ///   started with, or the checkpoint is of another campaign or further on than the journal (which then has
 ///   lost its last rows); DatabaseError when the journal is damaged.
@@ -50,11 +50,11 @@ std::vector<std::string> DoubtsAbout(const CampaignFolder& folder, const Journal
 
 /// The bench of a campaign that goes on: the frozen one, with the files of its devices where they were at the
 /// start.
-/// @throws CampaignError when one of those has changed since, or is gone.
+/// @throws BenchError when one of those has changed since, or is gone.
 BenchDescription BenchToResume(const CampaignFolder& folder, const Journal& journal);
 
 /// Makes the folder with the frozen inputs and an empty journal. What fails leaves nothing behind.
-/// @throws CampaignError when the folder holds a campaign already, or something else.
+/// @throws BenchError when the folder holds a campaign already, or something else.
 Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& inputs);
 
 /// What the journal and the checkpoint say of an interrupted campaign, after the journal has been put in
@@ -62,7 +62,7 @@ Journal CreateCampaign(const CampaignFolder& folder, const CampaignInputs& input
 /// since is a hole. Doing it twice changes nothing. Bench time goes on from the later of the two: a power cut
 /// may leave a checkpoint that is older than the journal.
 /// @param given  the schedule on the command line; it must be the frozen one, with the campaign's cycles.
-/// @throws CampaignError: not a campaign, a changed schedule (with the difference), finished already, a pause
+/// @throws BenchError: not a campaign, a changed schedule (with the difference), finished already, a pause
 ///   longer than the schedule allows or not known without `accept_pause`, a journal without its checkpoint.
 std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const CampaignInputs& given,
                                          Journal& journal, bool accept_pause);
@@ -71,7 +71,7 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
 /// stays as it was.
 /// @param given  the schedule on the command line: the frozen one, but for a higher number of cycles.
 /// @return what was done, in words.
-/// @throws CampaignError for any other schedule.
+/// @throws BenchError for any other schedule.
 std::string ExtendCampaign(const CampaignFolder& folder, const CampaignInputs& given, Journal& journal);
 
 /// Lines that differ, as "-old" and "+new" with line numbers; empty when equal.

@@ -11,8 +11,9 @@
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/runner_settings.h"
 #include "bench/campaign/sensor_stamps.h"
-#include "bench/campaign/sha256.h"
 #include "bench/controller/make_program.h"
+#include "bench/sha256.h"
+#include "bench/utc.h"
 #include "daq/cycle_file.h"
 
 namespace strainwave::bench {

@@ -46,7 +46,7 @@ class CampaignRunner {
                  BenchMachine& machine, Journal& journal, const std::atomic<StopRequest>& request,
                  ProgressSink& progress);
 
-  /// @throws CampaignError, with the bench safe, when another folder has come in the place of the campaign's.
+  /// @throws BenchError, with the bench safe, when another folder has come in the place of the campaign's.
   CampaignEnd Run(const ResumePoint& from);
 
  private:

@@ -8,6 +8,7 @@
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/check_results.h"
+#include "bench/utc.h"
 
 namespace strainwave::bench {
 

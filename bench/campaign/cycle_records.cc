@@ -5,8 +5,8 @@
 
 #include <fmt/core.h>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/sensor_stamps.h"
+#include "bench/errors/bench_error.h"
 #include "daq/cycle_file.h"
 
 namespace strainwave::bench {

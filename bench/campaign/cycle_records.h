@@ -36,7 +36,7 @@ class CycleRecords {
   /// Takes what an earlier run has left of a step.
   /// @param phases  of this cycle, from the journal.
   /// @return true when the step is complete and need not be run.
-  /// @throws CampaignError when a file is of another phase or campaign; daq::RecordError when it is damaged.
+  /// @throws BenchError when a file is of another phase or campaign; daq::RecordError when it is damaged.
   bool TakeFromEarlierRun(const CycleStep& step, int repeat, std::span<const PhaseRow> phases);
   /// What was missing of what it took, in words; each once.
   std::vector<std::string> TakeNotes() { return std::exchange(notes_, {}); }

@@ -16,8 +16,8 @@
 
 #include <fmt/core.h>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/configuration/commissioning_file.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {
@@ -68,7 +68,7 @@ void CampaignLock::Open() {
   if (descriptor_ < 0) ThrowErrno(folder_.Lock());
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     ::close(descriptor_);
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: the campaign is running in process {} (expected a folder that no "
                     "other process runs)",
@@ -108,22 +108,5 @@ std::string ReadText(const std::filesystem::path& file) {
   text << stream.rdbuf();
   return std::move(text).str();
 }
-
-std::string UtcText(std::int64_t milliseconds_since_1970) {
-  const std::time_t seconds = milliseconds_since_1970 / 1000;
-  std::tm calendar{};
-  gmtime_r(&seconds, &calendar);
-  return fmt::format("{:04d}-{:02d}-{:02d}T{:02d}:{:02d}:{:02d}.{:03d}Z", calendar.tm_year + 1900,
-                     calendar.tm_mon + 1, calendar.tm_mday, calendar.tm_hour, calendar.tm_min,
-                     calendar.tm_sec, milliseconds_since_1970 % 1000);
-}
-
-std::int64_t UtcMilliseconds() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-std::string UtcNow() { return UtcText(UtcMilliseconds()); }
 
 }  // namespace strainwave::bench

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/campaign/sha256.h"
+#include "bench/sha256.h"
 
 namespace strainwave::bench {
 
@@ -49,7 +49,7 @@ std::vector<FrozenFile> FrozenFiles(const CampaignFolder& folder);
 class CampaignLock {
  public:
   /// Makes the folder where there is none.
-  /// @throws CampaignError when another process holds it, with that process's id.
+  /// @throws BenchError when another process holds it, with that process's id.
   explicit CampaignLock(const CampaignFolder& folder);
   CampaignLock(const CampaignLock&) = delete;
   CampaignLock& operator=(const CampaignLock&) = delete;
@@ -68,10 +68,5 @@ class CampaignLock {
 
 /// The whole file. @throws std::system_error.
 std::string ReadText(const std::filesystem::path& file);
-
-/// "2026-03-01T12:00:00.250Z", from the world's clock; for people, never for intervals.
-std::string UtcNow();
-std::string UtcText(std::int64_t milliseconds_since_1970);
-std::int64_t UtcMilliseconds();
 
 }  // namespace strainwave::bench

@@ -9,7 +9,7 @@
 
 #include <fmt/core.h>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {
@@ -39,7 +39,7 @@ void HeldFolder::DemandInPlace() const {
     const bool exists = ::stat(path.c_str(), &there) == 0;
     if (exists && own.st_dev == there.st_dev && own.st_ino == there.st_ino) continue;
     std::error_code none;
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kMachineFailed,
         fmt::format("{}: error: {} (expected the folder that this run began with, which is now {})",
                     path.string(), exists ? "another folder has come in its place" : "the folder is gone",

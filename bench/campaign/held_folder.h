@@ -23,7 +23,7 @@ class HeldFolder {
   CampaignFolder wherever() const;
 
   /// Before anything is written by a path.
-  /// @throws CampaignError when a path no longer leads to what is held.
+  /// @throws BenchError when a path no longer leads to what is held.
   void DemandInPlace() const;
 
  private:

@@ -8,7 +8,7 @@
 #include <sqlite3.h>
 
 #include "bench/campaign/page_checksums.h"
-#include "bench/campaign/sha256.h"
+#include "bench/sha256.h"
 
 namespace strainwave::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/folder.h"
+#include "bench/utc.h"
 
 namespace strainwave::bench {
 namespace {

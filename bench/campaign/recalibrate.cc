@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "bench/campaign/calibrations.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/configuration/device_file.h"
+#include "bench/errors/bench_error.h"
 #include "daq/value_bounds.h"
 #include "schedules/reader/yaml_map.h"
 
@@ -131,7 +131,7 @@ std::vector<SensorCalibration> ReadCalibrations(const std::filesystem::path& fil
     return ParseFile<CalibrationFileError>(TextOfFile<CalibrationFileError>(file, kCalibrationFile),
                                            file.string(), kCalibrationFile, read);
   } catch (const CalibrationFileError& error) {
-    throw CampaignError(ExitCode::kWrongInput, error.what());
+    throw BenchError(ExitCode::kWrongInput, error.what());
   }
 }
 

@@ -10,9 +10,9 @@
 
 #include "bench/campaign/blank_results.h"
 #include "bench/campaign/calibrations.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
-#include "bench/campaign/sha256.h"
+#include "bench/errors/bench_error.h"
+#include "bench/sha256.h"
 #include "daq/cycle_file.h"
 #include "daq/record_error.h"
 
@@ -82,7 +82,7 @@ void CheckStamps(const std::filesystem::path& file, const daq::Attributes& attri
 std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, const Journal& journal, int cycle) {
   const auto file = folder.CycleFile(cycle);
   if (!std::filesystem::exists(file)) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: the file of cycle {} is missing (expected the raw records that the "
                     "journal says were stored)",
@@ -146,7 +146,7 @@ std::vector<RecomputedCycle> RecomputeCampaign(
     std::ranges::sort(findings);
     std::string text;
     for (const auto& [cycle, what] : findings) text += (text.empty() ? "" : "\n") + what;
-    throw CampaignError(ExitCode::kWrongInput, text);
+    throw BenchError(ExitCode::kWrongInput, text);
   }
   return cycles;
 }

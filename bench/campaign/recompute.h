@@ -21,14 +21,14 @@ struct RecomputedCycle {
 };
 
 /// What is stored of a cycle in order: records by their group's name without the leading slash.
-/// @throws CampaignError when the file is missing, not the one that the journal knows, or of another cycle or
+/// @throws BenchError when the file is missing, not the one that the journal knows, or of another cycle or
 ///   campaign; daq::RecordError when it is damaged.
 std::vector<NamedRecord> ReadCycleRecords(const CampaignFolder& folder, const Journal& journal, int cycle);
 
 /// Computes every complete cycle of a campaign again, on all processors.
 /// @param method    by which the stiffness is measured; only the campaign's own can equal what is stored.
 /// @param progress  called with the number of cycles done; may be empty.
-/// @throws CampaignError with all findings when cycle files are missing or damaged.
+/// @throws BenchError with all findings when cycle files are missing or damaged.
 std::vector<RecomputedCycle> RecomputeCampaign(const CampaignFolder& folder, const Journal& journal,
                                                const CycleContext& context,
                                                const std::function<void(std::size_t, std::size_t)>& progress);

@@ -29,7 +29,7 @@ struct CampaignBeside {
 };
 
 /// Of `FOLDER/cycles/NNNNNN.h5` where FOLDER holds a campaign; else nothing.
-/// @throws CampaignError, DatabaseError as OpenCampaign.
+/// @throws BenchError, DatabaseError as OpenCampaign.
 std::optional<CampaignBeside> FindCampaignBeside(const std::filesystem::path& file);
 
 /// What the campaign knows of one of the file's records: blank test, encoder's error, repeatability. Nothing

@@ -4,9 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/exported_predictor.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/reducer_baseline.h"

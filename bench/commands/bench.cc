@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/bench_commands.h"
 #include "bench/commands/output.h"
 #include "bench/configuration/read_bench_file.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/field/field_machine.h"
 
 namespace strainwave::bench {
 namespace {
@@ -29,7 +29,7 @@ constexpr std::chrono::seconds kLook{2};
 int Check(const BenchOptions& options) {
   const BenchDescription bench = ReadBenchFile(options.bench);
   if (bench.simulated) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: a simulated bench has no devices to check (expected simulated: false "
                     "and devices)",

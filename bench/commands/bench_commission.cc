@@ -8,14 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/bench_commands.h"
 #include "bench/commands/moving_limits.h"
 #include "bench/commands/output.h"
 #include "bench/commands/person.h"
 #include "bench/configuration/commissioning_file.h"
 #include "bench/configuration/read_bench_file.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/field/field_machine.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -41,7 +41,7 @@ schedules::Limits LimitsOf(const CommissionOptions& options, const BenchDescript
 int Commission(const CommissionOptions& options) {
   const BenchDescription bench = ReadBenchFile(options.bench);
   if (bench.simulated) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: a simulated bench has no drives to commission (expected simulated: "
                     "false and devices)",
@@ -49,7 +49,7 @@ int Commission(const CommissionOptions& options) {
   }
   const double speed = OptionQuantity("--speed", options.speed, schedules::Dimension::kAngularSpeed);
   if (speed == 0.0 || std::abs(speed) > bench.driving_servo.peak_speed_rad_per_s) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("--speed {}: error: not a speed of this bench (expected up to {:g} rpm, the peak "
                     "of its driving servo)",
@@ -63,9 +63,8 @@ int Commission(const CommissionOptions& options) {
           "the shafts will turn, the input at {:g} rpm, and be left to stop by themselves: keep clear, "
           "have the emergency stop at hand",
           RpmFromRadPerS(speed)))) {
-    throw CampaignError(
-        ExitCode::kInterrupted,
-        "nobody has confirmed, nothing was moved (expected a person at the terminal, or --yes)");
+    throw BenchError(ExitCode::kInterrupted,
+                     "nobody has confirmed, nothing was moved (expected a person at the terminal, or --yes)");
   }
   FieldMachine machine(bench, options.ratio, Ask);
   WaitForPeople(machine);

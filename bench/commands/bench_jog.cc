@@ -11,7 +11,6 @@
 #include <CLI/CLI.hpp>
 
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/runner_settings.h"
 #include "bench/commands/bench_commands.h"
 #include "bench/commands/hand.h"
@@ -21,7 +20,8 @@
 #include "bench/commands/terminal.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/controller/jog_program.h"
-#include "bench/devices/make_machine.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/make_machine.h"
 
 namespace strainwave::bench {
 namespace {
@@ -51,7 +51,7 @@ double SpeedOf(const JogOptions& options, const BenchDescription& bench) {
                               : bench.load_servo.peak_speed_rad_per_s / bench.load_reducer_ratio;
   const double most = kMostShareOfPeakSpeed * peak;
   if (speed != 0.0 && std::abs(speed) <= most) return speed;
-  throw CampaignError(
+  throw BenchError(
       ExitCode::kWrongInput,
       fmt::format(
           "--speed {}: error: not a speed to jog the {} servo at (expected up to {:.4g} rpm, {:.0f} % of "

@@ -10,16 +10,16 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_drive_profile.h"
 #include "bench/configuration/read_hid_profile.h"
-#include "bench/devices/device_side/played_bench.h"
-#include "bench/devices/listing/find_devices.h"
 #include "bench/devices/modbus/modbus_address.h"
 #include "bench/devices/monotonic_clock.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/device_side/played_bench.h"
+#include "bench/machines/listing/find_devices.h"
 
 namespace strainwave::bench {
 namespace {
@@ -42,10 +42,10 @@ struct NamedDevices {
     if (file.empty()) return;
     bench = ReadBenchFile(file);
     if (bench->simulated) {
-      throw CampaignError(ExitCode::kWrongInput,
-                          fmt::format("{}: error: a simulated bench has no devices to look for (expected "
-                                      "simulated: false and devices)",
-                                      file));
+      throw BenchError(ExitCode::kWrongInput,
+                       fmt::format("{}: error: a simulated bench has no devices to look for (expected "
+                                   "simulated: false and devices)",
+                                   file));
     }
     played.emplace(*bench, 80.0, clock);
     // What has just been switched on does not answer at once.

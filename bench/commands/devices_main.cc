@@ -14,16 +14,16 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/output.h"
 #include "bench/commands/signals.h"
 #include "bench/configuration/read_bench_file.h"
-#include "bench/controller/realtime.h"
 #include "bench/devices/can/socket_can_bus.h"
-#include "bench/devices/device_side/device_side.h"
 #include "bench/devices/monotonic_clock.h"
-#include "bench/devices/plant_model_of.h"
 #include "bench/devices/wake.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/device_side/device_side.h"
+#include "bench/machines/plant_model_of.h"
+#include "bench/realtime/realtime.h"
 
 namespace strainwave::bench {
 namespace {

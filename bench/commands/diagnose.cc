@@ -12,7 +12,6 @@
 
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/residuals.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
@@ -24,7 +23,9 @@
 #include "bench/diagnosis/extended_model.h"
 #include "bench/diagnosis/nominal_models.h"
 #include "bench/diagnosis/residual_views.h"
+#include "bench/errors/bench_error.h"
 #include "bench/plots/gnuplot.h"
+#include "bench/utc.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -65,8 +66,8 @@ diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, const std::optional<E
   try {
     return diagnosis::Diagnose(*input.study, options);
   } catch (const std::invalid_argument& error) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: {}", input.records.front().file, error.what()));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: {}", input.records.front().file, error.what()));
   }
 }
 
@@ -74,11 +75,10 @@ std::optional<ExtendedModel> ReadModel(const DiagnoseCommand& command, const std
   if (command.model.empty()) return std::nullopt;
   ExtendedModel model = ReadExtendedModel(command.model);
   if (model.kind != kind) {
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        fmt::format("{}: error: the model is of kind {}, the records of kind {} (expected one "
-                    "kind)",
-                    command.model, model.kind, kind));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: the model is of kind {}, the records of kind {} (expected one "
+                                 "kind)",
+                                 command.model, model.kind, kind));
   }
   return model;
 }

@@ -6,9 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/export_predictor.h"
 #include "bench/prediction/network_worth.h"
 #include "bench/prediction/onnx_model.h"
@@ -26,10 +26,10 @@ int Run(const ExportCommand& command) {
   const Predictor predictor = ReadPredictor(command.predictor);
   const auto training = nlohmann::ordered_json::parse(predictor.training_json);
   if (IsWorthNothing(training) && !command.anyway) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: {} Nothing was written (expected a predictor that is worth "
-                                    "something, or --anyway)",
-                                    command.predictor, WorthSentence(training)));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: {} Nothing was written (expected a predictor that is worth "
+                                 "something, or --anyway)",
+                                 command.predictor, WorthSentence(training)));
   }
   const ExportSummary summary = ExportPredictor(predictor, command.out);
   ToStdout(

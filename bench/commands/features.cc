@@ -8,15 +8,15 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/wavelets/packets.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
-#include "bench/diagnosis/record_data.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/campaign_features.h"
 #include "bench/prediction/measurement_paths.h"
 #include "bench/prediction/record_features.h"
+#include "bench/records/record_data.h"
 
 namespace strainwave::bench {
 namespace {

@@ -6,10 +6,10 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/database.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/errors/bench_error.h"
 #include "daq/data_file_error.h"
 #include "daq/record_error.h"
 #include "schedules/reader/findings.h"
@@ -31,7 +31,7 @@ int Guarded(const strainwave::bench::Action& action) {
     return Fail(ExitCode::kWrongInput, error.what());
   } catch (const strainwave::daq::RecordError& error) {
     return Fail(ExitCode::kWrongInput, error.what());
-  } catch (const strainwave::bench::CampaignError& error) {
+  } catch (const strainwave::bench::BenchError& error) {
     return Fail(error.exit_code(), error.what());
   } catch (const strainwave::daq::DataFileError& error) {
     return Fail(ExitCode::kMachineFailed, error.what());

@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
@@ -20,7 +19,8 @@
 #include "bench/commands/signals.h"
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/read_bench_file.h"
-#include "bench/devices/simulated_vibration_source.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/simulated_vibration_source.h"
 #include "bench/monitor/acquisition_source.h"
 #include "bench/monitor/modbus_server.h"
 #include "bench/monitor/monitor_loop.h"
@@ -30,6 +30,7 @@
 #include "bench/monitor/settings.h"
 #include "bench/monitor/sparkplug_metrics.h"
 #include "bench/monitor/stream_address.h"
+#include "bench/utc.h"
 
 namespace strainwave::bench {
 namespace {
@@ -62,12 +63,12 @@ constexpr double kSimulatedTorque_Nm = 40.0;
 void RequireFit(const AcquisitionSource& source, const FeatureRecipe& recipe) {
   const SignalSettings wanted = recipe.signals();
   if (DecimationFactor(source.sample_rate_hz(), wanted) == 0) {
-    throw CampaignError(ExitCode::kWrongInput, fmt::format("{}: error: {}", source.name(),
-                                                           RateFault(source.sample_rate_hz(), wanted).text));
+    throw BenchError(ExitCode::kWrongInput, fmt::format("{}: error: {}", source.name(),
+                                                        RateFault(source.sample_rate_hz(), wanted).text));
   }
   for (const std::string& channel : wanted.channels) {
     if (std::ranges::find(source.channels(), channel) != source.channels().end()) continue;
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format(
             "{}: error: there is no channel {} among {} (expected it; `source: channels:` of the settings "
@@ -102,9 +103,9 @@ std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const
   const std::int64_t start_ns = UtcMilliseconds() * 1'000'000;
   const auto asked = command.simulate + !command.replay.empty() + !command.source.empty();
   if (asked > 1 || (asked == 0 && !settings.source)) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        "error: there must be one stream (expected --source with an address, --replay with "
-                        "records, --simulate, or a section `source` in the settings)");
+    throw BenchError(ExitCode::kWrongInput,
+                     "error: there must be one stream (expected --source with an address, --replay with "
+                     "records, --simulate, or a section `source` in the settings)");
   }
   if (!command.source.empty() || asked == 0)
     return MakeAcquisitionSource(command, settings, predictor.recipe(), start_ns);

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 
@@ -13,17 +13,17 @@ double OptionQuantity(const char* option, const std::string& text, schedules::Di
   try {
     return schedules::ParseQuantity(text, dimension);
   } catch (const std::invalid_argument& error) {
-    throw CampaignError(ExitCode::kWrongInput, fmt::format("{} {}: error: {}", option, text, error.what()));
+    throw BenchError(ExitCode::kWrongInput, fmt::format("{} {}: error: {}", option, text, error.what()));
   }
 }
 
 double TorqueLimit_Nm(const std::string& text, const BenchDescription& bench) {
   const double torque_Nm = OptionQuantity("--torque", text, schedules::Dimension::kTorque);
   if (torque_Nm > 0.0 && torque_Nm <= bench.transducer.range_Nm) return torque_Nm;
-  throw CampaignError(ExitCode::kWrongInput,
-                      fmt::format("--torque {}: error: not a limit for this bench (expected above 0 and up "
-                                  "to {:g} Nm, the range of its torque transducer)",
-                                  text, bench.transducer.range_Nm));
+  throw BenchError(ExitCode::kWrongInput,
+                   fmt::format("--torque {}: error: not a limit for this bench (expected above 0 and up "
+                               "to {:g} Nm, the range of its torque transducer)",
+                               text, bench.transducer.range_Nm));
 }
 
 }  // namespace strainwave::bench

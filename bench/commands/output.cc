@@ -17,7 +17,7 @@
 #include <thread>
 #include <utility>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {

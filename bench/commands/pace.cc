@@ -6,7 +6,7 @@
 
 #include <fmt/core.h>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 
@@ -16,7 +16,7 @@ double ParsePace(const std::string& text) {
   char* end = nullptr;
   const double pace = std::strtod(text.c_str(), &end);
   if (end == text.c_str() || *end != '\0' || !(pace > 0.0)) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("--pace {}: error: not a pace (expected max, real, or a number above 0)", text));
   }

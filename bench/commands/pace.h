@@ -5,7 +5,7 @@
 
 namespace strainwave::bench {
 
-/// Times real time: "max" is infinity, "real" 1. @throws CampaignError for what is neither nor a number above
+/// Times real time: "max" is infinity, "real" 1. @throws BenchError for what is neither nor a number above
 /// 0.
 double ParsePace(const std::string& text);
 

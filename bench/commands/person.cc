@@ -10,10 +10,10 @@
 
 #include <fmt/core.h>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/output.h"
 #include "bench/commands/signals.h"
 #include "bench/devices/wake.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {
@@ -78,9 +78,9 @@ void WaitForPeople(const BenchMachine& machine) {
 void WaitForValues(BenchMachine& machine) {
   const std::string missing = machine.AwaitValues([] { return g_request != StopRequest::kNone; });
   if (g_request != StopRequest::kNone) {
-    throw CampaignError(ExitCode::kInterrupted, "stopped on request; nothing was moved");
+    throw BenchError(ExitCode::kInterrupted, "stopped on request; nothing was moved");
   }
-  if (!missing.empty()) throw CampaignError(ExitCode::kMachineFailed, fmt::format("error: {}", missing));
+  if (!missing.empty()) throw BenchError(ExitCode::kMachineFailed, fmt::format("error: {}", missing));
 }
 
 }  // namespace strainwave::bench

@@ -31,7 +31,7 @@ bool Ask(const std::string& what);
 void WaitForPeople(const BenchMachine& machine);
 
 /// Waits for a value of every channel and drive, before anything moves.
-/// @throws CampaignError with what does not come, or where a stop is asked for meanwhile.
+/// @throws BenchError with what does not come, or where a stop is asked for meanwhile.
 void WaitForValues(BenchMachine& machine);
 
 }  // namespace strainwave::bench

@@ -11,10 +11,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/baseline_file.h"
 #include "bench/prediction/predictor_file.h"
 #include "bench/prediction/recipe_inputs.h"

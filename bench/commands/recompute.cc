@@ -10,7 +10,6 @@
 
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/pictures.h"
 #include "bench/campaign/recompute.h"
@@ -22,6 +21,7 @@
 #include "bench/commands/results_table.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
+#include "bench/errors/bench_error.h"
 #include "bench/records/look_at_samples.h"
 #include "bench/records/record_warnings.h"
 #include "daq/read_records.h"
@@ -169,7 +169,7 @@ int Recompute(const RecomputeOptions& options) {
     }
   }
   if (reports.empty()) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: no record to recompute (expected transmission_error or hysteresis)",
                     options.paths.front()));

@@ -8,10 +8,10 @@
 
 #include "analysis/diagnosis/hysteresis/checks.h"
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/record_results.h"
 #include "bench/commands/error_text.h"
-#include "bench/diagnosis/record_data.h"
+#include "bench/errors/bench_error.h"
+#include "bench/records/record_data.h"
 #include "bench/text.h"
 
 namespace strainwave::bench {
@@ -101,7 +101,7 @@ nlohmann::json HysteresisJson(const daq::Record& record, StiffnessMethod method,
   nlohmann::json report{{"kind", "hysteresis"}};
   AddStiffness(report, stiffness, context);
   AddAngle(report, "hysteresis_arcmin", stiffness.hysteresis_rad, context, AngleKind::kMean);
-  AddAngle(report, "lost_motion_arcmin", stiffness.lost_motion_rad, context, AngleKind::kMean);
+  AddAngle(report, "hysteresis_lost_motion_arcmin", stiffness.lost_motion_rad, context, AngleKind::kMean);
   if (method == StiffnessMethod::kModel) {
     report["friction_torque_Nm"] = stiffness.friction_torque_Nm;
     report["yield_twist_arcmin"] = ArcminFromRad(stiffness.yield_twist_rad);
@@ -136,7 +136,7 @@ std::string ValueText(const nlohmann::json& report, const std::string& key) {
 
 nlohmann::json RecordJson(const daq::Record& record, StiffnessMethod method, const RecordContext& context) {
   if (record.kind != "transmission_error" && record.kind != "hysteresis") {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: kind '{}' has nothing to recompute (expected transmission_error or "
                     "hysteresis)",

@@ -14,7 +14,7 @@ namespace strainwave::bench {
 /// What `recompute` says of one record file: docs/contract.md#recompute, and beside it standard errors, the
 /// order spectrum, the other two stiffness methods, the checks and the warnings.
 /// @param context  what is known of the record's bench: taken off, and its uncertainty is in the errors.
-/// @throws CampaignError when the record is of a kind that has nothing to recompute.
+/// @throws BenchError when the record is of a kind that has nothing to recompute.
 nlohmann::json RecordJson(const daq::Record& record, analysis::StiffnessMethod method,
                           const RecordContext& context);
 

@@ -9,7 +9,6 @@
 #include "analysis/units.h"
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/disk_room.h"
 #include "bench/commands/commands.h"
@@ -20,7 +19,9 @@
 #include "bench/commands/terminal.h"
 #include "bench/configuration/sensors_of.h"
 #include "bench/controller/interlocks.h"
-#include "bench/devices/make_machine.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/make_machine.h"
+#include "bench/utc.h"
 
 namespace strainwave::bench {
 namespace {
@@ -77,7 +78,7 @@ void CheckDoubts(const BenchMachine& machine, Journal& journal) {
     journal.AddEvent({journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", "warning",
                       "commissioning", doubt.words});
   }
-  if (!refused.empty()) throw CampaignError(ExitCode::kMachineFailed, refused);
+  if (!refused.empty()) throw BenchError(ExitCode::kMachineFailed, refused);
 }
 
 // A disk that is full ends the campaign safely, and days too late.
@@ -108,18 +109,17 @@ int Run(const RunOptions& options) {
       options.bench.empty() ? std::nullopt : std::optional<std::filesystem::path>(options.bench);
   CampaignInputs inputs = ReadInputs(options.schedule, bench_file);
   if (!std::filesystem::exists(folder.Journal()) && options.resume) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: there is no campaign to resume (expected a folder with campaign.db; "
                     "leave --resume away to start one)",
                     folder.root.string()));
   }
   if (!options.resume && std::filesystem::exists(folder.Journal())) {
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        fmt::format("{}: error: the folder holds a campaign already (expected a new folder, or "
-                    "--resume to go on with it)",
-                    folder.root.string()));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: the folder holds a campaign already (expected a new folder, or "
+                                 "--resume to go on with it)",
+                                 folder.root.string()));
   }
   for (const auto& finding : WarningsOf(inputs).items()) {
     ToStderr("{}\n", schedules::FormatFinding(options.schedule, finding));

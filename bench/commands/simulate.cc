@@ -6,13 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/diagnosis/make_study.h"
 #include "bench/diagnosis/simulate_record.h"
+#include "bench/errors/bench_error.h"
 #include "bench/records/look_at_samples.h"
 #include "daq/csv_record.h"
 #include "daq/cycle_file.h"
@@ -40,9 +40,9 @@ daq::Record ReadLike(const SimulateOptions& options, const std::string& kind) {
     TellWarnings(WarningsOf(record));
     return std::move(record);
   }
-  throw CampaignError(ExitCode::kWrongInput,
-                      fmt::format("{}: error: no record of kind {} (expected the kind of the model {})",
-                                  options.like, kind, options.model));
+  throw BenchError(ExitCode::kWrongInput,
+                   fmt::format("{}: error: no record of kind {} (expected the kind of the model {})",
+                               options.like, kind, options.model));
 }
 
 void Write(const daq::Record& record, const std::filesystem::path& path) {
@@ -67,8 +67,8 @@ int Simulate(const SimulateOptions& options) {
     const std::string words =
         alike ? error.what()
               : fmt::format("{}; --like RECORD runs it on the excitation of a record", error.what());
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: {}", alike ? options.like : options.model, words));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: {}", alike ? options.like : options.model, words));
   }
   record.SetMetadata("simulated_model", options.model);
   record.SetMetadata("simulated_seed", std::to_string(options.seed));

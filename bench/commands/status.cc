@@ -12,7 +12,6 @@
 
 #include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/disk_room.h"
 #include "bench/campaign/life_share.h"
@@ -25,6 +24,8 @@
 #include "bench/commands/output.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
+#include "bench/errors/bench_error.h"
+#include "bench/utc.h"
 #include "schedules/reader/plan.h"
 
 namespace strainwave::bench {

@@ -9,10 +9,10 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {
@@ -37,7 +37,7 @@ int Stop(const StopOptions& options) {
     return static_cast<int>(ExitCode::kDone);
   }
   if (process <= 0) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: nobody runs this campaign (expected the folder of a running one)",
                     folder.root.string()));

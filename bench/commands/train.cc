@@ -6,12 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/commands/train_report.h"
+#include "bench/errors/bench_error.h"
 #include "bench/plots/gnuplot.h"
 #include "bench/prediction/train_predictor.h"
 #include "bench/prediction/training_pictures.h"
@@ -32,9 +32,8 @@ struct TrainCommand {
 
 int Run(const TrainCommand& command) {
   if (command.out.empty() != command.job.compare_only) {
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        "error: a predictor is written somewhere or not at all (expected --out or --compare)");
+    throw BenchError(ExitCode::kWrongInput,
+                     "error: a predictor is written somewhere or not at all (expected --out or --compare)");
   }
   ShareLine line;
   // Reading is a tenth of the work where nothing is kept from before.

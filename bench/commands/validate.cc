@@ -12,13 +12,13 @@
 #include "analysis/bearing_life.h"
 #include "analysis/units.h"
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/life_share.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/terminal.h"
 #include "bench/configuration/sensors_of.h"
 #include "bench/controller/interlocks.h"
+#include "bench/errors/bench_error.h"
 #include "schedules/reader/plan.h"
 
 namespace strainwave::bench {

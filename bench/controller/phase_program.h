@@ -5,20 +5,10 @@
 #include <vector>
 
 #include "bench/controller/stop_reason.h"
-#include "bench/roles/bench_clock.h"
-#include "bench/roles/sampler.h"
-#include "bench/roles/servo_drive.h"
+#include "bench/roles/bench_devices.h"
 #include "daq/cycle_file.h"
 
 namespace strainwave::bench {
-
-/// The devices that a phase drives. They outlive it.
-struct BenchDevices {
-  ServoDrive& driving;
-  ServoDrive& load;  // torque in Nm at the reducer's output
-  Sampler& sampler;
-  BenchClock& clock;
-};
 
 using daq::NamedRecord;
 

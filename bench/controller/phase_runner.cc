@@ -11,9 +11,10 @@
 #include <thread>
 
 #include "analysis/units.h"
-#include "bench/controller/realtime.h"
+#include "bench/controller/seconds.h"
 #include "bench/controller/standstill_programs.h"
-#include "bench/devices/latest.h"
+#include "bench/realtime/latest.h"
+#include "bench/realtime/realtime.h"
 
 namespace strainwave::bench {
 namespace {
@@ -25,8 +26,6 @@ constexpr double kHistory_s = 10.0;
 constexpr double kAfterStop_s = 1.0;
 constexpr int kHistoryChannels = 9;
 constexpr double kHeartbeat_s = 1.0;
-
-nanoseconds Nanoseconds(double time_s) { return nanoseconds(std::llround(time_s * 1e9)); }
 
 // The stop comes on every way out of a phase, also by an exception.
 class SafeOnExit {

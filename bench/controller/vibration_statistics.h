@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "bench/devices/latest.h"
+#include "bench/realtime/latest.h"
 #include "bench/roles/sampler.h"
 #include "daq/acquisition/running_statistics.h"
 #include "daq/record.h"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 #include "daq/record.h"
 #include "schedules/reader/yaml_map.h"
 #include "schedules/reader/yaml_node.h"
@@ -208,10 +208,10 @@ std::vector<std::size_t> GivenCauses(const ExtendedModel& model, const diagnosis
              });
     });
     if (rule == rules.end()) {
-      throw CampaignError(ExitCode::kWrongInput,
-                          fmt::format("{}: error: the cause '{}' of the model cannot be fitted to these "
-                                      "records (expected records that excite it, as those it was found in)",
-                                      file, cause.name));
+      throw BenchError(ExitCode::kWrongInput,
+                       fmt::format("{}: error: the cause '{}' of the model cannot be fitted to these "
+                                   "records (expected records that excite it, as those it was found in)",
+                                   file, cause.name));
     }
     given.push_back(static_cast<std::size_t>(rule - rules.begin()));
   }

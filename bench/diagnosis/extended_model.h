@@ -56,7 +56,7 @@ std::vector<analysis::diagnosis::Study::NamedCause> NamedCausesOf(const Extended
                                                                   bool with_corrections);
 
 /// Indices of the model's causes among those of a study.
-/// @throws CampaignError naming `file` and a cause that these records cannot have.
+/// @throws BenchError naming `file` and a cause that these records cannot have.
 std::vector<std::size_t> GivenCauses(const ExtendedModel& model, const analysis::diagnosis::Study& study,
                                      const std::string& file);
 

@@ -13,11 +13,11 @@
 #include <fmt/ranges.h>
 
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/record_context.h"
 #include "bench/diagnosis/campaign_data.h"
-#include "bench/diagnosis/record_data.h"
+#include "bench/errors/bench_error.h"
 #include "bench/records/look_at_samples.h"
+#include "bench/records/record_data.h"
 #include "bench/records/record_refusal.h"
 #include "daq/read_records.h"
 #include "daq/record_rules.h"
@@ -44,10 +44,10 @@ std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const Reco
   std::set<std::string> kinds;
   for (const std::string& path : paths) {
     if (std::filesystem::is_directory(path)) {
-      throw CampaignError(ExitCode::kWrongInput,
-                          fmt::format("{}: error: a campaign stands beside other paths (expected one "
-                                      "campaign folder alone, or record files)",
-                                      path));
+      throw BenchError(ExitCode::kWrongInput,
+                       fmt::format("{}: error: a campaign stands beside other paths (expected one "
+                                   "campaign folder alone, or record files)",
+                                   path));
     }
     for (Record& record : daq::ReadRecords(path)) {
       if (!choice.group.empty() && record.source.group.find(choice.group) == std::string::npos) continue;
@@ -64,7 +64,7 @@ std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const Reco
     }
   }
   if (records.empty()) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: no record to diagnose{}{} (expected {})", paths.front(),
                     choice.kind.empty() ? "" : " of kind " + choice.kind,
@@ -72,10 +72,10 @@ std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const Reco
                     kDiagnosedKinds));
   }
   if (kinds.size() > 1) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: the records are of {} kinds: {} (expected one kind; --kind "
-                                    "chooses it)",
-                                    paths.front(), kinds.size(), fmt::join(kinds, ", ")));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: the records are of {} kinds: {} (expected one kind; --kind "
+                                 "chooses it)",
+                                 paths.front(), kinds.size(), fmt::join(kinds, ", ")));
   }
   return records;
 }
@@ -134,7 +134,7 @@ StudyInput ReadCampaign(const std::string& path) {
   try {
     input.study = diagnosis::MakeCampaignStudy(data);
   } catch (const std::invalid_argument& error) {
-    throw CampaignError(ExitCode::kWrongInput, fmt::format("{}: error: {}", path, error.what()));
+    throw BenchError(ExitCode::kWrongInput, fmt::format("{}: error: {}", path, error.what()));
   }
   return input;
 }

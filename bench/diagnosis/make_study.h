@@ -49,7 +49,7 @@ inline constexpr std::string_view kDiagnosedKinds = "transmission_error, hystere
 std::unique_ptr<analysis::diagnosis::Study> MakeStudy(std::span<const daq::Record> records);
 
 /// Reads record files, or one campaign folder, and checks them.
-/// @throws daq::RecordError for a file that breaks the rules of records; CampaignError with
+/// @throws daq::RecordError for a file that breaks the rules of records; BenchError with
 ///   `FILE: error: WHAT (what was expected)` for records that cannot be diagnosed: mixed kinds, none of the
 ///   kind chosen, and whatever `CheckRecord`'s kin or the study refuse.
 StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordChoice& choice);

@@ -10,7 +10,7 @@
 #include "analysis/model/axis_motion.h"
 #include "analysis/model/drive_causes.h"
 #include "analysis/units.h"
-#include "bench/diagnosis/record_data.h"
+#include "bench/records/record_data.h"
 
 namespace strainwave::bench {
 namespace {

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/devices/simulated/noise_source.h"
 #include "bench/diagnosis/extended_model.h"
 #include "bench/diagnosis/make_study.h"
 #include "bench/diagnosis/nominal_models.h"
-#include "bench/diagnosis/record_data.h"
 #include "bench/diagnosis/simulate_motion.h"
+#include "bench/errors/bench_error.h"
+#include "bench/records/record_data.h"
 #include "daq/record_rules.h"
 
 namespace strainwave::bench {
@@ -116,7 +116,7 @@ RunnableModel ReadRunnableModel(const std::string& name, bool with_corrections) 
       name == "transmission_error" || name == "hysteresis" || name == "motion" || name == "vibration";
   if (is_kind) return {name, NominalParameters(name), {}, NominalNoise(name)};
   if (!std::filesystem::exists(name)) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: there is no such model (expected {}, or an extended_model.yaml that diagnose "
                     "has written)",
@@ -124,9 +124,9 @@ RunnableModel ReadRunnableModel(const std::string& name, bool with_corrections) 
   }
   const ExtendedModel model = ReadExtendedModel(name);
   if (model.kind == "campaign") {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: the model of a campaign makes no record (expected one of {})",
-                                    name, kDiagnosedKinds));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: the model of a campaign makes no record (expected one of {})",
+                                 name, kDiagnosedKinds));
   }
   return {model.kind, model.nominal, NamedCausesOf(model, with_corrections), model.noise_floor};
 }

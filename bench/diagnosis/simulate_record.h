@@ -19,7 +19,7 @@ struct RunnableModel {
 };
 
 /// @param name  of a kind, or the path of an `extended_model.yaml`.
-/// @throws ModelFileError; CampaignError for a name that is neither.
+/// @throws ModelFileError; BenchError for a name that is neither.
 RunnableModel ReadRunnableModel(const std::string& name, bool with_corrections);
 
 /// A record to run the model on where none is given: with the columns that its causes need.

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <mosquitto.h>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 #include "bench/monitor/mqtt_tls.h"
 #include "bench/monitor/sparkplug_metrics.h"
 
@@ -336,7 +336,7 @@ void MqttPublisher::Run() {
       was_born = connection.Serve();
       cause = connection.cause();
       waits_for_ = connection.Waiting();
-    } catch (const CampaignError& error) {
+    } catch (const BenchError& error) {
       cause = error.what();  // a certificate that is being exchanged: the next try may find it
     }
     if (!cause.empty())

@@ -31,7 +31,7 @@ class MqttPublisher {
   using Log = std::function<void(const std::string& line)>;  // called from any thread
 
   /// @param board  outlives the publisher; gets the state of the link, gives the values of births.
-  /// @param store  may be none. @throws CampaignError for certificates that cannot be used, or a store that
+  /// @param store  may be none. @throws BenchError for certificates that cannot be used, or a store that
   ///   cannot be read or whose entries are of another predictor.
   MqttPublisher(const MqttSettings& settings, Board& board, Log log,
                 std::unique_ptr<OutboxStore> store = nullptr);

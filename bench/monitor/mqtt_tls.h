@@ -13,7 +13,7 @@ struct ssl_st;
 namespace strainwave::bench {
 
 /// Reads the certificates that the settings name: the authority's, the monitor's own and its key.
-/// @throws CampaignError naming the file that holds none, the one that is not valid yet or no longer, or
+/// @throws BenchError naming the file that holds none, the one that is not valid yet or no longer, or
 ///   the key that is not the certificate's.
 void RequireUsable(const TlsSettings& tls);
 
@@ -23,7 +23,7 @@ class TlsHandshake {
  public:
   /// Has a client encrypt its connection and check the broker's certificate and name.
   /// @param client  does not outlive this.
-  /// @throws CampaignError naming a file that cannot be used.
+  /// @throws BenchError naming a file that cannot be used.
   TlsHandshake(mosquitto* client, const MqttSettings& settings);
   TlsHandshake(const TlsHandshake&) = delete;
   TlsHandshake& operator=(const TlsHandshake&) = delete;

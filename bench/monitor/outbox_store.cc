@@ -5,7 +5,7 @@
 
 #include <sqlite3.h>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {

@@ -29,11 +29,11 @@ class OutboxStore {
     std::uint64_t dropped{};  // of all time
   };
 
-  /// Opens or makes the file. @throws CampaignError if another monitor has it, or it is something else;
+  /// Opens or makes the file. @throws BenchError if another monitor has it, or it is something else;
   /// DatabaseError.
   explicit OutboxStore(const std::filesystem::path& file);
 
-  /// Oldest first. @throws CampaignError for an entry that cannot be read.
+  /// Oldest first. @throws BenchError for an entry that cannot be read.
   std::vector<Entry> Entries() const;
   std::uint64_t dropped() const { return static_cast<std::uint64_t>(Kept("dropped")); }
   /// Number of the last window that was put in, 0 before the first.

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
-#include "bench/diagnosis/record_data.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/record_operating_point.h"
+#include "bench/records/record_data.h"
 #include "daq/record_error.h"
 
 namespace strainwave::bench {
@@ -137,7 +137,7 @@ void ReplaySource::LoadFile(const std::filesystem::path& path) {
     for (const daq::Record& record : ReadVibrationRecords(path, settings_.motor_torque)) AddRecord(record);
   } catch (const daq::RecordError& error) {
     trouble.trouble = error.what();
-  } catch (const CampaignError& error) {
+  } catch (const BenchError& error) {
     trouble.trouble = error.what();
   }
   if (!trouble.trouble.empty()) loaded_.push_back(std::move(trouble));

@@ -57,7 +57,7 @@ class ReplaySource final : public VibrationSource {
 };
 
 /// The files that a user's paths stand for: files themselves, and the cycles of campaign folders in order.
-/// @throws CampaignError for a folder without cycles.
+/// @throws BenchError for a folder without cycles.
 std::vector<std::filesystem::path> RecordFilesOf(const std::vector<std::filesystem::path>& paths);
 
 }  // namespace strainwave::bench

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/sealed_json.h"
 
 namespace strainwave::bench {
@@ -74,7 +74,7 @@ std::optional<analysis::prediction::Baseline> BaselineFor(const FeatureRecipe& r
     return std::nullopt;
   }
   if (file.empty()) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("error: the predictor tells changes since a reducer's first {} records (expected its "
                     "baseline file, as `strainwave baseline` writes it)",

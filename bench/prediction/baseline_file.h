@@ -26,7 +26,7 @@ std::string BaselineText(const ReducerBaseline& baseline);
 /// The part of a baseline file that a predictor needs, in its own order.
 /// @param file  empty where none was given.
 /// @return none for a predictor that needs none.
-/// @throws CampaignError, naming file and key: the predictor needs a file and there is none, or the other way
+/// @throws BenchError, naming file and key: the predictor needs a file and there is none, or the other way
 ///   round; the file was changed, is of other features, or lacks an input or an output.
 std::optional<analysis::prediction::Baseline> BaselineFor(const FeatureRecipe& recipe,
                                                           const std::vector<std::string>& outputs,

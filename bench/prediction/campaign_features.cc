@@ -12,15 +12,15 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal.h"
 #include "bench/campaign/on_all_processors.h"
 #include "bench/campaign/recompute.h"
-#include "bench/diagnosis/record_data.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/record_features.h"
 #include "bench/prediction/record_operating_point.h"
 #include "bench/prediction/record_windows.h"
+#include "bench/records/record_data.h"
 #include "daq/arrays_file.h"
 #include "daq/data_file_error.h"
 #include "daq/record_error.h"
@@ -251,11 +251,10 @@ CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& path, const Fea
     if (!all.cycle.empty()) Keep(store, settings, motor_torque, all);
   }
   if (all.cycle.empty()) {
-    throw CampaignError(
-        ExitCode::kWrongInput,
-        fmt::format("{}: error: no complete cycle has a vibration record (expected measurement "
-                    "rotations with vibration_rate){}",
-                    path.string(), all.notes.empty() ? "" : "; " + all.notes.front()));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: no complete cycle has a vibration record (expected measurement "
+                                 "rotations with vibration_rate){}",
+                                 path.string(), all.notes.empty() ? "" : "; " + all.notes.front()));
   }
   return all;
 }

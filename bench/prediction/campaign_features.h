@@ -34,7 +34,7 @@ using FeatureProgress = std::function<void(std::size_t done, std::size_t all)>;
 /// settings, is not computed again. A cycle without a vibration record, or with other channels or another
 /// rate than the first one has, is left out with a note.
 /// @param motor_torque  the motor's torque of the rotation as a channel beside the vibration's.
-/// @throws CampaignError if the folder is no campaign or no cycle has vibration.
+/// @throws BenchError if the folder is no campaign or no cycle has vibration.
 CampaignFeatures FeaturesOfCampaign(const std::filesystem::path& folder, const FeatureSettings& settings,
                                     bool motor_torque, const FeatureProgress& progress);
 

@@ -5,10 +5,10 @@
 #include <fmt/ranges.h>
 
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/folder.h"
 #include "bench/campaign/journal.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/campaign_features.h"
 #include "bench/prediction/source_rows.h"
 

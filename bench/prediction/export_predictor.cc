@@ -6,13 +6,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/exported_predictor.h"
 #include "bench/prediction/model_card.h"
 #include "bench/prediction/onnx_model.h"
 #include "bench/prediction/onnx_network.h"
 #include "bench/prediction/sealed_json.h"
+#include "bench/utc.h"
 #include "daq/whole_file.h"
 
 namespace strainwave::bench {
@@ -108,7 +109,7 @@ ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem:
   const double golden_off = WorstDisagreement(network, GoldenVectors(predictor),
                                               WhatOutputsAre(predictor.recipe, PredictsOf(predictor)));
   if (worst.over_value > kExportAgreement || golden_off > kExportAgreement) {
-    throw CampaignError(
+    throw BenchError(
         ExitCode::kEndedBadly,
         fmt::format("{}: error: read back by OpenCV the network disagrees by {:.1e} of an output "
                     "(expected at most {:.0e}); nothing was written",

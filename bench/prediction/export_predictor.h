@@ -22,7 +22,7 @@ struct ExportSummary {
 
 /// Writes `model.onnx`, `recipe.json` (how a record becomes its features, with the SHA-256 of the model),
 /// `model_card.json` and `model_card.md`; reads the network back with OpenCV and compares.
-/// @throws CampaignError if the two disagree by more than a hundred-thousandth of the output; DataFileError.
+/// @throws BenchError if the two disagree by more than a hundred-thousandth of the output; DataFileError.
 ExportSummary ExportPredictor(const Predictor& predictor, const std::filesystem::path& folder);
 
 }  // namespace strainwave::bench

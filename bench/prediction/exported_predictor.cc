@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
-#include "bench/campaign/sha256.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/baseline_file.h"
 #include "bench/prediction/sealed_json.h"
+#include "bench/sha256.h"
 
 namespace strainwave::bench {
 namespace {
@@ -162,8 +162,8 @@ OnnxNetwork NetworkOf(const std::filesystem::path& folder, const std::string& on
   try {
     return {onnx, static_cast<Eigen::Index>(inputs), static_cast<Eigen::Index>(outputs), predicts};
   } catch (const std::invalid_argument& error) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("{}: error: {}", (folder / "model.onnx").string(), error.what()));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: {}", (folder / "model.onnx").string(), error.what()));
   }
 }
 

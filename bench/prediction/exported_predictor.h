@@ -57,7 +57,7 @@ struct PredictedOutputs {
 class ExportedPredictor {
  public:
   /// Reads the folder and tests it: hashes of all files, shapes, and the golden vectors through OpenCV.
-  /// @throws CampaignError naming the file, what is wrong with it and what was expected.
+  /// @throws BenchError naming the file, what is wrong with it and what was expected.
   explicit ExportedPredictor(const std::filesystem::path& folder);
 
   const FeatureRecipe& recipe() const { return parts_.recipe; }
@@ -65,7 +65,7 @@ class ExportedPredictor {
   bool classes() const { return parts_.predicts == OnnxNetwork::Predicts::kClasses; }
   double coverage() const { return parts_.coverage; }  // of the intervals
 
-  /// What the predictor's changes are added to. @throws CampaignError as `BaselineFor`; it must be called,
+  /// What the predictor's changes are added to. @throws BenchError as `BaselineFor`; it must be called,
   /// with an empty path where there is no file, before the first prediction of a predictor that takes a
   /// baseline.
   void UseBaseline(const std::filesystem::path& file);

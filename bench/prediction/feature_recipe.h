@@ -32,7 +32,7 @@ struct FeatureRecipe {
 
 /// The recipe as it stands in a predictor's folder and beside an exported network.
 nlohmann::ordered_json JsonOf(const FeatureRecipe& recipe);
-/// @throws CampaignError, naming `file` and the key.
+/// @throws BenchError, naming `file` and the key.
 FeatureRecipe RecipeFrom(const nlohmann::ordered_json& json, const std::filesystem::path& file);
 
 }  // namespace strainwave::bench

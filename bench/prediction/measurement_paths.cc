@@ -5,8 +5,8 @@
 #include <set>
 #include <string_view>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {

@@ -14,7 +14,7 @@ struct MeasurementPaths {
 
 /// Sorts what a user named: campaign folders; files; of any other folder the .csv, .h5 and .hdf5 files in it
 /// and below, by name.
-/// @throws CampaignError for a folder without either.
+/// @throws BenchError for a folder without either.
 MeasurementPaths SortPaths(const std::vector<std::filesystem::path>& paths);
 
 }  // namespace strainwave::bench

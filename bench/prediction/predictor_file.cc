@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/network_json.h"
 #include "daq/arrays_file.h"
 #include "daq/record_error.h"
@@ -203,7 +203,7 @@ Predictor ReadPredictor(const std::filesystem::path& folder) {
   } catch (const std::invalid_argument& error) {
     Refuse(description, fmt::format("cannot be used: {}", error.what()), "the file as it was written");
   } catch (const daq::RecordError& error) {
-    throw CampaignError(ExitCode::kWrongInput, error.what());
+    throw BenchError(ExitCode::kWrongInput, error.what());
   }
 }
 

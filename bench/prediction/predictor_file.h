@@ -23,7 +23,7 @@ struct Predictor {
 /// Writes the folder; each file appears whole. @throws DataFileError.
 void WritePredictor(const std::filesystem::path& folder, const Predictor& predictor);
 
-/// @throws CampaignError if a file is missing, changed since it was written, or does not fit the other.
+/// @throws BenchError if a file is missing, changed since it was written, or does not fit the other.
 Predictor ReadPredictor(const std::filesystem::path& folder);
 
 }  // namespace strainwave::bench

@@ -11,11 +11,11 @@ namespace strainwave::bench {
 /// Turns records into the inputs of a predictor. Keeps its memory from record to record; one object a thread.
 class RecipeInputs {
  public:
-  /// @throws CampaignError if an input is no feature of the recipe's channels.
+  /// @throws BenchError if an input is no feature of the recipe's channels.
   explicit RecipeInputs(const FeatureRecipe& recipe) : recipe_(recipe), inputs_(recipe) {}
 
   /// A row a window; one row where the recipe takes records whole.
-  /// @throws CampaignError naming the record and what of it is not as in training (signal_inputs.h), or that
+  /// @throws BenchError naming the record and what of it is not as in training (signal_inputs.h), or that
   ///   it tells no speed where windows are so many turns long.
   Eigen::MatrixXd OfWindows(const daq::Record& record);
 

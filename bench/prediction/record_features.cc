@@ -10,11 +10,11 @@
 #include <stdexcept>
 
 #include "analysis/units.h"
-#include "bench/diagnosis/record_data.h"
-#include "bench/diagnosis/vibration_channels.h"
 #include "bench/prediction/record_operating_point.h"
 #include "bench/records/look_at_samples.h"
+#include "bench/records/record_data.h"
 #include "bench/records/record_refusal.h"
+#include "bench/records/vibration_channels.h"
 #include "daq/read_records.h"
 
 namespace strainwave::bench {
@@ -104,8 +104,8 @@ std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path,
   }
   std::erase_if(records, [](const daq::Record& record) { return record.kind != "vibration"; });
   if (records.empty()) {
-    throw CampaignError(ExitCode::kWrongInput, fmt::format("{}: error: kind is {} (expected vibration)",
-                                                           path.string(), fmt::join(kinds, ", ")));
+    throw BenchError(ExitCode::kWrongInput, fmt::format("{}: error: kind is {} (expected vibration)",
+                                                        path.string(), fmt::join(kinds, ", ")));
   }
   return records;
 }

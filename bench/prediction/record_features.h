@@ -37,7 +37,7 @@ constexpr MotorTorque MotorTorqueAdded(bool added) {
 /// over, but that a measurement rotation beside the vibration tells its torque and temperature
 /// (record_operating_point.h), and the motor's torque where it is to be added. What of the columns is no
 /// channel (vibration_channels.h) stands in the notes.
-/// @throws RecordError; CampaignError if the file holds none.
+/// @throws RecordError; BenchError if the file holds none.
 std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path,
                                               MotorTorque motor_torque = MotorTorque::kAsRecorded);
 
@@ -47,16 +47,16 @@ std::optional<double> SteadyInputSpeedOf_rad_per_s(const daq::Record& record);
 
 /// One channel's samples.
 /// @param channel  its column; empty where the record has one channel alone.
-/// @throws CampaignError naming the channels that there are.
+/// @throws BenchError naming the channels that there are.
 std::vector<double> ChannelOf(const daq::Record& record, const std::string& channel);
 
 /// Samples a second, by the metadata `sample_rate_hz` or else by `time_s`.
-/// @throws CampaignError if there is neither, or the samples are not even in time.
+/// @throws BenchError if there is neither, or the samples are not even in time.
 double SampleRateOf_hz(const daq::Record& record);
 
 /// Of the record as a whole, `CHANNEL.aLEVEL.COLUMN` or `CHANNEL.orders.LOW_HIGH` (feature_settings.h).
 /// `features` keeps its memory between records.
-/// @throws CampaignError for energies by order if the record tells no speed of the input shaft, stands still,
+/// @throws BenchError for energies by order if the record tells no speed of the input shaft, stands still,
 ///   changes speed by more than a hundredth, holds less than four turns, or is not evenly sampled.
 RecordFeatures FeaturesOfRecord(const daq::Record& record, ChannelFeatures& features);
 

@@ -10,15 +10,15 @@
 #include <fmt/ranges.h>
 
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
-#include "bench/diagnosis/record_data.h"
-#include "bench/diagnosis/vibration_channels.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/record_features.h"
 #include "bench/prediction/record_labels.h"
 #include "bench/prediction/record_operating_point.h"
 #include "bench/prediction/source_rows.h"
+#include "bench/records/record_data.h"
 #include "bench/records/record_refusal.h"
+#include "bench/records/vibration_channels.h"
 
 namespace strainwave::bench {
 namespace {
@@ -199,7 +199,7 @@ class RowTaker {
     }
     try {
       TakeWindows(record, rows);
-    } catch (const CampaignError& error) {
+    } catch (const BenchError& error) {
       rows.notes.emplace_back(std::string(error.what()) + "; left out");
     }
   }

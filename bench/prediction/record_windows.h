@@ -20,17 +20,17 @@ struct RecordSignals {
   std::size_t rows() const { return channels.empty() ? 0 : channels.front().size(); }
 };
 
-/// @throws CampaignError naming the record if a channel is missing, or the rate is another one (by more than
+/// @throws BenchError naming the record if a channel is missing, or the rate is another one (by more than
 /// a hundredth).
 RecordSignals SignalsOf(const daq::Record& record, const SignalSettings& settings);
 
 /// Refuses a channel that is one value throughout, or stays at its highest or lowest value: a sensor that is
-/// not connected, or at its end. @throws CampaignError.
+/// not connected, or at its end. @throws BenchError.
 void RequireAlive(const daq::Record& record, const RecordSignals& signals,
                   const std::vector<std::string>& channels);
 
 /// The features of one window, channel by channel.
-/// @throws CampaignError naming the record if they cannot be computed.
+/// @throws BenchError naming the record if they cannot be computed.
 std::vector<double> FeaturesOfWindow(const daq::Record& record, const RecordSignals& signals,
                                      const Window& window, ChannelFeatures& features);
 

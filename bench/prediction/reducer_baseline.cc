@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/measurement_paths.h"
 #include "bench/prediction/record_features.h"
 #include "bench/prediction/source_rows.h"
@@ -39,8 +39,8 @@ std::vector<SourceRows> RowsOf(const MeasurementPaths& paths, const FeatureRecip
 ReducerBaseline ReadReducerBaseline(const std::vector<std::filesystem::path>& paths,
                                     const FeatureRecipe& recipe, const std::vector<std::string>& outputs) {
   if (recipe.baseline_records == 0) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        "error: the predictor takes no baseline (expected one trained with --baseline)");
+    throw BenchError(ExitCode::kWrongInput,
+                     "error: the predictor takes no baseline (expected one trained with --baseline)");
   }
   ReducerBaseline baseline{
       .specimen = {}, .records = recipe.baseline_records, .recipe = recipe, .outputs = outputs, .means = {}};

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
-#include "bench/campaign/sha256.h"
+#include "bench/errors/bench_error.h"
+#include "bench/sha256.h"
 
 namespace strainwave::bench {
 

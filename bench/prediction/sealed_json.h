@@ -12,11 +12,11 @@ namespace strainwave::bench {
 
 void Seal(nlohmann::ordered_json& json);
 
-/// @throws CampaignError if the file has changed since it was sealed; nlohmann's exception if it has no seal.
+/// @throws BenchError if the file has changed since it was sealed; nlohmann's exception if it has no seal.
 void RequireSeal(const std::filesystem::path& file, nlohmann::ordered_json json);
 
 /// The bytes of a file.
-/// @throws CampaignError if it cannot be read, naming what was expected, or has more than 1 GiB.
+/// @throws BenchError if it cannot be read, naming what was expected, or has more than 1 GiB.
 std::string ReadBounded(const std::filesystem::path& file, const std::string& expected);
 
 }  // namespace strainwave::bench

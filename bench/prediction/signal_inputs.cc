@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/features/decimation.h"
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {
@@ -25,7 +25,7 @@ SignalInputs::SignalInputs(const FeatureRecipe& recipe)
   for (const std::string& input : recipe_.inputs) {
     const auto found = std::ranges::find(names, input);
     if (found == names.end()) {
-      throw CampaignError(
+      throw BenchError(
           ExitCode::kWrongInput,
           fmt::format("error: the predictor's input '{}' is no feature of its recipe (expected one of "
                       "the channels {})",

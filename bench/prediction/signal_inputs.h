@@ -17,7 +17,7 @@ namespace strainwave::bench {
 /// Turns signals into the inputs of a predictor. Keeps its memory from call to call; one object a thread.
 class SignalInputs {
  public:
-  /// @throws CampaignError if an input is no feature of the recipe's channels.
+  /// @throws BenchError if an input is no feature of the recipe's channels.
   explicit SignalInputs(const FeatureRecipe& recipe);
 
   /// @param signals  in any order; those that the recipe does not name are not looked at.

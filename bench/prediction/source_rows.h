@@ -58,10 +58,10 @@ struct SourceRows {
 /// Told how many of how many are done.
 using SourceProgress = std::function<void(std::size_t done, std::size_t all)>;
 
-/// The results of the predicted quantities that a campaign has. @throws CampaignError.
+/// The results of the predicted quantities that a campaign has. @throws BenchError.
 std::vector<std::string> CampaignOutputs(const std::filesystem::path& folder);
 
-/// A row a cycle. @throws CampaignError as `FeaturesOfCampaign`.
+/// A row a cycle. @throws BenchError as `FeaturesOfCampaign`.
 SourceRows ReadCampaignRows(const std::filesystem::path& folder, const SourceSettings& settings,
                             const std::vector<std::string>& outputs, const SourceProgress& progress);
 
@@ -77,7 +77,7 @@ struct RecordFiles {
 /// Looks at all records: outputs, channels, rate, and how to cut them. Records are cut where there are fewer
 /// than 200: into so many windows that there are about 400 in all, none shorter than 2048 samples or eight
 /// turns of the input shaft, in whole turns where every record tells a steady speed.
-/// @throws CampaignError if no record has a label, or rates or channels differ, naming the record.
+/// @throws BenchError if no record has a label, or rates or channels differ, naming the record.
 RecordFiles SurveyRecords(const std::vector<std::filesystem::path>& files, const SourceSettings& settings);
 
 /// A row a window. Records that lack a label, are too short or whose sensors

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "analysis/prediction/baseline.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/on_all_processors.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/training_json.h"
 
 namespace strainwave::bench {
@@ -43,13 +43,13 @@ prediction::EnsembleSettings SettingsOf(const TrainingJob& job, const prediction
       settings.design = networks::DesignOf(job.design, inputs, outputs);
     } catch (const std::invalid_argument& error) {
       if (job.design == "ann" || job.design == "cnn") {
-        throw CampaignError(
+        throw BenchError(
             ExitCode::kWrongInput,
             fmt::format("error: the design {} does not fit {} inputs: {} (expected more of them, "
                         "or --design small)",
                         job.design, inputs, error.what()));
       }
-      throw CampaignError(
+      throw BenchError(
           ExitCode::kWrongInput,
           fmt::format("error: there is no design '{}' (expected small, ann or cnn)", job.design));
     }
@@ -98,8 +98,8 @@ prediction::Samples ChangesOf(const TrainingData& data, int baseline_records) {
     throw std::invalid_argument(
         fmt::format("{} records remain (expected at least {})", changes.size(), kFewestRows));
   } catch (const std::invalid_argument& error) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        fmt::format("error: baseline of {} records: {}", baseline_records, error.what()));
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("error: baseline of {} records: {}", baseline_records, error.what()));
   }
 }
 

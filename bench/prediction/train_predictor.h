@@ -89,7 +89,7 @@ using TrainingProgressSink = std::function<bool(const std::string& step, double 
 /// Filters the features, searches a design if asked to, compares the network with what it has to beat on
 /// honest splits and on a random one, fits the predictor on everything, and measures what its inputs are
 /// worth.
-/// @throws CampaignError for a design without that name, or too few records beside a baseline;
+/// @throws BenchError for a design without that name, or too few records beside a baseline;
 /// prediction::TrainingEnded when progress ended it.
 TrainingOutcome TrainPredictor(const TrainingData& data, const TrainingJob& job,
                                const TrainingProgressSink& progress);

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/measurement_paths.h"
 
 namespace strainwave::bench {
@@ -163,8 +163,8 @@ TrainingData ReadTrainingData(const std::vector<fs::path>& paths, const SourceSe
                               const std::function<void(const std::string&, double)>& progress) {
   if (settings.outputs.size() > 1 &&
       std::ranges::find(settings.outputs, kClassLabel) != settings.outputs.end()) {
-    throw CampaignError(ExitCode::kWrongInput,
-                        "error: class and quantities in one predictor (expected class alone, or without it)");
+    throw BenchError(ExitCode::kWrongInput,
+                     "error: class and quantities in one predictor (expected class alone, or without it)");
   }
   const MeasurementPaths sorted = SortPaths(paths);
   TrainingData data;

@@ -7,8 +7,8 @@
 #include "analysis/noise_level.h"
 #include "analysis/samples/running.h"
 #include "analysis/units.h"
-#include "bench/diagnosis/record_data.h"
 #include "bench/records/looks.h"
+#include "bench/records/record_data.h"
 #include "daq/record_rules.h"
 
 namespace strainwave::bench {

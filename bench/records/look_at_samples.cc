@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "bench/diagnosis/vibration_channels.h"
 #include "bench/records/looks.h"
 #include "bench/records/sweep_checks.h"
+#include "bench/records/vibration_channels.h"
 
 namespace strainwave::bench {
 

@@ -21,7 +21,7 @@ namespace strainwave::bench {
 /// Told only: a torque beyond its sensor's range, steps of a loop's angle or torque that are coarse, an axis
 /// that gives back work, a sweep that stands still for long (it counts by angle), stamps that repeat or
 /// jitter.
-/// @throws CampaignError, `FILE:LINE: error: WHAT (what was expected)`, for what cannot be put right: a rate
+/// @throws BenchError, `FILE:LINE: error: WHAT (what was expected)`, for what cannot be put right: a rate
 ///   that contradicts the time, steps of an angle too large to tell which way it went, hardly anything left,
 ///   and what `sweep_checks.h` refuses.
 void LookAtSamples(daq::Record& record);

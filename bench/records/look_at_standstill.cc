@@ -14,8 +14,8 @@
 #include "analysis/noise_level.h"
 #include "analysis/samples/arrivals.h"
 #include "analysis/samples/holds.h"
-#include "bench/diagnosis/record_data.h"
 #include "bench/records/looks.h"
+#include "bench/records/record_data.h"
 #include "bench/records/record_refusal.h"
 #include "daq/record_rules.h"
 

@@ -6,7 +6,7 @@
 namespace strainwave::bench {
 namespace {
 
-CampaignError RefusalAt(const daq::Record& record, const std::string& place, const std::string& what) {
+BenchError RefusalAt(const daq::Record& record, const std::string& place, const std::string& what) {
   const std::string& group = record.source.group;
   return {ExitCode::kWrongInput, fmt::format("{}{}: error: {}{}", record.source.file, place,
                                              group.empty() ? "" : fmt::format("group '{}': ", group), what)};
@@ -14,11 +14,11 @@ CampaignError RefusalAt(const daq::Record& record, const std::string& place, con
 
 }  // namespace
 
-CampaignError RecordRefusal(const daq::Record& record, const std::string& what) {
+BenchError RecordRefusal(const daq::Record& record, const std::string& what) {
   return RefusalAt(record, "", what);
 }
 
-CampaignError RowRefusal(const daq::Record& record, std::size_t row, const std::string& what) {
+BenchError RowRefusal(const daq::Record& record, std::size_t row, const std::string& what) {
   const int first = record.source.first_data_line;
   return RefusalAt(record, first > 0 ? fmt::format(":{}", first + static_cast<int>(row)) : "", what);
 }

@@ -7,7 +7,7 @@ namespace strainwave::bench {
 
 /// What makes a valid record of kind transmission_error unfit, or doubtful: a ratio or a unit that the angles
 /// contradict, directions that contradict them. Doubts become notes of the record.
-/// @throws CampaignError with `FILE: error: WHAT (what was expected)`.
+/// @throws BenchError with `FILE: error: WHAT (what was expected)`.
 void CheckSweep(daq::Record& record);
 
 }  // namespace strainwave::bench

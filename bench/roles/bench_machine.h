@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/controller/phase_program.h"
+#include "bench/roles/bench_devices.h"
 #include "bench/roles/channel_calibration.h"
 #include "bench/roles/sample_sources.h"
 

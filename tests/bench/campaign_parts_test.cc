@@ -8,13 +8,14 @@
 #include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/check_results.h"
 #include "bench/campaign/check_trends.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/cycle_steps.h"
 #include "bench/campaign/record_results.h"
 #include "bench/campaign/time_to_go.h"
+#include "bench/errors/bench_error.h"
+#include "bench/utc.h"
 #include "daq/acquisition/running_statistics.h"
 
 namespace strainwave::bench::campaign_parts_test {
@@ -296,7 +297,7 @@ TEST(Calibrations, HoldOnTheirLastDayAndBlockTheStartAfterIt) {
   try {
     RefuseToStart(troubles, bench);
     ADD_FAILURE() << "an expired calibration has not blocked the start";
-  } catch (const CampaignError& error) {
+  } catch (const BenchError& error) {
     EXPECT_EQ(error.exit_code(), ExitCode::kWrongInput);
     EXPECT_EQ(
         std::string(error.what()),

@@ -16,10 +16,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
-#include "bench/campaign/sha256.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/export_predictor.h"
 #include "bench/prediction/signal_inputs.h"
+#include "bench/sha256.h"
 
 namespace strainwave::bench {
 
@@ -59,7 +59,7 @@ inline void RewriteSealed(const std::filesystem::path& path,
 inline std::string RefusalWithin(const std::filesystem::path& folder, const std::function<void()>& action) {
   try {
     action();
-  } catch (const CampaignError& error) {
+  } catch (const BenchError& error) {
     EXPECT_EQ(error.exit_code(), ExitCode::kWrongInput);
     std::string text = error.what();
     const std::string prefix = folder.string() + "/";

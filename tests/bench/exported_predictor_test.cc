@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
-#include "bench/campaign/sha256.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/onnx_model.h"
+#include "bench/sha256.h"
 #include "tests/bench/exported_helpers.h"
 
 namespace strainwave::bench::exported_predictor_test {

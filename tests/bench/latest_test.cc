@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/devices/latest.h"
+#include "bench/realtime/latest.h"
 
 #include <gtest/gtest.h>
 

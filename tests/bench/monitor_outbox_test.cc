@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
 #include "tests/daq/scratch_folder.h"
 
 namespace strainwave::bench::monitor_outbox_test {
@@ -189,20 +189,20 @@ TEST_F(OutboxOnDisk, IsForOneMonitorAtATimeAndNoOtherFile) {
   {
     Outbox outbox = Open();
     outbox.Push(Entry(1), true);
-    EXPECT_EQ(daq::MessageOf<CampaignError>([&] { OutboxStore{file_}; }),
+    EXPECT_EQ(daq::MessageOf<BenchError>([&] { OutboxStore{file_}; }),
               file_.string() + ": error: another monitor has it open (expected an outbox_file of its own)");
   }
   daq::WriteBytes(folder_ / "text", std::string(4096, 'x'));
-  EXPECT_EQ(daq::MessageOf<CampaignError>([&] { OutboxStore{folder_ / "text"}; }),
+  EXPECT_EQ(daq::MessageOf<BenchError>([&] { OutboxStore{folder_ / "text"}; }),
             (folder_ / "text").string() +
                 ": error: this is no outbox (expected a file that a monitor made, or none)");
   Database(folder_ / "other", Database::Mode::kCreate).Execute("CREATE TABLE a(b)");
   EXPECT_EQ(
-      daq::MessageOf<CampaignError>([&] { OutboxStore{folder_ / "other"}; }),
+      daq::MessageOf<BenchError>([&] { OutboxStore{folder_ / "other"}; }),
       (folder_ / "other").string() +
           ": error: this is a database of something else (expected an outbox of this version, or no file)");
   Database(file_, Database::Mode::kReadWrite).Execute("UPDATE entries SET metrics = x'0aff'");
-  EXPECT_EQ(daq::MessageOf<CampaignError>([&] { Open(); }),
+  EXPECT_EQ(daq::MessageOf<BenchError>([&] { Open(); }),
             file_.string() +
                 ": error: entry 1 cannot be read (expected an outbox as a monitor left it; move the file "
                 "away to begin a new one)");

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/recompute.h"
-#include "bench/campaign/sha256.h"
+#include "bench/errors/bench_error.h"
+#include "bench/sha256.h"
 #include "daq/cycle_file.h"
 
 namespace strainwave::bench::open_campaign_test {

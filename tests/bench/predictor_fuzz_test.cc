@@ -14,8 +14,8 @@
 #include <onnx/onnx_pb.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/campaign/folder.h"
+#include "bench/errors/bench_error.h"
 #include "bench/prediction/onnx_model.h"
 #include "bench/prediction/onnx_network.h"
 #include "bench/prediction/predictor_file.h"
@@ -179,7 +179,7 @@ class PredictorFolder : public testing::Test {
       const Predictor predictor = ReadPredictor(folder_);
       RecipeInputs inputs(predictor.recipe);
       predictor.fitted.Predict(Eigen::MatrixXd::Ones(2, predictor.fitted.ensemble.network.input_size()));
-    } catch (const CampaignError& error) {
+    } catch (const BenchError& error) {
       return error.what();
     }
     return "accepted";

@@ -14,7 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "bench/campaign/campaign.h"
-#include "bench/campaign/campaign_error.h"
+#include "bench/errors/bench_error.h"
+#include "bench/utc.h"
 #include "daq/checkpoint_file.h"
 
 namespace strainwave::bench::resume_test {
@@ -48,7 +49,7 @@ class CutCampaign : public testing::Test {
   std::string Refusal(const std::function<void()>& asked) const {
     try {
       asked();
-    } catch (const CampaignError& error) {
+    } catch (const BenchError& error) {
       return std::string(error.what()).substr(folder_.root.string().size());
     }
     return "none";
@@ -154,7 +155,7 @@ TEST_F(CutCampaign, IsNotResumedAfterAPauseThatIsNotKnownUnlessAccepted) {
   try {
     Resume(false);
     FAIL() << "resumed";
-  } catch (const CampaignError& error) {
+  } catch (const BenchError& error) {
     const std::string text = std::regex_replace(error.what(), std::regex("says -[0-9.]+ s"), "says -N s");
     EXPECT_EQ(text,
               folder_.root.string() +
@@ -227,7 +228,7 @@ TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
   try {
     Resume();
     FAIL() << "resumed";
-  } catch (const CampaignError& error) {
+  } catch (const BenchError& error) {
     EXPECT_EQ(error.what(), folder_.Checkpoint().string() +
                                 ": error: the checkpoint is missing or damaged (expected the file that the "
                                 "campaign has written)");

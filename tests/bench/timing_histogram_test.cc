@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/controller/timing_histogram.h"
+#include "bench/realtime/timing_histogram.h"
 
 #include <algorithm>
 #include <cmath>

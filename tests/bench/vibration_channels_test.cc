@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/diagnosis/vibration_channels.h"
+#include "bench/records/vibration_channels.h"
 
 #include <cmath>
 #include <functional>

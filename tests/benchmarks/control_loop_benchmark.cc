@@ -14,12 +14,12 @@
 
 #include <fmt/core.h>
 
-#include "bench/controller/realtime.h"
-#include "bench/controller/timing_histogram.h"
 #include "bench/devices/can/socket_can_bus.h"
 #include "bench/devices/canopen/drive_bus_thread.h"
-#include "bench/devices/device_side/drive_on_bus.h"
 #include "bench/devices/monotonic_clock.h"
+#include "bench/machines/device_side/drive_on_bus.h"
+#include "bench/realtime/realtime.h"
+#include "bench/realtime/timing_histogram.h"
 #include "tests/bench/canopen/in_process_drives.h"
 
 namespace strainwave::bench {

@@ -7,6 +7,7 @@
 #include <regex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -25,6 +26,49 @@ bool IsDeviceCode(std::string_view path) {
   return path.starts_with("bench/devices/") || path.starts_with("bench/roles/");
 }
 
+// The rooms of bench from the lowest layer to the highest; each knows those before it, and none of its own
+// layer but itself.
+const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"},
+                                                         {"realtime"},
+                                                         {"roles"},
+                                                         {"devices"},
+                                                         {"configuration", "controller"},
+                                                         {"machines"},
+                                                         {"campaign"},
+                                                         {"records"},
+                                                         {"diagnosis"},
+                                                         {"prediction"},
+                                                         {"monitor"},
+                                                         {"predictor_api"},
+                                                         {"commands"}};
+
+// "devices" of "bench/devices/can/wire_bits.h"; empty for a file of bench itself.
+std::string_view RoomOf(std::string_view path) {
+  constexpr std::string_view kBench = "bench/";
+  path.remove_prefix(kBench.size());
+  const std::size_t end = path.find('/');
+  return end == path.npos ? std::string_view() : path.substr(0, end);
+}
+
+// Of a room; none where the picture has no such room.
+std::optional<std::size_t> LayerOf(std::string_view room) {
+  for (std::size_t layer = 0; layer < kLayers.size(); ++layer) {
+    if (std::count(kLayers[layer].begin(), kLayers[layer].end(), room) != 0) return layer;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> BrokenLayer(std::string_view path, std::string_view target) {
+  const std::string_view from = RoomOf(path);
+  const std::string_view to = RoomOf(target);
+  if (from == to) return std::nullopt;
+  const std::optional<std::size_t> own = LayerOf(from);
+  const std::optional<std::size_t> known = LayerOf(to);
+  if (own && known && *known < *own) return std::nullopt;
+  return "bench/" + std::string(from) + " does not include bench/" + std::string(to) +
+         ", which lies above or beside it";
+}
+
 // The rule that `path` breaks by including "target", or nothing.
 std::optional<std::string> BrokenRule(std::string_view path, std::string_view target) {
   const std::string from = FolderOf(path);
@@ -34,6 +78,9 @@ std::optional<std::string> BrokenRule(std::string_view path, std::string_view ta
   }
   if (to != from && std::count(std::begin(kTopFolders), std::end(kTopFolders), to) == 0) {
     return "includes start at the root of the checkout";
+  }
+  if (from == "bench" && to == "bench") {
+    return BrokenLayer(path, target);
   }
   if (to == from || target == "analysis/units.h") {
     return std::nullopt;
@@ -91,6 +138,9 @@ TEST(IncludeGraph, AllowsWhatThePictureShows) {
   EXPECT_EQ(BrokenRule("analysis/transmission_error.cc", "analysis/model/spring.h"), std::nullopt);
   EXPECT_EQ(BrokenRule("bench/controller/cycle.cc", "schedules/reader/schedule.h"), std::nullopt);
   EXPECT_EQ(BrokenRule("bench/devices/simulated/plant.cc", "analysis/model/spring.h"), std::nullopt);
+  EXPECT_EQ(BrokenRule("bench/controller/motion.h", "bench/roles/sampler.h"), std::nullopt);
+  EXPECT_EQ(BrokenRule("bench/controller/motion.h", "bench/text.h"), std::nullopt);
+  EXPECT_EQ(BrokenRule("bench/devices/can/wire_bits.cc", "bench/devices/wake.h"), std::nullopt);
   EXPECT_EQ(BrokenRule("tests/daq/record_test.cc", "daq/record.h"), std::nullopt);
 }
 
@@ -106,6 +156,12 @@ TEST(IncludeGraph, NamesTheRuleThatAnEdgeBreaks) {
   EXPECT_EQ(BrokenRule("bench/devices/simulated/plant.cc", "schedules/reader/schedule.h"),
             "no device code knows what a schedule is");
   EXPECT_EQ(BrokenRule("bench/plots/script.cc", "tests/pch.h"), "bench does not include tests");
+  EXPECT_EQ(BrokenRule("bench/roles/sampler.h", "bench/controller/motion.h"),
+            "bench/roles does not include bench/controller, which lies above or beside it");
+  EXPECT_EQ(BrokenRule("bench/configuration/read_teds.h", "bench/controller/motion.h"),
+            "bench/configuration does not include bench/controller, which lies above or beside it");
+  EXPECT_EQ(BrokenRule("bench/text.h", "bench/attic/any.h"),
+            "bench/ does not include bench/attic, which lies above or beside it");
   EXPECT_EQ(BrokenRule("analysis/units.h", "analysis/angles.h"),
             "analysis/units.h includes standard headers only");
   EXPECT_EQ(BrokenRule("bench/plots/script.cc", "script.h"), "includes start at the root of the checkout");

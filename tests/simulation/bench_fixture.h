@@ -7,7 +7,7 @@
 
 #include "analysis/units.h"
 #include "bench/controller/phase_runner.h"
-#include "bench/devices/simulated_machine.h"
+#include "bench/machines/simulated_machine.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {

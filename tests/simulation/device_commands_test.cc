@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "bench/configuration/read_bench_file.h"
-#include "bench/devices/device_side/device_side.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/machines/device_side/device_side.h"
+#include "bench/machines/field/field_machine.h"
 
 namespace strainwave::bench::device_commands_test {
 namespace {

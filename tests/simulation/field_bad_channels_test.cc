@@ -10,7 +10,7 @@
 
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_runner.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/machines/field/field_machine.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"
 #include "tests/simulation/until.h"

@@ -14,7 +14,7 @@
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/recompute.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/machines/field/field_machine.h"
 #include "daq/acquisition/stream_file_reader.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"

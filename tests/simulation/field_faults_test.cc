@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_drive_profile.h"
 #include "bench/configuration/read_register_map.h"
 #include "bench/controller/make_program.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/field/field_machine.h"
 #include "tests/simulation/bench_fixture.h"
 #include "tests/simulation/device_faults.h"
 
@@ -252,7 +252,7 @@ TEST_P(RefusedObject, IsMetWhenTheDriveIsSetUpAnew) {
   try {
     machine.MeasureStopTime(RadPerSFromRpm(300.0), TestSettings().limits, request);
     ADD_FAILURE() << "the drive was set up again";
-  } catch (const CampaignError& error) {
+  } catch (const BenchError& error) {
     EXPECT_NE(std::string(error.what()).find("1017"), std::string::npos) << error.what();
     PrintCell({Faults().size(), GetParam()}, "SDO access is refused", "– | –", error.what());
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A bench of metal, whose metal is the device side within the program: real protocols, real time.
-#include "bench/devices/field/field_machine.h"
+#include "bench/machines/field/field_machine.h"
 
 #include <unistd.h>
 
@@ -14,12 +14,12 @@
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
-#include "bench/campaign/campaign_error.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/controller/make_program.h"
 #include "bench/devices/can/in_process_can_bus.h"
-#include "bench/devices/device_side/device_side.h"
-#include "bench/devices/plant_model_of.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/device_side/device_side.h"
+#include "bench/machines/plant_model_of.h"
 #include "protocols/candump.h"
 #include "tests/daq/acquisition/emulated_iiod.h"
 #include "tests/schedules/schedule_text.h"
@@ -162,7 +162,7 @@ std::string MessageOf(std::string_view from, std::string_view to) {
     const FieldMachine machine(ParseBenchFile(schedules::With(BenchText(), from, to), "real.yaml", Folder()),
                                80.0, {});
     return "";
-  } catch (const CampaignError& error) {
+  } catch (const BenchError& error) {
     return error.what();
   }
 }

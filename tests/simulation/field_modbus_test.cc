@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "bench/campaign/campaign_error.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/configuration/read_register_map.h"
-#include "bench/devices/device_side/modbus_device.h"
-#include "bench/devices/device_side/modbus_servo_model.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/errors/bench_error.h"
+#include "bench/machines/device_side/modbus_device.h"
+#include "bench/machines/device_side/modbus_servo_model.h"
+#include "bench/machines/field/field_machine.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/field_bench.h"
 #include "tests/simulation/until.h"
@@ -95,7 +95,7 @@ TEST(FieldMachine, RefusesAChannelThatADeviceOfOneRoleHasNot) {
   try {
     const FieldMachine machine(bench, 80.0, {});
     FAIL();
-  } catch (const CampaignError& error) {
+  } catch (const BenchError& error) {
     EXPECT_STREQ(error.what(),
                  "real.yaml: error: line 52: device amplifier has no channel force_Nm (must be torque_Nm)");
   }
@@ -157,7 +157,7 @@ class ModbusDrives : public testing::Test {
     try {
       const FieldMachine machine(ParseBenchFile(text, "real.yaml", Folder()), 80.0, {}, use);
       return "";
-    } catch (const CampaignError& error) {
+    } catch (const BenchError& error) {
       return error.what();
     }
   }

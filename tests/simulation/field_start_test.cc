@@ -19,7 +19,7 @@
 #include "bench/campaign/runner_settings.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/controller/standstill_programs.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/machines/field/field_machine.h"
 #include "tests/simulation/modbus_bench.h"
 #include "tests/simulation/until.h"
 

@@ -14,8 +14,8 @@
 #include "bench/campaign/runner_settings.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/controller/sweep_program.h"
-#include "bench/devices/device_side/device_side.h"
-#include "bench/devices/field/field_machine.h"
+#include "bench/machines/device_side/device_side.h"
+#include "bench/machines/field/field_machine.h"
 #include "tests/simulation/bench_fixture.h"
 #include "tests/simulation/until.h"
 

@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 
 #include "bench/configuration/read_register_map.h"
-#include "bench/devices/device_side/modbus_device.h"
-#include "bench/devices/device_side/modbus_servo_model.h"
-#include "bench/devices/device_side/stream_server.h"
 #include "bench/devices/monotonic_clock.h"
+#include "bench/machines/device_side/modbus_device.h"
+#include "bench/machines/device_side/modbus_servo_model.h"
+#include "bench/machines/device_side/stream_server.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"
 

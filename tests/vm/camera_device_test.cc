@@ -9,7 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "bench/devices/camera/camera.h"
-#include "bench/devices/listing/find_devices.h"
+#include "bench/machines/listing/find_devices.h"
 #include "tests/bench/real_time.h"
 #include "tests/daq/scratch_folder.h"
 

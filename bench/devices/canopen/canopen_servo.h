@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
-#include "bench/devices/latest.h"
 #include "bench/devices/wake.h"
+#include "bench/realtime/latest.h"
 #include "bench/roles/bench_clock.h"
 #include "bench/roles/servo_drive.h"
 #include "protocols/canopen/drive_master.h"

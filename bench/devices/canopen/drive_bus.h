@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "bench/controller/timing_histogram.h"
 #include "bench/devices/canopen/canopen_servo.h"
-#include "bench/devices/latest.h"
+#include "bench/realtime/latest.h"
+#include "bench/realtime/timing_histogram.h"
 #include "bench/roles/bench_clock.h"
 #include "bench/roles/can_bus.h"
 #include "protocols/canopen/heartbeat.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/controller/realtime.h"
+#include "bench/realtime/realtime.h"
 
 namespace strainwave::bench {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <thread>
 
-#include "bench/controller/timing_histogram.h"
 #include "bench/devices/canopen/drive_bus.h"
 #include "bench/devices/wake.h"
+#include "bench/realtime/timing_histogram.h"
 #include "bench/roles/bench_clock.h"
 
 namespace strainwave::bench {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/devices/hid/hid_device.h"
-#include "bench/devices/latest.h"
+#include "bench/realtime/latest.h"
 #include "bench/roles/channel_value.h"
 #include "protocols/hid_report.h"
 

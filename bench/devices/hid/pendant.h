@@ -6,7 +6,7 @@
 
 #include "bench/devices/hid/hid_device.h"
 #include "bench/devices/hid/pendant_state.h"
-#include "bench/devices/latest.h"
+#include "bench/realtime/latest.h"
 #include "protocols/hid_report.h"
 
 namespace strainwave::bench {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/devices/hid/hid_device.h"
-#include "bench/devices/latest.h"
+#include "bench/realtime/latest.h"
 #include "protocols/hid_report.h"
 
 namespace strainwave::bench {

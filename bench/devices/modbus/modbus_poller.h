@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/devices/latest.h"
 #include "bench/devices/modbus/modbus_link.h"
+#include "bench/realtime/latest.h"
 #include "bench/roles/bench_clock.h"
 #include "bench/roles/channel_value.h"
 #include "protocols/modbus/register_map.h"

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "bench/devices/latest.h"
 #include "bench/devices/modbus/modbus_client.h"
 #include "bench/devices/modbus/modbus_servo_profile.h"
+#include "bench/realtime/latest.h"
 #include "bench/roles/servo_drive.h"
 
 namespace strainwave::bench {

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "bench/devices/can/socket_can_bus.h"
-#include "bench/devices/device_side/drive_on_bus.h"
+#include "bench/machines/device_side/drive_on_bus.h"
 
 namespace strainwave::bench {
 namespace {

@@ -2,7 +2,7 @@
 // What is done on a bus besides driving: looking who is there, and measuring how drives stop by themselves.
 #include <gtest/gtest.h>
 
-#include "bench/devices/canopen/measure_stop_time.h"
+#include "bench/controller/measure_stop_time.h"
 #include "bench/devices/canopen/scan_nodes.h"
 #include "protocols/canopen/wire_bytes.h"
 #include "tests/bench/canopen/in_process_drives.h"

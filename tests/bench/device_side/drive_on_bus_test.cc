@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our own drive on the in-process bus, moving the simulated bench; its master is written by hand.
-#include "bench/devices/device_side/drive_on_bus.h"
+#include "bench/machines/device_side/drive_on_bus.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 
 #include "bench/devices/can/in_process_can_bus.h"
-#include "bench/devices/device_side/servo_physics.h"
 #include "bench/devices/simulated/simulated_bench.h"
+#include "bench/machines/device_side/servo_physics.h"
 #include "tests/protocols/canopen/drive_node_fixture.h"
 
 namespace strainwave::bench::drive_on_bus_test {

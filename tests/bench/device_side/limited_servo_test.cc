@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/devices/device_side/limited_servo.h"
+#include "bench/machines/device_side/limited_servo.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "bench/devices/device_side/served_load.h"
+#include "bench/machines/device_side/served_load.h"
 #include "tests/bench/device_side/noting_servo.h"
 
 namespace strainwave::bench::limited_servo_test {

@@ -7,7 +7,7 @@
 #include <new>
 
 #include "bench/devices/can/in_process_can_bus.h"
-#include "bench/devices/device_side/drive_on_bus.h"
+#include "bench/machines/device_side/drive_on_bus.h"
 #include "tests/protocols/canopen/drive_node_fixture.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/devices/device_side/servo_physics.h"
+#include "bench/machines/device_side/servo_physics.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "bench/configuration/read_register_map.h"
-#include "bench/devices/device_side/modbus_device.h"
+#include "bench/machines/device_side/modbus_device.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 
 namespace strainwave::bench::modbus_channels_test {

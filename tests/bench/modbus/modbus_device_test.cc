@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The device side, asked by pymodbus's client and by ours.
-#include "bench/devices/device_side/modbus_device.h"
+#include "bench/machines/device_side/modbus_device.h"
 
 #include <gtest/gtest.h>
 
-#include "bench/devices/listing/find_devices.h"
 #include "bench/devices/modbus/modbus_address.h"
 #include "bench/devices/modbus/modbus_link.h"
+#include "bench/machines/listing/find_devices.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 
 namespace strainwave::bench::modbus_device_test {

@@ -6,7 +6,7 @@
 #include <array>
 #include <atomic>
 
-#include "bench/devices/device_side/modbus_device.h"
+#include "bench/machines/device_side/modbus_device.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 #include "tests/bench/test_clock.h"
 

@@ -7,10 +7,10 @@
 
 #include "analysis/units.h"
 #include "bench/configuration/read_register_map.h"
-#include "bench/devices/device_side/modbus_device.h"
-#include "bench/devices/device_side/modbus_servo_model.h"
 #include "bench/devices/modbus/modbus_servo_drive.h"
 #include "bench/devices/modbus/modbus_watchdog_proof.h"
+#include "bench/machines/device_side/modbus_device.h"
+#include "bench/machines/device_side/modbus_servo_model.h"
 #include "tests/bench/modbus/modbus_helpers.h"
 
 namespace strainwave::bench {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inside of the device side's drive on Modbus, with a motor.
-#include "bench/devices/device_side/modbus_servo_model.h"
+#include "bench/machines/device_side/modbus_servo_model.h"
 
 #include <gtest/gtest.h>
 
