@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hostile predictors: whatever a file holds, it is refused in words or it can be used; nothing ends the
-// program. Longer: STRAINWAVE_FUZZ_ROUNDS=200000 build/tests/predictor_fuzz_test
+// program. Longer: STRAINWAVE_FUZZ_ROUNDS=200000 ctest --preset release -R predictor_fuzz_test
 #include <unistd.h>
 
 #include <cstdlib>

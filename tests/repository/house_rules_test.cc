@@ -123,13 +123,6 @@ TEST(HouseRules, NothingIsLeftForLater) {
   }
 }
 
-TEST(HouseRules, EveryTopFolderSaysWhatBelongsThere) {
-  for (const std::string_view folder : kTopFolders) {
-    const std::string path = std::string(folder) + "/README.md";
-    EXPECT_TRUE(fs::exists(fs::path(STRAINWAVE_SOURCE_DIR) / path)) << path << " is missing";
-  }
-}
-
 TEST(HouseRules, ReadmeNamesExactlyTwoCommandsOfSetup) {
   const std::regex command(R"(\./setup\.sh( \S+)?)");
   std::set<std::string> in_blocks;

@@ -13,7 +13,8 @@ import re
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = (".ci", "analysis", "bench", "cmake", "daq", "docs", "protocols", "schedules", "tests")
-NOT_READ = ("tests/fuzz/corpus/", "tests/repository/references_test.py")  # the latter points to nothing on purpose
+# The latter two point to nothing on purpose.
+NOT_READ = ("tests/fuzz/corpus/", "tests/repository/references_test.py", "tests/repository/documents_test.py")
 ROWS = {"E": "docs/effects.md", "R": "docs/requirements.md"}
 SOURCES = "docs/sources.md"
 
@@ -23,6 +24,11 @@ ROW_LITERAL = re.compile(r'"([ER])(\d+)"')
 JOURNAL = re.compile(r"\b\d+ \((?:19|20)\d\d\) \d+")
 LINK = re.compile(r"\]\(\s*<?([^)>\s]+)>?(?:\s+\"[^\"]*\")?\)|^\[[^\]]+\]:\s+(\S+)")
 PATH_IN_CODE = re.compile(rf"`((?:{'|'.join(FOLDERS[1:])})/[\w./-]+\.\w+)`")
+# A file of source, by its path or the end of it.
+SOURCE_IN_CODE = re.compile(r"`(?:\./)?([a-z0-9_./-]*[a-z0-9_]\.(?:h|cc|py|sh|cmake|proto))`")
+# A program of the tests, and where one is declared.
+TEST_PROGRAM = re.compile(r"\bbuild/(?:tests|benchmarks)/([a-z]\w+)")
+DECLARED = re.compile(r"^(?:strainwave_tests?|strainwave_kernel_device_test|add_executable)\((\w+)", re.MULTILINE)
 # Words for the same things that lead nowhere.
 LOST = re.compile(r"\bBENCH (?:rows?|section|E)\b|\bcontract,? sections?\b|\bsection \d of the contract\b|\bseed 00\d")
 
@@ -34,6 +40,7 @@ class Tree:
         self._texts = texts
         self._read = dict(texts or {})
         self._anchors = {}
+        self._ends = self._programs = None
 
     def text(self, path):
         if path not in self._read:
@@ -53,14 +60,29 @@ class Tree:
             self._anchors[path] = anchors_of(self.text(path))
         return self._anchors[path]
 
-    def paths(self):
+    def all_paths(self):
         if self._texts is not None:
             return sorted(self._texts)
         found = [path for path in ROOT.iterdir() if path.is_file()]
         for folder in FOLDERS:
             found += [path for path in (ROOT / folder).rglob("*") if path.is_file()]
-        names = (path.relative_to(ROOT).as_posix() for path in found)
-        return sorted(name for name in names if not name.startswith(NOT_READ) and not name.endswith(".pyc"))
+        return sorted(path.relative_to(ROOT).as_posix() for path in found)
+
+    def paths(self):
+        return [path for path in self.all_paths() if not path.startswith(NOT_READ) and not path.endswith(".pyc")]
+
+    def has_source(self, end):
+        """Whether a file's path ends in this."""
+        if self._ends is None:
+            parts = (path.split("/") for path in self.all_paths())
+            self._ends = {"/".join(part[i:]) for part in parts for i in range(len(part))}
+        return end in self._ends
+
+    def builds(self, program):
+        if self._programs is None:
+            build_files = [path for path in self.paths() if path.endswith(("CMakeLists.txt", ".cmake"))]
+            self._programs = {name for path in build_files for name in DECLARED.findall(self.text(path))}
+        return program in self._programs
 
 
 def outside_code(text):
@@ -109,6 +131,9 @@ def findings(path, tree):
             for name in [anchor] * bool(anchor) + re.findall(r"[A-Z]\d+", rows):
                 if name.lower() not in tree.anchors(page):
                     miss(i, f"{page} has no {name}")
+        for program in TEST_PROGRAM.findall(line):
+            if not tree.builds(program):
+                miss(i, f"nothing builds {program} (expected a program of a CMakeLists.txt; a test of one: ctest -R NAME)")
         if LOST.search(line):
             miss(i, f"'{LOST.search(line).group()}' leads nowhere (expected a page of docs/)")
     for i, line in enumerate(prose):
@@ -135,9 +160,12 @@ def findings(path, tree):
                     miss(i, f"the link {target} leads to no file")
                 elif anchor and anchor not in tree.anchors(goal):
                     miss(i, f"{goal} has no #{anchor}")
+            for named in SOURCE_IN_CODE.findall(lines[i]):
+                if not tree.has_source(re.sub(r"^(\.\./)+", "", named)):
+                    miss(i, f"there is no {named}")
         if path.startswith("docs/"):
             for named in PATH_IN_CODE.findall(lines[i]):
-                if not tree.exists(named):
+                if not tree.exists(named) and not SOURCE_IN_CODE.fullmatch(f"`{named}`"):
                     miss(i, f"there is no {named}")
     return found
 

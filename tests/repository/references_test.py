@@ -68,8 +68,19 @@ class References(unittest.TestCase):
                                                      "[d](https://example.org/x.md#y)\n```\n[e](nothing.md)\n```\n"), [])
 
     def test_a_page_that_names_a_file_which_is_not_there_is_found(self):
-        self.assertEqual(found_in("docs/bench.md", "`bench/no/such.h` and `docs/effects.md`\n"),
-                         ["docs/bench.md:1: there is no bench/no/such.h"])
+        self.assertEqual(found_in("docs/bench.md", "`bench/no/such.h` and `docs/effects.md`, `bench/no.yaml`\n"),
+                         ["docs/bench.md:1: there is no bench/no/such.h", "docs/bench.md:1: there is no bench/no.yaml"])
+
+    def test_a_page_may_name_a_source_by_the_end_of_its_path(self):
+        tree = Tree({**PAGES, "bench/devices/can/bus.h": "", "bench/README.md": "`bus.h`, `can/bus.h`, `an/bus.h`, `no.py`\n"})
+        self.assertEqual(all_findings(tree), ["bench/README.md:1: there is no an/bus.h",
+                                              "bench/README.md:1: there is no no.py"])
+
+    def test_a_program_that_nothing_builds_is_found(self):
+        tree = Tree({**PAGES, "tests/CMakeLists.txt": "strainwave_tests(all_tests FILES\n  one_test)\n",
+                     "docs/run.md": "`build/tests/all_tests`\n`build/tests/one_test`\n"})
+        self.assertEqual(all_findings(tree), ["docs/run.md:2: nothing builds one_test (expected a program of a "
+                                              "CMakeLists.txt; a test of one: ctest -R NAME)"])
 
     def test_headings_have_the_anchors_that_github_gives_them(self):
         self.assertEqual(anchors_of("# Exit codes\n## `--json`, and more\n## Exit codes\n### K₁\n```\n# no\n```\n"),

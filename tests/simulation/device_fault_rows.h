@@ -87,7 +87,7 @@ struct Fault {
   bool breaks_limits{};
 };
 
-/// Named as the rows of the README's table are.
+/// Named as the rows of the table in docs/bench/faults.md are.
 inline std::vector<Fault> FaultsOnCan() {
   const StopCause drive = StopCause::kDriveFault;
   const StopCause sensor = StopCause::kSensorSuspend;
@@ -205,7 +205,7 @@ inline std::vector<Fault> FaultsOnModbus(const ModbusDriveUnderTest& drive, bool
   return rows;
 }
 
-/// All rows of the README's table, in its order.
+/// All rows of the table in docs/bench/faults.md, in its order.
 inline const std::vector<Fault>& Faults() {
   static const std::vector<Fault> all = [] {
     std::vector<Fault> rows = FaultsOnCan();

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the README's table of what field_faults_test has printed with STRAINWAVE_FAULT_MATRIX=1.
+"""Makes the table of docs/bench/faults.md of what field_faults_test has printed with STRAINWAVE_FAULT_MATRIX=1.
 
 usage: fault_matrix_table.py FILE   exit code 1, and no table, when a test failed or a cell is missing
 """

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faults of devices during phases, over the real protocols and in real time: the shafts are safe within the
-// stated time, and the reason is named. The whole matrix, for the README: STRAINWAVE_FAULT_MATRIX=1.
+// stated time, and the reason is named. The whole matrix, for docs/bench/faults.md:
+// STRAINWAVE_FAULT_MATRIX=1.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
