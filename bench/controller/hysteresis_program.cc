@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "analysis/units.h"
+#include "bench/controller/seconds.h"
 
 namespace strainwave::bench {
 namespace {
@@ -84,6 +85,18 @@ bool HysteresisProgram::Ramped(const Readings& readings) noexcept {
   return peak_Nm != 0.0 && std::copysign(1.0, peak_Nm) * (readings.output_torque_Nm - peak_Nm) >= 0.0;
 }
 
+// A row of torque and angles of one moment; none where nothing new has come.
+bool HysteresisProgram::LogRow(const Readings& readings, double elapsed_s,
+                               std::chrono::nanoseconds now) noexcept {
+  const std::optional<AlignedSample> sample = alignment_.Step(readings);
+  if (!sample || elapsed_s + 0.5 * period_s_ < next_row_s_) return true;
+  const double time_s = elapsed_s - loop_start_s_ - Seconds(now - sample->time);
+  if (time_s < 0.0) return true;
+  next_row_s_ += 1.0 / parameters_.log_rate_hz;
+  return logs_[angle_].Append({time_s, sample->output_torque_Nm, DegFromRad(sample->output_angle_rad),
+                               DegFromRad(sample->input_angle_rad), readings.gear_temperature_degC});
+}
+
 StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
                                    BenchDevices& devices) noexcept {
   const double in_stage_s = elapsed_s - stage_start_s_;
@@ -114,6 +127,7 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
       torque_watch_.emplace(kTorqueTolerance * parameters_.peak_torque_Nm, kTorqueDwell_s);
       peak_ = 0;
       hold_until_s_ = -1.0;
+      alignment_ = {};
       loop_start_s_ = next_row_s_ = elapsed_s;
       stage_ = Stage::kRamp;
       [[fallthrough]];
@@ -130,14 +144,7 @@ StepResult HysteresisProgram::Step(const Readings& readings, double elapsed_s,
         ++peak_;
         hold_until_s_ = -1.0;
       }
-      if (elapsed_s + 0.5 * period_s_ >= next_row_s_) {
-        next_row_s_ += 1.0 / parameters_.log_rate_hz;
-        if (!logs_[angle_].Append({elapsed_s - loop_start_s_, readings.output_torque_Nm,
-                                   DegFromRad(readings.output_angle_rad),
-                                   DegFromRad(readings.input_angle_rad), readings.gear_temperature_degC})) {
-          return StepResult::kLogFull;
-        }
-      }
+      if (!LogRow(readings, elapsed_s, devices.clock.Now())) return StepResult::kLogFull;
       if (peak_ < peaks_Nm_.size()) return StepResult::kRunning;
       if (++angle_ == parameters_.lock_angles_rad.size()) return StepResult::kDone;
       stage_ = Stage::kRelease;

@@ -7,6 +7,7 @@
 #include "bench/controller/motion.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/row_log.h"
+#include "bench/controller/sample_alignment.h"
 #include "bench/controller/set_point_watch.h"
 #include "schedules/reader/schedule.h"
 
@@ -35,6 +36,7 @@ class HysteresisProgram final : public PhaseProgram {
   double angles() const { return static_cast<double>(parameters_.lock_angles_rad.size()); }
   double loop_s() const;
   bool Ramped(const Readings& readings) noexcept;
+  bool LogRow(const Readings& readings, double elapsed_s, std::chrono::nanoseconds now) noexcept;
   void BeginAngle(const Readings& readings, const ServoDrive& driving, double elapsed_s) noexcept;
 
   schedules::HysteresisTest parameters_;
@@ -55,6 +57,7 @@ class HysteresisProgram final : public PhaseProgram {
   std::size_t peak_{};
   std::optional<Ramp> torque_;
   std::optional<SetPointWatch> torque_watch_;
+  SampleAlignment alignment_;
   StopReason failed_;
   std::deque<RowLog> logs_;  // one a lock angle
 };
