@@ -79,6 +79,23 @@ build() {
   cmake --build --preset release --parallel "$(nproc)" --target "$@"
 }
 
+# Tests whose devices live in real time wait more than they compute: they run beside the others, ahead of them, or, where
+# priorities may not be raised, after them.
+run_tests() {
+  local status=0
+  run_ctest() {
+    "$@" --preset release --output-log build/tests_run.txt || status=$?
+    tell_skipped build/tests_run.txt
+  }
+  if (($(nice -n -5 nice 2>/dev/null) < $(nice))); then
+    run_ctest nice -n 15 ctest --parallel "$(($(nproc) + 1))"
+  else
+    run_ctest ctest --parallel "$(nproc)" --label-exclude real_time
+    run_ctest ctest --label-regex real_time
+  fi
+  exit "$status"
+}
+
 # tell_skipped RUN: what each test said that was skipped in the run of ctest with that output; ctest itself shows what
 # a test said only when it fails.
 tell_skipped() {
@@ -140,10 +157,7 @@ case $1 in
   test)
     install_missing_packages
     build all
-    status=0
-    ctest --preset release --parallel "$(nproc)" --output-log build/tests_run.txt || status=$?
-    tell_skipped build/tests_run.txt
-    exit "$status"
+    run_tests
     ;;
   -h | --help)
     usage

@@ -56,19 +56,30 @@ function(strainwave_compile_quickly target)
     -Wno-mismatched-new-delete -Wno-stringop-overflow -Wno-stringop-overread)
 endfunction()
 
-# strainwave_tests(program FILES <name> ... LINKS ... [LABEL unit|simulation] [TIMEOUT s] [SHARDS n]):
+# strainwave_in_real_time(test ...): devices of these tests live in real time. One at a time, ahead of whatever computes
+# beside it; their commands begin with STRAINWAVE_AHEAD.
+set(STRAINWAVE_AHEAD ${PROJECT_SOURCE_DIR}/tests/simulation/in_real_time.sh)
+function(strainwave_in_real_time)
+  set_property(TEST ${ARGN} APPEND PROPERTY LABELS real_time)
+  set_tests_properties(${ARGN} PROPERTIES RESOURCE_LOCK real_time)
+endfunction()
+
+# strainwave_tests(program FILES <name> ... LINKS ... [LABEL unit|simulation] [TIMEOUT s] [SHARDS n] [REAL_TIME]):
 # tests/<folder>/<name>.cc together in one executable, as linking and parsing headers are what takes long; each file is a
 # test of its own. SHARDS: what waits more than it computes runs in n parts at once.
 function(strainwave_tests program)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;SHARDS" "FILES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "REAL_TIME" "LABEL;TIMEOUT;SHARDS" "FILES;LINKS" ${ARGN})
+  if(ARG_REAL_TIME)
+    set(runner ${STRAINWAVE_AHEAD})
+  endif()
   if(ARG_SHARDS)
-    set(shards ${PROJECT_SOURCE_DIR}/tests/simulation/in_shards.sh ${ARG_SHARDS})
+    list(APPEND runner ${PROJECT_SOURCE_DIR}/tests/simulation/in_shards.sh ${ARG_SHARDS})
   endif()
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 120)
+    set(ARG_TIMEOUT 300)  # against hanging; on a busy machine the longest takes a half of it
   endif()
   list(TRANSFORM ARG_FILES APPEND .cc OUTPUT_VARIABLE sources)
   add_executable(${program} ${sources})
@@ -97,12 +108,15 @@ function(strainwave_tests program)
       message(FATAL_ERROR "${name}.cc has no test")
     endif()
     list(APPEND taken ${suites})
-    add_test(NAME ${name} COMMAND ${shards} $<TARGET_FILE:${program}> --gtest_filter=${filter} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    add_test(NAME ${name} COMMAND ${runner} $<TARGET_FILE:${program}> --gtest_filter=${filter} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+    if(ARG_REAL_TIME)
+      strainwave_in_real_time(${name})
+    endif()
   endforeach()
 endfunction()
 
-# strainwave_test(name LINKS ... [LABEL unit|simulation] [TIMEOUT s]): tests/<folder>/<name>.cc as one executable.
+# strainwave_test(name LINKS ... [as above]): tests/<folder>/<name>.cc as one executable.
 function(strainwave_test name)
   strainwave_tests(${name} FILES ${name} ${ARGN})
 endfunction()
