@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numeric>
 #include <optional>
 
+#include "analysis/diagnosis/phasors.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/noise_level.h"
 #include "analysis/units.h"
@@ -96,10 +98,10 @@ void AddLines(const Study& study, const Regressor& regressor, std::span<const do
   for (const LinePeak& peak : peaks) {
     LeftoverView view;
     view.columns.resize(static_cast<Index>(residual.size()), 2);
-    for (std::size_t i = 0; i < residual.size(); ++i) {
-      view.columns(static_cast<Index>(i), 0) = std::cos(peak.order * regressor.values[i]);
-      view.columns(static_cast<Index>(i), 1) = std::sin(peak.order * regressor.values[i]);
-    }
+    ForEachPhasor(regressor.values, peak.order, [&](std::size_t i, std::complex<double> phasor) {
+      view.columns(static_cast<Index>(i), 0) = phasor.real();
+      view.columns(static_cast<Index>(i), 1) = phasor.imag();
+    });
     view.degrees_of_freedom = 2;
     view.places = IndependentOrders(regressor.values, lowest, highest);
     view.continuous = true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/products.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -13,21 +14,29 @@ using Eigen::Index;
 
 constexpr double kLeastVarianceShare = 1e-12;
 
-// How many good neighbours each sample has right before it, up to `largest`.
-std::vector<int> LagsBefore(std::span<const double> weights, std::span<const std::size_t> stretches,
-                            int largest) {
-  std::vector<int> lags(weights.size(), 0);
+// Samples that follow one another, all with weight and of one stretch: from … to.
+struct GoodRun {
+  std::size_t first{};
+  std::size_t last{};
+
+  std::size_t size() const { return last - first; }
+};
+
+std::vector<GoodRun> RunsOf(std::span<const double> weights, std::span<const std::size_t> stretches) {
+  std::vector<GoodRun> runs;
   std::size_t stretch = 0;
-  int run = 0;
+  bool follows = false;
   for (std::size_t i = 0; i < weights.size(); ++i) {
     if (stretch < stretches.size() && stretches[stretch] == i) {
-      run = 0;
+      follows = false;
       ++stretch;
     }
-    lags[i] = std::min(run, largest);
-    run = weights[i] > 0.0 ? run + 1 : 0;
+    const bool good = weights[i] > 0.0;
+    if (good && !follows) runs.push_back({i, i});
+    if (good) runs.back().last = i + 1;
+    follows = good;
   }
-  return lags;
+  return runs;
 }
 
 // Foretells a sample from those right before it, and what share of the variance it leaves.
@@ -39,20 +48,21 @@ struct Predictor {
 
 // One an order, by least squares where all lags of the largest order are there; order 0 alone where these are
 // too few.
-std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<const double> weights,
-                                    std::span<const int> lags, int largest_order) {
+std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<const GoodRun> runs,
+                                    int largest_order) {
   const Index size = largest_order + 1;
+  const auto most_lags = static_cast<std::size_t>(largest_order);
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, size);
   double rows = 0.0;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    if (!(weights[i] > 0.0) || lags[i] < largest_order) continue;
-    rows += 1.0;
-    for (Index a = 0; a < size; ++a) {
-      const double x = residual[i - static_cast<std::size_t>(a)];
-      for (Index b = 0; b <= a; ++b) products(a, b) += x * residual[i - static_cast<std::size_t>(b)];
-    }
+  for (const GoodRun& run : runs) {
+    if (run.size() <= most_lags) continue;
+    // The run, and itself so many samples before.
+    const RowView<const double> lagged{residual.data() + run.first + most_lags, -1};
+    const std::size_t count = run.size() - most_lags;
+    MultiplyRows<double>(lagged, lagged, {products.data(), 1, size}, size, size,
+                         static_cast<std::ptrdiff_t>(count), Sum::kAdd);
+    rows += static_cast<double>(count);
   }
-  products = Eigen::MatrixXd(products.selfadjointView<Eigen::Lower>());
   std::vector<Predictor> predictors(1);
   if (rows < 10.0 * static_cast<double>(size) || !(products(0, 0) > 0.0)) return predictors;
   for (Index order = 1; order <= largest_order; ++order) {
@@ -70,27 +80,34 @@ std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<
 NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> weights,
                   std::span<const std::size_t> stretches, int largest_order, double scale) {
   NoiseFit fit;
+  const std::vector<GoodRun> runs = RunsOf(weights, stretches);
+  for (const GoodRun& run : runs) fit.samples += run.size();
+  if (fit.samples == 0) return fit;
   std::vector<double> residual(unweighted.begin(), unweighted.end());
   for (std::size_t i = 0; i < residual.size(); ++i) {
-    residual[i] *= std::sqrt(std::max(0.0, weights[i]));
-    if (weights[i] > 0.0) ++fit.samples;
+    if (weights[i] != 1.0) residual[i] *= std::sqrt(std::max(0.0, weights[i]));
   }
-  if (fit.samples == 0) return fit;
   const auto n = static_cast<double>(fit.samples);
-  const std::vector<int> lags = LagsBefore(weights, stretches, largest_order);
-  const std::vector<Predictor> predictors = PredictorsOf(residual, weights, lags, largest_order);
+  const std::vector<Predictor> predictors = PredictorsOf(residual, runs, largest_order);
   double best = 0.0;
   for (int order = 0; order < static_cast<int>(predictors.size()); ++order) {
     double squares = 0.0;  // as if nothing were foretold
     double logarithms = 0.0;
-    for (std::size_t i = 0; i < residual.size(); ++i) {
-      if (!(weights[i] > 0.0)) continue;
-      const Predictor& predictor = predictors[static_cast<std::size_t>(std::min(lags[i], order))];
-      double innovation = residual[i];
-      for (Index k = 0; k < predictor.coefficients.size(); ++k)
-        innovation -= predictor.coefficients(k) * residual[i - 1 - static_cast<std::size_t>(k)];
-      squares += innovation * innovation / predictor.share;
-      logarithms += predictor.log_share;
+    const auto add = [&](std::size_t first, std::size_t last, const Predictor& predictor) {
+      double sum = 0.0;
+      for (std::size_t i = first; i < last; ++i) {
+        double innovation = residual[i];
+        for (std::size_t k = 0; k < static_cast<std::size_t>(predictor.coefficients.size()); ++k)
+          innovation -= predictor.coefficients(static_cast<Index>(k)) * residual[i - 1 - k];
+        sum += innovation * innovation;
+      }
+      squares += sum / predictor.share;
+      logarithms += static_cast<double>(last - first) * predictor.log_share;
+    };
+    for (const GoodRun& run : runs) {
+      const std::size_t all_lags = std::min(run.first + static_cast<std::size_t>(order), run.last);
+      for (std::size_t i = run.first; i < all_lags; ++i) add(i, i + 1, predictors[i - run.first]);
+      add(all_lags, run.last, predictors[static_cast<std::size_t>(order)]);
     }
     const double variance = std::max(squares / n, 1e-24 * scale * scale);
     fit.log_likelihood.push_back(-0.5 * (n * (std::log(kTwoPi * variance) + 1.0) + logarithms));

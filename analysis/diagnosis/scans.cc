@@ -7,55 +7,38 @@
 #include <numeric>
 #include <unsupported/Eigen/FFT>
 
+#include "analysis/diagnosis/line_sums.h"
+#include "analysis/diagnosis/phasors.h"
 #include "analysis/noise_level.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-struct Sums {
-  double w, y, c, s, yc, ys, cc, ss, cs;
-};
-
-// Drop of the weighted sum of squares by a line with a floating mean.
-double DropOf(const Sums& sums) {
-  if (!(sums.w > 0.0)) return 0.0;
-  const double yc = sums.yc - sums.y * sums.c / sums.w;
-  const double ys = sums.ys - sums.y * sums.s / sums.w;
-  const double cc = sums.cc - sums.c * sums.c / sums.w;
-  const double ss = sums.ss - sums.s * sums.s / sums.w;
-  const double cs = sums.cs - sums.c * sums.s / sums.w;
-  const double determinant = cc * ss - cs * cs;
-  // Where cosine and sine fall together (a folded order at a symmetric place) one of them is left.
-  if (determinant < 1e-9 * sums.w * sums.w) {
-    return cc > ss ? (cc > 1e-9 * sums.w ? yc * yc / cc : 0.0) : (ss > 1e-9 * sums.w ? ys * ys / ss : 0.0);
-  }
-  return (ss * yc * yc + cc * ys * ys - 2.0 * cs * yc * ys) / determinant;
-}
-
 // Between two grid points either side of `order`: golden section on the exact sums.
 LinePeak Refine(std::span<const double> angle, std::span<const double> residual,
                 std::span<const double> weights, double order, double half_width, double lowest) {
   constexpr double kGolden = 0.6180339887498949;
+  const LineSumsNear sums(angle, residual, weights, order, half_width);
   double low = std::max(order - half_width, lowest);
   double high = order + half_width;
   double a = high - kGolden * (high - low);
   double b = low + kGolden * (high - low);
-  double at_a = LineDrop(angle, residual, weights, a);
-  double at_b = LineDrop(angle, residual, weights, b);
+  double at_a = sums.Drop(a);
+  double at_b = sums.Drop(b);
   for (int i = 0; i < 12; ++i) {
     if (at_a > at_b) {
       high = b;
       b = a;
       at_b = at_a;
       a = high - kGolden * (high - low);
-      at_a = LineDrop(angle, residual, weights, a);
+      at_a = sums.Drop(a);
     } else {
       low = a;
       a = b;
       at_a = at_b;
       b = low + kGolden * (high - low);
-      at_b = LineDrop(angle, residual, weights, b);
+      at_b = sums.Drop(b);
     }
   }
   return at_a > at_b ? LinePeak{a, at_a} : LinePeak{b, at_b};
@@ -191,12 +174,12 @@ double SpanOf(std::span<const double> values) {
 
 double LineDrop(std::span<const double> angle, std::span<const double> residual,
                 std::span<const double> weights, double order) {
-  Sums sums{};
-  for (std::size_t i = 0; i < angle.size(); ++i) {
+  LineSums sums{};
+  ForEachPhasor(angle, order, [&](std::size_t i, std::complex<double> phasor) {
     const double w = weights[i];
-    if (!(w > 0.0)) continue;
-    const double c = std::cos(order * angle[i]);
-    const double s = std::sin(order * angle[i]);
+    if (!(w > 0.0)) return;
+    const double c = phasor.real();
+    const double s = phasor.imag();
     sums.w += w;
     sums.y += w * residual[i];
     sums.c += w * c;
@@ -206,8 +189,8 @@ double LineDrop(std::span<const double> angle, std::span<const double> residual,
     sums.cc += w * c * c;
     sums.ss += w * s * s;
     sums.cs += w * c * s;
-  }
-  return DropOf(sums);
+  });
+  return sums.Drop();
 }
 
 double IndependentOrders(std::span<const double> angle_rad, double lowest_order, double highest_order) {
@@ -265,15 +248,16 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
   for (std::size_t k = from; k <= to; ++k) {
     const auto [window, data] = parts(k);
     const auto doubled = parts(2 * k).first;
-    drops[k - from] = DropOf({.w = mean_weight,
-                              .y = 0.0,
-                              .c = window.real(),
-                              .s = -window.imag(),
-                              .yc = data.real(),
-                              .ys = -data.imag(),
-                              .cc = 0.5 * (mean_weight + doubled.real()),
-                              .ss = 0.5 * (mean_weight - doubled.real()),
-                              .cs = -0.5 * doubled.imag()});
+    drops[k - from] = LineSums{.w = mean_weight,
+                               .y = 0.0,
+                               .c = window.real(),
+                               .s = -window.imag(),
+                               .yc = data.real(),
+                               .ys = -data.imag(),
+                               .cc = 0.5 * (mean_weight + doubled.real()),
+                               .ss = 0.5 * (mean_weight - doubled.real()),
+                               .cs = -0.5 * doubled.imag()}
+                          .Drop();
   }
   const std::vector<double> level = LocalLevel(drops, static_cast<std::size_t>(30.0 * cell / step));
   const auto prominence = [&](std::size_t place) { return drops[place] / level[place]; };

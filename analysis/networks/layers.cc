@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "analysis/networks/products.h"
 #include "analysis/networks/transpose.h"
+#include "analysis/products.h"
 
 namespace strainwave::analysis::networks {
 namespace {

@@ -56,7 +56,6 @@ void KeepFreedMemory() {
 
 diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, const std::optional<ExtendedModel>& model,
                                   const DiagnoseCommand& command, ShareLine& line) {
-  KeepFreedMemory();
   diagnosis::DiagnoseOptions options;
   options.seed = command.seed;
   if (model) options.given_causes = GivenCauses(*model, *input.study, command.model);
@@ -106,6 +105,7 @@ std::vector<RecordWarning> WarningsOfOpen(const diagnosis::Diagnosis& result, co
 }
 
 int Run(const DiagnoseCommand& command) {
+  KeepFreedMemory();
   ShareLine line;
   StudyInput input = ReadStudyInput(command.paths, command.choice);
   const std::optional<ExtendedModel> given = ReadModel(command, input.kind);

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+
+#include "analysis/vector_clones.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -76,6 +79,16 @@ Limits LimitsFor(const VibrationSpectrum& spectrum, double sideband, double exce
   return {static_cast<double>(spectrum.channels()), sideband > 0.0 ? 3.0 : 1.0, excess};
 }
 
+// Whether any range of so many has a sum that reaches a limit.
+// @param sums  of the powers up to each harmonic, from 0 to the last one
+STRAINWAVE_VECTOR_CLONES
+bool AnyReaches(std::span<const double> sums, std::size_t length, double limit) {
+  int reach = 0;
+  for (std::size_t before = 0; before + length < sums.size(); ++before)
+    reach |= static_cast<int>(!(sums[before + length] - sums[before] < limit));
+  return reach != 0;
+}
+
 Comb BestRange(const Harmonics& harmonics, double channels, double order, const Limits& limits) {
   Comb best{order, 1, 1, 0.0, 1.0, harmonics.sideband};
   const Powers& powers = harmonics.with_sidebands;
@@ -87,6 +100,8 @@ Comb BestRange(const Harmonics& harmonics, double channels, double order, const 
   }
   for (std::size_t l = 0; l < std::size(kLengths); ++l) {
     const int length = kLengths[l];
+    const std::span<const double> all(sums.data(), static_cast<std::size_t>(harmonics.count) + 1);
+    if (!AnyReaches(all, static_cast<std::size_t>(length), limits[l])) continue;
     for (int first = 1; first + length - 1 <= harmonics.count; ++first) {
       const int last = first + length - 1;
       const double sum = sums[static_cast<std::size_t>(last)] - sums[static_cast<std::size_t>(first - 1)];

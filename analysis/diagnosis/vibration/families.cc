@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "analysis/diagnosis/vibration/bearing_orders.h"
@@ -129,6 +130,14 @@ bool IsLoudAndWide(const VibrationRemainder& remainder, const TermFit& pulses) {
   return width > kWide && remainder.base().bic() - pulses.bic() > kLoud;
 }
 
+// The order itself, or two of its harmonics, have to be there.
+bool AreAFamily(std::span<const LinePlace> lines) {
+  const auto is_centre = [](const LinePlace& line) { return line.offset == 0.0; };
+  const auto is_first = [](const LinePlace& line) { return line.offset == 0.0 && line.harmonic == 1.0; };
+  return std::ranges::count_if(lines, is_centre) >= 2 ||
+         (std::ranges::any_of(lines, is_first) && lines.size() >= 3);
+}
+
 // Teeth make the same lines, with the shaft's sidebands, and need no ring for it.
 bool RingsAmongTeeth(const VibrationSamples& samples, const VibrationTerm& ring) {
   const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
@@ -206,20 +215,13 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
         places.push_back({static_cast<double>(k), offset});
       }
     }
-    Best lines = FitPayingLines(remainder, std::move(term), std::move(places), 2);
+    Best lines = FitPayingLines(remainder, std::move(term), places, 2, AreAFamily);
     if (!lines) continue;
-    // The order itself, or two of its harmonics, have to be there; and what is beside the strongest line has
-    // to stand for itself: many places were looked at.
-    const auto& kept = lines->term.lines;
-    const auto is_centre = [](const LinePlace& line) { return line.offset == 0.0; };
-    const auto is_first = [](const LinePlace& line) { return line.offset == 0.0 && line.harmonic == 1.0; };
-    const bool family = std::ranges::count_if(kept, is_centre) >= 2 ||
-                        (std::ranges::any_of(kept, is_first) && kept.size() >= 3);
+    // What is beside the strongest line has to stand for itself: many places were looked at.
     std::vector<double> gains = LineGains(*lines);
     std::sort(gains.begin(), gains.end());
     const double beside = std::accumulate(gains.begin(), gains.end() - 1, 0.0);
-    if (family && beside > kBesideStrongest && IsBearing(remainder, lines->term))
-      Keep(std::move(*lines), best);
+    if (beside > kBesideStrongest && IsBearing(remainder, lines->term)) Keep(std::move(*lines), best);
   }
   Best slipping = SearchSlippingTrain(remainder, index, lowest, highest, [&](double order) {
     return IsBearingOrder(remainder, order, kHarmonicsOfSlipping);

@@ -9,7 +9,7 @@
 #include "analysis/diagnosis/vibration/chance.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/pulses.h"
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -47,8 +47,8 @@ struct Look {
 
 Look LookAt(const VibrationRemainder& remainder, RingTrain train, double sideband, double loudness) {
   const VibrationRun& run = remainder.samples().runs.front();
-  const TrainMatch match = MatchTrain(run, train, sideband, remainder.residual(),
-                                      remainder.solver().weights(), loudness * remainder.base().variance());
+  const TrainMatch match =
+      MatchTrain(remainder.side_by_side(0), train, sideband, loudness * remainder.base().variance());
   // An amplitude a channel and their phase; two more of a change.
   const double cells = 0.5 * (static_cast<double>(run.channels.size()) + 1.0) + (sideband > 0.0 ? 1.0 : 0.0);
   return {std::move(train), sideband, loudness, match, ExcessOf(match.power, cells)};
@@ -129,12 +129,10 @@ TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Lo
     term.lines = {{0.0, look.sideband}};
     term.shapes.insert(term.shapes.end(), {look.match.cosine, look.match.sine});
   }
-  for (const VibrationRun& run : samples.runs) {
-    const bool first = &run == &samples.runs.front();
-    term.shapes.push_back(first ? look.match.phase
-                                : MatchTrain(run, look.train, 0.0, remainder.residual(),
-                                             remainder.solver().weights(), remainder.base().variance())
-                                      .phase);
+  term.shapes.push_back(look.match.phase);
+  for (std::size_t r = 1; r < samples.runs.size(); ++r) {
+    term.shapes.push_back(
+        MatchTrain(remainder.side_by_side(r), look.train, 0.0, remainder.base().variance()).phase);
   }
   LeastLikelyChance best(remainder);
   for (const double periods : {0.0, -1.0, -0.5, 0.5, 1.0})
@@ -251,13 +249,14 @@ TermFit SearchPulses(const VibrationRemainder& remainder, std::size_t index, dou
                      double slow_order) {
   const VibrationSamples& samples = remainder.samples();
   const std::vector<char> all(samples.channels(), 1);
+  std::vector<PulseLines> lines;
+  for (const VibrationRun& run : samples.runs)
+    lines.emplace_back(run, order, remainder.residual(), remainder.solver().weights());
   Best start;
   for (const double width : {0.02, 0.03, 0.045, 0.065, 0.1, 0.15}) {
     VibrationTerm term{index, VibrationForm::kPulses, {{width, order}}, {}, all};
-    for (const VibrationRun& run : samples.runs) {
-      term.shapes.push_back(BestPulsePlace(run, {order, width, 0.0, 0.0, 0.0, 0.0}, samples.highest_order(),
-                                           remainder.residual(), remainder.solver().weights()));
-    }
+    const int harmonics = PulseHarmonics(width, order, samples.highest_order());
+    for (const PulseLines& of_run : lines) term.shapes.push_back(of_run.BestPlace(width, harmonics));
     Keep(remainder.WithAllChannels(std::move(term), 0), start);
   }
   LeastLikelyChance best(remainder);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "analysis/diagnosis/vibration/families.h"
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/ring_match.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -54,9 +54,9 @@ TermFit AddKicks(const VibrationRemainder& remainder, TermFit solution, int roun
     for (const TermFit::Channel& channel : solution.channels) {
       gains.push_back(channel.coefficients.size() == 0 ? 0.0 : channel.coefficients(0));
     }
-    const Kick kick =
-        LoudestKick(run, frequency_Hz, damping, {left.data(), static_cast<std::size_t>(left.size())},
-                    remainder.solver().weights(), gains);
+    const Kick kick = LoudestKick(
+        SideBySide(run, {left.data(), static_cast<std::size_t>(left.size())}, remainder.solver().weights()),
+        frequency_Hz, damping, gains);
     if (!(kick.drop > kLeastKick * solution.variance())) break;
     const Knock more{run.time_s[kick.sample], kick.height};
     std::vector<Knock> knocks = KnocksOf(solution.term);
@@ -114,8 +114,8 @@ std::vector<double> FindKickedFrequencies(const VibrationRemainder& remainder, d
   // A ring has to die away within the record.
   for (double frequency_Hz = std::max(lowest_Hz, 1.0 / (kScanDamping * run.span_s())); frequency_Hz < highest;
        frequency_Hz *= kNextFrequency) {
-    const double power = KickPower(run, frequency_Hz, kScanDamping, remainder.residual(),
-                                   remainder.solver().weights(), kNoticed * variance);
+    const double power =
+        KickPower(remainder.side_by_side(0), frequency_Hz, kScanDamping, kNoticed * variance);
     if (power > 0.0) kicked.emplace_back(power, frequency_Hz);
   }
   std::ranges::sort(kicked, std::greater<>());
@@ -142,8 +142,7 @@ std::optional<TermFit> SearchKicks(const VibrationRemainder& remainder, std::siz
       term.cause = index;
       term.form = VibrationForm::kKicks;
       term.heard.assign(samples.channels(), 1);
-      const Kick kick =
-          LoudestKick(run, share * frequency_Hz, damping, remainder.residual(), remainder.solver().weights());
+      const Kick kick = LoudestKick(remainder.side_by_side(0), share * frequency_Hz, damping);
       if (kick.drop < kLeastKick * remainder.base().variance()) continue;
       term.shapes = {share * frequency_Hz, damping, run.time_s[kick.sample]};
       firsts.emplace_back(kick.drop, std::move(term));

@@ -66,7 +66,8 @@ std::vector<double> LineGains(const TermFit& fit) {
 }
 
 std::optional<TermFit> FitPayingLines(const VibrationRemainder& remainder, VibrationTerm term,
-                                      const std::vector<LinePlace>& places, std::size_t fewest) {
+                                      const std::vector<LinePlace>& places, std::size_t fewest,
+                                      const std::function<bool(std::span<const LinePlace>)>& may_be) {
   const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
   const double threshold = 0.8 * std::log(remainder.base().weight_sum);
   std::vector<std::pair<double, LinePlace>> found;
@@ -83,6 +84,7 @@ std::optional<TermFit> FitPayingLines(const VibrationRemainder& remainder, Vibra
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   found.resize(std::min(found.size(), kMostLines));
   for (const auto& [excess, place] : found) term.lines.push_back(place);
+  if (!may_be(term.lines)) return std::nullopt;
   TermFit solution = remainder.With(term, term.shapes.empty() ? 0 : 5);
   while (solution.term.lines.size() >= fewest) {
     const std::vector<double> gains = LineGains(solution);
@@ -90,7 +92,7 @@ std::optional<TermFit> FitPayingLines(const VibrationRemainder& remainder, Vibra
     if (*worst > 0.0) return solution;
     VibrationTerm fewer = solution.term;
     fewer.lines.erase(fewer.lines.begin() + (worst - gains.begin()));
-    if (fewer.lines.size() < fewest) break;
+    if (fewer.lines.size() < fewest || !may_be(fewer.lines)) break;
     solution = remainder.With(std::move(fewer), 0);
   }
   return std::nullopt;

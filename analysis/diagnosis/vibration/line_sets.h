@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "analysis/diagnosis/vibration/starts.h"
@@ -23,8 +25,13 @@ std::vector<double> LineGains(const TermFit& fit);
 
 /// Fits the lines of `places` that stand out in the spectrum, then drops those that do not pay; nothing where
 /// fewer than `fewest` do.
-std::optional<TermFit> FitPayingLines(const VibrationRemainder& remainder, VibrationTerm term,
-                                      const std::vector<LinePlace>& places, std::size_t fewest);
+/// @param may_be  whether some of these lines would be the cause: if not, none is fitted
+std::optional<TermFit> FitPayingLines(
+    const VibrationRemainder& remainder, VibrationTerm term, const std::vector<LinePlace>& places,
+    std::size_t fewest,
+    const std::function<bool(std::span<const LinePlace>)>& may_be = [](std::span<const LinePlace>) {
+      return true;
+    });
 
 /// Scale of known orders that agrees best with the spectrum, where the shaft's own lines leave it open.
 double BestScale(const VibrationRemainder& remainder, const std::vector<double>& orders);

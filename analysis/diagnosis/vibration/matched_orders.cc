@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -81,9 +81,13 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   const double scale =
       angle_step * std::sqrt((1.0 - std::norm(step)) / (remainder_.base().variance() * band_.turns)) / kTwoPi;
   Foretell(natural, half_width, matched);
-  MatchBackwards(run_, step, remainder_.residual(), remainder_.solver().weights(),
-                 [&](std::size_t c, std::size_t i, Complex common) {
-                   filtered_[c][i] = Product(std::conj(common), turns[i]);
+  MatchBackwards(remainder_.side_by_side(0), step,
+                 [&](std::size_t first_channel, std::size_t i, const InCommon& common) {
+                   const std::size_t here = std::min(SideBySide::kTogether, filtered_.size() - first_channel);
+                   for (std::size_t c = 0; c < here; ++c) {
+                     const Complex own(common[c], -common[SideBySide::kTogether + c]);
+                     filtered_[first_channel + c][i] = Product(own, turns[i]);
+                   }
                  });
   for (const std::vector<Complex>& filtered : filtered_) {
     values_.assign(size, Complex{});

@@ -46,15 +46,25 @@ InnovationFilter FilterOf(const Narrowband& narrowband, double period_s) {
 namespace {
 
 // Each sample waits for the one before: columns side by side fill the waiting.
+// @param filters  one a column, or one for all
 template <int kWidth>
-void ForetellColumns(const InnovationFilter& filter, std::span<const char> breaks,
+void ForetellColumns(std::span<const InnovationFilter> filters, std::span<const char> breaks,
                      std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns, Eigen::Index first) {
   using Row = Eigen::Array<double, kWidth, 1>;
   const Row zero = Row::Zero();
+  Row a1, a2, c1, c2;
+  for (int c = 0; c < kWidth; ++c) {
+    const InnovationFilter& own = filters[std::min(filters.size() - 1, static_cast<std::size_t>(first + c))];
+    a1(c) = own.a1;
+    a2(c) = own.a2;
+    c1(c) = own.c1;
+    c2(c) = own.c2;
+  }
   Row y1 = zero, y2 = zero, e1 = zero, e2 = zero;
   for (Eigen::Index i = 0; i < columns.rows(); ++i) {
     if (breaks[static_cast<std::size_t>(i)] != 0) y1 = y2 = e1 = e2 = zero;
-    const Row expected = filter.c1 * e1 + filter.c2 * e2 - filter.a1 * y1 - filter.a2 * y2;
+    // What is known last comes last.
+    const Row expected = (c2 * e2 - a2 * y2 - a1 * y1) + c1 * e1;
     Row y = expected;
     if (missing[static_cast<std::size_t>(i)] == 0) {
       for (int c = 0; c < kWidth; ++c) y(c) = columns(i, first + c);
@@ -69,13 +79,16 @@ void ForetellColumns(const InnovationFilter& filter, std::span<const char> break
 
 }  // namespace
 
-void Foretell(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
-              Eigen::Ref<Eigen::MatrixXd> columns) {
+void Foretell(std::span<const InnovationFilter> filters, std::span<const char> breaks,
+              std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns) {
   Eigen::Index first = 0;
   for (; first + 4 <= columns.cols(); first += 4) {
-    ForetellColumns<4>(filter, breaks, missing, columns, first);
+    ForetellColumns<4>(filters, breaks, missing, columns, first);
   }
-  for (; first < columns.cols(); ++first) ForetellColumns<1>(filter, breaks, missing, columns, first);
+  for (; first + 2 <= columns.cols(); first += 2) {
+    ForetellColumns<2>(filters, breaks, missing, columns, first);
+  }
+  for (; first < columns.cols(); ++first) ForetellColumns<1>(filters, breaks, missing, columns, first);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -27,7 +27,8 @@ InnovationFilter FilterOf(const Narrowband& narrowband, double period_s);
 
 /// Replaces each sample of each column by what the samples before it foretell. Begins anew where `breaks`
 /// says so; for a sample that is missing what was foretold stands in.
-void Foretell(const InnovationFilter& filter, std::span<const char> breaks, std::span<const char> missing,
-              Eigen::Ref<Eigen::MatrixXd> columns);
+/// @param filters  one a column, or one for all
+void Foretell(std::span<const InnovationFilter> filters, std::span<const char> breaks,
+              std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns);
 
 }  // namespace strainwave::analysis::diagnosis

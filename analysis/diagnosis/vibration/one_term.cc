@@ -17,11 +17,11 @@ using Eigen::VectorXd;
 // Less than BIC has it for a coefficient: the judge, too, believes what is beyond chance before it pays in
 // full.
 constexpr double kChargeLess = 5.0;
-constexpr double kSlopeStep = 0.1;  // of a shape's step
+constexpr double kFilterStep = 0.1;  // of a shape's step
 
 // Orthonormal columns that span the same; columns that coincide count once.
 MatrixXd BasisOf(const MatrixXd& columns) {
-  const MatrixXd products = columns.transpose() * columns;
+  const MatrixXd products = SquaresOfColumns(columns);
   VectorXd scale = products.diagonal();
   for (Index i = 0; i < scale.size(); ++i) scale(i) = scale(i) > 0.0 ? 1.0 / std::sqrt(scale(i)) : 0.0;
   const SymmetricParts parts = SymmetricEigen(scale.asDiagonal() * products * scale.asDiagonal());
@@ -43,15 +43,16 @@ double TermFit::bic() const {
 
 OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSolver& solver,
                              const VibrationSolution& base)
-    : samples_(samples), solver_(solver), base_(base) {
+    : samples_(samples), solver_(solver), base_(base), left_(solver.Residual(base)) {
   std::size_t c = 0;
   for (std::size_t r = 0; r < samples.runs.size(); ++r) {
-    const std::size_t first_of_run = groups_.size();
+    const std::size_t first_group = groups_.size();
+    first_of_run_.push_back(c);
     for (const VibrationStretch& channel : samples.runs[r].channels) {
       const auto n = static_cast<Index>(samples.runs[r].size());
       const VectorXd root =
           Eigen::Map<const VectorXd>(solver.weights().data() + channel.first, n).cwiseSqrt();
-      std::size_t place = first_of_run;
+      std::size_t place = first_group;
       // A term that some channels do not hear leaves them other columns.
       const auto same = [&](const Group& group) {
         return group.root_weights == root &&
@@ -73,34 +74,25 @@ OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSol
   }
 }
 
-MatrixXd OneTermSolver::Weighted(const Group& group, MatrixXd columns) const {
-  if (group.weighted) columns.array().colwise() *= group.root_weights.array();
-  return columns;
-}
-
 std::vector<OneTermSolver::Products> OneTermSolver::ProductsOf(const VibrationTerm& term, bool slopes) const {
   const Index width = ColumnsOf(term);
-  std::vector<VibrationShape> shapes;
-  if (slopes) shapes = ShapesOf(samples_, term);
+  const Index shapes = slopes ? static_cast<Index>(term.shapes.size()) : 0;
   std::vector<Products> products;
   MatrixXd columns;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Group& group = groups_[g];
     if (g == 0 || groups_[g - 1].run != group.run) {
-      columns.resize(static_cast<Index>(samples_.runs[group.run].size()),
-                     width * (1 + static_cast<Index>(shapes.size())));
+      columns.resize(static_cast<Index>(samples_.runs[group.run].size()), width * (1 + shapes));
       columns.leftCols(width) = FillTerm(samples_, group.run, term);
-      for (std::size_t s = 0; s < shapes.size(); ++s) {
-        columns.middleCols(width * (1 + static_cast<Index>(s)), width) =
-            FillSlope(samples_, group.run, term, columns.leftCols(width), s, kSlopeStep * shapes[s].step);
-      }
+      if (slopes)
+        columns.rightCols(width * shapes) = FillSlopes(samples_, group.run, term, columns.leftCols(width));
     }
-    const MatrixXd own = Weighted(group, columns);
-    const MatrixXd along = group.basis.transpose() * own;
-    MatrixXd square = MatrixXd::Zero(own.cols(), own.cols());
-    square.selfadjointView<Eigen::Lower>().rankUpdate(own.transpose());
-    square.selfadjointView<Eigen::Lower>().rankUpdate(along.transpose(), -1.0);
-    products.push_back({square.selfadjointView<Eigen::Lower>(), own.transpose() * group.residuals});
+    MatrixXd weighted;
+    if (group.weighted) weighted = group.root_weights.asDiagonal() * columns;
+    const MatrixXd& own = group.weighted ? weighted : columns;
+    const MatrixXd along = ProductsOfColumns(group.basis, own);
+    products.push_back(
+        {SquaresOfColumns(own) - along.transpose() * along, ProductsOfColumns(own, group.residuals)});
   }
   return products;
 }
@@ -159,16 +151,39 @@ SharedStep OneTermSolver::Step(const TermFit& fit, const std::vector<Products>& 
 }
 
 VectorXd OneTermSolver::Innovations(const VibrationTerm& term) const {
-  VectorXd left = solver_.Residual(base_);
+  VectorXd left = left_;
   solver_.TakeOffForetold({&term, 1}, left);
   return Eigen::Map<const VectorXd>(solver_.weights().data(), left.size()).cwiseSqrt().cwiseProduct(left);
+}
+
+template <typename Take>
+void OneTermSolver::ForEachForetold(std::span<const VibrationTerm> narrowband, const Take& take) const {
+  for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
+    const Foretold foretold = solver_.ForetoldOf(narrowband, r, left_);
+    for (const Group& group : groups_) {
+      if (group.run != r) continue;
+      MatrixXd units(static_cast<Index>(group.channels.size()), foretold.units.cols());
+      for (Index k = 0; k < units.rows(); ++k) {
+        const std::size_t of_run = group.channels[static_cast<std::size_t>(k)] - first_of_run_[r];
+        units.row(k) = foretold.units.row(static_cast<Index>(of_run));
+      }
+      if (group.weighted) {
+        take(group, units, MatrixXd(group.root_weights.asDiagonal() * foretold.along));
+      } else {
+        take(group, units, foretold.along);
+      }
+    }
+  }
 }
 
 TermFit OneTermSolver::SolveFilter(VibrationTerm term) const {
   TermFit fit;
   fit.channels.resize(samples_.channels());
   fit.weight_sum = base_.weight_sum;
-  fit.square_sum = Innovations(term).squaredNorm();
+  ForEachForetold({&term, 1}, [&](const Group& group, const MatrixXd& units, const MatrixXd& along) {
+    for (Index k = 0; k < units.rows(); ++k)
+      fit.square_sum += (group.residuals.col(k) - units(k, 0) * along).squaredNorm();
+  });
   fit.free_parameters =
       base_.free_parameters + 2 +
       static_cast<int>(std::ranges::count_if(term.heard, [](char heard) { return heard != 0; }));
@@ -176,19 +191,42 @@ TermFit OneTermSolver::SolveFilter(VibrationTerm term) const {
   return fit;
 }
 
+// What a change of a shape does to a channel, unit · along, is a combination of what is foretold now and of
+// its changes: the products of these few series with one another and with the residuals are enough.
 SharedStep OneTermSolver::StepFilter(const TermFit& fit, const std::vector<VibrationShape>& shapes) const {
-  const VectorXd here = Innovations(fit.term);
-  MatrixXd slopes = MatrixXd::Zero(here.size(), static_cast<Index>(shapes.size()));
+  std::vector<VibrationTerm> terms{fit.term};
+  std::vector<Index> shape_of{-1};
+  std::vector<double> by_of{0.0};
   for (std::size_t s = 0; s < shapes.size(); ++s) {
     if (s >= 2 && fit.term.heard[s - 2] == 0) continue;
-    VibrationTerm moved = fit.term;
-    const double by = kSlopeStep * shapes[s].step;
-    moved.shapes[s] += by;
-    slopes.col(static_cast<Index>(s)) = (here - Innovations(moved)) / by;
+    shape_of.push_back(static_cast<Index>(s));
+    by_of.push_back(kFilterStep * shapes[s].step);
+    terms.push_back(fit.term);
+    terms.back().shapes[s] += by_of.back();
   }
-  SharedStep step(slopes.cols());
-  step.normal.noalias() = slopes.transpose() * slopes;
-  step.gradient.noalias() = slopes.transpose() * here;
+  const auto count = static_cast<Index>(terms.size());
+  SharedStep step(static_cast<Index>(shapes.size()));
+  ForEachForetold(terms, [&](const Group& group, const MatrixXd& units, MatrixXd along) {
+    for (Index t = 1; t < count; ++t)
+      along.col(t) = (along.col(t) - along.col(0)) / by_of[static_cast<std::size_t>(t)];
+    const MatrixXd own = SquaresOfColumns(along);
+    const MatrixXd with_residuals = ProductsOfColumns(along, group.residuals);
+    for (Index k = 0; k < units.rows(); ++k) {
+      MatrixXd change = MatrixXd::Zero(count, count);  // of the channel, by shape, in these series
+      for (Index t = 1; t < count; ++t) {
+        change(0, t) = (units(k, t) - units(k, 0)) / by_of[static_cast<std::size_t>(t)];
+        change(t, t) = units(k, t);
+      }
+      const MatrixXd normal = change.transpose() * own * change;
+      const VectorXd gradient = change.transpose() * (with_residuals.col(k) - units(k, 0) * own.col(0));
+      for (Index t = 1; t < count; ++t) {
+        const Index a = shape_of[static_cast<std::size_t>(t)];
+        step.gradient(a) += gradient(t);
+        for (Index u = 1; u < count; ++u)
+          step.normal(a, shape_of[static_cast<std::size_t>(u)]) += normal(t, u);
+      }
+    }
+  });
   return step;
 }
 
@@ -234,8 +272,9 @@ VectorXd OneTermSolver::Residual(const TermFit& fit) const {
   if (IsFilter(fit.term)) return Innovations(fit.term);
   VectorXd residual(static_cast<Index>(samples_.measured.size()));
   for (const Group& group : groups_) {
-    MatrixXd own = Weighted(group, FillTerm(samples_, group.run, fit.term));
-    own -= group.basis * (group.basis.transpose() * own);
+    MatrixXd own = FillTerm(samples_, group.run, fit.term);
+    if (group.weighted) own.array().colwise() *= group.root_weights.array();
+    own -= group.basis * ProductsOfColumns(group.basis, own);
     for (std::size_t k = 0; k < group.channels.size(); ++k) {
       const std::size_t c = group.channels[k];
       auto part = residual.segment(static_cast<Index>(group.firsts[k]), own.rows());

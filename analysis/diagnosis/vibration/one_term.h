@@ -67,7 +67,6 @@ class OneTermSolver {
     Eigen::MatrixXd own;
     Eigen::MatrixXd with_residuals;
   };
-  Eigen::MatrixXd Weighted(const Group& group, Eigen::MatrixXd columns) const;
   std::vector<Products> ProductsOf(const VibrationTerm& term, bool slopes) const;
   TermFit Solve(VibrationTerm term, const std::vector<Products>& products) const;
   SharedStep Step(const TermFit& fit, const std::vector<Products>& products) const;
@@ -76,11 +75,17 @@ class OneTermSolver {
   TermFit SolveFilter(VibrationTerm term) const;
   SharedStep StepFilter(const TermFit& fit, const std::vector<VibrationShape>& shapes) const;
   Eigen::VectorXd Innovations(const VibrationTerm& term) const;
+  /// What narrow-band terms foretell of the channels of each group.
+  /// @param take  (group, direction of its channels × terms, foretold along it under its weights × terms)
+  template <typename Take>
+  void ForEachForetold(std::span<const VibrationTerm> narrowband, const Take& take) const;
 
   const VibrationSamples& samples_;
   const VibrationSolver& solver_;
   const VibrationSolution& base_;
+  Eigen::VectorXd left_;  // by the base, all samples
   std::vector<Group> groups_;
+  std::vector<std::size_t> first_of_run_;  // channel
 };
 
 }  // namespace strainwave::analysis::diagnosis

@@ -1,16 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/diagnosis/vibration/projection.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "analysis/decompositions.h"
+#include "analysis/products.h"
 
 namespace strainwave::analysis::diagnosis {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+namespace {
+
+// Rows of two dozen columns that the second cache holds.
+constexpr Index kRowsTogether = 2048;
+
+bool AllOne(const Eigen::Ref<const VectorXd>& weights) { return (weights.array() == 1.0).all(); }
+
+}  // namespace
+
+MatrixXd ProductsOfColumns(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>& b) {
+  MatrixXd products = MatrixXd::Zero(a.cols(), b.cols());
+  for (Index first = 0; first < a.rows(); first += kRowsTogether) {
+    MultiplyRows<double>({a.data() + first, a.outerStride()}, {b.data() + first, b.outerStride()},
+                         {products.data(), 1, products.outerStride()}, a.cols(), b.cols(),
+                         std::min(kRowsTogether, a.rows() - first), Sum::kAdd);
+  }
+  return products;
+}
+
+MatrixXd SquaresOfColumns(const Eigen::Ref<const MatrixXd>& a) {
+  constexpr Index kTogether = 6;  // columns; right of the diagonal is computed for them alone
+  MatrixXd products(a.cols(), a.cols());
+  for (Index first = 0; first < a.cols(); first += kTogether) {
+    const Index width = std::min(kTogether, a.cols() - first);
+    products.middleRows(first, width).leftCols(first + width) =
+        ProductsOfColumns(a.middleCols(first, width), a.leftCols(first + width));
+  }
+  return products.selfadjointView<Eigen::Lower>();
+}
+
+MatrixXd NormalInverse(const Eigen::Ref<const MatrixXd>& columns, const Eigen::Ref<const VectorXd>& weights) {
+  if (AllOne(weights)) return PseudoInverse(SquaresOfColumns(columns));
+  return PseudoInverse(SquaresOfColumns(weights.cwiseSqrt().asDiagonal() * columns));
+}
 
 MatrixXd PseudoInverse(const MatrixXd& symmetric) {
   if (symmetric.rows() == 0) return symmetric;
@@ -24,39 +61,34 @@ MatrixXd PseudoInverse(const MatrixXd& symmetric) {
          scale.asDiagonal();
 }
 
-ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const VectorXd& response,
-                      const VectorXd& weights, MatrixXd inverse) {
+ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const Eigen::Ref<const VectorXd>& response,
+                      const Eigen::Ref<const VectorXd>& weights, MatrixXd inverse) {
   ChannelFit fit;
   fit.inverse = std::move(inverse);
-  fit.coefficients = fit.inverse * (columns.transpose() * weights.cwiseProduct(response));
+  fit.coefficients = fit.inverse * ProductsOfColumns(columns, weights.cwiseProduct(response));
   fit.residual = response - columns * fit.coefficients;
   // Once more on what is left: the normal equations lose half of the digits.
-  const VectorXd correction = fit.inverse * (columns.transpose() * weights.cwiseProduct(fit.residual));
+  const VectorXd correction = fit.inverse * ProductsOfColumns(columns, weights.cwiseProduct(fit.residual));
   fit.coefficients += correction;
   fit.residual -= columns * correction;
   fit.square_sum = weights.dot(fit.residual.cwiseAbs2());
   return fit;
 }
 
-ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const VectorXd& response,
-                      const VectorXd& weights) {
-  MatrixXd normal = MatrixXd::Zero(columns.cols(), columns.cols());
-  const VectorXd root = weights.cwiseSqrt();
-  if ((root.array() == 1.0).all()) {
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
-  } else {
-    normal.selfadjointView<Eigen::Lower>().rankUpdate((root.asDiagonal() * columns).transpose().eval());
-  }
-  return FitChannel(columns, response, weights, PseudoInverse(normal.selfadjointView<Eigen::Lower>()));
+ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const Eigen::Ref<const VectorXd>& response,
+                      const Eigen::Ref<const VectorXd>& weights) {
+  return FitChannel(columns, response, weights, NormalInverse(columns, weights));
 }
 
 MatrixXd SharedStep::Add(const Eigen::Ref<const MatrixXd>& columns, const MatrixXd& derivatives,
-                         const ChannelFit& fit, const VectorXd& weights) {
-  const MatrixXd weighted = weights.asDiagonal() * derivatives;
-  const MatrixXd common = columns.transpose() * weighted;
+                         const ChannelFit& fit, const Eigen::Ref<const VectorXd>& weights) {
+  MatrixXd weighted;
+  if (!AllOne(weights)) weighted = weights.asDiagonal() * derivatives;
+  const MatrixXd& own = weighted.size() > 0 ? weighted : derivatives;
+  const MatrixXd common = ProductsOfColumns(columns, own);
   const MatrixXd coupling = fit.inverse * common;
-  normal.noalias() += weighted.transpose() * derivatives - coupling.transpose() * common;
-  gradient.noalias() += weighted.transpose() * fit.residual;
+  normal += ProductsOfColumns(own, derivatives) - coupling.transpose() * common;
+  gradient += ProductsOfColumns(own, fit.residual);
   return -coupling;
 }
 

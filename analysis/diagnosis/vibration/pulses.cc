@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <utility>
 
+#include "analysis/diagnosis/phasors.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -30,48 +32,48 @@ Eigen::VectorXd PulseColumn(const VibrationRun& run, const PulseTrain& train, do
   std::array<double, kPulseHarmonics + 1> falls{};
   for (int k = 1; k <= harmonics; ++k) falls[static_cast<std::size_t>(k)] = Fall(train.width, k);
   Eigen::VectorXd column(static_cast<Eigen::Index>(run.size()));
-  const double middle = 0.5 * run.angle_rad.back();
-  const bool even = train.cosine == 0.0 && train.sine == 0.0;
-  for (std::size_t i = 0; i < run.size(); ++i) {
-    const std::complex<double> turn =
-        std::polar(1.0, train.order * (run.angle_rad[i] - middle) - kTwoPi * train.place);
-    std::complex<double> line = 1.0;
-    double sum = 0.0;
-    for (int k = 1; k <= harmonics; ++k) {
-      line *= turn;
-      sum += falls[static_cast<std::size_t>(k)] * line.real();
-    }
-    if (!even) {
-      const double slow = train.slow_order * run.angle_rad[i];
-      sum *= 1.0 + train.cosine * std::cos(slow) + train.sine * std::sin(slow);
-    }
-    column(static_cast<Eigen::Index>(i)) = sum;
-  }
+  const double turned_rad = 0.5 * train.order * run.angle_rad.back() + kTwoPi * train.place;
+  const std::complex<double> start = std::polar(1.0, -turned_rad);
+  ForEachPhasor(run.angle_rad, train.order, [&](std::size_t i, std::complex<double> phasor) {
+    // Clenshaw's sum of cosines.
+    const double cosine = Product(phasor, start).real();
+    double next = 0.0;
+    double after = 0.0;
+    for (int k = harmonics; k >= 1; --k)
+      after = std::exchange(next, falls[static_cast<std::size_t>(k)] + 2.0 * cosine * next - after);
+    column(static_cast<Eigen::Index>(i)) = cosine * next - after;
+  });
+  if (train.cosine == 0.0 && train.sine == 0.0) return column;
+  ForEachPhasor(run.angle_rad, train.slow_order, [&](std::size_t i, std::complex<double> phasor) {
+    column(static_cast<Eigen::Index>(i)) *= 1.0 + train.cosine * phasor.real() + train.sine * phasor.imag();
+  });
   return column;
 }
 
-double BestPulsePlace(const VibrationRun& run, const PulseTrain& train, double highest_order,
-                      std::span<const double> residual, std::span<const double> weights) {
-  const int harmonics = PulseHarmonics(train.width, train.order, highest_order);
-  const double middle = 0.5 * run.angle_rad.back();
+PulseLines::PulseLines(const VibrationRun& run, double order, std::span<const double> residual,
+                       std::span<const double> weights) {
+  const std::complex<double> start = std::polar(1.0, -0.5 * order * run.angle_rad.back());
+  of_channel_.resize(run.channels.size());
+  ForEachPhasor(run.angle_rad, order, [&](std::size_t i, std::complex<double> phasor) {
+    Lines turns{1.0};
+    for (std::size_t k = 1; k < turns.size(); ++k) turns[k] = Product(turns[k - 1], Product(phasor, start));
+    for (std::size_t c = 0; c < of_channel_.size(); ++c) {
+      const std::size_t place = run.channels[c].first + i;
+      if (!(weights[place] > 0.0)) continue;
+      for (std::size_t k = 1; k < turns.size(); ++k) of_channel_[c][k] += residual[place] * turns[k];
+    }
+  });
+}
+
+double PulseLines::BestPlace(double width, int harmonics) const {
   constexpr std::size_t kPlaces = 4 * kPulseHarmonics;
   std::array<double, kPlaces> power{};
-  for (const VibrationStretch& channel : run.channels) {
-    std::array<std::complex<double>, kPulseHarmonics + 1> lines{};
-    for (std::size_t i = 0; i < run.size(); ++i) {
-      if (!(weights[channel.first + i] > 0.0)) continue;
-      const std::complex<double> turn = std::polar(1.0, train.order * (run.angle_rad[i] - middle));
-      std::complex<double> line = residual[channel.first + i];
-      for (int k = 1; k <= harmonics; ++k) {
-        line *= turn;
-        lines[static_cast<std::size_t>(k)] += line;
-      }
-    }
+  for (const Lines& lines : of_channel_) {
     for (std::size_t p = 0; p < kPlaces; ++p) {
       double sum = 0.0;
       for (int k = 1; k <= harmonics; ++k) {
         const double angle = kTwoPi * k * static_cast<double>(p) / kPlaces;
-        sum += Fall(train.width, k) * (lines[static_cast<std::size_t>(k)] * std::polar(1.0, -angle)).real();
+        sum += Fall(width, k) * (lines[static_cast<std::size_t>(k)] * std::polar(1.0, -angle)).real();
       }
       power[p] += sum * sum;
     }

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
+#include <complex>
 #include <span>
+#include <vector>
 
 #include "analysis/diagnosis/vibration/samples.h"
 
@@ -26,9 +29,19 @@ int PulseHarmonics(double width, double order, double highest_order);
 
 Eigen::VectorXd PulseColumn(const VibrationRun& run, const PulseTrain& train, double highest_order);
 
-/// Place at which an even train of this width explains most of a residual of one run, over its channels
-/// together.
-double BestPulsePlace(const VibrationRun& run, const PulseTrain& train, double highest_order,
-                      std::span<const double> residual, std::span<const double> weights);
+/// What a residual of one run has at the harmonics of an order: where even trains of pulses explain most of
+/// it.
+class PulseLines {
+ public:
+  PulseLines(const VibrationRun& run, double order, std::span<const double> residual,
+             std::span<const double> weights);
+
+  /// Place of a train of this width and so many harmonics, over the channels together.
+  double BestPlace(double width, int harmonics) const;
+
+ private:
+  using Lines = std::array<std::complex<double>, kPulseHarmonics + 1>;
+  std::vector<Lines> of_channel_;
+};
 
 }  // namespace strainwave::analysis::diagnosis

@@ -12,7 +12,7 @@
 #include "analysis/diagnosis/vibration/bearing_orders.h"
 #include "analysis/diagnosis/vibration/combs.h"
 #include "analysis/diagnosis/vibration/impulse_chain.h"
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/units.h"
 
@@ -42,18 +42,13 @@ constexpr double kHighest = 2.0;               // impulse, of the usual one: the
 std::vector<Series> Matched(const VibrationRemainder& remainder, double ring_Hz, double damping) {
   const VibrationRun& run = remainder.samples().runs.front();
   const Complex step = std::exp(RingPole(ring_Hz, damping) * run.period_s);
-  std::vector<Series> matched;
-  for (const VibrationStretch& channel : run.channels) {
-    Series own(run.size());
-    Complex common{};
-    for (std::size_t i = run.size(); i-- > 0;) {
-      const std::size_t place = channel.first + i;
-      const bool counts = remainder.solver().weights()[place] > 0.0;
-      common = Product(common, step) + (counts ? remainder.residual()[place] : 0.0);
-      own[i] = common;
-    }
-    matched.push_back(std::move(own));
-  }
+  std::vector<Series> matched(run.channels.size(), Series(run.size()));
+  MatchBackwards(remainder.side_by_side(0), step,
+                 [&](std::size_t first, std::size_t i, const InCommon& common) {
+                   const std::size_t here = std::min(SideBySide::kTogether, matched.size() - first);
+                   for (std::size_t c = 0; c < here; ++c)
+                     matched[first + c][i] = {common[c], common[SideBySide::kTogether + c]};
+                 });
   return matched;
 }
 

@@ -90,34 +90,70 @@ VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<cons
   }
 }
 
+VibrationSolver::Listening VibrationSolver::ListeningOf(const VibrationTerm& narrowband,
+                                                        std::size_t run) const {
+  const std::vector<VibrationStretch>& channels = samples_.runs[run].channels;
+  std::size_t first = 0;
+  for (std::size_t r = 0; r < run; ++r) first += samples_.runs[r].channels.size();
+  Listening listening{VectorXd::Zero(static_cast<Index>(channels.size())),
+                      {},
+                      std::vector<char>(samples_.runs[run].size(), 0)};
+  std::vector<char>& missing = listening.missing;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (narrowband.heard[first + c] == 0 || narrowband.shapes[2 + first + c] == 0.0) continue;
+    listening.unit(static_cast<Index>(c)) = narrowband.shapes[2 + first + c];
+    const auto own = missing_.begin() + static_cast<std::ptrdiff_t>(channels[c].first);
+    std::transform(missing.begin(), missing.end(), own, missing.begin(), std::bit_or<>());
+  }
+  const double size = listening.unit.norm();
+  if (!(size > 0.0)) return listening;
+  listening.unit /= size;
+  listening.filter = FilterOf({narrowband.shapes[0], narrowband.shapes[1], 2.0 * std::log(size)},
+                              samples_.runs[run].period_s);
+  return listening;
+}
+
+Foretold VibrationSolver::ForetoldOf(std::span<const VibrationTerm> narrowband, std::size_t run,
+                                     const VectorXd& left) const {
+  const VibrationRun& own = samples_.runs[run];
+  const auto first = static_cast<Index>(own.channels.front().first);
+  const auto n = static_cast<Index>(own.size());
+  const auto channels = static_cast<Index>(own.channels.size());
+  Foretold foretold{MatrixXd(channels, static_cast<Index>(narrowband.size())), {}};
+  std::vector<InnovationFilter> filters;
+  std::vector<char> missing;
+  for (const VibrationTerm& term : narrowband) {
+    Listening listening = ListeningOf(term, run);
+    foretold.units.col(static_cast<Index>(filters.size())) = listening.unit;
+    filters.push_back(listening.filter);
+    if (missing.empty()) missing = std::move(listening.missing);
+  }
+  // The channels of a record stand one after the other.
+  foretold.along = Eigen::Map<const MatrixXd>(left.data() + first, n, channels) * foretold.units;
+  Foretell(filters, std::span(breaks_).subspan(static_cast<std::size_t>(first), own.size()), missing,
+           foretold.along);
+  return foretold;
+}
+
 void VibrationSolver::TakeOffForetold(std::span<const VibrationTerm> terms, Eigen::Ref<MatrixXd> left) const {
   for (const VibrationTerm& term : terms) {
     if (!IsNarrowband(term)) continue;
-    std::size_t first_channel = 0;
-    for (const VibrationRun& run : samples_.runs) {
+    for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
+      const VibrationRun& run = samples_.runs[r];
       const auto n = static_cast<Index>(run.size());
+      const Listening listening = ListeningOf(term, r);
+      if (listening.unit.isZero(0.0)) continue;
       const auto of_channel = [&](std::size_t c) {
         return left.middleRows(static_cast<Index>(run.channels[c].first), n);
       };
-      std::vector<double> gains;
-      for (std::size_t c = 0; c < run.channels.size(); ++c) {
-        gains.push_back(term.heard[first_channel + c] != 0 ? term.shapes[2 + first_channel + c] : 0.0);
-      }
-      first_channel += run.channels.size();
-      const double size = Eigen::Map<const VectorXd>(gains.data(), static_cast<Index>(gains.size())).norm();
-      if (!(size > 0.0)) continue;
       MatrixXd together = MatrixXd::Zero(n, left.cols());
-      std::vector<char> missing(run.size(), 0);
-      for (std::size_t c = 0; c < gains.size(); ++c) {
-        if (gains[c] == 0.0) continue;
-        together += gains[c] / size * of_channel(c);
-        const auto own = missing_.begin() + static_cast<std::ptrdiff_t>(run.channels[c].first);
-        std::transform(missing.begin(), missing.end(), own, missing.begin(), std::bit_or<>());
-      }
-      Foretell(FilterOf({term.shapes[0], term.shapes[1], 2.0 * std::log(size)}, run.period_s),
-               std::span(breaks_).subspan(run.channels.front().first, run.size()), missing, together);
-      for (std::size_t c = 0; c < gains.size(); ++c) {
-        if (gains[c] != 0.0) of_channel(c) -= gains[c] / size * together;
+      for (std::size_t c = 0; c < run.channels.size(); ++c)
+        together += listening.unit(static_cast<Index>(c)) * of_channel(c);
+      Foretell({&listening.filter, 1}, std::span(breaks_).subspan(run.channels.front().first, run.size()),
+               listening.missing, together);
+      for (std::size_t c = 0; c < run.channels.size(); ++c) {
+        const double unit = listening.unit(static_cast<Index>(c));
+        if (unit != 0.0) of_channel(c) -= unit * together;
       }
     }
   }
@@ -229,21 +265,21 @@ VectorXd VibrationSolver::Residual(const VibrationSolution& solution) const {
   return residual;
 }
 
-MatrixXd VibrationSolver::Derivatives(
-    const VibrationSolution& solution, std::size_t channel, std::size_t from, std::size_t shapes,
-    const std::vector<std::vector<std::shared_ptr<const MatrixXd>>>& moved) const {
+MatrixXd VibrationSolver::Derivatives(const VibrationSolution& solution, std::size_t channel,
+                                      std::size_t from, std::size_t shapes,
+                                      const std::vector<std::vector<MatrixXd>>& slopes) const {
   const Place& place = places_[channel];
   const VibrationSolution::Channel& fitted = solution.channels[channel];
   MatrixXd derivatives =
       MatrixXd::Zero(static_cast<Index>(samples_.runs[place.run].size()), static_cast<Index>(shapes));
-  std::size_t s = 0;
+  Index s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
     const VibrationTerm& term = solution.terms[t];
-    for (std::size_t k = 0; k < term.shapes.size(); ++k, ++s) {
+    const Index width = ColumnsOf(term);
+    for (Index k = 0; k < static_cast<Index>(term.shapes.size()); ++k, ++s) {
       if (term.heard[channel] == 0 || IsNarrowband(term)) continue;
-      const MatrixXd& slope = *moved[place.run][s];
-      derivatives.col(static_cast<Index>(s)) =
-          slope * fitted.fit.coefficients.segment(fitted.first[t], slope.cols());
+      derivatives.col(s).noalias() = slopes[place.run][t - from].middleCols(k * width, width) *
+                                     fitted.fit.coefficients.segment(fitted.first[t], width);
     }
   }
   return derivatives;
@@ -269,25 +305,20 @@ SharedStep VibrationSolver::StepOfForetold(const VibrationSolution& solution, st
   const Eigen::Map<const VectorXd> weights(weights_.data(), derivatives.rows());
   const MatrixXd weighted = weights.asDiagonal() * derivatives;
   SharedStep step(derivatives.cols());
-  step.normal.noalias() = weighted.transpose() * derivatives;
-  step.gradient.noalias() = weighted.transpose() * left;
+  step.normal = ProductsOfColumns(weighted, derivatives);
+  step.gradient = ProductsOfColumns(weighted, left);
   return step;
 }
 
 SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
                                  const std::vector<VibrationShape>& shapes) const {
   // Slopes of the columns by each shape, once a run: the channels share them.
-  std::vector<std::vector<std::shared_ptr<const MatrixXd>>> moved(samples_.runs.size());
+  std::vector<std::vector<MatrixXd>> slopes(samples_.runs.size());
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
-    std::size_t s = 0;
     for (std::size_t t = from; t < solution.terms.size(); ++t) {
       const VibrationTerm& term = solution.terms[t];
-      for (std::size_t k = 0; k < term.shapes.size(); ++k, ++s) {
-        moved[r].push_back(nullptr);
-        if (IsNarrowband(term)) continue;
-        moved[r].back() = std::make_shared<const MatrixXd>(
-            FillSlope(samples_, r, term, *solution.columns[r][t], k, 0.1 * shapes[s].step));
-      }
+      slopes[r].push_back(IsNarrowband(term) ? MatrixXd()
+                                             : FillSlopes(samples_, r, term, *solution.columns[r][t]));
     }
   }
   const bool foretells = std::ranges::any_of(solution.terms, IsNarrowband);
@@ -298,7 +329,7 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
   for (std::size_t c = 0; c < places_.size(); ++c) {
     if (!RepeatsColumns(solution.terms, c)) all = Assemble(solution, c);
     const auto columns = all.leftCols(all.cols() - 1);
-    const MatrixXd derivatives = Derivatives(solution, c, from, shapes.size(), moved);
+    const MatrixXd derivatives = Derivatives(solution, c, from, shapes.size(), slopes);
     MatrixXd& follows = solution.channels[c].follows_shapes;
     follows = step.Add(columns, derivatives, solution.channels[c].fit, WeightsOf(c));
     if (foretells) {

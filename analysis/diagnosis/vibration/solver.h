@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "analysis/diagnosis/vibration/narrowband.h"
 #include "analysis/diagnosis/vibration/projection.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/terms.h"
@@ -56,6 +57,13 @@ Fit Descend(Fit fit, int rounds, StepAt step_at, Moved moved) {
   return fit;
 }
 
+/// What narrow-band terms, each for itself, foretell of what is left of one run. A mode moves all channels of
+/// a record in one proportion: what they show of it together foretells each.
+struct Foretold {
+  Eigen::MatrixXd units;  // channels × terms: direction in which it moves them
+  Eigen::MatrixXd along;  // samples × terms: along that direction; a channel has its part of the unit
+};
+
 /// Fits terms to the samples by least squares under weights. What narrow-band terms foretell is taken off
 /// what that leaves: a line's coefficients are the same in noise of any smooth spectrum, and other terms lie
 /// beside the band.
@@ -78,8 +86,12 @@ class VibrationSolver {
   /// Columns of one channel; the last one is the response.
   Eigen::MatrixXd Assemble(const VibrationSolution& solution, std::size_t channel) const;
 
-  /// Takes off what the narrow-band terms foretell. A mode moves all channels of a record in one proportion:
-  /// what they show of it together foretells each.
+  /// @param narrowband  terms that the same channels hear
+  /// @param left  all samples
+  Foretold ForetoldOf(std::span<const VibrationTerm> narrowband, std::size_t run,
+                      const Eigen::VectorXd& left) const;
+
+  /// Takes off what the narrow-band terms foretell.
   /// @param left  all samples, in any number of columns
   void TakeOffForetold(std::span<const VibrationTerm> terms, Eigen::Ref<Eigen::MatrixXd> left) const;
 
@@ -90,13 +102,21 @@ class VibrationSolver {
     std::size_t run;
     const VibrationStretch* channel;
   };
+  /// How a narrow-band term listens to the channels of a run: together along a unit vector, zero where none
+  /// hears it, but for samples that one of them misses.
+  struct Listening {
+    Eigen::VectorXd unit;
+    InnovationFilter filter;
+    std::vector<char> missing;
+  };
+  Listening ListeningOf(const VibrationTerm& narrowband, std::size_t run) const;
   /// Whether a channel has the columns of the one before it.
   bool RepeatsColumns(std::span<const VibrationTerm> terms, std::size_t channel) const;
   Eigen::Map<const Eigen::VectorXd> WeightsOf(std::size_t channel) const;
   Eigen::Map<const Eigen::VectorXd> ResponseOf(std::size_t channel) const;
-  Eigen::MatrixXd Derivatives(
-      const VibrationSolution& solution, std::size_t channel, std::size_t from, std::size_t shapes,
-      const std::vector<std::vector<std::shared_ptr<const Eigen::MatrixXd>>>& moved) const;
+  Eigen::MatrixXd Derivatives(const VibrationSolution& solution, std::size_t channel, std::size_t from,
+                              std::size_t shapes,
+                              const std::vector<std::vector<Eigen::MatrixXd>>& slopes) const;
   SharedStep StepOfForetold(const VibrationSolution& solution, std::size_t from,
                             const std::vector<VibrationShape>& shapes, Eigen::MatrixXd derivatives) const;
   SharedStep Step(VibrationSolution& solution, std::size_t from,

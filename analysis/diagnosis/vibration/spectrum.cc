@@ -172,7 +172,8 @@ VibrationSpectrum::VibrationSpectrum(const VibrationSamples& samples, std::span<
       const std::vector<double> background = BackgroundOf(power, kSpectrumPadding);
       std::vector<std::complex<float>> amplitudes(power.size());
       own.power.resize(power.size(), 0.0F);
-      own.step = 1.0 / (static_cast<double>(size) * step / (turns ? kTwoPi : 1.0));
+      own.per_step = static_cast<double>(size) * step / (turns ? kTwoPi : 1.0);
+      own.step = 1.0 / own.per_step;
       for (std::size_t j = 0; j < power.size(); ++j) {
         own.power[j] += static_cast<float>(power[j] / background[j]);
         amplitudes[j] = std::complex<float>(spectrum[j] / std::sqrt(background[j]));
@@ -191,7 +192,7 @@ double VibrationSpectrum::At(double order) const noexcept {
   if (!(order > 0.0)) return 0.0;
   double sum = 0.0;
   for (const Run& run : runs_) {
-    const auto place = static_cast<std::size_t>(order / run.step + 0.5);
+    const auto place = static_cast<std::size_t>(order * run.per_step + 0.5);
     if (place < run.power.size()) sum += static_cast<double>(run.power[place]);
   }
   return sum;
@@ -200,7 +201,7 @@ double VibrationSpectrum::At(double order) const noexcept {
 void VibrationSpectrum::AmplitudesAt(std::size_t run, double order,
                                      std::span<std::complex<float>> amplitudes) const noexcept {
   const Run& own = runs_[run];
-  const auto place = static_cast<std::size_t>(std::max(0.0, order) / own.step + 0.5);
+  const auto place = static_cast<std::size_t>(std::max(0.0, order) * own.per_step + 0.5);
   for (std::size_t c = 0; c < amplitudes.size(); ++c) {
     const bool known = c < own.of_channel.size() && place < own.power.size();
     amplitudes[c] = known ? own.of_channel[c][place] : std::complex<float>();

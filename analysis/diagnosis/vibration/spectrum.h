@@ -37,6 +37,7 @@ class VibrationSpectrum {
  private:
   struct Run {
     double step{};
+    double per_step{};
     std::vector<float> power;
     std::vector<std::vector<std::complex<float>>> of_channel;
   };

@@ -28,8 +28,9 @@ constexpr double kClearly = 3.0;            // standard errors
 constexpr std::size_t kMostPairs = 6;
 constexpr double kClearLine = 9.0;  // −ln p of one line at a known place, beyond what a channel gives
 
-VectorXd Response(const VibrationSamples& samples, const VibrationRun& run, const VibrationStretch& channel) {
-  return Eigen::Map<const VectorXd>(samples.measured.data() + channel.first, static_cast<Index>(run.size()));
+Eigen::Map<const VectorXd> Response(const VibrationSamples& samples, const VibrationRun& run,
+                                    const VibrationStretch& channel) {
+  return {samples.measured.data() + channel.first, static_cast<Index>(run.size())};
 }
 
 std::vector<double> LessMeans(const VibrationSamples& samples) {
@@ -103,11 +104,12 @@ PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, cons
   VectorXd phase = best.phase;
   for (int round = 0; round < 8; ++round) {
     const MatrixXd columns = NominalAt(run, angle + basis * phase);
+    const MatrixXd inverse = NormalInverse(columns, weights);
     PhaseFit now;
     now.phase = phase;
     SharedStep step(basis.cols());
     for (const VibrationStretch& channel : run.channels) {
-      const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights);
+      const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights, inverse);
       now.square_sum += fit.square_sum;
       for (Index k = 0; k < 2; ++k) {
         now.line_energy[k] +=
@@ -157,10 +159,11 @@ template <typename Derivatives>
 Step StepOf(const VibrationSamples& samples, const VibrationRun& run, const MatrixXd& columns, Index numbers,
             const Derivatives& derivatives) {
   const VectorXd weights = VectorXd::Ones(columns.rows());
+  const MatrixXd normal_inverse = NormalInverse(columns, weights);
   SharedStep step(numbers);
   double square_sum = 0.0;
   for (const VibrationStretch& channel : run.channels) {
-    const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights);
+    const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights, normal_inverse);
     const VectorXd slopes[] = {SlopeOf(columns, fit, 1), SlopeOf(columns, fit, 2)};
     step.Add(columns, derivatives(slopes), fit, weights);
     square_sum += fit.square_sum;
@@ -290,7 +293,7 @@ bool StandsOutAlone(const VibrationSamples& one, Index line) {
   const VectorXd weights = VectorXd::Ones(n);
   std::vector<double> left(one.measured.size(), 0.0);
   for (const VibrationStretch& channel : run.channels) {
-    const VectorXd response = Response(one, run, channel);
+    const auto response = Response(one, run, channel);
     ChannelFit fit = FitChannel(run.nominal, response, weights);
     fit.coefficients.segment(2 * line - 1, 2).setZero();
     Eigen::Map<VectorXd>(left.data() + channel.first, n) = response - run.nominal * fit.coefficients;

@@ -53,6 +53,14 @@ VibrationRemainder::VibrationRemainder(const VibrationSamples& samples, const Vi
   residual_.assign(left.data(), left.data() + left.size());
 }
 
+const SideBySide& VibrationRemainder::side_by_side(std::size_t run) const {
+  if (side_by_side_.empty()) {
+    for (const VibrationRun& own : samples_.runs)
+      side_by_side_.emplace_back(own, residual_, solver_.weights());
+  }
+  return side_by_side_[run];
+}
+
 const VibrationSpectrum& VibrationRemainder::over_turns() const {
   if (!turns_) turns_.emplace(samples_, residual_, solver_.weights(), SpectrumAxis::kTurns);
   return *turns_;

@@ -9,6 +9,7 @@
 
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/vibration/one_term.h"
+#include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
@@ -54,6 +55,8 @@ class VibrationRemainder {
   const VibrationSolver& solver() const { return solver_; }
   const VibrationSolution& base() const { return base_; }
   std::span<const double> residual() const { return residual_; }
+  /// The residual of one run for filters.
+  const SideBySide& side_by_side(std::size_t run) const;
   const VibrationSpectrum& over_turns() const;
   const VibrationSpectrum& over_seconds() const;
 
@@ -87,6 +90,7 @@ class VibrationRemainder {
   std::vector<double> residual_;
   const OneTermSolver& one_term() const;
 
+  mutable std::vector<SideBySide> side_by_side_;  // by run
   mutable std::optional<OneTermSolver> one_term_;
   mutable std::optional<VibrationSpectrum> turns_;
   mutable std::optional<VibrationSpectrum> seconds_;

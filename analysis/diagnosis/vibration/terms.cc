@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 
+#include "analysis/diagnosis/phasors.h"
 #include "analysis/diagnosis/vibration/pulses.h"
 #include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/model/vibration_orders.h"
@@ -16,31 +17,15 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr std::size_t kFromOneTurnOn = 32;  // samples
-constexpr double kLeastTurn = 1e-3;         // rad, below which a few powers make a turn
-
 void FillLines(const std::vector<double>& angle, const VibrationTerm& term, MatrixXd& columns) {
   const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
   for (std::size_t l = 0; l < term.lines.size(); ++l) {
     const double order = term.lines[l].harmonic * base + term.lines[l].offset;
     const auto pair = static_cast<Index>(2 * l);
-    // Each sample is the one before, turned by nearly the same step; anew every few samples, before the
-    // roundings add up.
-    double step = 0.0;
-    std::complex<double> turn = 1.0;
-    std::complex<double> value;
-    for (std::size_t i = 0; i < angle.size(); ++i) {
-      const double more = i > 0 ? order * (angle[i] - angle[i - 1] - step) : 0.0;
-      if (i % kFromOneTurnOn != 0 && std::abs(more) < kLeastTurn) {
-        value = Product(value, Product(turn, {1.0 - 0.5 * more * more, more * (1.0 - more * more / 6.0)}));
-      } else {
-        value = std::polar(1.0, order * angle[i]);
-        step = i + 1 < angle.size() ? angle[i + 1] - angle[i] : 0.0;
-        turn = std::polar(1.0, order * step);
-      }
-      columns(static_cast<Index>(i), pair) = value.real();
-      columns(static_cast<Index>(i), pair + 1) = value.imag();
-    }
+    ForEachPhasor(angle, order, [&](std::size_t i, std::complex<double> phasor) {
+      columns(static_cast<Index>(i), pair) = phasor.real();
+      columns(static_cast<Index>(i), pair + 1) = phasor.imag();
+    });
   }
 }
 
@@ -180,6 +165,17 @@ Index ColumnsOf(const VibrationTerm& term) {
   return 0;
 }
 
+RingTrain TrainOf(const VibrationTerm& ring, std::size_t run) {
+  RingTrain train{ring.shapes[0], ring.shapes[1], ring.shapes[2], 0.0, {}, ring.slips};
+  std::size_t s = 3;
+  for (const LinePlace& line : ring.lines) {
+    train.modulations.push_back({line.offset, ring.shapes[s], ring.shapes[s + 1]});
+    s += 2;
+  }
+  train.phase = ring.shapes[s + run];
+  return train;
+}
+
 bool HasPairs(VibrationForm form) {
   return form != VibrationForm::kRing && form != VibrationForm::kPulses && form != VibrationForm::kKicks &&
          form != VibrationForm::kLevels;
@@ -196,17 +192,9 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
     case VibrationForm::kTones:
       FillLines(run.time_2pi, term, columns);
       break;
-    case VibrationForm::kRing: {
-      RingTrain train{term.shapes[0], term.shapes[1], term.shapes[2], 0.0, {}, term.slips};
-      std::size_t s = 3;
-      for (const LinePlace& line : term.lines) {
-        train.modulations.push_back({line.offset, term.shapes[s], term.shapes[s + 1]});
-        s += 2;
-      }
-      train.phase = term.shapes[s + which];
-      columns = RingColumn(run, train);
+    case VibrationForm::kRing:
+      columns = RingColumn(run, TrainOf(term, which));
       break;
-    }
     case VibrationForm::kPulses: {
       std::size_t s = WidthIsShape(term) ? 1 : 0;
       PulseTrain train{
@@ -254,27 +242,6 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
       break;
   }
   return columns;
-}
-
-MatrixXd FillSlope(const VibrationSamples& samples, std::size_t which, const VibrationTerm& term,
-                   const MatrixXd& columns, std::size_t shape, double by) {
-  if (term.form == VibrationForm::kKicks && shape >= 2) {
-    // The other knocks stay as they are.
-    const bool first = shape == 2;
-    const bool is_height = !first && shape % 2 == 0;
-    const double start_s = term.shapes[is_height ? shape - 1 : shape];
-    const double height = first || is_height ? 1.0 : term.shapes[shape + 1];
-    MatrixXd slope = MatrixXd::Zero(columns.rows(), 1);
-    const auto add = [&](double at_s, double factor) {
-      AddKick(samples.runs[which], term.shapes[0], term.shapes[1], at_s, factor, slope.col(0));
-    };
-    add(is_height ? start_s : start_s + by, is_height ? 1.0 : height / by);
-    if (!is_height) add(start_s, -height / by);
-    return slope;
-  }
-  VibrationTerm moved = term;
-  moved.shapes[shape] += by;
-  return (FillTerm(samples, which, moved) - columns) / by;
 }
 
 std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {

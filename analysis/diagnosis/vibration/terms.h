@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/diagnosis/vibration/samples.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -71,10 +72,13 @@ bool HasPairs(VibrationForm form);
 /// Columns of the term in one run.
 Eigen::MatrixXd FillTerm(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term);
 
-/// Change of the term's columns by one of its shapes, from those columns and a shape that is moved `by` so
-/// much.
-Eigen::MatrixXd FillSlope(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term,
-                          const Eigen::MatrixXd& columns, std::size_t shape, double by);
+/// Slopes of the term's columns, all of them by the first of its shapes, then by the next.
+/// @param columns  FillTerm
+Eigen::MatrixXd FillSlopes(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term,
+                           const Eigen::Ref<const Eigen::MatrixXd>& columns);
+
+/// The train of a term of form `kRing` in one run.
+RingTrain TrainOf(const VibrationTerm& ring, std::size_t run);
 
 /// A fit's terms as numbers, and back.
 std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms);

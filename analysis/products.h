@@ -3,10 +3,10 @@
 
 #include <cstddef>
 
-/// The two sums of products that a network spends its time in, for the widest vectors that the machine has
-/// (chosen when the program starts). The order of additions depends on the machine and the sizes, never on
-/// the values or on threads. `Scalar` is float or double.
-namespace strainwave::analysis::networks {
+/// The two sums of products that networks and long records spend their time in, for the widest vectors that
+/// the machine has (chosen when the program starts). The order of additions depends on the machine and the
+/// sizes, never on the values or on threads. `Scalar` is float or double.
+namespace strainwave::analysis {
 
 enum class Sum { kOverwrite, kAdd };
 
@@ -37,4 +37,4 @@ template <typename Scalar>
 void MultiplyRows(RowView<const Scalar> a, RowView<const Scalar> b, GridView<Scalar> c, std::ptrdiff_t rows,
                   std::ptrdiff_t columns, std::ptrdiff_t terms, Sum sum);
 
-}  // namespace strainwave::analysis::networks
+}  // namespace strainwave::analysis

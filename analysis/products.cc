@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/networks/products.h"
+#include "analysis/products.h"
 
 #include <algorithm>
 
 // One body for every width of vectors, inlined into a function for each machine.
 #define STRAINWAVE_INLINE __attribute__((always_inline)) inline
 
-namespace strainwave::analysis::networks {
+namespace strainwave::analysis {
 namespace {
 
 using Index = std::ptrdiff_t;
@@ -280,4 +280,4 @@ template void MultiplyRows(RowView<const float>, RowView<const float>, GridView<
 template void MultiplyRows(RowView<const double>, RowView<const double>, GridView<double>, Index, Index,
                            Index, Sum);
 
-}  // namespace strainwave::analysis::networks
+}  // namespace strainwave::analysis

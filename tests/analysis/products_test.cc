@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/networks/products.h"
+#include "analysis/products.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-namespace strainwave::analysis::networks::network_products_test {
+namespace strainwave::analysis::products_test {
 namespace {
 
 using Index = std::ptrdiff_t;
@@ -85,4 +85,4 @@ TYPED_TEST(Products, MultiplyRowsIsItsSumAtEverySize) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::networks::network_products_test
+}  // namespace strainwave::analysis::products_test
