@@ -6,66 +6,105 @@ usage() {
   cat <<'TEXT'
 usage: ./setup.sh VERB
 
-  build   install what is missing (Debian 12, apt, as root) and build the program at build/strainwave, strainwave-devices
-          beside it, and the C library of predictors with its example
-  demo    build, run schedules/quick.yaml on the simulated bench into a new folder under campaigns/, train a small
-          predictor and show predicted against measured, then diagnose the transmission error of the first cycle:
-          what a plain simulation would have got wrong
-  test    build everything, then run all tests with ctest
+  build     install what is missing (Debian 12, apt, as root) and build the program at build/strainwave,
+            strainwave-devices beside it, and the C library of predictors with its example
+  demo      build, run schedules/quick.yaml on the simulated bench into a new folder under campaigns/, train a small
+            predictor and show predicted against measured, then diagnose the transmission error of the first cycle:
+            what a plain simulation would have got wrong
+  package   build, and make Debian packages in build/packages/
+  test      install what the tests need besides, build everything, then run all tests with ctest
 
 A second run with nothing to do takes seconds. Exit code: 0, or that of the step that failed.
 TEXT
 }
 
-PACKAGES=(
+# What the program is built from, and gnuplot, which draws its pictures.
+BUILD_PACKAGES=(
   cmake ninja-build g++ ccache
   libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libhdf5-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev
-  libgtest-dev libbenchmark-dev mosquitto openssl
-  gnuplot-nox sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev
+  gnuplot-nox
+)
+PACKAGE_PACKAGES=(dpkg-dev file)
+TEST_PACKAGES=(
+  "${PACKAGE_PACKAGES[@]}" git
+  libgtest-dev libbenchmark-dev mosquitto openssl
+  sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   python3-pymodbus python3-serial-asyncio socat
   can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
 )
+# Of those, what would begin to serve as soon as it is installed, and at every start of the machine.
+SERVICES=(mosquitto)
+PROGRAMS=(strainwave strainwave-devices strainwave_camera_module strainwave_predictor predictor_example)
 
 fail() {
   echo "setup.sh: error: $*" >&2
   exit 3
 }
 
-# Packages of the list that are not installed, one a line.
-missing_packages() {
+# missing PACKAGE...: those that are not installed, one a line.
+missing() {
   local installed
   # dpkg-query fails when it knows one of the names not at all; what it knows it prints all the same.
-  installed=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "${PACKAGES[@]}" 2>/dev/null ||
-              true)
+  installed=$(dpkg-query --show --showformat='${Package} ${db:Status-Status}\n' "$@" 2>/dev/null || true)
   local package
-  for package in "${PACKAGES[@]}"; do
+  for package in "$@"; do
     grep -qxF "$package installed" <<<"$installed" || echo "$package"
   done
 }
 
-install_missing_packages() {
+# install_with_apt PACKAGE...: no service begins; those of SERVICES that come new are not enabled either.
+install_with_apt() {
+  local services policy=/usr/sbin/policy-rc.d
+  mapfile -t services < <(missing "${SERVICES[@]}")
+  # Asked by Debian's packages before they start a service; a machine that has a policy of its own keeps it.
+  if [[ ! -e $policy && ! -L $policy ]]; then
+    trap "rm -f $policy" EXIT
+    printf '#!/bin/sh\n# setup.sh is installing; it starts no services.\nexit 101\n' >"$policy"
+    chmod 755 "$policy"
+  fi
+  apt-get -qq -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 \
+    install --no-install-recommends --yes "$@" >/dev/null ||
+    fail "apt-get could not install the packages named above (is there a network, are the apt sources right?)"
+  if [[ -n $(trap -p EXIT) ]]; then
+    rm -f "$policy"
+    trap - EXIT
+  fi
+  local service
+  for service in "${services[@]}"; do
+    if [[ " $* " == *" $service "* ]]; then
+      update-rc.d "$service" disable
+    fi
+  done
+}
+
+# install_missing PACKAGE...
+install_missing() {
   command -v dpkg-query >/dev/null || fail "this is not Debian: dpkg-query is missing (expected Debian 12)"
-  local missing
-  mapfile -t missing < <(missing_packages)
-  if ((${#missing[@]} == 0)); then
+  local wanted
+  mapfile -t wanted < <(missing "$@")
+  if ((${#wanted[@]} == 0)); then
     return
   fi
   if ((EUID != 0)); then
-    echo "setup.sh: error: ${#missing[@]} packages are missing, and only root can install them; run" >&2
-    echo "  apt-get update && apt-get install --no-install-recommends ${missing[*]}" >&2
+    echo "setup.sh: error: ${#wanted[@]} packages are missing, and only root can install them; run" >&2
+    echo "  apt-get update && apt-get install --no-install-recommends ${wanted[*]}" >&2
+    local service
+    for service in "${SERVICES[@]}"; do
+      if [[ " ${wanted[*]} " == *" $service "* ]]; then
+        echo "  systemctl disable --now $service   # the tests start their own" >&2
+      fi
+    done
     exit 3
   fi
-  echo "setup.sh: installing ${missing[*]} (a few minutes)"
+  echo "setup.sh: installing ${wanted[*]} (a few minutes)"
   export DEBIAN_FRONTEND=noninteractive
   # A foreign source that does not answer need not matter: what counts is whether the packages come.
   apt-get -qq update || echo "setup.sh: apt-get update had trouble; going on with the lists that there are" >&2
-  apt-get -qq -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 \
-    install --no-install-recommends --yes "${missing[@]}" >/dev/null ||
-    fail "apt-get could not install the packages named above (is there a network, are the apt sources right?)"
+  install_with_apt "${wanted[@]}"
 }
 
 # build TARGET...: configures with the preset 'release' and builds.
@@ -75,7 +114,12 @@ build() {
   if [[ -f build/CMakeCache.txt ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" build/CMakeCache.txt; then
     fresh=(--fresh)
   fi
-  cmake --preset release --log-level=WARNING "${fresh[@]}" >/dev/null
+  # Where everything that the tests need is there, whoever builds may also want to test.
+  local tests=ON
+  if [[ -n $(missing "${TEST_PACKAGES[@]}") ]]; then
+    tests=OFF
+  fi
+  cmake --preset release --log-level=WARNING -D BUILD_TESTING=$tests "${fresh[@]}" >/dev/null
   cmake --build --preset release --parallel "$(nproc)" --target "$@"
 }
 
@@ -140,11 +184,19 @@ if (($# != 1)); then
 fi
 case $1 in
   build)
-    install_missing_packages
-    build strainwave strainwave-devices strainwave_predictor predictor_example
+    install_missing "${BUILD_PACKAGES[@]}"
+    build "${PROGRAMS[@]}"
+    ;;
+  package)
+    install_missing "${BUILD_PACKAGES[@]}" "${PACKAGE_PACKAGES[@]}"
+    build "${PROGRAMS[@]}"
+    rm -rf build/packages
+    (cd build && cpack >cpack.txt 2>&1) || fail "cpack failed, see build/cpack.txt"
+    rm -rf build/packages/_CPack_Packages
+    ls build/packages/*.deb
     ;;
   demo)
-    install_missing_packages
+    install_missing "${BUILD_PACKAGES[@]}"
     build strainwave
     mkdir -p campaigns
     campaign=$(next_campaign)
@@ -155,7 +207,7 @@ case $1 in
     exec build/strainwave diagnose "$campaign/cycles/000001.h5" --kind transmission_error --out "$campaign/diagnosis"
     ;;
   test)
-    install_missing_packages
+    install_missing "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
     build all
     run_tests
     ;;
@@ -163,7 +215,7 @@ case $1 in
     usage
     ;;
   *)
-    echo "setup.sh: error: there is no verb '$1' (expected build, demo or test)" >&2
+    echo "setup.sh: error: there is no verb '$1' (expected build, demo, package or test)" >&2
     usage >&2
     exit 2
     ;;

@@ -63,7 +63,12 @@ CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking) {
     }
     // A record in the root group has the root's attributes for its own.
     if (groups.front() != "/") result.attributes = ReadFileAttributes(file.get());
-    std::erase_if(result.attributes, [](const auto& attribute) { return attribute.first == kFormatName; });
+    std::erase_if(result.attributes, [&](const auto& attribute) {
+      if (attribute.first != kFormatName) return false;
+      if (attribute.second == kFormatVersion) return true;
+      throw RecordError(name, fmt::format("attribute '{}' is {}", kFormatName, attribute.second),
+                        fmt::format("{}, the format that this version reads", kFormatVersion));
+    });
     for (const std::string& group : groups) {
       try {
         result.records.push_back({group, ReadRecordGroup(file.get(), group, name, checking)});

@@ -11,6 +11,7 @@
 #include "daq/hdf5_text.h"
 #include "daq/record.h"
 #include "daq/record_limits.h"
+#include "daq/software.h"
 
 namespace strainwave::daq {
 namespace {
@@ -87,6 +88,8 @@ void WriteTextAttribute(hid_t object, const std::string& name, const std::string
   Check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
   WriteScalar(object, name, type.get(), type.get(), text.c_str());
 }
+
+void WriteSoftware(hid_t file) { WriteTextAttribute(file, kSoftwareName, std::string(Software())); }
 
 void WriteAttribute(hid_t object, const std::string& name, const std::string& text) {
   const std::optional<double> number = NumberFromText(text);

@@ -17,6 +17,8 @@ struct Hdf5Attribute {
 /// Writes `text` as a double where that reads back to the same text, else as text. @throws Hdf5Error.
 void WriteAttribute(hid_t object, const std::string& name, const std::string& text);
 void WriteTextAttribute(hid_t object, const std::string& name, const std::string& text);
+/// Of a new file, before anything else: which program writes it (`software.h`). @throws Hdf5Error.
+void WriteSoftware(hid_t file);
 
 /// All attributes that hold one text, number, or named value (h5py's booleans become "true" and "false"), in
 /// the order of creation where the object keeps it and else by name. Others are named in `left_out`.

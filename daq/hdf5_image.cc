@@ -5,6 +5,8 @@
 
 #include <atomic>
 
+#include "daq/hdf5_attributes.h"
+
 namespace strainwave::daq {
 namespace {
 
@@ -28,6 +30,7 @@ Hdf5Handle CreateHdf5InMemory() {
   // From 1.10 on the index of chunks carries a checksum as everything else does; before, a flipped bit in it
   // could read as another value.
   Check(H5Fset_libver_bounds(file.get(), H5F_LIBVER_V110, H5F_LIBVER_V110));
+  WriteSoftware(file.get());
   return file;
 }
 

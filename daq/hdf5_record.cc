@@ -14,6 +14,7 @@
 #include "daq/record_error.h"
 #include "daq/record_limits.h"
 #include "daq/record_rules.h"
+#include "daq/software.h"
 
 namespace strainwave::daq {
 namespace {
@@ -319,7 +320,7 @@ void WriteFileAttributes(hid_t file, const Attributes& attributes) {
   const Hdf5Silence silence;
   const Hdf5Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose);
   for (const auto& [name, text] : attributes) {
-    Demand(!name.empty() && name != kKindName && !HasNul(name) && !HasNul(text), "/",
+    Demand(!name.empty() && name != kKindName && name != kSoftwareName && !HasNul(name) && !HasNul(text), "/",
            fmt::format("file attribute '{}' is empty, has a NUL in it or its value, or is taken", name));
     WriteAttribute(root.get(), name, text);
   }
@@ -331,6 +332,7 @@ Attributes ReadFileAttributes(hid_t file) {
   std::vector<std::string> left_out;
   Attributes attributes;
   for (Hdf5Attribute& attribute : ReadAttributes(root.get(), left_out)) {
+    if (attribute.name == kSoftwareName) continue;
     attributes.emplace_back(std::move(attribute.name), std::move(attribute.text));
   }
   return attributes;

@@ -32,7 +32,8 @@ std::vector<std::string> ListRecordGroups(hid_t file);
 Record ReadRecordGroup(hid_t file, const std::string& group_path, const std::string& file_name,
                        Checking checking = Checking::kRules);
 
-/// Writes and reads the attributes of the root group that belong to the file as a whole.
+/// Writes and reads the attributes of the root group that belong to the file as a whole, but for the one that
+/// says which program has written it.
 /// @throws std::invalid_argument for a name that is empty or taken; Hdf5Error.
 void WriteFileAttributes(hid_t file, const Attributes& attributes);
 Attributes ReadFileAttributes(hid_t file);

@@ -18,6 +18,7 @@
 #include "bench/devices/modbus/modbus_address.h"
 #include "bench/devices/monotonic_clock.h"
 #include "bench/errors/bench_error.h"
+#include "bench/installation.h"
 #include "bench/machines/device_side/played_bench.h"
 #include "bench/machines/listing/find_devices.h"
 
@@ -32,7 +33,7 @@ struct DevicesOptions {
   std::vector<std::string> modbus;
   std::string units{"1-16"};
   int answer_ms{200};
-  std::string profiles{"bench/devices/profiles"};
+  std::string profiles;
   bool json{};
 };
 
@@ -60,7 +61,8 @@ struct NamedDevices {
 
 KnownProfiles ProfilesFor(const DevicesOptions& options, const NamedDevices& named) {
   KnownProfiles known;
-  known.AddFolder(options.profiles);
+  known.AddFolder(options.profiles.empty() ? DataFile("bench/devices/profiles")
+                                           : std::filesystem::path(options.profiles));
   if (!named.bench) return known;
   for (const ServoDescription* servo : {&named.bench->driving_servo, &named.bench->load_servo}) {
     if (!servo->drive.profile.empty())
@@ -211,8 +213,9 @@ void AddDevices(CLI::App& app, Action& action) {
   command->add_option("--answer-time", options->answer_ms, "patience with each Modbus unit, in ms")
       ->check(CLI::Range(10, 10'000))
       ->capture_default_str();
-  command->add_option("--profiles", options->profiles, "folder with profiles of drives and HID devices")
-      ->capture_default_str();
+  command->add_option(
+      "--profiles", options->profiles,
+      "folder with profiles of drives and HID devices, in the place of those that come with the program");
   command->add_flag("--json", options->json, "the same as JSON on standard output");
   command->callback([options, &action] { action = [options] { return Devices(*options); }; });
 }

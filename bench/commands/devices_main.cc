@@ -16,6 +16,7 @@
 
 #include "bench/commands/output.h"
 #include "bench/commands/signals.h"
+#include "bench/commands/version.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/devices/can/socket_can_bus.h"
 #include "bench/devices/monotonic_clock.h"
@@ -106,6 +107,7 @@ int Run(const std::string& file, double ratio, double period_ms) {
 int main(int argc, char** argv) {
   using strainwave::bench::ExitCode, strainwave::bench::ToStderr;
   strainwave::bench::PrepareOutput();
+  if (const auto answered = strainwave::bench::AnswerVersion(argc, argv)) return *answered;
   CLI::App app(
       "strainwave-devices plays the devices that a bench file names: two drives on CAN or Modbus, Modbus "
       "servers, streams of samples, with the simulated bench behind them. Faults come on command, by "
@@ -121,6 +123,7 @@ int main(int argc, char** argv) {
                  "ms between two looks at the buses; on a slow machine longer than the bench file's "
                  "fast_control_period, the least")
       ->check(CLI::Range(0.0, 100.0));
+  app.add_flag("--version", strainwave::bench::kVersionHelp);
   CLI11_PARSE(app, argc, argv);
   try {
     return strainwave::bench::Run(file, ratio, period_ms);

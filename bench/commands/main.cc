@@ -9,6 +9,7 @@
 #include "bench/campaign/database.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
+#include "bench/commands/version.h"
 #include "bench/errors/bench_error.h"
 #include "daq/data_file_error.h"
 #include "daq/record_error.h"
@@ -49,14 +50,16 @@ int Guarded(const strainwave::bench::Action& action) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  using strainwave::bench::FinishOutput, strainwave::bench::ToStderr, strainwave::bench::ToStdout;
+  using strainwave::bench::FinishOutput, strainwave::bench::ToStderr, strainwave::bench::ToStdout,
+      strainwave::bench::kVersionHelp;
   strainwave::bench::PrepareOutput();
+  if (const auto answered = strainwave::bench::AnswerVersion(argc, argv)) return FinishOutput(*answered);
   CLI::App app(
       "strainwave runs accelerated life tests of harmonic drives and tells what the reducer is really "
       "doing.\n"
       "Example: strainwave run schedules/quick.yaml --out campaigns/first");
   app.require_subcommand(1);
-  app.set_version_flag("--version", STRAINWAVE_VERSION);
+  app.add_flag("--version", kVersionHelp);
   strainwave::bench::Action action;
   strainwave::bench::AddValidate(app, action);
   strainwave::bench::AddRun(app, action);

@@ -22,6 +22,7 @@
 #include "bench/errors/bench_error.h"
 #include "bench/machines/make_machine.h"
 #include "bench/utc.h"
+#include "daq/software.h"
 
 namespace strainwave::bench {
 namespace {
@@ -156,8 +157,10 @@ int Run(const RunOptions& options) {
     TerminalProgress progress;
     CampaignRunner runner(std::move(held), inputs.schedule, inputs.bench, *machine, journal, Requested(),
                           progress);
-    journal.SetProperty(kRunBegun,
-                        fmt::format("{} {:.3f}", UtcMilliseconds(), resume ? resume->time_s : 0.0));
+    const double begins_s = resume ? resume->time_s : 0.0;
+    journal.AddEvent({begins_s, UtcNow(), journal.LastCompleteCycle() + 1, "", "info", "software",
+                      std::string(daq::Software())});
+    journal.SetProperty(kRunBegun, fmt::format("{} {:.3f}", UtcMilliseconds(), begins_s));
     try {
       end = runner.Run(resume.value_or(ResumePoint{}));
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));

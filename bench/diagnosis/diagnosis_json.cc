@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "bench/diagnosis/extended_model.h"
+#include "daq/software.h"
 
 namespace strainwave::bench {
 namespace {
@@ -168,7 +169,8 @@ nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report) {
           {"quantities", QuantitiesJson(report)},
           {"records", RecordsJson(report.input)},
           {"notes", result.notes},
-          {"warnings", report.input.WarningTexts()}};
+          {"warnings", report.input.WarningTexts()},
+          {"software", daq::Software()}};
 }
 
 }  // namespace strainwave::bench

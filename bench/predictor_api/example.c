@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "bench/predictor_api/strainwave_predictor.h"
+#include <strainwave_predictor.h>
 
 static double** allocate(size_t channels, size_t samples) {
   double** rows = malloc(channels * sizeof *rows);

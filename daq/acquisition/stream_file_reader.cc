@@ -104,6 +104,9 @@ void StreamFileReader::ReadHead() {
     }
     return *value;
   };
+  if (const double format = number("strainwave_stream"); format != 1)
+    Refuse(fmt::format("attribute 'strainwave_stream' is {}", format),
+           "1, the format that this version reads");
   description_.name = TextOf(attributes_, "source").value_or("");
   description_.source = static_cast<std::uint32_t>(std::min(number("source_number"), 4e9));
   description_.rate_hz = number("rate_hz");

@@ -86,6 +86,7 @@ Hdf5Handle NativeType(SampleType type) {
 }
 
 void WriteHead(hid_t file, const SourceDescription& source, const Attributes& attributes) {
+  WriteSoftware(file);
   WriteAttribute(file, "strainwave_stream", "1");
   WriteTextAttribute(file, "source", source.name);
   WriteAttribute(file, "source_number", std::to_string(source.source));

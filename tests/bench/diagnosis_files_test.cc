@@ -44,6 +44,7 @@ TEST(DiagnosisJson, HasEveryFieldOfTheContract) {  // docs/contract.md#diagnose
   ASSERT_EQ(json["to_settle"].size(), 1u);
   EXPECT_TRUE(json["to_settle"][0].is_string());
   EXPECT_EQ(json["warnings"].size(), 1u);
+  EXPECT_TRUE(json["software"].get<std::string>().starts_with("strainwave ")) << json["software"];
   EXPECT_NEAR(json["quantities"]["e_max_arcmin"]["extended"].get<double>(), 0.8, 1e-9);
 }
 

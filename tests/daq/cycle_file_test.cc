@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "daq/hdf5_attributes.h"
 #include "daq/hdf5_handle.h"
 #include "daq/hdf5_image.h"
 #include "daq/read_records.h"
@@ -47,6 +48,32 @@ TEST(CycleFile, ReadsBackToTheSameBits) {
     EXPECT_TRUE(SameRecord(read.records[i].record, Samples()[i].record)) << i;
     EXPECT_EQ(read.records[i].record.source.group, read.records[i].group);
   }
+}
+
+// Read by the library alone, so that nobody's reader grades its own writer.
+TEST(CycleFile, SaysWhichProgramHasWrittenIt) {
+  const ScratchFolder folder;
+  WriteRecordsAtomically(folder / "a.h5", Samples(), kAttributes);
+  const Hdf5Handle file = OpenHdf5ForReading(folder / "a.h5");
+  const Hdf5Handle attribute(H5Aopen(file.get(), "software", H5P_DEFAULT), H5Aclose);
+  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  std::string text(H5Tget_size(type.get()), '?');
+  ASSERT_GE(H5Aread(attribute.get(), type.get(), text.data()), 0);
+  EXPECT_EQ(text, "strainwave " STRAINWAVE_VERSION);  // that of a program with a commit: tests/packaging
+}
+
+TEST(CycleFile, OfAnotherFormatIsRefused) {
+  const ScratchFolder folder;
+  WriteRecordsAtomically(folder / "a.h5", Samples(), kAttributes);
+  {
+    const Hdf5Handle file(H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    H5Adelete(file.get(), "strainwave_format");
+    WriteAttribute(file.get(), "strainwave_format", "2");
+  }
+  EXPECT_EQ(
+      MessageOf<RecordError>([&] { ReadCycleFile(folder / "a.h5"); }),
+      (folder / "a.h5").string() +
+          ": error: attribute 'strainwave_format' is 2 (expected 1, the format that this version reads)");
 }
 
 TEST(CycleFile, LeavesNothingElseInTheFolder) {
@@ -125,6 +152,8 @@ TEST(CycleFile, RefusesWhatCannotBeWritten) {
   EXPECT_EQ(message_of({}), "no record to write to '" + (folder / "a.h5").string() + "'");
   EXPECT_EQ(message_of({{"x", SampleLoop()}, {"/x", SampleLoop()}}), "two records have the group '/x'");
   EXPECT_EQ(message_of({{"/", SampleLoop()}}), "a record of a cycle file has a group of its own");
+  EXPECT_EQ(message_of({{"x", SampleLoop()}}, {{"software", "a"}}),
+            "record '/': file attribute 'software' is empty, has a NUL in it or its value, or is taken");
   EXPECT_EQ(message_of({{"x", SampleLoop()}}, {{"kind", "a"}}),
             "record '/': file attribute 'kind' is empty, has a NUL in it or its value, or is taken");
   EXPECT_EQ(message_with([](Record& r) { r.kind.clear(); }), "record '/x': the kind is empty");

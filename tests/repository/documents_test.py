@@ -10,7 +10,7 @@ import unittest
 from references import LINK, Tree, outside_code
 
 MOST_LINES = 150
-SOURCE_FOLDERS = ("analysis", "bench", "cmake", "daq", "protocols", "schedules")
+SOURCE_FOLDERS = ("analysis", "bench", "cmake", "daq", "packaging", "protocols", "schedules")
 IS_SOURCE = re.compile(r"\.(?:h|cc|c|in|py|sh|cmake|proto|yaml)$|/run$")
 
 

@@ -1,16 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Tries setup.sh as a new user would: on a bare Debian 12 in a folder, from a fresh clone.
+# Tries setup.sh, or the packages that it makes, as a new user would: on a bare Debian 12 in a folder, from a fresh clone.
 set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: tests/repository/fresh_root.sh [--cache DIR] [--folder DIR] [--working-tree] [--keep] [demo|test|both]
+usage: tests/repository/fresh_root.sh [--cache DIR] [--folder DIR] [--working-tree] [--keep] [demo|test|both|package]
 
   --cache DIR       keep the downloaded packages here: a second run downloads nothing
   --folder DIR      where the root is made (default: a new folder under $TMPDIR or /tmp)
   --working-tree    try the files as they are now instead of a clone of HEAD
   --keep            do not remove the root at the end
+  package           install the packages that `./setup.sh package` has made here, without a source tree, and run the
+                    demo's campaign as a user of that machine
 
 Needs root, debootstrap, git and the network. The mirror is the one that apt on this machine uses.
 Exit code: that of the first setup.sh that failed, else 0.
@@ -31,6 +33,7 @@ while (($# > 0)); do
     --keep) keep=1 ;;
     demo | test) verbs=("$1") ;;
     both) verbs=(demo test) ;;
+    package) verbs=(package) ;;
     -h | --help) usage && exit 0 ;;
     *) usage >&2 && exit 2 ;;
   esac
@@ -85,21 +88,46 @@ in_root() {
     exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin TERM=dumb chroot "$ROOT" "$@"' in_root "$@"
 }
 
+# timed WHAT COMMAND...: in the root, where nothing has failed so far; a row of the table, and the status of all.
+times=() status=0
+timed() {
+  ((status == 0)) || return 0
+  local what=$1 start=$SECONDS
+  shift
+  in_root "$@" || status=$?
+  times+=("$(printf '%-24s %5d s   exit %d' "$what" $((SECONDS - start)) "$status")")
+}
+
+try_setup() {
+  copy_repository
+  local verb
+  for verb in "${verbs[@]}"; do
+    timed "setup.sh $verb (first)" /root/strainwave/setup.sh "$verb"
+    if [[ $verb != test ]]; then
+      timed "setup.sh $verb (second)" /root/strainwave/setup.sh "$verb"
+    fi
+  done
+}
+
+try_packages() {
+  mkdir "$root/packages"
+  cp "$repository"/build/packages/strainwave_*.deb "$root/packages" ||
+    fail "there are no packages (expected those of ./setup.sh package)"
+  in_root useradd --create-home user
+  in_root apt-get -qq update
+  timed 'install the package' env DEBIAN_FRONTEND=noninteractive sh -c \
+    'apt-get -qq -o Dpkg::Use-Pty=0 install --no-install-recommends --yes /packages/*.deb gnuplot-nox >/dev/null'
+  timed "the demo's campaign" runuser -u user -- sh -c \
+    'cd && strainwave --version && strainwave run /usr/share/strainwave/schedules/quick.yaml --out first'
+}
+
 echo "making the root in $root"
 make_root >"$folder/debootstrap.log" 2>&1 || fail "debootstrap failed, see $folder/debootstrap.log"
-copy_repository
-
-times=()
-for verb in "${verbs[@]}"; do
-  for run in first second; do
-    [[ $run == second && $verb == test ]] && continue
-    start=$SECONDS
-    status=0
-    in_root /root/strainwave/setup.sh "$verb" || status=$?
-    times+=("$(printf '%-24s %5d s   exit %d' "setup.sh $verb ($run)" $((SECONDS - start)) "$status")")
-    ((status == 0)) || break 2
-  done
-done
+if [[ ${verbs[0]} == package ]]; then
+  try_packages
+else
+  try_setup
+fi
 echo
 source='downloaded'
 if [[ -n $cache ]]; then source="from $cache where it had them"; fi

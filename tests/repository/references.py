@@ -12,7 +12,7 @@ import posixpath
 import re
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FOLDERS = (".ci", "analysis", "bench", "cmake", "daq", "docs", "protocols", "schedules", "tests")
+FOLDERS = (".ci", "analysis", "bench", "cmake", "daq", "docs", "packaging", "protocols", "schedules", "tests")
 # The latter two point to nothing on purpose.
 NOT_READ = ("tests/fuzz/corpus/", "tests/repository/references_test.py", "tests/repository/documents_test.py")
 ROWS = {"E": "docs/effects.md", "R": "docs/requirements.md"}

@@ -15,7 +15,7 @@ namespace strainwave::repository {
 
 namespace fs = std::filesystem;
 
-inline constexpr std::string_view kTopFolders[] = {"analysis",  "bench",     "daq",
+inline constexpr std::string_view kTopFolders[] = {"analysis",  "bench",     "daq",  "packaging",
                                                    "protocols", "schedules", "tests"};
 
 struct SourceFile {

@@ -5,24 +5,21 @@
 
 #include <filesystem>
 #include <stdexcept>
-#include <system_error>
 
 #include <fmt/format.h>
+
+#include "bench/installation.h"
 
 namespace strainwave::bench {
 namespace {
 
 using Make = PictureSource*(const std::variant<int, std::string>&);
 
-// Beside the program, as it is installed; else where it was built.
 void* LoadModule() {
-  std::error_code unreadable;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", unreadable);
-  const std::filesystem::path built = STRAINWAVE_CAMERA_MODULE;
-  for (const auto& file : {program.parent_path() / built.filename(), built}) {
-    if (void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) return module;
-  }
-  throw std::runtime_error(fmt::format("the camera's module cannot be loaded: {}", ::dlerror()));
+  const std::filesystem::path file = ModuleFile("strainwave_camera.so");
+  if (void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) return module;
+  throw std::runtime_error(fmt::format(
+      "the camera's module cannot be loaded (of the Debian package strainwave-camera): {}", ::dlerror()));
 }
 
 }  // namespace

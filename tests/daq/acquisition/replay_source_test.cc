@@ -101,6 +101,8 @@ TEST(StreamFile, SaysWhatIsWrongWithAnother) {
   };
   EXPECT_EQ(message("del f.attrs['strainwave_stream']"),
             ": error: no stream is in the file (expected the attribute 'strainwave_stream')");
+  EXPECT_EQ(message("f.attrs['strainwave_stream'] = 2"),
+            ": error: attribute 'strainwave_stream' is 2 (expected 1, the format that this version reads)");
   EXPECT_EQ(message("f.attrs['rate_hz'] = -1"),
             ": error: attribute 'rate_hz' is -1 (expected a number not below zero)");
   EXPECT_EQ(

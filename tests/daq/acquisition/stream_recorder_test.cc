@@ -82,6 +82,7 @@ assert (blocks['device_counter'] == numbers[::100]).all()
 assert (blocks['arrival_ns'] == (blocks['device_counter'].astype('i8') + 100) * 1000000).all()
 a = dict(files[1].attrs)
 assert a['strainwave_stream'] == 1 and a['source'] == b'test' and a['rate_hz'] == 1000 and a['specimen'] == b'A-3', a
+assert a['software'].startswith(b'strainwave '), a
 assert list(files[0]['channels']) == ['a_V', 'b_V', 'c_V']
 b = dict(files[0]['channels/b_V'].attrs)
 assert b['column'] == 1 and b['unit'] == b'V' and b['sensor_serial'] == b'0815' and b['calibration'] == b'T-2026-11'
