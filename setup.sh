@@ -13,6 +13,7 @@ usage: ./setup.sh VERB
             what a plain simulation would have got wrong
   package   build, and make Debian packages in build/packages/
   test      install what the tests need besides, build everything, then run all tests with ctest
+  check     what takes long: format, links, the larger blind set, asan, tsan, clang-tidy
 
 A second run with nothing to do takes seconds. Exit code: 0, or that of the step that failed.
 TEXT
@@ -171,6 +172,54 @@ predict_demo() {
   build/strainwave predict "$folder/trained" "$folder/life/cycles/000080.h5"
 }
 
+# step NAME COMMAND...: runs it, tells how long it took, and keeps the name of what failed: the steps behind it run, too.
+step() {
+  local name=$1 begun_s=$SECONDS code=0
+  shift
+  echo "== $name"
+  "$@" || code=$?
+  ((code == 0)) || failed_steps+=("$name (exit code $code)")
+  echo "== $name: $( ((code == 0)) && echo passed || echo "FAILED with exit code $code"), $((SECONDS - begun_s)) s"
+}
+
+check_format() { git ls-files '*.h' '*.cc' | xargs clang-format-14 --dry-run --Werror; }
+
+check_links() { tests/repository/references_test.py && tests/repository/documents_test.py; }
+
+# tests/blind/README.md says why these numbers, and how small a loss they show.
+check_blind() {
+  tests/blind/run --seed 21 --cases 400 --clear --most-samples 20000 --jobs "$(nproc)" --timeout 1200 \
+    --least-right 379 --most-wrong 6
+}
+
+check_tidy() {
+  cmake --preset files --log-level=WARNING >/dev/null &&
+    git ls-files '*.cc' ':!tests' | xargs -P "$(nproc)" -n 4 clang-tidy-14 --quiet -p build-files
+}
+
+# All tests but the sets that are run here by the program itself, and count names instead of memory errors.
+check_sanitized() {
+  cmake --preset "$1" --log-level=WARNING >/dev/null &&
+    cmake --build --preset "$1" --parallel "$(nproc)" &&
+    ctest --preset "$1" --parallel "$(nproc)" --exclude-regex '^(blind_(fixed_set|clean_set|shared)|loggers_fixed_set)'
+}
+
+check() {
+  failed_steps=()
+  step "format" check_format
+  step "links and references" check_links
+  step "program" build strainwave
+  step "blind set" check_blind
+  step "records as loggers leave them" tests/loggers/run --seed 1 --jobs "$(nproc)"
+  step "clang-tidy" check_tidy
+  step "asan" check_sanitized asan
+  step "tsan" check_sanitized tsan
+  if ((${#failed_steps[@]} > 0)); then
+    printf 'setup.sh: check failed: %s\n' "${failed_steps[@]}" >&2
+    return 1
+  fi
+}
+
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
 # A bare root has neither a locale nor, at times, a home; ccache needs a place of its own.
 export LC_ALL=C.UTF-8
@@ -211,11 +260,15 @@ case $1 in
     build all
     run_tests
     ;;
+  check)
+    install_missing "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}" clang-format-14 clang-tidy-14
+    check
+    ;;
   -h | --help)
     usage
     ;;
   *)
-    echo "setup.sh: error: there is no verb '$1' (expected build, demo, package or test)" >&2
+    echo "setup.sh: error: there is no verb '$1' (expected build, demo, package, test or check)" >&2
     usage >&2
     exit 2
     ;;

@@ -12,12 +12,11 @@ namespace strainwave::bench {
 std::string CheckText(std::span<const CheckHistory> histories) {
   std::string text;
   for (const CheckHistory& history : histories) {
-    text +=
-        Text("  {:28} {:12.5g} ± {}, allowed {:.5g} ± {:.5g}", history.quantity, history.last.value,
-                    ErrorText(history.last.standard_error), history.limits.expected, history.limits.allowed);
+    text += Text("  {:28} {:12.5g} ± {}, allowed {:.5g} ± {:.5g}", history.quantity, history.last.value,
+                 ErrorText(history.last.standard_error), history.limits.expected, history.limits.allowed);
     if (history.trend) {
       text += Text("; {:+.3g} ± {} a day over {} checks", history.trend->slope_per_day,
-                          ErrorText(history.trend->slope_standard_error), history.checks);
+                   ErrorText(history.trend->slope_standard_error), history.checks);
       text += history.trend->days_left
                   ? Text(", meets the limit in {:.3g} days of bench time", *history.trend->days_left)
                   : ", not towards a limit that can be told";

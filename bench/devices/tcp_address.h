@@ -11,7 +11,8 @@ struct TcpAddress {
   int port{};  // 0: any
 };
 
-/// "tcp:HOST:PORT"; an address of IPv6 stands in brackets, "tcp:[::1]:502". @throws std::invalid_argument naming what was expected.
+/// "tcp:HOST:PORT"; an address of IPv6 stands in brackets, "tcp:[::1]:502". @throws std::invalid_argument
+/// naming what was expected.
 TcpAddress ParseTcpAddress(std::string_view text);
 
 }  // namespace strainwave::bench

@@ -46,6 +46,7 @@ TEST(PlantModel, TakesChangedNumbers) {
 
 TEST(PlantModel, CarriesUnitsWithItsParameters) {
   PlantModel model = DefaultPlantModel();
+  ASSERT_FALSE(model.terms.empty());
   for (const Term& term : model.terms) {
     EXPECT_FALSE(term.parameters.empty()) << term.name;
     for (const TermParameter& parameter : term.parameters)

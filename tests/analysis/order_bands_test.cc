@@ -31,6 +31,8 @@ TEST(OrderBandEnergies, HoldHalfTheSquareOfATonesAmplitudeInItsBand) {
   for (const auto& [order, band] : {std::pair{1.0, 0U}, {2.0, 1U}, {7.0, 6U}, {160.0, 18U}}) {
     const std::vector<double> energies =
         OrderBandEnergies(Tone(order, 3.0, 40000, 100.0), kSamplesPerTurn, bands);
+    ASSERT_GT(energies.size(), band);
+    EXPECT_FALSE(std::isnan(energies[band])) << order;
     for (std::size_t i = 0; i < energies.size(); ++i) {
       if (std::isnan(energies[i])) continue;
       // What a Hann window lets through half an order away is below one in a hundred thousand.

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,12 @@ long double Moment(const std::vector<double>& h, int power, long double centre, 
         (i % 2 == 1 && sign < 0 ? -1.0L : 1.0L) * std::pow(place, power) * static_cast<long double>(h[i]);
   }
   return moment;
+}
+
+// Haar, db1 to db20, sym2 to sym20, coif1 to coif5: what the other tests go through.
+TEST(FilterBank, ThereIsOneOfEachNameOfTheFourFamilies) {
+  const auto names = WaveletNames();
+  EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), 1U + 20U + 19U + 5U);
 }
 
 TEST(FilterBank, IsOrthonormalToItsEvenShifts) {

@@ -30,6 +30,7 @@ accelerometers:
 
 TEST(BenchBounds, AreReadableInTheirOwnUnits) {
   for (const auto& bounds : {BenchBounds(), DeviceBounds()}) {
+    ASSERT_FALSE(bounds.empty());
     for (const schedules::QuantityBound& bound : bounds) {
       EXPECT_NO_THROW((void)schedules::BeyondBound(bounds, bound.path, bound.dimension, 1e-9)) << bound.path;
       EXPECT_NE(schedules::BeyondBound(bounds, bound.path, bound.dimension, 1e14), "") << bound.path;

@@ -194,6 +194,7 @@ TEST(EmbeddedBench, IsABenchFileLikeAnyOther) {
 
 TEST(EmbeddedBench, RunsEveryScheduleThatComesWithTheProgram) {
   const std::filesystem::path folder = std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "schedules";
+  ASSERT_TRUE(std::filesystem::exists(folder / "quick.yaml"));
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".yaml") continue;
     const schedules::Schedule schedule = schedules::ReadSchedule(entry.path());

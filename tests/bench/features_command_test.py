@@ -126,6 +126,7 @@ class Features(unittest.TestCase):
             path = write("golden.csv", {"accel_x_m_per_s2": signal}, sample_rate_hz=1000)
             for mode in ("symmetric", "periodization"):
                 got = report(path, "--mode", mode, "--levels", 5)
+                self.assertEqual(len(got["names"]), 5 * 35)
                 for name, value in zip(got["names"], got["values"], strict=True):
                     _, level, column = name.split(".", 2)
                     expected = float(table[f"sym8_{mode}_{n}_cA{level[1:]}"][column])

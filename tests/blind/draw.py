@@ -33,6 +33,7 @@ class Request:
     situation: str = None
     clear: bool = False
     most_sigma: float = MOST_SIGMA
+    most_samples: int = None  # longer records are not drawn
 
 
 @dataclasses.dataclass
@@ -182,7 +183,8 @@ def draw_attempt(seed, number, request=Request()):
         # What is asked for stays; only the details are drawn again, so hard causes are as frequent as easy ones.
         causes = _picked(order, situation, retry)
         attempt = Attempt(numpy.random.default_rng([seed, number, 1 + retry]), kind, situation, causes, wanted_sigma)
-        if attempt.possible:
+        long = request.most_samples is not None and attempt.keep.sum() > request.most_samples
+        if attempt.possible and not long:
             return attempt, situation, retry
     raise NotDrawn("seed %d case %d: no record shows %s (%s) at a plausible size" % (seed, number, causes, kind))
 

@@ -43,6 +43,15 @@ class Generator(unittest.TestCase):
                                    math.log(first / 3.0) / math.log(60.0 / 3.0), places=6)
             self.assertEqual(*(case.truth["causes"][0]["name"] for case in drawn))
 
+    def test_no_record_is_longer_than_asked_for_and_its_cause_and_size_stay(self):
+        for kind, most in (("hysteresis", 2000), ("motion", 3000), ("vibration", 8000)):
+            free, short = (some_cases(4, kind=kind, situation="one", most_samples=limit) for limit in (None, most))
+            self.assertGreater(max(case.truth["samples"] for case in free), most, kind)
+            self.assertLessEqual(max(case.truth["samples"] for case in short), most, kind)
+            for first, second in zip(free, short, strict=True):
+                self.assertEqual(*(case.truth["causes"][0]["name"] for case in (first, second)))
+                self.assertEqual(*(case.truth["wanted_sigma"] for case in (first, second)))
+
     def test_records_obey_the_contract_and_their_metadata_tell_nothing_else(self):
         for kind, (needed, optional, metadata) in CONTRACT.items():
             for case in some_cases(4, kind=kind):

@@ -7,24 +7,7 @@ import statistics
 import plots
 
 SIGMA_EDGES = (3.0, 4.0, 5.0, 7.0, 10.0, 20.0, 60.0)
-DEFAULT_LIMITS = {"right": 0.9, "wrong": 0.05}
 GOOD = {"one": ("right",), "two": ("both",), "null": ("right",), "outside": ("right",), "wrong_number": ("right",)}
-
-
-def limits(parser, words):
-    """None: nothing is required."""
-    if words is None:
-        return None
-    found = dict(DEFAULT_LIMITS)
-    for word in words:
-        name, _, share = word.partition("=")
-        try:
-            found[name] = float(share)
-        except ValueError:
-            parser.error("--require: NAME=SHARE with a number, not %s" % word)
-        if name not in DEFAULT_LIMITS:
-            parser.error("--require: right or wrong, not %s" % name)
-    return found
 
 
 def _share(results, good):
@@ -105,7 +88,8 @@ def summarise(results, arguments):
                                    "wrong_name": _share(group, _wrong_name)}
     names = ("seed", "cases", "only", "kind", "cause", "mode", "clear", "program", "out")
     kept = {name: arguments[name] for name in names}
-    return {"arguments": kept, "cases": len(results), "numbers": lines, "heldout_rmse_over_noise_median": ratio,
+    return {"arguments": kept, "cases": len(results), "with_excess_names": sum(map(_wrong_name, results)),
+            "numbers": lines, "heldout_rmse_over_noise_median": ratio,
             "kinds_5_sigma": kinds, "causes": causes, "wall": _times(results, "wall_s"), "cpu": _times(results, "cpu_s"),
             "peak_rss_MB": max(r["peak_rss_MB"] for r in results),
             "failed": [failure_line(r) for r in results if r["status"] not in GOOD[r["situation"]] or r["excess"]]}
@@ -161,13 +145,13 @@ def write(folder, results, summary):
     plots.confusion(folder, results)
 
 
-def exit_code(summary, wanted):
-    """1 where the required shares are not reached. Right and wrong count over all cases with a right answer to give."""
-    if not wanted:
-        return 0
+def missed_gates(summary, least_right, most_wrong):
+    """In words: gates of `run` that this set does not pass. None: no such gate. Right counts at 5 sigma and up."""
     right = sum(share["count"] for row in summary["kinds_5_sigma"].values() for share in row.values())
-    of = sum(share["of"] for row in summary["kinds_5_sigma"].values() for share in row.values())
-    wrong = max(summary["numbers"][name]["share"] or 0.0 for name in
-                ("one effect, 5 sigma and up: wrong name or a name too many",
-                 "two effects, both 5 sigma and up: a wrong name"))
-    return 0 if of and right / of >= wanted["right"] and wrong <= wanted["wrong"] else 1
+    wrong = summary["with_excess_names"]
+    missed = []
+    if least_right is not None and right < least_right:
+        missed.append("%d of %d cases are right (expected at least %d)" % (right, summary["cases"], least_right))
+    if most_wrong is not None and wrong > most_wrong:
+        missed.append("%d cases have a name that is not in them (expected at most %d)" % (wrong, most_wrong))
+    return missed

@@ -68,6 +68,7 @@ TEST(BeyondBound, BoundsEveryDimensionAndPlainNumbers) {
 }
 
 TEST(ScheduleBounds, AreReadableInTheirOwnUnits) {
+  ASSERT_FALSE(ScheduleBounds().empty());
   for (const QuantityBound& bound : ScheduleBounds()) {
     EXPECT_NO_THROW((void)BeyondBound(ScheduleBounds(), bound.path, bound.dimension, 1e-9)) << bound.path;
     EXPECT_NE(BeyondBound(ScheduleBounds(), bound.path, bound.dimension, 1e14), "") << bound.path;

@@ -25,6 +25,10 @@ class Campaign : public testing::Test {
     result_ = RunProgram({"run", kSchedule, "--out", Path(), "--truth", (*folder_ / "truth.csv").string()});
   }
   static void TearDownTestSuite() { delete folder_; }
+  // Each test says itself that there was nothing to look at.
+  void SetUp() override {
+    ASSERT_EQ(result_.exit_code, 0) << "the campaign that these tests look at: " << result_.error;
+  }
 
   static std::string Path() { return (*folder_ / "campaign").string(); }
   static std::filesystem::path Copy(const ScratchFolder& scratch) {
@@ -39,7 +43,6 @@ ScratchFolder* Campaign::folder_ = nullptr;
 ProgramResult Campaign::result_;
 
 TEST_F(Campaign, EndsWellWithATableAndPictures) {
-  EXPECT_EQ(result_.exit_code, 0) << result_.error;
   EXPECT_NE(result_.out.find("K1 Nm/rad"), std::string::npos);
   EXPECT_NE(result_.out.find("campaign: " + Path()), std::string::npos);
   for (const char* name : {"_cycles_1_and_3_hysteresis_lock_0deg", "_cycles_1_and_3_transmission_error",
@@ -76,18 +79,21 @@ TEST_F(Campaign, MeasuresWhatIsTrue) {
   std::string line;
   std::getline(truth, line);
   ASSERT_TRUE(line.starts_with("cycle,k1_Nm_per_rad,k2_Nm_per_rad,k3_Nm_per_rad,e_avg_arcmin,e_max_arcmin"));
+  std::size_t cycles = 0;
   while (std::getline(truth, line)) {
     std::istringstream row(line);
     std::vector<double> values;
     for (std::string cell; std::getline(row, cell, ',');) values.push_back(std::stod(cell));
     const auto cycle = static_cast<std::size_t>(values[0]);
     if (cycle == 0) continue;
-    const auto& measured = report["cycles"][cycle - 1];
+    ++cycles;
+    const auto& measured = report["cycles"].at(cycle - 1);
     EXPECT_NEAR(measured["k1_Nm_per_rad"].get<double>() / values[1], 1.0, 0.01);
     EXPECT_NEAR(measured["k2_Nm_per_rad"].get<double>() / values[2], 1.0, 0.01);
     EXPECT_NEAR(measured["k3_Nm_per_rad"].get<double>() / values[3], 1.0, 0.01);
     EXPECT_NEAR(measured["e_max_arcmin"].get<double>() / values[5], 1.0, 0.03);
   }
+  EXPECT_EQ(cycles, 3u);
 }
 
 TEST_F(Campaign, TellsItsStatus) {

@@ -68,6 +68,7 @@ class WithABlankTest(unittest.TestCase):
             self.assertEqual(sweep[key], self.cycle[key], key)
 
     def test_says_what_was_taken(self):
+        self.assertEqual(sorted({one["kind"] for one in self.alone}), ["hysteresis", "transmission_error"])
         for one in self.alone:
             self.assertEqual(one["campaign"], str(self.folder))
             self.assertEqual(one["warnings"], [])

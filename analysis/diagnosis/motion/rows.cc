@@ -8,13 +8,13 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 constexpr std::size_t kShortestRun = 4;  // rows between two gaps that are of use
-constexpr double kTolerated = 0.4;      // error by a reversal's time, over the noise
-constexpr double kAlikeEachTime = 1.5;  // harm of an error that is no chance, over one that is
-constexpr double kMostAtRest = 0.05;    // of a row's low-pass
-constexpr double kShortestRest = 8.0;   // samples
-constexpr double kLonger = 1.3;         // than a reversal as smooth as the acceleration there says
-constexpr double kNoiseBand = 6.0;      // of the position's noise, in which it stays
-constexpr double kMostLeftOut = 0.4;    // of the rows, because of reversals
+constexpr double kTolerated = 0.4;       // error by a reversal's time, over the noise
+constexpr double kAlikeEachTime = 1.5;   // harm of an error that is no chance, over one that is
+constexpr double kMostAtRest = 0.05;     // of a row's low-pass
+constexpr double kShortestRest = 8.0;    // samples
+constexpr double kLonger = 1.3;          // than a reversal as smooth as the acceleration there says
+constexpr double kNoiseBand = 6.0;       // of the position's noise, in which it stays
+constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
 constexpr double kBlurredReversal = 0.015;
 // Of the 95 % quantile of the speed, in which friction may turn to its other sign.
