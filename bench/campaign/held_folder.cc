@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -16,6 +17,14 @@ namespace {
 
 std::filesystem::path PathOf(const daq::FileDescriptor& held) {
   return fmt::format("/proc/self/fd/{}", held.get());
+}
+
+/// Whether `path` still leads to what is held.
+bool InPlace(const std::filesystem::path& path, const daq::FileDescriptor& held) {
+  struct stat own {};
+  struct stat there {};
+  if (::fstat(held.get(), &own) != 0) throw std::system_error(errno, std::generic_category(), path.string());
+  return ::stat(path.c_str(), &there) == 0 && own.st_dev == there.st_dev && own.st_ino == there.st_ino;
 }
 
 }  // namespace
@@ -31,20 +40,19 @@ HeldFolder::HeldFolder(const CampaignFolder& folder) : folder_(folder) {
 CampaignFolder HeldFolder::wherever() const { return {PathOf(held_.front().second)}; }
 
 void HeldFolder::DemandInPlace() const {
-  for (const auto& [path, held] : held_) {
-    struct stat own {};
-    struct stat there {};
-    if (::fstat(held.get(), &own) != 0)
-      throw std::system_error(errno, std::generic_category(), path.string());
-    const bool exists = ::stat(path.c_str(), &there) == 0;
-    if (exists && own.st_dev == there.st_dev && own.st_ino == there.st_ino) continue;
-    std::error_code none;
-    throw BenchError(
-        ExitCode::kMachineFailed,
-        fmt::format("{}: error: {} (expected the folder that this run began with, which is now {})",
-                    path.string(), exists ? "another folder has come in its place" : "the folder is gone",
-                    std::filesystem::read_symlink(PathOf(held), none).string()));
-  }
+  const auto away = [](const auto& entry) { return !InPlace(entry.first, entry.second); };
+  if (std::ranges::none_of(held_, away)) return;
+  // From the outermost once more: it may have gone after it was looked at, and what it holds with it.
+  const auto first = std::ranges::find_if(held_, away);
+  if (first == held_.end()) return;  // put back meanwhile
+  const auto& [path, held] = *first;
+  std::error_code none;
+  throw BenchError(
+      ExitCode::kMachineFailed,
+      fmt::format(
+          "{}: error: {} (expected the folder that this run began with, which is now {})", path.string(),
+          std::filesystem::exists(path, none) ? "another folder has come in its place" : "the folder is gone",
+          std::filesystem::read_symlink(PathOf(held), none).string()));
 }
 
 }  // namespace strainwave::bench
