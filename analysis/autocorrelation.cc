@@ -55,7 +55,7 @@ Eigen::MatrixXd Whiten(const Eigen::MatrixXd& rows, double rho) {
 
 Eigen::MatrixXd LongRunCovariance(const Eigen::MatrixXd& scores, Eigen::Index memory_length) {
   const Eigen::Index n = scores.rows();
-  // Row-major, so that a sample is one stretch of memory in the running sum.
+  // Row-major, so that a sample is one segment of memory in the running sum.
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = scores;
   const Eigen::Index windows = n + memory_length - 1;
   Eigen::MatrixXd window_sums(windows, scores.cols());

@@ -17,7 +17,7 @@ struct GearRating {
   double buckling_torque_Nm = 330.0;                      // at the output: the flexspline's wall buckles
 };
 
-/// A stretch of constant load.
+/// A segment of constant load.
 struct LoadBlock {
   double output_torque_Nm{};       // either sign
   double input_speed_rad_per_s{};  // either sign

@@ -10,7 +10,7 @@
 
 namespace strainwave::analysis {
 
-/// A stretch of a record in which one signal goes one way: samples first..last, both included. Neighbouring
+/// A segment of a record in which one signal goes one way: samples first..last, both included. Neighbouring
 /// branches share the sample of the reversal.
 struct Branch {
   std::size_t first{};

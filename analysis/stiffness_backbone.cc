@@ -111,7 +111,7 @@ BackboneLine FitBackboneLine(const std::vector<Sample>& all, double left_out_rad
 }
 
 // Distance from a reversal at which the samples have come down to the mid-line of the others, in bins of 0.5
-// % of the twist's range; negative if they have not by the longest stretch allowed.
+// % of the twist's range; negative if they have not by the longest segment allowed.
 double StickLength(const std::vector<Sample>& samples, const BackboneLine& line, double range_rad,
                    const TestTorques& torques) {
   constexpr std::size_t kBins = 90;  // up to kLongest

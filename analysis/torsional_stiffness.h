@@ -83,9 +83,9 @@ TorsionalStiffness FitStiffnessModel(const TorsionLoop& loop, const TestTorques&
 /// out high, K₂ and K₃ a few per cent low. Arguments and errors as FitStiffnessModel.
 TorsionalStiffness FitStiffnessLoading(const TorsionLoop& loop, const TestTorques& torques);
 
-/// Mid-line of loading and unloading branch without the stretch after each reversal where friction still
+/// Mid-line of loading and unloading branch without the segment after each reversal where friction still
 /// sticks: both branches moved by half the loop's height W onto the line between them, and the twist
-/// regressed on the parts of that torque below T₁, between T₁ and T₂, and above T₂. The length of the stretch
+/// regressed on the parts of that torque below T₁, between T₁ and T₂, and above T₂. The length of the segment
 /// is read off the record: up to where its samples have come within 5 % of the loop's height (or the noise)
 /// of the mid-line of all others. Arguments and errors as FitStiffnessModel.
 TorsionalStiffness FitStiffnessBackbone(const TorsionLoop& loop, const TestTorques& torques);

@@ -7,27 +7,27 @@
 #include <utility>
 
 #include "analysis/diagnosis/cause_sets.h"
-#include "analysis/diagnosis/doubt.h"
+#include "analysis/diagnosis/model_uncertainty.h"
 #include "analysis/diagnosis/refinement.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
 
 // Of BIC, or as much of a p-value that is corrected. The errors of one fit are too large next to another
-// cause that can take its shape: where the likelihood leaves no doubt, they are asked for less (Hauck &
-// Donner, J. Am. Stat. Assoc. 72 (1977) 851).
-constexpr double kNoDoubt = 20.0;
+// cause that can take its shape: where the likelihood leaves no model uncertainty, they are asked for less
+// (Hauck & Donner, J. Am. Stat. Assoc. 72 (1977) 851).
+constexpr double kNoModelUncertainty = 20.0;
 
 // Share of the likelihood ratio of a cause below which another one is no rival.
 constexpr double kNowhereNear = 0.2;
-// Blocks over which an effect has to lie for what the others show of it to foretell each.
-constexpr double kBlocksToForetell = 4.0;
-// Of the likelihood ratio, that an effect in fewer blocks may lose on held-out data: they were foretold three
-// times as high as they are. What is foretold worse than that is a shape between the samples.
-constexpr double kLossUnforetold = 1.5;
+// Blocks over which an effect has to lie for what the others show of it to predict each.
+constexpr double kBlocksToPredict = 4.0;
+// Of the likelihood ratio, that an effect in fewer blocks may lose on held-out data: they were predicted
+// three times as high as they are. What is predicted worse than that is a shape between the samples.
+constexpr double kLossUnpredicted = 1.5;
 
-// Over how many blocks as good as equal ones a cause changes what is foretold (the participation ratio of its
-// energy). Of a bump of three samples without the two in its middle nobody knows the height.
+// Over how many blocks as good as equal ones a cause changes what is predicted (the participation ratio of
+// its energy). Of a bump of three samples without the two in its middle nobody knows the height.
 double BlocksCovered(const Judge& judge, const ModelFit& with, const ModelFit& without) {
   const Folds& folds = judge.folds(true);
   std::vector<double> energy(folds.blocks, 0.0);
@@ -70,7 +70,7 @@ std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& mode
 void Rank(const Study& study, std::vector<Candidate>& candidates) {
   if (candidates.empty()) return;
   const auto describes = [&](const Candidate& candidate) {
-    return IsDescription(study.causes()[candidate.cause]);
+    return IsNuisanceTerm(study.causes()[candidate.cause]);
   };
   const auto of_causes = [&](const Candidate& candidate) {
     return describes(candidate) ? -std::numeric_limits<double>::infinity() : candidate.score;
@@ -85,7 +85,7 @@ void Rank(const Study& study, std::vector<Candidate>& candidates) {
   std::ranges::stable_sort(candidates, std::greater<>(), rank);
 }
 
-std::set<std::size_t> FarBehind(const Study& study, const std::vector<Candidate>& candidates,
+std::set<std::size_t> Dominated(const Study& study, const std::vector<Candidate>& candidates,
                                 const Candidate& chosen, const ScoredModel& poorer) {
   const double ahead = WhiteRatio(chosen.model, poorer);
   std::set<std::size_t> behind;
@@ -118,26 +118,26 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
     return result;
   }
   // What both have in common as well: in a long block a local effect lies whole, and neither model could
-  // foretell it there.
+  // predict it there.
   const bool local = std::ranges::any_of(
       with.fit.causes, [&](std::size_t other) { return judge.study().causes()[other].local; });
   result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, local);
-  const bool no_doubt =
-      result.evidence.delta_bic > kNoDoubt || result.evidence.p_value < std::exp(-0.5 * kNoDoubt);
-  // A block that alone has the highest speeds is nothing that the others could foretell.
-  if (!local && (judge.HasFewBlocks() || no_doubt) && !(result.evidence.heldout_gain > 0.0))
+  const bool no_model_uncertainty = result.evidence.delta_bic > kNoModelUncertainty ||
+                                    result.evidence.p_value < std::exp(-0.5 * kNoModelUncertainty);
+  // A block that alone has the highest speeds is nothing that the others could predict.
+  if (!local && (judge.HasFewBlocks() || no_model_uncertainty) && !(result.evidence.heldout_gain > 0.0))
     result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, true);
   const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kJudge);
-  result.objection =
-      no_doubt ? judge.Objection(reported.fit, cause, kNotExcluded) : judge.Objection(reported.fit, cause);
-  const bool foretold =
-      result.evidence.heldout_gain > 0.0 ||
-      (rule.of_few_samples && result.evidence.heldout_gain > -kLossUnforetold * comparison.likelihood_ratio &&
-       BlocksCovered(judge, with.fit, without.fit) < kBlocksToForetell);
-  if (result.objection.empty() && !foretold) {
+  result.objection = no_model_uncertainty ? judge.Objection(reported.fit, cause, kNotExcluded)
+                                          : judge.Objection(reported.fit, cause);
+  const bool predicted = result.evidence.heldout_gain > 0.0 ||
+                         (rule.of_few_samples &&
+                          result.evidence.heldout_gain > -kLossUnpredicted * comparison.likelihood_ratio &&
+                          BlocksCovered(judge, with.fit, without.fit) < kBlocksToPredict);
+  if (result.objection.empty() && !predicted) {
     result.objection = "does not predict held-out data better";
   }
-  if (result.objection.empty() && IsInDoubt(judge, with, without, cause, error_allowed)) {
+  if (result.objection.empty() && IsUncertain(judge, with, without, cause, error_allowed)) {
     result.objection =
         "shown by a few moments alone, in which the model may be wrong by chance (a reversal, a knock)";
   }

@@ -10,16 +10,16 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A cause, or a description, fitted beside a model.
+/// A cause, or a nuisance term, fitted beside a model.
 struct Candidate {
   std::size_t cause{};
   ScoredModel model;
   Comparison against;
-  double score{};  // BIC less what the places searched cost
+  double score{};  // BIC less what the search locations cost
 };
 
-/// Up to so many effects each description is looked at again for causes in its place: beside more of them it
-/// follows what all their formulae leave.
+/// Up to so many effects each nuisance term is looked at again for causes in its place: beside more of them
+/// it follows what all their formulae leave.
 inline constexpr std::size_t kFewEffects = 3;
 /// Of BIC, within which two are as good: odds of 20 to 1.
 inline constexpr double kAsGood = 6.0;
@@ -35,13 +35,13 @@ std::vector<Candidate> FitCandidates(
     const Judge& judge, const ScoredModel& model,
     const std::function<bool(std::size_t)>& is_out = [](std::size_t) { return false; });
 
-/// The strongest first; causes stand before a correction that does not lead them by enough, so that the next
-/// one has its turn where the first does not pass.
+/// The strongest first; causes stand before a nuisance term that does not lead them by enough, so that the
+/// next one has its turn where the first does not pass.
 void Rank(const Study& study, std::vector<Candidate>& candidates);
 
 /// What came nowhere near the chosen one, or is a cause that could not be fitted at all, will hardly do in
 /// its place later.
-std::set<std::size_t> FarBehind(const Study& study, const std::vector<Candidate>& candidates,
+std::set<std::size_t> Dominated(const Study& study, const std::vector<Candidate>& candidates,
                                 const Candidate& chosen, const ScoredModel& poorer);
 
 /// Whether what it brings is beyond chance, which is cheap to say.

@@ -17,7 +17,7 @@ namespace {
 constexpr double kPairAhead = 8.0;  // of two causes, to take the place of one
 constexpr std::size_t kMostTogether = 3;
 constexpr std::size_t kMostFirsts = 3;
-constexpr std::size_t kMostFirstsOfDescription = 2;  // there are many where formulae fit badly
+constexpr std::size_t kMostFirstsOfNuisanceTerm = 2;  // there are many where formulae fit badly
 
 // The strongest in the place of a cause of a model: the first of two that may stand there.
 std::vector<Candidate> FirstsOf(const Judge& judge, const ScoredModel& without, std::size_t cause,
@@ -25,9 +25,9 @@ std::vector<Candidate> FirstsOf(const Judge& judge, const ScoredModel& without, 
                                 const std::function<bool(std::size_t)>& is_out) {
   const auto& rules = judge.study().causes();
   std::vector<Candidate> firsts = FitCandidates(judge, without, is_out);
-  // What neither of two explains alone may pass for the noise's memory: a description holds both.
-  const bool described = IsDescription(rules[cause]);
-  const std::size_t most = described ? kMostFirstsOfDescription : kMostFirsts;
+  // What neither of two explains alone may pass for the noise's autocorrelation: a nuisance term holds both.
+  const bool described = IsNuisanceTerm(rules[cause]);
+  const std::size_t most = described ? kMostFirstsOfNuisanceTerm : kMostFirsts;
   if (!described)
     std::erase_if(firsts, [&](const Candidate& part) { return !LooksPossible(judge, part, error); });
   std::ranges::sort(firsts, std::greater<>(),
@@ -64,8 +64,8 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std:
     const double ahead = WhiteRatio(candidate.model, poorer);
     const int more = candidate.model.fit.free_parameters - poorer.fit.free_parameters;
     // Without a discount for places: noise with a memory has lines and windows anywhere.
-    return ahead - 2.0 * std::log(std::max(1.0, rule.trials)) - more * std::log(judge.samples()) -
-           (IsDescription(rule) ? LeadAsked(ahead) : 0.0);
+    return ahead - 2.0 * std::log(std::max(1.0, rule.trials_factor)) - more * std::log(judge.samples()) -
+           (IsNuisanceTerm(rule) ? LeadAsked(ahead) : 0.0);
   };
   ScoredModel all = model;
   while (all.fit.causes.size() < model.fit.causes.size() + std::min(most, kMostTogether)) {
@@ -103,22 +103,22 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std:
 
 std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::size_t> given,
                                     const ScoredModel& model, std::span<const Candidate> beside, double error,
-                                    const FarBehindOf& far_behind, PairRivals& rivals) {
+                                    const DominatedBy& dominated, PairRivals& rivals) {
   const auto& rules = judge.study().causes();
   const bool many = model.fit.causes.size() > given.size() + kFewEffects;
   rivals.clear();
   std::optional<ScoredModel> best;
   double most = 0.0;
   for (const std::size_t cause : model.fit.causes) {
-    if (Contains(given, cause) || (many && IsDescription(rules[cause]))) continue;
+    if (Contains(given, cause) || (many && IsNuisanceTerm(rules[cause]))) continue;
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
     if (!without.fit.usable) continue;
     const double own = ScoreOf(judge, model, without, cause);
-    // A description has to be better than causes, not they than it.
+    // A nuisance term has to be better than causes, not they than it.
     const double asked = rules[cause].named ? kPairAhead : 0.0;
     const std::vector<Candidate> firsts =
         FirstsOf(judge, without, cause, beside, error, [&](std::size_t part) {
-          return part == cause || !rules[part].named || IsFarBehind(far_behind, cause, part);
+          return part == cause || !rules[part].named || IsDominated(dominated, cause, part);
         });
     std::set<std::string> pairs;
     for (const Candidate& first : firsts) {

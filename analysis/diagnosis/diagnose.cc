@@ -52,17 +52,17 @@ std::vector<Found> JudgeAll(const Judge& judge, const ScoredModel& model, const 
   return all;
 }
 
-// A description that costs more than it brings, where its p-value does not say all, or that takes nothing
+// A nuisance term that costs more than it brings, where its p-value does not say all, or that takes nothing
 // away, helps to find causes and says nothing of its own.
 bool IsWorthTelling(const Judge& judge, const ScoredModel& model, const Found& found) {
   const CauseRule& rule = judge.study().causes()[found.cause];
-  if (!IsDescription(rule)) return true;
+  if (!IsNuisanceTerm(rule)) return true;
   return found.judged.evidence.delta_bic > LeastBicBeside(rule) &&
          SquareSum(judge.study(), found.without.fit, judge.weights()) >
              SquareSum(judge.study(), model.fit, judge.weights());
 }
 
-// What is found beside something else, has no cause, or foretells worse what was held out, and whose evidence
+// What is found beside something else, has no cause, or predicts worse what was held out, and whose evidence
 // is gone once everything is fitted to the end, is none: the weakest first.
 // @param candidates  gets what was dropped
 std::vector<Found> DropUnproven(const Judge& judge, ScoredModel& model, const DiagnoseOptions& options,
@@ -107,19 +107,19 @@ bool IsRounding(const Study& study, const ModelFit& fit, std::span<const double>
 }
 
 Finding Report(const Judge& judge, const ScoredModel& model, const Found& found, double explainable,
-               const FarBehindOf& far_behind) {
+               const DominatedBy& dominated) {
   const auto place =
       static_cast<std::size_t>(std::ranges::find(model.fit.causes, found.cause) - model.fit.causes.begin());
   Finding finding{found.cause, model.fit.cause_parameters[place], found.judged.evidence, 0.0, {}};
   const double lost = SquareSum(judge.study(), found.without.fit, judge.weights()) -
                       SquareSum(judge.study(), model.fit, judge.weights());
   finding.share_of_explainable = explainable > 0.0 ? std::clamp(lost / explainable, 0.0, 1.0) : 0.0;
-  finding.indistinguishable_from = RivalsOf(judge, model, far_behind, found.cause);
+  finding.indistinguishable_from = RivalsOf(judge, model, dominated, found.cause);
   return finding;
 }
 
-bool IsCurve(const Finding& correction) {
-  return std::ranges::any_of(correction.parameters,
+bool IsCurve(const Finding& nuisance_term) {
+  return std::ranges::any_of(nuisance_term.parameters,
                              [](const ParameterValue& value) { return value.name.starts_with(kCurvePart); });
 }
 
@@ -129,7 +129,7 @@ std::string WordsOf(const Judge& judge, const ModelFit& fit, std::span<const Fin
   for (const Finding& finding : left_out) causes = Without(causes, finding.index);
   const std::vector<double> left =
       ResidualsOf(judge.study(), causes == fit.causes ? fit : judge.Fit(causes, &fit).fit);
-  return DescribeLeftover(
+  return DescribeResidual(
       judge.study(), Eigen::Map<const Eigen::VectorXd>(left.data(), static_cast<Eigen::Index>(left.size())),
       judge.weights());
 }
@@ -191,32 +191,32 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
                                       missed - SquareSum(study, extended.fit, diagnosis.weights));
   bool local = false;
   for (const Found& one : all_found) {
-    Finding finding = Report(*judge, extended, one, explainable, selection.far_behind);
+    Finding finding = Report(*judge, extended, one, explainable, selection.dominated);
     const std::vector<std::string>& pairs = selection.pair_rivals[one.cause];
     finding.indistinguishable_from.insert(finding.indistinguishable_from.end(), pairs.begin(), pairs.end());
     const CauseRule& rule = study.causes()[one.cause];
     local = local || rule.local;
     diagnosis.candidates.push_back({one.cause, finding.evidence, true, {}});
-    (rule.named ? diagnosis.causes : diagnosis.corrections).push_back(std::move(finding));
+    (rule.named ? diagnosis.causes : diagnosis.nuisance_terms).push_back(std::move(finding));
   }
   const auto by_evidence = [](const auto& a, const auto& b) {
     return a.evidence.delta_bic > b.evidence.delta_bic;
   };
   std::sort(diagnosis.causes.begin(), diagnosis.causes.end(), by_evidence);
-  std::sort(diagnosis.corrections.begin(), diagnosis.corrections.end(), by_evidence);
+  std::sort(diagnosis.nuisance_terms.begin(), diagnosis.nuisance_terms.end(), by_evidence);
   std::sort(diagnosis.candidates.begin(), diagnosis.candidates.end(), by_evidence);
 
   const Folds& folds = judge->folds(local);
   const std::vector<double>& before = judge->HeldOut(nominal.fit, local);
-  const bool found = !diagnosis.causes.empty() || !diagnosis.corrections.empty();
+  const bool found = !diagnosis.causes.empty() || !diagnosis.nuisance_terms.empty();
   const std::vector<double>& after = found ? judge->HeldOut(extended.fit, local) : before;
   diagnosis.nominal_heldout_rmse = of_record(HeldOutRmse(before, diagnosis.weights));
   diagnosis.extended_heldout_rmse = of_record(HeldOutRmse(after, diagnosis.weights));
   if (found)
     diagnosis.gain = EstimateGain(before, after, diagnosis.weights, folds, filtered_out, options.seed);
 
-  const bool described = std::ranges::any_of(diagnosis.corrections, [&](const Finding& correction) {
-    return IsDescription(study.causes()[correction.index]);
+  const bool described = std::ranges::any_of(diagnosis.nuisance_terms, [&](const Finding& nuisance_term) {
+    return IsNuisanceTerm(study.causes()[nuisance_term.index]);
   });
   diagnosis.verdict = !diagnosis.causes.empty() ? Verdict::kEffectFound
                       : described               ? Verdict::kUnnamedStructure
@@ -225,15 +225,15 @@ Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options) {
   const double nominal_variance = diagnosis.nominal_heldout_rmse * diagnosis.nominal_heldout_rmse;
   const double extended_variance = diagnosis.extended_heldout_rmse * diagnosis.extended_heldout_rmse;
   if (nominal_variance > 0.0) {
-    diagnosis.leftover.share_of_residual_variance = std::clamp(
+    diagnosis.residual.share_of_residual_variance = std::clamp(
         (extended_variance - diagnosis.noise_floor * diagnosis.noise_floor) / nominal_variance, 0.0, 1.0);
   }
-  diagnosis.leftover.ljung_box_p = LjungBoxP(left, diagnosis.weights, study.stretches(), 0);
-  diagnosis.leftover.runs_p = RunsP(left, diagnosis.weights, study.stretches());
+  diagnosis.residual.ljung_box_p = LjungBoxP(left, diagnosis.weights, study.segments(), 0);
+  diagnosis.residual.runs_p = RunsP(left, diagnosis.weights, study.segments());
   if (options.progress) options.progress("describing what is left", kShareOfJudging);
-  diagnosis.leftover.signature = WordsOf(*judge, extended.fit, {});
-  if (std::ranges::any_of(diagnosis.corrections, IsCurve))
-    diagnosis.leftover.described = WordsOf(*judge, extended.fit, diagnosis.corrections);
+  diagnosis.residual.signature = WordsOf(*judge, extended.fit, {});
+  if (std::ranges::any_of(diagnosis.nuisance_terms, IsCurve))
+    diagnosis.residual.described = WordsOf(*judge, extended.fit, diagnosis.nuisance_terms);
   const auto outliers = std::count(diagnosis.weights.begin(), diagnosis.weights.end(), 0.0);
   if (outliers > 0)
     diagnosis.notes.push_back(

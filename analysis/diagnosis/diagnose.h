@@ -15,7 +15,7 @@ enum class Verdict { kEffectFound, kNoEffect, kUnnamedStructure };
 /// What speaks for a candidate at the step at which it was judged.
 struct Evidence {
   double delta_bic{};     // BIC without − BIC with it; positive speaks for it
-  double p_value{1.0};    // likelihood ratio, corrected for places searched and candidates tried
+  double p_value{1.0};    // likelihood ratio, corrected for search locations and candidates tried
   double heldout_gain{};  // log-likelihood of held-out blocks with it − without, in nats
 };
 
@@ -27,7 +27,7 @@ struct CandidateResult {
   std::string objection;  // why it did not pass: "not away from zero", "k3_ratio = 9.1 outside 0.5 to 2"
 };
 
-/// One cause, or correction, of the extended model.
+/// One cause, or nuisance term, of the extended model.
 struct Finding {
   std::size_t index{};  // into Study::causes()
   std::vector<ParameterValue> parameters;
@@ -43,13 +43,14 @@ struct GainEstimate {
 };
 
 /// What is left after everything that was found.
-struct Leftover {
+struct Unexplained {
   double
       share_of_residual_variance{};  // of the nominal residual's variance above the floor, still unexplained
   double ljung_box_p{1.0};
   double runs_p{1.0};
   std::string signature;  // in words: order, window, regressor and shape; empty where nothing stands out
-  /// The same of what the corrections describe, where one of them is a free curve, whose numbers say nothing.
+  /// The same of what the nuisance terms describe, where one of them is a free curve, whose numbers say
+  /// nothing.
   std::string described;
 };
 
@@ -62,10 +63,10 @@ struct Diagnosis {
   double extended_heldout_rmse{};
   double noise_floor{};
   std::vector<Finding> causes;              // strongest first
-  std::vector<Finding> corrections;         // structure without a name
+  std::vector<Finding> nuisance_terms;      // structure without a name
   std::vector<CandidateResult> candidates;  // all, strongest first
   GainEstimate gain;
-  Leftover leftover;
+  Unexplained residual;
   /// In words, what the records leave open of the numbers above, of both models.
   std::vector<std::string> open;
   std::vector<std::string> notes;  // what a reader should know: parameters out of range, outliers left out
@@ -85,7 +86,8 @@ struct DiagnoseOptions {
 /// Forward selection by BIC under autoregressive noise; a step is taken for a candidate whose corrected
 /// p-value, held-out likelihood and parameters all pass. Backward check, and exchange of a cause for a better
 /// one, after each step. Causes that would fit as well (within 6 of BIC) in a found one's place are its
-/// rivals. Corrections take part, so that unexplained structure is not credited to the cause nearest to it.
+/// rivals. Nuisance terms take part, so that unexplained structure is not credited to the cause nearest to
+/// it.
 ///
 /// @throws std::invalid_argument if the record is too short to hold anything out.
 Diagnosis Diagnose(const Study& study, const DiagnoseOptions& options = {});

@@ -18,13 +18,13 @@ namespace {
 // Of the largest eigenvalue of unit columns' products: below it stands rounding alone.
 constexpr double kDetermined = 1e-12;
 
-// Rows filtered backwards in time by 1 / A(z) within each stretch: Σ = σ² A⁻¹ A⁻ᵀ, so that JᵀΣJ is σ² times
+// Rows filtered backwards in time by 1 / A(z) within each segment: Σ = σ² A⁻¹ A⁻ᵀ, so that JᵀΣJ is σ² times
 // the square of A⁻ᵀ J.
 Eigen::MatrixXd ColourBackwards(Eigen::MatrixXd rows, const NoiseFit& noise,
-                                std::span<const std::size_t> stretches) {
-  for (std::size_t s = 0; s < stretches.size(); ++s) {
-    const auto first = static_cast<Index>(stretches[s]);
-    const Index last = s + 1 < stretches.size() ? static_cast<Index>(stretches[s + 1]) : rows.rows();
+                                std::span<const std::size_t> segments) {
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    const auto first = static_cast<Index>(segments[s]);
+    const Index last = s + 1 < segments.size() ? static_cast<Index>(segments[s + 1]) : rows.rows();
     for (Index i = last - 1; i >= first; --i) {
       for (Index k = 1; k <= noise.order && i + k < last; ++k) {
         rows.row(i) += noise.coefficients[static_cast<std::size_t>(k - 1)] * rows.row(i + k);
@@ -50,7 +50,7 @@ Eigen::MatrixXd OpenDirections(const Eigen::MatrixXd& columns, const Eigen::Vect
 
 FitErrors ErrorsOfFit(const Eigen::MatrixXd& sensitivities, std::span<const double> measured,
                       const Eigen::VectorXd& predicted, std::span<const double> weights,
-                      std::span<const std::size_t> stretches, int largest_noise_order,
+                      std::span<const std::size_t> segments, int largest_noise_order,
                       const Eigen::VectorXd& ridge) {
   const Index p = sensitivities.cols();
   std::vector<double> residual(measured.begin(), measured.end());
@@ -73,7 +73,7 @@ FitErrors ErrorsOfFit(const Eigen::MatrixXd& sensitivities, std::span<const doub
     used.col(j) *= scale(j);
   }
   const NoiseFit noise =
-      FitNoise(residual, weights, stretches, largest_noise_order, std::max(std::sqrt(square_sum), 1e-300));
+      FitNoise(residual, weights, segments, largest_noise_order, std::max(std::sqrt(square_sum), 1e-300));
   const SymmetricParts eigen = SymmetricEigen(used.transpose() * used);
   const double least = kDetermined * std::max(eigen.values.maxCoeff(), 1e-300);
   const Eigen::MatrixXd bread =
@@ -81,7 +81,7 @@ FitErrors ErrorsOfFit(const Eigen::MatrixXd& sensitivities, std::span<const doub
   const double freedom = std::max(1.0, count - static_cast<double>(p));
   Eigen::MatrixXd covariance = square_sum / freedom * bread;
   if (noise.order > 0) {
-    const Eigen::MatrixXd coloured = ColourBackwards(used, noise, stretches);
+    const Eigen::MatrixXd coloured = ColourBackwards(used, noise, segments);
     covariance = noise.innovation_sd * noise.innovation_sd * count / freedom *
                  (bread * (coloured.transpose() * coloured) * bread);
   }

@@ -32,7 +32,7 @@ struct FitErrors {
 ///   beside the samples, so that it is not open.
 FitErrors ErrorsOfFit(const Eigen::MatrixXd& sensitivities, std::span<const double> measured,
                       const Eigen::VectorXd& predicted, std::span<const double> weights,
-                      std::span<const std::size_t> stretches, int largest_noise_order,
+                      std::span<const std::size_t> segments, int largest_noise_order,
                       const Eigen::VectorXd& ridge);
 
 /// A number as one of several models has it, with that model's likelihood over the best one's.

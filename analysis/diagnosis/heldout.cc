@@ -11,16 +11,16 @@
 
 namespace strainwave::analysis::diagnosis {
 
-Folds MakeFolds(std::size_t samples, std::span<const std::size_t> stretches, std::size_t length) {
+Folds MakeFolds(std::size_t samples, std::span<const std::size_t> segments, std::size_t length) {
   Folds folds;
   folds.block_of.resize(samples);
   folds.fold_of.resize(samples);
   length = std::max<std::size_t>(length, 1);
-  for (std::size_t s = 0; s < stretches.size(); ++s) {
-    const std::size_t first = stretches[s];
-    const std::size_t last = s + 1 < stretches.size() ? stretches[s + 1] : samples;
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    const std::size_t first = segments[s];
+    const std::size_t last = s + 1 < segments.size() ? segments[s + 1] : samples;
     if (last <= first) continue;
-    // Equal blocks, so that no stretch ends in a splinter.
+    // Equal blocks, so that no segment ends in a splinter.
     const std::size_t here = std::max<std::size_t>(1, (last - first + length / 2) / length);
     for (std::size_t i = first; i < last; ++i) {
       folds.block_of[i] = folds.blocks + (i - first) * here / (last - first);

@@ -10,7 +10,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// How a record is held out: blocks of whole stretches of samples, each in one of a few folds.
+/// How a record is held out: blocks of whole segments of samples, each in one of a few folds.
 struct Folds {
   std::vector<std::size_t> block_of;  // one a sample
   std::vector<std::size_t> fold_of;   // one a sample
@@ -18,10 +18,10 @@ struct Folds {
   std::size_t folds{};
 };
 
-/// Blocks of `length` samples (never across a stretch), dealt to at most five folds so that neighbours fall
+/// Blocks of `length` samples (never across a segment), dealt to at most five folds so that neighbours fall
 /// into different ones and no fold follows a regular pattern.
 /// @throws std::invalid_argument if the record does not give two blocks.
-Folds MakeFolds(std::size_t samples, std::span<const std::size_t> stretches, std::size_t length);
+Folds MakeFolds(std::size_t samples, std::span<const std::size_t> segments, std::size_t length);
 
 /// Residuals of samples that the fit has not seen: each fold is predicted by a fit to the others, started
 /// from `whole`. A sample without weight is left at 0.

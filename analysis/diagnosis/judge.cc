@@ -20,12 +20,12 @@ constexpr std::size_t kMostKept = std::size_t{1} << 23;
 constexpr std::size_t kMostFits = 256;
 constexpr std::size_t kMostHeldOut = 8;
 
-// Of the error allowed, for the causes together; the rest is for descriptions without a cause (weighted
+// Of the error allowed, for the causes together; the rest is for nuisance terms without a cause (weighted
 // Bonferroni; Genovese, Roeder & Wasserman, Biometrika 93 (2006) 509).
 constexpr double kShareOfCauses = 0.75;
 
 // BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
-// phase): of a description it may say so much less where chance is excluded, and less for each of many
+// phase): of a nuisance term it may say so much less where chance is excluded, and less for each of many
 // parameters.
 constexpr double kLeastBic = -12.0;
 constexpr double kLeastBicEach = -5.0;
@@ -55,8 +55,8 @@ bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double 
 Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOptions&)
     : study_(study),
       weights_(std::move(weights)),
-      folds_(MakeFolds(study.measured().size(), study.stretches(), study.BlockLength())),
-      short_folds_(MakeFolds(study.measured().size(), study.stretches(),
+      folds_(MakeFolds(study.measured().size(), study.segments(), study.BlockLength())),
+      short_folds_(MakeFolds(study.measured().size(), study.segments(),
                              std::max<std::size_t>(2, study.BlockLength() / kShortBlocks))),
       fits_(std::min(kMostFits, kMostKept / std::max<std::size_t>(1, study.measured().size()))),
       held_out_(kMostHeldOut) {
@@ -70,7 +70,7 @@ ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* star
     ScoredModel model{study_.Fit(causes, weights_, start, purpose), {}};
     if (model.fit.usable) {
       model.noise = FitNoise(study_.Decorrelated(ResidualsOf(study_, model.fit), weights_), weights_,
-                             study_.stretches(), study_.LargestNoiseOrder(), scale_);
+                             study_.segments(), study_.LargestNoiseOrder(), scale_);
     }
     return model;
   };
@@ -97,8 +97,9 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   if (more > 0.0 || richer.fit.causes.size() > poorer.fit.causes.size())
     more = std::max(1.0, richer.fit.charged_parameters() - poorer.fit.charged_parameters());
   comparison.more_parameters = more;
-  comparison.log_places = richer.fit.log_places - poorer.fit.log_places;
-  comparison.more_placed = std::max(0, richer.fit.placed_parameters - poorer.fit.placed_parameters);
+  comparison.log_search_locations = richer.fit.log_search_locations - poorer.fit.log_search_locations;
+  comparison.more_location_parameters =
+      std::max(0, richer.fit.location_parameters - poorer.fit.location_parameters);
   comparison.likelihood_ratio = LikelihoodRatio(richer.noise, poorer.noise);
   comparison.samples = samples_;
   comparison.delta_bic = comparison.likelihood_ratio - more * std::log(samples_);
@@ -107,28 +108,28 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   if (more > 0.0 && freedom > 2.0) {
     const double f = std::expm1(std::min(700.0, comparison.likelihood_ratio / samples_)) * freedom / more;
     const boost::math::fisher_f distribution(more, freedom);
-    comparison.p_value = std::min(
-        1.0, std::exp(comparison.log_places) * boost::math::cdf(boost::math::complement(distribution, f)));
+    comparison.p_value = std::min(1.0, std::exp(comparison.log_search_locations) *
+                                           boost::math::cdf(boost::math::complement(distribution, f)));
   }
   return comparison;
 }
 
 double Judge::Score(const Comparison& comparison, const CauseRule& rule) const {
   const double more = comparison.more_parameters;
-  const double places =
-      std::min<double>(rule.places + comparison.more_placed, std::max<double>(more, rule.degrees_of_freedom));
+  const double places = std::min<double>(rule.location_parameters + comparison.more_location_parameters,
+                                         std::max<double>(more, rule.degrees_of_freedom));
   // Places that the search chooses and the fit leaves alone are none of its numbers, but cost as much.
   const double left_alone = std::max(0.0, rule.degrees_of_freedom - more);
   const double amounts = more - std::max(0.0, places - left_alone);
   return comparison.likelihood_ratio - amounts * std::log(samples_) -
          places * std::log(std::clamp(comparison.likelihood_ratio, 1.0, samples_)) -
-         2.0 * (comparison.log_places + std::log(std::max(1.0, rule.trials)));
+         2.0 * (comparison.log_search_locations + std::log(std::max(1.0, rule.trials_factor)));
 }
 
 double Judge::Corrected(double p_value, const CauseRule& rule) const {
   const auto of_its_sort = std::ranges::count(study_.causes(), rule.named, &CauseRule::named);
   const double share = rule.named ? kShareOfCauses : 1.0 - kShareOfCauses;
-  const double looks = std::max(1.0, rule.trials) * static_cast<double>(of_its_sort) / share;
+  const double looks = std::max(1.0, rule.trials_factor) * static_cast<double>(of_its_sort) / share;
   return -std::expm1(looks * std::log1p(-std::min(p_value, 0.999999)));
 }
 

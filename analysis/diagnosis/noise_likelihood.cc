@@ -14,7 +14,7 @@ using Eigen::Index;
 
 constexpr double kLeastVarianceShare = 1e-12;
 
-// Samples that follow one another, all with weight and of one stretch: from … to.
+// Samples that follow one another, all with weight and of one segment: from … to.
 struct GoodRun {
   std::size_t first{};
   std::size_t last{};
@@ -22,14 +22,14 @@ struct GoodRun {
   std::size_t size() const { return last - first; }
 };
 
-std::vector<GoodRun> RunsOf(std::span<const double> weights, std::span<const std::size_t> stretches) {
+std::vector<GoodRun> RunsOf(std::span<const double> weights, std::span<const std::size_t> segments) {
   std::vector<GoodRun> runs;
-  std::size_t stretch = 0;
+  std::size_t segment = 0;
   bool follows = false;
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (stretch < stretches.size() && stretches[stretch] == i) {
+    if (segment < segments.size() && segments[segment] == i) {
       follows = false;
-      ++stretch;
+      ++segment;
     }
     const bool good = weights[i] > 0.0;
     if (good && !follows) runs.push_back({i, i});
@@ -39,7 +39,7 @@ std::vector<GoodRun> RunsOf(std::span<const double> weights, std::span<const std
   return runs;
 }
 
-// Foretells a sample from those right before it, and what share of the variance it leaves.
+// Predicts a sample from those right before it, and what share of the variance it leaves.
 struct Predictor {
   Eigen::VectorXd coefficients;
   double share{1.0};
@@ -78,9 +78,9 @@ std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<
 }  // namespace
 
 NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> weights,
-                  std::span<const std::size_t> stretches, int largest_order, double scale) {
+                  std::span<const std::size_t> segments, int largest_order, double scale) {
   NoiseFit fit;
-  const std::vector<GoodRun> runs = RunsOf(weights, stretches);
+  const std::vector<GoodRun> runs = RunsOf(weights, segments);
   for (const GoodRun& run : runs) fit.samples += run.size();
   if (fit.samples == 0) return fit;
   std::vector<double> residual(unweighted.begin(), unweighted.end());
@@ -91,7 +91,7 @@ NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> we
   const std::vector<Predictor> predictors = PredictorsOf(residual, runs, largest_order);
   double best = 0.0;
   for (int order = 0; order < static_cast<int>(predictors.size()); ++order) {
-    double squares = 0.0;  // as if nothing were foretold
+    double squares = 0.0;  // as if nothing were predicted
     double logarithms = 0.0;
     const auto add = [&](std::size_t first, std::size_t last, const Predictor& predictor) {
       double sum = 0.0;

@@ -19,11 +19,11 @@ struct NoiseFit {
 
 /// Fits orders 0 to `largest_order` by conditional least squares to the residual times the roots of the
 /// weights (what the weights themselves bring to the likelihood is the same for all models and left out);
-/// samples without weight are gaps, and so are the ends of stretches: a sample with a gap among its lags is
-/// foretold by the shorter ones. A residual of exact zeros has an infinite likelihood; it is held at
+/// samples without weight are gaps, and so are the ends of segments: a sample with a gap among its lags is
+/// predicted by the shorter ones. A residual of exact zeros has an infinite likelihood; it is held at
 /// 1e-12 of `scale`.
 NoiseFit FitNoise(std::span<const double> residual, std::span<const double> weights,
-                  std::span<const std::size_t> stretches, int largest_order, double scale);
+                  std::span<const std::size_t> segments, int largest_order, double scale);
 
 /// Twice the log-likelihood that `richer` is ahead of `poorer`, each under its own noise of one and the same
 /// order: the best one of the richer model, or, where the poorer does better with more memory, that one less

@@ -40,11 +40,11 @@ bool LeaveOutSpikes(const Study& study, const ModelFit& fit, std::vector<double>
   const std::vector<double> residuals = ResidualsOf(study, fit);
   const std::span<const double> places_rad = study.PlacesOnTurn();
   bool any = false;
-  for (std::size_t s = 0; s < study.stretches().size(); ++s) {
-    const std::size_t first = study.stretches()[s];
-    const std::size_t last = s + 1 < study.stretches().size() ? study.stretches()[s + 1] : residuals.size();
-    const std::span<const double> stretch(residuals.data() + first, last - first);
-    for (const auto& found : {FindSpikes(stretch, EstimateNoise(stretch)), FindLoneSamples(stretch)}) {
+  for (std::size_t s = 0; s < study.segments().size(); ++s) {
+    const std::size_t first = study.segments()[s];
+    const std::size_t last = s + 1 < study.segments().size() ? study.segments()[s + 1] : residuals.size();
+    const std::span<const double> segment(residuals.data() + first, last - first);
+    for (const auto& found : {FindSpikes(segment, EstimateNoise(segment)), FindLoneSamples(segment)}) {
       for (const std::size_t spike : found) {
         if (ComesAgain(places_rad, residuals, first + spike)) continue;
         any = any || weights[first + spike] > 0.0;

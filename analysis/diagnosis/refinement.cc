@@ -14,35 +14,36 @@ namespace {
 // A shape without a cause has to explain this much more than the best cause to take its place: our formulae
 // are not nature's, and a free curve always follows the last few percent better. Where a cause of the list
 // was there, in 500 records, none was ahead of it by more than 2.2.
-constexpr double kCorrectionLead = 5.0;
-constexpr double kCorrectionShare = 0.05;
+constexpr double kNuisanceTermLead = 5.0;
+constexpr double kNuisanceTermShare = 0.05;
 constexpr double kHalfAsGood = 0.5;
 constexpr double kManyNumbers = 6.0;  // of a cause that comes again and again, with a size each time
 
-// Of the sum of squares that all of a model take away, what a description may leave as its misfit.
-constexpr double kMisfitOfDescription = 0.02;
+// Of the sum of squares that all of a model take away, what a nuisance term may leave as its misfit.
+constexpr double kMisfitOfNuisanceTerm = 0.02;
 
-constexpr std::ptrdiff_t kMostDescriptions = 4;
+constexpr std::ptrdiff_t kMostNuisanceTerms = 4;
 
 double MisfitShareOf(const CauseRule& rule) {
-  return rule.misfit_share.value_or(rule.named ? 0.0 : kMisfitOfDescription);
+  return rule.misfit_share.value_or(rule.named ? 0.0 : kMisfitOfNuisanceTerm);
 }
 
 }  // namespace
 
 bool MayStandBeside(const Study& study, const ModelFit& fit, std::size_t cause) {
-  const auto is_description = [&](std::size_t other) { return IsDescription(study.causes()[other]); };
+  const auto is_nuisance_term = [&](std::size_t other) { return IsNuisanceTerm(study.causes()[other]); };
   // One cause in two forms is named once.
   const auto has_its_name = [&](std::size_t other) {
     return study.causes()[cause].named && study.causes()[other].name == study.causes()[cause].name;
   };
   return !Contains(fit.causes, cause) && std::ranges::none_of(fit.causes, has_its_name) &&
-         (!is_description(cause) || std::ranges::count_if(fit.causes, is_description) < kMostDescriptions);
+         (!is_nuisance_term(cause) ||
+          std::ranges::count_if(fit.causes, is_nuisance_term) < kMostNuisanceTerms);
 }
 
-bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other) {
-  const auto found = far_behind.find(cause);
-  return found != far_behind.end() && found->second.contains(other);
+bool IsDominated(const DominatedBy& dominated, std::size_t cause, std::size_t other) {
+  const auto found = dominated.find(cause);
+  return found != dominated.end() && found->second.contains(other);
 }
 
 double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause) {
@@ -53,10 +54,12 @@ double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer) {
   return 2.0 * (richer.noise.log_likelihood.front() - poorer.noise.log_likelihood.front());
 }
 
-double LeadAsked(double explained) { return kCorrectionLead + kCorrectionShare * std::max(0.0, explained); }
+double LeadAsked(double explained) {
+  return kNuisanceTermLead + kNuisanceTermShare * std::max(0.0, explained);
+}
 
 double LeadAsked(double explained, const Comparison& description, const Comparison& cause) {
-  const double amounts = cause.more_parameters - cause.more_placed;
+  const double amounts = cause.more_parameters - cause.more_location_parameters;
   const bool simpler = amounts >= kManyNumbers && 2.0 * description.more_parameters <= amounts;
   return LeadAsked(simpler ? 0.0 : explained);
 }
@@ -106,7 +109,7 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
 }
 
 bool Exchange(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
-              FarBehindOf& far_behind, ScoredModel& model, double explained) {
+              DominatedBy& dominated, ScoredModel& model, double explained) {
   const auto& rules = judge.study().causes();
   for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
     if (Contains(given, cause)) continue;
@@ -118,19 +121,21 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const Diag
     for (std::size_t other = 0; other < rules.size(); ++other) {
       // For itself as well: beside what came later another of its forms may be the better one.
       if (!MayStandBeside(judge.study(), without.fit, other)) continue;
-      if (IsFarBehind(far_behind, cause, other)) continue;
+      if (IsDominated(dominated, cause, other)) continue;
       ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
       if (ahead > kClearlyAhead &&
           (!exchanged.fit.usable || WhiteRatio(exchanged, without) < kHalfAsGood * ahead))
-        far_behind[cause].insert(other);
+        dominated[cause].insert(other);
       if (!exchanged.fit.usable) continue;
       // What would be dropped again in the other's place takes nobody's: both scores may be below nothing.
       const Comparison its = judge.Compare(exchanged, without);
       const double p = judge.Corrected(its.p_value, rules[other]);
       if (!IsBeyondChance(its, rules[other], p, options.family_error)) continue;
       double lead = judge.Score(its, rules[other]) - own_score;
-      if (!IsDescription(rules[cause]) && IsDescription(rules[other])) lead -= LeadAsked(explained, its, own);
-      if (IsDescription(rules[cause]) && !IsDescription(rules[other])) lead += LeadAsked(own_score, own, its);
+      if (!IsNuisanceTerm(rules[cause]) && IsNuisanceTerm(rules[other]))
+        lead -= LeadAsked(explained, its, own);
+      if (IsNuisanceTerm(rules[cause]) && !IsNuisanceTerm(rules[other]))
+        lead += LeadAsked(own_score, own, its);
       if (lead < kClearlyBetter) continue;
       exchanged = judge.Fit(exchanged.fit.causes, &exchanged.fit, FitPurpose::kJudge);
       if (!judge.Objection(exchanged.fit, other).empty()) continue;

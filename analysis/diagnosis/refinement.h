@@ -11,17 +11,17 @@ namespace strainwave::analysis::diagnosis {
 /// BIC by which one model is clearly better than another with as many causes.
 inline constexpr double kClearlyBetter = 2.0;
 
-/// Whether one may be added to a model. Of shapes without a cause four stand side by side at most: what they
-/// leave a fifth makes no clearer, and beside each every further fit is slower.
+/// Whether one may be added to a model. Of nonlinear parameters without a cause four stand side by side at
+/// most: what they leave a fifth makes no clearer, and beside each every further fit is slower.
 bool MayStandBeside(const Study& study, const ModelFit& fit, std::size_t cause);
 
 /// Whether a cause came nowhere near another one when that was chosen.
-bool IsFarBehind(const FarBehindOf& far_behind, std::size_t cause, std::size_t other);
+bool IsDominated(const DominatedBy& dominated, std::size_t cause, std::size_t other);
 
-/// Of a model with this cause, ahead of the one without: BIC less what the places searched cost.
+/// Of a model with this cause, ahead of the one without: BIC less what the search locations cost.
 double ScoreOf(const Judge& judge, const ScoredModel& with, const ScoredModel& without, std::size_t cause);
 
-/// By how much a description has to be ahead of a cause to take its place, where so much is explained.
+/// By how much a nuisance term has to be ahead of a cause to take its place, where so much is explained.
 double LeadAsked(double explained);
 
 /// The same where both are known: our formulae are not nature's, so that a curve always follows the last few
@@ -30,8 +30,8 @@ double LeadAsked(double explained);
 double LeadAsked(double explained, const Comparison& description, const Comparison& cause);
 
 /// Whether what a cause of a model brings may be the misfit of another one beside it
-/// (CauseRule::misfit_share, and its own least_share). False for a description, which says no more than that
-/// something is there.
+/// (CauseRule::misfit_share, and its own least_share). False for a nuisance term, which says no more than
+/// that something is there.
 /// @param without  the model without the cause.
 bool IsMisfit(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model,
               const ScoredModel& without, std::size_t cause);
@@ -41,7 +41,7 @@ bool IsMisfit(const Judge& judge, std::span<const std::size_t> given, const Scor
 bool IsWithinRanges(const Judge& judge, std::span<const std::size_t> given, const ModelFit& fit);
 
 /// Fits the model anew from where a further cause had led it; true, and `model` is that, if it is a deeper
-/// valley: what it brings is then no merit of the cause.
+/// local minimum: what it brings is then no merit of the cause.
 bool FindDeeper(const Judge& judge, const ScoredModel& with_more, ScoredModel& model);
 
 /// Drops one cause that the rest of the model does not need any more; false where there is none.
@@ -50,11 +50,11 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
 
 /// Exchanges one cause for one that does better in its place and is itself beyond chance there, or for itself
 /// in another form; false where there is none.
-/// @param far_behind  gets what did not do half as well, so as not to be tried there again.
+/// @param dominated  gets what did not do half as well, so as not to be tried there again.
 bool Exchange(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
-              FarBehindOf& far_behind, ScoredModel& model, double explained);
+              DominatedBy& dominated, ScoredModel& model, double explained);
 
-/// Of the white likelihood ratio of a cause, from which on others may be far behind it.
+/// Of the white likelihood ratio of a cause, from which on others may be dominated by it.
 inline constexpr double kClearlyAhead = 60.0;
 /// Likelihood ratio as if the noise were white: what an effect leaves of another passes for its memory.
 double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer);

@@ -16,15 +16,15 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 10;
 
-std::vector<std::size_t> StretchOf(std::size_t samples, std::span<const std::size_t> stretches) {
-  std::vector<std::size_t> stretch_of(samples, 0);
-  for (std::size_t s = 0; s < stretches.size(); ++s) {
-    const std::size_t end = s + 1 < stretches.size() ? stretches[s + 1] : samples;
-    for (std::size_t i = stretches[s]; i < end; ++i) {
-      stretch_of[i] = s;
+std::vector<std::size_t> SegmentOf(std::size_t samples, std::span<const std::size_t> segments) {
+  std::vector<std::size_t> segment_of(samples, 0);
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    const std::size_t end = s + 1 < segments.size() ? segments[s + 1] : samples;
+    for (std::size_t i = segments[s]; i < end; ++i) {
+      segment_of[i] = s;
     }
   }
-  return stretch_of;
+  return segment_of;
 }
 
 double TwoSidedNormal(double z) {
@@ -40,11 +40,11 @@ struct Filtered {
 // Both through the autoregressive filter of the residual, centred; a sample whose lags are not all there is
 // not valid.
 Filtered FilterBoth(std::span<const double> residual, std::span<const double> regressor,
-                    std::span<const double> weights, std::span<const std::size_t> stretches,
-                    std::span<const std::size_t> stretch_of) {
+                    std::span<const double> weights, std::span<const std::size_t> segments,
+                    std::span<const std::size_t> segment_of) {
   constexpr int kLargestOrder = 8;
   const std::size_t n = residual.size();
-  const NoiseFit noise = FitNoise(residual, weights, stretches, kLargestOrder, 0.0);
+  const NoiseFit noise = FitNoise(residual, weights, segments, kLargestOrder, 0.0);
   const auto order = static_cast<std::size_t>(noise.order);
   Filtered out{std::vector<double>(n), std::vector<double>(n), std::vector<char>(n, 0)};
   double count = 0.0;
@@ -55,7 +55,7 @@ Filtered FilterBoth(std::span<const double> residual, std::span<const double> re
     double e = residual[i];
     double x = regressor[i];
     for (std::size_t k = 1; k <= order; ++k) {
-      valid = valid && weights[i - k] > 0.0 && stretch_of[i - k] == stretch_of[i];
+      valid = valid && weights[i - k] > 0.0 && segment_of[i - k] == segment_of[i];
       e -= noise.coefficients[k - 1] * residual[i - k];
       x -= noise.coefficients[k - 1] * regressor[i - k];
     }
@@ -85,15 +85,15 @@ struct PairSums {
   }
 };
 
-// Of later[i] with earlier[i − lag] where both are valid and in one stretch.
+// Of later[i] with earlier[i − lag] where both are valid and in one segment.
 PairSums Lagged(std::span<const double> later, std::span<const double> earlier, std::span<const char> valid,
-                std::span<const std::size_t> stretch_of, std::ptrdiff_t lag) {
+                std::span<const std::size_t> segment_of, std::ptrdiff_t lag) {
   PairSums sums;
   const auto n = static_cast<std::ptrdiff_t>(later.size());
   for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, lag); i < std::min(n, n + lag); ++i) {
     const auto a = static_cast<std::size_t>(i);
     const auto b = static_cast<std::size_t>(i - lag);
-    if (valid[a] == 0 || valid[b] == 0 || stretch_of[a] != stretch_of[b]) continue;
+    if (valid[a] == 0 || valid[b] == 0 || segment_of[a] != segment_of[b]) continue;
     sums.product += later[a] * earlier[b];
     sums.later_square += later[a] * later[a];
     sums.earlier_square += earlier[b] * earlier[b];
@@ -123,7 +123,7 @@ double LargestOfChain(double t, double rho, int count) {
 }  // namespace
 
 double LjungBoxP(std::span<const double> residual, std::span<const double> weights,
-                 std::span<const std::size_t> stretches, int noise_order) {
+                 std::span<const std::size_t> segments, int noise_order) {
   const std::size_t n = residual.size();
   std::vector<double> x(n);
   std::vector<char> valid(n);
@@ -136,12 +136,12 @@ double LjungBoxP(std::span<const double> residual, std::span<const double> weigh
     square_sum += x[i] * x[i];
   }
   if (count < static_cast<double>(kFewestSamples) || !(square_sum > 0.0)) return 1.0;
-  const std::vector<std::size_t> stretch_of = StretchOf(n, stretches);
+  const std::vector<std::size_t> segment_of = SegmentOf(n, segments);
   const int lags = std::min(20, static_cast<int>(count) / 5);
   double statistic = 0.0;
   int used = 0;
   for (int lag = 1; lag <= lags; ++lag) {
-    const PairSums sums = Lagged(x, x, valid, stretch_of, lag);
+    const PairSums sums = Lagged(x, x, valid, segment_of, lag);
     if (sums.pairs == 0) continue;
     // With all pairs there, n (n + 2) r² / (n − lag).
     const double r = sums.product / square_sum;
@@ -154,8 +154,8 @@ double LjungBoxP(std::span<const double> residual, std::span<const double> weigh
 }
 
 double RunsP(std::span<const double> residual, std::span<const double> weights,
-             std::span<const std::size_t> stretches) {
-  const std::vector<std::size_t> stretch_of = StretchOf(residual.size(), stretches);
+             std::span<const std::size_t> segments) {
+  const std::vector<std::size_t> segment_of = SegmentOf(residual.size(), segments);
   double positive = 0.0;
   double negative = 0.0;
   double pairs = 0.0;    // of neighbours
@@ -169,7 +169,7 @@ double RunsP(std::span<const double> residual, std::span<const double> weights,
       continue;
     }
     (residual[i] > 0.0 ? positive : negative) += 1.0;
-    const bool pair = i > 0 && counts(i - 1) && stretch_of[i - 1] == stretch_of[i];
+    const bool pair = i > 0 && counts(i - 1) && segment_of[i - 1] == segment_of[i];
     if (pair) {
       pairs += 1.0;
       shared += pair_before ? 1.0 : 0.0;
@@ -193,14 +193,14 @@ double RunsP(std::span<const double> residual, std::span<const double> weights,
 
 CrossCorrelation LargestCrossCorrelation(std::span<const double> residual, std::span<const double> regressor,
                                          std::span<const double> weights,
-                                         std::span<const std::size_t> stretches, int largest_lag) {
-  const std::vector<std::size_t> stretch_of = StretchOf(residual.size(), stretches);
-  const Filtered both = FilterBoth(residual, regressor, weights, stretches, stretch_of);
+                                         std::span<const std::size_t> segments, int largest_lag) {
+  const std::vector<std::size_t> segment_of = SegmentOf(residual.size(), segments);
+  const Filtered both = FilterBoth(residual, regressor, weights, segments, segment_of);
   CrossCorrelation best;
   double largest = -1.0;
   int lags = 0;
   for (std::ptrdiff_t lag = -largest_lag; lag <= largest_lag; ++lag) {
-    const PairSums sums = Lagged(both.residual, both.regressor, both.valid, stretch_of, lag);
+    const PairSums sums = Lagged(both.residual, both.regressor, both.valid, segment_of, lag);
     if (sums.pairs < kFewestSamples) continue;
     ++lags;
     const double r = sums.Correlation();
@@ -218,15 +218,15 @@ CrossCorrelation LargestCrossCorrelation(std::span<const double> residual, std::
     }
   }
   if (lags == 0) return best;
-  const double neighbours = Lagged(both.regressor, both.regressor, both.valid, stretch_of, 1).Correlation();
+  const double neighbours = Lagged(both.regressor, both.regressor, both.valid, segment_of, 1).Correlation();
   best.p_value = std::clamp(LargestOfChain(largest, neighbours, lags), 0.0, 1.0);
   return best;
 }
 
 double CrossCorrelationP(std::span<const double> residual, std::span<const double> regressor,
-                         std::span<const double> weights, std::span<const std::size_t> stretches,
+                         std::span<const double> weights, std::span<const std::size_t> segments,
                          int largest_lag) {
-  return LargestCrossCorrelation(residual, regressor, weights, stretches, largest_lag).p_value;
+  return LargestCrossCorrelation(residual, regressor, weights, segments, largest_lag).p_value;
 }
 
 }  // namespace strainwave::analysis::diagnosis

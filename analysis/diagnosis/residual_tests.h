@@ -9,7 +9,7 @@
 #include "analysis/diagnosis/study.h"
 
 /// Is a residual nothing but noise? All p-values are small where it is not. Samples of weight zero are gaps;
-/// others count as residual · √weight. Stretches (first samples, ascending from 0) are not joined.
+/// others count as residual · √weight. Segments (first samples, ascending from 0) are not joined.
 namespace strainwave::analysis::diagnosis {
 
 /// Whiteness against the neighbours: lags 1 to min(20, n / 5). 1 for fewer than 10 samples. Each lag counts
@@ -21,7 +21,7 @@ namespace strainwave::analysis::diagnosis {
 ///
 /// Source: Ljung & Box, Biometrika 65 (1978) 297.
 double LjungBoxP(std::span<const double> residual, std::span<const double> weights,
-                 std::span<const std::size_t> stretches, int noise_order);
+                 std::span<const std::size_t> segments, int noise_order);
 
 /// Number of runs of equal sign, two-sided, given how many samples are positive and negative; exact zeros are
 /// gaps. Sees slow structure even where the noise has heavy tails. 1 for fewer than 10 samples or one sign.
@@ -29,7 +29,7 @@ double LjungBoxP(std::span<const double> residual, std::span<const double> weigh
 /// Source: Wald & Wolfowitz, Ann. Math. Statist. 11 (1940) 147; the variance with gaps follows by counting
 /// pairs of neighbours.
 double RunsP(std::span<const double> residual, std::span<const double> weights,
-             std::span<const std::size_t> stretches);
+             std::span<const std::size_t> segments);
 
 /// Where a residual follows a regressor most closely.
 struct CrossCorrelation {
@@ -40,23 +40,23 @@ struct CrossCorrelation {
 
 /// Largest cross-correlation over lags −largest_lag … largest_lag. Both are filtered by the autoregressive
 /// model of the residual first, so that its own memory does not count as agreement; what the regressor's
-/// memory makes of neighbouring lags is taken out of the correction (Glaz & Johnson, JASA 79 (1984) 436:
+/// memory makes of neighbouring lags is taken out of the nuisance term (Glaz & Johnson, JASA 79 (1984) 436:
 /// product form).
 CrossCorrelation LargestCrossCorrelation(std::span<const double> residual, std::span<const double> regressor,
                                          std::span<const double> weights,
-                                         std::span<const std::size_t> stretches, int largest_lag = 20);
+                                         std::span<const std::size_t> segments, int largest_lag = 20);
 
 /// The same, the p-value alone.
 double CrossCorrelationP(std::span<const double> residual, std::span<const double> regressor,
-                         std::span<const double> weights, std::span<const std::size_t> stretches,
+                         std::span<const double> weights, std::span<const std::size_t> segments,
                          int largest_lag = 20);
 
 /// What stands out most in a residual, in words with numbers, at most three things, each after the ones
 /// before were taken out: a line over an angle or over time, a window, or a smooth dependence on a regressor.
 ///
-/// Each is judged by its likelihood ratio under autoregressive noise, times the places searched. Empty where
+/// Each is judged by its likelihood ratio under autoregressive noise, times the search locations. Empty where
 /// nothing has p < 10⁻³. A line over an angle of even steps is named with the orders that fold onto it.
-std::string DescribeLeftover(const Study& study, const Eigen::VectorXd& residual,
+std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual,
                              std::span<const double> weights);
 
 }  // namespace strainwave::analysis::diagnosis

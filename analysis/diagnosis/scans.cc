@@ -282,7 +282,7 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
   return peaks;
 }
 
-double LogPlacesOfLine(double order, double lowest_order, double highest_order) {
+double LogSearchLocationsOfLine(double order, double lowest_order, double highest_order) {
   const double within = std::clamp(order, lowest_order, highest_order);
   return std::log(within * std::log(highest_order / lowest_order) / (highest_order - lowest_order));
 }
@@ -307,7 +307,7 @@ std::vector<WindowPeak> FindSharpWindows(std::span<const double> place, std::spa
   return peaks;
 }
 
-double LogPlacesOfWidth(double width, double narrowest, double widest) {
+double LogSearchLocationsOfWidth(double width, double narrowest, double widest) {
   const double octaves = std::max(2.0, std::log2(widest / narrowest));
   return std::log(0.5 * octaves * narrowest / std::clamp(width, 0.5 * narrowest, widest));
 }

@@ -37,9 +37,9 @@ double IndependentOrders(std::span<const double> angle_rad, double lowest_order,
 /// range: what repeats has no scale, so that each octave of orders has the same share of what may be found by
 /// chance. A line at a low order, where an octave has few places, pays for few; one at the end of the range
 /// pays for the octaves. Source: Dümbgen & Spokoiny, Ann. Statist. 29 (2001) 124, as for windows below.
-double LogPlacesOfLine(double order, double lowest_order, double highest_order);
+double LogSearchLocationsOfLine(double order, double lowest_order, double highest_order);
 
-/// A stretch of a regressor in which the residual's mean differs from zero.
+/// A segment of a regressor in which the residual's mean differs from zero.
 struct WindowPeak {
   double centre{};
   double width{};  // full width
@@ -67,6 +67,6 @@ std::vector<WindowPeak> FindSharpWindows(std::span<const double> place, std::spa
 /// found by chance, so that the narrowest pay for the octaves; half of them, since a neighbouring octave sees
 /// much the same. Source: Dümbgen & Spokoiny, Ann. Statist. 29 (2001) 124 (a bound for each scale instead of
 /// one).
-double LogPlacesOfWidth(double width, double narrowest, double widest);
+double LogSearchLocationsOfWidth(double width, double narrowest, double widest);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -20,23 +20,24 @@ namespace {
 constexpr double kErrorBeside = 0.15;      // of the error allowed, for what comes on top of something found
 constexpr double kWithinThreeSigma = 9.0;  // of the likelihood ratio, between two causes
 // A further effect has to bring this share of what all have brought: less may be the misfit of a formula.
-constexpr double kLeastShare = 0.004;              // of the likelihood ratio
-constexpr double kLeastShareOfDescription = 0.01;  // of a further one
+constexpr double kLeastShare = 0.004;               // of the likelihood ratio
+constexpr double kLeastShareOfNuisanceTerm = 0.01;  // of a further one
 
-bool HasDescription(const Judge& judge, const ScoredModel& model) {
-  return std::ranges::any_of(model.fit.causes,
-                             [&](std::size_t cause) { return IsDescription(judge.study().causes()[cause]); });
+bool HasNuisanceTerm(const Judge& judge, const ScoredModel& model) {
+  return std::ranges::any_of(
+      model.fit.causes, [&](std::size_t cause) { return IsNuisanceTerm(judge.study().causes()[cause]); });
 }
 
-// What was far behind a description while nothing else was known may do in its place beside what came later.
+// What was dominated by a nuisance term while nothing else was known may do in its place beside what came
+// later.
 // @returns whether there is any such.
-bool ForgetWhatIsBehindDescriptions(const Judge& judge, std::span<const std::size_t> given,
-                                    Selection& selection) {
+bool ForgetWhatIsBehindNuisanceTerms(const Judge& judge, std::span<const std::size_t> given,
+                                     Selection& selection) {
   const std::size_t effects = selection.model.fit.causes.size() - given.size();
   if (effects < 2 || effects > kFewEffects) return false;
   std::size_t forgotten = 0;
   for (const std::size_t cause : selection.model.fit.causes) {
-    if (IsDescription(judge.study().causes()[cause])) forgotten += selection.far_behind.erase(cause);
+    if (IsNuisanceTerm(judge.study().causes()[cause])) forgotten += selection.dominated.erase(cause);
   }
   return forgotten > 0;
 }
@@ -68,10 +69,11 @@ const Candidate* ChooseNext(const Judge& judge, std::span<const std::size_t> giv
         "not beyond chance"};
     if (chosen == nullptr && !full && LooksPossible(judge, candidate, error)) {
       result = JudgeCause(judge, candidate.model, model, candidate.cause, error);
-      if (result.passed && ((beside && result.evidence.delta_bic < LeastBicBeside(rule)) ||
-                            candidate.against.likelihood_ratio <
-                                (lacks && !rule.named ? kLeastShareOfDescription : kLeastShare) * explained ||
-                            IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
+      if (result.passed &&
+          ((beside && result.evidence.delta_bic < LeastBicBeside(rule)) ||
+           candidate.against.likelihood_ratio <
+               (lacks && !rule.named ? kLeastShareOfNuisanceTerm : kLeastShare) * explained ||
+           IsMisfit(judge, given, candidate.model, model, candidate.cause))) {
         result.passed = false;
         result.objection = "too small beside what was found already to be told from a misfit of its formula";
       }
@@ -105,7 +107,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
   std::map<std::size_t, CandidateResult> judged;
   std::set<std::vector<std::size_t>> seen;
   bool circling = false;
-  bool reconsidered = false;  // what stands in a description's place
+  bool reconsidered = false;  // what stands in a nuisance term's place
   while (true) {
     // What was found and dropped again would be found again: of a set that comes again only what passes
     // together is looked for.
@@ -116,13 +118,13 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     const double explained = judge.Compare(model, first).likelihood_ratio;
     const double error = ErrorAllowed(model, given.size(), options);
     const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
-    // In a round that goes in circles they are asked for beside a description alone.
+    // In a round that goes in circles they are asked for beside a nuisance term alone.
     std::vector<Candidate> candidates;
     const auto looking = [&](std::size_t cause) {
       TellProgress(options, rules[cause].name, seen.size(), cause, rules.size());
       return false;
     };
-    if (!circling || HasDescription(judge, model)) candidates = FitCandidates(judge, model, looking);
+    if (!circling || HasNuisanceTerm(judge, model)) candidates = FitCandidates(judge, model, looking);
     Rank(judge.study(), candidates);
     const Candidate* chosen = nullptr;
     if (!circling) chosen = ChooseNext(judge, given, model, candidates, explained, full, error, judged);
@@ -133,17 +135,17 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     double brought = 0.0;
     if (chosen != nullptr) {
       brought = chosen->against.likelihood_ratio;
-      selection.far_behind[chosen->cause] = FarBehind(judge.study(), candidates, *chosen, model);
+      selection.dominated[chosen->cause] = Dominated(judge.study(), candidates, *chosen, model);
       selection.model = ScoredModel(chosen->model);
     } else {
       const std::size_t most = given.size() + options.max_effects - model.fit.causes.size();
       const auto find_pair = [&] {
-        return FindPair(judge, given, model, candidates, error, selection.far_behind, selection.pair_rivals);
+        return FindPair(judge, given, model, candidates, error, selection.dominated, selection.pair_rivals);
       };
       std::optional<ScoredModel> together;
-      if (!reconsidered && ForgetWhatIsBehindDescriptions(judge, given, selection)) {
+      if (!reconsidered && ForgetWhatIsBehindNuisanceTerms(judge, given, selection)) {
         reconsidered = true;
-        if (Exchange(judge, given, options, selection.far_behind, selection.model, explained)) continue;
+        if (Exchange(judge, given, options, selection.dominated, selection.model, explained)) continue;
       }
       if (!full && circling) together = find_pair();
       if (!full && !together) together = FindTogether(judge, given, model, most, error);
@@ -155,7 +157,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     for (int round = 0; round < 3; ++round) {
       const bool exchanged =
           selection.model.fit.causes.size() > given.size() + 1 &&
-          Exchange(judge, given, options, selection.far_behind, selection.model, explained + brought);
+          Exchange(judge, given, options, selection.dominated, selection.model, explained + brought);
       const bool dropped = DropNeedless(judge, given, options, selection.model);
       if (!exchanged && !dropped) break;
     }
@@ -164,7 +166,7 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
   return selection;
 }
 
-std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, const FarBehindOf& far_behind,
+std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, const DominatedBy& dominated,
                                   std::size_t cause) {
   const auto& rules = judge.study().causes();
   if (!rules[cause].named) return {};
@@ -174,7 +176,7 @@ std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, 
   const Comparison own = judge.Compare(model, without);
   for (std::size_t other = 0; other < rules.size(); ++other) {
     if (!rules[other].named || Contains(model.fit.causes, other)) continue;
-    if (IsFarBehind(far_behind, cause, other)) continue;
+    if (IsDominated(dominated, cause, other)) continue;
     ScoredModel exchanged = judge.Fit(With(without.fit.causes, other), &without.fit);
     if (!exchanged.fit.usable) continue;
     // As probable; or explaining the same at the price of more numbers: simpler is likelier, but no proof.

@@ -23,13 +23,13 @@ struct ScoredModel {
 
 /// What one model is ahead of another one by.
 struct Comparison {
-  double likelihood_ratio{};  // 2 Δ log-likelihood, never below 0
-  double delta_bic{};         // each number charged by all samples
-  double samples{};           // with weight
-  double log_places{};        // of the places searched, over those that the richer model's rules count
-  double p_value{1.0};        // of so many looks more, not yet corrected by the rule's
-  double more_parameters{};   // as they are charged for
-  double more_placed{};       // of these, those that `log_places` charges for
+  double likelihood_ratio{};      // 2 Δ log-likelihood, never below 0
+  double delta_bic{};             // each number charged by all samples
+  double samples{};               // with weight
+  double log_search_locations{};  // of the search locations, over those that the richer model's rules count
+  double p_value{1.0};            // of so many looks more, not yet corrected by the rule's
+  double more_parameters{};       // as they are charged for
+  double more_location_parameters{};  // of these, those that `log_search_locations` charges for
 };
 
 /// Whether what the richer model has more is no play of chance: by the p-value, corrected for all that was
@@ -65,7 +65,7 @@ class Judge {
   double Score(const Comparison& comparison, const CauseRule& rule) const;
 
   /// p-value of one look, times the places that the cause's search looked at and the candidates there are of
-  /// its sort (causes, or descriptions), over the share of the error allowed that is for this sort.
+  /// its sort (causes, or nuisance terms), over the share of the error allowed that is for this sort.
   double Corrected(double p_value, const CauseRule& rule) const;
 
   /// Log-likelihood of held-out blocks that `richer` gains over `poorer`, in nats, with their autocorrelation
@@ -119,14 +119,14 @@ using PairRivals = std::map<std::size_t, std::vector<std::string>>;
 
 /// By a cause that was chosen: those that explained so much less than it that nothing found since makes them
 /// do in its place.
-using FarBehindOf = std::map<std::size_t, std::set<std::size_t>>;
+using DominatedBy = std::map<std::size_t, std::set<std::size_t>>;
 
 /// Forward selection with backward check and exchange, from the causes in `start` (which stay).
 struct Selection {
   ScoredModel model;
   std::vector<CandidateResult> candidates;  // those that are not in the model, as judged beside it
   PairRivals pair_rivals;
-  FarBehindOf far_behind;
+  DominatedBy dominated;
 };
 Selection Select(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options);
 
@@ -135,7 +135,7 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
                            std::size_t cause, double error_allowed);
 
 /// Names of causes that would fit as well (within 6 of BIC) in the place of `cause`.
-std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, const FarBehindOf& far_behind,
+std::vector<std::string> RivalsOf(const Judge& judge, const ScoredModel& model, const DominatedBy& dominated,
                                   std::size_t cause);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -47,36 +47,36 @@ Eigen::MatrixXd SquaresOf(const Eigen::MatrixXd& columns) {
 
 // Columns of the derivative by each shape, of the term's prediction: a central difference where standard
 // errors are asked for; where a step is, one to the side that has more room, of half the evaluations.
-Eigen::MatrixXd ShapeColumns(const TermSet& set, const SeparableSolution& at) {
+Eigen::MatrixXd NonlinearParameterColumns(const TermSet& set, const SeparableSolution& at) {
   const bool central = set.purpose != FitPurpose::kCompare;
-  Eigen::MatrixXd columns(ToIndex(set.samples), ToIndex(set.shapes()));
+  Eigen::MatrixXd columns(ToIndex(set.samples), ToIndex(set.nonlinear_parameters()));
   Index next = 0;
   Index moving = 0;  // first column of the term
   for (std::size_t t = 0; t < set.terms.size(); ++t) {
     const SeparableTerm& term = *set.terms[t];
-    if (term.shapes.empty()) continue;
+    if (term.nonlinear_parameters.empty()) continue;
     const Eigen::VectorXd coefficients = AsVector(at.coefficients[t]);
     const auto here = at.moving.middleCols(moving, ToIndex(term.columns));
     moving += here.cols();
     Eigen::MatrixXd change(ToIndex(set.samples), here.cols());
     Eigen::MatrixXd back(central ? change.rows() : 0, here.cols());
-    for (std::size_t s = 0; s < term.shapes.size(); ++s) {
-      const ShapeRange& range = term.shapes[s];
+    for (std::size_t s = 0; s < term.nonlinear_parameters.size(); ++s) {
+      const NonlinearParameterRange& range = term.nonlinear_parameters[s];
       if (!set.Moves(range)) {
         columns.col(next++).setZero();
         continue;
       }
-      std::vector<double> shapes = at.shapes[t];
-      const double centre = shapes[s];
+      std::vector<double> nonlinear_parameters = at.nonlinear_parameters[t];
+      const double centre = nonlinear_parameters[s];
       const double high = std::min(range.high, centre + 0.05 * range.step);
       const double low = std::max(range.low, centre - 0.05 * range.step);
       const double to = central || high - centre >= centre - low ? high : low;
       const double from = central ? low : centre;
-      shapes[s] = to;
-      term.fill(shapes, change);
+      nonlinear_parameters[s] = to;
+      term.fill(nonlinear_parameters, change);
       if (central) {
-        shapes[s] = from;
-        term.fill(shapes, back);
+        nonlinear_parameters[s] = from;
+        term.fill(nonlinear_parameters, back);
         change -= back;
       } else {
         change -= here;
@@ -95,17 +95,18 @@ std::size_t TermSet::coefficients() const {
   return sum;
 }
 
-std::size_t TermSet::shapes() const {
+std::size_t TermSet::nonlinear_parameters() const {
   std::size_t sum = 0;
-  for (const SeparableTerm* term : terms) sum += term->shapes.size();
+  for (const SeparableTerm* term : terms) sum += term->nonlinear_parameters.size();
   return sum;
 }
 
-std::size_t TermSet::moved_shapes() const {
+std::size_t TermSet::moved_nonlinear_parameters() const {
   std::size_t sum = 0;
   for (const SeparableTerm* term : terms) {
-    sum += static_cast<std::size_t>(std::count_if(term->shapes.begin(), term->shapes.end(),
-                                                  [this](const ShapeRange& range) { return Moves(range); }));
+    sum += static_cast<std::size_t>(
+        std::count_if(term->nonlinear_parameters.begin(), term->nonlinear_parameters.end(),
+                      [this](const NonlinearParameterRange& range) { return Moves(range); }));
   }
   return sum;
 }
@@ -115,12 +116,12 @@ SeparableProblem::SeparableProblem(const TermSet& set, std::span<const double> m
     : set_(set), measured_(AsVector(measured)), roots_(AsVector(weights).cwiseSqrt()) {
   Index fixed = 0;
   for (const SeparableTerm* term : set.terms) {
-    (term->shapes.empty() ? fixed : moving_columns_) += ToIndex(term->columns);
+    (term->nonlinear_parameters.empty() ? fixed : moving_columns_) += ToIndex(term->columns);
   }
   fixed_.resize(ToIndex(set.samples), fixed);
   Index next = 0;
   for (const SeparableTerm* term : set.terms) {
-    if (!term->shapes.empty()) continue;
+    if (!term->nonlinear_parameters.empty()) continue;
     const Index columns = ToIndex(term->columns);
     term->fill({}, fixed_.middleCols(next, columns));
     next += columns;
@@ -129,7 +130,7 @@ SeparableProblem::SeparableProblem(const TermSet& set, std::span<const double> m
   gram_ = SquaresOf(weighted_);
   next = 0;
   for (const SeparableTerm* term : set.terms) {
-    if (!term->shapes.empty()) continue;
+    if (!term->nonlinear_parameters.empty()) continue;
     gram_.diagonal().segment(next, ToIndex(term->columns)).array() += term->ridge;
     next += ToIndex(term->columns);
   }
@@ -152,28 +153,28 @@ SeparableProblem::Normal SeparableProblem::NormalOf(const Eigen::MatrixXd& furth
   return normal;
 }
 
-Eigen::MatrixXd SeparableProblem::Moving(const std::vector<std::vector<double>>& shapes) const {
+Eigen::MatrixXd SeparableProblem::Moving(const std::vector<std::vector<double>>& nonlinear_parameters) const {
   Eigen::MatrixXd columns(fixed_.rows(), moving_columns_);
   Index next = 0;
   for (std::size_t t = 0; t < set_.terms.size(); ++t) {
-    if (set_.terms[t]->shapes.empty()) continue;
+    if (set_.terms[t]->nonlinear_parameters.empty()) continue;
     const Index count = ToIndex(set_.terms[t]->columns);
-    set_.terms[t]->fill(shapes[t], columns.middleCols(next, count));
+    set_.terms[t]->fill(nonlinear_parameters[t], columns.middleCols(next, count));
     next += count;
   }
   return columns;
 }
 
-SeparableSolution SeparableProblem::Solve(std::vector<std::vector<double>> shapes) const {
+SeparableSolution SeparableProblem::Solve(std::vector<std::vector<double>> nonlinear_parameters) const {
   SeparableSolution solution;
-  solution.shapes = std::move(shapes);
-  solution.moving = Moving(solution.shapes);
+  solution.nonlinear_parameters = std::move(nonlinear_parameters);
+  solution.moving = Moving(solution.nonlinear_parameters);
   const Normal normal = NormalOf(solution.moving, measured_);
   const Eigen::VectorXd numbers = SolveNormal(normal.gram, normal.right, 0.0, 0);
   Index fixed_next = 0;
   Index moving_next = fixed_.cols();
   for (const SeparableTerm* term : set_.terms) {
-    Index& next = term->shapes.empty() ? fixed_next : moving_next;
+    Index& next = term->nonlinear_parameters.empty() ? fixed_next : moving_next;
     const auto columns = ToIndex(term->columns);
     solution.coefficients.emplace_back(numbers.data() + next, numbers.data() + next + columns);
     next += columns;
@@ -185,25 +186,25 @@ SeparableSolution SeparableProblem::Solve(std::vector<std::vector<double>> shape
 }
 
 SeparableSolution SeparableProblem::Refine(SeparableSolution solution, int rounds) const {
-  const Index shapes = ToIndex(set_.shapes());
+  const Index nonlinear_parameters = ToIndex(set_.nonlinear_parameters());
   // A drop that moves the log-likelihood of ten thousand samples by less than a hundredth.
   constexpr double kNothing = 2e-6;
   constexpr double kForeseen = 0.1;  // of it, by a step that is straight, below which none is tried
   double damping = 1e-3;
   for (int round = 0; round < rounds; ++round) {
-    Eigen::MatrixXd further(fixed_.rows(), moving_columns_ + shapes);
-    further << solution.moving, ShapeColumns(set_, solution);
+    Eigen::MatrixXd further(fixed_.rows(), moving_columns_ + nonlinear_parameters);
+    further << solution.moving, NonlinearParameterColumns(set_, solution);
     const Normal normal = NormalOf(further, measured_ - solution.predicted);
     bool better = false;
     double drop = 0.0;
     for (int attempt = 0; attempt < 5 && !better; ++attempt) {
-      const Eigen::VectorXd step = SolveNormal(normal.gram, normal.right, damping, shapes);
+      const Eigen::VectorXd step = SolveNormal(normal.gram, normal.right, damping, nonlinear_parameters);
       if (normal.right.dot(step) < kForeseen * kNothing * solution.weighted_square_sum) break;
-      std::vector<std::vector<double>> moved = solution.shapes;
-      Index next = step.size() - shapes;
+      std::vector<std::vector<double>> moved = solution.nonlinear_parameters;
+      Index next = step.size() - nonlinear_parameters;
       for (std::size_t t = 0; t < set_.terms.size(); ++t) {
         for (std::size_t s = 0; s < moved[t].size(); ++s) {
-          const ShapeRange& range = set_.terms[t]->shapes[s];
+          const NonlinearParameterRange& range = set_.terms[t]->nonlinear_parameters[s];
           const double change = std::clamp(step(next++), -5.0 * range.step, 5.0 * range.step);
           moved[t][s] = std::clamp(moved[t][s] + change, range.low, range.high);
         }
@@ -220,17 +221,18 @@ SeparableSolution SeparableProblem::Refine(SeparableSolution solution, int round
 }
 
 Eigen::MatrixXd Sensitivities(const TermSet& set, const SeparableSolution& solution) {
-  const Eigen::MatrixXd by_shape = ShapeColumns(set, solution);
-  Eigen::MatrixXd all(ToIndex(set.samples), ToIndex(set.coefficients() + set.shapes()));
-  Index from_shapes = 0;
+  const Eigen::MatrixXd by_nonlinear_parameter = NonlinearParameterColumns(set, solution);
+  Eigen::MatrixXd all(ToIndex(set.samples), ToIndex(set.coefficients() + set.nonlinear_parameters()));
+  Index from_nonlinear_parameters = 0;
   Index to = 0;
   for (std::size_t t = 0; t < set.terms.size(); ++t) {
     const Index columns = ToIndex(set.terms[t]->columns);
-    const Index curved = ToIndex(set.terms[t]->shapes.size());
-    set.terms[t]->fill(solution.shapes[t], all.middleCols(to, columns));
-    all.middleCols(to + columns, curved) = by_shape.middleCols(from_shapes, curved);
+    const Index curved = ToIndex(set.terms[t]->nonlinear_parameters.size());
+    set.terms[t]->fill(solution.nonlinear_parameters[t], all.middleCols(to, columns));
+    all.middleCols(to + columns, curved) =
+        by_nonlinear_parameter.middleCols(from_nonlinear_parameters, curved);
     to += columns + curved;
-    from_shapes += curved;
+    from_nonlinear_parameters += curved;
   }
   return all;
 }

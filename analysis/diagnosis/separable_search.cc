@@ -18,7 +18,8 @@ constexpr double kNearlyPays = 0.5;  // of one number's price
 // Whether what people read of a solution's last term lies where its rule expects it.
 bool IsAsExpected(const TermSet& set, const CauseRule& rule, const SeparableSolution& solution) {
   std::vector<double> numbers = solution.coefficients.back();
-  numbers.insert(numbers.end(), solution.shapes.back().begin(), solution.shapes.back().end());
+  numbers.insert(numbers.end(), solution.nonlinear_parameters.back().begin(),
+                 solution.nonlinear_parameters.back().end());
   const auto width = static_cast<Eigen::Index>(numbers.size());
   const std::vector<ParameterValue> values =
       set.terms.back()->describe(numbers, Eigen::MatrixXd::Zero(width, width));
@@ -30,8 +31,9 @@ bool IsAsExpected(const TermSet& set, const CauseRule& rule, const SeparableSolu
 
 }  // namespace
 
-SearchedShapes SearchShapes(const SeparableModel& model, const TermSet& set, const CauseRule& rule,
-                            std::span<const double> weights, const SeparableSolution& before) {
+SearchedNonlinearParameters SearchNonlinearParameters(const SeparableModel& model, const TermSet& set,
+                                                      const CauseRule& rule, std::span<const double> weights,
+                                                      const SeparableSolution& before) {
   std::vector<double> residual(model.measured);
   for (std::size_t i = 0; i < residual.size(); ++i)
     residual[i] -= before.predicted(static_cast<Eigen::Index>(i));
@@ -39,7 +41,7 @@ SearchedShapes SearchShapes(const SeparableModel& model, const TermSet& set, con
   const SeparableTerm& searched = *set.terms.back();
   std::vector<std::vector<std::vector<double>>> starts;
   for (std::vector<double>& start : searched.starts({residual, weights})) {
-    starts.push_back(before.shapes);
+    starts.push_back(before.nonlinear_parameters);
     starts.back().push_back(std::move(start));
   }
   std::vector<SeparableSolution> found;
@@ -49,23 +51,26 @@ SearchedShapes SearchShapes(const SeparableModel& model, const TermSet& set, con
   std::ranges::stable_sort(found, {}, [&](const SeparableSolution& solution) {
     return std::pair(!IsAsExpected(set, rule, solution), solution.weighted_square_sum);
   });
-  SearchedShapes result{std::move(found.front()), {}};
-  for (std::size_t k = 1; k < found.size(); ++k) result.others.push_back(std::move(found[k].shapes));
-  const auto where_it_pays = [](const ShapeRange& range) { return range.moved == Moved::kWhereItPays; };
-  if (std::ranges::any_of(searched.shapes, where_it_pays))
+  SearchedNonlinearParameters result{std::move(found.front()), {}};
+  for (std::size_t k = 1; k < found.size(); ++k)
+    result.others.push_back(std::move(found[k].nonlinear_parameters));
+  const auto where_it_pays = [](const NonlinearParameterRange& range) {
+    return range.moved == Moved::kWhereItPays;
+  };
+  if (std::ranges::any_of(searched.nonlinear_parameters, where_it_pays))
     std::ranges::move(starts, std::back_inserter(result.others));
   return result;
 }
 
-double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
-                       std::span<const double> weights) {
+double UnpenalisedParameters(const TermSet& set, const SeparableSolution& solution,
+                             std::span<const double> weights) {
   std::vector<Eigen::Index> known;
   std::vector<Eigen::Index> others;
   std::vector<double> ranges;
   Eigen::Index next = 0;
   for (const SeparableTerm* term : set.terms) {
     for (std::size_t c = 0; c < term->columns; ++c) others.push_back(next++);
-    for (const ShapeRange& range : term->shapes) {
+    for (const NonlinearParameterRange& range : term->nonlinear_parameters) {
       const bool uncharged = range.known && set.Moves(range);
       (uncharged ? known : others).push_back(next++);
       if (uncharged) ranges.push_back(range.high - range.low);
@@ -79,10 +84,11 @@ double UnchargedShapes(const TermSet& set, const SeparableSolution& solution,
                      solution.weighted_square_sum / std::max(samples, 1.0), samples);
 }
 
-void Rest(const TermSet& set, std::vector<std::vector<double>>& shapes) {
-  for (std::size_t t = 0; t < shapes.size(); ++t) {
-    for (std::size_t s = 0; s < shapes[t].size(); ++s) {
-      if (set.terms[t]->shapes[s].moved == Moved::kWhereItPays) shapes[t][s] = 0.0;
+void Rest(const TermSet& set, std::vector<std::vector<double>>& nonlinear_parameters) {
+  for (std::size_t t = 0; t < nonlinear_parameters.size(); ++t) {
+    for (std::size_t s = 0; s < nonlinear_parameters[t].size(); ++s) {
+      if (set.terms[t]->nonlinear_parameters[s].moved == Moved::kWhereItPays)
+        nonlinear_parameters[t][s] = 0.0;
     }
   }
 }
@@ -92,32 +98,35 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
                      SeparableSolution& solution) {
   TermSet all = set;
   all.it_pays = true;
-  if (all.moved_shapes() == set.moved_shapes()) return false;
+  if (all.moved_nonlinear_parameters() == set.moved_nonlinear_parameters()) return false;
   const SeparableProblem problem(all, model.measured, weights);
   const auto samples = static_cast<double>(std::ranges::count_if(weights, [](double w) { return w > 0.0; }));
   const auto ahead = [&](const SeparableSolution& moved) {
     return samples * std::log(solution.weighted_square_sum / moved.weighted_square_sum);
   };
   const auto pays = [&](const SeparableSolution& moved) {
-    const double uncharged = UnchargedShapes(all, moved, weights) - UnchargedShapes(set, solution, weights);
-    const double charged = static_cast<double>(all.moved_shapes() - set.moved_shapes()) - uncharged;
+    const double uncharged =
+        UnpenalisedParameters(all, moved, weights) - UnpenalisedParameters(set, solution, weights);
+    const double charged =
+        static_cast<double>(all.moved_nonlinear_parameters() - set.moved_nonlinear_parameters()) - uncharged;
     return ahead(moved) > std::max(1.0, charged) * std::log(samples);
   };
-  const auto take = [&](std::vector<std::vector<double>> shapes) {
-    SeparableSolution moved = problem.Refine(problem.Solve(std::move(shapes)), kFirstRounds);
-    // What is far from paying by now, of shapes most of which are straight, does not come to it any more.
+  const auto take = [&](std::vector<std::vector<double>> nonlinear_parameters) {
+    SeparableSolution moved = problem.Refine(problem.Solve(std::move(nonlinear_parameters)), kFirstRounds);
+    // What is far from paying by now, of nonlinear parameters most of which are straight, does not come to it
+    // any more.
     if (ahead(moved) < kNearlyPays * std::log(samples)) return false;
     moved = problem.Refine(std::move(moved), kFinalRounds - kFirstRounds);
     if (!pays(moved)) return false;
     solution = std::move(moved);
     return true;
   };
-  // Where they paid before comes first: without such shapes the others have left that place.
-  std::vector<std::vector<double>> before = solution.shapes;
+  // Where they paid before comes first: without such nonlinear parameters the others have left that place.
+  std::vector<std::vector<double>> before = solution.nonlinear_parameters;
   std::ranges::copy(known, before.begin());
   std::vector<std::vector<double>> at_rest = before;
   Rest(set, at_rest);
-  const bool paid = (before != at_rest && take(std::move(before))) || take(solution.shapes);
+  const bool paid = (before != at_rest && take(std::move(before))) || take(solution.nonlinear_parameters);
   if (paid) set = std::move(all);
   return paid;
 }

@@ -21,12 +21,13 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Numbers of a solution in the order of TermSet: coefficients, then shapes, term after term.
+// Numbers of a solution in the order of TermSet: coefficients, then nonlinear parameters, term after term.
 std::vector<double> NumbersOf(const SeparableSolution& solution) {
   std::vector<double> numbers;
   for (std::size_t t = 0; t < solution.coefficients.size(); ++t) {
     numbers.insert(numbers.end(), solution.coefficients[t].begin(), solution.coefficients[t].end());
-    numbers.insert(numbers.end(), solution.shapes[t].begin(), solution.shapes[t].end());
+    numbers.insert(numbers.end(), solution.nonlinear_parameters[t].begin(),
+                   solution.nonlinear_parameters[t].end());
   }
   return numbers;
 }
@@ -39,22 +40,23 @@ TermSet NominalTerms(const SeparableModel& model, FitPurpose purpose) {
   return set;
 }
 
-// Shapes of a cause in a fit; empty if the fit does not have it.
-std::vector<double> KnownShapes(const SeparableModel& model, const ModelFit* fit, std::size_t cause) {
-  std::vector<double> shapes;
-  if (fit == nullptr) return shapes;
+// Nonlinear parameters of a cause in a fit; empty if the fit does not have it.
+std::vector<double> KnownNonlinearParameters(const SeparableModel& model, const ModelFit* fit,
+                                             std::size_t cause) {
+  std::vector<double> nonlinear_parameters;
+  if (fit == nullptr) return nonlinear_parameters;
   std::size_t at = 0;
-  for (const SeparableTerm& term : model.nominal) at += term.columns + term.shapes.size();
+  for (const SeparableTerm& term : model.nominal) at += term.columns + term.nonlinear_parameters.size();
   for (const std::size_t known : fit->causes) {
     const SeparableTerm& term = model.causes[known];
     if (known == cause) {
-      for (std::size_t s = 0; s < term.shapes.size(); ++s)
-        shapes.push_back(fit->state[at + term.columns + s]);
-      return shapes;
+      for (std::size_t s = 0; s < term.nonlinear_parameters.size(); ++s)
+        nonlinear_parameters.push_back(fit->state[at + term.columns + s]);
+      return nonlinear_parameters;
     }
-    at += term.columns + term.shapes.size();
+    at += term.columns + term.nonlinear_parameters.size();
   }
-  return shapes;
+  return nonlinear_parameters;
 }
 
 // Weighted least squares of a term set over the whole of a record, and what is known of its noise.
@@ -70,26 +72,26 @@ struct Record {
   }
   NoiseFit NoiseOf(const SeparableSolution& solution) const {
     const auto [low, high] = std::ranges::minmax(model.measured);
-    return FitNoise(LeftBy(solution.predicted), weights, model.stretches, model.largest_noise_order,
+    return FitNoise(LeftBy(solution.predicted), weights, model.segments, model.largest_noise_order,
                     std::max(high - low, 1e-300));
   }
   // With what was known before of some numbers: a shape that the record says nothing of is as uncertain as
   // its range, and no more; one that the fit does not move is none of its numbers.
   FitErrors ErrorsOf(const SeparableSolution& solution) const {
     Eigen::VectorXd ridge =
-        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(set.coefficients() + set.shapes()));
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(set.coefficients() + set.nonlinear_parameters()));
     Eigen::Index at = 0;
     for (const SeparableTerm* term : set.terms) {
       const auto columns = static_cast<Eigen::Index>(term->columns);
       ridge.segment(at, columns).setConstant(term->ridge);
-      at += columns + static_cast<Eigen::Index>(term->shapes.size());
+      at += columns + static_cast<Eigen::Index>(term->nonlinear_parameters.size());
     }
     FitErrors errors = ErrorsOfFit(Sensitivities(set, solution), model.measured, solution.predicted, weights,
-                                   model.stretches, model.largest_noise_order, ridge);
+                                   model.segments, model.largest_noise_order, ridge);
     at = 0;
     for (const SeparableTerm* term : set.terms) {
       at += static_cast<Eigen::Index>(term->columns);
-      for (const ShapeRange& range : term->shapes) {
+      for (const NonlinearParameterRange& range : term->nonlinear_parameters) {
         const double before = (range.high - range.low) * (range.high - range.low) / 12.0;
         const Eigen::VectorXd with = errors.covariance.col(at);
         if (range.known) errors.covariance -= with * with.transpose() / (before + with(at));
@@ -110,16 +112,16 @@ std::vector<std::pair<double, SeparableSolution>> OtherOptima(const Record& reco
   constexpr double kNegligible = -14.0;  // of −2 log-likelihood: a thousandth
   const SeparableTerm& moving = *record.set.terms[term];
   Eigen::MatrixXd columns(solution.predicted.size(), static_cast<Eigen::Index>(moving.columns));
-  moving.fill(solution.shapes[term], columns);
+  moving.fill(solution.nonlinear_parameters[term], columns);
   const Eigen::Map<const Eigen::VectorXd> coefficients(solution.coefficients[term].data(), columns.cols());
   const std::vector<double> left = record.LeftBy(solution.predicted - columns * coefficients);
   const SeparableProblem problem(record.set, record.model.measured, record.weights);
   const NoiseFit own = record.NoiseOf(solution);
   std::vector<std::pair<double, SeparableSolution>> others;
   for (std::vector<double>& start : moving.starts({left, record.weights})) {
-    std::vector<std::vector<double>> shapes = solution.shapes;
-    shapes[term] = std::move(start);
-    SeparableSolution other = problem.Refine(problem.Solve(std::move(shapes)), kSearchRounds);
+    std::vector<std::vector<double>> nonlinear_parameters = solution.nonlinear_parameters;
+    nonlinear_parameters[term] = std::move(start);
+    SeparableSolution other = problem.Refine(problem.Solve(std::move(nonlinear_parameters)), kSearchRounds);
     const double ahead = LikelihoodRatio(record.NoiseOf(other), own);
     if (ahead > kNegligible) others.emplace_back(std::exp(0.5 * std::min(ahead, 0.0)), std::move(other));
   }
@@ -131,9 +133,10 @@ std::vector<ParameterValue> DescribeTerm(const TermSet& set, const SeparableSolu
                                          const Eigen::MatrixXd& covariance, std::size_t term) {
   Eigen::Index at = 0;
   for (std::size_t t = 0; t < term; ++t)
-    at += static_cast<Eigen::Index>(set.terms[t]->columns + set.terms[t]->shapes.size());
+    at += static_cast<Eigen::Index>(set.terms[t]->columns + set.terms[t]->nonlinear_parameters.size());
   std::vector<double> numbers = solution.coefficients[term];
-  numbers.insert(numbers.end(), solution.shapes[term].begin(), solution.shapes[term].end());
+  numbers.insert(numbers.end(), solution.nonlinear_parameters[term].begin(),
+                 solution.nonlinear_parameters[term].end());
   const auto width = static_cast<Eigen::Index>(numbers.size());
   return set.terms[term]->describe(numbers, covariance.block(at, at, width, width));
 }
@@ -160,7 +163,7 @@ void Describe(const Record& record, const SeparableSolution& solution, ModelFit&
   for (std::size_t t = 0; t < record.set.terms.size(); ++t) {
     const SeparableTerm& term = *record.set.terms[t];
     std::vector<ParameterValue> values = DescribeTerm(record.set, solution, errors.covariance, t);
-    const auto width = static_cast<Eigen::Index>(term.columns + term.shapes.size());
+    const auto width = static_cast<Eigen::Index>(term.columns + term.nonlinear_parameters.size());
     const Eigen::MatrixXd own = errors.covariance.block(first, first, width, width);
     open.Mark(
         Eigen::Map<const Eigen::VectorXd>(fit.state.data() + first, width), first,
@@ -173,7 +176,7 @@ void Describe(const Record& record, const SeparableSolution& solution, ModelFit&
       fit.nominal.insert(fit.nominal.end(), values.begin(), values.end());
       continue;
     }
-    if (purpose == FitPurpose::kReport && !record.set.terms[t]->shapes.empty())
+    if (purpose == FitPurpose::kReport && !record.set.terms[t]->nonlinear_parameters.empty())
       WidenByOtherOptima(record, solution, t, values);
     fit.cause_parameters.push_back(std::move(values));
   }
@@ -187,13 +190,13 @@ void RememberColumns(SeparableTerm& term, std::size_t samples) {
   constexpr std::size_t kMostFills = 64;
   const std::size_t most =
       std::min(kMostFills, kMostNumbers / std::max<std::size_t>(1, samples * term.columns));
-  if (term.shapes.empty() || most < 2 * term.shapes.size() + 1) return;
+  if (term.nonlinear_parameters.empty() || most < 2 * term.nonlinear_parameters.size() + 1) return;
   using Filled = Recent<std::vector<double>, Eigen::MatrixXd>;
   term.fill = [fill = std::move(term.fill), recent = std::make_shared<Filled>(most)](
-                  std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
-    design = recent->Get({shapes.begin(), shapes.end()}, [&] {
+                  std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
+    design = recent->Get({nonlinear_parameters.begin(), nonlinear_parameters.end()}, [&] {
       Eigen::MatrixXd columns(design.rows(), design.cols());
-      fill(shapes, columns);
+      fill(nonlinear_parameters, columns);
       return columns;
     });
   };
@@ -201,7 +204,7 @@ void RememberColumns(SeparableTerm& term, std::size_t samples) {
 
 }  // namespace
 
-double Remainder::MeanSquare() const {
+double WeightedResidual::MeanSquare() const {
   double sum = 0.0;
   double weight = 0.0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
@@ -232,39 +235,40 @@ std::vector<UserQuantity> SeparableStudy::Quantities(const Eigen::VectorXd& pred
 
 ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                              const ModelFit* start, FitPurpose purpose) const {
-  // Known terms first, then one after the other those whose shapes have to be searched for.
+  // Known terms first, then one after the other those whose nonlinear parameters have to be searched for.
   TermSet set = NominalTerms(model_, purpose);
-  std::vector<std::vector<double>> shapes(model_.nominal.size());
+  std::vector<std::vector<double>> nonlinear_parameters(model_.nominal.size());
   std::vector<std::size_t> searched;
   std::vector<std::size_t> order;
   for (const std::size_t cause : cause_indices) {
-    std::vector<double> known = KnownShapes(model_, start, cause);
-    if (known.size() < model_.causes[cause].shapes.size()) {
+    std::vector<double> known = KnownNonlinearParameters(model_, start, cause);
+    if (known.size() < model_.causes[cause].nonlinear_parameters.size()) {
       searched.push_back(cause);
       continue;
     }
     set.terms.push_back(&model_.causes[cause]);
-    shapes.push_back(std::move(known));
+    nonlinear_parameters.push_back(std::move(known));
     order.push_back(cause);
   }
-  const std::vector<std::vector<double>> known_shapes = shapes;
-  if (purpose != FitPurpose::kReport) Rest(set, shapes);
+  const std::vector<std::vector<double>> known_nonlinear_parameters = nonlinear_parameters;
+  if (purpose != FitPurpose::kReport) Rest(set, nonlinear_parameters);
   std::optional<SeparableProblem> problem(std::in_place, set, model_.measured, weights);
-  SeparableSolution solution = problem->Solve(std::move(shapes));
+  SeparableSolution solution = problem->Solve(std::move(nonlinear_parameters));
   if (!searched.empty()) problem.reset();                // of another set
   std::vector<std::vector<std::vector<double>>> others;  // of the last search
   for (const std::size_t cause : searched) {
     set.terms.push_back(&model_.causes[cause]);
     order.push_back(cause);
-    SearchedShapes found = SearchShapes(model_, set, model_.rules[cause], weights, solution);
+    SearchedNonlinearParameters found =
+        SearchNonlinearParameters(model_, set, model_.rules[cause], weights, solution);
     if (!found.best) return {};
     solution = std::move(*found.best);
     others = std::move(found.others);
   }
-  if (set.shapes() > 0) {
+  if (set.nonlinear_parameters() > 0) {
     if (!problem) problem.emplace(set, model_.measured, weights);
     solution = problem->Refine(std::move(solution), kFinalRounds);
-    if (MoveWhereItPays(model_, weights, known_shapes, set, solution) && !others.empty())
+    if (MoveWhereItPays(model_, weights, known_nonlinear_parameters, set, solution) && !others.empty())
       solution = BestOf(model_, weights, set, model_.rules[searched.back()], std::move(solution), others);
   }
 
@@ -274,43 +278,45 @@ ModelFit SeparableStudy::Fit(std::span<const std::size_t> cause_indices, std::sp
   std::sort(rank.begin(), rank.end(), [&](std::size_t a, std::size_t b) { return order[a] < order[b]; });
   TermSet sorted_set = NominalTerms(model_, purpose);
   sorted_set.it_pays = set.it_pays;
-  std::vector<std::vector<double>> sorted_shapes(model_.nominal.size());
+  std::vector<std::vector<double>> sorted_nonlinear_parameters(model_.nominal.size());
   ModelFit fit;
   for (const std::size_t i : rank) {
     sorted_set.terms.push_back(set.terms[model_.nominal.size() + i]);
-    sorted_shapes.push_back(solution.shapes[model_.nominal.size() + i]);
+    sorted_nonlinear_parameters.push_back(solution.nonlinear_parameters[model_.nominal.size() + i]);
     const SeparableTerm& term = *sorted_set.terms.back();
-    if (term.log_places) fit.log_places += term.log_places(sorted_shapes.back());
+    if (term.log_search_locations)
+      fit.log_search_locations += term.log_search_locations(sorted_nonlinear_parameters.back());
     fit.causes.push_back(order[i]);
   }
   if (!std::is_sorted(order.begin(), order.end())) {
-    solution = SeparableProblem(sorted_set, model_.measured, weights).Solve(std::move(sorted_shapes));
+    solution =
+        SeparableProblem(sorted_set, model_.measured, weights).Solve(std::move(sorted_nonlinear_parameters));
   }
   fit.predicted = solution.predicted;
   fit.state = NumbersOf(solution);
-  fit.free_parameters = static_cast<int>(sorted_set.coefficients() + sorted_set.moved_shapes());
-  fit.known_before = UnchargedShapes(sorted_set, solution, weights);
+  fit.free_parameters = static_cast<int>(sorted_set.coefficients() + sorted_set.moved_nonlinear_parameters());
+  fit.known_before = UnpenalisedParameters(sorted_set, solution, weights);
   fit.usable = solution.predicted.allFinite();
   Describe({model_, sorted_set, weights}, solution, fit);
   return fit;
 }
 
-std::vector<double> SeparableStudy::Doubt(const ModelFit& fit) const {
+std::vector<double> SeparableStudy::ModelUncertainty(const ModelFit& fit) const {
   Eigen::ArrayXd variance;
   const std::span<const double> numbers(fit.state);
   std::size_t at = 0;
   const auto add = [&](const SeparableTerm& term) {
-    const std::size_t width = term.columns + term.shapes.size();
-    if (term.doubt) {
+    const std::size_t width = term.columns + term.nonlinear_parameters.size();
+    if (term.model_uncertainty) {
       if (variance.size() == 0) variance.setZero(fit.predicted.size());
-      variance += term.doubt(numbers.subspan(at, width)).array().square();
+      variance += term.model_uncertainty(numbers.subspan(at, width)).array().square();
     }
     at += width;
   };
   for (const SeparableTerm& term : model_.nominal) add(term);
   for (const std::size_t cause : fit.causes) add(model_.causes[cause]);
-  const Eigen::ArrayXd doubt = variance.sqrt();
-  return {doubt.begin(), doubt.end()};
+  const Eigen::ArrayXd model_uncertainty = variance.sqrt();
+  return {model_uncertainty.begin(), model_uncertainty.end()};
 }
 
 Eigen::VectorXd SeparableStudy::Predict(std::span<const ParameterValue> nominal,
@@ -320,9 +326,10 @@ Eigen::VectorXd SeparableStudy::Predict(std::span<const ParameterValue> nominal,
   // `describe` of zeros tells the names, in order.
   const auto add = [&](const SeparableTerm& term, std::string_view owner,
                        std::span<const ParameterValue> given) {
-    const std::size_t width = term.columns + term.shapes.size();
+    const std::size_t width = term.columns + term.nonlinear_parameters.size();
     std::vector<double> zeros(width, 0.0);
-    for (std::size_t s = 0; s < term.shapes.size(); ++s) zeros[term.columns + s] = term.shapes[s].high;
+    for (std::size_t s = 0; s < term.nonlinear_parameters.size(); ++s)
+      zeros[term.columns + s] = term.nonlinear_parameters[s].high;
     const auto square = static_cast<Eigen::Index>(width);
     std::vector<double> values;
     for (const ParameterValue& expected : term.describe(zeros, Eigen::MatrixXd::Zero(square, square))) {
@@ -337,7 +344,7 @@ Eigen::VectorXd SeparableStudy::Predict(std::span<const ParameterValue> nominal,
     }
     const std::vector<double> numbers = term.restore(values);
     Eigen::MatrixXd columns(samples, static_cast<Eigen::Index>(term.columns));
-    term.fill({numbers.data() + term.columns, term.shapes.size()}, columns);
+    term.fill({numbers.data() + term.columns, term.nonlinear_parameters.size()}, columns);
     predicted += columns * Eigen::Map<const Eigen::VectorXd>(numbers.data(), columns.cols());
   };
   for (const SeparableTerm& term : model_.nominal) add(term, "the nominal model", nominal);

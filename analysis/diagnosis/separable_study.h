@@ -14,7 +14,7 @@ enum class Moved { kAlways, kForErrors, kWhereItPays, kNever };
 
 /// A number on which a term depends in a curved way: an order, a centre, a time constant. Fits keep it in
 /// [low, high].
-struct ShapeRange {
+struct NonlinearParameterRange {
   double low{};
   double high{};
   double step{};  // about what a change has to be to matter: for derivatives, and the first trust region
@@ -25,8 +25,8 @@ struct ShapeRange {
   Moved moved{Moved::kAlways};
 };
 
-/// What a search for shapes is given: what the rest of the model leaves.
-struct Remainder {
+/// What a search for nonlinear parameters is given: what the rest of the model leaves.
+struct WeightedResidual {
   std::span<const double> residual;
   std::span<const double> weights;
 
@@ -34,34 +34,35 @@ struct Remainder {
   double MeanSquare() const;
 };
 
-/// A term that is linear in its coefficients once its shapes are fixed.
+/// A term that is linear in its coefficients once its nonlinear parameters are fixed.
 struct SeparableTerm {
   std::size_t columns{1};
-  std::vector<ShapeRange> shapes;
-  /// What each squared coefficient adds to the sum of squares; terms without shapes only.
+  std::vector<NonlinearParameterRange> nonlinear_parameters;
+  /// What each squared coefficient adds to the sum of squares; terms without nonlinear parameters only.
   double ridge{};
-  /// Fills n × columns at these shapes.
-  std::function<void(std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design)> fill;
-  /// Shapes to start from, best first, a few; unused without shapes. A search takes the first `most_starts`;
-  /// errors are those over all that the record does not exclude.
-  std::function<std::vector<std::vector<double>>(const Remainder& remainder)> starts;
+  /// Fills n × columns at these nonlinear parameters.
+  std::function<void(std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design)> fill;
+  /// Nonlinear parameters to start from, best first, a few; unused without nonlinear parameters. A search
+  /// takes the first `most_starts`; errors are those over all that the record does not exclude.
+  std::function<std::vector<std::vector<double>>(const WeightedResidual& residual)> starts;
   std::size_t most_starts{static_cast<std::size_t>(-1)};
-  /// As Study::Doubt, of these coefficients and shapes; empty for none.
-  std::function<Eigen::VectorXd(std::span<const double> numbers)> doubt;
-  /// As ModelFit::log_places, of these shapes; empty for 0.
-  std::function<double(std::span<const double> shapes)> log_places;
-  /// Coefficients (then shapes) as people read them; `covariance` is of both together.
+  /// As Study::Model uncertainty, of these coefficients and nonlinear parameters; empty for none.
+  std::function<Eigen::VectorXd(std::span<const double> numbers)> model_uncertainty;
+  /// As ModelFit::log_search_locations, of these nonlinear parameters; empty for 0.
+  std::function<double(std::span<const double> nonlinear_parameters)> log_search_locations;
+  /// Coefficients (then nonlinear parameters) as people read them; `covariance` is of both together.
   std::function<std::vector<ParameterValue>(std::span<const double> numbers,
                                             const Eigen::MatrixXd& covariance)>
       describe;
-  /// The inverse: coefficients, then shapes, from the parameters that `describe` makes (in its order).
+  /// The inverse: coefficients, then nonlinear parameters, from the parameters that `describe` makes (in its
+  /// order).
   std::function<std::vector<double>(std::span<const double> values)> restore;
 };
 
-/// What a study of separable terms consists of. The first `nominal_terms` have no shapes.
+/// What a study of separable terms consists of. The first `nominal_terms` have no nonlinear parameters.
 struct SeparableModel {
   std::vector<double> measured;
-  std::vector<std::size_t> stretches{0};
+  std::vector<std::size_t> segments{0};
   std::vector<double> weights;  // as Study::Weights
   std::vector<SeparableTerm> nominal;
   std::vector<SeparableTerm> causes;  // in the order of `rules`
@@ -79,16 +80,16 @@ struct SeparableModel {
   std::function<std::vector<UserQuantity>(const Eigen::VectorXd& predicted)> quantities;
 };
 
-/// A study whose terms are separable: linear coefficients by projection, shapes by Gauss–Newton on what the
-/// projection leaves (variable projection; Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413), from several
-/// starts for a cause that the starting fit does not have yet.
+/// A study whose terms are separable: linear coefficients by projection, nonlinear parameters by Gauss–Newton
+/// on what the projection leaves (variable projection; Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413),
+/// from several starts for a cause that the starting fit does not have yet.
 class SeparableStudy final : public Study {
  public:
   /// @throws std::invalid_argument if sizes do not agree.
   explicit SeparableStudy(SeparableModel model);
 
   std::span<const double> measured() const override { return model_.measured; }
-  std::span<const std::size_t> stretches() const override { return model_.stretches; }
+  std::span<const std::size_t> segments() const override { return model_.segments; }
   const std::vector<CauseRule>& causes() const override { return model_.rules; }
   const std::vector<Regressor>& regressors() const override { return model_.regressors; }
   std::string unit() const override { return model_.unit; }
@@ -104,7 +105,7 @@ class SeparableStudy final : public Study {
   std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override;
   ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                const ModelFit* start, FitPurpose purpose) const override;
-  std::vector<double> Doubt(const ModelFit& fit) const override;
+  std::vector<double> ModelUncertainty(const ModelFit& fit) const override;
   Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
                           std::span<const NamedCause> causes) const override;
 
@@ -115,16 +116,17 @@ class SeparableStudy final : public Study {
 
 /// The describe/restore pair of A cos θ + B sin θ = amplitude · cos(θ − phase): amplitude in a unit
 /// (`amplitude_name`, times `unit_per_si`), phase in degrees. For terms of exactly two columns (cosine, sine)
-/// and no shapes, or with shapes described by `ShapeDescription` behind them.
-struct ShapeDescription {
+/// and no nonlinear parameters, or with nonlinear parameters described by `NonlinearParameterDescription`
+/// behind them.
+struct NonlinearParameterDescription {
   std::string name;
   std::string unit;
   double unit_per_si{1.0};
 };
 void DescribeAsHarmonic(SeparableTerm& term, std::string amplitude_name, std::string unit, double unit_per_si,
-                        std::vector<ShapeDescription> shapes = {});
+                        std::vector<NonlinearParameterDescription> nonlinear_parameters = {});
 
-/// The pair of coefficients, then shapes, each a number of its own.
-void DescribeEach(SeparableTerm& term, std::vector<ShapeDescription> numbers);
+/// The pair of coefficients, then nonlinear parameters, each a number of its own.
+void DescribeEach(SeparableTerm& term, std::vector<NonlinearParameterDescription> numbers);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -68,7 +68,7 @@ Choice Choose(const Task& task, std::span<const double> weights, int pairs, unsi
   return choice;
 }
 
-// Share of the variance that choice and fit on other blocks foretell.
+// Share of the variance that choice and fit on other blocks predict.
 double HeldOutShare(const Task& task, std::span<const double> weights, unsigned long long seed) {
   constexpr int kPairs = 15;
   double before = 0.0;

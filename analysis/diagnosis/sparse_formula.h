@@ -12,7 +12,7 @@ namespace strainwave::analysis::diagnosis {
 /// A formula for structure that no cause of the list explains. It describes; it is no knowledge of physics.
 struct SparseFormula {
   std::string formula;     // "residual / arcmin = 0.213 cos(7 output_angle - 35 deg)"; empty: nothing stable
-  double heldout_share{};  // of the leftover's variance, on blocks that neither choice nor fit have seen
+  double heldout_share{};  // of the residual's variance, on blocks that neither choice nor fit have seen
   std::string sentence;    // for the report; says what it is not
 };
 

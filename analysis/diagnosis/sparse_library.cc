@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "analysis/diagnosis/leftover_views.h"
+#include "analysis/diagnosis/residual_views.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/units.h"
 

@@ -45,7 +45,7 @@ struct ParameterRule {
 
 /// One way in which the nominal model may fall short.
 struct CauseRule {
-  std::string name{};      // of docs/contract.md; of a correction what makes it ("line over output angle")
+  std::string name{};      // of docs/contract.md; of a nuisance term what makes it ("line over output angle")
   std::string sentence{};  // for a technician: what it is and what usually makes it
   Where where{Where::kUndecided};
   std::string effect{};  // a row of docs/effects.md, "E4"; or empty
@@ -57,28 +57,28 @@ struct CauseRule {
   /// How many of these are places that the search looked for (an order, a window's two ends): they are
   /// charged by the places there are, not by the samples. Of the ordinates of a curve all but one: they have
   /// one size in common, and each is known as sharply as the curve is strong.
-  int places{};
+  int location_parameters{};
   /// How many independent places its search looks at (orders, windows): multiplies the p-value. Where they
   /// overlap or the likelihood ratio is no χ², as many as make p < 0.05 in one of twenty clean records
   /// (checked on 480 of tests/blind).
-  double trials{1.0};
-  /// BIC that a description has to bring; by default somewhat less than nothing will do (judge.cc). Below
+  double trials_factor{1.0};
+  /// BIC that a nuisance term has to bring; by default somewhat less than nothing will do (judge.cc). Below
   /// zero it holds beside another one, too: for one whose p-value says all. A named cause has to bring more
   /// than none, always.
   std::optional<double> least_bic{};
   /// Of the sum of squares that it takes away, what may be left since nature's shape is not quite ours: what
-  /// else is found beside it has to be more. By default nothing for a cause, and for a correction what a
-  /// rough description may leave (refinement.cc).
+  /// else is found beside it has to be more. By default nothing for a cause, and for a nuisance term what a
+  /// rough nuisance term may leave (refinement.cc).
   std::optional<double> misfit_share{};
   /// Of the sum of squares that all causes take away together, what it has to bring beside another one: for a
   /// shape that takes whatever is left somewhere, which may be the misfit of the others' formulae.
   double least_share{};
-  /// Stays within a short stretch of the record, so that it is held out in short blocks.
+  /// Stays within a short segment of the record, so that it is held out in short blocks.
   bool local{};
   /// May lie within a few samples that were taken one by one: where it does, those of one block cannot be
-  /// foretold from the others, and that they are not is nothing against it.
+  /// predicted from the others, and that they are not is nothing against it.
   bool of_few_samples{};
-  /// False for a correction: a shape without a physical cause, which competes with the causes so that none
+  /// False for a nuisance term: a shape without a physical cause, which competes with the causes so that none
   /// of them has to stand in for it. Never reported as a cause.
   bool named{true};
   /// Of those: a number that the record itself states and that may be wrong. It competes with the causes as
@@ -93,7 +93,7 @@ struct CauseRule {
 };
 
 /// A shape that explains anything that looks like it, and so has to explain more than a cause does.
-inline bool IsDescription(const CauseRule& rule) { return !rule.named && !rule.stated_number; }
+inline bool IsNuisanceTerm(const CauseRule& rule) { return !rule.named && !rule.stated_number; }
 
 /// One quantity that the response may depend on, sample by sample, in SI; for the residual's views and tests.
 struct Regressor {
@@ -116,10 +116,10 @@ struct ModelFit {
   /// Of these, as many as are not charged for: what the record says of them is no more than was known before.
   double known_before{};
   /// Logarithm of how many places the fit chose from over those that the rules of its causes count: of each
-  /// further one of several knocks, its time; below 0 for a window that is wider than the narrowest.
-  double log_places{};
-  /// Of the free parameters, those that say where such a place is: `log_places` charges for them.
-  int placed_parameters{};
+  /// further one of several impacts, its time; below 0 for a window that is wider than the narrowest.
+  double log_search_locations{};
+  /// Of the free parameters, those that say where such a place is: `log_search_locations` charges for them.
+  int location_parameters{};
   std::vector<double> state;  // the fit's own numbers, to start the next one from; its layout is the study's
   bool usable{};              // false: no solution inside the hard bounds; everything else is then void
 
@@ -146,8 +146,8 @@ class Study {
 
   /// Response, one value a sample, in SI; the samples of several records one after the other in time order.
   virtual std::span<const double> measured() const = 0;
-  /// First sample of each stretch without a gap (records, directions), ascending from 0.
-  virtual std::span<const std::size_t> stretches() const = 0;
+  /// First sample of each segment without a gap (records, directions), ascending from 0.
+  virtual std::span<const std::size_t> segments() const = 0;
   virtual const std::vector<CauseRule>& causes() const = 0;
   virtual const std::vector<Regressor>& regressors() const = 0;
 
@@ -165,10 +165,10 @@ class Study {
   /// comes to may hang on what was asked for before it.
   virtual bool RemembersSearches() const { return false; }
 
-  /// What the response that a fit foretells may be wrong by, sample by sample (SI, a standard deviation up to
-  /// a common factor), where it hangs on more than any fit can know: when a loose load knocks after several
-  /// knocks. Empty: nowhere.
-  virtual std::vector<double> Doubt(const ModelFit& /*fit*/) const { return {}; }
+  /// What the response that a fit predicts may be wrong by, sample by sample (SI, a standard deviation up to
+  /// a common factor), where it hangs on more than any fit can know: when an inertia behind backlash impacts
+  /// after several impacts. Empty: nowhere.
+  virtual std::vector<double> ModelUncertainty(const ModelFit& /*fit*/) const { return {}; }
 
   /// Standard deviation of the noise without a model, SI: from repeats at equal position where the record has
   /// them, else from what changes fastest. 0 where the record cannot tell.
@@ -193,7 +193,7 @@ class Study {
   /// Largest order of the autoregressive noise that candidates are judged under; 0 takes it as white.
   virtual int LargestNoiseOrder() const { return 4; }
 
-  /// A residual whose noise is independent from stretch to stretch, for likelihoods: where several channels
+  /// A residual whose noise is independent from segment to segment, for likelihoods: where several channels
   /// share noise, what they have in common is taken apart. Samples without weight count as zero there.
   virtual std::vector<double> Decorrelated(std::vector<double> residual,
                                            std::span<const double> /*weights*/) const {

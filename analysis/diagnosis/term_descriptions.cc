@@ -9,7 +9,7 @@
 namespace strainwave::analysis::diagnosis {
 
 void DescribeAsHarmonic(SeparableTerm& term, std::string amplitude_name, std::string unit, double unit_per_si,
-                        std::vector<ShapeDescription> shapes) {
+                        std::vector<NonlinearParameterDescription> nonlinear_parameters) {
   const std::string prefix = amplitude_name.find("amplitude") == std::string::npos
                                  ? std::string{}
                                  : amplitude_name.substr(0, amplitude_name.find("amplitude"));
@@ -28,10 +28,11 @@ void DescribeAsHarmonic(SeparableTerm& term, std::string amplitude_name, std::st
         {amplitude_name, unit, amplitude * unit_per_si,
          StandardErrorOf(along.dot(block * along)) * unit_per_si},
         {prefix + "phase_deg", "deg", DegFromRad(std::atan2(b, a)), DegFromRad(phase_error)}};
-    for (std::size_t s = 0; s < shapes.size(); ++s) {
+    for (std::size_t s = 0; s < nonlinear_parameters.size(); ++s) {
       const auto i = static_cast<Eigen::Index>(2 + s);
-      values.push_back({shapes[s].name, shapes[s].unit, numbers[2 + s] * shapes[s].unit_per_si,
-                        StandardErrorOf(covariance(i, i)) * shapes[s].unit_per_si});
+      values.push_back({nonlinear_parameters[s].name, nonlinear_parameters[s].unit,
+                        numbers[2 + s] * nonlinear_parameters[s].unit_per_si,
+                        StandardErrorOf(covariance(i, i)) * nonlinear_parameters[s].unit_per_si});
     }
     return values;
   };
@@ -39,12 +40,13 @@ void DescribeAsHarmonic(SeparableTerm& term, std::string amplitude_name, std::st
     const double amplitude = values[0] / unit_per_si;
     const double phase = RadFromDeg(values[1]);
     std::vector<double> numbers{amplitude * std::cos(phase), amplitude * std::sin(phase)};
-    for (std::size_t s = 0; s < shapes.size(); ++s) numbers.push_back(values[2 + s] / shapes[s].unit_per_si);
+    for (std::size_t s = 0; s < nonlinear_parameters.size(); ++s)
+      numbers.push_back(values[2 + s] / nonlinear_parameters[s].unit_per_si);
     return numbers;
   };
 }
 
-void DescribeEach(SeparableTerm& term, std::vector<ShapeDescription> descriptions) {
+void DescribeEach(SeparableTerm& term, std::vector<NonlinearParameterDescription> descriptions) {
   term.describe = [=](std::span<const double> numbers, const Eigen::MatrixXd& covariance) {
     std::vector<ParameterValue> values;
     for (std::size_t i = 0; i < descriptions.size(); ++i) {

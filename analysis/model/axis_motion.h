@@ -18,7 +18,7 @@ inline double StribeckShare(double speed, double stribeck_speed, double exponent
 /// at either end of the gap, which pushes and never pulls, and dry friction of the load's own. All per unit
 /// of the load's inertia. Where the load brakes itself it crosses the gap after the motion reverses; where it
 /// coasts, as soon as the near side slows down (E4).
-class LooseLoad {
+class InertiaBehindBacklash {
  public:
   struct Numbers {
     double gap{};
@@ -27,7 +27,7 @@ class LooseLoad {
     double contact_damping{0.5};
     double start{1.0};  // place in the gap at first: 1 where the motion pushes the load, −1 at the other end
   };
-  LooseLoad(const Numbers& numbers, double near, double near_speed) noexcept
+  InertiaBehindBacklash(const Numbers& numbers, double near, double near_speed) noexcept
       : half_(0.5 * numbers.gap),
         friction_(numbers.friction),
         contact_rad_per_s_(numbers.contact_rad_per_s),

@@ -18,7 +18,7 @@ void AdvanceWear(const WearRates& rates, const WearExposure& exposure, WearState
                             rates.tooth_late * state.tooth * state.tooth * state.tooth;
   state.tooth += load * std::exp2(above_K / rates.tooth_doubling_K) * tooth_rate;
   state.flexspline += load * (rates.flexspline_start + rates.flexspline_growth * state.flexspline);
-  // Both of these end at one, whatever the length of the stretch.
+  // Both of these end at one, whatever the length of the segment.
   state.run_in += (1.0 - state.run_in) * -std::expm1(-load / rates.run_in_life_share);
   state.grease += (1.0 - state.grease) *
                   -std::expm1(-turns * rates.grease_rate * std::exp2(above_K / rates.grease_doubling_K));

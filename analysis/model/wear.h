@@ -34,7 +34,7 @@ struct WearRates {
   double grease_doubling_K{12.0};
 };
 
-/// What a stretch of running did to the gear.
+/// What a segment of running did to the gear.
 struct WearExposure {
   double input_revolutions{};
   double cubed_torque_revolutions_Nm3{};  // ∑ |T|³ · revolutions

@@ -27,7 +27,7 @@ void TurnToChannels(const Scalar* turned, const Shape& shape, Scalar* sample) {
 }
 
 // Samples of a stage with the channels of a place side by side, whichever way they stand: what a kernel sees
-// is then one stretch of memory, and every sum a combination of rows.
+// is then one segment of memory, and every sum a combination of rows.
 template <typename Scalar, typename Batch>
 const Scalar* PlacesOf(const Batch& batch, Index sample, const Shape& shape, bool turns,
                        Vector<Scalar>& memory) {

@@ -44,7 +44,7 @@ Worth WorthOf(const Samples& samples, const std::vector<Split>& groups, const Ei
 }
 
 std::vector<Split> GroupsOfTest(const Samples& samples, const Split& split) {
-  constexpr std::size_t kStretches = 5;
+  constexpr std::size_t kSegments = 5;
   std::map<int, Split> by_specimen;
   for (const Eigen::Index row : split.test)
     by_specimen[samples.specimen[static_cast<std::size_t>(row)]].test.push_back(row);
@@ -54,7 +54,7 @@ std::vector<Split> GroupsOfTest(const Samples& samples, const Split& split) {
     std::vector<Eigen::Index> rows = std::move(groups.front().test);
     std::ranges::stable_sort(rows, {},
                              [&](Eigen::Index row) { return samples.cycle[static_cast<std::size_t>(row)]; });
-    const std::size_t count = std::min(kStretches, rows.size());
+    const std::size_t count = std::min(kSegments, rows.size());
     groups.assign(count, {});
     for (std::size_t i = 0; i < rows.size(); ++i) groups[i * count / rows.size()].test.push_back(rows[i]);
   }

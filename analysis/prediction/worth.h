@@ -22,13 +22,13 @@ struct Worth {
   bool any() const { return gain_percent > gain_se_percent; }
 };
 
-/// @param groups  the tested records in groups that err each as a whole (a fold, a specimen, a stretch of
+/// @param groups  the tested records in groups that err each as a whole (a fold, a specimen, a segment of
 ///   time), with what was trained on for each; two groups or more.
 /// @param predicted  of all samples; only tested rows are looked at.
 /// @throws std::invalid_argument for fewer than two groups.
 Worth WorthOf(const Samples& samples, const std::vector<Split>& groups, const Eigen::MatrixXd& predicted);
 
-/// The test of one split in groups: by specimen, or, of one specimen alone, in five stretches of time.
+/// The test of one split in groups: by specimen, or, of one specimen alone, in five segments of time.
 std::vector<Split> GroupsOfTest(const Samples& samples, const Split& split);
 
 }  // namespace strainwave::analysis::prediction

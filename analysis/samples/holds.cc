@@ -15,7 +15,7 @@ namespace {
 
 using Run = Frozen;
 
-std::vector<Run> RunsOf(std::span<const double> values) { return StandingStretches(values, 1); }
+std::vector<Run> RunsOf(std::span<const double> values) { return StandingSegments(values, 1); }
 
 // Neighbours that would be equal in a signal of this resolution, by how many differ by little. The resolution
 // is the usual distance of its values where they lie densely.
@@ -57,7 +57,7 @@ double NoiseWhereItMoves(std::span<const double> values) {
 std::vector<Frozen> LeftByAJump(std::span<const double> values) {
   constexpr std::size_t kFewestRows = 8;
   constexpr double kClearly = 3.0;  // times the largest other change
-  const std::vector<Frozen> long_ones = StandingStretches(values, kFewestRows);
+  const std::vector<Frozen> long_ones = StandingSegments(values, kFewestRows);
   std::vector<bool> beside(values.size(), false);  // of the change to the value before
   for (const Frozen& one : long_ones) {
     beside[one.first] = true;
@@ -106,7 +106,7 @@ Ends EndsOf(std::span<const double> values) {
   return {low, high};
 }
 
-// Stretches of one value that the signal's own noise would never let stand; nothing where it has none that is
+// Segments of one value that the signal's own noise would never let stand; nothing where it has none that is
 // seen.
 std::optional<std::vector<Run>> AgainstTheNoise(std::span<const double> values) {
   constexpr double kVisibleNoise = 2.0;  // steps: less, and a value often comes again
@@ -118,11 +118,11 @@ std::optional<std::vector<Run>> AgainstTheNoise(std::span<const double> values) 
   // Two neighbours' difference is normal with √2 of the deviation; half of the step to either side is none.
   const double again = step / (2.0 * std::sqrt(kPi) * noise);
   const double rows = static_cast<double>(values.size());
-  std::vector<Run> stretches = RunsOf(values);
-  std::erase_if(stretches, [&](const Run& run) {
+  std::vector<Run> segments = RunsOf(values);
+  std::erase_if(segments, [&](const Run& run) {
     return rows * std::pow(again, static_cast<double>(run.count - 1)) >= kNever;
   });
-  return stretches;
+  return segments;
 }
 
 }  // namespace
@@ -176,35 +176,35 @@ double GoesOnMeanwhile(const Held& held, std::span<const double> other) {
 }
 
 std::vector<Frozen> FindFrozen(std::span<const double> values) {
-  std::optional<std::vector<Run>> stretches = AgainstTheNoise(values);
-  if (!stretches) return LeftByAJump(values);
-  std::erase_if(*stretches, [&, ends = EndsOf(values)](const Run& run) {
+  std::optional<std::vector<Run>> segments = AgainstTheNoise(values);
+  if (!segments) return LeftByAJump(values);
+  std::erase_if(*segments, [&, ends = EndsOf(values)](const Run& run) {
     return values[run.first] == ends.low || values[run.first] == ends.high;
   });
-  return *std::move(stretches);
+  return *std::move(segments);
 }
 
 std::vector<Saturated> FindSaturated(std::span<const double> values) {
-  const std::vector<Run> stretches = AgainstTheNoise(values).value_or(std::vector<Run>{});
+  const std::vector<Run> segments = AgainstTheNoise(values).value_or(std::vector<Run>{});
   const Ends ends = EndsOf(values);
   std::vector<Saturated> found;
   for (const double end : {ends.low, ends.high}) {
     const bool stands =
-        std::ranges::any_of(stretches, [&](const Run& run) { return values[run.first] == end; });
+        std::ranges::any_of(segments, [&](const Run& run) { return values[run.first] == end; });
     if (stands) found.push_back({end, static_cast<std::size_t>(std::ranges::count(values, end))});
   }
   return found;
 }
 
-std::vector<Frozen> StandingStretches(std::span<const double> values, std::size_t fewest) {
-  std::vector<Frozen> stretches;
+std::vector<Frozen> StandingSegments(std::span<const double> values, std::size_t fewest) {
+  std::vector<Frozen> segments;
   for (std::size_t i = 0; i < values.size();) {
     std::size_t next = i + 1;
     while (next < values.size() && values[next] == values[i]) ++next;
-    if (next - i >= fewest) stretches.push_back({i, next - i});
+    if (next - i >= fewest) segments.push_back({i, next - i});
     i = next;
   }
-  return stretches;
+  return segments;
 }
 
 }  // namespace strainwave::analysis::samples

@@ -34,7 +34,7 @@ struct Frozen {
   std::size_t count{};
 };
 
-/// Finds stretches of one value, to the last digit, in a signal whose noise is several of its steps; what
+/// Finds segments of one value, to the last digit, in a signal whose noise is several of its steps; what
 /// stands at the end of the signal's range is clipped and not looked at. In a signal without visible noise,
 /// those of 8 values and more that were left, or come to, by a jump three times as large as any other change.
 std::vector<Frozen> FindFrozen(std::span<const double> values);
@@ -49,7 +49,7 @@ struct Saturated {
 /// The smallest value, the largest, both or none. A signal without visible noise tells nothing.
 std::vector<Saturated> FindSaturated(std::span<const double> values);
 
-/// Stretches of one value, of so many rows and more.
-std::vector<Frozen> StandingStretches(std::span<const double> values, std::size_t fewest);
+/// Segments of one value, of so many rows and more.
+std::vector<Frozen> StandingSegments(std::span<const double> values, std::size_t fewest);
 
 }  // namespace strainwave::analysis::samples

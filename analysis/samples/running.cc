@@ -10,8 +10,8 @@
 namespace strainwave::analysis::samples {
 namespace {
 
-Stretch LongestTurning(const std::vector<bool>& stands) {
-  Stretch longest;
+Segment LongestTurning(const std::vector<bool>& stands) {
+  Segment longest;
   for (std::size_t i = 0; i < stands.size();) {
     std::size_t end = i;
     while (end < stands.size() && stands[end] == stands[i]) ++end;
@@ -49,7 +49,7 @@ std::vector<double> MediansOfThree(const std::vector<double>& values) {
 
 }  // namespace
 
-Stretch TurningBySpeed(std::span<const double> speed) {
+Segment TurningBySpeed(std::span<const double> speed) {
   constexpr double kStands = 0.01;      // of the largest speed
   constexpr double kLeastShare = 0.02;  // of the rows
   double largest = 0.0;
@@ -61,7 +61,7 @@ Stretch TurningBySpeed(std::span<const double> speed) {
   return LongestTurning(stands);
 }
 
-Stretch TurningByLines(std::span<const std::vector<double>> channels, double rows_per_turn) {
+Segment TurningByLines(std::span<const std::vector<double>> channels, double rows_per_turn) {
   constexpr double kBlocks = 80.0;        // at most: the more rows one has, the clearer are its lines
   constexpr double kFewestBlocks = 8.0;   // at least, to tell some from the others
   constexpr std::size_t kFewestGone = 3;  // of them, in one piece
@@ -73,7 +73,7 @@ Stretch TurningByLines(std::span<const std::vector<double>> channels, double row
   const std::size_t rows = channels.empty() ? 0 : channels.front().size();
   const double turns = std::ceil(std::max(1.0, static_cast<double>(rows) / kBlocks / rows_per_turn));
   const double block_rows = turns * rows_per_turn;
-  const Stretch all{0, rows};
+  const Segment all{0, rows};
   if (static_cast<double>(rows) < kFewestBlocks * block_rows) return all;
   const auto blocks = static_cast<std::size_t>(static_cast<double>(rows) / block_rows);
   const auto first_row = [&](std::size_t block) {
@@ -107,7 +107,7 @@ Stretch TurningByLines(std::span<const std::vector<double>> channels, double row
     b = end;
   }
   if (std::ranges::none_of(gone, [](bool one) { return one; })) return all;
-  Stretch turning = LongestTurning(gone);
+  Segment turning = LongestTurning(gone);
   // The shaft starts and stops within a block, and chance may make the one beside it look alike.
   constexpr std::size_t kBeside = 2;
   if (turning.first > 0) turning.first = std::min(turning.first + kBeside, turning.end);

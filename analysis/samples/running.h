@@ -8,17 +8,17 @@
 namespace strainwave::analysis::samples {
 
 /// Rows from `first` to before `end`.
-struct Stretch {
+struct Segment {
   std::size_t first{};
   std::size_t end{};
 
-  bool operator==(const Stretch&) const = default;
+  bool operator==(const Segment&) const = default;
 };
 
-/// The longest stretch in which a shaft turns, by its measured speed: it stands below a hundredth of the
+/// The longest segment in which a shaft turns, by its measured speed: it stands below a hundredth of the
 /// largest. All rows where it stands in fewer than a fiftieth of them, as it does in a run-up from rest.
 /// @param speed  one a row, of either sign.
-Stretch TurningBySpeed(std::span<const double> speed);
+Segment TurningBySpeed(std::span<const double> speed);
 
 /// The same by what the shaft does to sensors on its housing, at a speed that is stated for the record: its
 /// lines at 1 and 2 per turn stand clear of the noise in all but some blocks of whole turns, in which they
@@ -26,6 +26,6 @@ Stretch TurningBySpeed(std::span<const double> speed);
 /// clear.
 /// @param channels       of one length.
 /// @param rows_per_turn  at least 4.
-Stretch TurningByLines(std::span<const std::vector<double>> channels, double rows_per_turn);
+Segment TurningByLines(std::span<const std::vector<double>> channels, double rows_per_turn);
 
 }  // namespace strainwave::analysis::samples

@@ -38,7 +38,7 @@ void LoadCheckProgram::SetUp(const Readings& readings, BenchDevices& devices) {
   devices.load.Enable(DriveMode::kTorque);
 }
 
-// Once a stretch of constant set points has settled, its mean; then on to the next one.
+// Once a segment of constant set points has settled, its mean; then on to the next one.
 StepResult LoadCheckProgram::Hold(const Readings& readings, double elapsed_s, Stage next,
                                   double& mean_Nm) noexcept {
   const double in_stage_s = elapsed_s - stage_start_s_;

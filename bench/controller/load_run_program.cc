@@ -15,7 +15,7 @@ namespace {
 constexpr double kTurnTolerance_rad = 0.05;  // of the input
 constexpr double kCreepSpeed_rad_per_s = 1.0;
 constexpr double kParked_rad = 0.005;         // of the input
-constexpr double kParkingPeriods = 10.0;      // time constant of the last stretch, and at least
+constexpr double kParkingPeriods = 10.0;      // time constant of the last segment, and at least
 constexpr double kParkingAges = 3.0;          // ages of the angles, whose control loop would else swing
 constexpr double kParkingDeceleration = 0.5;  // of the acceleration allowed
 
@@ -120,7 +120,7 @@ StepResult LoadRunProgram::WindDownStep(const Readings& readings, BenchDevices& 
   const double remaining_rad = home_input_rad_ - readings.input_angle_rad;
   const double approach = ApproachSpeed(remaining_rad, parameters_.input_speed_rad_per_s,
                                         kParkingDeceleration * parameters_.input_acceleration_rad_per_s2);
-  // The last stretch in proportion to what is left, which the root law would overshoot by one period.
+  // The last segment in proportion to what is left, which the root law would overshoot by one period.
   const double gentle =
       remaining_rad / std::max(kParkingPeriods * period_s_, kParkingAges * oldest_angles_s_);
   const double wanted = std::abs(gentle) < std::abs(approach) ? gentle : approach;

@@ -22,7 +22,7 @@ constexpr double kDecay_per_s = 0.21;
 constexpr double kFirstSwings_s = 2.0 / kShakes_hz;
 constexpr double kLeastOfFirst = 0.5;
 
-double Stretches(const schedules::SensorCheck& check) { return check.kind == Kind::kShunt ? 2.0 : 1.0; }
+double Segments(const schedules::SensorCheck& check) { return check.kind == Kind::kShunt ? 2.0 : 1.0; }
 
 std::vector<std::string> ColumnsOf(Kind kind) {
   if (kind == Kind::kReference) return {"time_s", "input_angle_deg", "output_angle_deg"};
@@ -37,10 +37,10 @@ SensorCheckProgram::SensorCheckProgram(const schedules::SensorCheck& parameters,
       ratio_(specimen.ratio),
       first_Nm_(specimen.t2_Nm),
       stage_(parameters.kind == Kind::kZero ? Stage::kBringUp : Stage::kRead),
-      planned_s_(Stretches(parameters) * (parameters.duration_s + kSensorSettle_s) +
+      planned_s_(Segments(parameters) * (parameters.duration_s + kSensorSettle_s) +
                  (parameters.kind == Kind::kZero ? kShake_s : 0.0)),
       log_(ColumnsOf(parameters.kind),
-           static_cast<std::size_t>(Stretches(parameters) * (parameters.duration_s / period_s + 2.0))) {}
+           static_cast<std::size_t>(Segments(parameters) * (parameters.duration_s / period_s + 2.0))) {}
 
 void SensorCheckProgram::SetUp(const Readings&, BenchDevices& devices) {
   devices.driving.Disable();
@@ -57,24 +57,24 @@ bool SensorCheckProgram::Shake(const Readings& readings, double elapsed_s, Bench
     if (!BroughtUp(devices.load)) return true;
     stage_ = Stage::kShake;
     locked_output_rad_ = readings.output_angle_rad;
-    stretch_start_s_ = elapsed_s;
+    segment_start_s_ = elapsed_s;
   }
-  const double in_stretch_s = elapsed_s - stretch_start_s_;
-  if (in_stretch_s < kFirstSwings_s) {
+  const double in_segment_s = elapsed_s - segment_start_s_;
+  if (in_segment_s < kFirstSwings_s) {
     most_seen_Nm_ = std::max(most_seen_Nm_, std::abs(readings.output_torque_Nm));
   } else if (most_seen_Nm_ < kLeastOfFirst * first_Nm_) {
     failed_ = {StopCause::kTorqueAway, most_seen_Nm_, first_Nm_, readings.time, BenchServo::kLoad};
     return false;
   }
-  if (in_stretch_s < kShake_s) {
-    devices.load.CommandTorque(first_Nm_ * std::exp(-kDecay_per_s * in_stretch_s) *
-                               std::sin(kTwoPi * kShakes_hz * in_stretch_s));
+  if (in_segment_s < kShake_s) {
+    devices.load.CommandTorque(first_Nm_ * std::exp(-kDecay_per_s * in_segment_s) *
+                               std::sin(kTwoPi * kShakes_hz * in_segment_s));
     return true;
   }
   devices.load.SetBrake(true);
   devices.load.Disable();
   stage_ = Stage::kRead;
-  stretch_start_s_ = elapsed_s;
+  segment_start_s_ = elapsed_s;
   return true;
 }
 
@@ -84,18 +84,18 @@ StepResult SensorCheckProgram::Step(const Readings& readings, double elapsed_s,
   if (stage_ != Stage::kRead) {
     return Shake(readings, elapsed_s, devices) ? StepResult::kRunning : StepResult::kFailedCheck;
   }
-  const double in_stretch_s = elapsed_s - stretch_start_s_;
-  if (in_stretch_s < kSensorSettle_s) return StepResult::kRunning;
+  const double in_segment_s = elapsed_s - segment_start_s_;
+  if (in_segment_s < kSensorSettle_s) return StepResult::kRunning;
   const bool kept = parameters_.kind == Kind::kReference
                         ? log_.Append({elapsed_s, DegFromRad(readings.input_angle_rad),
                                        DegFromRad(readings.output_angle_rad)})
                         : log_.Append({elapsed_s, shunted_ ? 1.0 : 0.0, readings.output_torque_Nm});
   if (!kept) return StepResult::kLogFull;
-  if (in_stretch_s < kSensorSettle_s + parameters_.duration_s) return StepResult::kRunning;
+  if (in_segment_s < kSensorSettle_s + parameters_.duration_s) return StepResult::kRunning;
   if (parameters_.kind == Kind::kShunt && !shunted_) {
     devices.sampler.ConnectShunt(true);
     shunted_ = true;
-    stretch_start_s_ = elapsed_s;
+    segment_start_s_ = elapsed_s;
     return StepResult::kRunning;
   }
   return StepResult::kDone;  // on every way out of a phase the runner takes the shunt off

@@ -41,7 +41,7 @@ class SensorCheckProgram final : public PhaseProgram {
   double planned_s_;
   double share_done_{};
   bool shunted_{};
-  double stretch_start_s_{};
+  double segment_start_s_{};
   StopReason failed_;
   RowLog log_;
 };

@@ -27,7 +27,7 @@ class VibrationStatistics {
   /// What came in since the last call; nothing while it does not run.
   void Take(Sampler& sampler);
 
-  /// One row of moments, from which stretches of a run can be put together again (`bench/campaign`).
+  /// One row of moments, from which segments of a run can be put together again (`bench/campaign`).
   daq::Record Record(double sample_rate_hz) const;
 
  private:

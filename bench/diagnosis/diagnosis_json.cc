@@ -80,7 +80,7 @@ Json CausesJson(const DiagnosisReport& report) {
 
 Json CorrectionsJson(const DiagnosisReport& report) {
   Json corrections = Json::array();
-  for (const diagnosis::Finding& finding : report.result.corrections) {
+  for (const diagnosis::Finding& finding : report.result.nuisance_terms) {
     corrections.push_back({{"name", report.input.study->causes()[finding.index].name},
                            {"physical", false},
                            {"parameters", ParametersJson(finding.parameters)},
@@ -130,12 +130,12 @@ Json RecordsJson(const StudyInput& input) {
 }
 
 Json UnexplainedJson(const DiagnosisReport& report) {
-  const diagnosis::Leftover& leftover = report.result.leftover;
-  Json unexplained{{"share_of_residual_variance", Finite(leftover.share_of_residual_variance)},
+  const diagnosis::Unexplained& residual = report.result.residual;
+  Json unexplained{{"share_of_residual_variance", Finite(residual.share_of_residual_variance)},
                    {"signature", SignatureOf(report)},
-                   {"after_everything_found", leftover.signature},
-                   {"ljung_box_p", Probability(leftover.ljung_box_p)},
-                   {"runs_p", Probability(leftover.runs_p)}};
+                   {"after_everything_found", residual.signature},
+                   {"ljung_box_p", Probability(residual.ljung_box_p)},
+                   {"runs_p", Probability(residual.runs_p)}};
   if (!report.formula.formula.empty()) {
     unexplained["proposed_formula"] = {{"formula", report.formula.formula},
                                        {"heldout_share", Finite(report.formula.heldout_share)},

@@ -112,13 +112,13 @@ std::string SpokenParameter(const diagnosis::ParameterValue& parameter) {
 
 std::string SignatureOf(const DiagnosisReport& report) {
   std::vector<std::string> parts;
-  for (const diagnosis::Finding& correction : report.result.corrections) {
+  for (const diagnosis::Finding& correction : report.result.nuisance_terms) {
     const std::vector<std::string> numbers = SpokenNumbers(correction);
     parts.push_back(fmt::format("{}{}{}", report.input.study->causes()[correction.index].name,
                                 numbers.empty() ? "" : ": ", fmt::join(numbers, ", ")));
   }
-  if (!report.result.leftover.described.empty()) parts.push_back(report.result.leftover.described);
-  const std::string& left = report.result.leftover.signature;
+  if (!report.result.residual.described.empty()) parts.push_back(report.result.residual.described);
+  const std::string& left = report.result.residual.signature;
   if (!left.empty()) parts.push_back(parts.empty() ? left : "besides: " + left);
   return fmt::format("{}", fmt::join(parts, "; "));
 }

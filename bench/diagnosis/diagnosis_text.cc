@@ -152,7 +152,7 @@ std::string NominalText(const DiagnosisReport& report, bool details) {
 // What the simulation's numbers are when what was found is in it.
 std::string CorrectedText(const DiagnosisReport& report) {
   const diagnosis::Diagnosis& result = report.result;
-  if (result.causes.empty() && result.corrections.empty()) return {};
+  if (result.causes.empty() && result.nuisance_terms.empty()) return {};
   std::string text = Section("corrected", "the simulation's numbers with what was found:");
   for (const ParameterValue& parameter : result.extended.nominal) {
     const ParameterValue* const without = Find(result.nominal.nominal, parameter.name);
@@ -177,7 +177,7 @@ std::string FoundText(const DiagnosisReport& report, bool details) {
                                fmt::join(finding.indistinguishable_from, ", ")));
     }
   }
-  for (const diagnosis::Finding& finding : report.result.corrections) {
+  for (const diagnosis::Finding& finding : report.result.nuisance_terms) {
     const CauseRule& rule = report.input.study->causes()[finding.index];
     text += rule.stated_number ? Section("to correct", Text("{}: {}", rule.name, rule.sentence))
                                : Section("left over", Text("{} (a description, not a cause)", rule.name));
@@ -218,7 +218,7 @@ std::string GainText(const DiagnosisReport& report) {
   const std::string& name = report.input.study->unit();
   const std::string noise =
       result.noise_floor > 0.0 ? Text("; noise {:.3g} {}", result.noise_floor * unit, name) : std::string();
-  if (result.causes.empty() && result.corrections.empty()) {
+  if (result.causes.empty() && result.nuisance_terms.empty()) {
     return Section("error", Text("{:.3g} {} on data that no fit has seen{}",
                                  result.nominal_heldout_rmse * unit, name, noise));
   }
@@ -231,25 +231,25 @@ std::string GainText(const DiagnosisReport& report) {
 
 std::string RemainsText(const DiagnosisReport& report) {
   constexpr double kWhite = 0.01, kMuch = 0.05;
-  const diagnosis::Leftover& leftover = report.result.leftover;
-  std::string what = leftover.signature;
+  const diagnosis::Unexplained& residual = report.result.residual;
+  std::string what = residual.signature;
   if (what.empty()) {
     what = "nothing in it stands out";
-    if (leftover.ljung_box_p < kWhite && leftover.share_of_residual_variance > kMuch) {
+    if (residual.ljung_box_p < kWhite && residual.share_of_residual_variance > kMuch) {
       what +=
           " but that neighbouring samples are alike: noise that is not white does that, and is more than it "
           "looks from one sample to the next";
     }
   }
   return Section("remains", Text("{:.1f} % of the variance of that error; {}",
-                                 100.0 * leftover.share_of_residual_variance, what));
+                                 100.0 * residual.share_of_residual_variance, what));
 }
 
 std::string QuantitiesText(const DiagnosisReport& report) {
   const auto nominal = report.input.study->Quantities(report.result.nominal.predicted);
   const auto extended = report.input.study->Quantities(report.result.extended.predicted);
   if (nominal.empty()) return {};
-  const bool found = !report.result.causes.empty() || !report.result.corrections.empty();
+  const bool found = !report.result.causes.empty() || !report.result.nuisance_terms.empty();
   std::string text = Text("{:<13}{:<28} {:>12} {:>12}{}\n", "quantities", "", "measured",
                           found ? "without" : "simulated", found ? "         with" : "");
   for (std::size_t i = 0; i < nominal.size() && i < extended.size(); ++i) {
@@ -272,10 +272,11 @@ std::string NextText(const DiagnosisReport& report) {
   if (entries.empty()) {
     if (report.result.verdict != diagnosis::Verdict::kNoEffect)
       return Section("next", "run extended_model.yaml (diagnose --out) in place of the nominal model");
-    return report.result.corrections.empty() ? Section("next", "nothing that this diagnosis can name")
-                                             : Section("next",
-                                                       "put what stands under \"to correct\" into the head "
-                                                       "of the record, or look which unit it is of");
+    return report.result.nuisance_terms.empty()
+               ? Section("next", "nothing that this diagnosis can name")
+               : Section("next",
+                         "put what stands under \"to correct\" into the head "
+                         "of the record, or look which unit it is of");
   }
   std::string text = Section("next", "measure what these records cannot tell:");
   for (const std::string& entry : entries) {
@@ -294,8 +295,8 @@ std::string NextText(const DiagnosisReport& report) {
 std::string VerdictSentence(const DiagnosisReport& report) {
   const diagnosis::Diagnosis& result = report.result;
   if (result.verdict == diagnosis::Verdict::kNoEffect) {
-    if (!result.corrections.empty()) {
-      const CauseRule& rule = report.input.study->causes()[result.corrections.front().index];
+    if (!result.nuisance_terms.empty()) {
+      const CauseRule& rule = report.input.study->causes()[result.nuisance_terms.front().index];
       return Text("Nothing is missing in the simulation, but a number of the record is wrong: {}.",
                   rule.sentence);
     }

@@ -14,7 +14,7 @@
 namespace strainwave::bench {
 
 bool IsExtended(const DiagnosisReport& report) {
-  return !report.result.causes.empty() || !report.result.corrections.empty();
+  return !report.result.causes.empty() || !report.result.nuisance_terms.empty();
 }
 
 std::string NominalName(const DiagnosisReport& report) {
@@ -23,7 +23,7 @@ std::string NominalName(const DiagnosisReport& report) {
 
 std::string ExtendedName(const DiagnosisReport& report) {
   std::vector<std::string> names;
-  for (const auto* findings : {&report.result.causes, &report.result.corrections}) {
+  for (const auto* findings : {&report.result.causes, &report.result.nuisance_terms}) {
     for (const auto& finding : *findings) {
       names.push_back(report.input.study->causes()[finding.index].name);
     }
@@ -131,14 +131,14 @@ std::vector<double> Picked(std::span<const double> values, std::span<const std::
 }
 
 std::string BrokenBlock(const std::string& name, std::span<const std::size_t> indices,
-                        std::span<const std::size_t> stretches,
+                        std::span<const std::size_t> segments,
                         std::initializer_list<std::span<const double>> columns) {
   std::vector<std::vector<double>> broken(columns.size());
-  const auto stretch_of = [&](std::size_t sample) {
-    return std::upper_bound(stretches.begin(), stretches.end(), sample) - stretches.begin();
+  const auto segment_of = [&](std::size_t sample) {
+    return std::upper_bound(segments.begin(), segments.end(), sample) - segments.begin();
   };
   for (std::size_t row = 0; row < indices.size(); ++row) {
-    const bool breaks = row > 0 && stretch_of(indices[row]) != stretch_of(indices[row - 1]);
+    const bool breaks = row > 0 && segment_of(indices[row]) != segment_of(indices[row - 1]);
     std::size_t column = 0;
     for (const std::span<const double> values : columns) {
       if (breaks) broken[column].push_back(std::numeric_limits<double>::quiet_NaN());

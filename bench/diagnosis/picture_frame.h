@@ -77,9 +77,9 @@ std::string RangeText(std::span<const double> values, double margin = 0.05);
 std::vector<double> Picked(std::span<const double> values, std::span<const std::size_t> indices,
                            double factor = 1.0);
 
-/// A data block whose lines break where a stretch begins.
+/// A data block whose lines break where a segment begins.
 std::string BrokenBlock(const std::string& name, std::span<const std::size_t> indices,
-                        std::span<const std::size_t> stretches,
+                        std::span<const std::size_t> segments,
                         std::initializer_list<std::span<const double>> columns);
 
 }  // namespace strainwave::bench

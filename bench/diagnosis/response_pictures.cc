@@ -52,7 +52,7 @@ Abscissa ResponseAbscissa(const DiagnosisReport& report) {
   return AbscissaOf(study, {"time"});
 }
 
-// The samples around the place where the nominal model is off most, inside one stretch.
+// The samples around the place where the nominal model is off most, inside one segment.
 std::vector<std::size_t> DetailOf(const DiagnosisReport& report, std::size_t length) {
   const std::vector<double> residual = diagnosis::ResidualsOf(*report.input.study, report.result.nominal);
   const std::vector<double>& weights = report.result.weights;
@@ -68,10 +68,10 @@ std::vector<std::size_t> DetailOf(const DiagnosisReport& report, std::size_t len
       best_end = i + 1;
     }
   }
-  const std::span<const std::size_t> stretches = report.input.study->stretches();
-  const auto next = std::upper_bound(stretches.begin(), stretches.end(), best_end - 1 - length / 2);
+  const std::span<const std::size_t> segments = report.input.study->segments();
+  const auto next = std::upper_bound(segments.begin(), segments.end(), best_end - 1 - length / 2);
   const std::size_t first = std::max(best_end - length, *std::prev(next));
-  const std::size_t last = std::min(best_end, next == stretches.end() ? residual.size() : *next);
+  const std::size_t last = std::min(best_end, next == segments.end() ? residual.size() : *next);
   std::vector<std::size_t> indices(last - first);
   std::iota(indices.begin(), indices.end(), first);
   return indices;
@@ -115,7 +115,7 @@ std::string ResponsePanel(const DiagnosisReport& report, const Abscissa& absciss
     for (double& value : *values) value -= shift;
     drawn.insert(drawn.end(), values->begin(), values->end());
   }
-  data += BrokenBlock(name, indices, study.stretches(), {place, measured, before, after});
+  data += BrokenBlock(name, indices, study.segments(), {place, measured, before, after});
   const auto over = [&](int column) {
     return IsLoop(report) ? fmt::format("{}:1", column) : fmt::format("1:{}", column);
   };

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/diagnosis/leftover_views.h"
+#include "analysis/diagnosis/residual_views.h"
 #include "analysis/diagnosis/residuals.h"
 #include "analysis/harmonic_regression.h"
 #include "analysis/transmission_orders.h"
@@ -48,10 +48,10 @@ struct Axis {
   }
 };
 
-double MedianStep(std::span<const double> angle_rad, std::span<const std::size_t> stretches) {
+double MedianStep(std::span<const double> angle_rad, std::span<const std::size_t> segments) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < angle_rad.size(); ++i) {
-    if (std::ranges::binary_search(stretches, i)) continue;
+    if (std::ranges::binary_search(segments, i)) continue;
     const double step = std::abs(angle_rad[i] - angle_rad[i - 1]);
     if (step > 0.0) steps.push_back(step);
   }
@@ -93,7 +93,7 @@ Axis AxisOf(const DiagnosisReport& report) {
   }
   const auto [low, high] = std::ranges::minmax(axis.angle_rad);
   const double cell = kTwoPi / std::max(high - low, 1e-12);
-  const double step = MedianStep(axis.angle_rad, study.stretches());
+  const double step = MedianStep(axis.angle_rad, study.segments());
   axis.end = (step > 0.0 ? kPi / step : 100.0 * cell) - 0.5 * cell;
   axis.lowest = 0.5 * cell;
   axis.step = 0.25 * cell;
@@ -111,7 +111,7 @@ double TurnsPerSecond(const DiagnosisReport& report, const Axis& axis) {
   double turns = 0.0;
   double seconds = 0.0;
   for (std::size_t i = 1; i < axis.angle_rad.size(); ++i) {
-    if (std::ranges::binary_search(study.stretches(), i)) continue;
+    if (std::ranges::binary_search(study.segments(), i)) continue;
     turns += std::abs(axis.angle_rad[i] - axis.angle_rad[i - 1]) / kTwoPi;
     seconds += time->values[i] - time->values[i - 1];
   }
@@ -131,7 +131,7 @@ std::vector<NamedOrder> FoundOrders(const DiagnosisReport& report, const Axis& a
   const auto add = [&](double order, std::string name) {
     orders.push_back({order, axis.Seen(order), std::move(name)});
   };
-  for (const auto* findings : {&report.result.causes, &report.result.corrections}) {
+  for (const auto* findings : {&report.result.causes, &report.result.nuisance_terms}) {
     for (const diagnosis::Finding& finding : *findings) {
       const std::string& cause = report.input.study->causes()[finding.index].name;
       std::string every;  // what rings has its lines an order apart
@@ -151,7 +151,7 @@ std::vector<NamedOrder> FoundOrders(const DiagnosisReport& report, const Axis& a
   return orders;
 }
 
-// Of a long record not all orders can be had: what was found, or the ring in which it is heard, is to be
+// Of a long record not all orders can be had: what was found, or the ring in which it is observable, is to be
 // among them.
 void MoveTo(const std::vector<NamedOrder>& found, Axis& axis) {
   constexpr double kRoom = 1.15;

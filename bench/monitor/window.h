@@ -75,7 +75,7 @@ class WindowCutter {
   std::vector<double> open_turns_;  // of the output shaft, at each sample of the open window that has them
   bool told_{};
   bool above_{true};              // an edge needs a sample below it first
-  std::optional<double> turned_;  // of the last sample of an unbroken stretch
+  std::optional<double> turned_;  // of the last sample of an unbroken segment
   double window_from_turns_{};
 };
 

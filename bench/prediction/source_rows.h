@@ -40,7 +40,7 @@ struct SourceShape {
   double sample_rate_hz{};
 };
 
-/// Rows to learn from, of one campaign or one record file: features of a stretch of vibration, and what was
+/// Rows to learn from, of one campaign or one record file: features of a segment of vibration, and what was
 /// measured with it.
 struct SourceRows {
   std::filesystem::path source;

@@ -14,7 +14,7 @@
 namespace strainwave::bench {
 namespace {
 
-using analysis::samples::Stretch;
+using analysis::samples::Segment;
 
 constexpr double kFewestRowsPerTurn = 4.0;
 
@@ -30,8 +30,8 @@ std::optional<double> SamplePeriod_s(const daq::Record& record) {
 }
 
 // @param speed_rad_per_s  one a row, one for all, or none
-Stretch TurningRows(const daq::Record& record, const std::vector<double>& speed_rad_per_s) {
-  const Stretch all{0, record.rows()};
+Segment TurningRows(const daq::Record& record, const std::vector<double>& speed_rad_per_s) {
+  const Segment all{0, record.rows()};
   if (speed_rad_per_s.empty()) return all;
   if (speed_rad_per_s.size() > 1) return analysis::samples::TurningBySpeed(speed_rad_per_s);
   const std::optional<double> period_s = SamplePeriod_s(record);
@@ -50,12 +50,12 @@ Stretch TurningRows(const daq::Record& record, const std::vector<double>& speed_
 void LookAtRunning(daq::Record& record) {
   const std::size_t rows = record.rows();
   const std::vector<double> speed_rad_per_s = InputSpeedsOf_rad_per_s(record);
-  const Stretch turning = TurningRows(record, speed_rad_per_s);
-  if (turning == Stretch{0, rows}) return;
+  const Segment turning = TurningRows(record, speed_rad_per_s);
+  if (turning == Segment{0, rows}) return;
   const char* why = speed_rad_per_s.size() > 1
                         ? "its input speed is next to nothing"
                         : "the lines at 1 and 2 per turn of its input speed are not there";
-  for (const Stretch& left_out : {Stretch{0, turning.first}, Stretch{turning.end, rows}}) {
+  for (const Segment& left_out : {Segment{0, turning.first}, Segment{turning.end, rows}}) {
     if (left_out.first == left_out.end) continue;
     NoteAt(record, left_out.first,
            fmt::format("rows {} to {} are left out: the machine stands in them or some of them, {}",

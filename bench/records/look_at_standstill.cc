@@ -195,39 +195,39 @@ std::string PlaceOf(const daq::Record& record, const Frozen& frozen) {
 
 // Against its own noise; of the two angles of a sweep also against the other shaft, which went on.
 std::vector<Frozen> FrozenOf(const daq::Record& record, const std::string& name) {
-  std::vector<Frozen> stretches;
+  std::vector<Frozen> segments;
   if (record.kind != "transmission_error") {
-    stretches = samples::FindFrozen(record.CopyAsDoubles(name));
-    std::erase_if(stretches, [](const Frozen& frozen) { return frozen.count < kFewestFrozen; });
-    return stretches;
+    segments = samples::FindFrozen(record.CopyAsDoubles(name));
+    std::erase_if(segments, [](const Frozen& frozen) { return frozen.count < kFewestFrozen; });
+    return segments;
   }
   const char* const beside = name == "input_angle_deg" ? "output_angle_deg" : "input_angle_deg";
   const std::span<const double> other = record.Doubles(beside);
   const double step = analysis::UsualStep(other);
   const double no_play = kNoPlay_deg * analysis::diagnosis::SpanOf(other) /
                          analysis::diagnosis::SpanOf(record.Doubles("output_angle_deg"));
-  for (const Frozen& frozen : samples::StandingStretches(record.Doubles(name), kFewestFrozen)) {
+  for (const Frozen& frozen : samples::StandingSegments(record.Doubles(name), kFewestFrozen)) {
     const double way = std::abs(other[frozen.first + frozen.count - 1] - other[frozen.first]);
     if (way >= std::min(kGoesOnBeside * step * static_cast<double>(frozen.count - 1), no_play))
-      stretches.push_back(frozen);
+      segments.push_back(frozen);
   }
-  return stretches;
+  return segments;
 }
 
 void LookAtFrozen(daq::Record& record) {
   const bool vibration = record.kind == "vibration";
   std::vector<bool> kept(record.rows(), true);
   for (const std::string& name : Measured(record)) {
-    std::vector<Frozen> stretches = FrozenOf(record, name);
+    std::vector<Frozen> segments = FrozenOf(record, name);
     std::vector<bool> own(record.rows(), true);
     std::size_t longest = 0;
-    for (const Frozen& frozen : stretches) {
+    for (const Frozen& frozen : segments) {
       longest = std::max(longest, frozen.count);
       std::fill_n(own.begin() + static_cast<std::ptrdiff_t>(frozen.first), frozen.count, false);
       std::fill_n(kept.begin() + static_cast<std::ptrdiff_t>(frozen.first), frozen.count, false);
     }
     const bool filled = vibration && longest <= kMostFilled;
-    for (const Frozen& frozen : stretches) {
+    for (const Frozen& frozen : segments) {
       NoteAt(record, frozen.first,
              fmt::format("{} samples of {} repeat one value, {}: a sensor or logger that stood still; {}",
                          frozen.count, name, PlaceOf(record, frozen),
@@ -235,7 +235,7 @@ void LookAtFrozen(daq::Record& record) {
                          : vibration ? "the channel is left out"
                                      : "they are left out"));
     }
-    if (!vibration || stretches.empty()) continue;
+    if (!vibration || segments.empty()) continue;
     filled ? FillIn(record, name, own) : LeaveOutColumn(record, name);
   }
   if (vibration) return;

@@ -58,7 +58,7 @@ void LookAtVelocity(daq::Record& record) {
   const std::vector<double> velocity = record.CopyAsDoubles(name);
   const double noise = analysis::EstimateNoise(position).standard_deviation;
   const double step = samples::QuantisationStep(velocity);
-  const std::vector<samples::Frozen> runs = samples::StandingStretches(velocity, kFewestRows);
+  const std::vector<samples::Frozen> runs = samples::StandingSegments(velocity, kFewestRows);
   const auto [low, high] = std::minmax_element(velocity.begin(), velocity.end());
   for (const double end : {*low, *high}) {
     const AtTheEnd there = GoesOnAt(end, runs, time_s, position, velocity, noise);

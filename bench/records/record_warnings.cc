@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/records/metadata_doubts.h"
+#include "bench/records/metadata_warnings.h"
 
 namespace strainwave::bench {
 
@@ -15,7 +15,7 @@ std::vector<RecordWarning> WarningsOf(const daq::Record& record) {
         {record.source.file, line, group.empty() ? text : fmt::format("group '{}': {}", group, text)});
   };
   for (const daq::RecordNote& note : record.notes) add(note.line, note.text);
-  for (const std::string& doubt : MetadataDoubts(record)) add(0, doubt);
+  for (const std::string& doubt : MetadataWarnings(record)) add(0, doubt);
   return warnings;
 }
 

@@ -8,7 +8,7 @@
 
 namespace strainwave::bench {
 
-/// A stretch of vibration as it comes in. Where `trouble` says something, there are no samples.
+/// A segment of vibration as it comes in. Where `trouble` says something, there are no samples.
 struct VibrationChunk {
   std::int64_t time_ns{};  // since 1970, UTC: of the first sample
   double sample_rate_hz{};

@@ -27,15 +27,15 @@ std::chrono::nanoseconds ClockEstimate::ToHost(std::chrono::nanoseconds device) 
 }
 
 ClockModel::ClockModel(ClockModelSettings settings) : settings_(settings) {
-  if (settings.stretch.count() <= 0 || settings.most_stretches < 2) {
+  if (settings.segment.count() <= 0 || settings.most_segments < 2) {
     throw std::invalid_argument(
         fmt::format("stretch = {} ns and most_stretches = {} are not above zero and one",
-                    settings.stretch.count(), settings.most_stretches));
+                    settings.segment.count(), settings.most_segments));
   }
-  kept_.resize(settings.most_stretches);
-  ordered_.reserve(settings.most_stretches);
-  hull_.reserve(settings.most_stretches);
-  above_.reserve(settings.most_stretches);
+  kept_.resize(settings.most_segments);
+  ordered_.reserve(settings.most_segments);
+  hull_.reserve(settings.most_segments);
+  above_.reserve(settings.most_segments);
 }
 
 // How much later than the line says, in ns; without a line, the plain difference.
@@ -61,15 +61,15 @@ void ClockModel::Add(std::chrono::nanoseconds device_time, std::chrono::nanoseco
   }
   last_ = pair;
   ++pairs_;
-  if (!quickest_) stretch_begin_ns_ = pair.device_ns;
-  if (quickest_ && pair.device_ns - stretch_begin_ns_ >= settings_.stretch.count()) {
-    CloseStretch();
-    stretch_begin_ns_ = pair.device_ns;
+  if (!quickest_) segment_begin_ns_ = pair.device_ns;
+  if (quickest_ && pair.device_ns - segment_begin_ns_ >= settings_.segment.count()) {
+    CloseSegment();
+    segment_begin_ns_ = pair.device_ns;
   }
   if (!quickest_ || DelayAbove(pair) < DelayAbove(*quickest_)) quickest_ = pair;
 }
 
-void ClockModel::CloseStretch() noexcept {
+void ClockModel::CloseSegment() noexcept {
   kept_[next_] = *quickest_;
   next_ = (next_ + 1) % kept_.size();
   count_ = std::min(count_ + 1, kept_.size());

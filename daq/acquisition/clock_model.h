@@ -21,11 +21,11 @@ struct ClockEstimate {
 };
 
 struct ClockModelSettings {
-  /// Of each stretch so long by the device's clock the pair that came with the least delay is kept.
-  std::chrono::nanoseconds stretch{std::chrono::milliseconds(250)};
-  /// Stretches that are kept. Clocks wander with the temperature: a minute is a straight line, an hour is
+  /// Of each segment so long by the device's clock the pair that came with the least delay is kept.
+  std::chrono::nanoseconds segment{std::chrono::milliseconds(250)};
+  /// Segments that are kept. Clocks wander with the temperature: a minute is a straight line, an hour is
   /// not.
-  std::size_t most_stretches{240};
+  std::size_t most_segments{240};
   /// What even the fastest delivery takes, such as the device's filter. Nothing in the pairs shows it.
   std::chrono::nanoseconds least_delay{};
   /// A pair further off than this from where the others say it should be is a clock that was set anew.
@@ -42,14 +42,14 @@ struct ClockModelSettings {
 /// Both times are intervals of steady clocks; the time of day does not enter.
 class ClockModel {
  public:
-  /// @throws std::invalid_argument for a stretch that is not above zero or fewer than two of them.
+  /// @throws std::invalid_argument for a segment that is not above zero or fewer than two of them.
   explicit ClockModel(ClockModelSettings settings);
 
   /// One pair, in the order of the device's time. Takes no memory. A device's clock that steps, back or by
   /// more than `longest_delay`, starts the model anew, which `restarts()` counts.
   void Add(std::chrono::nanoseconds device_time, std::chrono::nanoseconds arrival) noexcept;
 
-  /// Nothing before two stretches are over.
+  /// Nothing before two segments are over.
   const std::optional<ClockEstimate>& estimate() const { return estimate_; }
   std::uint64_t restarts() const { return restarts_; }
 
@@ -59,20 +59,20 @@ class ClockModel {
     std::int64_t delay_ns;  // arrival minus device time: offset, drift and delay together
   };
   double DelayAbove(const Pair& pair) const noexcept;
-  void CloseStretch() noexcept;
+  void CloseSegment() noexcept;
   void Fit() noexcept;
 
   ClockModelSettings settings_;
-  std::vector<Pair> kept_;     // a ring: the quickest of each stretch
+  std::vector<Pair> kept_;     // a ring: the quickest of each segment
   std::vector<Pair> ordered_;  // of it, oldest first
   std::vector<Pair> hull_;
   std::vector<double> above_;
   std::size_t next_{};
   std::size_t count_{};
   std::uint64_t pairs_{};
-  std::optional<Pair> quickest_;  // of the stretch that runs
+  std::optional<Pair> quickest_;  // of the segment that runs
   std::optional<Pair> last_;
-  std::int64_t stretch_begin_ns_{};
+  std::int64_t segment_begin_ns_{};
   std::optional<ClockEstimate> estimate_;
   std::uint64_t restarts_{};
 };

@@ -10,7 +10,7 @@
 namespace strainwave::daq::acquisition {
 
 /// Moments of a channel as its values pass, none of them kept. Numerically stable over any length (updates of
-/// Pebay, Sandia report SAND2008-6212), and two stretches can be put together.
+/// Pebay, Sandia report SAND2008-6212), and two segments can be put together.
 class RunningStatistics {
  public:
   /// All that is known of the values: enough to go on from, in a file or another program.

@@ -107,10 +107,10 @@ class Planner {
 
   void operator()(const SensorCheck& check) const {
     // A shunt is read without and with it.
-    const double stretches = check.kind == SensorCheck::Kind::kShunt ? 2.0 : 1.0;
+    const double segments = check.kind == SensorCheck::Kind::kShunt ? 2.0 : 1.0;
     const double shake_s = check.kind == SensorCheck::Kind::kZero ? kZeroShake_s : 0.0;
-    plan_.time.other_s = stretches * (check.duration_s + kCheckSettle_s) + shake_s;
-    AddStream("", stretches * check.duration_s / assumptions_.control_period_s, kCheckRow_bytes);
+    plan_.time.other_s = segments * (check.duration_s + kCheckSettle_s) + shake_s;
+    AddStream("", segments * check.duration_s / assumptions_.control_period_s, kCheckRow_bytes);
   }
 
  private:

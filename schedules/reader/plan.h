@@ -31,7 +31,7 @@ struct PhaseTime {
   double total_s() const { return load_s + measuring_s + other_s; }
 };
 
-/// A stretch at one load, for the life of the bearing. The speed is the mean over the reversals, since life
+/// A segment at one load, for the life of the bearing. The speed is the mean over the reversals, since life
 /// goes by revolutions.
 struct LoadBlock {
   double output_torque_Nm{};

@@ -74,8 +74,8 @@ TEST(BearingSearch, NamesBearingsOfWhichNearlyAllIsOneLine) {
   }
 }
 
-// Nine turns do not tell by how far the three harmonics that are heard are apart from each other that their
-// order is none of a whole or half; by where they stand they do.
+// Nine turns do not tell by how far the three harmonics that are observable are apart from each other that
+// their order is none of a whole or half; by where they stand they do.
 TEST(BearingSearch, NamesBearingsNextToWholeAndHalfOrders) {
   for (const double order : {9.02, 8.98, 12.48}) {
     const Diagnosed answer = Ask({Record(Turning(1368.0, 0.4, 0.0), 51, Bearing(0.15, order))});
@@ -131,7 +131,7 @@ TEST(BearingSearch, TakesTheColourOfTheNoiseForNoTrain) {
 
 // A healthy motor: lines at whole orders, one of the current's that is none, with the shaft's sidebands about
 // it. Four turns do not tell how far apart these are from the harmonics of an order near four, and together
-// they beat like knocks.
+// they beat like impacts.
 TEST(BearingSearch, TakesSidebandsOfTheShaftForNoDefect) {
   unsigned seed = 40;
   for (const double centre : {58.46, 73.46, 76.46, 78.3}) {
@@ -182,15 +182,15 @@ bool IsBearingIn(const Effect& effect, const VibrationTerm& term) {
   const std::vector<double> weights(samples.measured.size(), 1.0);
   const VibrationSolver solver(samples, weights);
   const VibrationSolution base = solver.Solve({});
-  const VibrationRemainder remainder(samples, solver, base);
-  return IsBearing(remainder, term);
+  const VibrationResidual residual(samples, solver, base);
+  return IsBearing(residual, term);
 }
 
 bool IsBearingIn(const Effect& effect, double order, double ring_order, double decay) {
   return IsBearingIn(effect, {.form = VibrationForm::kRing,
                               .lines = {},
-                              .shapes = {order, ring_order * kTurn_Hz, decay},
-                              .heard = {}});
+                              .nonlinear_parameters = {order, ring_order * kTurn_Hz, decay},
+                              .observable = {}});
 }
 
 // Sixteen orders are sampled: of a defect at 13.43 the first line is there and what the two load zones make
@@ -209,14 +209,14 @@ TEST(BearingSearch, NamesABearingByItsFirstLineAndTheLoadZonesSidebands) {
 
 // Of a record at 10 kHz. Chance finds trains with the density f² / (order² ζ); over orders, octaves of rings
 // and octaves of dampings its mean is what the rule counts.
-TEST(LogPlacesOfTrain, SharesWhatChanceMayFindEvenlyAmongOrdersAndOctaves) {
+TEST(LogSearchLocationsOfTrain, SharesWhatChanceMayFindEvenlyAmongOrdersAndOctaves) {
   VibrationSamples samples;
   samples.runs.emplace_back().period_s = 1e-4;
-  const auto log_places = [&](double order, double ring_Hz, double damping) {
+  const auto log_search_locations = [&](double order, double ring_Hz, double damping) {
     VibrationTerm train;
     train.form = VibrationForm::kRing;
-    train.shapes = {order, ring_Hz, damping, 0.0};
-    return LogPlacesOfTrain(samples, train);
+    train.nonlinear_parameters = {order, ring_Hz, damping, 0.0};
+    return LogSearchLocationsOfTrain(samples, train);
   };
   constexpr int kSteps = 60;
   double mean = 0.0;
@@ -227,21 +227,24 @@ TEST(LogPlacesOfTrain, SharesWhatChanceMayFindEvenlyAmongOrdersAndOctaves) {
         const double order = kLowestBearingOrder + at(i) * (kHighestBearingOrder - kLowestBearingOrder);
         const double ring_Hz = 300.0 * std::pow(4800.0 / 300.0, at(j));
         const double damping = 0.008 * std::pow(0.6 / 0.008, at(k));
-        mean += std::exp(log_places(order, ring_Hz, damping)) / (kSteps * kSteps * kSteps);
+        mean += std::exp(log_search_locations(order, ring_Hz, damping)) / (kSteps * kSteps * kSteps);
       }
     }
   }
   EXPECT_NEAR(mean, 1.0, 0.01);
-  EXPECT_NEAR(log_places(6.0, 2000.0, 0.03) - log_places(6.0, 1000.0, 0.03), std::log(4.0), 1e-9);
-  EXPECT_NEAR(log_places(6.0, 2000.0, 0.03) - log_places(12.0, 2000.0, 0.03), std::log(4.0), 1e-9);
-  EXPECT_NEAR(log_places(6.0, 2000.0, 0.03) - log_places(6.0, 2000.0, 0.06), std::log(2.0), 1e-9);
+  EXPECT_NEAR(log_search_locations(6.0, 2000.0, 0.03) - log_search_locations(6.0, 1000.0, 0.03),
+              std::log(4.0), 1e-9);
+  EXPECT_NEAR(log_search_locations(6.0, 2000.0, 0.03) - log_search_locations(12.0, 2000.0, 0.03),
+              std::log(4.0), 1e-9);
+  EXPECT_NEAR(log_search_locations(6.0, 2000.0, 0.03) - log_search_locations(6.0, 2000.0, 0.06),
+              std::log(2.0), 1e-9);
 }
 
-// Of a train that rings on so long one harmonic is heard, and 9 of 17.778 are order 160: of teeth.
+// Of a train that rings on so long one harmonic is observable, and 9 of 17.778 are order 160: of teeth.
 TEST(IsBearing, TakesNoLineAtAWholeOrderForATrain) {
   EXPECT_FALSE(IsBearingIn(Silence, 160.0 / 9.0, 160.2, 0.006));
   EXPECT_TRUE(IsBearingIn(Silence, 17.86, 160.7, 0.006));       // nine of it are 160.74
-  EXPECT_TRUE(IsBearingIn(Silence, 160.0 / 9.0, 160.2, 0.06));  // its neighbours are heard, too
+  EXPECT_TRUE(IsBearingIn(Silence, 160.0 / 9.0, 160.2, 0.06));  // its neighbours are observable, too
 }
 
 // Nine of 8.889 are order 80, and little is let through of the others: as much as is seen says that they are
@@ -256,12 +259,12 @@ TEST(IsBearing, TakesTheHarmonicsBesideALineAtAWholeOrderForATrain) {
   EXPECT_FALSE(IsBearingIn(teeth, kOrder, 80.1, kDamping));
 }
 
-// A shaft that knocks twice a turn has all even orders: 6, 9 and 12 of 14/3 with what stands 2 beside them.
+// A shaft that impacts twice a turn has all even orders: 6, 9 and 12 of 14/3 with what stands 2 beside them.
 TEST(IsBearing, TakesNoLinesAtWholeOrdersForABearing) {
   VibrationTerm lines{.form = VibrationForm::kLines,
                       .lines = {{6.0, 0.0}, {9.0, 0.0}, {12.0, 0.0}, {12.0, 2.0}, {12.0, -2.0}},
-                      .shapes = {14.0 / 3.0},
-                      .heard = {1}};
+                      .nonlinear_parameters = {14.0 / 3.0},
+                      .observable = {1}};
   EXPECT_FALSE(IsBearingIn(Silence, lines));
   lines.lines.push_back({7.0, 0.0});
   EXPECT_TRUE(IsBearingIn(Silence, lines));

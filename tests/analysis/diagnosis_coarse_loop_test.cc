@@ -29,7 +29,7 @@ TEST(CoarseLoop, HidesNothingWhereThePeaksLieBetweenSamples) {
     const Diagnosed found =
         DiagnoseRecords(&MakeHysteresisStudy, std::vector<HysteresisData>{EveryFew(fine, every / 2, every)});
     EXPECT_EQ(found.names(), Names()) << every;
-    EXPECT_EQ(found.diagnosis.verdict, Verdict::kNoEffect) << every << found.diagnosis.leftover.signature;
+    EXPECT_EQ(found.diagnosis.verdict, Verdict::kNoEffect) << every << found.diagnosis.residual.signature;
   }
 }
 

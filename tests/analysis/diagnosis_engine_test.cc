@@ -47,16 +47,17 @@ SeparableModel ToyModel(const ToyRecord& record, std::vector<double> measured) {
   model.causes.push_back(Column(record.square, "square_size"));
   model.rules.push_back({.name = "square", .parameters = {{"square_size", "1", -10.0, 10.0, true}}});
   SeparableTerm bump;
-  bump.shapes = {{0.0, 1.0, 0.02}};
-  bump.fill = [x = record.x](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  bump.nonlinear_parameters = {{0.0, 1.0, 0.02}};
+  bump.fill = [x = record.x](std::span<const double> nonlinear_parameters,
+                             Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const double away = (x[i] - shapes[0]) / 0.02;
+      const double away = (x[i] - nonlinear_parameters[0]) / 0.02;
       design(static_cast<Eigen::Index>(i), 0) = std::exp(-0.5 * away * away);
     }
   };
-  bump.starts = [x = record.x](const Remainder& remainder) {
+  bump.starts = [x = record.x](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const WindowPeak& peak : FindWindows(x, remainder.residual, remainder.weights, 0.02, 0.08, 3)) {
+    for (const WindowPeak& peak : FindWindows(x, residual.residual, residual.weights, 0.02, 0.08, 3)) {
       starts.push_back({peak.centre});
     }
     return starts;
@@ -66,7 +67,7 @@ SeparableModel ToyModel(const ToyRecord& record, std::vector<double> measured) {
   model.rules.push_back({.name = "bump",
                          .parameters = {{"height", "1", 0.0, 10.0, true}},
                          .degrees_of_freedom = 2,
-                         .trials = 25.0,
+                         .trials_factor = 25.0,
                          .local = true});
   model.measured = std::move(measured);
   model.block_length = record.x.size() / 20;
@@ -87,9 +88,9 @@ TEST(FitNoise, FindsTheMemoryOfAutoregressiveNoiseAndNoneInWhiteNoise) {
   EXPECT_NEAR(fit.innovation_sd, 1.0, 0.04);
 }
 
-TEST(MakeFolds, DealsWholeBlocksThatNeverCrossAStretch) {
-  const std::vector<std::size_t> stretches{0, 95};
-  const Folds folds = MakeFolds(200, stretches, 20);
+TEST(MakeFolds, DealsWholeBlocksThatNeverCrossASegment) {
+  const std::vector<std::size_t> segments{0, 95};
+  const Folds folds = MakeFolds(200, segments, 20);
   EXPECT_EQ(folds.folds, 5u);
   EXPECT_NE(folds.block_of[94], folds.block_of[95]);
   std::vector<std::size_t> count(folds.folds, 0);
@@ -142,13 +143,13 @@ TEST(SeparableStudy, PredictsWhatItsOwnParametersDescribe) {
             "there is no cause 'ghost' for records of this kind");
 }
 
-// Two causes share three quarters of the error allowed, one description has the last quarter: 2 / 0.75 and
+// Two causes share three quarters of the error allowed, one nuisance term has the last quarter: 2 / 0.75 and
 // 1 / 0.25 looks.
-TEST(Judge, ChargesDescriptionsMoreForTheirLooksThanCauses) {
+TEST(Judge, ChargesNuisanceTermsMoreForTheirLooksThanCauses) {
   const ToyRecord record(400);
   SeparableModel model = ToyModel(record, WhiteNoise(400, 0.1, 17));
   model.causes.push_back(Column(record.x, "curve"));
-  model.rules.push_back({.name = "curve", .trials = 3.0, .named = false});
+  model.rules.push_back({.name = "curve", .trials_factor = 3.0, .named = false});
   const SeparableStudy study(std::move(model));
   const Judge judge(study, std::vector<double>(400, 1.0), {});
   EXPECT_NEAR(judge.Corrected(1e-6, study.causes()[0]), 1e-6 * 2.0 / 0.75, 1e-10);
@@ -165,9 +166,9 @@ TEST(Judge, MultipliesChanceByThePlacesThatAFitChoseFrom) {
   richer.fit.free_parameters += 2;
   for (double& likelihood : richer.noise.log_likelihood) likelihood += 8.0;
   const double one = judge.Compare(richer, poorer).p_value;
-  richer.fit.log_places = std::log(50.0);
+  richer.fit.log_search_locations = std::log(50.0);
   EXPECT_NEAR(judge.Compare(richer, poorer).p_value, 50.0 * one, 1e-9);
-  richer.fit.log_places = 60.0;
+  richer.fit.log_search_locations = 60.0;
   EXPECT_EQ(judge.Compare(richer, poorer).p_value, 1.0);
 }
 
@@ -192,13 +193,13 @@ TEST(Judge, ChargesPlacesThatNoFitMoves) {
   const ToyRecord record(400);
   const SeparableStudy study(ToyModel(record, WhiteNoise(400, 0.1, 3)));
   const Judge judge(study, std::vector<double>(400, 1.0), {});
-  const CauseRule window{.name = "window", .degrees_of_freedom = 3, .places = 2};
+  const CauseRule window{.name = "window", .degrees_of_freedom = 3, .location_parameters = 2};
   const double expected = 40.0 - std::log(400.0) - 2.0 * std::log(40.0);
   EXPECT_NEAR(judge.Score({.likelihood_ratio = 40.0, .more_parameters = 3.0}, window), expected, 1e-9);
   EXPECT_NEAR(judge.Score({.likelihood_ratio = 40.0, .more_parameters = 1.0}, window), expected, 1e-9);
 }
 
-// When a further knock came is one of so many places: charged as such, and not by the samples as well.
+// When a further impact came is one of so many places: charged as such, and not by the samples as well.
 TEST(Judge, ChargesAPlaceOfItsOwnOnce) {
   const ToyRecord record(400);
   const SeparableStudy study(ToyModel(record, WhiteNoise(400, 0.1, 3)));
@@ -206,11 +207,11 @@ TEST(Judge, ChargesAPlaceOfItsOwnOnce) {
   ScoredModel poorer = judge.Fit({}, nullptr);
   ScoredModel richer = poorer;
   richer.fit.free_parameters += 8;
-  richer.fit.log_places = 13.0;
-  richer.fit.placed_parameters = 3;
+  richer.fit.log_search_locations = 13.0;
+  richer.fit.location_parameters = 3;
   for (double& likelihood : richer.noise.log_likelihood) likelihood += 50.0;
-  const CauseRule knocks{.name = "knocks", .degrees_of_freedom = 3, .places = 1};
-  EXPECT_NEAR(judge.Score(judge.Compare(richer, poorer), knocks),
+  const CauseRule impacts{.name = "knocks", .degrees_of_freedom = 3, .location_parameters = 1};
+  EXPECT_NEAR(judge.Score(judge.Compare(richer, poorer), impacts),
               100.0 - 4.0 * std::log(400.0) - 4.0 * std::log(100.0) - 2.0 * 13.0, 1e-9);
 }
 
@@ -362,8 +363,8 @@ TEST(Diagnose, CreditsAStructureWithoutANameToNoCause) {
   const Diagnosis diagnosis = Diagnose(SeparableStudy(std::move(model)));
   EXPECT_EQ(diagnosis.verdict, Verdict::kUnnamedStructure);
   EXPECT_TRUE(diagnosis.causes.empty());
-  ASSERT_EQ(diagnosis.corrections.size(), 1u);
-  EXPECT_NEAR(diagnosis.corrections[0].parameters[0].value, 0.2, 0.03);
+  ASSERT_EQ(diagnosis.nuisance_terms.size(), 1u);
+  EXPECT_NEAR(diagnosis.nuisance_terms[0].parameters[0].value, 0.2, 0.03);
 }
 
 TEST(Diagnose, LeavesOutSamplesThatStandOff) {

@@ -22,10 +22,10 @@ double Wave(int periods, std::size_t sample) {
 
 // Waves of so many periods a record, the next one period more.
 SeparableTerm Waves(int first_periods, int count) {
-  std::vector<Shape> shapes;
+  std::vector<BasisFunction> basis_functions;
   for (int c = 0; c < count; ++c)
-    shapes.emplace_back([=](std::size_t i) { return Wave(first_periods + c, i); });
-  return TermOf(std::move(shapes));
+    basis_functions.emplace_back([=](std::size_t i) { return Wave(first_periods + c, i); });
+  return TermOf(std::move(basis_functions));
 }
 
 // What was found of eight numbers among many places has less than nothing left by BIC, and so has what is not
@@ -37,14 +37,14 @@ TEST(Exchange, PutsNothingThatChanceMakesInThePlaceOfWhatItDoesNot) {
     const char* name;
     int periods;
     int count;
-    double trials;
+    double trials_factor;
   } causes[] = {{"loud", 300, 1, 1.0}, {"weak", 500, 8, 1e3}, {"absent", 700, 1, 1.0}};
   for (const auto& cause : causes) {
     model.causes.push_back(Waves(cause.periods, cause.count));
     model.rules.push_back({.name = cause.name,
                            .degrees_of_freedom = cause.count,
                            .known_by_size = true,
-                           .trials = cause.trials});
+                           .trials_factor = cause.trials_factor});
   }
   model.measured = WhiteNoise(kSamples, kNoise, 11);
   for (std::size_t i = 0; i < kSamples; ++i) {

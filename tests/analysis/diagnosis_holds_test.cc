@@ -138,7 +138,7 @@ TEST(HysteresisHolds, LeaveNoShapeOverTheAngle) {
   const std::vector<PathLeg> path{{34.0, 1.0, 30.0}, {-34.0, 1.0, 30.0}, {0.0, 1.0}};
   const Diagnosed clean = DiagnoseLoop({}, {}, path, 4000, 3);
   EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect);
-  EXPECT_EQ(clean.diagnosis.leftover.signature, "");
+  EXPECT_EQ(clean.diagnosis.residual.signature, "");
 }
 
 // Of one loop two passes lie in the window, and a long block held out may hold both.
@@ -172,7 +172,7 @@ TEST(HysteresisGap, TakesASlowTurnNoFurtherThanTheOthers) {
   for (std::vector<double>* column : {&record.time_s, &record.torque_Nm, &record.output_angle_rad})
     column->erase(column->begin() + first, column->begin() + last);
   const Diagnosed clean = DiagnoseRecords(&MakeHysteresisStudy, std::vector<HysteresisData>{record});
-  EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << clean.diagnosis.leftover.signature;
+  EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << clean.diagnosis.residual.signature;
 }
 
 // Alone a slip follows the drift by slipping a little further one way, in the form that is best for both;

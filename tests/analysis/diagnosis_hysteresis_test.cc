@@ -335,8 +335,8 @@ TEST(HysteresisStudy, LeavesWhatTheTwistDoesAtOnePlaceWithoutAName) {
     const Diagnosed found = Ask({}, sensors);
     EXPECT_EQ(found.names(), Names()) << shelf;
     EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure) << shelf;
-    ASSERT_EQ(found.diagnosis.corrections.size(), 1u) << shelf;
-    const Finding& window = found.diagnosis.corrections.front();
+    ASSERT_EQ(found.diagnosis.nuisance_terms.size(), 1u) << shelf;
+    const Finding& window = found.diagnosis.nuisance_terms.front();
     EXPECT_EQ(found.study->causes()[window.index].name, "window over torque") << shelf;
     EXPECT_NEAR(window.parameters[0].value, 0.04, 4.0 * window.parameters[0].standard_error) << shelf;
     const double middle_Nm = 0.5 * (window.parameters[1].value + window.parameters[2].value);
@@ -351,8 +351,8 @@ TEST(HysteresisStudy, LeavesAShiftThatLastsAWhileWithoutAName) {
   };
   const Diagnosed found = Ask({}, sensors);
   EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure);
-  ASSERT_EQ(found.diagnosis.corrections.size(), 1u);
-  const Finding& window = found.diagnosis.corrections.front();
+  ASSERT_EQ(found.diagnosis.nuisance_terms.size(), 1u);
+  const Finding& window = found.diagnosis.nuisance_terms.front();
   EXPECT_EQ(found.study->causes()[window.index].name, "long window in time");
   EXPECT_NEAR(window.parameters[1].value, 150.0, 4.0) << window.parameters[1].name;
   EXPECT_NEAR(window.parameters[2].value, 175.0, 4.0) << window.parameters[2].name;

@@ -20,8 +20,8 @@ Diagnosed AskWithOtherKnees(GeneratedGear gear, double t1_Nm = kT1_Nm, double t2
 }
 
 void ExpectTheKnees(const Diagnosed& found) {
-  ASSERT_EQ(found.diagnosis.corrections.size(), 1U);
-  const Finding& knees = found.diagnosis.corrections.front();
+  ASSERT_EQ(found.diagnosis.nuisance_terms.size(), 1U);
+  const Finding& knees = found.diagnosis.nuisance_terms.front();
   EXPECT_EQ(found.study->causes()[knees.index].name, "other knees");
   ASSERT_EQ(knees.parameters.size(), 2U);
   EXPECT_EQ(knees.parameters[0].name, "t1_Nm");

@@ -74,7 +74,7 @@ TEST(MotionBacklash, IsNamedBehindAStiffShaftThatThrowsTheMotorBack) {
   }
 }
 
-// An axis that is led along its way, with a light load in a gap that knocks for half a sample of a slow
+// An axis that is led along its way, with a light load in a gap that impacts for half a sample of a slow
 // logger, and as many samples that stand off by chance as there are.
 MotionData SlowlyLogged(unsigned seed, double load_kgm2, int spikes, double begin = 1.0) {
   constexpr double kNoise_Nm = 0.05;
@@ -103,13 +103,13 @@ bool LeavesOut(const Study& study, const std::string& count) {
       study.warnings(), [&](const std::string& warning) { return warning.starts_with(count + " samples"); });
 }
 
-TEST(MotionBacklash, IsNamedByKnocksThatLastOneSample) {
+TEST(MotionBacklash, IsNamedByImpactsThatLastOneSample) {
   const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.003, 0)});
   EXPECT_EQ(found.names(), Names{"backlash"});
   EXPECT_TRUE(found.study->warnings().empty());
 }
 
-TEST(MotionBacklash, LeavesOutTheSpikesThatNoLooseLoadForetells) {
+TEST(MotionBacklash, LeavesOutTheSpikesThatNoInertiaBehindBacklashPredicts) {
   const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(1, 0.003, 7)});
   EXPECT_EQ(found.names(), Names{"backlash"});
   EXPECT_TRUE(LeavesOut(*found.study, "7"));
@@ -118,8 +118,8 @@ TEST(MotionBacklash, LeavesOutTheSpikesThatNoLooseLoadForetells) {
   EXPECT_TRUE(LeavesOut(*tight.study, "7"));
 }
 
-// Of eight samples that stand off one is a knock. An outlier beside a turn would look the same.
-TEST(MotionBacklash, TakesNoSpikeForAKnockThatStandsAlone) {
+// Of eight samples that stand off one is an impact. An outlier beside a turn would look the same.
+TEST(MotionBacklash, TakesNoSpikeForAnImpactThatStandsAlone) {
   const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(4, 0.002, 7)});
   EXPECT_EQ(found.names(), Names{"backlash"});
   EXPECT_TRUE(LeavesOut(*found.study, "8"));
@@ -132,14 +132,14 @@ TEST(MotionBacklash, IsNamedWhereItIsBeyondChanceThoughFewSamplesKnowIt) {
   EXPECT_GT(found.diagnosis.causes.front().evidence.delta_bic, 0.0);
 }
 
-// A low-pass keeps half of a knock of one sample, and takes the noise of its neighbours in.
-TEST(MotionBacklash, IsNamedByKnocksThatALowPassWouldHide) {
+// A low-pass keeps half of an impact of one sample, and takes the noise of its neighbours in.
+TEST(MotionBacklash, IsNamedByImpactsThatALowPassWouldHide) {
   for (const unsigned seed : {1U, 2U, 3U, 4U})
     EXPECT_EQ(DiagnoseRecords(&MakeMotionStudy, {SlowlyLogged(seed, 0.0007, 0)}).names(), Names{"backlash"})
         << seed;
 }
 
-// Of a load that is light beside the noise the first knock alone does not tell.
+// Of a load that is light beside the noise the first impact alone does not tell.
 TEST(MotionBacklash, FindsAtWhichEndOfItsGapTheLoadBegins) {
   for (const unsigned seed : {1U, 2U, 5U}) {
     for (const double load_kgm2 : {0.02, 0.06}) {

@@ -25,7 +25,7 @@ struct Turns {
   double path_noise_rad{1.3e-4};
   double torque_noise_Nm{0.12};
   double coulomb_Nm{0.6};
-  double width_rad_per_s{0.01};  // of the passage of Coulomb friction through zero speed
+  double width_rad_per_s{0.01};  // of the reversal smoothing of Coulomb friction through zero speed
   double turn_s{0.09};
   double late_s{};  // by which the torque is recorded late
 };
@@ -95,7 +95,7 @@ TEST(MotionCalm, LetsADelayBeTold) {
 }
 
 // Coulomb friction as many a simulation has it, tanh(v/v₀), seen only where it is nearly all there.
-TEST(MotionCalm, TakesAPassageForNothingElse) {
+TEST(MotionCalm, TakesAReversalSmoothingForNothingElse) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   MotionData record;

@@ -92,7 +92,7 @@ TEST(MotionFriction, DoesNotHideARippleOnAStaircase) {
   EXPECT_NEAR(order.value, 25.0, 4.0 * order.standard_error);
 }
 
-// What a single fast move says of friction is not to be foretold from the slow ones: held out are parts of a
+// What a single fast move says of friction is not to be predicted from the slow ones: held out are parts of a
 // move, never the whole of it.
 TEST(MotionFriction, OfASingleFastMoveIsNotHeldOutAtOnce) {
   const Staircase once_fast{.speeds_rad_per_s = {0.1, -0.15, 0.1, -0.12, 0.12, -0.1, 1.0, -0.1, 0.12, -0.1},
@@ -131,8 +131,8 @@ TEST(MotionFriction, OfLowSpeedShowsWhereAnAxisTurnsFast) {
   }
 }
 
-// An axis that never turns: a friction that falls from the slowest speed on is no passage from one direction
-// to the other that the nominal model could have.
+// An axis that never turns: a friction that falls from the slowest speed on is no reversal smoothing from one
+// direction to the other that the nominal model could have.
 TEST(MotionFriction, OfLowSpeedShowsWhereAnAxisNeverTurns) {
   const Diagnosed found =
       Ask(Record(8,

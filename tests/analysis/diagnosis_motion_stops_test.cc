@@ -86,7 +86,7 @@ TEST(MotionStops, ShowNothingThatIsMissing) {
   }
 }
 
-// What bridges the top of a jolt, which looks like a spike, is not the torque that acted.
+// What bridges the top of an acceleration transient, which looks like a spike, is not the torque that acted.
 TEST(MotionStops, NothingIsTakenFromWhatBridgesASpike) {
   constexpr std::size_t kSpike = 500;
   std::mt19937 random(1);
@@ -99,7 +99,7 @@ TEST(MotionStops, NothingIsTakenFromWhatBridgesASpike) {
   }
   record.torque[kSpike] += 1.0;
   const MotionSamples samples = PrepareMotion({&record, 1});
-  const std::vector<bool>& unknown = samples.stretches.front().clipped;
+  const std::vector<bool>& unknown = samples.segments.front().clipped;
   EXPECT_TRUE(unknown[kSpike]);
   EXPECT_LE(std::ranges::count(unknown, true), 3);
 }

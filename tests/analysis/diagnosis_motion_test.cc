@@ -138,7 +138,7 @@ TEST(MotionStudy, NamesATorqueThatActsLate) {
   EXPECT_EQ(found.names(), Names{"time_delay"});
   ExpectNear(found.value("delay_s"), 0.0015, 0.1);
   // Noise stands in the measured torque and in what is left alike.
-  EXPECT_EQ(Ask({Record(24, Nothing, {.late_s = 0.03, .noise_Nm = 0.8})}).diagnosis.leftover.signature, "");
+  EXPECT_EQ(Ask({Record(24, Nothing, {.late_s = 0.03, .noise_Nm = 0.8})}).diagnosis.residual.signature, "");
 }
 
 TEST(MotionStudy, NamesFrictionThatFallsAsTheAxisWarms) {
@@ -228,8 +228,8 @@ TEST(MotionStudy, CallsAToneOfNoCauseUnnamedWithItsFrequency) {
   const Diagnosed found =
       Ask({Record(10, [](const State& s) { return 0.02 * std::sin(kTwoPi * 11.3 * s.time_s); })});
   EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure);
-  ASSERT_EQ(found.diagnosis.corrections.size(), 1U);
-  const auto& parameters = found.diagnosis.corrections.front().parameters;
+  ASSERT_EQ(found.diagnosis.nuisance_terms.size(), 1U);
+  const auto& parameters = found.diagnosis.nuisance_terms.front().parameters;
   const auto frequency = std::find_if(parameters.begin(), parameters.end(), [](const ParameterValue& value) {
     return value.name == "frequency_Hz";
   });
@@ -244,8 +244,8 @@ TEST(MotionStudy, CallsAWavyFrictionUnnamedAndSaysThatItFollowsSpeed) {
     const Diagnosed found = Ask({Record(seed, wavy, {.duration_s = 20.0})});
     EXPECT_EQ(found.diagnosis.verdict, Verdict::kUnnamedStructure) << seed;
     EXPECT_EQ(found.names(), Names()) << seed;
-    EXPECT_NE(found.diagnosis.leftover.described.find("depends on velocity"), std::string::npos)
-        << found.diagnosis.leftover.described;
+    EXPECT_NE(found.diagnosis.residual.described.find("depends on velocity"), std::string::npos)
+        << found.diagnosis.residual.described;
   }
 }
 

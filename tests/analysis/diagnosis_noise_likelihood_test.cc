@@ -10,7 +10,7 @@
 namespace strainwave::analysis::diagnosis::diagnosis_noise_likelihood_test {
 namespace {
 
-const std::vector<std::size_t> kOneStretch{0};
+const std::vector<std::size_t> kOneSegment{0};
 
 // What is left is largest where an effect is that the model lacks, often next to a gap: that is no memory.
 TEST(NoiseLikelihood, DoesNotTakeLoudSamplesNextToGapsForMemory) {
@@ -20,11 +20,11 @@ TEST(NoiseLikelihood, DoesNotTakeLoudSamplesNextToGapsForMemory) {
     if (i % 20 == 0) weights[i] = 0.0;
     if (i % 20 == 1) noise[i] *= 6.0;
   }
-  EXPECT_EQ(FitNoise(noise, weights, kOneStretch, 4, 1.0).order, 0);
+  EXPECT_EQ(FitNoise(noise, weights, kOneSegment, 4, 1.0).order, 0);
 }
 
 // Between gaps that leave six samples each, noise that remembers looks like a level: it brings no more than
-// chance does where each sample is foretold by as many as there are before it.
+// chance does where each sample is predicted by as many as there are before it.
 TEST(NoiseLikelihood, KnowsTheMemoryOfSamplesNextToGaps) {
   constexpr std::size_t kRuns = 100;
   constexpr std::size_t kRun = 6;
@@ -42,8 +42,8 @@ TEST(NoiseLikelihood, KnowsTheMemoryOfSamplesNextToGaps) {
     for (std::size_t i = 0; i < noise.size(); ++i) along += weights[i] * level(i) * noise[i];
     std::vector<double> left = noise;
     for (std::size_t i = 0; i < left.size(); ++i) left[i] -= along / (kRuns * kRun) * level(i);
-    mean_ratio += LikelihoodRatio(FitNoise(left, weights, kOneStretch, 4, 1.0),
-                                  FitNoise(noise, weights, kOneStretch, 4, 1.0)) /
+    mean_ratio += LikelihoodRatio(FitNoise(left, weights, kOneSegment, 4, 1.0),
+                                  FitNoise(noise, weights, kOneSegment, 4, 1.0)) /
                   kRecords;
   }
   EXPECT_LT(mean_ratio, 2.0);

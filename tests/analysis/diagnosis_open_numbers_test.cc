@@ -126,14 +126,14 @@ TEST(ErrorsOfFit, GivesTheDirectionThatNoSampleKnows) {
     measured.push_back(std::sin(7.0 * x));
   }
   const std::vector<double> weights(kSamples, 1.0);
-  const std::vector<std::size_t> stretches{0};
-  const FitErrors errors = ErrorsOfFit(columns, measured, Eigen::VectorXd::Zero(kSamples), weights, stretches,
+  const std::vector<std::size_t> segments{0};
+  const FitErrors errors = ErrorsOfFit(columns, measured, Eigen::VectorXd::Zero(kSamples), weights, segments,
                                        0, Eigen::VectorXd::Zero(3));
   ASSERT_EQ(errors.open.cols(), 1);
   EXPECT_NEAR(errors.open(0, 0) / errors.open(2, 0), -2.0, 1e-6);
   EXPECT_NEAR(errors.open(1, 0) / errors.open(2, 0), -3.0, 1e-6);
-  const FitErrors held = ErrorsOfFit(columns, measured, Eigen::VectorXd::Zero(kSamples), weights, stretches,
-                                     0, Eigen::VectorXd::Ones(3));
+  const FitErrors held = ErrorsOfFit(columns, measured, Eigen::VectorXd::Zero(kSamples), weights, segments, 0,
+                                     Eigen::VectorXd::Ones(3));
   EXPECT_EQ(held.open.cols(), 0);
 }
 

@@ -22,12 +22,12 @@ SeparableStudy Wave(double second_start, std::size_t most_starts) {
   offset.fill = [](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) { design.setOnes(); };
   DescribeEach(offset, {{"offset", "1", 1.0}});
   SeparableTerm wave;
-  wave.fill = [](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  wave.fill = [](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     for (Eigen::Index i = 0; i < design.rows(); ++i)
-      design(i, 0) = std::cos(shapes[0] * kTwoPi * static_cast<double>(i) / kSamples);
+      design(i, 0) = std::cos(nonlinear_parameters[0] * kTwoPi * static_cast<double>(i) / kSamples);
   };
-  wave.shapes = {{1.0, 199.0, 0.2}};
-  wave.starts = [=](const Remainder&) {
+  wave.nonlinear_parameters = {{1.0, 199.0, 0.2}};
+  wave.starts = [=](const WeightedResidual&) {
     return std::vector<std::vector<double>>{{kOrder + 0.1}, {second_start}};
   };
   wave.most_starts = most_starts;
@@ -66,14 +66,14 @@ TEST(OtherOptima, ThatTheRecordExcludesDoNot) {
 // A wave whose phase is a number that is moved only where it pays, in noise.
 ModelFit FitLeaning(double lean) {
   SeparableTerm wave;
-  wave.fill = [](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  wave.fill = [](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     for (Eigen::Index i = 0; i < design.rows(); ++i) {
       const double angle = kOrder * kTwoPi * static_cast<double>(i) / kSamples;
-      design(i, 0) = std::cos(angle) + shapes[0] * std::sin(angle);
+      design(i, 0) = std::cos(angle) + nonlinear_parameters[0] * std::sin(angle);
     }
   };
-  wave.shapes = {{-3.0, 3.0, 0.1, true, Moved::kWhereItPays}};
-  wave.starts = [](const Remainder&) { return std::vector<std::vector<double>>{{0.0}}; };
+  wave.nonlinear_parameters = {{-3.0, 3.0, 0.1, true, Moved::kWhereItPays}};
+  wave.starts = [](const WeightedResidual&) { return std::vector<std::vector<double>>{{0.0}}; };
   DescribeEach(wave, {{"amplitude", "1", 1.0}, {"lean", "1", 1.0}});
   SeparableModel model;
   model.measured = WhiteNoise(kSamples, 0.2, 5);
@@ -106,14 +106,14 @@ TEST(NumberThatIsMovedWhereItPays, IsMovedAndChargedWhereItDoes) {
 // What was known of a number before bounds its error where the record says next to nothing of it.
 TEST(OtherOptima, LeaveANumberThatHardlyShowsTheRangeKnownBefore) {
   SeparableTerm faint;
-  faint.fill = [](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  faint.fill = [](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     for (Eigen::Index i = 0; i < design.rows(); ++i) {
       const double angle = kOrder * kTwoPi * static_cast<double>(i) / kSamples;
-      design(i, 0) = std::cos(angle) + 0.001 * shapes[0] * std::sin(angle);
+      design(i, 0) = std::cos(angle) + 0.001 * nonlinear_parameters[0] * std::sin(angle);
     }
   };
-  faint.shapes = {{-3.0, 3.0, 0.1, true}};
-  faint.starts = [](const Remainder&) { return std::vector<std::vector<double>>{{0.0}}; };
+  faint.nonlinear_parameters = {{-3.0, 3.0, 0.1, true}};
+  faint.starts = [](const WeightedResidual&) { return std::vector<std::vector<double>>{{0.0}}; };
   DescribeEach(faint, {{"amplitude", "1", 1.0}, {"faint", "1", 1.0}});
   SeparableModel model;
   model.measured = WhiteNoise(kSamples, 0.2, 5);

@@ -14,7 +14,7 @@ namespace strainwave::analysis::diagnosis::diagnosis_residual_tests_test {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr std::size_t kOneStretch[] = {0};
+constexpr std::size_t kOneSegment[] = {0};
 
 struct Noise {
   std::mt19937 engine;
@@ -42,12 +42,12 @@ std::vector<double> Ones(std::size_t n) { return std::vector<double>(n, 1.0); }
 struct Shares {
   double one{}, five{};
   template <typename P>
-  static Shares Of(int trials, P p_of_seed) {
+  static Shares Of(int trials_factor, P p_of_seed) {
     Shares shares;
-    for (int seed = 1; seed <= trials; ++seed) {
+    for (int seed = 1; seed <= trials_factor; ++seed) {
       const double p = p_of_seed(static_cast<unsigned>(seed));
-      shares.one += p < 0.01 ? 1.0 / trials : 0.0;
-      shares.five += p < 0.05 ? 1.0 / trials : 0.0;
+      shares.one += p < 0.01 ? 1.0 / trials_factor : 0.0;
+      shares.five += p < 0.05 ? 1.0 / trials_factor : 0.0;
     }
     return shares;
   }
@@ -64,40 +64,40 @@ void ExpectNominal(const Shares& shares) {
 TEST(LjungBoxP, IsUniformForWhiteNoise) {
   ExpectNominal(Shares::Of(2000, [](unsigned seed) {
     const auto x = Noise(seed).White(300);
-    return LjungBoxP(x, Ones(300), kOneStretch, 0);
+    return LjungBoxP(x, Ones(300), kOneSegment, 0);
   }));
 }
 
-TEST(LjungBoxP, IsUniformWithGapsAndManyStretches) {
+TEST(LjungBoxP, IsUniformWithGapsAndManySegments) {
   ExpectNominal(Shares::Of(2000, [](unsigned seed) {
     Noise noise(seed);
     const auto x = noise.White(400);
     std::vector<double> weights = Ones(400);
     for (double& weight : weights) weight = noise.normal(noise.engine) > 1.0 ? 0.0 : 1.0;
-    const std::size_t stretches[] = {0, 90, 100, 250};
-    return LjungBoxP(x, weights, stretches, 0);
+    const std::size_t segments[] = {0, 90, 100, 250};
+    return LjungBoxP(x, weights, segments, 0);
   }));
 }
 
-TEST(LjungBoxP, SeesAWeakMemoryThatAStretchStartInterrupts) {
+TEST(LjungBoxP, SeesAWeakMemoryThatASegmentStartInterrupts) {
   const Shares shares = Shares::Of(200, [](unsigned seed) {
     const auto x = Noise(seed).Autoregressive(600, 0.3);
-    const std::size_t stretches[] = {0, 300};
-    return LjungBoxP(x, Ones(600), stretches, 0);
+    const std::size_t segments[] = {0, 300};
+    return LjungBoxP(x, Ones(600), segments, 0);
   });
   EXPECT_GT(shares.one, 0.98);
 }
 
-TEST(LjungBoxP, DoesNotJoinStretches) {
-  // Levels that differ from stretch to stretch of two samples: neighbours across the border would not agree.
+TEST(LjungBoxP, DoesNotJoinSegments) {
+  // Levels that differ from segment to segment of two samples: neighbours across the border would not agree.
   std::vector<double> x;
-  std::vector<std::size_t> stretches;
+  std::vector<std::size_t> segments;
   for (std::size_t i = 0; i < 100; ++i) {
-    stretches.push_back(x.size());
+    segments.push_back(x.size());
     x.push_back(i % 2 == 0 ? 1.0 : -1.0);
   }
-  EXPECT_EQ(LjungBoxP(x, Ones(x.size()), stretches, 0), 1.0);
-  EXPECT_LT(LjungBoxP(x, Ones(x.size()), kOneStretch, 0), 1e-10);
+  EXPECT_EQ(LjungBoxP(x, Ones(x.size()), segments, 0), 1.0);
+  EXPECT_LT(LjungBoxP(x, Ones(x.size()), kOneSegment, 0), 1e-10);
 }
 
 TEST(LjungBoxP, AgreesWithTheFormulaByHand) {
@@ -110,26 +110,26 @@ TEST(LjungBoxP, AgreesWithTheFormulaByHand) {
     if (i >= 2) r2 += x[i] * x[i - 2];
   }
   const double q = 120.0 * (r1 * r1 / 9.0 + r2 * r2 / 8.0) / (r0 * r0);
-  EXPECT_NEAR(LjungBoxP(x, Ones(10), kOneStretch, 0), std::exp(-0.5 * q), 1e-12);
+  EXPECT_NEAR(LjungBoxP(x, Ones(10), kOneSegment, 0), std::exp(-0.5 * q), 1e-12);
   // One degree less for a fitted first-order model: twice the normal tail of √Q.
-  EXPECT_NEAR(LjungBoxP(x, Ones(10), kOneStretch, 1), std::erfc(std::sqrt(0.5 * q)), 1e-12);
+  EXPECT_NEAR(LjungBoxP(x, Ones(10), kOneSegment, 1), std::erfc(std::sqrt(0.5 * q)), 1e-12);
 }
 
 TEST(RunsP, IsUniformForWhiteNoise) {
   ExpectNominal(Shares::Of(2000, [](unsigned seed) {
     const auto x = Noise(seed).White(500);
-    return RunsP(x, Ones(500), kOneStretch);
+    return RunsP(x, Ones(500), kOneSegment);
   }));
 }
 
-TEST(RunsP, IsUniformWithGapsAndManyStretches) {
+TEST(RunsP, IsUniformWithGapsAndManySegments) {
   ExpectNominal(Shares::Of(2000, [](unsigned seed) {
     Noise noise(seed);
     const auto x = noise.White(600);
     std::vector<double> weights = Ones(600);
     for (double& weight : weights) weight = noise.normal(noise.engine) > 0.5 ? 0.0 : 1.0;
-    const std::size_t stretches[] = {0, 37, 200};
-    return RunsP(x, weights, stretches);
+    const std::size_t segments[] = {0, 37, 200};
+    return RunsP(x, weights, segments);
   }));
 }
 
@@ -137,7 +137,7 @@ TEST(RunsP, HasTheClassicalMomentsWithoutGaps) {
   // Six of each sign in two runs: mean 1 + 2ab/n = 7, variance 2ab(2ab − n)/(n²(n − 1)) = 2.7272….
   const std::vector<double> x{1, 2, 3, 1, 2, 1, -1, -2, -1, -3, -1, -2};
   const double z = (2.0 - 7.0) / std::sqrt(72.0 * 60.0 / (144.0 * 11.0));
-  EXPECT_NEAR(RunsP(x, Ones(12), kOneStretch), std::erfc(std::abs(z) / std::sqrt(2.0)), 1e-12);
+  EXPECT_NEAR(RunsP(x, Ones(12), kOneSegment), std::erfc(std::abs(z) / std::sqrt(2.0)), 1e-12);
 }
 
 TEST(RunsP, SeesASlowWaveBelowHeavyTails) {
@@ -148,7 +148,7 @@ TEST(RunsP, SeesASlowWaveBelowHeavyTails) {
     for (std::size_t i = 0; i < x.size(); ++i) {
       x[i] = heavy(engine) + std::sin(kTurn * static_cast<double>(i) / 200.0);
     }
-    return RunsP(x, Ones(600), kOneStretch);
+    return RunsP(x, Ones(600), kOneSegment);
   });
   EXPECT_GT(shares.one, 0.85);
 }
@@ -158,7 +158,7 @@ TEST(CrossCorrelationP, IsUniformForTwoWhiteSeries) {
     Noise noise(seed);
     const auto x = noise.White(400);
     const auto u = noise.White(400);
-    return CrossCorrelationP(x, u, Ones(400), kOneStretch, 10);
+    return CrossCorrelationP(x, u, Ones(400), kOneSegment, 10);
   }));
 }
 
@@ -167,7 +167,7 @@ TEST(CrossCorrelationP, IsNoLargerThanItSaysForTwoSlowSeries) {
     Noise noise(seed);
     const auto x = noise.Autoregressive(500, 0.9);
     const auto u = noise.Autoregressive(500, 0.9);
-    return CrossCorrelationP(x, u, Ones(500), kOneStretch, 10);
+    return CrossCorrelationP(x, u, Ones(500), kOneSegment, 10);
   });
   ExpectNominal(shares);
 }
@@ -178,7 +178,7 @@ TEST(CrossCorrelationP, FindsTheDelayAtWhichTheResidualFollows) {
     const auto u = noise.Autoregressive(600, 0.5);
     auto x = noise.Autoregressive(600, 0.7);
     for (std::size_t i = 4; i < x.size(); ++i) x[i] += 0.5 * u[i - 4];
-    const CrossCorrelation found = LargestCrossCorrelation(x, u, Ones(600), kOneStretch, 10);
+    const CrossCorrelation found = LargestCrossCorrelation(x, u, Ones(600), kOneSegment, 10);
     EXPECT_LT(found.p_value, 1e-6);
     EXPECT_EQ(found.lag, 4) << "seed " << seed;
     EXPECT_GT(found.coefficient, 0.2);
@@ -200,7 +200,7 @@ PlainRecord Sweep(double step_deg, std::size_t steps) {
     time.values.push_back(2.0 * static_cast<double>(i));
   }
   record.regressors = {angle, direction, temperature, time};
-  record.stretches = {0, steps};
+  record.segments = {0, steps};
   return record;
 }
 
@@ -209,12 +209,12 @@ std::string Described(PlainRecord record, const std::vector<double>& residual) {
   record.unit = "arcmin";
   record.unit_per_si = 1.0;
   const PlainStudy study = MakePlainStudy(std::move(record));
-  return DescribeLeftover(
+  return DescribeResidual(
       *study, Eigen::Map<const Eigen::VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size())),
       Ones(residual.size()));
 }
 
-TEST(DescribeLeftover, SaysNothingAboutNoise) {
+TEST(DescribeResidual, SaysNothingAboutNoise) {
   int spoken = 0;
   constexpr int kSeeds = 400;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
@@ -226,7 +226,7 @@ TEST(DescribeLeftover, SaysNothingAboutNoise) {
   EXPECT_LE(spoken, 3);
 }
 
-TEST(DescribeLeftover, NamesALineWithTheOrdersThatFoldOntoIt) {
+TEST(DescribeResidual, NamesALineWithTheOrdersThatFoldOntoIt) {
   const PlainRecord record = Sweep(1.0, 360);
   auto residual = Noise(3).White(720);
   for (std::size_t i = 0; i < residual.size(); ++i) {
@@ -238,7 +238,7 @@ TEST(DescribeLeftover, NamesALineWithTheOrdersThatFoldOntoIt) {
   EXPECT_NE(Described(record, residual).find("(1 deg steps: also 320"), std::string::npos);
 }
 
-TEST(DescribeLeftover, FindsALineAWindowAndADriftByTheirNumbers) {
+TEST(DescribeResidual, FindsALineAWindowAndADriftByTheirNumbers) {
   int lines = 0;
   int windows = 0;
   int drifts = 0;

@@ -62,10 +62,10 @@ TEST(VibrationResonance, NamesWhatSwingsInAShortRecord) {
 }
 
 // No band shows them, the loudest bursts are chance, and so is what a line takes of them.
-TEST(VibrationResonance, NamesAFewKnocks) {
-  const Effect knocks = Ringing(211.9, 0.0157, {{0.313, 0.09}, {0.952, -0.08}});
+TEST(VibrationResonance, NamesAFewImpacts) {
+  const Effect impacts = Ringing(211.9, 0.0157, {{0.313, 0.09}, {0.952, -0.08}});
   for (const unsigned seed : {1U, 2U, 3U, 17U, 18U, 22U}) {
-    EXPECT_EQ(Ask({Record(Turning(1500.0, 1.2, 0.0), seed, knocks)}).names(), Names{"torsional_resonance"})
+    EXPECT_EQ(Ask({Record(Turning(1500.0, 1.2, 0.0), seed, impacts)}).names(), Names{"torsional_resonance"})
         << seed;
   }
 }
@@ -77,7 +77,7 @@ TEST(FindBands, SaysHowTheChannelsMove) {
   const std::vector<double> weights(samples.measured.size(), 1.0);
   const VibrationSolver solver(samples, weights);
   const VibrationSolution base = solver.Solve({});
-  const std::vector<NoiseBand> bands = FindBands(VibrationRemainder(samples, solver, base), 3.0, 2000.0, 2);
+  const std::vector<NoiseBand> bands = FindBands(VibrationResidual(samples, solver, base), 3.0, 2000.0, 2);
   ASSERT_FALSE(bands.empty());
   EXPECT_NEAR(bands[0].centre_Hz, kFrequency_Hz, 5.0);
   ASSERT_EQ(bands[0].sizes.size(), 2U);
@@ -87,7 +87,8 @@ TEST(FindBands, SaysHowTheChannelsMove) {
   EXPECT_NEAR(bands[0].sizes[1] / bands[0].sizes[0], -0.5, 0.1);
 }
 
-// One knock of a resonance that hardly dies away would need fewer numbers than a line with a phase a channel.
+// One impact of a resonance that hardly dies away would need fewer numbers than a line with a phase a
+// channel.
 TEST(VibrationResonance, CallsAHumThatMovesAllChannelsInStepUnnamed) {
   const Effect hum = [](const Turning& run) {
     Signal signal;
@@ -101,12 +102,12 @@ TEST(VibrationResonance, CallsAHumThatMovesAllChannelsInStepUnnamed) {
   }
 }
 
-// Two knocks within half a period of each other ring as one: told apart, neither would have a height.
-TEST(VibrationResonance, NamesKnocksThatOverlap) {
-  const Effect knocks =
+// Two impacts within half a period of each other ring as one: told apart, neither would have a height.
+TEST(VibrationResonance, NamesImpactsThatOverlap) {
+  const Effect impacts =
       Ringing(126.9, 0.0125, {{0.61832, 0.10}, {0.64205, 0.144}, {0.64318, -0.1225}, {0.72612, -0.164}});
   for (const unsigned seed : {35U, 36U, 43U}) {
-    const Diagnosed answer = Ask({Record(Turning(330.0, 2.254, 0.0), seed, knocks, {0.54, 1.0, 0.39})});
+    const Diagnosed answer = Ask({Record(Turning(330.0, 2.254, 0.0), seed, impacts, {0.54, 1.0, 0.39})});
     EXPECT_EQ(answer.names(), Names{"torsional_resonance"}) << seed;
   }
 }
@@ -116,10 +117,10 @@ TEST(OneOf, RingsAsTwoDoOnceBothHaveBegun) {
   Signal two = Silence(run);
   AddRing(run, 0.0101, 1.0, kFrequency_Hz, kDamping, two);
   AddRing(run, 0.0112, -0.8, kFrequency_Hz, kDamping, two);
-  const Knock knock = OneOf({0.0101, 1.0}, {0.0112, -0.8}, kFrequency_Hz, kDamping);
-  EXPECT_NEAR(knock.start_s, 0.0101, 0.25 / kFrequency_Hz);
+  const Impact impact = OneOf({0.0101, 1.0}, {0.0112, -0.8}, kFrequency_Hz, kDamping);
+  EXPECT_NEAR(impact.start_s, 0.0101, 0.25 / kFrequency_Hz);
   Signal one = Silence(run);
-  AddRing(run, knock.start_s, knock.height, kFrequency_Hz, kDamping, one);
+  AddRing(run, impact.start_s, impact.height, kFrequency_Hz, kDamping, one);
   for (std::size_t i = 70; i < one.size(); ++i) ASSERT_NEAR(one[i], two[i], 1e-3) << i;
 }
 

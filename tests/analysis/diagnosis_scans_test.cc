@@ -71,7 +71,7 @@ TEST(FindLines, TakesEvenSamplesForTheirOwnBins) {
   EXPECT_NEAR(peaks[0].drop, known * 0.02, 3.0 * 2.0 * 0.5 * std::sqrt(known * 0.02));
 }
 
-TEST(LogPlacesOfLine, SpreadsWhatChanceMayFindEvenlyOverOctaves) {
+TEST(LogSearchLocationsOfLine, SpreadsWhatChanceMayFindEvenlyOverOctaves) {
   constexpr double kLowest = 0.5;
   constexpr double kHighest = 128.0;
   // Shares of the error that small ranges of orders get, which are one over their places.
@@ -80,25 +80,27 @@ TEST(LogPlacesOfLine, SpreadsWhatChanceMayFindEvenlyOverOctaves) {
     const double step = (to - from) / kParts;
     double sum = 0.0;
     for (int i = 0; i < kParts; ++i)
-      sum += step / std::exp(LogPlacesOfLine(from + (i + 0.5) * step, kLowest, kHighest));
+      sum += step / std::exp(LogSearchLocationsOfLine(from + (i + 0.5) * step, kLowest, kHighest));
     return sum / (kHighest - kLowest);
   };
   EXPECT_NEAR(share(kLowest, kHighest), 1.0, 1e-4);
   EXPECT_NEAR(share(0.5, 1.0), 1.0 / 8.0, 1e-4);
   EXPECT_NEAR(share(64.0, 128.0), 1.0 / 8.0, 1e-4);
   // A fit may leave the range that was searched.
-  EXPECT_EQ(LogPlacesOfLine(0.1, kLowest, kHighest), LogPlacesOfLine(kLowest, kLowest, kHighest));
-  EXPECT_EQ(LogPlacesOfLine(140.0, kLowest, kHighest), LogPlacesOfLine(kHighest, kLowest, kHighest));
+  EXPECT_EQ(LogSearchLocationsOfLine(0.1, kLowest, kHighest),
+            LogSearchLocationsOfLine(kLowest, kLowest, kHighest));
+  EXPECT_EQ(LogSearchLocationsOfLine(140.0, kLowest, kHighest),
+            LogSearchLocationsOfLine(kHighest, kLowest, kHighest));
 }
 
-TEST(LogPlacesOfWidth, AWideWindowHasFewPlacesAndTheNarrowestPayForTheOctaves) {
+TEST(LogSearchLocationsOfWidth, AWideWindowHasFewPlacesAndTheNarrowestPayForTheOctaves) {
   // Five octaves from 1 to 32: the narrowest have half of these times their own, and 32 times fewer are as
   // wide.
-  EXPECT_NEAR(LogPlacesOfWidth(1.0, 1.0, 32.0), std::log(2.5), 1e-12);
-  EXPECT_NEAR(LogPlacesOfWidth(32.0, 1.0, 32.0), std::log(2.5 / 32.0), 1e-12);
+  EXPECT_NEAR(LogSearchLocationsOfWidth(1.0, 1.0, 32.0), std::log(2.5), 1e-12);
+  EXPECT_NEAR(LogSearchLocationsOfWidth(32.0, 1.0, 32.0), std::log(2.5 / 32.0), 1e-12);
   // A fit may leave the range that was searched.
-  EXPECT_EQ(LogPlacesOfWidth(1e-6, 1.0, 32.0), LogPlacesOfWidth(0.5, 1.0, 32.0));
-  EXPECT_EQ(LogPlacesOfWidth(1e6, 1.0, 32.0), LogPlacesOfWidth(32.0, 1.0, 32.0));
+  EXPECT_EQ(LogSearchLocationsOfWidth(1e-6, 1.0, 32.0), LogSearchLocationsOfWidth(0.5, 1.0, 32.0));
+  EXPECT_EQ(LogSearchLocationsOfWidth(1e6, 1.0, 32.0), LogSearchLocationsOfWidth(32.0, 1.0, 32.0));
 }
 
 TEST(FindWindows, FindsWhereTheMeanIsRaised) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kError = 0.006;
 
-Shape BellAt(double centre, double width) {
+BasisFunction BellAt(double centre, double width) {
   return [=](std::size_t i) { return Bell(PlaceOf(i), centre, width); };
 }
 
@@ -25,7 +25,7 @@ std::vector<double> EqualWeights(const SeparableStudy& study) {
   return std::vector<double>(study.measured().size(), 1.0);
 }
 
-TEST(SearchLimits, AreFourDescriptionsAndAnyCauseBesideThem) {
+TEST(SearchLimits, AreFourNuisanceTermsAndAnyCauseBesideThem) {
   const auto bell = [](int k) { return BellAt(0.1 + 0.13 * k, 0.03); };
   SeparableModel model = NoiseAnd([&](std::size_t i) {
     double sum = 0.0;
@@ -36,18 +36,19 @@ TEST(SearchLimits, AreFourDescriptionsAndAnyCauseBesideThem) {
   Add(model, {.name = "cause"}, {bell(6)});
   const SeparableStudy study(std::move(model));
   const Diagnosis diagnosis = Diagnose(study);
-  std::vector<std::size_t> shapes;
-  for (const Finding& correction : diagnosis.corrections) shapes.push_back(correction.index);
-  EXPECT_EQ(shapes, (std::vector<std::size_t>{0, 1, 2, 3}));
+  std::vector<std::size_t> basis_functions;
+  for (const Finding& nuisance_term : diagnosis.nuisance_terms)
+    basis_functions.push_back(nuisance_term.index);
+  EXPECT_EQ(basis_functions, (std::vector<std::size_t>{0, 1, 2, 3}));
   ASSERT_EQ(diagnosis.causes.size(), 1U);
   EXPECT_EQ(study.causes()[diagnosis.causes[0].index].name, "cause");
 }
 
-// A description for two small causes, beside a loud effect of which its formula may leave as much.
+// A nuisance term for two small causes, beside a loud effect of which its formula may leave as much.
 SeparableModel TwoBesideALoudOne(double misfit_share) {
-  const Shape loud = BellAt(0.4, 0.1);
-  const Shape one = BellAt(0.7, 0.02);
-  const Shape other = BellAt(0.85, 0.02);
+  const BasisFunction loud = BellAt(0.4, 0.1);
+  const BasisFunction one = BellAt(0.7, 0.02);
+  const BasisFunction other = BellAt(0.85, 0.02);
   SeparableModel model =
       NoiseAnd([=](std::size_t i) { return 3.0 * loud(i) + 0.7 * one(i) + 0.3 * other(i); });
   Add(model, {.name = "loud", .misfit_share = misfit_share}, {loud});
@@ -75,15 +76,15 @@ TEST(SearchLimits, ExcludeInACausesPlaceWhatFitsNowhere) {
   Add(model, {.name = "known"}, {BellAt(0.7, 0.1)});
   Add(model, {.name = "chosen"}, {BellAt(0.4, 0.1)});
   Add(model, {.name = "fits nowhere"}, {BellAt(0.2, 0.1)});
-  model.causes.back().shapes = {{0.0, 1.0, 0.1}};  // and nowhere to begin
-  model.causes.back().starts = [](const Remainder&) { return std::vector<std::vector<double>>{}; };
+  model.causes.back().nonlinear_parameters = {{0.0, 1.0, 0.1}};  // and nowhere to begin
+  model.causes.back().starts = [](const WeightedResidual&) { return std::vector<std::vector<double>>{}; };
   Add(model, {.name = "rival"}, {BellAt(0.41, 0.1)});
   const SeparableStudy study(std::move(model));
   const Judge judge(study, EqualWeights(study), {});
   const ScoredModel known = judge.Fit(std::vector<std::size_t>{0}, nullptr);
   const std::vector<Candidate> candidates = FitCandidates(judge, known);
   ASSERT_EQ(candidates.front().cause, 1U);
-  EXPECT_EQ(FarBehind(study, candidates, candidates.front(), known), std::set<std::size_t>{2});
+  EXPECT_EQ(Dominated(study, candidates, candidates.front(), known), std::set<std::size_t>{2});
 }
 
 }  // namespace

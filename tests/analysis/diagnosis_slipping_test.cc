@@ -51,7 +51,7 @@ TEST(SlippingBearing, IsNamedWithItsOrderAndNoResonanceBesideIt) {
   }
 }
 
-// A gap of four impulses: those that nobody heard are counted, or the order would be another one.
+// A gap of four impulses: those that nobody observable are counted, or the order would be another one.
 TEST(SlippingBearing, IsNamedWithItsOrderOverAGap) {
   const Effect bearing = SlippingBearing(89, 0.01, 0.7);
   VibrationData record = Record(Turning(1500.0, 1.0, 0.0), 89, bearing, {1.0, -0.6});
@@ -86,7 +86,7 @@ TEST(SlippingBearing, IsNoneWhereNoiseDrivesAResonance) {
     };
     const Diagnosed answer = Ask({Record(Turning(1500.0, 1.0, 0.0), seed, resonance)});
     ASSERT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure) << seed;
-    EXPECT_EQ(answer.study->causes()[answer.diagnosis.corrections.front().index].name,
+    EXPECT_EQ(answer.study->causes()[answer.diagnosis.nuisance_terms.front().index].name,
               "resonance of the structure")
         << seed;
   }
@@ -109,8 +109,8 @@ TEST(RingColumn, BeginsEachRingWhereItsImpulseSlippedTo) {
     if (after == 0 || after == column.size()) continue;
     const auto i = static_cast<std::size_t>(after);
     const double share = (angle_rad - run.angle_rad[i - 1]) / (run.angle_rad[i] - run.angle_rad[i - 1]);
-    AddKick(run, train.ring_Hz, train.damping_ratio,
-            run.time_s[i - 1] + share * (run.time_s[i] - run.time_s[i - 1]), 1.0, expected);
+    AddTransient(run, train.ring_Hz, train.damping_ratio,
+                 run.time_s[i - 1] + share * (run.time_s[i] - run.time_s[i - 1]), 1.0, expected);
   }
   // What rang before the record began has died away.
   const Eigen::Index quiet = column.size() / 4;
@@ -118,14 +118,14 @@ TEST(RingColumn, BeginsEachRingWhereItsImpulseSlippedTo) {
 }
 
 // Even steps of which a file keeps but microseconds, and a gap.
-TEST(AddKick, RingsOnOverTimeStampsOfFewDigits) {
+TEST(AddTransient, RingsOnOverTimeStampsOfFewDigits) {
   VibrationRun run;
   run.period_s = 1.0 / 5120.0;
   for (int i = 0; i < 400; ++i)
     run.time_s.push_back(1e-6 * std::round(1e6 * (i < 200 ? i : i + 30) * run.period_s));
   constexpr double kStart_s = 0.01013;
   Eigen::VectorXd column = Eigen::VectorXd::Zero(400);
-  AddKick(run, kRing_Hz, 0.01, kStart_s, 2.0, column);
+  AddTransient(run, kRing_Hz, 0.01, kStart_s, 2.0, column);
   const std::complex<double> pole = RingPole(kRing_Hz, 0.01);
   for (int i = 0; i < 400; ++i) {
     const double since_s = run.time_s[static_cast<std::size_t>(i)] - kStart_s;

@@ -26,22 +26,23 @@ VibrationSamples Samples() {
 // Largest difference from the central differences of the columns, beside the largest slope.
 double FarthestFromDifferences(const VibrationTerm& term) {
   const VibrationSamples samples = Samples();
-  const std::vector<VibrationShape> shapes = ShapesOf(samples, term);
+  const std::vector<VibrationNonlinearParameter> nonlinear_parameters = NonlinearParametersOf(samples, term);
   double farthest = 0.0;
   for (std::size_t run = 0; run < samples.runs.size(); ++run) {
     const Eigen::MatrixXd columns = FillTerm(samples, run, term);
     const Eigen::MatrixXd slopes = FillSlopes(samples, run, term, columns);
-    for (std::size_t s = 0; s < shapes.size(); ++s) {
-      const double by = 1e-3 * shapes[s].step;
+    for (std::size_t s = 0; s < nonlinear_parameters.size(); ++s) {
+      const double by = 1e-3 * nonlinear_parameters[s].step;
       VibrationTerm above = term;
       VibrationTerm below = term;
-      above.shapes[s] += by;
-      below.shapes[s] -= by;
+      above.nonlinear_parameters[s] += by;
+      below.nonlinear_parameters[s] -= by;
       const Eigen::MatrixXd expected =
           (FillTerm(samples, run, above) - FillTerm(samples, run, below)) / (2.0 * by);
       const auto first = static_cast<Eigen::Index>(s) * columns.cols();
       const double off = (slopes.middleCols(first, columns.cols()) - expected).norm();
-      farthest = std::max(farthest, off / std::max(expected.norm(), 1e-6 * columns.norm() / shapes[s].step));
+      farthest = std::max(
+          farthest, off / std::max(expected.norm(), 1e-6 * columns.norm() / nonlinear_parameters[s].step));
     }
   }
   return farthest;

@@ -153,7 +153,7 @@ TEST(TransmissionErrorStudy, NamesADriftThatSwingsBack) {
   const Answer answer = Ask(record);
   EXPECT_EQ(answer.name(), "thermal_drift");
   EXPECT_EQ(answer.diagnosis.causes.size(), 1u);
-  EXPECT_TRUE(answer.diagnosis.corrections.empty());
+  EXPECT_TRUE(answer.diagnosis.nuisance_terms.empty());
   EXPECT_NEAR(answer.value("drift_swing_arcmin"), 0.08, 0.01);
   EXPECT_NEAR(answer.value("period_s"), 1300.0, 150.0);
 }
@@ -168,7 +168,7 @@ TEST(TransmissionErrorStudy, NamesADamageThatIsAsNarrowAsTheSteps) {
   EXPECT_NEAR(answer.value("centre_deg"), 100.3, 1.0);  // within a step
 }
 
-// Without the two samples in its middle nobody could foretell how high a bump is that no other pass has.
+// Without the two samples in its middle nobody could predict how high a bump is that no other pass has.
 TEST(TransmissionErrorStudy, NamesADamageOfAFewSamplesThatOnePassHas) {
   int named = 0;
   for (unsigned seed = 90; seed < 98; ++seed) {
@@ -218,8 +218,8 @@ TEST(TransmissionErrorStudy, SaysWhatTheStepsFoldTheFourthHarmonicOnto) {
 TEST(TransmissionErrorStudy, LeavesAnOrderOutsideTheListWithoutAName) {
   const Answer answer = Ask(Sweep(34, [](const Place& at) { return 0.03 * std::cos(7.0 * at.output_rad); }));
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
-  ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
-  const auto& parameters = answer.diagnosis.corrections.front().parameters;
+  ASSERT_EQ(answer.diagnosis.nuisance_terms.size(), 1u);
+  const auto& parameters = answer.diagnosis.nuisance_terms.front().parameters;
   EXPECT_EQ(parameters.back().name, "order_per_output_turn");
   EXPECT_EQ(parameters.back().value, 7.0);  // the whole order, and not one beside it
 }
@@ -231,8 +231,8 @@ TEST(TransmissionErrorStudy, SeesAHarmonicOfTheInputThatUnevenStepsDoNotFold) {
     const Answer answer =
         Ask(UnevenSweep(39, [&](const Place& at) { return 0.02 * std::cos(order * at.input_rad); }));
     EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
-    ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
-    EXPECT_EQ(answer.diagnosis.corrections.front().parameters.back().value, 80.0 * order);
+    ASSERT_EQ(answer.diagnosis.nuisance_terms.size(), 1u);
+    EXPECT_EQ(answer.diagnosis.nuisance_terms.front().parameters.back().value, 80.0 * order);
   }
 }
 
@@ -241,18 +241,18 @@ TEST(TransmissionErrorStudy, SeesALineAboveThoseOfTheInputsFirstHarmonics) {
   const Answer answer = Ask(UnevenSweep(
       40, [](const Place& at) { return 0.03 * std::cos(613.4 * at.output_rad); }, 0.3));
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
-  ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
-  EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.back().value, 613.4, 0.1);
+  ASSERT_EQ(answer.diagnosis.nuisance_terms.size(), 1u);
+  EXPECT_NEAR(answer.diagnosis.nuisance_terms.front().parameters.back().value, 613.4, 0.1);
 }
 
-TEST(TransmissionErrorStudy, LeavesARippleInOneStretchOfTheTurnWithoutAName) {
+TEST(TransmissionErrorStudy, LeavesARippleInOneSegmentOfTheTurnWithoutAName) {
   const Answer answer = Ask(Sweep(38, [](const Place& at) {
     const double from_centre_deg = DegFromRad(std::remainder(at.output_rad - RadFromDeg(306.0), kTwoPi));
     return 0.05 * std::exp(-0.5 * std::pow(from_centre_deg / 8.0, 2.0)) * std::cos(15.0 * at.output_rad);
   }));
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
-  ASSERT_EQ(answer.diagnosis.corrections.size(), 1u);
-  const auto& parameters = answer.diagnosis.corrections.front().parameters;
+  ASSERT_EQ(answer.diagnosis.nuisance_terms.size(), 1u);
+  const auto& parameters = answer.diagnosis.nuisance_terms.front().parameters;
   ASSERT_EQ(parameters.size(), 5u);
   EXPECT_NEAR(parameters[2].value, 306.0, 6.0) << parameters[2].name;
   EXPECT_NEAR(parameters[4].value, 15.0, 2.0) << parameters[4].name;
@@ -266,8 +266,8 @@ TEST(TransmissionErrorStudy, LeavesAStepOverMostOfTheTurnWithoutAName) {
       return at_deg > from_deg && at_deg < 338.0 ? 0.3 : 0.0;
     }));
     EXPECT_EQ(answer.name(), "none") << from_deg;
-    ASSERT_EQ(answer.diagnosis.corrections.size(), 1u) << from_deg;
-    const auto& parameters = answer.diagnosis.corrections.front().parameters;
+    ASSERT_EQ(answer.diagnosis.nuisance_terms.size(), 1u) << from_deg;
+    const auto& parameters = answer.diagnosis.nuisance_terms.front().parameters;
     ASSERT_EQ(parameters.size(), 3u);
     EXPECT_NEAR(parameters[1].value, from_deg, 1.0);
     EXPECT_NEAR(parameters[2].value, 338.0, 1.0);

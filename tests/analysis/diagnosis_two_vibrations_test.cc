@@ -13,7 +13,7 @@ namespace {
 
 // Each line is as weak in each channel as noise may be; the weakest brings less than its numbers are charged,
 // and no name.
-TEST(VibrationPair, NamesAMeshThatFourChannelsHearWeaklyBesideKnocks) {
+TEST(VibrationPair, NamesAMeshThatFourChannelsHearWeaklyBesideImpacts) {
   const struct {
     double amplitude;
     unsigned seed;
@@ -33,8 +33,8 @@ TEST(VibrationPair, NamesAMeshThatFourChannelsHearWeaklyBesideKnocks) {
   }
 }
 
-// The formula's train was there before the record, this one begins in it: what that leaves is a knock at the
-// train's own frequency.
+// The formula's train was there before the record, this one begins in it: what that leaves is an impact at
+// the train's own frequency.
 TEST(VibrationPair, TakesWhatATrainLeavesForNoResonance) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Effect train = [](const Turning& run) {
@@ -97,15 +97,17 @@ TEST(ImprobabilityOf, IsTheLogarithmOfTheChanceThatNoiseHas) {
 TEST(LogChoicesOfMesh, CountsSetsOfLinesAndOfChannels) {
   const VibrationData record = Record(Turning(1400.0, 1.5, 0.0), 3, Silence, {1.0, 1.0, 1.0, 1.0});
   const VibrationSamples samples = PrepareVibration({&record, 1});
-  VibrationTerm mesh{
-      .form = VibrationForm::kLines, .lines = {{0.0, 160.0}}, .shapes = {}, .heard = {1, 1, 1, 1}};
+  VibrationTerm mesh{.form = VibrationForm::kLines,
+                     .lines = {{0.0, 160.0}},
+                     .nonlinear_parameters = {},
+                     .observable = {1, 1, 1, 1}};
   EXPECT_NEAR(LogChoicesOfMesh(samples, mesh), 0.0, 1e-9);
   mesh.lines.push_back({0.0, 162.0});
   EXPECT_NEAR(LogChoicesOfMesh(samples, mesh), 0.0, 1e-9);
   mesh.lines.push_back({0.0, 163.0});
   const double one_of_others = LogChoicesOfMesh(samples, mesh);
   EXPECT_GT(one_of_others, std::log(4.9));
-  mesh.heard = {1, 0, 0, 1};
+  mesh.observable = {1, 0, 0, 1};
   EXPECT_NEAR(LogChoicesOfMesh(samples, mesh), one_of_others + std::log(6.0), 1e-9);
 }
 

@@ -78,16 +78,16 @@ TEST(VibrationStudy, CannotJudgeAnImbalanceAtOneSpeed) {
       "at another speed, or through the speeds, would tell)");
 }
 
-TEST(VibrationStudy, NamesAResonanceThatKnocksRing) {
-  const Effect knocks = Ringing(140.0, 0.015, {{0.2111, 0.35}, {0.7037, -0.3}});
-  const Diagnosed answer = Ask({Record(Turning(1100.0, 1.2, 0.0), 8, knocks)});
+TEST(VibrationStudy, NamesAResonanceThatImpactsRing) {
+  const Effect impacts = Ringing(140.0, 0.015, {{0.2111, 0.35}, {0.7037, -0.3}});
+  const Diagnosed answer = Ask({Record(Turning(1100.0, 1.2, 0.0), 8, impacts)});
   EXPECT_EQ(answer.names(), Names{"torsional_resonance"});
   EXPECT_NEAR(answer.value("frequency_Hz").value, 140.0, 0.8);
   EXPECT_NEAR(answer.value("damping_ratio").value, 0.015, 0.005);
   EXPECT_NEAR(answer.value("knock_1_s").value, 0.2111, 0.001);
   EXPECT_NEAR(answer.value("knock_2_s").value, 0.7037, 0.001);
-  // Twenty kinds of ring in each cell; and one of the knocks may be in any half period of 1.2 s.
-  EXPECT_NEAR(answer.diagnosis.extended.log_places, std::log(20.0 * 2.0 * 140.0 * 1.2), 0.01);
+  // Twenty kinds of ring in each cell; and one of the impacts may be in any half period of 1.2 s.
+  EXPECT_NEAR(answer.diagnosis.extended.log_search_locations, std::log(20.0 * 2.0 * 140.0 * 1.2), 0.01);
 }
 
 // Bells of 4 % of their distance at 2 · 81/80 an input turn, stronger on one side of the output.
@@ -170,7 +170,8 @@ TEST(VibrationStudy, TellsTeethThatMeetHarderOncePerOutputTurnFromACrack) {
   EXPECT_EQ(answer.names(), Names{"gear_mesh"});
 }
 
-// A place of the flexspline comes by once per output turn, and nothing is heard at the order of its impulses.
+// A place of the flexspline comes by once per output turn, and nothing is observable at the order of its
+// impulses.
 TEST(VibrationStudy, NamesACrackThatChangesTheShaftsLineOncePerOutputTurn) {
   const Effect changing = [](const Turning& run) {
     Signal signal;
@@ -196,8 +197,8 @@ TEST(VibrationStudy, CallsALineOfNoCauseUnnamed) {
   const Effect line = [](const Turning& run) { return Line(run, 7.3, 0.04); };
   const Diagnosed answer = Ask({Record(Turning(1500.0, 1.2, 0.0), 10, line)});
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kUnnamedStructure);
-  ASSERT_EQ(answer.diagnosis.corrections.size(), 1U);
-  EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.front().value, 7.3, 0.01);
+  ASSERT_EQ(answer.diagnosis.nuisance_terms.size(), 1U);
+  EXPECT_NEAR(answer.diagnosis.nuisance_terms.front().parameters.front().value, 7.3, 0.01);
 }
 
 TEST(VibrationStudy, TakesTheSpeedFromTheShaftsLinesWhereTheRecordDoesNotSayIt) {
@@ -208,8 +209,8 @@ TEST(VibrationStudy, TakesTheSpeedFromTheShaftsLinesWhereTheRecordDoesNotSayIt) 
   ASSERT_FALSE(answer.study->warnings().empty());
   EXPECT_EQ(answer.study->warnings().front().substr(0, 50),
             "the record does not say the input speed: 1500 rpm ");
-  ASSERT_EQ(answer.diagnosis.corrections.size(), 1U);
-  EXPECT_NEAR(answer.diagnosis.corrections.front().parameters.front().value, 7.3, 0.01);
+  ASSERT_EQ(answer.diagnosis.nuisance_terms.size(), 1U);
+  EXPECT_NEAR(answer.diagnosis.nuisance_terms.front().parameters.front().value, 7.3, 0.01);
 }
 
 // Over nine turns the shaft's two lines are not quite apart, least of all with spikes between them.
@@ -261,7 +262,7 @@ TEST(OneTermSolver, FitsATermAsTheWholeModelDoes) {
   const VibrationSolver solver(samples, weights);
   const VibrationTerm known{0, VibrationForm::kLines, {{1.0, 0.0}}, {11.9}, {1, 1}};
   const VibrationTerm tone{1, VibrationForm::kNarrowband, {}, {150.0, 0.02, 0.05, 0.03}, {1, 1}};
-  // What a tone foretells is taken off after the lines are fitted: beside its band that changes little.
+  // What a tone predicts is taken off after the lines are fitted: beside its band that changes little.
   struct Model {
     std::vector<VibrationTerm> terms;
     double share;          // of the sum of squares that the two may differ by
@@ -273,7 +274,7 @@ TEST(OneTermSolver, FitsATermAsTheWholeModelDoes) {
     const OneTermSolver beside(samples, solver, base);
     const VibrationTerm line{2, VibrationForm::kLines, {{1.0, 0.0}, {1.0, 1.0}}, {7.31}, {1, 1}};
     const TermFit fit = beside.Refine(beside.Fit(line), 8);
-    EXPECT_NEAR(fit.term.shapes[0], 7.3, 0.005);
+    EXPECT_NEAR(fit.term.nonlinear_parameters[0], 7.3, 0.005);
     std::vector<VibrationTerm> all = model;
     all.push_back(fit.term);
     const VibrationSolution whole = solver.Solve(all);
@@ -306,13 +307,13 @@ TEST(VibrationStudy, SaysWhatIsWrongWithARecord) {
 }
 
 // A gear of so many teeth has lines where the shaft's would be if the speed were in Hz.
-TEST(VibrationStudy, DoubtsTheUnitOfASpeedAndGoesOn) {
+TEST(VibrationStudy, ModelUncertaintiesTheUnitOfASpeedAndGoesOn) {
   const Turning run(1500.0, 1.0, 0.0);
   VibrationData record = Record(run, 14, Silence);
   record.input_speed_rad_per_s = {RadPerSFromRpm(RadPerSFromRpm(1500.0))};
-  const std::unique_ptr<Study> doubtful = MakeVibrationStudy({&record, 1});
-  ASSERT_FALSE(doubtful->warnings().empty());
-  EXPECT_EQ(doubtful->warnings().front(),
+  const std::unique_ptr<Study> uncertain = MakeVibrationStudy({&record, 1});
+  ASSERT_FALSE(uncertain->warnings().empty());
+  EXPECT_EQ(uncertain->warnings().front(),
             "the input speed may be in rad/s: the file says 157.1 rpm, where the shaft has no clear lines; a "
             "pair at 1 and 2 per turn of 1500 rpm stands out. It was taken as the file says, input_speed_rpm "
             "in turns per minute");

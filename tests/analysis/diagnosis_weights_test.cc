@@ -41,8 +41,8 @@ SeparableTerm Constant() {
 }
 
 TEST(Weights, MakeTheNoiseThatOfASampleOfWeightOne) {
-  const std::vector<std::size_t> stretches{0};
-  const NoiseFit fit = FitNoise(Noise(1), Weights(), stretches, 4, 1.0);
+  const std::vector<std::size_t> segments{0};
+  const NoiseFit fit = FitNoise(Noise(1), Weights(), segments, 4, 1.0);
   EXPECT_EQ(fit.order, 0);
   EXPECT_EQ(fit.samples, kSamples);
   EXPECT_NEAR(fit.innovation_sd, kNoise, 4.0 * kNoise / std::sqrt(2.0 * kSamples));

@@ -56,7 +56,7 @@ struct GeneratedSensors {
   bool has_temperature{};
 };
 
-/// A stretch of the torque's path: goes there at a rate, then holds.
+/// A segment of the torque's path: goes there at a rate, then holds.
 struct PathLeg {
   double to_Nm{};
   double rate_Nm_per_s{1.0};

@@ -70,7 +70,7 @@ TEST(TwistAtTorque, TakesTheSlopeOfAStaircaseFromItsNextSteps) {
   EXPECT_FALSE(TwistAtTorque(torque_Nm, twist_rad, Branch{15, 19, true}, 0.0, 0.5, 1.0));
 }
 
-// A stretch of a rising branch is not there, or its reversal and with it the rest of the branch before: what
+// A segment of a rising branch is not there, or its reversal and with it the rest of the branch before: what
 // lies on either side of the gap says nothing of the twist within.
 TEST(TwistAtTorque, SaysNothingWhereTheBranchHasNoSamples) {
   std::vector<double> torque_Nm;

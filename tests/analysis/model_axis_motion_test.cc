@@ -50,8 +50,9 @@ double ShareOff(double start, double step_s, std::size_t count, std::size_t fine
   };
   const std::vector<double> over_gap =
       PushesOver(kGap, start, step_s / static_cast<double>(finer), count * finer, near);
-  LooseLoad load({.gap = kGap, .friction = kLoadFriction, .contact_rad_per_s = kContact, .start = start},
-                 near(0.0), speed(0.0));
+  InertiaBehindBacklash load(
+      {.gap = kGap, .friction = kLoadFriction, .contact_rad_per_s = kContact, .start = start}, near(0.0),
+      speed(0.0));
   double square = 0.0;
   double off_square = 0.0;
   for (std::size_t i = 1; i < count; ++i) {
@@ -64,15 +65,18 @@ double ShareOff(double start, double step_s, std::size_t count, std::size_t fine
 }
 
 // Knocks come by a part of a step too early or too late.
-TEST(LooseLoad, IsPushedAtTheEndsOfItsGapAlone) {
+TEST(InertiaBehindBacklash, IsPushedAtTheEndsOfItsGapAlone) {
   for (const double start : {1.0, 0.0, -1.0}) EXPECT_LT(ShareOff(start, 0.0001, 60000, 1), 0.1) << start;
 }
 
 // A quarter of a radian of the contact's swing is one step.
-TEST(LooseLoad, IsPushedTheSameOverLongSteps) { EXPECT_LT(ShareOff(1.0, 0.002, 1500, 100), 0.12); }
+TEST(InertiaBehindBacklash, IsPushedTheSameOverLongSteps) {
+  EXPECT_LT(ShareOff(1.0, 0.002, 1500, 100), 0.12);
+}
 
-TEST(LooseLoad, IsPushedLikeARigidOneWithoutAGap) {
-  LooseLoad load({.gap = 0.0, .friction = kLoadFriction, .contact_rad_per_s = kContact}, 0.0, 1.0);
+TEST(InertiaBehindBacklash, IsPushedLikeARigidOneWithoutAGap) {
+  InertiaBehindBacklash load({.gap = 0.0, .friction = kLoadFriction, .contact_rad_per_s = kContact}, 0.0,
+                             1.0);
   for (int i = 1; i < 700; ++i) {
     const double time_s = 0.002 * i;
     const double push = load.Follow(std::sin(time_s), std::cos(time_s), 0.002);

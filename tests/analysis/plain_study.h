@@ -14,7 +14,7 @@ namespace strainwave::analysis::diagnosis {
 struct PlainRecord {
   std::vector<double> measured;
   std::vector<Regressor> regressors;
-  std::vector<std::size_t> stretches{0};
+  std::vector<std::size_t> segments{0};
   std::string unit{"arcmin"};
   double unit_per_si{1.0};
   std::size_t block_length{60};
@@ -27,7 +27,7 @@ inline PlainStudy MakePlainStudy(PlainRecord record) {
   SeparableModel model;
   model.measured = std::move(record.measured);
   model.regressors = std::move(record.regressors);
-  model.stretches = std::move(record.stretches);
+  model.segments = std::move(record.segments);
   model.unit = std::move(record.unit);
   model.unit_per_si = record.unit_per_si;
   model.block_length = record.block_length;

@@ -89,17 +89,17 @@ TEST(WorthOf, NeedsTwoGroups) {
                std::invalid_argument);
 }
 
-TEST(GroupsOfTest, AreSpecimensOrStretchesOfOneLife) {
+TEST(GroupsOfTest, AreSpecimensOrSegmentsOfOneLife) {
   const Samples samples = FourReducers();
   const Split last = SplitByTime(samples.specimen, samples.cycle, 0.4);
   const std::vector<Split> by_specimen = GroupsOfTest(samples, last);
   ASSERT_EQ(by_specimen.size(), 4U);
   EXPECT_EQ(by_specimen[1].test, (std::vector<Eigen::Index>{8, 9}));
   EXPECT_EQ(by_specimen[1].train, last.train);
-  const std::vector<Split> stretches = GroupsOfTest(samples, {.train = {0}, .test = {19, 15, 16, 17, 18}});
-  ASSERT_EQ(stretches.size(), 5U);
-  EXPECT_EQ(stretches.front().test, (std::vector<Eigen::Index>{15}));
-  EXPECT_EQ(stretches.back().test, (std::vector<Eigen::Index>{19}));
+  const std::vector<Split> segments = GroupsOfTest(samples, {.train = {0}, .test = {19, 15, 16, 17, 18}});
+  ASSERT_EQ(segments.size(), 5U);
+  EXPECT_EQ(segments.front().test, (std::vector<Eigen::Index>{15}));
+  EXPECT_EQ(segments.back().test, (std::vector<Eigen::Index>{19}));
 }
 
 }  // namespace

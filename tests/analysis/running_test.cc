@@ -19,7 +19,7 @@ constexpr std::size_t kRows = 7000;
 constexpr double kRowsPerTurn = 131.7;
 
 // Noise of 0.4, and where the shaft turns its lines at 1 and 2 per turn.
-std::vector<double> Channel(const Stretch& turning, double first, double second, unsigned seed) {
+std::vector<double> Channel(const Segment& turning, double first, double second, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, 0.4);
   std::vector<double> values;
@@ -33,10 +33,10 @@ std::vector<double> Channel(const Stretch& turning, double first, double second,
 }
 
 TEST(TurningByLines, FindsWhereTheShaftBeginsAndEndsToTurn) {
-  for (const Stretch& truth : {Stretch{2211, kRows}, Stretch{0, 4980}, Stretch{1500, 6100}}) {
+  for (const Segment& truth : {Segment{2211, kRows}, Segment{0, 4980}, Segment{1500, 6100}}) {
     for (unsigned seed = 1; seed <= 20; ++seed) {
       const Channels channels{Channel(truth, 0.6, 0.5, seed), Channel(truth, 0.4, 0.9, seed + 100)};
-      const Stretch found = TurningByLines(channels, kRowsPerTurn);
+      const Segment found = TurningByLines(channels, kRowsPerTurn);
       // No row in which it stands; of the others a few turns may be lost at either side.
       EXPECT_GE(found.first, truth.first) << seed;
       EXPECT_LE(found.end, truth.end) << seed;
@@ -47,7 +47,7 @@ TEST(TurningByLines, FindsWhereTheShaftBeginsAndEndsToTurn) {
 
 TEST(TurningByLines, LeavesAShaftThatTurnsAllTheTimeAsItIs) {
   for (unsigned seed = 1; seed <= 100; ++seed) {
-    const Stretch all{0, kRows};
+    const Segment all{0, kRows};
     EXPECT_EQ(TurningByLines(Channels{Channel(all, 0.5, 0.5, seed)}, kRowsPerTurn), all) << seed;
     EXPECT_EQ(TurningByLines(Channels{Channel(all, 0.02, 0.06, seed)}, kRowsPerTurn), all) << seed;
     EXPECT_EQ(TurningByLines(Channels{Channel({0, 0}, 0.0, 0.0, seed)}, kRowsPerTurn), all) << seed;
@@ -59,20 +59,20 @@ TEST(TurningByLines, DoesNotTakeABeatForAStandstill) {
   std::vector<double> values = Channel({0, kRows}, 1.0, 0.3, 7);
   for (std::size_t i = 0; i < kRows; ++i)
     values[i] += 0.8 * std::cos(1.02 * kTwoPi * static_cast<double>(i) / kRowsPerTurn);
-  EXPECT_EQ(TurningByLines(Channels{values}, kRowsPerTurn), (Stretch{0, kRows}));
+  EXPECT_EQ(TurningByLines(Channels{values}, kRowsPerTurn), (Segment{0, kRows}));
 }
 
-TEST(TurningBySpeed, FindsTheLongestStretchBeyondAHundredthOfTheLargestSpeed) {
+TEST(TurningBySpeed, FindsTheLongestSegmentBeyondAHundredthOfTheLargestSpeed) {
   std::vector<double> speed(3000, -150.0);
   for (std::size_t i = 0; i < 400; ++i) speed[i] = 0.2;
   for (std::size_t i = 2700; i < 3000; ++i) speed[i] = -1.2;
-  EXPECT_EQ(TurningBySpeed(speed), (Stretch{400, 2700}));
+  EXPECT_EQ(TurningBySpeed(speed), (Segment{400, 2700}));
 }
 
 TEST(TurningBySpeed, LeavesARunUpFromRestAsItIs) {
   std::vector<double> speed;
   for (int i = 0; i < 3000; ++i) speed.push_back(0.1 * i);
-  EXPECT_EQ(TurningBySpeed(speed), (Stretch{0, 3000}));
+  EXPECT_EQ(TurningBySpeed(speed), (Segment{0, 3000}));
 }
 
 }  // namespace

@@ -144,7 +144,7 @@ TEST(GoesOnMeanwhile, TellsALoggerFromAStair) {
   EXPECT_LT(GoesOnMeanwhile(*held, follower), 0.2);
 }
 
-TEST(FindFrozen, FindsAStretchThatItsOwnNoiseWouldNotLetStand) {
+TEST(FindFrozen, FindsASegmentThatItsOwnNoiseWouldNotLetStand) {
   std::vector<double> values = Way(3000, 1.0, 0.05);
   for (double& value : values) value = 1e-3 * std::round(value / 1e-3);
   EXPECT_TRUE(FindFrozen(values).empty());

@@ -117,7 +117,7 @@ TEST(FitStiffnessModel, IsNotMovedByOutliers) {
     record.twist_rad[i + 20] -= RadFromArcsec(static_cast<double>(engine() % 100));
   }
   for (std::size_t i = 1400; i < 1412; ++i) {
-    record.torque_Nm[i] += 3.0;  // a stretch, too long for the filter of single spikes
+    record.torque_Nm[i] += 3.0;  // a segment, too long for the filter of single spikes
   }
   const TorsionalStiffness fit = FitStiffnessModel(record.View(), kTorques);
   // Half a standard error or so, against several per cent without weights.

@@ -27,7 +27,7 @@ inline double Bell(double place, double centre, double width) {
 }
 
 /// Its nominal model is a constant.
-inline SeparableModel NoiseAnd(const Shape& hidden) {
+inline SeparableModel NoiseAnd(const BasisFunction& hidden) {
   SeparableModel model;
   model.measured = WhiteNoise(kPasses * kOfPass, kNoise, 17);
   for (std::size_t i = 0; i < model.measured.size(); ++i) model.measured[i] += hidden(i);
@@ -39,9 +39,9 @@ inline SeparableModel NoiseAnd(const Shape& hidden) {
 }
 
 /// A cause with a number for each shape.
-inline void Add(SeparableModel& model, CauseRule rule, std::vector<Shape> shapes) {
-  rule.degrees_of_freedom = static_cast<int>(shapes.size());
-  model.causes.push_back(TermOf(std::move(shapes)));
+inline void Add(SeparableModel& model, CauseRule rule, std::vector<BasisFunction> basis_functions) {
+  rule.degrees_of_freedom = static_cast<int>(basis_functions.size());
+  model.causes.push_back(TermOf(std::move(basis_functions)));
   model.rules.push_back(std::move(rule));
 }
 

@@ -37,7 +37,7 @@ class RingingStudy final : public diagnosis::Study {
     rules_.push_back({.name = "bearing_defect", .sentence = "", .where = diagnosis::Where::kUndecided});
   }
   std::span<const double> measured() const override { return measured_; }
-  std::span<const std::size_t> stretches() const override { return stretches_; }
+  std::span<const std::size_t> segments() const override { return segments_; }
   const std::vector<diagnosis::CauseRule>& causes() const override { return rules_; }
   const std::vector<diagnosis::Regressor>& regressors() const override { return regressors_; }
   std::string unit() const override { return "m/s^2"; }
@@ -57,7 +57,7 @@ class RingingStudy final : public diagnosis::Study {
 
  private:
   std::vector<double> measured_;
-  std::vector<std::size_t> stretches_{0};
+  std::vector<std::size_t> segments_{0};
   std::vector<diagnosis::CauseRule> rules_;
   std::vector<diagnosis::Regressor> regressors_;
   std::vector<std::string> warnings_;

@@ -64,7 +64,7 @@ TEST(LookAtSamplesOfAnAxis, TakesOnlyNewValuesOfAChannelThatIsHeld) {
   }
 }
 
-TEST(LookAtSamplesOfAnAxis, LeavesOutAStretchInWhichASensorStoodStill) {
+TEST(LookAtSamplesOfAnAxis, LeavesOutASegmentInWhichASensorStoodStill) {
   Record record = Axis(200.0);
   Hold(record, "torque_Nm", [](std::size_t i) { return i < 701 || i > 760; });
   LookAtSamples(record);

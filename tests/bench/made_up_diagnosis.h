@@ -39,7 +39,7 @@ class MadeUpStudy final : public diagnosis::Study {
     rules_.push_back({.name = "line over output angle", .sentence = "", .named = false});
   }
   std::span<const double> measured() const override { return measured_; }
-  std::span<const std::size_t> stretches() const override { return stretches_; }
+  std::span<const std::size_t> segments() const override { return segments_; }
   const std::vector<diagnosis::CauseRule>& causes() const override { return rules_; }
   const std::vector<diagnosis::Regressor>& regressors() const override { return regressors_; }
   std::string unit() const override { return "arcmin"; }
@@ -63,7 +63,7 @@ class MadeUpStudy final : public diagnosis::Study {
  private:
   std::vector<double> angle_;
   std::vector<double> measured_;
-  std::vector<std::size_t> stretches_{0};
+  std::vector<std::size_t> segments_{0};
   std::vector<diagnosis::CauseRule> rules_;
   std::vector<diagnosis::Regressor> regressors_;
   std::vector<std::string> warnings_;
@@ -102,20 +102,20 @@ struct MadeUp {
     result.candidates = {{0, {812.5, 0.0, 400.0}, true, ""},
                          {1, {-2.0, 0.3, kNaN}, false, "not away from zero"}};
     result.gain = {0.925, 0.91, 0.94};
-    result.leftover.share_of_residual_variance = 0.01;
+    result.residual.share_of_residual_variance = 0.01;
   }
 
   void FindUnnamed() {
     result.verdict = diagnosis::Verdict::kUnnamedStructure;
-    result.corrections.push_back({2,
-                                  {{"order_per_output_turn", "1/turn", 7.0, 0.01},
-                                   {"amplitude_arcmin", "arcmin", 0.2134, 0.004},
-                                   {"phase_deg", "deg", 12.0, 1.0}},
-                                  {99.0, 1e-20, 50.0},
-                                  0.9,
-                                  {}});
+    result.nuisance_terms.push_back({2,
+                                     {{"order_per_output_turn", "1/turn", 7.0, 0.01},
+                                      {"amplitude_arcmin", "arcmin", 0.2134, 0.004},
+                                      {"phase_deg", "deg", 12.0, 1.0}},
+                                     {99.0, 1e-20, 50.0},
+                                     0.9,
+                                     {}});
     result.extended.causes = {2};
-    result.extended.cause_parameters = {result.corrections[0].parameters};
+    result.extended.cause_parameters = {result.nuisance_terms[0].parameters};
   }
 
   StudyInput input;

@@ -18,9 +18,9 @@ double Error_rad(const GearPlant& plant) { return plant.state().input_rad / 80.0
 void MoveTo(GearPlant& plant, double target_rad, double load_Nm = 0.0) {
   constexpr int kSteps = 60;
   const double from_rad = plant.state().input_rad;
-  const int stretches = 1 + static_cast<int>(std::abs(target_rad - from_rad) / 3.0);
-  for (int i = 1; i <= kSteps * stretches; ++i) {
-    const double share = 0.5 * (1.0 - std::cos(kPi * i / (kSteps * stretches)));
+  const int segments = 1 + static_cast<int>(std::abs(target_rad - from_rad) / 3.0);
+  for (int i = 1; i <= kSteps * segments; ++i) {
+    const double share = 0.5 * (1.0 - std::cos(kPi * i / (kSteps * segments)));
     Hold(plant, Driven(Input::kPosition, from_rad + share * (target_rad - from_rad), load_Nm), 0.01);
   }
   Hold(plant, Driven(Input::kPosition, target_rad, load_Nm), 0.3);

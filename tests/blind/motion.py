@@ -207,7 +207,7 @@ class Motion:
         which = rng.choice(["force_at_a_place", "wavy_in_speed", "tone_in_time"])
         places, _, _ = self._motion(self.time_s)
         if which == "force_at_a_place":
-            # A cable that drags over one stretch of the way, always to the same side, whichever way the axis goes.
+            # A cable that drags over one segment of the way, always to the same side, whichever way the axis goes.
             low, high = float(places.min()), float(places.max())
             centre, half = low + (high - low) * rng.uniform(0.25, 0.75), (high - low) * rng.uniform(0.04, 0.1)
             hump = lambda t: numpy.cos(0.5 * math.pi * ((self._motion(t)[0] - centre) / half).clip(-1.0, 1.0)) ** 2

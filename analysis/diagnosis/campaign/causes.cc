@@ -16,11 +16,11 @@ using Eigen::Index;
 
 constexpr double kEdge = 3.0;  // cycles that a level needs to be one
 
-ShapeRange RowRange(const CampaignLayout& layout) {
+NonlinearParameterRange RowRange(const CampaignLayout& layout) {
   return {kEdge, static_cast<double>(layout.cycles()) - kEdge, 1.0};
 }
 
-std::vector<std::vector<double>> Rows(const ShapeRange& range, double stride) {
+std::vector<std::vector<double>> Rows(const NonlinearParameterRange& range, double stride) {
   std::vector<std::vector<double>> rows;
   for (double row = range.low; row <= range.high; row += stride) rows.push_back({row});
   return rows;
@@ -57,13 +57,14 @@ double StepPlaceError(const CampaignLayout& layout, const SeriesChoice& choice, 
 
 void AddStepChange(const LayoutPointer& layout, SeparableModel& model) {
   const SeriesNumber size{.what = "step", .per = "", .unit_per = "", .factor = 1.0};
-  const ShapeRange range = RowRange(*layout);
+  const NonlinearParameterRange range = RowRange(*layout);
   if (range.high <= range.low) return;
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
     SeparableTerm term = SeriesTerm(
-        layout, choice, 1,
-        [](std::span<const double> shapes, Eigen::MatrixXd& course) { FillStep(shapes[0], course, 0); });
-    term.shapes = {range};
+        layout, choice, 1, [](std::span<const double> nonlinear_parameters, Eigen::MatrixXd& course) {
+          FillStep(nonlinear_parameters[0], course, 0);
+        });
+    term.nonlinear_parameters = {range};
     DescribeSeries(term, layout, choice, {size}, {{"cycle", "1", 1.0, true}});
     term.describe = [describe = term.describe, layout, choice](std::span<const double> numbers,
                                                                const Eigen::MatrixXd& covariance) {
@@ -72,17 +73,17 @@ void AddStepChange(const LayoutPointer& layout, SeparableModel& model) {
       values.back().standard_error = StepPlaceError(*layout, choice, numbers, numbers[choice.series.size()]);
       return values;
     };
-    term.starts = [layout, range, term](const Remainder& remainder) {
+    term.starts = [layout, range, term](const WeightedResidual& residual) {
       const double stride = std::max(1.0, std::floor(static_cast<double>(layout->cycles()) / 100.0));
-      auto rows = BestCandidates(*layout, term, remainder, Rows(range, stride), 2);
+      auto rows = BestCandidates(*layout, term, residual, Rows(range, stride), 2);
       if (stride > 1.0) {
         std::vector<std::vector<double>> fine;
         for (const auto& row : rows) {
-          const ShapeRange near{std::max(range.low, row[0] - stride), std::min(range.high, row[0] + stride),
-                                1.0};
+          const NonlinearParameterRange near{std::max(range.low, row[0] - stride),
+                                             std::min(range.high, row[0] + stride), 1.0};
           for (const auto& candidate : Rows(near, 1.0)) fine.push_back(candidate);
         }
-        rows = BestCandidates(*layout, term, remainder, fine, 2);
+        rows = BestCandidates(*layout, term, residual, fine, 2);
       }
       return rows;
     };
@@ -94,7 +95,7 @@ void AddStepChange(const LayoutPointer& layout, SeparableModel& model) {
         .where = Where::kUndecided,
         .effect = "E23",
         .degrees_of_freedom = static_cast<int>(choice.series.size()) + 1,
-        .trials = choice.Trials(*layout, range.high - range.low),
+        .trials_factor = choice.TrialsFactor(*layout, range.high - range.low),
         .to_settle =
             "# repeat the measurement, and measure the bench alone with the rigid blank: a "
             "shift that the blank shows, too, is the bench's\n"
@@ -112,19 +113,19 @@ void AddSlopeChange(const LayoutPointer& layout, SeparableModel& model) {
                           .unit_per = "/(1000 h)",
                           .factor = 3.6e6 / layout->load_span_s};
   const double cycles = static_cast<double>(layout->cycles());
-  const ShapeRange range{0.08 * cycles, 0.92 * cycles, 0.02 * cycles};
+  const NonlinearParameterRange range{0.08 * cycles, 0.92 * cycles, 0.02 * cycles};
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
-    SeparableTerm term =
-        SeriesTerm(layout, choice, 1, [layout](std::span<const double> shapes, Eigen::MatrixXd& course) {
-          const double from = layout->LoadShareAt(shapes[0]);
+    SeparableTerm term = SeriesTerm(
+        layout, choice, 1, [layout](std::span<const double> nonlinear_parameters, Eigen::MatrixXd& course) {
+          const double from = layout->LoadShareAt(nonlinear_parameters[0]);
           for (Index c = 0; c < course.rows(); ++c) {
             course(c, 0) = std::max(0.0, layout->load_share[static_cast<std::size_t>(c)] - from);
           }
         });
-    term.shapes = {range};
+    term.nonlinear_parameters = {range};
     DescribeSeries(term, layout, choice, {size}, {{"cycle", "1", 1.0, true}});
-    term.starts = [layout, range, term, cycles](const Remainder& remainder) {
-      return BestCandidates(*layout, term, remainder, Rows(range, 0.03 * cycles), 2);
+    term.starts = [layout, range, term, cycles](const WeightedResidual& residual) {
+      return BestCandidates(*layout, term, residual, Rows(range, 0.03 * cycles), 2);
     };
     CauseRule rule{
         .name = "slope_change",
@@ -133,7 +134,7 @@ void AddSlopeChange(const LayoutPointer& layout, SeparableModel& model) {
         .where = Where::kUnit,
         .effect = "E23",
         .degrees_of_freedom = static_cast<int>(choice.series.size()) + 1,
-        .trials = choice.Trials(*layout, 6.0),
+        .trials_factor = choice.TrialsFactor(*layout, 6.0),
         .to_settle = ""};
     AddSizeRules(*layout, choice, size, rule);
     rule.parameters.push_back({"cycle", "1", -kAnySize, kAnySize, false});
@@ -164,7 +165,7 @@ void AddDailyTemperature(const LayoutPointer& layout, SeparableModel& model) {
         .where = Where::kUndecided,
         .effect = "E10",
         .degrees_of_freedom = static_cast<int>(choice.series.size()) * (measured ? 1 : 2),
-        .trials = choice.Trials(*layout, 1.0),
+        .trials_factor = choice.TrialsFactor(*layout, 1.0),
         .to_settle =
             "# measure the bench alone with the rigid blank at two temperatures: what the blank "
             "shows is the bench's\n- kind: blank_test\n  peak_torque: 34 Nm\n"};
@@ -223,7 +224,7 @@ void AddSensorReplaced(const LayoutPointer& layout, SeparableModel& model) {
           .where = Where::kBench,
           .effect = "",
           .degrees_of_freedom = static_cast<int>(choice.series.size()),
-          .trials = choice.Trials(*layout, 1.0),
+          .trials_factor = choice.TrialsFactor(*layout, 1.0),
           .to_settle =
               "# calibrate both sensors against one reference, or measure the blank with each\n"
               "- kind: blank_test\n  peak_torque: 34 Nm\n"};

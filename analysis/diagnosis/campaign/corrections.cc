@@ -21,15 +21,15 @@ std::vector<SeriesNumber> Numbered(std::size_t count) {
   return numbers;
 }
 
-CauseRule Correction(const CampaignLayout& layout, const SeriesChoice& choice, const std::string& name,
-                     std::size_t freedom, double trials, bool local) {
+CauseRule NuisanceTerm(const CampaignLayout& layout, const SeriesChoice& choice, const std::string& name,
+                       std::size_t freedom, double trials_factor, bool local) {
   return {.name = name + choice.Suffix(layout),
           .sentence = "a shape without a cause: " + name + choice.Suffix(layout),
           .where = Where::kUndecided,
           .effect = "",
           .parameters = {},
           .degrees_of_freedom = static_cast<int>(freedom),
-          .trials = choice.Trials(layout, trials),
+          .trials_factor = choice.TrialsFactor(layout, trials_factor),
           .local = local,
           .named = false,
           .to_settle = ""};
@@ -50,8 +50,8 @@ void AddSmooth(const LayoutPointer& layout, SeparableModel& model) {
         });
     DescribeSeries(term, layout, choice, Numbered(kCourses), {});
     model.causes.push_back(std::move(term));
-    model.rules.push_back(Correction(*layout, choice, "smooth function of load time",
-                                     kCourses * choice.series.size(), 1.0, false));
+    model.rules.push_back(NuisanceTerm(*layout, choice, "smooth function of load time",
+                                       kCourses * choice.series.size(), 1.0, false));
   }
 }
 
@@ -75,8 +75,8 @@ void AddTemperatureCurve(const LayoutPointer& layout, SeparableModel& model) {
         });
     DescribeSeries(term, layout, choice, Numbered(kCourses), {});
     model.causes.push_back(std::move(term));
-    model.rules.push_back(Correction(*layout, choice, "smooth function of temperature",
-                                     kCourses * choice.series.size(), 1.0, false));
+    model.rules.push_back(NuisanceTerm(*layout, choice, "smooth function of temperature",
+                                       kCourses * choice.series.size(), 1.0, false));
   }
 }
 
@@ -88,39 +88,39 @@ void AddLine(const LayoutPointer& layout, SeparableModel& model) {
   const double lowest = 3.0 * kTwoPi / span;
   const double highest = 0.5 * kTwoPi * static_cast<double>(layout->cycles() - 1) / span;
   if (highest <= lowest) return;
-  const ShapeRange range{lowest, highest, 0.2 * kTwoPi / span};
+  const NonlinearParameterRange range{lowest, highest, 0.2 * kTwoPi / span};
   const double independent = (highest - lowest) * span / kTwoPi;
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
-    SeparableTerm term =
-        SeriesTerm(layout, choice, 2, [time](std::span<const double> shapes, Eigen::MatrixXd& course) {
+    SeparableTerm term = SeriesTerm(
+        layout, choice, 2, [time](std::span<const double> nonlinear_parameters, Eigen::MatrixXd& course) {
           for (Index c = 0; c < course.rows(); ++c) {
-            const double angle = shapes[0] * (time[static_cast<std::size_t>(c)] - time.front());
+            const double angle = nonlinear_parameters[0] * (time[static_cast<std::size_t>(c)] - time.front());
             course(c, 0) = std::cos(angle);
             course(c, 1) = std::sin(angle);
           }
         });
-    term.shapes = {range};
+    term.nonlinear_parameters = {range};
     DescribeSeries(term, layout, choice, Numbered(2), {{"rate_rad_per_s", "rad/s", 1.0, false}});
-    term.starts = [layout, term, time, range](const Remainder& remainder) {
+    term.starts = [layout, term, time, range](const WeightedResidual& residual) {
       // The strongest lines of each mixture, judged together.
       std::vector<std::vector<double>> rates;
-      for (std::size_t s = 0; s < layout->stretches.size(); ++s) {
-        const std::size_t first = layout->stretches[s];
+      for (std::size_t s = 0; s < layout->segments.size(); ++s) {
+        const std::size_t first = layout->segments[s];
         const std::size_t last =
-            s + 1 < layout->stretches.size() ? layout->stretches[s + 1] : layout->measured.size();
+            s + 1 < layout->segments.size() ? layout->segments[s + 1] : layout->measured.size();
         std::vector<double> at;
         for (std::size_t i = first; i < last; ++i) at.push_back(time[layout->cycle_of[i]] - time.front());
         for (const LinePeak& peak :
-             FindLines(at, remainder.residual.subspan(first, last - first),
-                       remainder.weights.subspan(first, last - first), range.low, range.high, 2)) {
+             FindLines(at, residual.residual.subspan(first, last - first),
+                       residual.weights.subspan(first, last - first), range.low, range.high, 2)) {
           rates.push_back({std::clamp(peak.order, range.low, range.high)});
         }
       }
-      return BestCandidates(*layout, term, remainder, rates, 2);
+      return BestCandidates(*layout, term, residual, rates, 2);
     };
     model.causes.push_back(std::move(term));
     model.rules.push_back(
-        Correction(*layout, choice, "line over time", 2 * choice.series.size() + 1, independent, false));
+        NuisanceTerm(*layout, choice, "line over time", 2 * choice.series.size() + 1, independent, false));
   }
 }
 
@@ -136,60 +136,61 @@ void AddPassing(const LayoutPointer& layout, SeparableModel& model) {
       places.push_back({centre, width});
     }
   }
-  const double trials = static_cast<double>(places.size());
+  const double trials_factor = static_cast<double>(places.size());
   // Long campaigns: the search is coarser than the count that the p-value pays for, and the fit moves it.
   constexpr std::size_t kSearched = 300;
   const std::size_t stride = places.size() / kSearched + 1;
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
-    SeparableTerm term =
-        SeriesTerm(layout, choice, 1, [](std::span<const double> shapes, Eigen::MatrixXd& course) {
+    SeparableTerm term = SeriesTerm(
+        layout, choice, 1, [](std::span<const double> nonlinear_parameters, Eigen::MatrixXd& course) {
           for (Index c = 0; c < course.rows(); ++c) {
-            const double x = 2.0 * (static_cast<double>(c) + 0.5 - shapes[0]) / shapes[1];
+            const double x =
+                2.0 * (static_cast<double>(c) + 0.5 - nonlinear_parameters[0]) / nonlinear_parameters[1];
             course(c, 0) = std::exp2(-x * x * x * x);
           }
         });
-    term.shapes = {{0.0, cycles, 1.0}, {kNarrowest, widest, 1.0}};
+    term.nonlinear_parameters = {{0.0, cycles, 1.0}, {kNarrowest, widest, 1.0}};
     DescribeSeries(term, layout, choice, Numbered(1),
                    {{"centre_cycle", "1", 1.0, true}, {"width_cycles", "1", 1.0, false}});
-    term.starts = [layout, term, places, stride](const Remainder& remainder) {
+    term.starts = [layout, term, places, stride](const WeightedResidual& residual) {
       std::vector<std::vector<double>> coarse;
       for (std::size_t i = 0; i < places.size(); i += stride) coarse.push_back(places[i]);
-      return BestCandidates(*layout, term, remainder, coarse, 2);
+      return BestCandidates(*layout, term, residual, coarse, 2);
     };
     model.causes.push_back(std::move(term));
     model.rules.push_back(
-        Correction(*layout, choice, "passing deviation", choice.series.size() + 2, trials, true));
+        NuisanceTerm(*layout, choice, "passing deviation", choice.series.size() + 2, trials_factor, true));
   }
 }
 
 void AddOtherRunIn(const LayoutPointer& layout, SeparableModel& model) {
   const SeriesChoice all = ChoicesOf(*layout).front();
   const double shortest = std::max(0.003, 3.0 / static_cast<double>(layout->cycles()));
-  const ShapeRange range{shortest, 0.5, 0.2 * layout->run_in_share};
-  SeparableTerm term =
-      SeriesTerm(layout, all, 1, [layout](std::span<const double> shapes, Eigen::MatrixXd& course) {
+  const NonlinearParameterRange range{shortest, 0.5, 0.2 * layout->run_in_share};
+  SeparableTerm term = SeriesTerm(
+      layout, all, 1, [layout](std::span<const double> nonlinear_parameters, Eigen::MatrixXd& course) {
         for (Index c = 0; c < course.rows(); ++c) {
-          course(c, 0) = std::exp(-layout->load_share[static_cast<std::size_t>(c)] / shapes[0]);
+          course(c, 0) = std::exp(-layout->load_share[static_cast<std::size_t>(c)] / nonlinear_parameters[0]);
         }
       });
-  term.shapes = {range};
+  term.nonlinear_parameters = {range};
   DescribeSeries(term, layout, all, Numbered(1), {{"run_in_h", "h", layout->load_span_s / 3600.0, false}});
-  term.starts = [layout, term, range](const Remainder& remainder) {
+  term.starts = [layout, term, range](const WeightedResidual& residual) {
     std::vector<std::vector<double>> shares;
     for (double share = range.low; share <= range.high; share *= 1.5) {
       // Next to the one that is there already the two are one.
       if (std::abs(std::log(share / layout->run_in_share)) > 0.3) shares.push_back({share});
     }
-    return BestCandidates(*layout, term, remainder, shares, 2);
+    return BestCandidates(*layout, term, residual, shares, 2);
   };
   model.causes.push_back(std::move(term));
   model.rules.push_back(
-      Correction(*layout, all, "run-in of another length", all.series.size() + 1, 3.0, false));
+      NuisanceTerm(*layout, all, "run-in of another length", all.series.size() + 1, 3.0, false));
 }
 
 }  // namespace
 
-void AddCampaignCorrections(const LayoutPointer& layout, SeparableModel& model) {
+void AddCampaignNuisanceTerms(const LayoutPointer& layout, SeparableModel& model) {
   AddSmooth(layout, model);
   AddTemperatureCurve(layout, model);
   AddLine(layout, model);

@@ -144,7 +144,7 @@ void Stack(const std::vector<std::vector<double>>& values, const Eigen::MatrixXd
   }
   std::vector<Eigen::VectorXd> rows;
   for (std::size_t s = 0; s < count; ++s) {
-    layout.stretches.push_back(layout.measured.size());
+    layout.segments.push_back(layout.measured.size());
     for (std::size_t c = 0; c < cycles; ++c) {
       if (!std::isfinite(values[s][c])) continue;
       const Eigen::VectorXd row = mixing_of[c].row(static_cast<Index>(s));

@@ -28,7 +28,7 @@ struct CampaignLayout {
   std::vector<SeriesName> series;
   std::vector<double> scale;  // scatter of each series, in its unit
   std::vector<double> measured;
-  std::vector<std::size_t> stretches;
+  std::vector<std::size_t> segments;
   std::vector<std::size_t> cycle_of;  // row of the campaign, one a sample
   std::vector<std::size_t> mixed_of;  // which mixture, one a sample
   Eigen::MatrixXd mixing;             // samples × series: response = mixing · values / scale

@@ -24,21 +24,22 @@ void AddPauseRecovery(const LayoutPointer& layout, SeparableModel& model) {
   }
   if (resumed.empty()) return;
   const SeriesNumber size{.what = "first_after_pause", .per = "", .unit_per = "", .factor = 1.0};
-  const ShapeRange range{0.3, 30.0, 0.5};
+  const NonlinearParameterRange range{0.3, 30.0, 0.5};
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
-    SeparableTerm term =
-        SeriesTerm(layout, choice, 1, [resumed](std::span<const double> shapes, Eigen::MatrixXd& course) {
+    SeparableTerm term = SeriesTerm(
+        layout, choice, 1, [resumed](std::span<const double> nonlinear_parameters, Eigen::MatrixXd& course) {
           course.setZero();
           for (const std::size_t from : resumed) {
             for (auto c = static_cast<Index>(from); c < course.rows(); ++c) {
-              course(c, 0) = std::exp(-static_cast<double>(c - static_cast<Index>(from)) / shapes[0]);
+              course(c, 0) =
+                  std::exp(-static_cast<double>(c - static_cast<Index>(from)) / nonlinear_parameters[0]);
             }
           }
         });
-    term.shapes = {range};
+    term.nonlinear_parameters = {range};
     DescribeSeries(term, layout, choice, {size}, {{"recovery_cycles", "1", 1.0, false}});
-    term.starts = [layout, term](const Remainder& remainder) {
-      return BestCandidates(*layout, term, remainder, {{0.5}, {1.5}, {4.0}, {12.0}}, 2);
+    term.starts = [layout, term](const WeightedResidual& residual) {
+      return BestCandidates(*layout, term, residual, {{0.5}, {1.5}, {4.0}, {12.0}}, 2);
     };
     CauseRule rule{.name = "pause_recovery",
                    .sentence = "the first cycles after a long pause differ" + choice.Suffix(*layout) +
@@ -46,7 +47,7 @@ void AddPauseRecovery(const LayoutPointer& layout, SeparableModel& model) {
                    .where = Where::kUndecided,
                    .effect = "E10",
                    .degrees_of_freedom = static_cast<int>(choice.series.size()) + 1,
-                   .trials = choice.Trials(*layout, 2.0),
+                   .trials_factor = choice.TrialsFactor(*layout, 2.0),
                    .local = true,
                    .to_settle =
                        "# a longer warm-up before the first measurement after a pause: cold grease and a "

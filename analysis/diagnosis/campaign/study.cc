@@ -73,7 +73,7 @@ std::unique_ptr<Study> MakeCampaignStudy(const CampaignData& campaign) {
   const auto layout = std::make_shared<const CampaignLayout>(LayOut(campaign));
   SeparableModel model;
   model.measured = layout->measured;
-  model.stretches = layout->stretches;
+  model.segments = layout->segments;
   model.unit = "standard deviations";
   model.noise_floor = layout->noise_floor;
   // Cycles scatter independently: a few of them are a block, few enough to leave the run-in its own.
@@ -86,7 +86,7 @@ std::unique_ptr<Study> MakeCampaignStudy(const CampaignData& campaign) {
   AddDailyTemperature(layout, model);
   AddSensorReplaced(layout, model);
   AddPauseRecovery(layout, model);
-  AddCampaignCorrections(layout, model);
+  AddCampaignNuisanceTerms(layout, model);
   AddRegressor(*layout, layout->cycle, "cycle", "cycle", 1.0, model);
   AddRegressor(*layout, layout->load_time_s, "load_time", "credited load time / h", 1.0 / 3600.0, model);
   AddRegressor(*layout, layout->time_s, "time", "time / d", 1.0 / 86400.0, model);

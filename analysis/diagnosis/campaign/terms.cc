@@ -21,7 +21,7 @@ std::string SeriesChoice::Suffix(const CampaignLayout& layout) const {
   return single ? " of " + layout.series[series.front()].full : std::string{};
 }
 
-double SeriesChoice::Trials(const CampaignLayout& layout, double places) const {
+double SeriesChoice::TrialsFactor(const CampaignLayout& layout, double places) const {
   return places * (single ? layout.single_tail : 1.0);
 }
 
@@ -52,9 +52,9 @@ SeparableTerm SeriesTerm(const LayoutPointer& layout, const SeriesChoice& choice
   SeparableTerm term;
   term.columns = courses * choice.series.size();
   term.fill = [layout, series = choice.series, courses, fill = std::move(fill)](
-                  std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+                  std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     Eigen::MatrixXd course(static_cast<Index>(layout->cycles()), static_cast<Index>(courses));
-    fill(shapes, course);
+    fill(nonlinear_parameters, course);
     Index column = 0;
     for (const std::size_t s : series) {
       for (Index k = 0; k < course.cols(); ++k, ++column) {
@@ -69,7 +69,8 @@ SeparableTerm SeriesTerm(const LayoutPointer& layout, const SeriesChoice& choice
 }
 
 void DescribeSeries(SeparableTerm& term, const LayoutPointer& layout, const SeriesChoice& choice,
-                    std::vector<SeriesNumber> numbers, std::vector<ShapeNumber> shapes) {
+                    std::vector<SeriesNumber> numbers,
+                    std::vector<NonlinearParameterNumber> nonlinear_parameters) {
   struct Column {
     std::string name;
     std::string unit;
@@ -82,30 +83,32 @@ void DescribeSeries(SeparableTerm& term, const LayoutPointer& layout, const Seri
                          layout->series[s].unit + number.unit_per, number.factor * layout->scale[s]});
     }
   }
-  term.describe = [layout, columns, shapes](std::span<const double> values,
-                                            const Eigen::MatrixXd& covariance) {
+  term.describe = [layout, columns, nonlinear_parameters](std::span<const double> values,
+                                                          const Eigen::MatrixXd& covariance) {
     std::vector<ParameterValue> described;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       described.push_back({columns[i].name, columns[i].unit, values[i] * columns[i].factor,
                            StandardErrorOf(covariance(static_cast<Index>(i), static_cast<Index>(i))) *
                                std::abs(columns[i].factor)});
     }
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
+    for (std::size_t i = 0; i < nonlinear_parameters.size(); ++i) {
       const double value = values[columns.size() + i];
       const auto row = static_cast<Index>(columns.size() + i);
       const double error = StandardErrorOf(covariance(row, row));
-      described.push_back({shapes[i].name, shapes[i].unit,
-                           shapes[i].cycle ? layout->CycleAtRow(value) : value * shapes[i].factor,
-                           error * shapes[i].factor});
+      described.push_back(
+          {nonlinear_parameters[i].name, nonlinear_parameters[i].unit,
+           nonlinear_parameters[i].cycle ? layout->CycleAtRow(value) : value * nonlinear_parameters[i].factor,
+           error * nonlinear_parameters[i].factor});
     }
     return described;
   };
-  term.restore = [layout, columns, shapes](std::span<const double> values) {
+  term.restore = [layout, columns, nonlinear_parameters](std::span<const double> values) {
     std::vector<double> restored;
     for (std::size_t i = 0; i < columns.size(); ++i) restored.push_back(values[i] / columns[i].factor);
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
+    for (std::size_t i = 0; i < nonlinear_parameters.size(); ++i) {
       const double value = values[columns.size() + i];
-      restored.push_back(shapes[i].cycle ? layout->RowOfCycle(value) : value / shapes[i].factor);
+      restored.push_back(nonlinear_parameters[i].cycle ? layout->RowOfCycle(value)
+                                                       : value / nonlinear_parameters[i].factor);
     }
     return restored;
   };
@@ -146,27 +149,27 @@ void DescribeSeriesAsHarmonic(SeparableTerm& term, const LayoutPointer& layout, 
 }
 
 std::vector<std::vector<double>> BestCandidates(const CampaignLayout& layout, const SeparableTerm& term,
-                                                const Remainder& remainder,
+                                                const WeightedResidual& residual,
                                                 const std::vector<std::vector<double>>& candidates,
                                                 std::size_t count) {
   const auto n = static_cast<Index>(layout.measured.size());
   const Eigen::VectorXd root_weight =
-      Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(), n).cwiseSqrt();
-  Eigen::VectorXd residual =
-      root_weight.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(remainder.residual.data(), n));
+      Eigen::Map<const Eigen::VectorXd>(residual.weights.data(), n).cwiseSqrt();
+  Eigen::VectorXd weighted =
+      root_weight.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(residual.residual.data(), n));
   // Every mixture has its own wear model, so that one mixture's columns are enough to project on.
   const Eigen::MatrixXd wear = WearColumns(layout.load_share, layout.run_in_share);
   std::vector<Eigen::MatrixXd> bases;
-  for (std::size_t s = 0; s < layout.stretches.size(); ++s) {
-    const auto first = static_cast<Index>(layout.stretches[s]);
-    const Index last = s + 1 < layout.stretches.size() ? static_cast<Index>(layout.stretches[s + 1]) : n;
+  for (std::size_t s = 0; s < layout.segments.size(); ++s) {
+    const auto first = static_cast<Index>(layout.segments[s]);
+    const Index last = s + 1 < layout.segments.size() ? static_cast<Index>(layout.segments[s + 1]) : n;
     Eigen::MatrixXd columns(last - first, wear.cols());
     for (Index i = first; i < last; ++i) {
       columns.row(i - first) =
           root_weight(i) * wear.row(static_cast<Index>(layout.cycle_of[static_cast<std::size_t>(i)]));
     }
     bases.push_back(OrthonormalBasis(columns));
-    auto part = residual.segment(first, last - first);
+    auto part = weighted.segment(first, last - first);
     part -= bases.back() * (bases.back().transpose() * part).eval();
   }
   std::vector<std::pair<double, std::size_t>> drops;
@@ -174,11 +177,11 @@ std::vector<std::vector<double>> BestCandidates(const CampaignLayout& layout, co
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     term.fill(candidates[c], design);
     design = root_weight.asDiagonal() * design;
-    const Eigen::VectorXd right = design.transpose() * residual;
+    const Eigen::VectorXd right = design.transpose() * weighted;
     Eigen::MatrixXd gram = design.transpose() * design;
     for (std::size_t s = 0; s < bases.size(); ++s) {
       const Eigen::MatrixXd along =
-          bases[s].transpose() * design.middleRows(static_cast<Index>(layout.stretches[s]), bases[s].rows());
+          bases[s].transpose() * design.middleRows(static_cast<Index>(layout.segments[s]), bases[s].rows());
       gram -= along.transpose() * along;
     }
     drops.emplace_back(-right.dot(ShortestLeastSquares(gram, right).col(0)), c);

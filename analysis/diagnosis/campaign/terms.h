@@ -17,7 +17,7 @@ using LayoutPointer = std::shared_ptr<const CampaignLayout>;
 
 /// Fills cycles × k with the course of a term over the campaign; each series that the term acts on gets k
 /// coefficients of its own.
-using CourseFill = std::function<void(std::span<const double> shapes, Eigen::MatrixXd& course)>;
+using CourseFill = std::function<void(std::span<const double> nonlinear_parameters, Eigen::MatrixXd& course)>;
 
 /// Which series a term acts on: all, or a single one.
 struct SeriesChoice {
@@ -26,8 +26,8 @@ struct SeriesChoice {
 
   /// " of k2_Nm_per_rad" for a single one, else empty.
   std::string Suffix(const CampaignLayout& layout) const;
-  /// Places searched, more for a single series whose scatter is known from few cycles.
-  double Trials(const CampaignLayout& layout, double places) const;
+  /// Search locations, more for a single series whose scatter is known from few cycles.
+  double TrialsFactor(const CampaignLayout& layout, double places) const;
 };
 
 /// All series together, then each one alone; only the one where there is only one.
@@ -42,7 +42,7 @@ struct SeriesNumber {
 };
 
 /// A shape that people read; `cycle` marks a row of the campaign, shown as the cycle's number.
-struct ShapeNumber {
+struct NonlinearParameterNumber {
   std::string name;
   std::string unit;
   double factor{1.0};
@@ -62,14 +62,15 @@ SeparableTerm SeriesTerm(const LayoutPointer& layout, const SeriesChoice& choice
 
 /// Describes each coefficient (`numbers`: one a course) and shape by itself.
 void DescribeSeries(SeparableTerm& term, const LayoutPointer& layout, const SeriesChoice& choice,
-                    std::vector<SeriesNumber> numbers, std::vector<ShapeNumber> shapes);
+                    std::vector<SeriesNumber> numbers,
+                    std::vector<NonlinearParameterNumber> nonlinear_parameters);
 
 /// Describes two courses (cosine, sine) a series as amplitude and phase.
 void DescribeSeriesAsHarmonic(SeparableTerm& term, const LayoutPointer& layout, const SeriesChoice& choice);
 
-/// The `count` candidates that would take most from a remainder, the wear model refitted beside each.
+/// The `count` candidates that would take most from a residual, the wear model refitted beside each.
 std::vector<std::vector<double>> BestCandidates(const CampaignLayout& layout, const SeparableTerm& term,
-                                                const Remainder& remainder,
+                                                const WeightedResidual& residual,
                                                 const std::vector<std::vector<double>>& candidates,
                                                 std::size_t count);
 

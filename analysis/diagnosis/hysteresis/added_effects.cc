@@ -55,7 +55,7 @@ class CreepEffect final : public FormedEffect {
                        {"creep_rms_arcmin", "arcmin", 0.0, range_arcmin, true},
                        {"time_constant_s", "s", 0.0, 1.01 * longest_s_, false}},
         .degrees_of_freedom = 2,
-        .trials = 4.0,
+        .trials_factor = 4.0,
         .to_settle = fmt::format(
             "# long holds at each end\n{}",
             PhaseText(records, {.name = "holds", .torque_rate_Nm_per_s = 3.0, .hold_s = 120.0, .loops = 2}))};
@@ -70,7 +70,7 @@ class CreepEffect final : public FormedEffect {
            Eigen::VectorXd& total_rad) const override {
     if (v[1] == 0.0) return;
     const CreepForm form = FormOf(v);
-    const double time_s = forms_[form].shape_per_number * std::exp(v[2]);
+    const double time_s = forms_[form].nonlinear_parameter_per_number * std::exp(v[2]);
     const model::CreepLadder ladder = IsBand(form)          ? model::BandOfCreep(time_s, std::exp(v[3]))
                                       : IsLogarithmic(form) ? model::LogarithmicCreep(time_s, duration_s_)
                                                             : model::ExponentialCreep(time_s);
@@ -107,7 +107,7 @@ class CreepEffect final : public FormedEffect {
     }
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+  std::vector<std::vector<double>> Starts(const LoopResidual&) const override {
     std::vector<std::vector<double>> starts;
     for (const CreepForm form : {kLogOfTwist, kOneOfTwist, kLogOfTorque, kOneOfTorque}) {
       // One time constant alone is sharper than a whole ladder of them.
@@ -123,10 +123,10 @@ class CreepEffect final : public FormedEffect {
 
   // The band that goes as what was fitted does.
   std::vector<std::vector<double>> RicherForms(std::span<const double> v,
-                                               const LoopRemainder&) const override {
+                                               const LoopResidual&) const override {
     const CreepForm form = FormOf(v);
     if (IsBand(form)) return {};
-    const double time_s = forms_[form].shape_per_number * std::exp(v[2]);
+    const double time_s = forms_[form].nonlinear_parameter_per_number * std::exp(v[2]);
     // Of a logarithmic law ln(1 + t/t₀), that late is as ln(t/τ) + 0.577.
     const double from_s = IsLogarithmic(form) ? kBandOverOnset * time_s : time_s / kNarrowBand;
     const double to_s = IsLogarithmic(form) ? kLongestOfBand * duration_s_ : time_s * kNarrowBand;
@@ -212,7 +212,7 @@ class ThermalDrift final : public FormedEffect {
         .effect = "E10",
         .parameters = {{"time_constant_s", "s", 0.0, 3.0 * duration_s_, false}},
         .degrees_of_freedom = 1,
-        .trials = 4.0,
+        .trials_factor = 4.0,
         .to_settle = fmt::format("# after a soak: drift goes with time and temperature, creep with torque\n"
                                  "- {{kind: soak, below_temperature: 25 degC, at_most: 2 h}}\n{}",
                                  PhaseText(records, {.name = "after-soak", .loops = 4}))};
@@ -231,7 +231,7 @@ class ThermalDrift final : public FormedEffect {
     const double amount_rad = RadFromArcmin(v[1]);
     const double sine_rad = RadFromArcmin(v[3]);
     const auto form = static_cast<DriftForm>(std::lround(v[0]));
-    const double shape_s = std::exp(v[2]);
+    const double nonlinear_parameter_s = std::exp(v[2]);
     const auto at = [&](std::size_t i) {
       switch (form) {
         case kOfTemperature:
@@ -239,9 +239,10 @@ class ThermalDrift final : public FormedEffect {
         case kOfTime:
           return amount_rad * grid.time_s[i];
         case kSaturating:
-          return amount_rad * -std::expm1(-grid.time_s[i] / shape_s);
+          return amount_rad * -std::expm1(-grid.time_s[i] / nonlinear_parameter_s);
         case kSwing: {
-          const double phase = kTwoPi * grid.time_s[i] / (kPeriodPerShape * shape_s);
+          const double phase =
+              kTwoPi * grid.time_s[i] / (kPeriodPerNonlinearParameter * nonlinear_parameter_s);
           return amount_rad * std::cos(phase) + sine_rad * std::sin(phase);
         }
       }
@@ -256,7 +257,7 @@ class ThermalDrift final : public FormedEffect {
 
   // What warms up follows the temperature, where that was recorded: a drift that does not is likelier to be
   // something else.
-  double LogPlaces(std::span<const double> v) const override {
+  double LogSearchLocations(std::span<const double> v) const override {
     return has_temperature_ && std::lround(v[0]) != kOfTemperature ? std::log(kLessLikely) : 0.0;
   }
 
@@ -270,7 +271,7 @@ class ThermalDrift final : public FormedEffect {
     errors << covariance(1, 1), covariance(1, 3), covariance(3, 1), covariance(3, 3);
     described[0].value = amplitude;
     described[0].standard_error = StandardErrorOf(slope.dot(errors * slope));
-    const double period_s = kPeriodPerShape * std::exp(v[2]);
+    const double period_s = kPeriodPerNonlinearParameter * std::exp(v[2]);
     described[1] = {"period_s", "s", period_s, period_s * StandardErrorOf(covariance(2, 2))};
     described.push_back({"phase_deg", "deg", DegFromRad(std::atan2(v[3], v[1])), 0.0});
     return described;
@@ -285,10 +286,11 @@ class ThermalDrift final : public FormedEffect {
     }
     const double phase = RadFromDeg(RequireParameter(rule, parameters, "phase_deg"));
     const double period_s = std::max(RequireParameter(rule, parameters, "period_s"), 1e-9);
-    return {kSwing, *swing * std::cos(phase), std::log(period_s / kPeriodPerShape), *swing * std::sin(phase)};
+    return {kSwing, *swing * std::cos(phase), std::log(period_s / kPeriodPerNonlinearParameter),
+            *swing * std::sin(phase)};
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+  std::vector<std::vector<double>> Starts(const LoopResidual&) const override {
     std::vector<std::vector<double>> starts;
     const double whole = std::log(duration_s_);
     if (has_temperature_) starts.push_back({kOfTemperature, 0.0, whole, 0.0});
@@ -297,18 +299,18 @@ class ThermalDrift final : public FormedEffect {
       starts.push_back({kSaturating, 0.0, std::log(share * duration_s_), 0.0});
     if (!may_swing_) return starts;
     for (const double periods : {0.4, 0.8, 1.2})
-      starts.push_back({kSwing, 0.0, std::log(duration_s_ / periods / kPeriodPerShape), 0.0});
+      starts.push_back({kSwing, 0.0, std::log(duration_s_ / periods / kPeriodPerNonlinearParameter), 0.0});
     return starts;
   }
 
  private:
   // A period of 0.7 to 14 records, in the range in which a time constant is looked for.
-  static constexpr double kPeriodPerShape = 7.0;
+  static constexpr double kPeriodPerNonlinearParameter = 7.0;
   static constexpr double kLessLikely = 10.0;
   // With fewer loops each torque comes by too seldom: a swing would stand in for any shape of the loop.
   static constexpr double kFewestPasses = 4.0;
 
-  bool HasShape(double form) const override { return form > 1.5; }
+  bool HasNonlinearParameter(double form) const override { return form > 1.5; }
 
   bool has_temperature_;
   bool may_swing_;

@@ -45,7 +45,7 @@ class BrakeSlip final : public FormedEffect {
             .parameters = {{"slip_torque_Nm", "Nm", 0.999 * kLeastShare * peak_Nm_, peak_Nm_, false},
                            {"slip_balance", "1", -1.0, 1.0, false}},
             .degrees_of_freedom = 2,
-            .trials = 6.0,
+            .trials_factor = 6.0,
             .to_settle = fmt::format(
                 "# loops below the torque at which the angle stayed behind, then beyond it\n{}{}",
                 PhaseText(records, {.name = "below"}),
@@ -84,7 +84,7 @@ class BrakeSlip final : public FormedEffect {
 
   // A brake that is loaded beyond what it holds turns the faster the more it is: its friction grows with
   // speed. The other forms are rarer.
-  double LogPlaces(std::span<const double> v) const override {
+  double LogSearchLocations(std::span<const double> v) const override {
     return std::lround(v[0]) == kSpeedOfExcess ? 0.0 : std::log(kRarer);
   }
 
@@ -112,10 +112,10 @@ class BrakeSlip final : public FormedEffect {
     return v;
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
+  std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override {
     std::vector<std::vector<double>> starts;
     for (const double side : {1.0, -1.0}) {
-      for (const double level_Nm : LevelsOfJump_Nm(remainder, side))
+      for (const double level_Nm : LevelsOfJump_Nm(residual, side))
         starts.push_back({kOneJump, 0.0, std::log(level_Nm), side, 0.0});
     }
     for (int form = 0; form < static_cast<int>(forms_.size()); ++form) {
@@ -129,7 +129,7 @@ class BrakeSlip final : public FormedEffect {
   }
 
   std::vector<std::vector<double>> RicherForms(std::span<const double> v,
-                                               const LoopRemainder&) const override {
+                                               const LoopResidual&) const override {
     std::vector<double> richer(v.begin(), v.end());
     richer[3] = std::clamp(richer[3], -0.5, 0.5);
     richer[4] = 1.0;
@@ -146,14 +146,14 @@ class BrakeSlip final : public FormedEffect {
   // Torques at which a jump, once one is reached for the first time under torque of this sign, takes most off
   // the residual: off all of it, and off the points next to it, where a model without the jump has not bent
   // to follow it. A fit does not find it from afar: beside the level nothing says which way to go.
-  std::vector<double> LevelsOfJump_Nm(const LoopRemainder& remainder, double side) const {
+  std::vector<double> LevelsOfJump_Nm(const LoopResidual& residual, double side) const {
     struct JumpAt {
       double gain{};
       double level_Nm{};
     };
     JumpAt far;
     std::vector<JumpAt> near;
-    const LoopGrid& grid = remainder.grid;
+    const LoopGrid& grid = residual.grid;
     for (std::size_t r = 0; r < grid.records(); ++r) {
       const std::size_t first = grid.starts[r];
       const std::size_t end = grid.starts[r + 1];
@@ -162,7 +162,7 @@ class BrakeSlip final : public FormedEffect {
       std::vector<double> sum{0.0};
       for (std::size_t i = first; i < end; ++i) {
         weight.push_back(weight.back() + grid.weight[i]);
-        sum.push_back(sum.back() + grid.weight[i] * remainder.residual_rad[i]);
+        sum.push_back(sum.back() + grid.weight[i] * residual.residual_rad[i]);
       }
       // Of a step before point i, between points a and b.
       const auto gain_of = [&](std::size_t a, std::size_t i, std::size_t b) {

@@ -30,14 +30,14 @@ void RequireKnees(const HysteresisData& record) {
   }
 }
 
-// By how much most of a stretch's samples go beyond where it begins and ends: a hump, of either sign. 0 for a
-// stretch too short to tell.
-double HumpOf(std::span<const double> stretch) {
+// By how much most of a segment's samples go beyond where it begins and ends: a hump, of either sign. 0 for a
+// segment too short to tell.
+double HumpOf(std::span<const double> segment) {
   constexpr std::size_t kEnd = 3;
-  if (stretch.size() < 4 * kEnd) return 0.0;
-  const double begin = Median({stretch.begin(), stretch.begin() + kEnd});
-  const double end = Median({stretch.end() - kEnd, stretch.end()});
-  const auto middle = stretch.subspan(stretch.size() / 3, stretch.size() / 3 + 1);
+  if (segment.size() < 4 * kEnd) return 0.0;
+  const double begin = Median({segment.begin(), segment.begin() + kEnd});
+  const double end = Median({segment.end() - kEnd, segment.end()});
+  const auto middle = segment.subspan(segment.size() / 3, segment.size() / 3 + 1);
   const double centre = Median({middle.begin(), middle.end()});
   return std::max(centre - std::max(begin, end), std::min(begin, end) - centre);
 }

@@ -11,7 +11,7 @@
 namespace strainwave::analysis::diagnosis {
 
 /// A shape without a physical cause. Its numbers are its parameters as they are, in their units.
-class Correction : public LoopEffect {
+class NuisanceTerm : public LoopEffect {
  public:
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {
@@ -45,10 +45,10 @@ inline double Bell(double from_middle) {
 }
 
 /// Appends knees of the spring that lie elsewhere than the record says.
-void AppendKneeCorrection(const LoopRecords& records, LoopEffects& effects);
+void AppendKneeNuisanceTerm(const LoopRecords& records, LoopEffects& effects);
 /// Appends a jump and a window in time.
-void AppendTimeCorrections(const LoopRecords& records, LoopEffects& effects);
+void AppendTimeNuisanceTerms(const LoopRecords& records, LoopEffects& effects);
 /// Appends windows over torque and over output angle.
-void AppendPlaceCorrections(const LoopRecords& records, LoopEffects& effects);
+void AppendPlaceNuisanceTerms(const LoopRecords& records, LoopEffects& effects);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -14,7 +14,7 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 // Legendre polynomials of the torque over its peak, the same on both branches or turned with the direction.
-class TorquePolynomial final : public Correction {
+class TorquePolynomial final : public NuisanceTerm {
  public:
   TorquePolynomial(const LoopRecords& records, bool by_branch)
       : peak_Nm_(records.peak_torque_Nm), by_branch_(by_branch), first_order_(by_branch ? 0 : 2) {
@@ -44,7 +44,7 @@ class TorquePolynomial final : public Correction {
     }
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+  std::vector<std::vector<double>> Starts(const LoopResidual&) const override {
     return {std::vector<double>(kOrders, 0.0)};
   }
 
@@ -120,7 +120,7 @@ Abscissa AbscissaOf(Over over) {
 }
 
 // Numbers: cosine, sine, frequency.
-class Line final : public Correction {
+class Line final : public NuisanceTerm {
  public:
   Line(const LoopRecords& records, Over over) : over_(over), abscissa_(AbscissaOf(over)) {
     const double most = ArcminFromRad(records.twist_range_rad);
@@ -142,8 +142,8 @@ class Line final : public Correction {
     rule = {.name = abscissa_.name,
             .sentence = abscissa_.sentence,
             .degrees_of_freedom = 3,
-            .places = 1,
-            .trials = (highest_ - lowest_) * span,
+            .location_parameters = 1,
+            .trials_factor = (highest_ - lowest_) * span,
             .named = false};
     if (over == Over::kAngle) rule.misfit_share = kRippleMisfit;
   }
@@ -159,15 +159,15 @@ class Line final : public Correction {
       total_rad(static_cast<Eigen::Index>(i)) += height * std::sin(per_place * place[i] + first);
   }
 
-  double LogPlaces(std::span<const double> v) const override {
-    return LogPlacesOfLine(v[2], lowest_, highest_);
+  double LogSearchLocations(std::span<const double> v) const override {
+    return LogSearchLocationsOfLine(v[2], lowest_, highest_);
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
-    const LoopGrid& grid = remainder.grid;
+  std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override {
+    const LoopGrid& grid = residual.grid;
     const double per_number = abscissa_.per_number;
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(PlaceIn(grid), remainder.residual_rad, grid.weight,
+    for (const LinePeak& peak : FindLines(PlaceIn(grid), residual.residual_rad, grid.weight,
                                           lowest_ * per_number, highest_ * per_number, 3)) {
       starts.push_back({0.0, 0.0, std::clamp(peak.order / per_number, lowest_, highest_)});
     }
@@ -187,15 +187,15 @@ class Line final : public Correction {
 
 }  // namespace
 
-void AppendCorrections(const LoopRecords& records, LoopEffects& effects) {
-  AppendKneeCorrection(records, effects);
+void AppendNuisanceTerms(const LoopRecords& records, LoopEffects& effects) {
+  AppendKneeNuisanceTerm(records, effects);
   effects.push_back(std::make_unique<TorquePolynomial>(records, false));
   effects.push_back(std::make_unique<TorquePolynomial>(records, true));
   for (const Over over : {Over::kAngle, Over::kTime, Over::kTorque}) {
     effects.push_back(std::make_unique<Line>(records, over));
   }
-  AppendPlaceCorrections(records, effects);
-  AppendTimeCorrections(records, effects);
+  AppendPlaceNuisanceTerms(records, effects);
+  AppendTimeNuisanceTerms(records, effects);
 }
 
 }  // namespace strainwave::analysis::diagnosis

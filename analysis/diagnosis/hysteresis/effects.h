@@ -23,14 +23,14 @@ struct FitNumber {
 };
 
 /// What a search for starting numbers is given: a model without the effect, fitted.
-struct LoopRemainder {
+struct LoopResidual {
   const LoopRecords& records;
   const LoopGrid& grid;                  // with the weights of the fit
   const GearLaw& law;                    // as fitted
   std::span<const double> residual_rad;  // of the grid's points
 };
 
-/// One cause, or correction, of a hysteresis record: numbers that shape the gear or add to its twist.
+/// One cause, or nuisance term, of a hysteresis record: numbers that shape the gear or add to its twist.
 class LoopEffect {
  public:
   virtual ~LoopEffect() = default;
@@ -49,15 +49,15 @@ class LoopEffect {
   virtual bool IsHeld(std::span<const double> /*numbers*/, std::size_t k) const { return numbers[k].held; }
   /// Place of a number on which the effect depends in a way of its own (a level, a time constant) and which a
   /// record may leave open over a wide range; −1 for none.
-  virtual int Shape() const { return -1; }
-  /// As ModelFit::log_places, of these numbers.
-  virtual double LogPlaces(std::span<const double> /*numbers*/) const { return 0.0; }
-  /// Numbers to start from, amounts zero: forms and shapes that are worth trying.
-  virtual std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const = 0;
-  /// Richer forms of the effect as fitted, amounts zero that are new, or the same in another valley; each is
-  /// kept only if it pays. Empty for most.
+  virtual int NonlinearParameter() const { return -1; }
+  /// As ModelFit::log_search_locations, of these numbers.
+  virtual double LogSearchLocations(std::span<const double> /*numbers*/) const { return 0.0; }
+  /// Numbers to start from, amounts zero: forms and nonlinear parameters that are worth trying.
+  virtual std::vector<std::vector<double>> Starts(const LoopResidual& residual) const = 0;
+  /// Richer forms of the effect as fitted, amounts zero that are new, or the same in another local minimum;
+  /// each is kept only if it pays. Empty for most.
   virtual std::vector<std::vector<double>> RicherForms(std::span<const double> /*numbers*/,
-                                                       const LoopRemainder& /*remainder*/) const {
+                                                       const LoopResidual& /*residual*/) const {
     return {};
   }
   /// As people read it; `covariance` of the numbers, zero where errors were not asked for.
@@ -78,9 +78,9 @@ void AppendDistributedFriction(const LoopRecords& records, LoopEffects& effects)
 void AppendRateDependence(const LoopRecords& records, LoopEffects& effects);
 /// Appends the causes that add to the angle: creep, brake slip, thermal drift.
 void AppendAddedEffects(const LoopRecords& records, LoopEffects& effects);
-/// Appends shapes without a physical cause: other knees, smooth functions of the torque, lines over output
-/// angle, time and torque, windows over torque and output angle, a jump and a window in time.
-void AppendCorrections(const LoopRecords& records, LoopEffects& effects);
+/// Appends nonlinear parameters without a physical cause: other knees, smooth functions of the torque, lines
+/// over output angle, time and torque, windows over torque and output angle, a jump and a window in time.
+void AppendNuisanceTerms(const LoopRecords& records, LoopEffects& effects);
 
 /// Standard errors from a covariance.
 std::vector<double> ErrorsOf(const Eigen::MatrixXd& covariance);

@@ -14,12 +14,12 @@
 namespace strainwave::analysis::diagnosis {
 
 FormedEffect::FormedEffect(const LoopRecords& records, std::vector<Form> forms, const char* size_name,
-                           const char* shape_name, const char* shape_unit)
+                           const char* nonlinear_parameter_name, const char* nonlinear_parameter_unit)
     : records_(records),
       forms_(std::move(forms)),
       size_name_(size_name),
-      shape_name_(shape_name),
-      shape_unit_(shape_unit) {}
+      nonlinear_parameter_name_(nonlinear_parameter_name),
+      nonlinear_parameter_unit_(nonlinear_parameter_unit) {}
 
 std::vector<ParameterValue> FormedEffect::Describe(std::span<const double> v,
                                                    const Eigen::MatrixXd& covariance) const {
@@ -27,9 +27,10 @@ std::vector<ParameterValue> FormedEffect::Describe(std::span<const double> v,
   const Form& form = forms_[static_cast<std::size_t>(std::lround(v[0]))];
   std::vector<ParameterValue> described{
       {form.name, form.unit, v[1] * form.unit_per_number, se[1] * form.unit_per_number}};
-  if (HasShape(v[0])) {
-    const double shape = form.shape_per_number * std::exp(v[2]);
-    described.push_back({shape_name_, shape_unit_, shape, shape * se[2]});
+  if (HasNonlinearParameter(v[0])) {
+    const double nonlinear_parameter = form.nonlinear_parameter_per_number * std::exp(v[2]);
+    described.push_back({nonlinear_parameter_name_, nonlinear_parameter_unit_, nonlinear_parameter,
+                         nonlinear_parameter * se[2]});
   }
   // Amount and shape go together in their errors: what both make of the record is known better than either.
   const double size = SizeOf(v);
@@ -48,9 +49,10 @@ std::vector<double> FormedEffect::Restore(std::span<const ParameterValue> parame
     const double* amount = FindParameter(parameters, forms_[f].name);
     if (amount == nullptr) continue;
     const auto form = static_cast<double>(f);
-    const double shape = HasShape(form) ? RequireParameter(rule, parameters, shape_name_) : 1.0;
+    const double nonlinear_parameter =
+        HasNonlinearParameter(form) ? RequireParameter(rule, parameters, nonlinear_parameter_name_) : 1.0;
     return {form, *amount / forms_[f].unit_per_number,
-            std::log(std::max(shape, 1e-9) / forms_[f].shape_per_number)};
+            std::log(std::max(nonlinear_parameter, 1e-9) / forms_[f].nonlinear_parameter_per_number)};
   }
   std::string names;
   for (const Form& form : forms_) names += fmt::format("{}{}", names.empty() ? "" : ", ", form.name);

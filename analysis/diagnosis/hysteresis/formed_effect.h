@@ -12,8 +12,8 @@ namespace strainwave::analysis::diagnosis {
 struct Form {
   const char* name;
   const char* unit;
-  double unit_per_number;        // the number as people read it over the fit's own
-  double shape_per_number{1.0};  // the shape's number over e to the fit's own
+  double unit_per_number;                      // the number as people read it over the fit's own
+  double nonlinear_parameter_per_number{1.0};  // the shape's number over e to the fit's own
 };
 
 /// Adds amount × a shape that depends on one more number, in one of several forms. Numbers: form, amount, ln
@@ -21,18 +21,18 @@ struct Form {
 class FormedEffect : public LoopEffect {
  public:
   FormedEffect(const LoopRecords& records, std::vector<Form> forms, const char* size_name,
-               const char* shape_name, const char* shape_unit);
+               const char* nonlinear_parameter_name, const char* nonlinear_parameter_unit);
 
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override;
   std::vector<double> Restore(std::span<const ParameterValue> parameters) const override;
   bool IsHeld(std::span<const double> v, std::size_t k) const override {
-    return k == 0 || (k == 2 && !HasShape(v[0]));
+    return k == 0 || (k == 2 && !HasNonlinearParameter(v[0]));
   }
-  int Shape() const override { return 2; }
+  int NonlinearParameter() const override { return 2; }
 
  protected:
-  virtual bool HasShape(double /*form*/) const { return true; }
+  virtual bool HasNonlinearParameter(double /*form*/) const { return true; }
   /// What the effect adds to the angle, arcmin rms, beyond what a straight spring and friction could do as
   /// well.
   double SizeOf(std::span<const double> v) const;
@@ -40,8 +40,8 @@ class FormedEffect : public LoopEffect {
   const LoopRecords& records_;
   std::vector<Form> forms_;
   const char* size_name_;
-  const char* shape_name_;
-  const char* shape_unit_;
+  const char* nonlinear_parameter_name_;
+  const char* nonlinear_parameter_unit_;
 };
 
 /// Appends the slip of the brake that locks the input.

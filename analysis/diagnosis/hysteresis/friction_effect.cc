@@ -41,7 +41,7 @@ class DistributedFriction final : public LoopEffect {
                        {"second_yield_twist_arcmin", "arcmin", 0.0, 0.59 * range_arcmin, false},
                        {"spread_friction_torque_Nm", "Nm", 0.0, most_Nm, false}},
         .degrees_of_freedom = 2 + static_cast<int>(records_),
-        .trials = 4.0,
+        .trials_factor = 4.0,
         .to_settle = TwoAngles(records)};
     numbers.push_back({1.0, 3.0, 0.0, true, false});
     for (int block = 0; block < 2; ++block) {
@@ -77,9 +77,9 @@ class DistributedFriction final : public LoopEffect {
     return FormOf(v) == kOneMore || k != FirstOf(1) + 1;
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
+  std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override {
     std::vector<std::vector<double>> starts;
-    const double own = std::log(ArcminFromRad(remainder.law.friction[0].yield_rad));
+    const double own = std::log(ArcminFromRad(residual.law.friction[0].yield_rad));
     for (const double share : {0.0, -0.95, 0.95}) {
       for (const double factor : {0.08, 0.3, 3.0, 10.0, 30.0}) {
         const double yield = own + std::log(factor);
@@ -95,10 +95,10 @@ class DistributedFriction final : public LoopEffect {
   }
 
   std::vector<std::vector<double>> RicherForms(std::span<const double> v,
-                                               const LoopRemainder& remainder) const override {
+                                               const LoopResidual& residual) const override {
     std::vector<std::vector<double>> forms;
     if (FormOf(v) != kOneMore) return forms;
-    for (const std::vector<double>& start : Starts(remainder)) {
+    for (const std::vector<double>& start : Starts(residual)) {
       if (FormOf(start) != kOneMore) continue;
       // The one that is there goes behind the new one, whose torque is to be found.
       std::vector<double> form(v.begin(), v.end());

@@ -32,7 +32,7 @@ class BacklashEffect final : public LoopEffect {
                        {"dead_zone_torque_Nm", "Nm", 0.0, 1.001 * most_Nm, false},
                        {"beside_friction", "1", 0.0, 1.0, false}},
         .degrees_of_freedom = 2,
-        .trials = 6.0,
+        .trials_factor = 6.0,
         .to_settle = TwoAngles(records)};
     numbers = {{kOutside, kOutsideRounded, 0.0, true, false},
                {0.0, 0.8 * range_arcmin, 1e-5 * range_arcmin, false, true},
@@ -46,13 +46,13 @@ class BacklashEffect final : public LoopEffect {
     law.backlash_beside_friction = form == kBesideFriction;
     law.backlash = {RadFromArcmin(v[1]), std::exp(v[2]), form == kOutsideRounded};
   }
-  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+  std::vector<std::vector<double>> Starts(const LoopResidual&) const override {
     const double start = std::log(start_torque_Nm_);
     return {{kOutside, 0.0, start}, {kBesideFriction, 0.0, start}, {kOutsideRounded, 0.0, start}};
   }
   // A fit does not come from a zone that fades away to one with sharp ends.
   std::vector<std::vector<double>> RicherForms(std::span<const double> v,
-                                               const LoopRemainder&) const override {
+                                               const LoopResidual&) const override {
     return {{v[0], v[1], numbers[2].low}};
   }
   std::vector<ParameterValue> Describe(std::span<const double> v,
@@ -93,7 +93,7 @@ void AppendGearEffects(const LoopRecords& records, LoopEffects& effects) {
       .where = Where::kUnit,
       .effect = "E5",
       .degrees_of_freedom = 1,
-      .trials = 6.0,
+      .trials_factor = 6.0,
       .to_settle = TwoAngles(records)};
   const auto of_segments = [](const char* name, std::vector<std::size_t> segments) {
     return LawForm{name, "1", -0.5, 0.5, [segments = std::move(segments)](double share, GearLaw& law) {

@@ -20,7 +20,7 @@ double MeanOf(const RunningSums& sums, std::size_t first, std::size_t end) {
   return (sums.sum[end] - sums.sum[first]) / (sums.weight[end] - sums.weight[first]);
 }
 
-// A piece of a signal beside, or within, a longer stretch of it.
+// A piece of a signal beside, or within, a longer segment of it.
 bool Agrees(const RunningSums& sums, std::size_t piece, std::size_t first, std::size_t end, double noise) {
   const double error =
       noise * std::sqrt(1.0 / static_cast<double>(kPiece) + 1.0 / static_cast<double>(end - first));
@@ -38,7 +38,7 @@ bool EndStandsOff(const RunningSums& sums, std::size_t outermost, int inwards, d
   return false;
 }
 
-// What two parts of a stretch differ by in their means, in standard errors.
+// What two parts of a segment differ by in their means, in standard errors.
 double Contrast(double mean, double other_mean, std::size_t count, std::size_t other_count, double noise) {
   return std::abs(mean - other_mean) /
          (noise * std::sqrt(1.0 / static_cast<double>(count) + 1.0 / static_cast<double>(other_count)));
@@ -92,7 +92,7 @@ constexpr double kTrendOfStair = 3.0;
 
 bool IsOff(double difference, double noise) { return std::abs(difference) > kOffStair * noise; }
 
-// A stretch without the samples at its ends that belong to the ways up and down, and with its mean.
+// A segment without the samples at its ends that belong to the ways up and down, and with its mean.
 Hold WithoutRiser(std::span<const double> signal, const RunningSums& sums, Hold stair, double noise) {
   constexpr double kBeside = 2.5;
   const auto stands_off = [&](std::size_t at, std::size_t rest_first, std::size_t rest_end) {

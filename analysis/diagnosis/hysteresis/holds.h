@@ -16,12 +16,12 @@ struct Hold {
   double level{};  // mean
 };
 
-/// Stretches of 64 samples and more over which a signal is its mean and white noise: no slope, and no piece
+/// Segments of 64 samples and more over which a signal is its mean and white noise: no slope, and no piece
 /// of it that stands off. A parabola goes on bending where a smooth ramp ends, past what is then held.
 /// @param noise  standard deviation of a sample; none are found where it is 0.
 std::vector<Hold> FindHolds(std::span<const double> signal, double noise);
 
-/// Stretches of 5 samples and more that a signal comes to and leaves within two samples, and is its mean and
+/// Segments of 5 samples and more that a signal comes to and leaves within two samples, and is its mean and
 /// white noise between.
 /// @param noise  standard deviation of a sample; none are found where it is 0.
 std::vector<Hold> FindStairs(std::span<const double> signal, double noise);

@@ -14,7 +14,7 @@ struct RunningSums {
 };
 RunningSums RunningSumsOf(std::span<const double> weights, std::span<const double> residual);
 
-/// Samples at which the residual's mean changes most, at least a fiftieth of them apart. A nearby stretch
+/// Samples at which the residual's mean changes most, at least a fiftieth of them apart. A nearby segment
 /// either side counts, since fits have taken off what lasts.
 std::vector<std::size_t> BestJumps(std::span<const double> weights, std::span<const double> residual,
                                    std::size_t count);

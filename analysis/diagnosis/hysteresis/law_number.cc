@@ -25,7 +25,7 @@ void LawNumber::ShapeGear(std::span<const double> v, GearLaw& law) const {
   form.put(v[Amount()] * form.high, law);
 }
 
-std::vector<std::vector<double>> LawNumber::Starts(const LoopRemainder&) const {
+std::vector<std::vector<double>> LawNumber::Starts(const LoopResidual&) const {
   if (forms_.size() == 1) return {{0.0}};
   std::vector<std::vector<double>> starts;
   for (std::size_t form = 0; form < forms_.size(); ++form) starts.push_back({static_cast<double>(form), 0.0});

@@ -25,7 +25,7 @@ class LawNumber : public LoopEffect {
   LawNumber(CauseRule the_rule, std::vector<LawForm> forms);
 
   void ShapeGear(std::span<const double> v, GearLaw& law) const override;
-  std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override;
+  std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override;
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override;
   std::vector<double> Restore(std::span<const ParameterValue> parameters) const override;

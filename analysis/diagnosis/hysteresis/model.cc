@@ -77,9 +77,9 @@ int LoopModel::FreeParameters(const Eigen::VectorXd& x) const {
   return free;
 }
 
-double LoopModel::LogPlaces(const Eigen::VectorXd& x) const {
+double LoopModel::LogSearchLocations(const Eigen::VectorXd& x) const {
   double sum = 0.0;
-  for (std::size_t e = 0; e < effects_.size(); ++e) sum += effects_[e]->LogPlaces(Of(e, x));
+  for (std::size_t e = 0; e < effects_.size(); ++e) sum += effects_[e]->LogSearchLocations(Of(e, x));
   return sum;
 }
 

@@ -42,8 +42,8 @@ class LoopModel {
   /// True where a fit leaves this number alone at these numbers.
   std::vector<bool> Held(const Eigen::VectorXd& x) const;
   int FreeParameters(const Eigen::VectorXd& x) const;
-  /// As ModelFit::log_places.
-  double LogPlaces(const Eigen::VectorXd& x) const;
+  /// As ModelFit::log_search_locations.
+  double LogSearchLocations(const Eigen::VectorXd& x) const;
 
   GearLaw LawOf(const Eigen::VectorXd& x) const;
   /// Output angle about each record's centre, rad.

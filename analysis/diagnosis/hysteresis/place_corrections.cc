@@ -36,9 +36,9 @@ class Place final : public LoopEffect {
             .parameters = {{"height_arcmin", "arcmin", -most, most, true},
                            {"step_arcmin", "arcmin", -most, most, true}},
             .degrees_of_freedom = 3,
-            .places = 2,
+            .location_parameters = 2,
             // Windows and steps that overlap, in all widths.
-            .trials = 2.0 * 12.0 / kNarrowest,
+            .trials_factor = 2.0 * 12.0 / kNarrowest,
             // One loop comes by two or three times.
             .local = true,
             .named = false};
@@ -55,9 +55,10 @@ class Place final : public LoopEffect {
     }
   }
 
-  double LogPlaces(std::span<const double> v) const override {
+  double LogSearchLocations(std::span<const double> v) const override {
     // However sharp, a step divides the way in two.
-    return LogPlacesOfWidth(v[0] > 0.5 ? kWidest * span_ : v[3], kNarrowest * span_, kWidest * span_);
+    return LogSearchLocationsOfWidth(v[0] > 0.5 ? kWidest * span_ : v[3], kNarrowest * span_,
+                                     kWidest * span_);
   }
 
   std::vector<ParameterValue> Describe(std::span<const double> v,
@@ -82,22 +83,22 @@ class Place final : public LoopEffect {
             to - from};
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
-    const std::vector<double>& places = PlacesOf(remainder.grid);
+  std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override {
+    const std::vector<double>& places = PlacesOf(residual.grid);
     std::vector<std::vector<double>> starts;
-    for (const WindowPeak& peak : FindWindows(places, remainder.residual_rad, remainder.grid.weight,
+    for (const WindowPeak& peak : FindWindows(places, residual.residual_rad, residual.grid.weight,
                                               kNarrowest * span_, kWidest * span_, kStarts))
       starts.push_back({0.0, 0.0, peak.centre, peak.width});
     std::vector<std::size_t> order(places.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return places[i]; });
     std::vector<double> weights;
-    std::vector<double> residual;
+    std::vector<double> in_order_rad;
     for (const std::size_t i : order) {
-      weights.push_back(remainder.grid.weight[i]);
-      residual.push_back(remainder.residual_rad[i]);
+      weights.push_back(residual.grid.weight[i]);
+      in_order_rad.push_back(residual.residual_rad[i]);
     }
-    for (const std::size_t jump : BestJumps(weights, residual, kStarts))
+    for (const std::size_t jump : BestJumps(weights, in_order_rad, kStarts))
       starts.push_back({1.0, 0.0, places[order[jump]], 3.0 * kNarrowest * span_});
     return starts;
   }
@@ -120,7 +121,7 @@ class Place final : public LoopEffect {
 
 }  // namespace
 
-void AppendPlaceCorrections(const LoopRecords& records, LoopEffects& effects) {
+void AppendPlaceNuisanceTerms(const LoopRecords& records, LoopEffects& effects) {
   effects.push_back(std::make_unique<Place>(records, true));
   effects.push_back(std::make_unique<Place>(records, false));
 }

@@ -69,7 +69,7 @@ void AppendRateDependence(const LoopRecords& records, LoopEffects& effects) {
       .where = Where::kUnit,
       .effect = "E22",
       .degrees_of_freedom = 1,
-      .trials = 5.0,
+      .trials_factor = 5.0,
       .to_settle = fmt::format(
           "# the same loop slowly and fast: what is the rate's doing grows ten times\n{}{}",
           PhaseText(records, {.name = "slow", .torque_rate_Nm_per_s = 0.5, .hold_s = 30.0, .loops = 2}),

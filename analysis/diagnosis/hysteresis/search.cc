@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "analysis/decompositions.h"
-#include "analysis/diagnosis/hysteresis/unseen_peaks.h"
+#include "analysis/diagnosis/hysteresis/inter_sample_extrema.h"
 #include "analysis/prepared_loop.h"
 #include "analysis/stiffness_start.h"
 #include "analysis/units.h"
@@ -20,8 +20,8 @@ using Eigen::Index;
 
 constexpr std::size_t kSearchPoints = 1500;
 constexpr int kFewIterations = 2;
-constexpr int kFitted = 2;              // of the ranked starts
-constexpr double kAnotherValley = 0.7;  // of ln yield twist
+constexpr int kFitted = 2;                    // of the ranked starts
+constexpr double kAnotherLocalMinimum = 0.7;  // of ln yield twist
 
 Eigen::VectorXd RootsOf(const std::vector<double>& weights) {
   return Eigen::Map<const Eigen::VectorXd>(weights.data(), static_cast<Index>(weights.size())).cwiseSqrt();
@@ -67,7 +67,8 @@ RankedStart RankStart(const LoopModel& model, std::size_t effect, const LoopGrid
   }
   const double drop = 2.0 * sizes.dot(drive) - sizes.dot(normal * sizes);
   ranked.promised = static_cast<double>(grid.size()) * drop / std::max(residual.squaredNorm(), 1e-300);
-  ranked.merit = ranked.promised - 2.0 * model.effects()[effect]->LogPlaces(model.Of(effect, ranked.numbers));
+  ranked.merit =
+      ranked.promised - 2.0 * model.effects()[effect]->LogSearchLocations(model.Of(effect, ranked.numbers));
   return ranked;
 }
 
@@ -83,7 +84,7 @@ class Surroundings {
     followed_ = OrthonormalColumns(roots_.asDiagonal() * derivatives);
   }
 
-  LoopRemainder Remainder(const LoopRecords& records, const LoopGrid& grid) const {
+  LoopResidual Residual(const LoopRecords& records, const LoopGrid& grid) const {
     return {records, grid, law_, {residual_.data(), static_cast<std::size_t>(residual_.size())}};
   }
 
@@ -155,7 +156,7 @@ std::vector<RankedStart> RankStarts(const LoopRecords& records, const LoopModel&
   const auto count = static_cast<Index>(added.numbers.size());
   without << x.head(place), x.tail(x.size() - place - count);
   const Surroundings beside(poorer, without, grid);
-  return beside.Rank(model, effect, grid, added.Starts(beside.Remainder(records, grid)), x);
+  return beside.Rank(model, effect, grid, added.Starts(beside.Residual(records, grid)), x);
 }
 
 // The nominal numbers that the grid search of the stiffness fit proposes for one record.
@@ -206,7 +207,8 @@ Eigen::VectorXd SettlePeaks(LoopRecords& records, const LoopModel& model, const 
     LoopGrid samples = records.samples;
     samples.turn_Nm = turns_Nm;
     const Eigen::VectorXd predicted_rad = model.Predict(numbers, samples);
-    if (!PlaceUnseenPeaks(model.LawOf(numbers), predicted_rad, records.noise_floor_rad, samples)) break;
+    if (!PlaceInterSampleExtrema(model.LawOf(numbers), predicted_rad, records.noise_floor_rad, samples))
+      break;
     numbers = SolveLoop(model, samples, numbers, kMostIterations).numbers;
     records.samples = std::move(samples);
   }
@@ -218,10 +220,11 @@ Eigen::VectorXd SettlePeaks(LoopRecords& records, const LoopModel& model, const 
 double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSolution& solution) {
   const auto n = static_cast<double>(grid.size());
   return n * std::log(std::max(solution.cost, 1e-300)) +
-         model.FreeParameters(solution.numbers) * std::log(n) + 2.0 * model.LogPlaces(solution.numbers);
+         model.FreeParameters(solution.numbers) * std::log(n) +
+         2.0 * model.LogSearchLocations(solution.numbers);
 }
 
-NominalValleys FindNominal(LoopRecords& records) {
+NominalLocalMinima FindNominal(LoopRecords& records) {
   const LoopModel model(records, {});
   const LoopGrid grid = Condense(records, records.samples.weight, kSearchPoints);
   std::vector<Eigen::VectorXd> starts;
@@ -236,24 +239,24 @@ NominalValleys FindNominal(LoopRecords& records) {
       start.segment(own, kNumbersOfRecord) = proposed[0].segment(kFirstOfRecord, kNumbersOfRecord);
     }
   }
-  // The yield twist decides which valley a fit ends in.
+  // The yield twist decides which local minimum a fit ends in.
   const Eigen::VectorXd first = starts.front();
   for (const double factor : {0.25, 4.0}) {
     starts.push_back(first);
     starts.back()[kLnYield] += std::log(factor);
   }
-  std::vector<LoopSolution> valleys;
+  std::vector<LoopSolution> local_minima;
   for (const Eigen::VectorXd& start : starts) {
     LoopSolution solution = SolveLoop(model, grid, start, kMostIterations);
-    if (std::isfinite(solution.cost)) valleys.push_back(std::move(solution));
+    if (std::isfinite(solution.cost)) local_minima.push_back(std::move(solution));
   }
-  std::ranges::stable_sort(valleys, {}, &LoopSolution::cost);
-  const Eigen::VectorXd& best = valleys.empty() ? first : valleys.front().numbers;
-  const auto other = std::ranges::find_if(valleys, [&](const LoopSolution& valley) {
-    return std::abs(valley.numbers[kLnYield] - best[kLnYield]) > kAnotherValley;
+  std::ranges::stable_sort(local_minima, {}, &LoopSolution::cost);
+  const Eigen::VectorXd& best = local_minima.empty() ? first : local_minima.front().numbers;
+  const auto other = std::ranges::find_if(local_minima, [&](const LoopSolution& local_minimum) {
+    return std::abs(local_minimum.numbers[kLnYield] - best[kLnYield]) > kAnotherLocalMinimum;
   });
   return {SettlePeaks(records, model, SettleTurns(records, model, best)),
-          other == valleys.end() ? Eigen::VectorXd() : other->numbers};
+          other == local_minima.end() ? Eigen::VectorXd() : other->numbers};
 }
 
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
@@ -264,7 +267,7 @@ LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model
 
   const Surroundings with(model, best.numbers, grid);
   const auto forms =
-      model.effects()[effect]->RicherForms(model.Of(effect, best.numbers), with.Remainder(records, grid));
+      model.effects()[effect]->RicherForms(model.Of(effect, best.numbers), with.Residual(records, grid));
   if (!forms.empty()) {
     LoopSolution richer{best.numbers, std::numeric_limits<double>::infinity()};
     // A form that begins as what it comes from shows in none of its amounts what it will bring.
@@ -279,7 +282,7 @@ LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model
 std::vector<Alternative> FitAlternatives(const LoopRecords& records, const LoopModel& model,
                                          std::size_t effect, const LoopGrid& grid, const Eigen::VectorXd& x) {
   constexpr double kOutOfQuestion = 20.0;  // of BIC: where the noise is coloured it counts for less
-  constexpr int kStretches = 30;
+  constexpr int kSegments = 30;
   std::vector<Alternative> alternatives;
   const LoopEffect& own = *model.effects()[effect];
   if (!own.numbers.front().held) return alternatives;
@@ -292,27 +295,28 @@ std::vector<Alternative> FitAlternatives(const LoopRecords& records, const LoopM
     best.push_back(SolveLoop(model, grid, start.numbers, kMostIterations));
     alternatives.push_back({best.back().numbers});
   }
-  if (own.Shape() < 0) return alternatives;
-  const auto shape = static_cast<std::size_t>(own.Shape());
-  const FitNumber& range = own.numbers[shape];
-  const double stretch = (range.high - range.low) / kStretches;
+  if (own.NonlinearParameter() < 0) return alternatives;
+  const auto nonlinear_parameter = static_cast<std::size_t>(own.NonlinearParameter());
+  const FitNumber& range = own.numbers[nonlinear_parameter];
+  const double segment = (range.high - range.low) / kSegments;
   const double least = PenalisedCost(model, grid, best[0]);
   for (const LoopSolution& form : best) {
     if (PenalisedCost(model, grid, form) > least + kOutOfQuestion ||
-        own.IsHeld(model.Of(effect, form.numbers), shape)) {
+        own.IsHeld(model.Of(effect, form.numbers), nonlinear_parameter)) {
       continue;
     }
     LoopModel at = model;
-    at.Hold(static_cast<int>(model.Of(effect, form.numbers).data() - form.numbers.data()) + own.Shape());
-    for (const double way : {-stretch, stretch}) {
+    at.Hold(static_cast<int>(model.Of(effect, form.numbers).data() - form.numbers.data()) +
+            own.NonlinearParameter());
+    for (const double way : {-segment, segment}) {
       LoopSolution next = form;
       for (;;) {
-        double& value = at.Of(effect, next.numbers)[shape];
+        double& value = at.Of(effect, next.numbers)[nonlinear_parameter];
         if (value + way < range.low || value + way > range.high) break;
         value += way;
         next = SolveLoop(at, grid, next.numbers, kMostIterations);
         if (PenalisedCost(model, grid, next) > least + kOutOfQuestion) break;
-        alternatives.push_back({next.numbers, stretch});
+        alternatives.push_back({next.numbers, segment});
       }
     }
   }

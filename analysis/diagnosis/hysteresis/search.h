@@ -9,20 +9,20 @@
 
 namespace strainwave::analysis::diagnosis {
 
-struct NominalValleys {
+struct NominalLocalMinima {
   Eigen::VectorXd best;
   /// Where the other fits ended best, with another yield twist; empty where all ended alike. An effect that
-  /// the model lacks may make friction of itself: what it is shows from the other valley alone.
+  /// the model lacks may make friction of itself: what it is shows from the other local minimum alone.
   Eigen::VectorXd other;
 };
 
 /// Numbers of the nominal model fitted to the records from starts that need no fit of the caller's. Turns of
 /// the torque between samples are taken off the records where the angle does not show them.
-NominalValleys FindNominal(LoopRecords& records);
+NominalLocalMinima FindNominal(LoopRecords& records);
 
 /// Fits a model to a grid where all but one effect have their numbers already, fitted without that one: the
-/// effect's forms and shapes are ranked by what they would take off the residual beside all other numbers
-/// moving along, the best of them are fitted, and the best fit is returned.
+/// effect's forms and nonlinear parameters are ranked by what they would take off the residual beside all
+/// other numbers moving along, the best of them are fitted, and the best fit is returned.
 /// @param x  numbers of the whole model; those of `effect` are not read.
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
                               const LoopGrid& grid, const Eigen::VectorXd& x);

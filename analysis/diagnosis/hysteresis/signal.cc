@@ -11,7 +11,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Parabola through samples of a growing stretch, seen from one place.
+// Parabola through samples of a growing segment, seen from one place.
 class GrowingParabola {
  public:
   void Add(double x, double y) {
@@ -46,7 +46,7 @@ class GrowingParabola {
 
 constexpr std::size_t kLongest = 64;
 
-// The longest stretch that may be used at `at`, to its left, its right or both, before the parabola leaves
+// The longest segment that may be used at `at`, to its left, its right or both, before the parabola leaves
 // what shorter ones say.
 GrowingParabola::Point LongestAgreeing(std::span<const double> t, std::span<const double> y, std::size_t at,
                                        double noise, bool left, bool right) {

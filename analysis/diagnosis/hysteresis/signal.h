@@ -27,7 +27,7 @@ struct CleanSignal {
   std::vector<double> errors;  // standard errors; 0 where there is no noise
 };
 
-/// The signal without its white noise: at each sample the parabola over the longest stretch, to its left, its
+/// The signal without its white noise: at each sample the parabola over the longest segment, to its left, its
 /// right or both, over which parabolas of all lengths agree within the noise. Corners and reversals stay
 /// where they are.
 /// @param time_s  rising; the abscissa of the parabolas.

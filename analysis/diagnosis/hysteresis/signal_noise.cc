@@ -54,7 +54,7 @@ std::vector<std::size_t> Runs(std::span<const double> time_s) {
   return runs;
 }
 
-// The same stretches of time in even steps.
+// The same segments of time in even steps.
 std::vector<double> EvenTimes(std::span<const double> time_s) {
   std::vector<double> even_s;
   const std::vector<std::size_t> runs = Runs(time_s);

@@ -46,7 +46,7 @@ LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen
     normal.triangularView<Eigen::StrictlyUpper>() = normal.transpose();
     const Eigen::VectorXd gradient = whitened.transpose() * root.cwiseProduct(residual);
     const double before = best.cost;
-    double surprise = before;  // by how much a step's gain is not as foretold
+    double surprise = before;  // by how much a step's gain is not as predicted
     bool better = false;
     while (!better && damping < kGiveUp) {
       // Numbers without effect, or that would leave their bounds, stay for this step.
@@ -110,7 +110,7 @@ LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen
         damping = std::max(10.0 * damping, 1e-6);
       }
     }
-    // A step that brought what it foretold leaves to the next one no more than what it is wrong by.
+    // A step that brought what it predicted leaves to the next one no more than what it is wrong by.
     if (!better || std::min(before - best.cost, surprise) <= settled * best.cost) break;
   }
   return best;

@@ -14,7 +14,7 @@
 #include "analysis/diagnosis/hysteresis/regressors.h"
 #include "analysis/diagnosis/hysteresis/search.h"
 #include "analysis/diagnosis/hysteresis/torque_noise.h"
-#include "analysis/diagnosis/hysteresis/uncharged_shapes.h"
+#include "analysis/diagnosis/hysteresis/unpenalised_parameters.h"
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/open_numbers.h"
 #include "analysis/diagnosis/records.h"
@@ -43,12 +43,12 @@ class HysteresisStudy final : public Study {
   explicit HysteresisStudy(std::span<const HysteresisData> data) : records_(PrepareLoopRecords(data)) {
     AppendGearEffects(records_, effects_);
     AppendAddedEffects(records_, effects_);
-    AppendCorrections(records_, effects_);
+    AppendNuisanceTerms(records_, effects_);
     for (const auto& effect : effects_) rules_.push_back(effect->rule);
-    stretches_.assign(records_.samples.starts.begin(), records_.samples.starts.end() - 1);
-    NominalValleys valleys = FindNominal(records_);
-    nominal_start_ = std::move(valleys.best);
-    other_valley_ = std::move(valleys.other);
+    segments_.assign(records_.samples.starts.begin(), records_.samples.starts.end() - 1);
+    NominalLocalMinima local_minima = FindNominal(records_);
+    nominal_start_ = std::move(local_minima.best);
+    other_local_minimum_ = std::move(local_minima.other);
     TakeFromNominal();
     warnings_ = records_.warnings;
     const GearLaw law = LoopModel(records_, {}).LawOf(nominal_start_);
@@ -59,7 +59,7 @@ class HysteresisStudy final : public Study {
   }
 
   std::span<const double> measured() const override { return records_.measured_rad; }
-  std::span<const std::size_t> stretches() const override { return stretches_; }
+  std::span<const std::size_t> segments() const override { return segments_; }
   const std::vector<CauseRule>& causes() const override { return rules_; }
   const std::vector<Regressor>& regressors() const override { return regressors_; }
   std::string unit() const override { return "arcmin"; }
@@ -96,12 +96,12 @@ class HysteresisStudy final : public Study {
   LoopRecords records_;
   LoopEffects effects_;
   std::vector<CauseRule> rules_;
-  std::vector<std::size_t> stretches_;
+  std::vector<std::size_t> segments_;
   std::vector<Regressor> regressors_;
   std::vector<std::string> warnings_;
   Eigen::VectorXd nominal_start_;
-  Eigen::VectorXd other_valley_;        // empty where there is none
-  Eigen::VectorXd noise_response_rad_;  // what the torque's noise would have turned the gear by
+  Eigen::VectorXd other_local_minimum_;  // empty where there is none
+  Eigen::VectorXd noise_response_rad_;   // what the torque's noise would have turned the gear by
 };
 
 // What the nominal model says of the record itself: where the output was on its way, without the angle's own
@@ -133,7 +133,7 @@ LoopGrid HysteresisStudy::GridOf(const LoopModel& model, std::span<const double>
 // what it was given.
 std::vector<bool> HysteresisStudy::UnseenStarts(std::span<const double> weights) const {
   std::vector<bool> unseen;
-  for (const std::size_t first : stretches_) unseen.push_back(weights[first] == 0.0);
+  for (const std::size_t first : segments_) unseen.push_back(weights[first] == 0.0);
   return unseen;
 }
 
@@ -175,9 +175,9 @@ LoopSolution HysteresisStudy::Search(std::span<const std::size_t> causes, std::s
     wider.tail(solution.numbers.size() - first) = solution.numbers.tail(solution.numbers.size() - first);
     const LoopGrid grid = GridOf(model, weights);
     solution = FitWithNewEffect(records_, model, effect, grid, wider);
-    if (present.size() == 1 && other_valley_.size() > 0) {
+    if (present.size() == 1 && other_local_minimum_.size() > 0) {
       wider.setZero();
-      wider.head(first) = other_valley_;
+      wider.head(first) = other_local_minimum_;
       LoopSolution from_other = FitWithNewEffect(records_, model, effect, grid, wider);
       if (PenalisedCost(model, grid, from_other) < PenalisedCost(model, grid, solution))
         solution = std::move(from_other);
@@ -219,9 +219,9 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
     fit.cause_parameters.push_back(std::move(described));
   }
   fit.open = open.Words();
-  fit.log_places = model.LogPlaces(solution.numbers);
+  fit.log_search_locations = model.LogSearchLocations(solution.numbers);
   fit.free_parameters = model.FreeParameters(solution.numbers);
-  fit.known_before = UnchargedShapes(model, solution, judges ? all : GridOf(model, weights));
+  fit.known_before = UnpenalisedParameters(model, solution, judges ? all : GridOf(model, weights));
   fit.state.assign(solution.numbers.data(), solution.numbers.data() + solution.numbers.size());
   fit.usable = fit.predicted.allFinite();
   return fit;
@@ -230,16 +230,17 @@ ModelFit HysteresisStudy::Fit(std::span<const std::size_t> cause_indices, std::s
 NoiseFit HysteresisStudy::NoiseOf(const Eigen::VectorXd& predicted, std::span<const double> weights) const {
   std::vector<double> residual(records_.samples.twist_rad);
   for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= predicted(static_cast<Index>(i));
-  return FitNoise(residual, weights, stretches_, LargestNoiseOrder(), records_.twist_range_rad);
+  return FitNoise(residual, weights, segments_, LargestNoiseOrder(), records_.twist_range_rad);
 }
 
-// What an effect's shapes are, and the state in which friction starts, lies in a range that is known before.
+// What an effect's nonlinear parameters are, and the state in which friction starts, lies in a range that is
+// known before.
 FitErrors HysteresisStudy::ErrorsAt(const LoopModel& model, const Eigen::VectorXd& numbers,
                                     const LoopGrid& all) const {
   constexpr double kOfState = 1.0 / 3.0;  // variance of anything from −1 to 1
   Eigen::MatrixXd derivatives;
   const Eigen::VectorXd predicted = model.Predict(numbers, all, derivatives);
-  FitErrors errors = ErrorsOfFit(derivatives, all.twist_rad, predicted, all.weight, stretches_,
+  FitErrors errors = ErrorsOfFit(derivatives, all.twist_rad, predicted, all.weight, segments_,
                                  LargestNoiseOrder(), Eigen::VectorXd::Zero(model.size()));
   for (Index state = kFirstOfRecord + 1; state < model.nominal_size(); state += kNumbersOfRecord) {
     if (!errors.open.row(state).isZero(0.0)) errors.covariance(state, state) = kOfState;
@@ -283,14 +284,15 @@ void HysteresisStudy::WidenByAlternatives(const LoopModel& model, std::size_t ef
     Eigen::MatrixXd errors = covariance;
     if (other.shape_stretch > 0.0) {
       // A piece of the integral over the shape, beside the peak's: √2π of its standard errors.
-      const auto shape = static_cast<Index>(model.Of(effect, numbers).data() - numbers.data()) +
-                         model.effects()[effect]->Shape();
-      const double peak = std::sqrt(kTwoPi * covariance(shape, shape));
+      const auto nonlinear_parameter = static_cast<Index>(model.Of(effect, numbers).data() - numbers.data()) +
+                                       model.effects()[effect]->NonlinearParameter();
+      const double peak = std::sqrt(kTwoPi * covariance(nonlinear_parameter, nonlinear_parameter));
       likelihood *= std::min(1.0, other.shape_stretch / std::max(peak, 1e-6));
       // The other numbers have the errors that they have at a given shape.
-      if (errors(shape, shape) > 0.0) {
-        const Eigen::VectorXd with_shape = covariance.col(shape);
-        errors -= with_shape * with_shape.transpose() / covariance(shape, shape);
+      if (errors(nonlinear_parameter, nonlinear_parameter) > 0.0) {
+        const Eigen::VectorXd with_nonlinear_parameter = covariance.col(nonlinear_parameter);
+        errors -= with_nonlinear_parameter * with_nonlinear_parameter.transpose() /
+                  covariance(nonlinear_parameter, nonlinear_parameter);
       }
     } else {
       errors = ErrorsAt(model, other.numbers, all).covariance;

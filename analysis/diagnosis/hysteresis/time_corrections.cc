@@ -17,7 +17,7 @@ double SamplesOfRecord(const LoopRecords& records) {
 }
 
 // A step that stays. Numbers: height, begin (held: a fit does not move it).
-class Jump final : public Correction {
+class Jump final : public NuisanceTerm {
  public:
   explicit Jump(const LoopRecords& records) : step_s_(records.step_s) {
     const double most = ArcminFromRad(records.twist_range_rad);
@@ -28,8 +28,8 @@ class Jump final : public Correction {
             .sentence = "the angle jumps once and stays: something on the bench was touched or slipped",
             .parameters = {{"height_arcmin", "arcmin", -most, most, true}},
             .degrees_of_freedom = 2,
-            .places = 1,
-            .trials = 0.5 * SamplesOfRecord(records),
+            .location_parameters = 1,
+            .trials_factor = 0.5 * SamplesOfRecord(records),
             .local = true,
             .named = false};
   }
@@ -42,10 +42,10 @@ class Jump final : public Correction {
     }
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
+  std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override {
     std::vector<std::vector<double>> starts;
-    for (const std::size_t place : BestJumps(remainder.grid.weight, remainder.residual_rad, 3)) {
-      starts.push_back({0.0, remainder.grid.time_s[place] - 1e-3 * step_s_});
+    for (const std::size_t place : BestJumps(residual.grid.weight, residual.residual_rad, 3)) {
+      starts.push_back({0.0, residual.grid.time_s[place] - 1e-3 * step_s_});
     }
     return starts;
   }
@@ -95,7 +95,7 @@ WindowPeak WithBestEnds(const LoopGrid& grid, std::span<const double> residual, 
   return {0.5 * (begin_s + end_s), end_s - begin_s, drop_of(first, end)};
 }
 
-// A level or a bell in a stretch of time. Numbers: 0 for a level, 1 for a bell; height; centre; full width,
+// A level or a bell in a segment of time. Numbers: 0 for a level, 1 for a bell; height; centre; full width,
 // of the bell at half its height. A fit moves the bell alone.
 class Window final : public LoopEffect {
  public:
@@ -119,9 +119,9 @@ class Window final : public LoopEffect {
             .parameters = {{"height_arcmin", "arcmin", -most, most, true},
                            {"bell_height_arcmin", "arcmin", -most, most, true}},
             .degrees_of_freedom = 3,
-            .places = 2,
+            .location_parameters = 2,
             // Windows that overlap, in all widths.
-            .trials = 12.0 * duration_s_ / narrowest_s_,
+            .trials_factor = 12.0 * duration_s_ / narrowest_s_,
             .local = true,
             .named = false};
   }
@@ -144,8 +144,8 @@ class Window final : public LoopEffect {
     }
   }
 
-  double LogPlaces(std::span<const double> v) const override {
-    return LogPlacesOfWidth(v[3], narrowest_s_, widest_s_);
+  double LogSearchLocations(std::span<const double> v) const override {
+    return LogSearchLocationsOfWidth(v[3], narrowest_s_, widest_s_);
   }
 
   // A level by its two edges; of a bell these are where it has half its height.
@@ -167,12 +167,12 @@ class Window final : public LoopEffect {
             0.5 * (begin_s + end_s), end_s - begin_s};
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder& remainder) const override {
-    const LoopGrid& grid = remainder.grid;
+  std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override {
+    const LoopGrid& grid = residual.grid;
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindWindows(grid.time_s, remainder.residual_rad, grid.weight, narrowest_s_, widest_s_, 3)) {
-      const WindowPeak level = one_record_ ? WithBestEnds(grid, remainder.residual_rad, peak) : peak;
+         FindWindows(grid.time_s, residual.residual_rad, grid.weight, narrowest_s_, widest_s_, 3)) {
+      const WindowPeak level = one_record_ ? WithBestEnds(grid, residual.residual_rad, peak) : peak;
       starts.push_back({0.0, 0.0, level.centre, level.width + 1e-3 * step_s_});
       starts.push_back({1.0, 0.0, peak.centre, peak.width});
     }
@@ -189,7 +189,7 @@ class Window final : public LoopEffect {
 
 }  // namespace
 
-void AppendTimeCorrections(const LoopRecords& records, LoopEffects& effects) {
+void AppendTimeNuisanceTerms(const LoopRecords& records, LoopEffects& effects) {
   effects.push_back(std::make_unique<Jump>(records));
   for (const Lasting lasting : {Lasting::kBriefly, Lasting::kLong}) {
     effects.push_back(std::make_unique<Window>(records, lasting));

@@ -19,19 +19,19 @@ namespace {
 
 using Eigen::Index;
 
-// Turns of a contact's swing in a step of the points: a faster one leaves kicks and no course.
+// Turns of a contact's swing in a step of the points: a faster one leaves transients and no course.
 constexpr double kFastestContact = 0.5;
 // Part of a contact's deflection by which the width of a gap is not known.
 constexpr double kContactEdge = 0.1;
 constexpr double kContactMisfit = 0.005;  // of squares; nobody knows the law of the contact
-// Of a loose load's starts a few are polished, of gaps apart from each other (in ln gap); of these, those
-// that are fitted.
+// Of an inertia behind backlash's starts a few are polished, of gaps apart from each other (in ln gap); of
+// these, those that are fitted.
 constexpr double kAnotherGap = 0.3;
 constexpr std::size_t kPolished = 4;
 constexpr std::size_t kStarts = 2;
-// Longer than a knock lasts: where the near side is light it jumps, and what a gap does otherwise drowns in
+// Longer than an impact lasts: where the near side is light it jumps, and what a gap does otherwise drowns in
 // when exactly; added up over that time it is the momentum that counts.
-constexpr double kKnock_s = 0.03;
+constexpr double kImpact_s = 0.03;
 constexpr double kPlaces = 40.0;
 constexpr double kRagged = 2.0;
 constexpr double kCertain = 4.0;  // standard deviations
@@ -44,9 +44,9 @@ constexpr double kWiderStep = 0.01;  // in ln gap
 constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
 constexpr int kBegins = 10;             // to either side of the middle
 constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
-// In ln gap, to see how far knocks may go astray.
+// In ln gap, to see how far impacts may go astray.
 constexpr double kAstray[] = {-0.15, -0.06, -0.02, 0.02, 0.06, 0.15};
-constexpr std::size_t kRecentDoubts = 8;
+constexpr std::size_t kRecentModelUncertainties = 8;
 constexpr std::size_t kRecentSearches = 16;
 constexpr double kSame = 1e-4;  // of what is left
 
@@ -55,28 +55,29 @@ double BrakingOf(const MotionGrid& grid) {
   return std::abs(grid.prefit(2)) / std::max(std::abs(grid.prefit(0)), 1e-300);
 }
 
-model::LooseLoad::Numbers NumbersOf(const MotionGrid& grid, std::span<const double> shapes) {
-  return {.gap = std::exp(shapes[0]),
-          .friction = std::abs(shapes[1]) * BrakingOf(grid),
-          .contact_rad_per_s = kTwoPi * std::exp(shapes[2]),
-          .contact_damping = shapes[3],
-          .start = shapes[4]};
+model::InertiaBehindBacklash::Numbers NumbersOf(const MotionGrid& grid,
+                                                std::span<const double> nonlinear_parameters) {
+  return {.gap = std::exp(nonlinear_parameters[0]),
+          .friction = std::abs(nonlinear_parameters[1]) * BrakingOf(grid),
+          .contact_rad_per_s = kTwoPi * std::exp(nonlinear_parameters[2]),
+          .contact_damping = nonlinear_parameters[3],
+          .start = nonlinear_parameters[4]};
 }
 
 // Push of the contact, per unit of the load's inertia. Where the points are denser than the contact
 // needs them, over several at once.
-void FillLooseLoad(const MotionGrid& grid, const model::LooseLoad::Numbers& numbers,
-                   std::span<double> points) {
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    model::LooseLoad load(numbers, grid.position[stretch.first], grid.velocity[stretch.first]);
+void FillInertiaBehindBacklash(const MotionGrid& grid, const model::InertiaBehindBacklash::Numbers& numbers,
+                               std::span<double> points) {
+  for (const MotionGrid::Segment& segment : grid.segments) {
+    model::InertiaBehindBacklash load(numbers, grid.position[segment.first], grid.velocity[segment.first]);
     const auto stride =
-        static_cast<std::size_t>(std::max(1.0, kContactStep / (numbers.contact_rad_per_s * stretch.step_s)));
-    const std::size_t last = stretch.first + stretch.count - 1;
-    points[stretch.first] = 0.0;
-    for (std::size_t before = stretch.first; before < last;) {
+        static_cast<std::size_t>(std::max(1.0, kContactStep / (numbers.contact_rad_per_s * segment.step_s)));
+    const std::size_t last = segment.first + segment.count - 1;
+    points[segment.first] = 0.0;
+    for (std::size_t before = segment.first; before < last;) {
       const std::size_t next = std::min(before + stride, last);
       const auto steps = static_cast<double>(next - before);
-      const double push = load.Follow(grid.position[next], grid.velocity[next], steps * stretch.step_s);
+      const double push = load.Follow(grid.position[next], grid.velocity[next], steps * segment.step_s);
       const double rise = (push - points[before]) / steps;
       for (std::size_t i = before + 1; i < next; ++i)
         points[i] = points[before] + rise * static_cast<double>(i - before);
@@ -93,32 +94,32 @@ Eigen::ArrayXd WhereItAccelerates(const MotionGrid& grid) {
   return (grid.nominal.col(0).array().abs() > kCertain * grid.acceleration_noise).cast<double>();
 }
 
-// The best shapes of a map, of gaps apart from each other: those that take more than the best of so many
-// takes of white noise.
-std::vector<std::vector<double>> Apart(const ShapeMap& map, const Remainder& remainder) {
-  const Eigen::VectorXf roots = map.Roots(remainder);
+// The best nonlinear parameters of a map, of gaps apart from each other: those that take more than the best
+// of so many takes of white noise.
+std::vector<std::vector<double>> Apart(const NonlinearParameterMap& map, const WeightedResidual& residual) {
+  const Eigen::VectorXf roots = map.Roots(residual);
   std::vector<Index> order(static_cast<std::size_t>(roots.size()));
   std::iota(order.begin(), order.end(), Index{0});
   std::ranges::sort(order, std::greater<>(), [&](Index k) { return roots(k); });
   const double least =
-      std::sqrt(2.0 * std::log(static_cast<double>(order.size())) * map.MeanSquare(remainder));
+      std::sqrt(2.0 * std::log(static_cast<double>(order.size())) * map.MeanSquare(residual));
   std::vector<std::vector<double>> apart;
   for (const Index k : order) {
     if (apart.size() == kPolished || !(roots(k) > least)) break;
-    const std::vector<double>& shapes = map.shapes()[static_cast<std::size_t>(k)];
+    const std::vector<double>& nonlinear_parameters = map.nonlinear_parameters()[static_cast<std::size_t>(k)];
     const auto close = [&](const std::vector<double>& other) {
-      return std::abs(shapes[0] - other[0]) < kAnotherGap;
+      return std::abs(nonlinear_parameters[0] - other[0]) < kAnotherGap;
     };
-    if (std::ranges::none_of(apart, close)) apart.push_back(shapes);
+    if (std::ranges::none_of(apart, close)) apart.push_back(nonlinear_parameters);
   }
   return apart;
 }
 
 // The best of some places, the given one among them.
-std::vector<double> BestOf(StartSearch& search, const std::vector<double>& shapes,
+std::vector<double> BestOf(StartSearch& search, const std::vector<double>& nonlinear_parameters,
                            const std::vector<std::vector<double>>& places) {
-  std::vector<double> best = shapes;
-  double most = search.Drop(shapes);
+  std::vector<double> best = nonlinear_parameters;
+  double most = search.Drop(nonlinear_parameters);
   for (const std::vector<double>& place : places) {
     const double drop = search.Drop(place);
     if (!(drop > most)) continue;
@@ -128,56 +129,60 @@ std::vector<double> BestOf(StartSearch& search, const std::vector<double>& shape
   return best;
 }
 
-// Where in the gap the load begins moves the first knock alone, which is too sharp to be found downhill.
-std::vector<double> BestBegin(StartSearch& search, const std::vector<double>& shapes) {
+// Where in the gap the load begins moves the first impact alone, which is too sharp to be found downhill.
+std::vector<double> BestBegin(StartSearch& search, const std::vector<double>& nonlinear_parameters) {
   std::vector<std::vector<double>> places;
   for (int k = -kBegins; k <= kBegins; ++k) {
-    places.push_back(shapes);
+    places.push_back(nonlinear_parameters);
     places.back()[4] = static_cast<double>(k) / kBegins;
   }
-  return BestOf(search, shapes, places);
+  return BestOf(search, nonlinear_parameters, places);
 }
 
 // The best nearby. A gap that is crossed in the same time is wider with less friction: along that the ground
 // is too ragged to be walked.
-std::vector<double> Nearby(StartSearch& search, const std::vector<double>& shapes) {
+std::vector<double> Nearby(StartSearch& search, const std::vector<double>& nonlinear_parameters) {
   std::vector<std::vector<double>> places;
   for (const double friction : kFrictions) {
     for (int wider = -kWider; wider <= kWider; ++wider)
-      places.push_back({shapes[0] + wider * kWiderStep, friction, shapes[2], shapes[3], shapes[4]});
+      places.push_back({nonlinear_parameters[0] + wider * kWiderStep, friction, nonlinear_parameters[2],
+                        nonlinear_parameters[3], nonlinear_parameters[4]});
   }
-  return BestBegin(search, BestOf(search, shapes, places));
+  return BestBegin(search, BestOf(search, nonlinear_parameters, places));
 }
 
 // Polished once more from a new simplex: on ragged ground the first one shrinks before its time. From the
 // best nearby as well.
-std::vector<double> PolishedAgain(StartSearch& search, const std::vector<double>& shapes) {
-  std::vector<double> polished = search.Polish(shapes, kFineSteps);
+std::vector<double> PolishedAgain(StartSearch& search, const std::vector<double>& nonlinear_parameters) {
+  std::vector<double> polished = search.Polish(nonlinear_parameters, kFineSteps);
   const std::vector<double> nearby = Nearby(search, polished);
   if (nearby == polished) return polished;
   return BestBegin(search, BestOf(search, polished, {search.Polish(nearby, kFineSteps)}));
 }
 
 // How far the load's push goes astray, row by row, if the gap and what happens in it are a little different:
-// each knock comes at another time, and what comes after a knock hangs on when and how hard that was.
-Eigen::VectorXd SpreadOfKnocks(
+// each impact comes at another time, and what comes after an impact hangs on when and how hard that was.
+Eigen::VectorXd SpreadOfImpacts(
     const std::function<void(std::span<const double>, Eigen::Ref<Eigen::MatrixXd>)>& fill,
-    const std::vector<double>& shapes, Index rows) {
+    const std::vector<double>& nonlinear_parameters, Index rows) {
   Eigen::MatrixXd own(rows, 1);
-  fill(shapes, own);
+  fill(nonlinear_parameters, own);
   Eigen::MatrixXd other(rows, 1);
   Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(rows);
   double count = 0.0;
   const auto add = [&](double wider, double friction, double start) {
-    fill(std::vector{shapes[0] + wider, friction, shapes[2], shapes[3], start}, other);
+    fill(std::vector{nonlinear_parameters[0] + wider, friction, nonlinear_parameters[2],
+                     nonlinear_parameters[3], start},
+         other);
     squares += (other - own).array().square();
     count += 1.0;
   };
   for (const double wider : kAstray) {
-    for (const double friction : {0.7 * shapes[1], shapes[1], 1.4 * shapes[1] + 0.1})
-      add(wider, friction, shapes[4]);
+    for (const double friction :
+         {0.7 * nonlinear_parameters[1], nonlinear_parameters[1], 1.4 * nonlinear_parameters[1] + 0.1})
+      add(wider, friction, nonlinear_parameters[4]);
   }
-  for (const double start : {-1.0, 0.0, 1.0}) add(0.0, shapes[1], start);
+  for (const double start : {-1.0, 0.0, 1.0}) add(0.0, nonlinear_parameters[1], start);
   return (squares / count).sqrt().matrix();
 }
 
@@ -193,10 +198,11 @@ struct Left {
 
 }  // namespace
 
-std::vector<double> LooseLoadAtPoints(const MotionGrid& grid, std::span<const double> shapes) {
-  const model::LooseLoad::Numbers numbers = NumbersOf(grid, shapes);
+std::vector<double> InertiaBehindBacklashAtPoints(const MotionGrid& grid,
+                                                  std::span<const double> nonlinear_parameters) {
+  const model::InertiaBehindBacklash::Numbers numbers = NumbersOf(grid, nonlinear_parameters);
   std::vector<double> points(grid.time_s.size());
-  FillLooseLoad(grid, numbers, points);
+  FillInertiaBehindBacklash(grid, numbers, points);
   for (std::size_t i = 0; i < points.size(); ++i)
     points[i] -= grid.passed_acceleration[i] + numbers.friction * grid.direction[i];
   return points;
@@ -210,26 +216,27 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
   // A contact swings faster than the motion, else it is a resonance, and slower than the points tell.
   const double low_Hz = 4.0;
-  const double high_Hz = kFastestContact / grid->stretches.front().step_s;
+  const double high_Hz = kFastestContact / grid->segments.front().step_s;
   if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;
   SeparableTerm term;
   const Eigen::ArrayXd accelerates = WhereItAccelerates(*grid);
-  term.fill = [grid, accelerates](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
-    const model::LooseLoad::Numbers numbers = NumbersOf(*grid, shapes);
+  term.fill = [grid, accelerates](std::span<const double> nonlinear_parameters,
+                                  Eigen::Ref<Eigen::MatrixXd> design) {
+    const model::InertiaBehindBacklash::Numbers numbers = NumbersOf(*grid, nonlinear_parameters);
     std::vector<double> points(grid->time_s.size());
-    FillLooseLoad(*grid, numbers, points);
+    FillInertiaBehindBacklash(*grid, numbers, points);
     // Less what the nominal model has for a load that is held tight.
     design.col(0) =
         (grid->Project(points) - grid->nominal.col(0) - numbers.friction * grid->nominal.col(2)).array() *
         accelerates;
   };
-  // Wide steps: each knock comes and goes at once, and a slope over less than that says nothing.
-  term.shapes = {{std::log(low), std::log(high), kRagged},
-                 {0.0, 4.0, kRagged},
-                 {std::log(low_Hz), std::log(high_Hz), kRagged},
-                 {0.1, 1.5, kRagged},
-                 // Where in the gap the load happens to be is no property of the axis.
-                 {-1.0, 1.0, kRagged, true}};
+  // Wide steps: each impact comes and goes at once, and a slope over less than that says nothing.
+  term.nonlinear_parameters = {{std::log(low), std::log(high), kRagged},
+                               {0.0, 4.0, kRagged},
+                               {std::log(low_Hz), std::log(high_Hz), kRagged},
+                               {0.1, 1.5, kRagged},
+                               // Where in the gap the load happens to be is no property of the axis.
+                               {-1.0, 1.0, kRagged, true}};
   std::vector<std::vector<double>> tried;
   for (const double gap : GeometricSteps(1.2 * low, 0.8 * high, 24)) {
     for (const double share : {0.0, 0.2, 0.6, 2.0}) {
@@ -240,41 +247,46 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
     }
   }
   term.most_starts = kStarts;
-  const auto map = std::make_shared<ShapeMap>(*grid, tried);
-  const auto coarse_map = std::make_shared<ShapeMap>(*grid, std::move(tried), kKnock_s);
+  const auto map = std::make_shared<NonlinearParameterMap>(*grid, tried);
+  const auto coarse_map = std::make_shared<NonlinearParameterMap>(*grid, std::move(tried), kImpact_s);
   FillMaps(term, grid->rows(), {map.get(), coarse_map.get()});
-  const auto search_for = [grid, term, map, coarse_map](const Remainder& remainder) {
-    using Start = std::pair<double, std::vector<double>>;  // drop, shapes
+  const auto search_for = [grid, term, map, coarse_map](const WeightedResidual& residual) {
+    using Start = std::pair<double, std::vector<double>>;  // drop, nonlinear parameters
     std::vector<Start> found;
-    StartSearch search(*grid, term, remainder, StartSearch::Sign::kPositive);
-    StartSearch coarse_search(*grid, term, remainder, StartSearch::Sign::kPositive, kKnock_s);
-    for (const std::vector<double>& shapes : Apart(*map, remainder)) {
-      std::vector<double> polished = search.Polish(shapes, kFirstSteps);
+    StartSearch search(*grid, term, residual, StartSearch::Sign::kPositive);
+    StartSearch coarse_search(*grid, term, residual, StartSearch::Sign::kPositive, kImpact_s);
+    for (const std::vector<double>& nonlinear_parameters : Apart(*map, residual)) {
+      std::vector<double> polished = search.Polish(nonlinear_parameters, kFirstSteps);
       found.emplace_back(search.Drop(polished), std::move(polished));
     }
-    for (const std::vector<double>& shapes : Apart(*coarse_map, remainder)) {
-      std::vector<double> polished = search.Polish(coarse_search.Polish(shapes, kFirstSteps), kFineSteps);
+    for (const std::vector<double>& nonlinear_parameters : Apart(*coarse_map, residual)) {
+      std::vector<double> polished =
+          search.Polish(coarse_search.Polish(nonlinear_parameters, kFirstSteps), kFineSteps);
       found.emplace_back(search.Drop(polished), std::move(polished));
     }
     std::ranges::sort(found, std::greater<>(), &Start::first);
     std::vector<std::vector<double>> starts;
-    for (auto& [drop, shapes] : found)
-      starts.push_back(starts.size() < kStarts ? PolishedAgain(search, shapes) : std::move(shapes));
+    for (auto& [drop, nonlinear_parameters] : found)
+      starts.push_back(starts.size() < kStarts ? PolishedAgain(search, nonlinear_parameters)
+                                               : std::move(nonlinear_parameters));
     return starts;
   };
   using Searched = Recent<Left, std::vector<std::vector<double>>>;
   term.starts = [search_for,
-                 recent = std::make_shared<Searched>(kRecentSearches)](const Remainder& remainder) {
-    Left left{.same = kSame * std::sqrt(remainder.MeanSquare())};
-    for (std::size_t i = 0; i < remainder.residual.size(); ++i)
-      left.weighted.push_back(std::sqrt(remainder.weights[i]) * remainder.residual[i]);
-    return recent->Get(left, [&] { return search_for(remainder); });
+                 recent = std::make_shared<Searched>(kRecentSearches)](const WeightedResidual& residual) {
+    Left left{.same = kSame * std::sqrt(residual.MeanSquare())};
+    for (std::size_t i = 0; i < residual.residual.size(); ++i)
+      left.weighted.push_back(std::sqrt(residual.weights[i]) * residual.residual[i]);
+    return recent->Get(left, [&] { return search_for(residual); });
   };
-  term.doubt = [fill = term.fill, rows = static_cast<Index>(grid->rows()),
-                recent = std::make_shared<Recent<std::vector<double>, Eigen::VectorXd>>(kRecentDoubts)](
-                   std::span<const double> numbers) -> Eigen::VectorXd {
-    const std::vector<double> shapes(numbers.begin() + 1, numbers.end());
-    return std::abs(numbers[0]) * recent->Get(shapes, [&] { return SpreadOfKnocks(fill, shapes, rows); });
+  term.model_uncertainty =
+      [fill = term.fill, rows = static_cast<Index>(grid->rows()),
+       recent = std::make_shared<Recent<std::vector<double>, Eigen::VectorXd>>(kRecentModelUncertainties)](
+          std::span<const double> numbers) -> Eigen::VectorXd {
+    const std::vector<double> nonlinear_parameters(numbers.begin() + 1, numbers.end());
+    return std::abs(numbers[0]) * recent->Get(nonlinear_parameters, [&] {
+      return SpreadOfImpacts(fill, nonlinear_parameters, rows);
+    });
   };
   const std::string gap_name = units.linear ? "backlash_m" : "backlash_rad";
   const std::string inertia_name = units.linear ? "load_mass_kg" : "load_inertia_kgm2";
@@ -311,12 +323,12 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
        .where = Where::kUndecided,
        .effect = "E4",
        .parameters = {{gap_name, units.position(), 1.05 * low, 0.95 * high, true},
-                      // How heavy the load is, and how it knocks, stand for each other: whether there is one
+                      // How heavy the load is, and how it impacts, stand for each other: whether there is one
                       // the likelihood says.
                       {inertia_name, units.inertia(), 0.0, kUnlimited}},
        .degrees_of_freedom = 6,
        .known_by_size = true,
-       .trials = kPlaces,
+       .trials_factor = kPlaces,
        .misfit_share = kContactMisfit,
        .to_settle =
            units.linear

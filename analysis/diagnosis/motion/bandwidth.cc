@@ -24,8 +24,8 @@ constexpr double kSeesMotion = 0.3;       // of the acceleration's variance, eno
 constexpr double kNextToNarrowest = 1.3;  // steps in the low-pass
 const double kHalfOctave = std::sqrt(2.0);
 
-const std::vector<double>& Moved(const EvenStretch& stretch, bool by_velocity) {
-  return by_velocity ? stretch.velocity : stretch.position;
+const std::vector<double>& Moved(const EvenSegment& segment, bool by_velocity) {
+  return by_velocity ? segment.velocity : segment.position;
 }
 
 std::size_t RowStride(double sigma_s, double step_s) {
@@ -45,15 +45,15 @@ struct Band {
 
 Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity) {
   Band band;
-  for (const EvenStretch& stretch : samples.stretches) {
-    const KernelTaps of_motion = MakeBandKernel(sigma_s, stretch.step_s, by_velocity ? 1 : 2);
-    const KernelTaps of_torque = MakeBandKernel(sigma_s, stretch.step_s, 0);
+  for (const EvenSegment& segment : samples.segments) {
+    const KernelTaps of_motion = MakeBandKernel(sigma_s, segment.step_s, by_velocity ? 1 : 2);
+    const KernelTaps of_torque = MakeBandKernel(sigma_s, segment.step_s, 0);
     const std::size_t reach = std::max(of_motion.reach, of_torque.reach);
-    const std::size_t stride = RowStride(sigma_s, stretch.step_s);
+    const std::size_t stride = RowStride(sigma_s, segment.step_s);
     double count = 0.0;
-    for (std::size_t i = reach; i + reach < stretch.torque.size(); i += stride) {
-      const double x = of_motion.At(Moved(stretch, by_velocity), i);
-      const double y = of_torque.At(stretch.torque, i);
+    for (std::size_t i = reach; i + reach < segment.torque.size(); i += stride) {
+      const double x = of_motion.At(Moved(segment, by_velocity), i);
+      const double y = of_torque.At(segment.torque, i);
       band.xx += x * x;
       band.xy += x * y;
       band.yy += y * y;
@@ -63,7 +63,7 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
     band.motion_noise += count * std::pow(NoiseGain(of_motion) * of_path, 2);
     band.torque_noise += count * std::pow(NoiseGain(of_torque) * samples.torque_noise, 2);
     band.count += count;
-    band.spacing_s = std::max(band.spacing_s, static_cast<double>(stride) * stretch.step_s);
+    band.spacing_s = std::max(band.spacing_s, static_cast<double>(stride) * segment.step_s);
   }
   return band;
 }
@@ -74,14 +74,14 @@ Band MeasureBand(const MotionSamples& samples, double sigma_s, bool by_velocity)
 double WildnessOf(const MotionSamples& samples, double sigma_s, bool by_velocity) {
   std::vector<double> values;  // over their white part
   std::vector<double> speeds;
-  for (const EvenStretch& stretch : samples.stretches) {
-    const KernelTaps kernel = MakeBandKernel(sigma_s, stretch.step_s, by_velocity ? 1 : 2);
+  for (const EvenSegment& segment : samples.segments) {
+    const KernelTaps kernel = MakeBandKernel(sigma_s, segment.step_s, by_velocity ? 1 : 2);
     const double white = NoiseGain(kernel) * (by_velocity ? samples.velocity_noise : samples.position_noise);
     if (!(white > 0.0)) return 1.0;
-    const std::size_t stride = RowStride(sigma_s, stretch.step_s);
-    for (std::size_t i = kernel.reach; i + kernel.reach < stretch.position.size(); i += stride) {
-      values.push_back(kernel.At(Moved(stretch, by_velocity), i) / white);
-      speeds.push_back(std::abs(stretch.position[i + 1] - stretch.position[i - 1]) / stretch.step_s);
+    const std::size_t stride = RowStride(sigma_s, segment.step_s);
+    for (std::size_t i = kernel.reach; i + kernel.reach < segment.position.size(); i += stride) {
+      values.push_back(kernel.At(Moved(segment, by_velocity), i) / white);
+      speeds.push_back(std::abs(segment.position[i + 1] - segment.position[i - 1]) / segment.step_s);
     }
   }
   const double fast = QuantileOfMagnitude(speeds, 0.5);
@@ -117,20 +117,20 @@ Trial TryWidth(const MotionSamples& samples, double sigma_s, bool by_velocity) {
   double squares = 0.0;
   double sum = 0.0;
   double count = 0.0;
-  for (const EvenStretch& stretch : samples.stretches) {
-    const KernelTaps low = MakeKernel(sigma_s, stretch.step_s, 0);
-    const KernelTaps first = MakeKernel(sigma_s, stretch.step_s, 1);
-    const KernelTaps second = MakeKernel(sigma_s, stretch.step_s, 2);
+  for (const EvenSegment& segment : samples.segments) {
+    const KernelTaps low = MakeKernel(sigma_s, segment.step_s, 0);
+    const KernelTaps first = MakeKernel(sigma_s, segment.step_s, 1);
+    const KernelTaps second = MakeKernel(sigma_s, segment.step_s, 2);
     trial.acceleration_noise =
         by_velocity ? NoiseGain(first) * samples.velocity_noise : NoiseGain(second) * samples.position_noise;
-    const std::size_t stride = RowStride(sigma_s, stretch.step_s);
-    for (std::size_t i = low.reach; i + low.reach < stretch.position.size(); i += stride) {
-      const double velocity = first.At(stretch.position, i);
+    const std::size_t stride = RowStride(sigma_s, segment.step_s);
+    for (std::size_t i = low.reach; i + low.reach < segment.position.size(); i += stride) {
+      const double velocity = first.At(segment.position, i);
       const double acceleration =
-          by_velocity ? first.At(stretch.velocity, i) : second.At(stretch.position, i);
+          by_velocity ? first.At(segment.velocity, i) : second.At(segment.position, i);
       const Eigen::Vector4d x(acceleration, velocity, velocity > 0.0 ? 1.0 : -1.0, 1.0);
       gram += x * x.transpose();
-      right += x * low.At(stretch.torque, i);
+      right += x * low.At(segment.torque, i);
       squares += acceleration * acceleration;
       sum += acceleration;
       count += 1.0;
@@ -215,10 +215,10 @@ bool KeepsUpWith(const MotionBandwidth& bandwidth, double step_s) {
 MotionBandwidth ChooseBandwidth(const MotionSamples& samples, std::size_t most_rows) {
   Extent extent;
   bool has_velocity = true;
-  for (const EvenStretch& stretch : samples.stretches) {
-    extent.duration_s += static_cast<double>(stretch.position.size()) * stretch.step_s;
-    extent.step_s = std::max(extent.step_s, stretch.step_s);
-    has_velocity = has_velocity && !stretch.velocity.empty();
+  for (const EvenSegment& segment : samples.segments) {
+    extent.duration_s += static_cast<double>(segment.position.size()) * segment.step_s;
+    extent.step_s = std::max(extent.step_s, segment.step_s);
+    has_velocity = has_velocity && !segment.velocity.empty();
   }
   MotionBandwidth bandwidth;
   bandwidth.sigma_s = std::max(kNarrowestKernel * extent.step_s,

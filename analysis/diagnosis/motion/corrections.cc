@@ -55,7 +55,7 @@ void AddSmooth(const SharedGrid& grid, const MotionUnits& units, std::string nam
   Index kept = 0;
   while (kept < columns.cols() && parts.singularValues()(kept) > kCurveRidge) ++kept;
   if (kept == 0) return;
-  std::vector<ShapeDescription> numbers;
+  std::vector<NonlinearParameterDescription> numbers;
   for (Index k = 0; k < kept; ++k)
     numbers.push_back({fmt::format("{}{}_{}", kCurvePart, k + 1, units.torque()), units.torque(), 1.0});
   SeparableTerm term = FixedTerm(columns * parts.matrixU().leftCols(kept));
@@ -65,7 +65,7 @@ void AddSmooth(const SharedGrid& grid, const MotionUnits& units, std::string nam
   model.rules.push_back({.name = std::move(name),
                          .sentence = std::move(sentence),
                          .degrees_of_freedom = static_cast<int>(kept),
-                         .places = static_cast<int>(kept) - 1,
+                         .location_parameters = static_cast<int>(kept) - 1,
                          .named = false});
 }
 
@@ -108,22 +108,23 @@ void AddTimeLine(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const double high = 1.2 * grid->cutoff_rad_per_s();
   if (!(high > 2.0 * low)) return;
   SeparableTerm term = PointTerm(
-      grid, 2, [grid](std::span<const double> shapes, std::size_t column, std::span<double> points) {
-        const double rate = kTwoPi * shapes[0];
+      grid, 2,
+      [grid](std::span<const double> nonlinear_parameters, std::size_t column, std::span<double> points) {
+        const double rate = kTwoPi * nonlinear_parameters[0];
         for (std::size_t i = 0; i < points.size(); ++i) {
           points[i] = column == 0 ? std::cos(rate * grid->time_s[i]) : std::sin(rate * grid->time_s[i]);
         }
       });
-  term.shapes = {{low / kTwoPi, high / kTwoPi, 0.2 / duration_s}};
-  term.starts = [time_s, low, high](const Remainder& remainder) {
+  term.nonlinear_parameters = {{low / kTwoPi, high / kTwoPi, 0.2 / duration_s}};
+  term.starts = [time_s, low, high](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(time_s, remainder.residual, remainder.weights, low, high, 2)) {
+    for (const LinePeak& peak : FindLines(time_s, residual.residual, residual.weights, low, high, 2)) {
       starts.push_back({peak.order / kTwoPi});
     }
     return starts;
   };
-  term.log_places = [low, high](std::span<const double> shapes) {
-    return LogPlacesOfLine(kTwoPi * shapes[0], low, high);
+  term.log_search_locations = [low, high](std::span<const double> nonlinear_parameters) {
+    return LogSearchLocationsOfLine(kTwoPi * nonlinear_parameters[0], low, high);
   };
   DescribeAsHarmonic(term, "amplitude_" + units.torque(), units.torque(), 1.0, {{"frequency_Hz", "Hz", 1.0}});
   model.causes.push_back(std::move(term));
@@ -132,7 +133,7 @@ void AddTimeLine(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                          .parameters = {{"amplitude_" + units.torque(), units.torque(), 0.0,
                                          std::numeric_limits<double>::max(), true}},
                          .degrees_of_freedom = 3,
-                         .trials = IndependentOrders(time_s, low, high),
+                         .trials_factor = IndependentOrders(time_s, low, high),
                          .named = false});
 }
 
@@ -144,25 +145,26 @@ void AddPositionWindow(const SharedGrid& grid, const MotionUnits& units, Separab
   const double narrowest = std::max(range / 300.0, 6.0 * grid->position_noise);
   const double widest = 0.2 * range;
   if (!(widest > 2.0 * narrowest)) return;
-  SeparableTerm term =
-      PointTerm(grid, 1, [grid](std::span<const double> shapes, std::size_t, std::span<double> points) {
-        const double deviation = std::exp(shapes[1]) / 2.355;
+  SeparableTerm term = PointTerm(
+      grid, 1, [grid](std::span<const double> nonlinear_parameters, std::size_t, std::span<double> points) {
+        const double deviation = std::exp(nonlinear_parameters[1]) / 2.355;
         for (std::size_t i = 0; i < points.size(); ++i) {
-          const double u = (grid->position[i] - shapes[0]) / deviation;
+          const double u = (grid->position[i] - nonlinear_parameters[0]) / deviation;
           points[i] = std::abs(u) < 8.0 ? std::exp(-0.5 * u * u) : 0.0;
         }
       });
-  term.shapes = {{*first, *last, narrowest}, {std::log(0.5 * narrowest), std::log(2.0 * widest), 0.2}};
-  term.starts = [position, narrowest, widest](const Remainder& remainder) {
+  term.nonlinear_parameters = {{*first, *last, narrowest},
+                               {std::log(0.5 * narrowest), std::log(2.0 * widest), 0.2}};
+  term.starts = [position, narrowest, widest](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindWindows(position, remainder.residual, remainder.weights, narrowest, widest, 2)) {
+         FindWindows(position, residual.residual, residual.weights, narrowest, widest, 2)) {
       starts.push_back({peak.centre, std::log(peak.width)});
     }
     return starts;
   };
-  term.log_places = [narrowest, widest](std::span<const double> shapes) {
-    return LogPlacesOfWidth(std::exp(shapes[1]), narrowest, widest);
+  term.log_search_locations = [narrowest, widest](std::span<const double> nonlinear_parameters) {
+    return LogSearchLocationsOfWidth(std::exp(nonlinear_parameters[1]), narrowest, widest);
   };
   const std::string unit = units.position();
   const std::string height = "height_" + units.torque();
@@ -182,7 +184,7 @@ void AddPositionWindow(const SharedGrid& grid, const MotionUnits& units, Separab
                          .parameters = {{height, units.torque(), -std::numeric_limits<double>::max(),
                                          std::numeric_limits<double>::max(), true}},
                          .degrees_of_freedom = 3,
-                         .trials = 2.0 * range / narrowest,
+                         .trials_factor = 2.0 * range / narrowest,
                          .local = true,
                          .named = false});
 }
@@ -191,11 +193,11 @@ void AddPositionWindow(const SharedGrid& grid, const MotionUnits& units, Separab
 std::vector<double> WaySinceReversal(const MotionGrid& grid) {
   std::vector<double> way(grid.position.size());
   const double certain = 2.0 * grid.velocity_noise;
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    double turned = grid.position[stretch.first];
+  for (const MotionGrid::Segment& segment : grid.segments) {
+    double turned = grid.position[segment.first];
     double extreme = turned;
     int direction = 0;
-    for (std::size_t i = stretch.first; i < stretch.first + stretch.count; ++i) {
+    for (std::size_t i = segment.first; i < segment.first + segment.count; ++i) {
       const int now = (grid.velocity[i] > certain) - (grid.velocity[i] < -certain);
       if (direction != 0) {
         extreme = direction > 0 ? std::max(extreme, grid.position[i]) : std::min(extreme, grid.position[i]);
@@ -220,19 +222,20 @@ void AddAfterReversal(const SharedGrid& grid, const MotionUnits& units, Separabl
   const double high = 0.1 * (*last - *first);
   if (!(high > 4.0 * low)) return;
   const std::vector<double> way = WaySinceReversal(*grid);
-  SeparableTerm term =
-      PointTerm(grid, 1, [grid, way](std::span<const double> shapes, std::size_t, std::span<double> points) {
-        const double length = std::exp(shapes[0]);
+  SeparableTerm term = PointTerm(
+      grid, 1,
+      [grid, way](std::span<const double> nonlinear_parameters, std::size_t, std::span<double> points) {
+        const double length = std::exp(nonlinear_parameters[0]);
         for (std::size_t i = 0; i < points.size(); ++i) {
           points[i] = way[i] < 30.0 * length ? grid->direction[i] * std::exp(-way[i] / length) : 0.0;
         }
       });
-  term.shapes = {{std::log(low), std::log(high), 0.3}};
-  term.starts = [grid, term, low, high](const Remainder& remainder) {
+  term.nonlinear_parameters = {{std::log(low), std::log(high), 0.3}};
+  term.starts = [grid, term, low, high](const WeightedResidual& residual) {
     std::vector<std::vector<double>> candidates;
     for (const double length : GeometricSteps(1.5 * low, 0.7 * high, 8))
       candidates.push_back({std::log(length)});
-    return BestStarts(*grid, term, candidates, remainder, 2);
+    return BestStarts(*grid, term, candidates, residual, 2);
   };
   const std::string amount = "after_reversal_" + units.torque();
   const std::string length = "way_" + units.position();
@@ -251,13 +254,13 @@ void AddAfterReversal(const SharedGrid& grid, const MotionUnits& units, Separabl
        .sentence = "friction that builds up, or falls, over a short way after each reversal (presliding)",
        .effect = "E12",
        .degrees_of_freedom = 2,
-       .trials = 4.0,
+       .trials_factor = 4.0,
        .named = false});
 }
 
 }  // namespace
 
-void AddMotionCorrections(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
+void AddMotionNuisanceTerms(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   AddTimeLine(grid, units, model);
   AddPositionWindow(grid, units, model);
   AddAfterReversal(grid, units, model);

@@ -24,14 +24,14 @@ Eigen::MatrixXd MotionLater(const MotionGrid& grid, double shift_s) {
   const std::vector<double> velocity = grid.Later(grid.velocity, shift_s);
   later.col(1) = grid.ProjectPassed(velocity);
   // The sign of the velocity at that time: between two points it turns faster than points can be shifted.
-  later.col(2) = grid.Project(grid.passage.SignsOf(velocity));
+  later.col(2) = grid.Project(grid.reversal_smoothing.SignsOf(velocity));
   return later;
 }
 
 double LongestDelay_s(const MotionGrid& grid) {
   double duration_s = 0.0;
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    duration_s += stretch.step_s * static_cast<double>(stretch.count);
+  for (const MotionGrid::Segment& segment : grid.segments) {
+    duration_s += segment.step_s * static_cast<double>(segment.count);
   }
   return std::min(std::max(0.06, 8.0 * grid.row_spacing_s), 0.02 * duration_s);
 }
@@ -126,7 +126,7 @@ void AddDelayCause(const SharedGrid& grid, double delay_s, const MotionUnits& un
        .where = Where::kBench,
        .effect = "E20",
        .parameters = {{"delay_s", "s", late ? least_s : -most_s, late ? most_s : -least_s, true}},
-       .trials = 6.0});
+       .trials_factor = 6.0});
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -27,7 +27,7 @@ struct Scan {
   std::vector<double> time_s;  // of the rows
   double first_s{};
   double last_s{};
-  double shortest_s{};  // of a push that is no knock
+  double shortest_s{};  // of a push that is no impact
   double widest_s{};
 };
 
@@ -79,9 +79,9 @@ std::size_t CountWindows(const MotionGrid& grid, const Scan& scan) {
 void FillWindow(const MotionGrid& grid, double start_s, double end_s, double edge_s,
                 std::vector<double>& points, Eigen::Ref<Eigen::VectorXd> column) {
   column.setZero();
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    const auto from = grid.time_s.begin() + static_cast<std::ptrdiff_t>(stretch.first);
-    const auto to = from + static_cast<std::ptrdiff_t>(stretch.count);
+  for (const MotionGrid::Segment& segment : grid.segments) {
+    const auto from = grid.time_s.begin() + static_cast<std::ptrdiff_t>(segment.first);
+    const auto to = from + static_cast<std::ptrdiff_t>(segment.count);
     const auto first = static_cast<std::size_t>(std::lower_bound(from, to, start_s) - grid.time_s.begin());
     const auto last = static_cast<std::size_t>(std::lower_bound(from, to, end_s) - grid.time_s.begin());
     for (std::size_t i = first; i < last; ++i) {
@@ -93,33 +93,35 @@ void FillWindow(const MotionGrid& grid, double start_s, double end_s, double edg
   }
 }
 
-// Shapes: start and ln duration of each window, so that none gets shorter than a push is; share of a window
-// that each of its edges takes.
+// Nonlinear parameters: start and ln duration of each window, so that none gets shorter than a push is; share
+// of a window that each of its edges takes.
 void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& scan, std::size_t windows,
                 SeparableModel& model) {
-  const double step_s = grid->stretches.front().step_s;
+  const double step_s = grid->segments.front().step_s;
   SeparableTerm term;
   term.columns = windows;
-  term.fill = [grid, step_s, windows](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  term.fill = [grid, step_s, windows](std::span<const double> nonlinear_parameters,
+                                      Eigen::Ref<Eigen::MatrixXd> design) {
     std::vector<double> points(grid->time_s.size(), 0.0);
     for (std::size_t w = 0; w < windows; ++w) {
-      const double start_s = shapes[2 * w];
-      const double duration_s = std::exp(shapes[2 * w + 1]);
+      const double start_s = nonlinear_parameters[2 * w];
+      const double duration_s = std::exp(nonlinear_parameters[2 * w + 1]);
       // Never steeper than the points, lest the edges move by whole steps.
-      const double edge_s = std::max(shapes.back() * duration_s, step_s);
+      const double edge_s = std::max(nonlinear_parameters.back() * duration_s, step_s);
       FillWindow(*grid, start_s, start_s + duration_s, edge_s, points,
                  design.col(static_cast<Eigen::Index>(w)));
     }
   };
   const double longest_s = scan.last_s - scan.first_s;
   for (std::size_t w = 0; w < windows; ++w) {
-    term.shapes.push_back({scan.first_s - scan.shortest_s, scan.last_s, 2.0 * grid->row_spacing_s});
-    term.shapes.push_back({std::log(scan.shortest_s), std::log(longest_s), 0.1});
+    term.nonlinear_parameters.push_back(
+        {scan.first_s - scan.shortest_s, scan.last_s, 2.0 * grid->row_spacing_s});
+    term.nonlinear_parameters.push_back({std::log(scan.shortest_s), std::log(longest_s), 0.1});
   }
-  term.shapes.push_back({0.0, 0.5, 0.05, true});
-  term.starts = [grid, term, scan, windows](const Remainder& remainder) {
+  term.nonlinear_parameters.push_back({0.0, 0.5, 0.05, true});
+  term.starts = [grid, term, scan, windows](const WeightedResidual& residual) {
     const std::vector<WindowPeak> peaks =
-        FindWindows(scan.time_s, remainder.residual, remainder.weights, scan.shortest_s, scan.widest_s,
+        FindWindows(scan.time_s, residual.residual, residual.weights, scan.shortest_s, scan.widest_s,
                     windows == 1 ? 3 : windows);
     if (windows > 1 && peaks.size() < windows) return std::vector<std::vector<double>>{};
     // One start a window, or one of all windows.
@@ -130,8 +132,9 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
       // The width is at half the height.
       const double duration_s = std::max(peaks[k].width / (1.0 - kUsualEdge), 1.1 * scan.shortest_s);
       const double start_s = peaks[k].centre - 0.5 * duration_s;
-      starts[into].push_back(std::clamp(start_s, term.shapes[0].low, term.shapes[0].high));
-      starts[into].push_back(std::min(std::log(duration_s), term.shapes[1].high));
+      starts[into].push_back(
+          std::clamp(start_s, term.nonlinear_parameters[0].low, term.nonlinear_parameters[0].high));
+      starts[into].push_back(std::min(std::log(duration_s), term.nonlinear_parameters[1].high));
       steps[into].push_back(0.2 * peaks[k].width);
       steps[into].push_back(0.2);
     }
@@ -139,14 +142,15 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
       starts[k].push_back(kUsualEdge);
       steps[k].push_back(0.1);
     }
-    StartSearch search(*grid, term, remainder);
+    StartSearch search(*grid, term, residual);
     for (std::size_t k = 0; k < starts.size(); ++k) starts[k] = search.Polish(starts[k], steps[k]);
     return starts;
   };
-  term.log_places = [scan, windows](std::span<const double> shapes) {
+  term.log_search_locations = [scan, windows](std::span<const double> nonlinear_parameters) {
     double sum = 0.0;
     for (std::size_t w = 0; w < windows; ++w)
-      sum += LogPlacesOfWidth(std::exp(shapes[2 * w + 1]), scan.shortest_s, scan.widest_s);
+      sum += LogSearchLocationsOfWidth(std::exp(nonlinear_parameters[2 * w + 1]), scan.shortest_s,
+                                       scan.widest_s);
     return sum;
   };
   // Reported in the order of strength.
@@ -211,13 +215,13 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
       .degrees_of_freedom = static_cast<int>(3 * windows + 1),
       // Places of the shortest window, each half over the next, whatever the order of several; where exactly
       // and how long is fitted.
-      .trials = std::pow(2.0 * longest_s / scan.shortest_s, static_cast<double>(windows)) /
-                std::tgamma(static_cast<double>(windows) + 1.0),
+      .trials_factor = std::pow(2.0 * longest_s / scan.shortest_s, static_cast<double>(windows)) /
+                       std::tgamma(static_cast<double>(windows) + 1.0),
       .least_share = kLeastShare,
       .local = true};
   rule.parameters = {{name("torque", 0, units.torque()), units.torque(), -kUnlimited, kUnlimited, true}};
   for (std::size_t w = 0; w < windows; ++w) {
-    // Shorter than that it is a knock at most, and more often a reversal that came out badly.
+    // Shorter than that it is an impact at most, and more often a reversal that came out badly.
     rule.parameters.push_back({name("duration", w, "s"), "s", 1.02 * scan.shortest_s, kUnlimited, false});
   }
   model.causes.push_back(std::move(term));

@@ -29,10 +29,10 @@ constexpr double kLeastDamping = 0.004;
 constexpr double kMostShare = 1.5;  // of the inertia, that may swing
 constexpr std::size_t kMostBeginnings = 4;
 constexpr double kApart = 0.15;          // of ln frequency, that tells two starts apart
-constexpr double kMostSwing = 10.0;      // times the usual acceleration, where a stretch begins
-constexpr double kShortestShare = 0.02;  // of all points, that a stretch with a beginning of its own has
+constexpr double kMostSwing = 10.0;      // times the usual acceleration, where a segment begins
+constexpr double kShortestShare = 0.02;  // of all points, that a segment with a beginning of its own has
 constexpr double kDiedAway = 1e-20;      // of a swing's square
-constexpr std::size_t kFirstSwing = 2;   // of the shapes
+constexpr std::size_t kFirstSwing = 2;   // of the nonlinear parameters
 constexpr std::size_t kSwingsRemembered = 8;
 constexpr std::ptrdiff_t kFirstSwingValue = 5;
 
@@ -41,17 +41,17 @@ constexpr std::array kDampings{std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std
 
 double DurationOf(const MotionGrid& grid) {
   double duration_s = 0.0;
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    duration_s += stretch.step_s * static_cast<double>(stretch.count);
+  for (const MotionGrid::Segment& segment : grid.segments) {
+    duration_s += segment.step_s * static_cast<double>(segment.count);
   }
   return duration_s;
 }
 
-// Stretches, in order, that may begin with a swing: what moved it before, or within a gap, nobody recorded.
+// Segments, in order, that may begin with a swing: what moved it before, or within a gap, nobody recorded.
 std::vector<std::size_t> Beginnings(const MotionGrid& grid) {
-  std::vector<std::size_t> longest(grid.stretches.size());
+  std::vector<std::size_t> longest(grid.segments.size());
   std::iota(longest.begin(), longest.end(), std::size_t{0});
-  const auto count = [&](std::size_t s) { return grid.stretches[s].count; };
+  const auto count = [&](std::size_t s) { return grid.segments[s].count; };
   std::ranges::stable_sort(longest, std::greater<>(), count);
   if (longest.size() > kMostBeginnings) longest.resize(kMostBeginnings);
   const double fewest = kShortestShare * static_cast<double>(grid.time_s.size());
@@ -64,28 +64,28 @@ std::string OfBeginning(std::string_view name, std::size_t number) {
   return number == 0 ? std::string(name) : fmt::format("{}_{}", name, number + 1);
 }
 
-// What swings of one frequency that begin with the stretches, in whatever phase, take from the remainder's
+// What swings of one frequency that begin with the segments, in whatever phase, take from the residual's
 // weighted sum of squares, about.
-double FreeSwingDrop(const MotionGrid& grid, const Remainder& remainder,
+double FreeSwingDrop(const MotionGrid& grid, const WeightedResidual& residual,
                      std::span<const std::size_t> beginnings, double natural, double damping) {
   const std::complex<double> exponent = natural * std::complex<double>(-damping, 1.0);
   const std::complex<double> usual_turn = std::exp(exponent * grid.row_spacing_s);
   double drop = 0.0;
-  for (const std::size_t stretch : beginnings) {
-    const auto rows = std::ranges::equal_range(grid.stretch_of_row, stretch);
-    double before_s = grid.time_s[grid.stretches[stretch].first];
+  for (const std::size_t segment : beginnings) {
+    const auto rows = std::ranges::equal_range(grid.segment_of_row, segment);
+    double before_s = grid.time_s[grid.segments[segment].first];
     std::complex<double> swing = 1.0;
     std::complex<double> along = 0.0;
     double squares = 0.0;
     for (auto it = rows.begin(); it != rows.end(); ++it) {
-      const auto row = static_cast<std::size_t>(it - grid.stretch_of_row.begin());
+      const auto row = static_cast<std::size_t>(it - grid.segment_of_row.begin());
       const double step_s = grid.RowTime_s(row) - before_s;
       before_s += step_s;
       swing *= std::abs(step_s - grid.row_spacing_s) < 1e-9 * grid.row_spacing_s
                    ? usual_turn
                    : std::exp(exponent * step_s);
-      along += remainder.weights[row] * remainder.residual[row] * swing;
-      squares += remainder.weights[row] * std::norm(swing);
+      along += residual.weights[row] * residual.residual[row] * swing;
+      squares += residual.weights[row] * std::norm(swing);
     }
     if (squares > 0.0) drop += 2.0 * std::norm(along) / squares;
   }
@@ -95,27 +95,27 @@ double FreeSwingDrop(const MotionGrid& grid, const Remainder& remainder,
 // What swings as the motion drives it, at the points.
 std::vector<double> DrivenSwing(const MotionGrid& grid, double natural, double damping) {
   std::vector<double> points(grid.time_s.size());
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
-    model::SecondInertia inertia(natural, damping, stretch.step_s);
-    for (std::size_t i = stretch.first; i < stretch.first + stretch.count; ++i)
+  for (const MotionGrid::Segment& segment : grid.segments) {
+    model::SecondInertia inertia(natural, damping, segment.step_s);
+    for (std::size_t i = segment.first; i < segment.first + segment.count; ++i)
       points[i] = inertia.Step(grid.passed_acceleration[i]);
   }
   return points;
 }
 
-// What swings freely from a stretch's beginning until it has died away, at the rows: in phase, and a quarter
+// What swings freely from a segment's beginning until it has died away, at the rows: in phase, and a quarter
 // of a turn later.
-Eigen::MatrixX2d FreeSwing(const MotionGrid& grid, const MotionGrid::Stretch& stretch, double natural,
+Eigen::MatrixX2d FreeSwing(const MotionGrid& grid, const MotionGrid::Segment& segment, double natural,
                            double damping) {
   std::vector<double> in_phase(grid.time_s.size());
   std::vector<double> late(grid.time_s.size());
   // Turned on from point to point, which are at even steps.
   const double damped = natural * std::sqrt(1.0 - damping * damping);
   const std::complex<double> turn =
-      std::polar(std::exp(-damping * natural * stretch.step_s), damped * stretch.step_s);
+      std::polar(std::exp(-damping * natural * segment.step_s), damped * segment.step_s);
   std::complex<double> swing = 1.0;
-  const std::size_t end = stretch.first + stretch.count;
-  for (std::size_t i = stretch.first; i < end && std::norm(swing) > kDiedAway; ++i) {
+  const std::size_t end = segment.first + segment.count;
+  for (std::size_t i = segment.first; i < end && std::norm(swing) > kDiedAway; ++i) {
     in_phase[i] = swing.real();
     late[i] = swing.imag();
     swing *= turn;
@@ -127,73 +127,77 @@ Eigen::MatrixX2d FreeSwing(const MotionGrid& grid, const MotionGrid::Stretch& st
 
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
-  // A ring that a jolt started may be faster than the motion.
+  // A ring that an acceleration transient started may be faster than the motion.
   const double high_Hz =
       std::min(1.2 * grid->cutoff_rad_per_s(), 4.0 * grid->path_cutoff_rad_per_s()) / kTwoPi;
   if (!(high_Hz > 3.0 * low_Hz)) return;
   const std::vector<std::size_t> beginnings = Beginnings(*grid);
   const double usual = UsualSize(grid->passed_acceleration);
   SeparableTerm term;
-  // Slopes by what a stretch begins with are taken at one frequency and damping, in which it is straight.
+  // Slopes by what a segment begins with are taken at one frequency and damping, in which it is straight.
   const auto driven_swings =
       std::make_shared<Recent<std::array<double, 2>, Eigen::VectorXd>>(kSwingsRemembered);
   const auto free_swings = std::make_shared<Recent<std::array<double, 3>, Eigen::MatrixX2d>>(
       kSwingsRemembered * beginnings.size());
-  term.fill = [=](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
-    const double natural = kTwoPi * std::exp(shapes[0]);
-    const double damping = std::exp(shapes[1]);
-    design.col(0) = driven_swings->Get(
-        {shapes[0], shapes[1]}, [&] { return grid->ProjectPassed(DrivenSwing(*grid, natural, damping)); });
+  term.fill = [=](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
+    const double natural = kTwoPi * std::exp(nonlinear_parameters[0]);
+    const double damping = std::exp(nonlinear_parameters[1]);
+    design.col(0) = driven_swings->Get({nonlinear_parameters[0], nonlinear_parameters[1]}, [&] {
+      return grid->ProjectPassed(DrivenSwing(*grid, natural, damping));
+    });
     for (std::size_t b = 0; b < beginnings.size(); ++b) {
-      const Eigen::Map<const Eigen::Vector2d> sizes(shapes.data() + kFirstSwing + 2 * b);
+      const Eigen::Map<const Eigen::Vector2d> sizes(nonlinear_parameters.data() + kFirstSwing + 2 * b);
       if (sizes.isZero(0.0)) continue;
-      design.col(0) += free_swings->Get({static_cast<double>(b), shapes[0], shapes[1]}, [&] {
-        return FreeSwing(*grid, grid->stretches[beginnings[b]], natural, damping);
-      }) * (usual * sizes);
+      design.col(0) +=
+          free_swings->Get(
+              {static_cast<double>(b), nonlinear_parameters[0], nonlinear_parameters[1]},
+              [&] { return FreeSwing(*grid, grid->segments[beginnings[b]], natural, damping); }) *
+          (usual * sizes);
     }
   };
-  term.shapes = {{std::log(low_Hz), std::log(high_Hz), 0.03},
-                 {std::log(kLeastDamping), std::log(0.8), 0.3, true}};
-  // It may swing already where a stretch begins: over the usual acceleration of the motion, in phase and a
+  term.nonlinear_parameters = {{std::log(low_Hz), std::log(high_Hz), 0.03},
+                               {std::log(kLeastDamping), std::log(0.8), 0.3, true}};
+  // It may swing already where a segment begins: over the usual acceleration of the motion, in phase and a
   // quarter of a turn later.
-  const std::size_t shapes = kFirstSwing + 2 * beginnings.size();
-  term.shapes.resize(shapes, {-kMostSwing, kMostSwing, 0.1, true, Moved::kWhereItPays});
+  const std::size_t nonlinear_parameters = kFirstSwing + 2 * beginnings.size();
+  term.nonlinear_parameters.resize(nonlinear_parameters,
+                                   {-kMostSwing, kMostSwing, 0.1, true, Moved::kWhereItPays});
 
   std::vector<std::vector<double>> tried;  // ln frequency in Hz, ln damping ratio
   for (const auto& [damping, spacing] : kDampings) {
     for (double log_Hz = std::log(low_Hz) + spacing; log_Hz < std::log(high_Hz); log_Hz += spacing) {
-      tried.emplace_back(shapes, 0.0);
+      tried.emplace_back(nonlinear_parameters, 0.0);
       tried.back()[0] = log_Hz;
       tried.back()[1] = std::log(damping);
     }
   }
   term.most_starts = kDampings.size();
   const double reference = std::max(grid->prefit(0), 1e-300);
-  const auto map = std::make_shared<ShapeMap>(*grid, std::move(tried));
+  const auto map = std::make_shared<NonlinearParameterMap>(*grid, std::move(tried));
   FillMaps(term, grid->rows(), {map.get()});
-  term.starts = [grid, beginnings, map, reference](const Remainder& remainder) {
+  term.starts = [grid, beginnings, map, reference](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    Eigen::VectorXf left = map->Roots(remainder);
+    Eigen::VectorXf left = map->Roots(residual);
     // Far above the motion a swing of any inertia looks alike, up to what no axis carries.
     for (Index k = 0; k < left.size(); ++k) {
       if (map->Coefficient(k, static_cast<double>(left(k))) > kMostShare * reference) left(k) = 0.0F;
     }
     // One of each damping: a blunt one fits half of everything that swings, and would leave no other.
     for (Index best = 0; left.maxCoeff(&best) > 0.0F;) {
-      starts.push_back(map->shapes()[static_cast<std::size_t>(best)]);
+      starts.push_back(map->nonlinear_parameters()[static_cast<std::size_t>(best)]);
       for (Index k = 0; k < left.size(); ++k) {
-        const std::vector<double>& other = map->shapes()[static_cast<std::size_t>(k)];
+        const std::vector<double>& other = map->nonlinear_parameters()[static_cast<std::size_t>(k)];
         if (other[1] == starts.back()[1] || std::abs(other[0] - starts.back()[0]) < kApart) left(k) = 0.0F;
       }
     }
-    // What a stretch begins with may be most of the swing, and in any phase to what the motion drives.
+    // What a segment begins with may be most of the swing, and in any phase to what the motion drives.
     if (starts.empty()) return starts;
     std::vector<double> free = starts.front();
     double most = 0.0;
-    for (const std::vector<double>& sharp : map->shapes()) {
-      if (sharp[1] != map->shapes().front()[1]) break;
+    for (const std::vector<double>& sharp : map->nonlinear_parameters()) {
+      if (sharp[1] != map->nonlinear_parameters().front()[1]) break;
       const double drop =
-          FreeSwingDrop(*grid, remainder, beginnings, kTwoPi * std::exp(sharp[0]), std::exp(sharp[1]));
+          FreeSwingDrop(*grid, residual, beginnings, kTwoPi * std::exp(sharp[0]), std::exp(sharp[1]));
       if (drop > most) free = sharp;
       most = std::max(most, drop);
     }
@@ -251,9 +255,9 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                         {"frequency_Hz", "Hz", 1.02 * low_Hz, 0.98 * high_Hz, false},
                                         {"damping_ratio", "1", 1.1 * kLeastDamping, 0.4, false}},
                          .degrees_of_freedom = 3,
-                         .trials = std::max(10.0, 10.0 * std::log(high_Hz / low_Hz)),
+                         .trials_factor = std::max(10.0, 10.0 * std::log(high_Hz / low_Hz)),
                          .misfit_share = kMisfitOfSwing,
-                         // What tells its frequency may be one short jolt.
+                         // What tells its frequency may be one short acceleration transient.
                          .local = true,
                          .to_settle = units.linear ? ""
                                                    : "# the same motion with another inertia on the output: "

@@ -28,7 +28,7 @@ void Add(SeparableModel& model, SeparableTerm term, CauseRule rule) {
 void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double fast = QuantileOfMagnitude(grid->velocity, 0.95);
   const double slow = QuantileOfMagnitude(grid->velocity, kFewestShare);
-  const double low = std::max({slow, 3.0 * grid->passage.width, 0.005 * fast});
+  const double low = std::max({slow, 3.0 * grid->reversal_smoothing.width, 0.005 * fast});
   const double high = 0.5 * fast;
   if (!(high > 3.0 * low)) {
     NotExcited(model, "stribeck_friction",
@@ -36,21 +36,22 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                            units.speed()));
     return;
   }
-  SeparableTerm term =
-      PointTerm(grid, 1, [grid](std::span<const double> shapes, std::size_t, std::span<double> points) {
-        const double speed = std::exp(shapes[0]);
+  SeparableTerm term = PointTerm(
+      grid, 1, [grid](std::span<const double> nonlinear_parameters, std::size_t, std::span<double> points) {
+        const double speed = std::exp(nonlinear_parameters[0]);
         for (std::size_t i = 0; i < points.size(); ++i) {
-          points[i] = grid->direction[i] * model::StribeckShare(grid->velocity[i], speed, shapes[1]);
+          points[i] =
+              grid->direction[i] * model::StribeckShare(grid->velocity[i], speed, nonlinear_parameters[1]);
         }
       });
   // Exponents from 0.5 on have been measured; but below this the fall begins at once and goes on so long that
   // it passes for Coulomb friction and any speed.
-  term.shapes = {{std::log(low), std::log(high), 0.3, true}, {0.75, 2.5, 0.2, true}};
-  term.starts = [grid, term, low, high](const Remainder& remainder) {
+  term.nonlinear_parameters = {{std::log(low), std::log(high), 0.3, true}, {0.75, 2.5, 0.2, true}};
+  term.starts = [grid, term, low, high](const WeightedResidual& residual) {
     std::vector<std::vector<double>> candidates;
     for (const double speed : GeometricSteps(1.1 * low, 0.9 * high, 8))
       candidates.push_back({std::log(speed), 1.5});
-    return BestStarts(*grid, term, candidates, remainder, 2);
+    return BestStarts(*grid, term, candidates, residual, 2);
   };
   const std::string amount = "stribeck_" + units.torque();
   const std::string speed = "stribeck_speed_" + units.speed_suffix();
@@ -74,7 +75,7 @@ void AddStribeck(const SharedGrid& grid, const MotionUnits& units, SeparableMode
        .parameters = {{amount, units.torque(), 0.0, kUnlimited, false},
                       {speed, units.speed(), 1.01 * low, 0.99 * high, false}},
        .degrees_of_freedom = 3,
-       .trials = 4.0,
+       .trials_factor = 4.0,
        .misfit_share = kMisfitOfFriction,
        .to_settle =
            units.linear
@@ -143,13 +144,16 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
     return;
   }
   const double per_unit = by_temperature ? 1.0 : 1.0 / 3600.0;
-  // What the friction follows: temperature, or time that saturates with the time constant in `shapes`, scaled
-  // so that its rate is the mean one of the record. Less its mean, so that the nominal friction is the mean.
-  const auto followed = [grid, by_temperature, low = *low, range, per_unit](std::span<const double> shapes) {
+  // What the friction follows: temperature, or time that saturates with the time constant in `nonlinear
+  // parameters`, scaled so that its rate is the mean one of the record. Less its mean, so that the nominal
+  // friction is the mean.
+  const auto followed = [grid, by_temperature, low = *low, range,
+                         per_unit](std::span<const double> nonlinear_parameters) {
     std::vector<double> values = by_temperature ? grid->temperature_degC : grid->time_s;
-    if (!shapes.empty()) {
-      const double scale = range / -std::expm1(-range / std::exp(shapes[0]));
-      for (double& value : values) value = -scale * std::expm1(-(value - low) / std::exp(shapes[0]));
+    if (!nonlinear_parameters.empty()) {
+      const double scale = range / -std::expm1(-range / std::exp(nonlinear_parameters[0]));
+      for (double& value : values)
+        value = -scale * std::expm1(-(value - low) / std::exp(nonlinear_parameters[0]));
     }
     double mean = 0.0;
     for (const double value : values) mean += value / static_cast<double>(values.size());
@@ -158,8 +162,9 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
   };
   SeparableTerm term;
   term.columns = 2;
-  term.fill = [grid, followed](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
-    const std::vector<double> drift = followed(shapes);
+  term.fill = [grid, followed](std::span<const double> nonlinear_parameters,
+                               Eigen::Ref<Eigen::MatrixXd> design) {
+    const std::vector<double> drift = followed(nonlinear_parameters);
     std::vector<double> points(drift.size());
     for (std::size_t i = 0; i < points.size(); ++i) points[i] = drift[i] * grid->velocity[i];
     design.col(0) = grid->Project(points);
@@ -167,8 +172,8 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
     design.col(1) = grid->Project(points);
   };
   if (!by_temperature) {
-    term.shapes = {{std::log(0.05 * range), std::log(20.0 * range), 0.3, true}};
-    term.starts = [range](const Remainder&) {
+    term.nonlinear_parameters = {{std::log(0.05 * range), std::log(20.0 * range), 0.3, true}};
+    term.starts = [range](const WeightedResidual&) {
       return std::vector<std::vector<double>>{{std::log(10.0 * range)}, {std::log(0.3 * range)}};
     };
   }
@@ -225,7 +230,7 @@ void AddThermalDrift(const SharedGrid& grid, const MotionUnits& units, Separable
        .effect = "E10",
        .parameters = {{"drift_" + suffix, inverse, -kUnlimited, kUnlimited, true}},
        .degrees_of_freedom = by_temperature ? 2 : 3,
-       .trials = by_temperature ? 1.0 : 2.0,
+       .trials_factor = by_temperature ? 1.0 : 2.0,
        .to_settle = units.linear ? ""
                                  : "# the same motion on a cold gear and on a warm one, with temperature "
                                    "recorded\n- {kind: soak, below_temperature: 25 degC, at_most: 1 h}\n"});

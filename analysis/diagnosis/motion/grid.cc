@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "analysis/decompositions.h"
-#include "analysis/diagnosis/motion/jolts.h"
+#include "analysis/diagnosis/motion/acceleration_transients.h"
 #include "analysis/diagnosis/motion/rows.h"
 #include "analysis/diagnosis/temperature.h"
 
@@ -25,8 +25,8 @@ constexpr double kShows = 0.5;           // of the noise, from which on what is 
 // through.
 const double kWideningFactor = std::numbers::sqrt2;
 constexpr double kMuchSmoother = 1.9;  // than the low-pass: an octave
-// Part of what is wrong with a jolt's acceleration that comes from above half the sampling rate, and so lies
-// in all that is below it.
+// Part of what is wrong with an acceleration transient's acceleration that comes from above half the sampling
+// rate, and so lies in all that is below it.
 constexpr double kFoldedBack = 0.3;
 
 // Goes on beyond both ends as the cubic through what is next to them does, so that what remembers the motion
@@ -58,7 +58,7 @@ std::vector<double> Extended(const std::vector<double>& values, std::size_t coun
   return extended;
 }
 
-void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, const PointLayout& layout,
+void AddPoints(const EvenSegment& samples, const MotionBandwidth& bandwidth, const PointLayout& layout,
                MotionGrid& grid) {
   const double step_s = samples.step_s;
   const int from_velocity = bandwidth.by_velocity ? 1 : 0;
@@ -84,15 +84,16 @@ void AddPoints(const EvenStretch& samples, const MotionBandwidth& bandwidth, con
   }
 }
 
-// Where the low-pass lets more of a jolt through than is known of its acceleration, torque and terms pass one
-// that is wider than the smoothing of the path: what is slow about a jolt is known all the same, and of a
-// motion that turns in short ramps it is all that tells how late the torque acts. Neighbours of such rows are
-// alike, and the noise in them is as much less: each counts as one.
-void WidenRowsAroundJolts(double inertia, MotionGrid& grid) {
+// Where the low-pass lets more of an acceleration transient through than is known of its acceleration, torque
+// and terms pass one that is wider than the smoothing of the path: what is slow about an acceleration
+// transient is known all the same, and of a motion that turns in short ramps it is all that tells how late
+// the torque acts. Neighbours of such rows are alike, and the noise in them is as much less: each counts as
+// one.
+void WidenRowsAroundAccelerationTransients(double inertia, MotionGrid& grid) {
   grid.wide.assign(grid.time_s.size(), false);
   if (grid.path_sigma_s < kMuchSmoother * grid.sigma_s) return;
-  for (MotionGrid::Stretch& stretch : grid.stretches)
-    stretch.wide_low_pass = MakeKernel(kWideningFactor * grid.path_sigma_s, stretch.step_s, 0);
+  for (MotionGrid::Segment& segment : grid.segments)
+    segment.wide_low_pass = MakeKernel(kWideningFactor * grid.path_sigma_s, segment.step_s, 0);
   const double left = kFoldedBack * std::sqrt(grid.sigma_s / grid.path_sigma_s);
   for (std::size_t i = 0; i < grid.wide.size(); ++i) {
     if (std::abs(inertia) * grid.acceleration_error[i] < kShows * grid.noise_floor) continue;
@@ -101,9 +102,9 @@ void WidenRowsAroundJolts(double inertia, MotionGrid& grid) {
   }
 }
 
-// Rows count by how well their acceleration is known. What is wrong with it around a jolt is no chance: all
-// its rows are wrong together, and are worth no more than one that is; its noise is alike over the
-// smoothing's width.
+// Rows count by how well their acceleration is known. What is wrong with it around an acceleration transient
+// is no chance: all its rows are wrong together, and are worth no more than one that is; its noise is alike
+// over the smoothing's width.
 std::vector<double> WeightsOf(const MotionGrid& grid, double inertia) {
   std::vector<double> weights(grid.rows(), 1.0);
   const double noise = std::max(grid.noise_floor, 1e-300);
@@ -130,8 +131,8 @@ std::vector<double> WeightsOf(const MotionGrid& grid, double inertia) {
 // Rows and what they are of, but for the nominal model's friction.
 void FillRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
               const MotionBandwidth& bandwidth, double expected_delay_s,
-              std::span<const double> passage_error, MotionGrid& grid) {
-  ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, passage_error, grid);
+              std::span<const double> reversal_smoothing_error, MotionGrid& grid) {
+  ChooseMotionRows(samples, layouts, bandwidth, expected_delay_s, reversal_smoothing_error, grid);
   const auto rows = static_cast<Index>(grid.rows());
   if (grid.rows() < kFewestGridRows) {
     throw std::invalid_argument(
@@ -143,23 +144,24 @@ void FillRows(const MotionSamples& samples, std::span<const PointLayout> layouts
   grid.nominal.col(0) = grid.ProjectPassed(grid.passed_acceleration);
   grid.nominal.col(1) = grid.ProjectPassed(grid.velocity);
   for (Index row = 0; row < rows; ++row) {
-    const std::size_t record = grid.stretches[grid.stretch_of_row[static_cast<std::size_t>(row)]].record;
+    const std::size_t record = grid.segments[grid.segment_of_row[static_cast<std::size_t>(row)]].record;
     grid.nominal(row, 3 + static_cast<Index>(record)) = 1.0;
   }
   grid.weights = WeightsOf(grid, bandwidth.inertia);
 }
 
-// At each point, by how much the passages that are left open differ there.
-std::vector<double> PassageErrors(const MotionGrid& grid, std::span<const SignPassage> open, double coulomb) {
+// At each point, by how much the reversal smoothings that are left open differ there.
+std::vector<double> ReversalSmoothingErrors(const MotionGrid& grid, std::span<const ReversalSmoothing> open,
+                                            double coulomb) {
   std::vector<double> errors(grid.velocity.size(), 0.0);
   std::vector<double> difference(grid.velocity.size());
-  for (const SignPassage& passage : open) {
-    const std::vector<double> signs = passage.SignsOf(grid.velocity);
+  for (const ReversalSmoothing& reversal_smoothing : open) {
+    const std::vector<double> signs = reversal_smoothing.SignsOf(grid.velocity);
     for (std::size_t i = 0; i < signs.size(); ++i) difference[i] = signs[i] - grid.direction[i];
-    for (const MotionGrid::Stretch& stretch : grid.stretches) {
-      for (std::size_t i = stretch.low_pass.reach; i + stretch.low_pass.reach < stretch.count; ++i) {
-        double& error = errors[stretch.first + i];
-        error = std::max(error, coulomb * std::abs(stretch.low_pass.At(difference, stretch.first + i)));
+    for (const MotionGrid::Segment& segment : grid.segments) {
+      for (std::size_t i = segment.low_pass.reach; i + segment.low_pass.reach < segment.count; ++i) {
+        double& error = errors[segment.first + i];
+        error = std::max(error, coulomb * std::abs(segment.low_pass.At(difference, segment.first + i)));
       }
     }
   }
@@ -196,7 +198,7 @@ Eigen::VectorXd MotionGrid::Project(std::span<const double> points) const {
   Eigen::VectorXd values(static_cast<Index>(rows()));
   for (std::size_t row = 0; row < rows(); ++row) {
     values(static_cast<Index>(row)) =
-        LowPassAt(stretches[stretch_of_row[row]], point_of_row[row]).At(points, point_of_row[row]);
+        LowPassAt(segments[segment_of_row[row]], point_of_row[row]).At(points, point_of_row[row]);
   }
   return values;
 }
@@ -204,12 +206,12 @@ Eigen::VectorXd MotionGrid::Project(std::span<const double> points) const {
 void MotionGrid::AddProjected(std::span<const double> points, std::size_t first, std::size_t last,
                               Eigen::Ref<Eigen::VectorXd> values) const {
   if (first >= last) return;
-  const auto after = std::ranges::upper_bound(stretches, first, {}, &Stretch::first);
+  const auto after = std::ranges::upper_bound(segments, first, {}, &Segment::first);
   const std::size_t reach = std::max(std::prev(after)->low_pass.reach, std::prev(after)->wide_low_pass.reach);
   auto row = std::ranges::lower_bound(point_of_row, first > reach ? first - reach : 0);
   for (; row != point_of_row.end() && *row < last + reach; ++row) {
     const auto at = static_cast<std::size_t>(row - point_of_row.begin());
-    if (stretch_of_row[at] == static_cast<std::size_t>(std::prev(after) - stretches.begin())) {
+    if (segment_of_row[at] == static_cast<std::size_t>(std::prev(after) - segments.begin())) {
       values(static_cast<Index>(at)) += LowPassAt(*std::prev(after), *row).At(points, *row);
     }
   }
@@ -220,19 +222,19 @@ Eigen::VectorXd MotionGrid::ProjectPassed(std::span<const double> points) const 
   for (std::size_t row = 0; row < rows(); ++row) {
     const std::size_t point = point_of_row[row];
     values(static_cast<Index>(row)) =
-        wide[point] ? stretches[stretch_of_row[row]].wide_low_pass.At(points, point) : points[point];
+        wide[point] ? segments[segment_of_row[row]].wide_low_pass.At(points, point) : points[point];
   }
   return values;
 }
 
 std::vector<double> MotionGrid::Later(std::span<const double> passed_points, double shift_s) const {
   std::vector<double> later(passed_points.size());
-  for (const Stretch& stretch : stretches) {
-    const auto last = static_cast<std::ptrdiff_t>(stretch.count) - 1;
+  for (const Segment& segment : segments) {
+    const auto last = static_cast<std::ptrdiff_t>(segment.count) - 1;
     const auto value = [&](std::ptrdiff_t k) {
-      return passed_points[stretch.first + static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, last))];
+      return passed_points[segment.first + static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, last))];
     };
-    const double shift = shift_s / stretch.step_s;
+    const double shift = shift_s / segment.step_s;
     const double whole = std::floor(shift);
     const double u = shift - whole;
     for (std::ptrdiff_t i = 0; i <= last; ++i) {
@@ -242,7 +244,7 @@ std::vector<double> MotionGrid::Later(std::span<const double> passed_points, dou
       const double b = value(k);
       const double c = value(k + 1);
       const double d = value(k + 2);
-      later[stretch.first + static_cast<std::size_t>(i)] =
+      later[segment.first + static_cast<std::size_t>(i)] =
           -u * (u - 1.0) * (u - 2.0) / 6.0 * a + (u * u - 1.0) * (u - 2.0) / 2.0 * b -
           u * (u + 1.0) * (u - 2.0) / 2.0 * c + u * (u * u - 1.0) / 6.0 * d;
     }
@@ -292,7 +294,7 @@ Eigen::MatrixXd MotionGrid::BesideNominal(const Eigen::MatrixXd& columns) const 
 }
 
 MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& bandwidth,
-                          double expected_delay_s, double passage_delay_s) {
+                          double expected_delay_s, double reversal_smoothing_delay_s) {
   MotionGrid grid;
   grid.linear = samples.linear;
   grid.sigma_s = bandwidth.sigma_s;
@@ -300,7 +302,7 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   grid.velocity_noise = bandwidth.velocity_noise;
   grid.position_noise = samples.position_noise;
   std::vector<PointLayout> layouts;
-  for (const EvenStretch& raw : samples.stretches) {
+  for (const EvenSegment& raw : samples.segments) {
     PointLayout layout;
     layout.margin = std::max(MakeKernel(bandwidth.path_sigma_s, raw.step_s, 0).reach,
                              MakeKernel(bandwidth.sigma_s, raw.step_s, 0).reach);
@@ -310,19 +312,19 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
     if (raw.resampled) {
       grid.reversal_error_s = std::max(grid.reversal_error_s, raw.step_s / std::sqrt(12.0));
     }
-    MotionGrid::Stretch stretch;
-    stretch.record = raw.record;
-    stretch.first = grid.time_s.size();
-    stretch.step_s = raw.step_s * static_cast<double>(layout.stride);
-    stretch.low_pass = bandwidth.passes_all ? PassAll() : MakeKernel(bandwidth.sigma_s, stretch.step_s, 0);
-    stretch.wide_low_pass = stretch.low_pass;
+    MotionGrid::Segment segment;
+    segment.record = raw.record;
+    segment.first = grid.time_s.size();
+    segment.step_s = raw.step_s * static_cast<double>(layout.stride);
+    segment.low_pass = bandwidth.passes_all ? PassAll() : MakeKernel(bandwidth.sigma_s, segment.step_s, 0);
+    segment.wide_low_pass = segment.low_pass;
     AddPoints(raw, bandwidth, layout, grid);
-    stretch.count = grid.time_s.size() - stretch.first;
-    grid.stretches.push_back(std::move(stretch));
+    segment.count = grid.time_s.size() - segment.first;
+    grid.segments.push_back(std::move(segment));
   }
   if (grid.temperature_degC.size() != grid.time_s.size()) grid.temperature_degC.clear();
 
-  const double step_s = samples.stretches.front().step_s;
+  const double step_s = samples.segments.front().step_s;
   const auto gain = [&](int derivative) {
     if (derivative == 0 && bandwidth.passes_all) return 1.0;
     return NoiseGain(
@@ -335,16 +337,17 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   grid.acceleration_noise = QuantileOfMagnitude(grid.noise_of_acceleration, 0.5);
   grid.noise_floor = std::hypot(gain(0) * samples.torque_noise, bandwidth.inertia * grid.acceleration_noise);
   grid.last_band = LastBand(samples, bandwidth, layouts, grid);
-  grid.acceleration_error = AddJolts(samples, bandwidth, layouts, grid);
-  WidenRowsAroundJolts(bandwidth.inertia, grid);
+  grid.acceleration_error = AddAccelerationTransients(samples, bandwidth, layouts, grid);
+  WidenRowsAroundAccelerationTransients(bandwidth.inertia, grid);
   // First with the rows beside reversals, which tell over which speed friction turns round; then without
   // those of which they do not.
   FillRows(samples, layouts, bandwidth, expected_delay_s, std::vector<double>(grid.time_s.size(), 0.0), grid);
-  const std::vector<SignPassage> open =
-      ChooseSignPassage(grid, grid.ProjectPassed(grid.passed_torque), passage_delay_s);
-  FillRows(samples, layouts, bandwidth, expected_delay_s, PassageErrors(grid, open, bandwidth.coulomb), grid);
+  const std::vector<ReversalSmoothing> open =
+      ChooseReversalSmoothing(grid, grid.ProjectPassed(grid.passed_torque), reversal_smoothing_delay_s);
+  FillRows(samples, layouts, bandwidth, expected_delay_s,
+           ReversalSmoothingErrors(grid, open, bandwidth.coulomb), grid);
   const Eigen::VectorXd torque = grid.ProjectPassed(grid.passed_torque);
-  ChooseSignPassage(grid, torque, passage_delay_s);
+  ChooseReversalSmoothing(grid, torque, reversal_smoothing_delay_s);
   const auto rows = static_cast<Index>(grid.rows());
   grid.measured.assign(torque.data(), torque.data() + rows);
   grid.prefit = LeastSquares(grid.Weighted(grid.nominal), grid.Weighted(torque));

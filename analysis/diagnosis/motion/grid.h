@@ -8,7 +8,7 @@
 
 #include "analysis/diagnosis/motion/bandwidth.h"
 #include "analysis/diagnosis/motion/kernel.h"
-#include "analysis/diagnosis/motion/passage.h"
+#include "analysis/diagnosis/motion/reversal_smoothing.h"
 #include "analysis/diagnosis/motion/samples.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -23,30 +23,30 @@ inline constexpr std::size_t kMostRows = 16000;
 ///
 /// Rows: the response. Torque and all terms pass one and the same low-pass (motion/kernel.h) and are taken at
 /// a spacing that leaves white noise white, so that noise of the acceleration does not shrink the inertia
-/// (parallel filtering; Gautier, ICRA 1997). Around jolts that the path is too noisy for it is a wider one;
-/// where every sample is known there may be none (motion/settled_grid.h).
+/// (parallel filtering; Gautier, ICRA 1997). Around acceleration transients that the path is too noisy for it
+/// is a wider one; where every sample is known there may be none (motion/settled_grid.h).
 ///
 /// Left out of the rows: what lies within a low-pass's length of a gap, of clipped torque, or of a rest,
 /// where Coulomb friction may take any value below its limit; and what motion/rows.h says of reversals.
 struct MotionGrid {
-  /// A stretch of points at even steps.
-  struct Stretch {
+  /// A segment of points at even steps.
+  struct Segment {
     std::size_t record{};
     std::size_t first{};  // point
     std::size_t count{};
     double step_s{};
     KernelTaps low_pass;
-    KernelTaps wide_low_pass;  // around jolts; the same where no row needs a wider one
+    KernelTaps wide_low_pass;  // around acceleration transients; the same where no row needs a wider one
   };
-  std::vector<Stretch> stretches;
+  std::vector<Segment> segments;
   bool linear{};
   double sigma_s{};         // of the low-pass
   double path_sigma_s{};    // of position, velocity and acceleration
   double velocity_noise{};  // of the points
   double position_noise{};
-  double acceleration_noise{};  // of most points
-  SignPassage passage;          // how the sign of velocity changes
-  double reversal_error_s{};    // standard deviation of each reversal's time in a torque that is resampled
+  double acceleration_noise{};           // of most points
+  ReversalSmoothing reversal_smoothing;  // how the sign of velocity changes
+  double reversal_error_s{};  // standard deviation of each reversal's time in a torque that is resampled
 
   // Points.
   std::vector<double> time_s;
@@ -58,16 +58,17 @@ struct MotionGrid {
   std::vector<double> passed_torque;
   std::vector<double> noise_of_acceleration;  // more where an axis is not calm
   std::vector<bool> wide;                     // where rows pass the wider low-pass
-  std::vector<double> acceleration_error;  // around jolts (motion/jolts.h): how wrong the acceleration may be
-  std::vector<double> last_band;           // acceleration in the last half octave (motion/jolts.h)
-  std::vector<double> jump_error;          // the same where it jumps: of the torque's samples, that fold it
+  std::vector<double> acceleration_error;     // around acceleration transients (motion/acceleration
+                                              // transients.h): how wrong the acceleration may be
+  std::vector<double> last_band;   // acceleration in the last half octave (motion/acceleration transients.h)
+  std::vector<double> jump_error;  // the same where it jumps: of the torque's samples, that fold it
 
   // Rows.
   std::vector<std::size_t> point_of_row;
-  std::vector<std::size_t> stretch_of_row;
-  std::vector<std::size_t> response_stretches;  // first row of each run without a gap
-  std::vector<double> measured;                 // torque, low-passed
-  std::vector<double> weights;                  // less than one where the acceleration is known badly
+  std::vector<std::size_t> segment_of_row;
+  std::vector<std::size_t> response_segments;  // first row of each run without a gap
+  std::vector<double> measured;                // torque, low-passed
+  std::vector<double> weights;                 // less than one where the acceleration is known badly
   Eigen::MatrixXd nominal;        // rows × (acceleration, velocity, direction, one for each record)
   Eigen::MatrixXd nominal_basis;  // orthonormal, of the same space
   Eigen::VectorXd prefit;         // the nominal numbers by least squares
@@ -83,13 +84,13 @@ struct MotionGrid {
   /// How often the velocity changes its sign for certain.
   std::size_t Reversals() const;
   /// That a row at a point passes.
-  const KernelTaps& LowPassAt(const Stretch& stretch, std::size_t point) const {
-    return wide[point] ? stretch.wide_low_pass : stretch.low_pass;
+  const KernelTaps& LowPassAt(const Segment& segment, std::size_t point) const {
+    return wide[point] ? segment.wide_low_pass : segment.low_pass;
   }
   double RowTime_s(std::size_t row) const { return time_s[point_of_row[row]]; }
   /// Low-pass of a quantity of the points, at the rows.
   Eigen::VectorXd Project(std::span<const double> points) const;
-  /// The same of a quantity that is zero but at the points [first, last) of a stretch.
+  /// The same of a quantity that is zero but at the points [first, last) of a segment.
   void AddProjected(std::span<const double> points, std::size_t first, std::size_t last,
                     Eigen::Ref<Eigen::VectorXd> values) const;
   /// A quantity that has passed the low-pass already, but for the wider one, at the rows.
@@ -104,10 +105,10 @@ struct MotionGrid {
 
 /// @param expected_delay_s  by which the torque acts late: reversals show in it that much earlier; negative
 ///   where it was recorded late, 0 where neither.
-/// @param passage_delay_s  the same, for choosing over which speed the sign of velocity changes.
+/// @param reversal_smoothing_delay_s  the same, for choosing over which speed the sign of velocity changes.
 /// @throws std::invalid_argument where too little motion is left.
 MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& bandwidth,
-                          double expected_delay_s, double passage_delay_s);
+                          double expected_delay_s, double reversal_smoothing_delay_s);
 
 /// The path at the grid's points, or where it is a time later.
 struct PathPoints {

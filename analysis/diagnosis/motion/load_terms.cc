@@ -70,18 +70,19 @@ void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     return;
   }
   // What counts as transmitted differs: a constant load or none of the offset, with the friction on the way
-  // or without. Both are shapes.
-  SeparableTerm term =
-      PointTerm(grid, 1, [grid, passing](std::span<const double> shapes, std::size_t, std::span<double> at) {
+  // or without. Both are nonlinear parameters.
+  SeparableTerm term = PointTerm(
+      grid, 1,
+      [grid, passing](std::span<const double> nonlinear_parameters, std::size_t, std::span<double> at) {
         for (std::size_t i = 0; i < at.size(); ++i) {
-          at[i] =
-              grid->direction[i] * std::abs(passing.load[i] + shapes[0] + shapes[1] * passing.friction[i]);
+          at[i] = grid->direction[i] * std::abs(passing.load[i] + nonlinear_parameters[0] +
+                                                nonlinear_parameters[1] * passing.friction[i]);
         }
       });
   const double most = std::max(passing.largest, 2.0 * std::abs(passing.offset));
-  term.shapes = {{-most, most, 0.05 * passing.largest, true}, {0.0, 1.2, 0.2, true}};
-  term.starts = [grid, term, offset = passing.offset](const Remainder& remainder) {
-    return BestStarts(*grid, term, {{0.0, 0.0}, {offset, 0.0}, {0.0, 1.0}, {offset, 1.0}}, remainder, 1);
+  term.nonlinear_parameters = {{-most, most, 0.05 * passing.largest, true}, {0.0, 1.2, 0.2, true}};
+  term.starts = [grid, term, offset = passing.offset](const WeightedResidual& residual) {
+    return BestStarts(*grid, term, {{0.0, 0.0}, {offset, 0.0}, {0.0, 1.0}, {offset, 1.0}}, residual, 1);
   };
   const std::string constant = "constant_load_" + units.torque();
   DescribeEach(
@@ -95,9 +96,9 @@ void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableMod
        .effect = "E9",
        .parameters = {{"load_coefficient", "1", 0.0, kMostCoefficient, true}},
        .degrees_of_freedom = 3,
-       // What counts as load is open by two shapes: of 260 clean records 6 had p < 0.05 with a sixth of
-       // these.
-       .trials = 12.0,
+       // What counts as load is open by two nonlinear parameters: of 260 clean records 6 had p < 0.05 with a
+       // sixth of these.
+       .trials_factor = 12.0,
        .to_settle = units.linear
                         ? ""
                         : "# the same speed under another load\n- kind: load_run\n  name: other-load\n"

@@ -53,25 +53,26 @@ void AddRipple(const SharedGrid& grid, const MotionUnits& units, SeparableModel&
     return;
   }
   SeparableTerm term = PointTerm(
-      grid, 2, [angle](std::span<const double> shapes, std::size_t column, std::span<double> points) {
+      grid, 2,
+      [angle](std::span<const double> nonlinear_parameters, std::size_t column, std::span<double> points) {
         for (std::size_t i = 0; i < points.size(); ++i) {
-          points[i] = column == 0 ? std::cos(shapes[0] * angle[i]) : std::sin(shapes[0] * angle[i]);
+          points[i] = column == 0 ? std::cos(nonlinear_parameters[0] * angle[i])
+                                  : std::sin(nonlinear_parameters[0] * angle[i]);
         }
       });
   const double cell = 1.0 / turns;
-  term.shapes = {{0.9 * low, 1.1 * high, 0.2 * cell}};
+  term.nonlinear_parameters = {{0.9 * low, 1.1 * high, 0.2 * cell}};
   // A line of one per turn is gravity's.
   const auto is_gravity = [=](double order) { return !units.linear && std::abs(order - 1.0) < 0.1 * cell; };
-  term.starts = [=](const Remainder& remainder) {
+  term.starts = [=](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak :
-         FindLines(angle_at_rows, remainder.residual, remainder.weights, low, high, 5)) {
+    for (const LinePeak& peak : FindLines(angle_at_rows, residual.residual, residual.weights, low, high, 5)) {
       if (!is_gravity(peak.order) && starts.size() < 3) starts.push_back({peak.order});
     }
     return starts;
   };
-  term.log_places = [low, high](std::span<const double> shapes) {
-    return LogPlacesOfLine(shapes[0], low, high);
+  term.log_search_locations = [low, high](std::span<const double> nonlinear_parameters) {
+    return LogSearchLocationsOfLine(nonlinear_parameters[0], low, high);
   };
   const std::string name = units.linear ? "periods_per_m" : "order_per_turn";
   DescribeAsHarmonic(term, "amplitude_" + units.torque(), units.torque(), 1.0,
@@ -89,7 +90,7 @@ void AddRipple(const SharedGrid& grid, const MotionUnits& units, SeparableModel&
        .parameters = {{"amplitude_" + units.torque(), units.torque(), 0.0, kUnlimited, true},
                       {name, units.linear ? "1/m" : "1", low, high, false}},
        .degrees_of_freedom = 3,
-       .trials = IndependentOrders(angle_at_rows, low, high),
+       .trials_factor = IndependentOrders(angle_at_rows, low, high),
        .to_settle = units.linear
                         ? ""
                         : "# without the gear cogging stays, with it and at another speed the gear's own "

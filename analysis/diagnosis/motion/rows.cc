@@ -18,7 +18,7 @@ constexpr double kMostLeftOut = 0.4;     // of the rows, because of reversals
 // Part of the smoothing's width by which a kink of the velocity moves its zero.
 constexpr double kBlurredReversal = 0.015;
 // Of the 95 % quantile of the speed, in which friction may turn to its other sign.
-constexpr double kPassage = 5e-4;
+constexpr double kReversalSmoothing = 5e-4;
 // Part of the acceleration that shows in the last band where an axis sticks for as long as that.
 constexpr double kShowsWhereItSticks = 0.0015;
 // A kink of the velocity between two samples is known to Bernoulli's B₂/2 of a step² in the velocity's sum,
@@ -33,9 +33,9 @@ void AddShortRests(const MotionSamples& samples, std::span<const PointLayout> la
                    double slow, std::vector<double>& rests) {
   const double reversal_s = slow / std::max(QuantileOfMagnitude(grid.passed_acceleration, 0.95), 1e-300);
   const double noise = kNoiseBand * samples.position_noise;
-  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
-    const EvenStretch& raw = samples.stretches[s];
-    const MotionGrid::Stretch& stretch = grid.stretches[s];
+  for (std::size_t s = 0; s < grid.segments.size(); ++s) {
+    const EvenSegment& raw = samples.segments[s];
+    const MotionGrid::Segment& segment = grid.segments[s];
     const double shortest_s =
         std::max({kShortestRest * raw.step_s, 3.0 * grid.sigma_s, 6.0 * reversal_s, noise / slow});
     const double band = slow * shortest_s + noise;
@@ -49,15 +49,15 @@ void AddShortRests(const MotionSamples& samples, std::span<const PointLayout> la
         if (high - low > band) break;
       }
       const std::size_t stride = layouts[s].stride;
-      const std::size_t middle = std::min((i + next) / 2 / stride, stretch.count - 1);
-      const double acceleration = std::abs(grid.passed_acceleration[stretch.first + middle]);
+      const std::size_t middle = std::min((i + next) / 2 / stride, segment.count - 1);
+      const double acceleration = std::abs(grid.passed_acceleration[segment.first + middle]);
       const double reversal_here_s = std::sqrt(8.0 * band / std::max(acceleration, 1e-300));
       if (static_cast<double>(next - i) * raw.step_s < std::max(shortest_s, kLonger * reversal_here_s)) {
         ++i;
         continue;
       }
-      for (std::size_t k = (i + stride - 1) / stride; k < stretch.count && layouts[s].SampleOf(k) < next; ++k)
-        rests[stretch.first + k] = 1.0;
+      for (std::size_t k = (i + stride - 1) / stride; k < segment.count && layouts[s].SampleOf(k) < next; ++k)
+        rests[segment.first + k] = 1.0;
       i = next;
     }
   }
@@ -70,13 +70,13 @@ std::vector<double> RestsOf(const MotionSamples& samples, std::span<const PointL
   const double slow = std::max(3.0 * grid.velocity_noise, standing);
   std::vector<double> rests(grid.velocity.size(), 0.0);
   if (standing > 0.0) AddShortRests(samples, layouts, grid, standing, rests);
-  for (const MotionGrid::Stretch& stretch : grid.stretches) {
+  for (const MotionGrid::Segment& segment : grid.segments) {
     const double shortest_s = std::max(6.0 * grid.path_sigma_s, 3.0 * grid.sigma_s);
-    const std::size_t end = stretch.first + stretch.count;
-    for (std::size_t i = stretch.first; i < end;) {
+    const std::size_t end = segment.first + segment.count;
+    for (std::size_t i = segment.first; i < end;) {
       std::size_t next = i;
       while (next < end && std::abs(grid.velocity[next]) < slow) ++next;
-      if (static_cast<double>(next - i) * stretch.step_s > shortest_s) {
+      if (static_cast<double>(next - i) * segment.step_s > shortest_s) {
         std::fill(rests.begin() + static_cast<std::ptrdiff_t>(i),
                   rests.begin() + static_cast<std::ptrdiff_t>(next), 1.0);
       }
@@ -116,13 +116,13 @@ struct Spell {
 
 // Where the axis is slower than `slow` around a reversal right before point `after`. Looked up, not taken
 // from the acceleration: an axis that comes to rest before it turns has none there.
-Spell SlowSpell(const MotionGrid& grid, const MotionGrid::Stretch& stretch, std::size_t after, double slow) {
+Spell SlowSpell(const MotionGrid& grid, const MotionGrid::Segment& segment, std::size_t after, double slow) {
   const auto speed = [&](std::size_t i) { return std::abs(grid.velocity[i]); };
-  const std::size_t last = stretch.first + stretch.count - 1;
+  const std::size_t last = segment.first + segment.count - 1;
   std::size_t to = after;
   while (to < last && speed(to) < slow) ++to;
   std::size_t from = after - 1;
-  while (from > stretch.first && speed(from) < slow) --from;
+  while (from > segment.first && speed(from) < slow) --from;
   // Between the first point that is fast enough and its neighbour inside, whose velocity counts as negative
   // where the reversal lies between both.
   const auto edge = [&](std::size_t fast, std::size_t inner) {
@@ -140,50 +140,53 @@ double FoldedKink_s(const MotionBandwidth& bandwidth, double step_s) {
 }
 
 // At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
-// @param passage  speed over which friction may turn round, nobody knows how
+// @param reversal smoothing  speed over which friction may turn round, nobody knows how
 std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBandwidth& bandwidth,
-                                   double expected_delay_s, double passage, const MotionGrid& grid) {
+                                   double expected_delay_s, double reversal_smoothing,
+                                   const MotionGrid& grid) {
   std::vector<double> errors(grid.velocity.size(), 0.0);
-  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
-    const MotionGrid::Stretch& stretch = grid.stretches[s];
-    const double folded_s = FoldedKink_s(bandwidth, samples.stretches[s].step_s);
-    const std::vector<double> narrow = EnvelopeOf(stretch.low_pass, stretch.step_s);
-    const std::vector<double> wide = EnvelopeOf(stretch.wide_low_pass, stretch.step_s);
+  for (std::size_t s = 0; s < grid.segments.size(); ++s) {
+    const MotionGrid::Segment& segment = grid.segments[s];
+    const double folded_s = FoldedKink_s(bandwidth, samples.segments[s].step_s);
+    const std::vector<double> narrow = EnvelopeOf(segment.low_pass, segment.step_s);
+    const std::vector<double> wide = EnvelopeOf(segment.wide_low_pass, segment.step_s);
     const auto half = std::max<std::size_t>(
-        1, static_cast<std::size_t>(std::lround(2.0 * grid.path_sigma_s / stretch.step_s)));
-    const std::size_t end = stretch.first + stretch.count;
+        1, static_cast<std::size_t>(std::lround(2.0 * grid.path_sigma_s / segment.step_s)));
+    const std::size_t end = segment.first + segment.count;
     double told = 0.0;  // up to here
-    for (std::size_t i = stretch.first + 1; i < end; ++i) {
+    for (std::size_t i = segment.first + 1; i < end; ++i) {
       // To and fro within one slow spell is one reversal.
       if (grid.velocity[i - 1] * grid.velocity[i] > 0.0 || static_cast<double>(i) < told) continue;
-      const std::size_t from = i > stretch.first + half ? i - half : stretch.first;
+      const std::size_t from = i > segment.first + half ? i - half : segment.first;
       const std::size_t to = std::min(i + half, end - 1);
       const double acceleration = std::abs(grid.velocity[to] - grid.velocity[from]) /
-                                  (static_cast<double>(to - from) * stretch.step_s);
+                                  (static_cast<double>(to - from) * segment.step_s);
       const double blurred_s = kBlurredReversal * grid.path_sigma_s;
-      // Of an axis that turns smoothly there is no kink, and friction turns round within a passage.
-      const double share = std::clamp(std::max(grid.last_band[i] / kShowsWhereItSticks, passage / blurred_s) /
-                                          std::max(acceleration, 1e-300),
-                                      0.0, 1.0);
-      const Spell spell = SlowSpell(grid, stretch, i, grid.velocity_noise + share * blurred_s * acceleration);
+      // Of an axis that turns smoothly there is no kink, and friction turns round within a reversal
+      // smoothing.
+      const double share =
+          std::clamp(std::max(grid.last_band[i] / kShowsWhereItSticks, reversal_smoothing / blurred_s) /
+                         std::max(acceleration, 1e-300),
+                     0.0, 1.0);
+      const Spell spell = SlowSpell(grid, segment, i, grid.velocity_noise + share * blurred_s * acceleration);
       told = spell.end;
       const double middle = 0.5 * (spell.begin + spell.end);
       // Between which samples a resampled torque jumped is known, not where.
       const double uncertain_s = std::hypot(
           std::max(grid.reversal_error_s, share * folded_s),
-          std::max(kAlikeEachTime * 0.5 * (spell.end - spell.begin) * stretch.step_s, share * blurred_s));
+          std::max(kAlikeEachTime * 0.5 * (spell.end - spell.begin) * segment.step_s, share * blurred_s));
       const auto reach =
           std::max(narrow.size(), wide.size()) +
-          static_cast<std::size_t>((uncertain_s + std::abs(expected_delay_s)) / stretch.step_s) + 1;
+          static_cast<std::size_t>((uncertain_s + std::abs(expected_delay_s)) / segment.step_s) + 1;
       const auto centre = static_cast<std::size_t>(middle);
-      for (std::size_t k = centre > stretch.first + reach ? centre - reach : stretch.first;
+      for (std::size_t k = centre > segment.first + reach ? centre - reach : segment.first;
            k < std::min(centre + reach + 1, end); ++k) {
         // Where the torque acts late, the reversal shows in it before it shows in the motion; where it is
         // recorded late, afterwards.
-        const double after_s = (static_cast<double>(k) - middle) * stretch.step_s;
+        const double after_s = (static_cast<double>(k) - middle) * segment.step_s;
         const double away_s = std::max(
             {after_s - std::max(-expected_delay_s, 0.0), -after_s - std::max(expected_delay_s, 0.0), 0.0});
-        const auto tap = static_cast<std::size_t>(std::max(0.0, away_s - uncertain_s) / stretch.step_s);
+        const auto tap = static_cast<std::size_t>(std::max(0.0, away_s - uncertain_s) / segment.step_s);
         const std::vector<double>& envelope = grid.wide[k] ? wide : narrow;
         if (tap < envelope.size()) errors[k] += 2.0 * bandwidth.coulomb * uncertain_s * envelope[tap];
       }
@@ -205,15 +208,17 @@ double ToleratedError(double noise, const std::vector<double>& errors) {
 
 void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
                       const MotionBandwidth& bandwidth, double expected_delay_s,
-                      std::span<const double> passage_error, MotionGrid& grid) {
+                      std::span<const double> reversal_smoothing_error, MotionGrid& grid) {
   grid.point_of_row.clear();
-  grid.stretch_of_row.clear();
-  grid.response_stretches.clear();
+  grid.segment_of_row.clear();
+  grid.response_segments.clear();
   const std::vector<double> rests = RestsOf(samples, layouts, grid);
   std::vector<double> errors = ReversalErrors(samples, bandwidth, expected_delay_s, 0.0, grid);
-  const std::vector<double> most = ReversalErrors(samples, bandwidth, expected_delay_s,
-                                                  kPassage * QuantileOfMagnitude(grid.velocity, 0.95), grid);
-  for (std::size_t i = 0; i < errors.size(); ++i) errors[i] = std::min(most[i], errors[i] + passage_error[i]);
+  const std::vector<double> most =
+      ReversalErrors(samples, bandwidth, expected_delay_s,
+                     kReversalSmoothing * QuantileOfMagnitude(grid.velocity, 0.95), grid);
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    errors[i] = std::min(most[i], errors[i] + reversal_smoothing_error[i]);
   const double tolerated = ToleratedError(grid.noise_floor, errors);
   std::vector<double> jumps = grid.jump_error;
   for (double& jump : jumps) jump *= std::abs(bandwidth.inertia);
@@ -221,45 +226,45 @@ void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout>
   // At rest friction is anything between its two values.
   const double most_at_rest =
       std::min(kMostAtRest, kTolerated * grid.noise_floor / std::max(2.0 * bandwidth.coulomb, 1e-300));
-  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
-    const MotionGrid::Stretch& stretch = grid.stretches[s];
-    const EvenStretch& raw = samples.stretches[s];
-    const KernelTaps path = MakeKernel(grid.path_sigma_s, stretch.step_s, 0);
-    // Of a spike beside a jolt nobody knows which of two samples it is.
+  for (std::size_t s = 0; s < grid.segments.size(); ++s) {
+    const MotionGrid::Segment& segment = grid.segments[s];
+    const EvenSegment& raw = samples.segments[s];
+    const KernelTaps path = MakeKernel(grid.path_sigma_s, segment.step_s, 0);
+    // Of a spike beside an acceleration transient nobody knows which of two samples it is.
     const KernelTaps at_samples = bandwidth.passes_all ? KernelTaps{.taps = {1.0, 1.0, 1.0}, .reach = 1}
                                                        : MakeKernel(grid.sigma_s, raw.step_s, 0);
     std::vector<double> clipped(raw.clipped.begin(), raw.clipped.end());
-    const double apart_s = bandwidth.passes_all ? stretch.step_s : kRowSpacing * grid.sigma_s;
+    const double apart_s = bandwidth.passes_all ? segment.step_s : kRowSpacing * grid.sigma_s;
     const auto spacing =
-        std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(apart_s / stretch.step_s)));
+        std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(apart_s / segment.step_s)));
     std::size_t run = grid.point_of_row.size();
     const auto end_run = [&] {
       if (grid.point_of_row.size() - run < kShortestRun) {
         grid.point_of_row.resize(run);
-        grid.stretch_of_row.resize(run);
+        grid.segment_of_row.resize(run);
       } else {
-        grid.response_stretches.push_back(run);
+        grid.response_segments.push_back(run);
       }
       run = grid.point_of_row.size();
     };
-    for (std::size_t i = stretch.low_pass.reach; i + stretch.low_pass.reach < stretch.count; i += spacing) {
+    for (std::size_t i = segment.low_pass.reach; i + segment.low_pass.reach < segment.count; i += spacing) {
       const std::size_t sample = layouts[s].SampleOf(i);
-      const KernelTaps& low_pass = grid.LowPassAt(stretch, stretch.first + i);
-      if (i < low_pass.reach || i + low_pass.reach >= stretch.count) continue;
+      const KernelTaps& low_pass = grid.LowPassAt(segment, segment.first + i);
+      if (i < low_pass.reach || i + low_pass.reach >= segment.count) continue;
       if (sample < layouts[s].margin || sample + layouts[s].margin >= raw.position.size()) continue;
-      if (errors[stretch.first + i] > tolerated || jumps[stretch.first + i] > tolerated_of_jumps ||
-          ShareUnderKernel(low_pass, rests, stretch.first + i) > most_at_rest ||
+      if (errors[segment.first + i] > tolerated || jumps[segment.first + i] > tolerated_of_jumps ||
+          ShareUnderKernel(low_pass, rests, segment.first + i) > most_at_rest ||
           // Where an axis stops or starts, its acceleration jumps.
-          ShareUnderKernel(path, rests, stretch.first + i) > kMostAtRest ||
+          ShareUnderKernel(path, rests, segment.first + i) > kMostAtRest ||
           ShareUnderKernel(at_samples, clipped, sample) > 1e-3) {
         end_run();
         continue;
       }
-      grid.point_of_row.push_back(stretch.first + i);
-      grid.stretch_of_row.push_back(s);
+      grid.point_of_row.push_back(segment.first + i);
+      grid.segment_of_row.push_back(s);
     }
     end_run();
-    grid.row_spacing_s = std::max(grid.row_spacing_s, static_cast<double>(spacing) * stretch.step_s);
+    grid.row_spacing_s = std::max(grid.row_spacing_s, static_cast<double>(spacing) * segment.step_s);
   }
 }
 

@@ -217,7 +217,7 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
     }
     samples.spikes.push_back(LeaveOutSpikes(record, kept.empty() ? std::span<const std::size_t>{} : kept[r],
                                             name, samples.warnings));
-    // What bridges the top of a jolt is not the torque.
+    // What bridges the top of an acceleration transient is not the torque.
     for (const std::size_t spike : samples.spikes.back()) unknown[spike] = true;
     SettleUnits(record, name, samples.warnings);
     const double step = QuantisationStep(record.position);
@@ -225,19 +225,19 @@ MotionSamples PrepareMotion(std::span<const MotionData> records,
     // Of the samples as they came: bringing them onto even steps smooths them.
     torque_noise.push_back(
         std::max(WhiteNoiseLevel(record.torque), QuantisationStep(record.torque) / std::sqrt(12.0)));
-    for (EvenStretch& stretch : EvenStretches(record, unknown, name, samples.warnings)) {
-      stretch.record = r;
+    for (EvenSegment& segment : EvenSegments(record, unknown, name, samples.warnings)) {
+      segment.record = r;
       position_noise.push_back(
-          std::max(WhiteNoiseLevel(WithoutRests(stretch.position)), step / std::sqrt(12.0)));
-      stamp_error_s.push_back(stretch.stamp_error_s);
-      if (!stretch.velocity.empty()) {
-        velocity_noise.push_back(std::max(WhiteNoiseLevel(WithoutRests(stretch.velocity)),
-                                          QuantisationStep(stretch.velocity) / std::sqrt(12.0)));
+          std::max(WhiteNoiseLevel(WithoutRests(segment.position)), step / std::sqrt(12.0)));
+      stamp_error_s.push_back(segment.stamp_error_s);
+      if (!segment.velocity.empty()) {
+        velocity_noise.push_back(std::max(WhiteNoiseLevel(WithoutRests(segment.velocity)),
+                                          QuantisationStep(segment.velocity) / std::sqrt(12.0)));
       }
-      samples.stretches.push_back(std::move(stretch));
+      samples.segments.push_back(std::move(segment));
     }
   }
-  if (samples.stretches.empty()) {
+  if (samples.segments.empty()) {
     throw std::invalid_argument("no stretch without a gap is long enough (expected 40 samples and more)");
   }
   samples.position_noise = Median(position_noise);

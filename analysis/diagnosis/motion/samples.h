@@ -13,8 +13,8 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A stretch of a record without gaps, at even steps.
-struct EvenStretch {
+/// A segment of a record without gaps, at even steps.
+struct EvenSegment {
   std::size_t record{};
   double start_s{};
   double step_s{};
@@ -29,12 +29,12 @@ struct EvenStretch {
 
 /// Motion records made ready: even steps, one unit for position, what was noticed.
 struct MotionSamples {
-  std::vector<EvenStretch> stretches;
+  std::vector<EvenSegment> segments;
   std::size_t records{};
   bool linear{};
   std::optional<double> inertia;
   double position_noise{};  // standard deviations of the white parts
-  double stamp_error_s{};   // of most stretches
+  double stamp_error_s{};   // of most segments
   double velocity_noise{};
   double torque_noise{};
   double position_step{};                        // of a quantised position; 0 for a continuous one
@@ -67,7 +67,8 @@ double StampError_s(std::span<const double> time_s, std::span<const double> posi
 double QuantileOfMagnitude(std::span<const double> values, double share);
 
 /// Standard deviation of values that are normal but for up to a tenth of them, by the magnitude that four
-/// fifths stay below: short jolts do not count in it, noise that comes and goes with the speed does.
+/// fifths stay below: short acceleration transients do not count in it, noise that comes and goes with the
+/// speed does.
 double UsualSize(std::span<const double> values);
 
 /// Of the 95 % quantile of the speed, from which on an axis moves.

@@ -37,9 +37,9 @@ double MissingSigma(const MotionGrid& grid) {
 bool EverySampleIsKnown(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                         const MotionGrid& grid) {
   std::size_t count = 0;
-  for (const EvenStretch& stretch : samples.stretches) {
-    if (stretch.resampled || !KeepsUpWith(bandwidth, stretch.step_s)) return false;
-    count += stretch.position.size();
+  for (const EvenSegment& segment : samples.segments) {
+    if (segment.resampled || !KeepsUpWith(bandwidth, segment.step_s)) return false;
+    count += segment.position.size();
   }
   // Of the acceleration, that would make as much of the torque.
   const double noise = grid.noise_floor / std::max(std::abs(bandwidth.inertia), 1e-300);
@@ -61,9 +61,9 @@ SharedGrid WithoutLowPass(const MotionSamples& samples, MotionBandwidth bandwidt
 
 SettledGrid MakeSettledGrid(const MotionSamples& samples) {
   const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
-  const auto make = [&](double expected_delay_s, double passage_delay_s) {
+  const auto make = [&](double expected_delay_s, double reversal_smoothing_delay_s) {
     SettledGrid made{std::make_shared<const MotionGrid>(
-                         MakeMotionGrid(samples, bandwidth, expected_delay_s, passage_delay_s)),
+                         MakeMotionGrid(samples, bandwidth, expected_delay_s, reversal_smoothing_delay_s)),
                      {}};
     made.delay = EstimateDelay(*made.grid);
     return made;

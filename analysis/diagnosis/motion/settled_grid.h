@@ -18,11 +18,12 @@ struct SettledGrid {
 };
 
 /// The grid, made again where the torque acts late: reversals show in it before they show in the motion.
-/// Whether they are blurred by the lag or by a wide passage from one way to the other, what is left tells.
+/// Whether they are blurred by the lag or by a wide reversal smoothing from one way to the other, what is
+/// left tells.
 ///
-/// Made again without the low-pass where what is missing is faint: the knocks of a small gap last a sample or
-/// two, of which the low-pass keeps a part. A delay has to show first, since torque that is a step from one
-/// sample to the next cannot be moved by less.
+/// Made again without the low-pass where what is missing is faint: the impacts of a small gap last a sample
+/// or two, of which the low-pass keeps a part. A delay has to show first, since torque that is a step from
+/// one sample to the next cannot be moved by less.
 ///
 /// @throws std::invalid_argument where too little motion is left.
 SettledGrid MakeSettledGrid(const MotionSamples& samples);

@@ -20,7 +20,7 @@ constexpr int kRounds = 4;        // of a fit without what the one before has le
 constexpr double kFarOff = 6.0;   // standard deviations
 constexpr double kAsQuiet = 1.1;  // as the torque is what the motion leaves, to be looked at instead
 constexpr double kTakenByDifferences = 0.3;
-constexpr double kLeftOver = 0.5;     // of a bend: with less left of it, the motion has made it
+constexpr double kResidual = 0.5;     // of a bend: with less left of it, the motion has made it
 constexpr double kOffTheNoise = 4.0;  // standard deviations of bends
 
 // Acceleration, velocity, its sign and a constant, by differences of neighbours; rows at uneven or repeated
@@ -124,20 +124,20 @@ std::vector<std::size_t> BridgeSpikes(MotionData& record, double resolution,
   for (std::size_t i = 0; i < left.size(); ++i) left[i] -= made.torque(static_cast<Index>(i));
   if (Roughness(left) > kAsQuiet * Roughness(record.torque)) {
     std::vector<std::size_t> spikes = FindLoneSamples(record.torque, resolution);
-    // The top of a jolt, when the axis turns back within a few samples, is no spike. It bends the motion more
-    // than the noise does by which the motion is known.
+    // The top of an acceleration transient, when the axis turns back within a few samples, is no spike. It
+    // bends the motion more than the noise does by which the motion is known.
     const std::span<const double> by_motion{made.torque.data(), left.size()};
     const double least = kOffTheNoise * 0.5 * Roughness(by_motion);
     std::erase_if(spikes, [&](std::size_t spike) {
       return is_kept(spike) ||
-             (Bend(by_motion, spike) > least && Bend(left, spike) < kLeftOver * Bend(record.torque, spike));
+             (Bend(by_motion, spike) > least && Bend(left, spike) < kResidual * Bend(record.torque, spike));
     });
     InterpolateOver(record.torque, spikes);
     return spikes;
   }
   std::vector<std::size_t> spikes = FindLoneSamples(left, resolution);
-  // Half-way through a reversal friction is off by as much as it is, and at the top of a jolt of a few
-  // samples differences of neighbours take a part of it.
+  // Half-way through a reversal friction is off by as much as it is, and at the top of an acceleration
+  // transient of a few samples differences of neighbours take a part of it.
   std::erase_if(spikes, [&](std::size_t spike) {
     const double friction = IsAtReversal(columns, static_cast<Index>(spike)) ? made.friction : 0.0;
     const double bend = Bend({made.torque.data(), left.size()}, spike);

@@ -8,7 +8,7 @@
 
 #include "analysis/diagnosis/motion/delay.h"
 #include "analysis/diagnosis/motion/grid.h"
-#include "analysis/diagnosis/motion/knocks.h"
+#include "analysis/diagnosis/motion/impacts.h"
 #include "analysis/diagnosis/motion/samples.h"
 #include "analysis/diagnosis/motion/settled_grid.h"
 #include "analysis/diagnosis/motion/terms.h"
@@ -22,7 +22,7 @@ namespace {
 // Standard errors of the inertia from which on causes that live of the acceleration can be judged.
 constexpr double kAccelerates = 10.0;
 // Held out are parts of a move, longer than noise remembers: a speed that comes in one move only, or the one
-// knock that tells a gap's width, is not predicted by the rest of the record, which says nothing of it.
+// impact that tells a gap's width, is not predicted by the rest of the record, which says nothing of it.
 constexpr std::size_t kBlocks = 60;
 constexpr std::size_t kFewestInBlock = 12;
 void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableModel& model) {
@@ -61,12 +61,12 @@ void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableMo
 }  // namespace
 
 std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
-  const MotionSamples samples = KeepKnocks(records, PrepareMotion(records));
+  const MotionSamples samples = KeepImpacts(records, PrepareMotion(records));
   const auto [grid, delay] = MakeSettledGrid(samples);
   const MotionUnits units{samples.linear};
   SeparableModel model;
   model.measured = grid->measured;
-  model.stretches = grid->response_stretches;
+  model.segments = grid->response_segments;
   model.weights = grid->weights;
   model.warnings = samples.warnings;
   model.unit = units.torque();
@@ -98,7 +98,7 @@ std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records) {
         "hardly accelerates");
   }
   AddDisturbanceCause(grid, units, model);
-  AddMotionCorrections(grid, units, model);
+  AddMotionNuisanceTerms(grid, units, model);
   AddRegressors(*grid, units, model);
   return std::make_unique<SeparableStudy>(std::move(model));
 }

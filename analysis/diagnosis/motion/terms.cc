@@ -19,12 +19,13 @@ constexpr double kUnknownReversal = 3.0;  // steps of the points
 // Row by row, how much of a change is friction that turns round a little earlier or later than the motion
 // does: an axis that sticks for a moment has any friction below its limit.
 Eigen::VectorXd SpreadOfReversals(const MotionGrid& grid) {
-  const double shift_s = kUnknownReversal * grid.stretches.front().step_s;
+  const double shift_s = kUnknownReversal * grid.segments.front().step_s;
   Eigen::ArrayXd squares = Eigen::ArrayXd::Zero(grid.nominal.rows());
   for (const double by_s : {-shift_s, shift_s})
-    squares += (grid.Project(grid.passage.SignsOf(grid.Later(grid.velocity, by_s))) - grid.nominal.col(2))
-                   .array()
-                   .square();
+    squares +=
+        (grid.Project(grid.reversal_smoothing.SignsOf(grid.Later(grid.velocity, by_s))) - grid.nominal.col(2))
+            .array()
+            .square();
   return (0.5 * squares).sqrt().matrix();
 }
 
@@ -41,16 +42,18 @@ SeparableTerm FixedTerm(Eigen::MatrixXd columns) {
 
 void AddNominalMotion(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   SeparableTerm term = FixedTerm(grid->nominal);
-  std::vector<ShapeDescription> numbers{{units.inertia_name(), units.inertia(), 1.0},
-                                        {"viscous_" + units.viscous_suffix(), units.viscous(), 1.0},
-                                        {"coulomb_" + units.torque(), units.torque(), 1.0}};
+  std::vector<NonlinearParameterDescription> numbers{
+      {units.inertia_name(), units.inertia(), 1.0},
+      {"viscous_" + units.viscous_suffix(), units.viscous(), 1.0},
+      {"coulomb_" + units.torque(), units.torque(), 1.0}};
   for (Index record = 0; record + 3 < grid->nominal.cols(); ++record) {
     numbers.push_back(
         {record == 0 ? "offset_" + units.torque() : fmt::format("offset_{}_{}", record + 1, units.torque()),
          units.torque(), 1.0});
   }
   DescribeEach(term, std::move(numbers));
-  term.doubt = [spread = SpreadOfReversals(*grid)](std::span<const double> fitted) -> Eigen::VectorXd {
+  term.model_uncertainty = [spread =
+                                SpreadOfReversals(*grid)](std::span<const double> fitted) -> Eigen::VectorXd {
     return std::abs(fitted[2]) * spread;
   };
   model.nominal.push_back(std::move(term));
@@ -76,10 +79,10 @@ RowSums::RowSums(const MotionGrid& grid, double span_s) {
     nominal_basis_ = grid.nominal_basis;
     return;
   }
-  for (std::size_t run = 0; run < grid.response_stretches.size(); ++run) {
-    const bool last = run + 1 == grid.response_stretches.size();
-    const auto end = static_cast<Index>(last ? grid.rows() : grid.response_stretches[run + 1]);
-    for (auto first = static_cast<Index>(grid.response_stretches[run]); first < end; first += most)
+  for (std::size_t run = 0; run < grid.response_segments.size(); ++run) {
+    const bool last = run + 1 == grid.response_segments.size();
+    const auto end = static_cast<Index>(last ? grid.rows() : grid.response_segments[run + 1]);
+    for (auto first = static_cast<Index>(grid.response_segments[run]); first < end; first += most)
       spans_.emplace_back(first, std::min(most, end - first));
   }
   nominal_basis_ = OrthonormalBasis(Of(grid.nominal));
@@ -99,64 +102,67 @@ Eigen::MatrixXd RowSums::BesideNominal(const Eigen::MatrixXd& sums) const {
   return sums - nominal_basis_ * (nominal_basis_.transpose() * sums).eval();
 }
 
-Eigen::VectorXd RowSums::ResidualOf(const Remainder& remainder) const {
-  const Eigen::Map<const Eigen::VectorXd> residual(remainder.residual.data(),
-                                                   static_cast<Index>(remainder.residual.size()));
-  return each_ ? Eigen::VectorXd(residual) : Eigen::VectorXd(BesideNominal(Of(residual)));
+Eigen::VectorXd RowSums::ResidualOf(const WeightedResidual& residual) const {
+  const Eigen::Map<const Eigen::VectorXd> values(residual.residual.data(),
+                                                 static_cast<Index>(residual.residual.size()));
+  return each_ ? Eigen::VectorXd(values) : Eigen::VectorXd(BesideNominal(Of(values)));
 }
 
-Eigen::VectorXd RowSums::WeightsOf(const Remainder& remainder) const {
+Eigen::VectorXd RowSums::WeightsOf(const WeightedResidual& residual) const {
   if (!each_) return Eigen::VectorXd::Ones(count());
-  return Eigen::Map<const Eigen::VectorXd>(remainder.weights.data(),
-                                           static_cast<Index>(remainder.weights.size()));
+  return Eigen::Map<const Eigen::VectorXd>(residual.weights.data(),
+                                           static_cast<Index>(residual.weights.size()));
 }
 
-ShapeMap::ShapeMap(const MotionGrid& grid, std::vector<std::vector<double>> shapes, double span_s)
+NonlinearParameterMap::NonlinearParameterMap(const MotionGrid& grid,
+                                             std::vector<std::vector<double>> nonlinear_parameters,
+                                             double span_s)
     : sums_(grid, span_s),
-      shapes_(std::move(shapes)),
-      columns_(Eigen::MatrixXf::Zero(sums_.count(), static_cast<Index>(shapes_.size()))),
-      lengths_(Eigen::VectorXd::Ones(static_cast<Index>(shapes_.size()))) {}
+      nonlinear_parameters_(std::move(nonlinear_parameters)),
+      columns_(Eigen::MatrixXf::Zero(sums_.count(), static_cast<Index>(nonlinear_parameters_.size()))),
+      lengths_(Eigen::VectorXd::Ones(static_cast<Index>(nonlinear_parameters_.size()))) {}
 
-void ShapeMap::Take(Index shape, const Eigen::MatrixXd& rows) {
+void NonlinearParameterMap::Take(Index nonlinear_parameter, const Eigen::MatrixXd& rows) {
   const Eigen::MatrixXd sums = sums_.Of(rows);
   const Eigen::MatrixXd column = sums_.BesideNominal(sums);
   const double norm = column.norm();
   // What is one with the nominal model, as a swing far above the motion is with the inertia, stays zero.
   if (!(norm > 1e-3 * sums.norm())) return;
-  columns_.col(shape) = (column / norm).cast<float>();
-  lengths_(shape) = norm;
+  columns_.col(nonlinear_parameter) = (column / norm).cast<float>();
+  lengths_(nonlinear_parameter) = norm;
 }
 
-void FillMaps(const SeparableTerm& term, std::size_t rows, std::initializer_list<ShapeMap*> maps) {
-  const std::vector<std::vector<double>>& shapes = (*maps.begin())->shapes();
+void FillMaps(const SeparableTerm& term, std::size_t rows,
+              std::initializer_list<NonlinearParameterMap*> maps) {
+  const std::vector<std::vector<double>>& nonlinear_parameters = (*maps.begin())->nonlinear_parameters();
   Eigen::MatrixXd column(static_cast<Index>(rows), 1);
-  for (std::size_t k = 0; k < shapes.size(); ++k) {
-    term.fill(shapes[k], column);
-    for (ShapeMap* map : maps) map->Take(static_cast<Index>(k), column);
+  for (std::size_t k = 0; k < nonlinear_parameters.size(); ++k) {
+    term.fill(nonlinear_parameters[k], column);
+    for (NonlinearParameterMap* map : maps) map->Take(static_cast<Index>(k), column);
   }
 }
 
-Eigen::VectorXf ShapeMap::Roots(const Remainder& remainder) const {
+Eigen::VectorXf NonlinearParameterMap::Roots(const WeightedResidual& residual) const {
   const Eigen::VectorXf weighted =
-      sums_.ResidualOf(remainder).cwiseProduct(sums_.WeightsOf(remainder)).cast<float>();
+      sums_.ResidualOf(residual).cwiseProduct(sums_.WeightsOf(residual)).cast<float>();
   return (columns_.transpose() * weighted).cwiseMax(0.0F);
 }
 
-double ShapeMap::MeanSquare(const Remainder& remainder) const {
-  return sums_.ResidualOf(remainder).cwiseAbs2().cwiseProduct(sums_.WeightsOf(remainder)).mean();
+double NonlinearParameterMap::MeanSquare(const WeightedResidual& residual) const {
+  return sums_.ResidualOf(residual).cwiseAbs2().cwiseProduct(sums_.WeightsOf(residual)).mean();
 }
 
-StartSearch::StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder,
+StartSearch::StartSearch(const MotionGrid& grid, const SeparableTerm& term, const WeightedResidual& residual,
                          Sign sign, double span_s)
     : sums_(grid, span_s),
       term_(term),
       sign_(sign),
       rows_(grid.nominal.rows(), static_cast<Index>(term.columns)),
-      weights_(sums_.WeightsOf(remainder)),
-      weighted_(sums_.ResidualOf(remainder).cwiseProduct(weights_)) {}
+      weights_(sums_.WeightsOf(residual)),
+      weighted_(sums_.ResidualOf(residual).cwiseProduct(weights_)) {}
 
-double StartSearch::Drop(std::span<const double> shapes) {
-  term_.fill(shapes, rows_);
+double StartSearch::Drop(std::span<const double> nonlinear_parameters) {
+  term_.fill(nonlinear_parameters, rows_);
   const Eigen::MatrixXd columns = sums_.BesideNominal(sums_.Of(rows_));
   const Eigen::VectorXd right = columns.transpose() * weighted_;
   if (sign_ == Sign::kPositive && right(0) <= 0.0) return 0.0;
@@ -164,25 +170,27 @@ double StartSearch::Drop(std::span<const double> shapes) {
   return right.dot(ShortestLeastSquares(gram, right).col(0));
 }
 
-std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const std::vector<double>& steps) {
+std::vector<double> StartSearch::Polish(const std::vector<double>& nonlinear_parameters,
+                                        const std::vector<double>& steps) {
   constexpr double kSettled = 5e-3;        // of the drop, between the best corner and the worst
   constexpr std::size_t kRoundsEach = 10;  // for each shape, at most: on ragged ground it never settles
-  const std::size_t n = shapes.size();
+  const std::size_t n = nonlinear_parameters.size();
   struct Corner {
     double drop{};
-    std::vector<double> shapes;
+    std::vector<double> nonlinear_parameters;
   };
   const auto corner_at = [&](std::vector<double> at) {
     for (std::size_t k = 0; k < n; ++k) {
-      if (at[k] < term_.shapes[k].low || at[k] > term_.shapes[k].high) return Corner{0.0, std::move(at)};
+      if (at[k] < term_.nonlinear_parameters[k].low || at[k] > term_.nonlinear_parameters[k].high)
+        return Corner{0.0, std::move(at)};
     }
     const double drop = Drop(at);
     return Corner{drop, std::move(at)};
   };
-  std::vector<Corner> corners{corner_at(shapes)};
+  std::vector<Corner> corners{corner_at(nonlinear_parameters)};
   for (std::size_t k = 0; k < n; ++k) {
-    std::vector<double> moved = shapes;
-    moved[k] += moved[k] + steps[k] <= term_.shapes[k].high ? steps[k] : -steps[k];
+    std::vector<double> moved = nonlinear_parameters;
+    moved[k] += moved[k] + steps[k] <= term_.nonlinear_parameters[k].high ? steps[k] : -steps[k];
     corners.push_back(corner_at(std::move(moved)));
   }
   for (std::size_t round = 0; round < kRoundsEach * n; ++round) {
@@ -191,11 +199,13 @@ std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const
     if (corners.front().drop - worst.drop <= kSettled * corners.front().drop) break;
     std::vector<double> centre(n, 0.0);
     for (std::size_t c = 0; c < n; ++c) {
-      for (std::size_t k = 0; k < n; ++k) centre[k] += corners[c].shapes[k] / static_cast<double>(n);
+      for (std::size_t k = 0; k < n; ++k)
+        centre[k] += corners[c].nonlinear_parameters[k] / static_cast<double>(n);
     }
     const auto along = [&](double share) {
       std::vector<double> at(n);
-      for (std::size_t k = 0; k < n; ++k) at[k] = centre[k] + share * (worst.shapes[k] - centre[k]);
+      for (std::size_t k = 0; k < n; ++k)
+        at[k] = centre[k] + share * (worst.nonlinear_parameters[k] - centre[k]);
       return corner_at(std::move(at));
     };
     Corner reflected = along(-1.0);
@@ -215,17 +225,18 @@ std::vector<double> StartSearch::Polish(const std::vector<double>& shapes, const
     }
     for (std::size_t c = 1; c <= n; ++c) {
       for (std::size_t k = 0; k < n; ++k)
-        corners[c].shapes[k] = 0.5 * (corners[c].shapes[k] + corners.front().shapes[k]);
-      corners[c] = corner_at(std::move(corners[c].shapes));
+        corners[c].nonlinear_parameters[k] =
+            0.5 * (corners[c].nonlinear_parameters[k] + corners.front().nonlinear_parameters[k]);
+      corners[c] = corner_at(std::move(corners[c].nonlinear_parameters));
     }
   }
-  return std::ranges::max(corners, {}, &Corner::drop).shapes;
+  return std::ranges::max(corners, {}, &Corner::drop).nonlinear_parameters;
 }
 
 std::vector<std::vector<double>> BestStarts(const MotionGrid& grid, const SeparableTerm& term,
                                             const std::vector<std::vector<double>>& candidates,
-                                            const Remainder& remainder, std::size_t count) {
-  StartSearch search(grid, term, remainder);
+                                            const WeightedResidual& residual, std::size_t count) {
+  StartSearch search(grid, term, residual);
   std::vector<std::pair<double, std::size_t>> drops;
   for (std::size_t i = 0; i < candidates.size(); ++i) drops.emplace_back(search.Drop(candidates[i]), i);
   std::sort(drops.begin(), drops.end(), std::greater<>());

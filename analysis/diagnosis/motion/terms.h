@@ -37,20 +37,20 @@ void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableMod
 void AddPositionCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
 void AddDynamicCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
 void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
-/// Shapes without a cause.
-void AddMotionCorrections(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
+/// Nonlinear parameters without a cause.
+void AddMotionNuisanceTerms(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
 
-/// A term whose columns are evaluated at the points and low-passed: `column_at(shapes, column, points)` fills
-/// one.
+/// A term whose columns are evaluated at the points and low-passed: `column_at(nonlinear parameters, column,
+/// points)` fills one.
 template <typename ColumnAt>
 SeparableTerm PointTerm(SharedGrid grid, std::size_t columns, ColumnAt column_at) {
   SeparableTerm term;
   term.columns = columns;
-  term.fill = [grid = std::move(grid), columns, column_at](std::span<const double> shapes,
+  term.fill = [grid = std::move(grid), columns, column_at](std::span<const double> nonlinear_parameters,
                                                            Eigen::Ref<Eigen::MatrixXd> design) {
     std::vector<double> points(grid->time_s.size());
     for (std::size_t column = 0; column < columns; ++column) {
-      column_at(shapes, column, std::span<double>(points));
+      column_at(nonlinear_parameters, column, std::span<double>(points));
       design.col(static_cast<Eigen::Index>(column)) = grid->Project(points);
     }
   };
@@ -77,10 +77,10 @@ class RowSums {
   Eigen::MatrixXd Of(const Eigen::MatrixXd& rows) const;
   /// What least squares by the nominal terms' sums leaves of sums.
   Eigen::MatrixXd BesideNominal(const Eigen::MatrixXd& sums) const;
-  /// The remainder beside the nominal terms, and its weights; what is known badly of a single row is known of
+  /// The residual beside the nominal terms, and its weights; what is known badly of a single row is known of
   /// their sum.
-  Eigen::VectorXd ResidualOf(const Remainder& remainder) const;
-  Eigen::VectorXd WeightsOf(const Remainder& remainder) const;
+  Eigen::VectorXd ResidualOf(const WeightedResidual& residual) const;
+  Eigen::VectorXd WeightsOf(const WeightedResidual& residual) const;
 
  private:
   bool each_{};
@@ -88,49 +88,55 @@ class RowSums {
   Eigen::MatrixXd nominal_basis_;
 };
 
-/// Shapes of a term of one column and no negative coefficient, and their columns beside the nominal model.
-class ShapeMap {
+/// Nonlinear parameters of a term of one column and no negative coefficient, and their columns beside the
+/// nominal model.
+class NonlinearParameterMap {
  public:
   /// Empty.
-  ShapeMap(const MotionGrid& grid, std::vector<std::vector<double>> shapes, double span_s = 0.0);
+  NonlinearParameterMap(const MotionGrid& grid, std::vector<std::vector<double>> nonlinear_parameters,
+                        double span_s = 0.0);
 
   /// Takes the column of a shape.
-  void Take(Eigen::Index shape, const Eigen::MatrixXd& rows);
+  void Take(Eigen::Index nonlinear_parameter, const Eigen::MatrixXd& rows);
 
-  const std::vector<std::vector<double>>& shapes() const { return shapes_; }
-  /// Roots of what each takes from the remainder's weighted sum of squares; 0 for a negative coefficient.
-  Eigen::VectorXf Roots(const Remainder& remainder) const;
-  /// Of the remainder as the map sees it, weighted.
-  double MeanSquare(const Remainder& remainder) const;
+  const std::vector<std::vector<double>>& nonlinear_parameters() const { return nonlinear_parameters_; }
+  /// Roots of what each takes from the residual's weighted sum of squares; 0 for a negative coefficient.
+  Eigen::VectorXf Roots(const WeightedResidual& residual) const;
+  /// Of the residual as the map sees it, weighted.
+  double MeanSquare(const WeightedResidual& residual) const;
   /// About the coefficient that goes with such a root.
-  double Coefficient(Eigen::Index shape, double root) const { return root / lengths_(shape); }
+  double Coefficient(Eigen::Index nonlinear_parameter, double root) const {
+    return root / lengths_(nonlinear_parameter);
+  }
 
  private:
   RowSums sums_;
-  std::vector<std::vector<double>> shapes_;
-  Eigen::MatrixXf columns_;  // sums × shapes, each of length 1
+  std::vector<std::vector<double>> nonlinear_parameters_;
+  Eigen::MatrixXf columns_;  // sums × nonlinear parameters, each of length 1
   Eigen::VectorXd lengths_;  // that they had
 };
 
-/// Fills maps of the same shapes.
-void FillMaps(const SeparableTerm& term, std::size_t rows, std::initializer_list<ShapeMap*> maps);
+/// Fills maps of the same nonlinear parameters.
+void FillMaps(const SeparableTerm& term, std::size_t rows,
+              std::initializer_list<NonlinearParameterMap*> maps);
 
-/// Looks for shapes of a term without fitting the rest again.
+/// Looks for nonlinear parameters of a term without fitting the rest again.
 class StartSearch {
  public:
   /// Of the coefficient, where there is one column.
   enum class Sign { kEither, kPositive };
 
   /// All of them outlive the search.
-  StartSearch(const MotionGrid& grid, const SeparableTerm& term, const Remainder& remainder,
+  StartSearch(const MotionGrid& grid, const SeparableTerm& term, const WeightedResidual& residual,
               Sign sign = Sign::kEither, double span_s = 0.0);
 
-  /// What the term's columns, beside the nominal ones, take from the remainder's weighted sum of squares.
-  double Drop(std::span<const double> shapes);
-  /// Moves all shapes together, from a simplex of these steps, while the drop grows (Nelder and Mead,
-  /// Computer Journal 7 (1965) 308): for terms that depend on their shapes too raggedly for slopes, and on
-  /// each by the others.
-  std::vector<double> Polish(const std::vector<double>& shapes, const std::vector<double>& steps);
+  /// What the term's columns, beside the nominal ones, take from the residual's weighted sum of squares.
+  double Drop(std::span<const double> nonlinear_parameters);
+  /// Moves all nonlinear parameters together, from a simplex of these steps, while the drop grows (Nelder and
+  /// Mead, Computer Journal 7 (1965) 308): for terms that depend on their nonlinear parameters too raggedly
+  /// for slopes, and on each by the others.
+  std::vector<double> Polish(const std::vector<double>& nonlinear_parameters,
+                             const std::vector<double>& steps);
 
  private:
   RowSums sums_;
@@ -141,9 +147,10 @@ class StartSearch {
   Eigen::VectorXd weighted_;
 };
 
-/// The shapes of `candidates` whose single column brings the largest drop, best first, at most `count`.
+/// The nonlinear parameters of `candidates` whose single column brings the largest drop, best first, at most
+/// `count`.
 std::vector<std::vector<double>> BestStarts(const MotionGrid& grid, const SeparableTerm& term,
                                             const std::vector<std::vector<double>>& candidates,
-                                            const Remainder& remainder, std::size_t count);
+                                            const WeightedResidual& residual, std::size_t count);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -15,7 +15,7 @@ namespace {
 
 using samples::kGap;
 constexpr double kEvenEnough = 0.01;          // of a step
-constexpr std::size_t kShortestStretch = 40;  // samples of a stretch that is of use
+constexpr std::size_t kShortestSegment = 40;  // samples of a segment that is of use
 
 // Rows of a record that are kept, with their times.
 struct Rows {
@@ -127,11 +127,11 @@ std::vector<double> Pick(const std::vector<double>& column, std::span<const std:
 
 }  // namespace
 
-std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vector<bool>& clipped,
-                                       const std::string& name, std::vector<std::string>& warnings) {
+std::vector<EvenSegment> EvenSegments(const MotionData& record, const std::vector<bool>& clipped,
+                                      const std::string& name, std::vector<std::string>& warnings) {
   const Rows rows = DistinctRows(record, name, warnings);
-  std::vector<EvenStretch> stretches;
-  if (rows.row.size() < kShortestStretch) return stretches;
+  std::vector<EvenSegment> segments;
+  if (rows.row.size() < kShortestSegment) return segments;
   std::vector<double> steps;
   for (std::size_t i = 1; i < rows.time_s.size(); ++i) steps.push_back(rows.time_s[i] - rows.time_s[i - 1]);
   const double step_s = Median(steps);
@@ -160,39 +160,39 @@ std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vect
     }
     if (last < rows.row.size()) ++gaps;
     const std::size_t count = last - first;
-    if (count >= kShortestStretch) {
+    if (count >= kShortestSegment) {
       const std::span<const std::size_t> picked(rows.row.data() + first, count);
       const std::span<const double> time(rows.time_s.data() + first, count);
-      EvenStretch stretch;
-      stretch.start_s = time.front();
+      EvenSegment segment;
+      segment.start_s = time.front();
       const bool as_they_are = by_number && !(holes && jitter < 0.2);
-      stretch.step_s = as_they_are ? (time.back() - time.front()) / static_cast<double>(count - 1) : step_s;
-      stretch.resampled = !as_they_are;
+      segment.step_s = as_they_are ? (time.back() - time.front()) / static_cast<double>(count - 1) : step_s;
+      segment.resampled = !as_they_are;
       const auto even = [&](const std::vector<double>& column) {
         const std::vector<double> values = Pick(column, picked);
         return as_they_are || values.empty() ? values : Resample(time, values, step_s);
       };
-      stretch.position = even(record.position);
+      segment.position = even(record.position);
       if (as_they_are) {
         std::vector<double> even_s;
-        for (std::size_t i = 0; i < count; ++i) even_s.push_back(static_cast<double>(i) * stretch.step_s);
-        stretch.stamp_error_s = StampError_s(even_s, stretch.position);
+        for (std::size_t i = 0; i < count; ++i) even_s.push_back(static_cast<double>(i) * segment.step_s);
+        segment.stamp_error_s = StampError_s(even_s, segment.position);
       } else {
-        stretch.stamp_error_s = StampError_s(time, Pick(record.position, picked));
+        segment.stamp_error_s = StampError_s(time, Pick(record.position, picked));
       }
-      stretch.torque = even(record.torque);
-      stretch.velocity = even(record.velocity);
-      stretch.temperature_degC = even(record.temperature_degC);
-      stretch.clipped.assign(stretch.position.size(), false);
+      segment.torque = even(record.torque);
+      segment.velocity = even(record.velocity);
+      segment.temperature_degC = even(record.temperature_degC);
+      segment.clipped.assign(segment.position.size(), false);
       for (std::size_t i = 0; i < count; ++i) {
         if (!clipped[picked[i]]) continue;
         const double at = as_they_are ? static_cast<double>(i) : (time[i] - time.front()) / step_s;
         for (const double k : {std::floor(at), std::ceil(at)}) {
-          if (k < static_cast<double>(stretch.clipped.size()))
-            stretch.clipped[static_cast<std::size_t>(k)] = true;
+          if (k < static_cast<double>(segment.clipped.size()))
+            segment.clipped[static_cast<std::size_t>(k)] = true;
         }
       }
-      stretches.push_back(std::move(stretch));
+      segments.push_back(std::move(segment));
     }
     first = last;
   }
@@ -204,7 +204,7 @@ std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vect
   if (bridged > 0 && jitter < 0.2) {
     warnings.push_back(fmt::format("{}{} samples are missing one or two at a time: bridged", name, bridged));
   }
-  return stretches;
+  return segments;
 }
 
 }  // namespace strainwave::analysis::diagnosis

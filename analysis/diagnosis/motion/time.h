@@ -19,7 +19,7 @@ namespace strainwave::analysis::diagnosis {
 ///
 /// @param name      of the record in `warnings`, "" or "record 2: "
 /// @param clipped   one a row
-std::vector<EvenStretch> EvenStretches(const MotionData& record, const std::vector<bool>& clipped,
-                                       const std::string& name, std::vector<std::string>& warnings);
+std::vector<EvenSegment> EvenSegments(const MotionData& record, const std::vector<bool>& clipped,
+                                      const std::string& name, std::vector<std::string>& warnings);
 
 }  // namespace strainwave::analysis::diagnosis

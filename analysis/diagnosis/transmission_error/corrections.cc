@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "analysis/diagnosis/leftover_views.h"
+#include "analysis/diagnosis/residual_views.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/transmission_error/terms.h"
 #include "analysis/harmonic_regression.h"
@@ -19,8 +19,8 @@ namespace {
 
 using Samples = TransmissionErrorSamples;
 
-// Orders per output turn that a ripple within a stretch may have.
-double HighestOrderInStretch(const Samples& samples) {
+// Orders per output turn that a ripple within a segment may have.
+double HighestOrderInSegment(const Samples& samples) {
   if (samples.samples_per_turn > 0.0) return 0.5 * samples.samples_per_turn;
   const double turns =
       std::max(SpanOf(samples.output_rad), 1e-9) / kTwoPi * static_cast<double>(samples.records);
@@ -33,14 +33,15 @@ double HighestOrder(const Samples& samples) {
   return samples.samples_per_turn > 0.0 ? 0.5 * samples.samples_per_turn : kHighestOrderPerTurn;
 }
 
-SeparableTerm LineTerm(std::shared_ptr<const std::vector<double>> angle, const ShapeRange& order) {
+SeparableTerm LineTerm(std::shared_ptr<const std::vector<double>> angle,
+                       const NonlinearParameterRange& order) {
   SeparableTerm term;
   term.columns = 2;
-  term.shapes = {order};
-  term.fill = [angle](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  term.nonlinear_parameters = {order};
+  term.fill = [angle](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < angle->size(); ++i) {
-      design(static_cast<Eigen::Index>(i), 0) = std::cos(shapes[0] * (*angle)[i]);
-      design(static_cast<Eigen::Index>(i), 1) = std::sin(shapes[0] * (*angle)[i]);
+      design(static_cast<Eigen::Index>(i), 0) = std::cos(nonlinear_parameters[0] * (*angle)[i]);
+      design(static_cast<Eigen::Index>(i), 1) = std::sin(nonlinear_parameters[0] * (*angle)[i]);
     }
   };
   DescribeAsHarmonic(term, "amplitude_arcmin", "arcmin", kArcminPerRad,
@@ -55,15 +56,15 @@ void AddFreeLine(const Samples& samples, SeparableModel& model, const std::strin
   const double cell = kTwoPi / std::max(SpanOf(samples.output_rad), 1e-9);
   auto angle = std::make_shared<const std::vector<double>>(samples.output_rad);
   SeparableTerm term = LineTerm(angle, {0.5 * lowest, top, 0.3 * cell});
-  term.starts = [angle, lowest, top](const Remainder& remainder) {
+  term.starts = [angle, lowest, top](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(*angle, remainder.residual, remainder.weights, lowest, top, 1)) {
+    for (const LinePeak& peak : FindLines(*angle, residual.residual, residual.weights, lowest, top, 1)) {
       starts.push_back({std::clamp(peak.order, 0.5 * lowest, top)});
     }
     return starts;
   };
-  term.log_places = [lowest, top](std::span<const double> shapes) {
-    return LogPlacesOfLine(shapes[0], lowest, top);
+  term.log_search_locations = [lowest, top](std::span<const double> nonlinear_parameters) {
+    return LogSearchLocationsOfLine(nonlinear_parameters[0], lowest, top);
   };
   DescribeAsHarmonic(term, "amplitude_arcmin", "arcmin", kArcminPerRad,
                      {{"order_per_output_turn", "1", 1.0}});
@@ -71,8 +72,8 @@ void AddFreeLine(const Samples& samples, SeparableModel& model, const std::strin
   model.rules.push_back({.name = which,
                          .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
                          .degrees_of_freedom = 3,
-                         .places = 1,
-                         .trials = IndependentOrders(samples.output_rad, lowest, top),
+                         .location_parameters = 1,
+                         .trials_factor = IndependentOrders(samples.output_rad, lowest, top),
                          .named = false});
 }
 
@@ -95,11 +96,11 @@ void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
                                         .high = *std::ranges::max_element(orders) + 1.0,
                                         .step = 0.3 * cell,
                                         .moved = Moved::kNever});
-  term.starts = [angle, orders](const Remainder& remainder) {
+  term.starts = [angle, orders](const WeightedResidual& residual) {
     double best_drop = 0.0;
     double best = 0.0;
     for (const double order : orders) {
-      const double drop = LineDrop(*angle, remainder.residual, remainder.weights, order);
+      const double drop = LineDrop(*angle, residual.residual, residual.weights, order);
       if (drop > best_drop) best = order;
       best_drop = std::max(best_drop, drop);
     }
@@ -109,7 +110,7 @@ void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
   model.rules.push_back({.name = "line at a whole order",
                          .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
                          .degrees_of_freedom = 2,
-                         .trials = static_cast<double>(orders.size()),
+                         .trials_factor = static_cast<double>(orders.size()),
                          .named = false});
 }
 
@@ -119,7 +120,7 @@ double CellsOfTurn(double narrowest_rad, double widest_rad, double top) {
   return std::max(1.0, (std::log2(widest_rad / narrowest_rad) + 1.0) * (top - 3.0));
 }
 
-// A stretch of the turn and an order that is strong in it.
+// A segment of the turn and an order that is strong in it.
 struct LocalRipple {
   double centre_rad{};
   double width_rad{};
@@ -129,7 +130,7 @@ struct LocalRipple {
 
 // The strongest of all windows (widths an octave apart, centres a quarter of a width) and orders (half of
 // what a window tells apart), a few that differ.
-std::vector<LocalRipple> FindRipples(std::span<const double> place, const Remainder& remainder,
+std::vector<LocalRipple> FindRipples(std::span<const double> place, const WeightedResidual& residual,
                                      double narrowest_rad, double widest_rad, double top) {
   constexpr double kFewest = 4.0;  // samples' weight in a window
   constexpr std::size_t kKept = 3;
@@ -141,10 +142,10 @@ std::vector<LocalRipple> FindRipples(std::span<const double> place, const Remain
   double mean = 0.0;
   for (std::size_t i = 0; i < place.size(); ++i) {
     const auto bin = std::min(bins - 1, static_cast<std::size_t>(place[i] / bin_rad));
-    weight[bin] += remainder.weights[i];
-    sum[bin] += remainder.weights[i] * remainder.residual[i];
-    all += remainder.weights[i];
-    mean += remainder.weights[i] * remainder.residual[i];
+    weight[bin] += residual.weights[i];
+    sum[bin] += residual.weights[i] * residual.residual[i];
+    all += residual.weights[i];
+    mean += residual.weights[i] * residual.residual[i];
   }
   mean /= std::max(all, 1e-300);
   std::vector<LocalRipple> found;
@@ -187,29 +188,30 @@ std::vector<LocalRipple> FindRipples(std::span<const double> place, const Remain
 // What has less than half a period in its window is a bump, and a damaged tooth's.
 double OrderOfRipple(double order, double width_rad) { return std::max(order, 0.5 * kTwoPi / width_rad); }
 
-// A line that is there in one stretch of the turn only.
+// A line that is there in one segment of the turn only.
 void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
   std::vector<double> place(samples.output_rad);
   for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi);
   const double narrowest = RadFromDeg(8.0);
   const double widest = RadFromDeg(120.0);
-  const double top = HighestOrderInStretch(samples);
+  const double top = HighestOrderInSegment(samples);
   SeparableTerm term;
   term.columns = 2;
-  term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(4.0)},
-                 {0.5 * narrowest, 1.5 * widest, RadFromDeg(4.0)},
-                 {3.0, top, 1.0}};
-  term.fill = [place](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
-    const double order = OrderOfRipple(shapes[2], shapes[1]);
+  term.nonlinear_parameters = {{-0.5, kTwoPi + 0.5, RadFromDeg(4.0)},
+                               {0.5 * narrowest, 1.5 * widest, RadFromDeg(4.0)},
+                               {3.0, top, 1.0}};
+  term.fill = [place](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
+    const double order = OrderOfRipple(nonlinear_parameters[2], nonlinear_parameters[1]);
     for (std::size_t i = 0; i < place.size(); ++i) {
-      const double inside = model::LocalToothDamageShape(place[i], shapes[0], shapes[1]);
+      const double inside =
+          model::LocalToothDamageShape(place[i], nonlinear_parameters[0], nonlinear_parameters[1]);
       design(static_cast<Eigen::Index>(i), 0) = inside * std::cos(order * place[i]);
       design(static_cast<Eigen::Index>(i), 1) = inside * std::sin(order * place[i]);
     }
   };
-  term.starts = [place, narrowest, widest, top](const Remainder& remainder) {
+  term.starts = [place, narrowest, widest, top](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const LocalRipple& ripple : FindRipples(place, remainder, narrowest, widest, top)) {
+    for (const LocalRipple& ripple : FindRipples(place, residual, narrowest, widest, top)) {
       starts.push_back({ripple.centre_rad, ripple.width_rad, ripple.order});
     }
     return starts;
@@ -228,47 +230,49 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
   model.rules.push_back({.name = "ripple in a window of output angle",
                          .parameters = {{"amplitude_arcmin", "arcmin", 0.0, 1e6, true}},
                          .degrees_of_freedom = 5,
-                         .places = 3,
-                         .trials = std::max(1.0, 0.25 * CellsOfTurn(narrowest, widest, top)),
+                         .location_parameters = 3,
+                         .trials_factor = std::max(1.0, 0.25 * CellsOfTurn(narrowest, widest, top)),
                          .local = true,
                          .named = false});
 }
 
-// Another level in a stretch of a quantity: wider than a damaged tooth, with sharp ends.
+// Another level in a segment of a quantity: wider than a damaged tooth, with sharp ends.
 void AddLevelInWindow(SeparableModel& model, const std::vector<double>& values, double narrowest,
-                      ShapeDescription from, ShapeDescription to, std::string name) {
+                      NonlinearParameterDescription from, NonlinearParameterDescription to,
+                      std::string name) {
   constexpr double kWidest = 0.9;  // of all
   const double span = SpanOf(values);
   if (!(span > 2.0 * narrowest)) return;
   const auto [low, high] = std::ranges::minmax(values);
   SeparableTerm term;
-  term.shapes = {{.low = low - span, .high = high, .step = narrowest, .moved = Moved::kNever},
-                 {.low = low, .high = high + span, .step = narrowest, .moved = Moved::kNever}};
-  term.fill = [values](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  term.nonlinear_parameters = {{.low = low - span, .high = high, .step = narrowest, .moved = Moved::kNever},
+                               {.low = low, .high = high + span, .step = narrowest, .moved = Moved::kNever}};
+  term.fill = [values](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const bool inside = values[i] >= shapes[0] && values[i] < shapes[1];
+      const bool inside = values[i] >= nonlinear_parameters[0] && values[i] < nonlinear_parameters[1];
       design(static_cast<Eigen::Index>(i), 0) = inside ? 1.0 : 0.0;
     }
   };
-  term.starts = [values, narrowest, span](const Remainder& remainder) {
+  term.starts = [values, narrowest, span](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindSharpWindows(values, remainder.residual, remainder.weights, narrowest, kWidest * span, 3))
+         FindSharpWindows(values, residual.residual, residual.weights, narrowest, kWidest * span, 3))
       starts.push_back({peak.centre - 0.5 * peak.width, peak.centre + 0.5 * peak.width});
     return starts;
   };
-  term.log_places = [narrowest, span](std::span<const double> shapes) {
-    return LogPlacesOfWidth(shapes[1] - shapes[0], narrowest, kWidest * span);
+  term.log_search_locations = [narrowest, span](std::span<const double> nonlinear_parameters) {
+    return LogSearchLocationsOfWidth(nonlinear_parameters[1] - nonlinear_parameters[0], narrowest,
+                                     kWidest * span);
   };
   DescribeEach(term, {{"level_arcmin", "arcmin", kArcminPerRad}, std::move(from), std::move(to)});
   model.causes.push_back(std::move(term));
   model.rules.push_back({.name = std::move(name),
                          .parameters = {{"level_arcmin", "arcmin", -1e6, 1e6, true}},
                          .degrees_of_freedom = 3,
-                         .places = 2,
+                         .location_parameters = 2,
                          // Both ends are sharp, and each may be at any sample: of 225 clean records a
                          // fortieth had p < 0.05 with a sixth of these, where a three-hundredth should.
-                         .trials = 72.0 * span / narrowest,
+                         .trials_factor = 72.0 * span / narrowest,
                          .local = true,
                          .named = false});
 }
@@ -288,7 +292,7 @@ void AddCurve(SeparableModel& model, const std::vector<double>& values, std::str
         design(static_cast<Eigen::Index>(i), j) = power *= (values[i] - middle) / half;
     }
   };
-  std::vector<ShapeDescription> numbers;
+  std::vector<NonlinearParameterDescription> numbers;
   for (int k = 1; k <= 4; ++k)
     numbers.push_back({fmt::format("power_{}_arcmin", k), "arcmin", kArcminPerRad});
   DescribeEach(term, std::move(numbers));
@@ -298,7 +302,7 @@ void AddCurve(SeparableModel& model, const std::vector<double>& values, std::str
 
 }  // namespace
 
-void AddTransmissionErrorCorrections(const TransmissionErrorSamples& samples, SeparableModel& model) {
+void AddTransmissionErrorNuisanceTerms(const TransmissionErrorSamples& samples, SeparableModel& model) {
   AddFreeLine(samples, model, "line over output angle");
   AddFreeLine(samples, model, "second line over output angle");
   AddWholeOrderLine(samples, model);

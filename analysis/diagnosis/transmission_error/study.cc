@@ -101,14 +101,14 @@ double SamplesPerTurn(const TransmissionErrorSamples& samples) {
   return std::abs(per_turn - whole) < 2e-3 * whole ? whole : per_turn;
 }
 
-std::vector<std::size_t> StretchesOf(const TransmissionErrorSamples& samples) {
-  std::vector<std::size_t> stretches{0};
+std::vector<std::size_t> SegmentsOf(const TransmissionErrorSamples& samples) {
+  std::vector<std::size_t> segments{0};
   for (std::size_t i = 1; i < samples.output_rad.size(); ++i) {
     if (samples.direction[i] != samples.direction[i - 1] || samples.record[i] != samples.record[i - 1]) {
-      stretches.push_back(i);
+      segments.push_back(i);
     }
   }
-  return stretches;
+  return segments;
 }
 
 // Mean and range over the first turn of the clockwise sweep of the first record.
@@ -188,7 +188,7 @@ std::unique_ptr<Study> MakeTransmissionErrorStudy(std::span<const TransmissionEr
   samples.samples_per_turn = SamplesPerTurn(samples);
   SeparableModel model;
   model.measured = samples.error_rad;
-  model.stretches = StretchesOf(samples);
+  model.segments = SegmentsOf(samples);
   for (std::size_t k = 0; k < samples.records; ++k) {
     std::vector<double> here(samples.error_rad.size());
     for (std::size_t i = 0; i < here.size(); ++i) here[i] = samples.record[i] == k ? 1.0 : 0.0;
@@ -206,12 +206,12 @@ std::unique_ptr<Study> MakeTransmissionErrorStudy(std::span<const TransmissionEr
   model.unit_per_si = ArcminFromRad(1.0);
   model.noise_floor = TransmissionErrorFloor_rad(samples);
   const auto n = samples.error_rad.size();
-  // Whole turns where each stretch has three or more; else blocks that leave twenty in the record.
+  // Whole turns where each segment has three or more; else blocks that leave twenty in the record.
   const double turn = samples.samples_per_turn;
-  const double turns_a_stretch =
-      turn > 0.0 ? static_cast<double>(n) / turn / static_cast<double>(model.stretches.size()) : 0.0;
+  const double turns_a_segment =
+      turn > 0.0 ? static_cast<double>(n) / turn / static_cast<double>(model.segments.size()) : 0.0;
   model.block_length =
-      turns_a_stretch > 2.9 ? static_cast<std::size_t>(std::lround(turn)) : std::max<std::size_t>(8, n / 20);
+      turns_a_segment > 2.9 ? static_cast<std::size_t>(std::lround(turn)) : std::max<std::size_t>(8, n / 20);
   model.quantities = [samples](const Eigen::VectorXd& predicted) { return MeanAndRange(samples, predicted); };
   return std::make_unique<SeparableStudy>(std::move(model));
 }

@@ -166,21 +166,21 @@ void AddSwingOfDrift(const Samples& samples, SeparableModel& model, CauseRule ru
   const double first_s = *std::min_element(samples.time_s.begin(), samples.time_s.end());
   SeparableTerm term;
   term.columns = 2;
-  term.shapes = {{.low = kShortest * span_s, .high = kLongest * span_s, .step = 0.2 * span_s}};
-  term.fill = [time = samples.time_s, first_s](std::span<const double> shapes,
+  term.nonlinear_parameters = {{.low = kShortest * span_s, .high = kLongest * span_s, .step = 0.2 * span_s}};
+  term.fill = [time = samples.time_s, first_s](std::span<const double> nonlinear_parameters,
                                                Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < time.size(); ++i) {
-      const double phase = kTwoPi * (time[i] - first_s) / shapes[0];
+      const double phase = kTwoPi * (time[i] - first_s) / nonlinear_parameters[0];
       design(static_cast<Eigen::Index>(i), 0) = std::cos(phase);
       design(static_cast<Eigen::Index>(i), 1) = std::sin(phase);
     }
   };
-  term.starts = [span_s](const Remainder&) {
+  term.starts = [span_s](const WeightedResidual&) {
     return std::vector<std::vector<double>>{{0.9 * span_s}, {1.5 * span_s}, {2.5 * span_s}};
   };
   DescribeAsHarmonic(term, "drift_swing_arcmin", "arcmin", kArcminPerRad,
-                     {samples.has_time ? ShapeDescription{"period_s", "s", 1.0}
-                                       : ShapeDescription{"period_samples", "samples", 1.0}});
+                     {samples.has_time ? NonlinearParameterDescription{"period_s", "s", 1.0}
+                                       : NonlinearParameterDescription{"period_samples", "samples", 1.0}});
   rule.parameters = {{"drift_swing_arcmin", "arcmin", 0.0, 1e6, true}};
   rule.degrees_of_freedom = 3;
   model.causes.push_back(std::move(term));
@@ -211,17 +211,18 @@ void AddDrift(const Samples& samples, SeparableModel& model) {
   const std::string name = samples.has_time ? "drift_arcmin_per_h" : "drift_arcmin_per_sample";
   rule.parameters = {{name, samples.has_time ? "arcmin/h" : "arcmin", -1e9, 1e9, true}};
   SeparableTerm term;
-  term.shapes = {{0.02 * span_s, 50.0 * span_s, 0.3 * span_s}};
-  term.fill = [time = samples.time_s, first_s, span_s](std::span<const double> shapes,
+  term.nonlinear_parameters = {{0.02 * span_s, 50.0 * span_s, 0.3 * span_s}};
+  term.fill = [time = samples.time_s, first_s, span_s](std::span<const double> nonlinear_parameters,
                                                        Eigen::Ref<Eigen::MatrixXd> design) {
     // Saturates with the time constant; scaled so that the coefficient is the mean rate over the
     // record.
-    const double scale = span_s / -std::expm1(-span_s / shapes[0]);
+    const double scale = span_s / -std::expm1(-span_s / nonlinear_parameters[0]);
     for (std::size_t i = 0; i < time.size(); ++i) {
-      design(static_cast<Eigen::Index>(i), 0) = -scale * std::expm1(-(time[i] - first_s) / shapes[0]);
+      design(static_cast<Eigen::Index>(i), 0) =
+          -scale * std::expm1(-(time[i] - first_s) / nonlinear_parameters[0]);
     }
   };
-  term.starts = [span_s](const Remainder&) {
+  term.starts = [span_s](const WeightedResidual&) {
     return std::vector<std::vector<double>>{{20.0 * span_s}, {0.3 * span_s}};
   };
   DescribeEach(term, {{name, rule.parameters[0].unit, kArcminPerRad * unit},
@@ -237,11 +238,11 @@ void AddDrift(const Samples& samples, SeparableModel& model) {
 // it is in between, yet this is known well. Numbers: height, centre, width, skew.
 ParameterValue SeenOfDamage(std::span<const double> place, std::span<const double> numbers,
                             const Eigen::MatrixXd& covariance) {
-  const auto shape = [&](double at_rad, std::span<const double> v) {
+  const auto nonlinear_parameter = [&](double at_rad, std::span<const double> v) {
     return v[0] * model::LocalToothDamageShape(at_rad, v[1], v[2], v[3]);
   };
   const double at_rad = *std::ranges::max_element(
-      place, {}, [&](double here_rad) { return std::abs(shape(here_rad, numbers)); });
+      place, {}, [&](double here_rad) { return std::abs(nonlinear_parameter(here_rad, numbers)); });
   Eigen::Vector4d slope;
   for (std::size_t k = 0; k < 4; ++k) {
     const double step = k == 0 ? 1e-3 * std::abs(numbers[0]) : 1e-3 * std::max(numbers[2], 1e-6);
@@ -249,10 +250,12 @@ ParameterValue SeenOfDamage(std::span<const double> place, std::span<const doubl
     std::vector<double> down(up);
     up[k] += step;
     down[k] -= step;
-    slope(static_cast<Eigen::Index>(k)) = (shape(at_rad, up) - shape(at_rad, down)) / (2.0 * step);
+    slope(static_cast<Eigen::Index>(k)) =
+        (nonlinear_parameter(at_rad, up) - nonlinear_parameter(at_rad, down)) / (2.0 * step);
   }
   const double error = StandardErrorOf(slope.dot(covariance.topLeftCorner<4, 4>() * slope));
-  return {"seen_arcmin", "arcmin", kArcminPerRad * shape(at_rad, numbers), kArcminPerRad * error};
+  return {"seen_arcmin", "arcmin", kArcminPerRad * nonlinear_parameter(at_rad, numbers),
+          kArcminPerRad * error};
 }
 
 void AddLocalDamage(const Samples& samples, SeparableModel& model) {
@@ -266,19 +269,20 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
   const double least = TurnsTravelled(samples) > 1.5 ? 0.0 : 0.7 * narrowest;
   SeparableTerm term;
   constexpr double kMostSkew = 0.7;
-  term.shapes = {{-0.5, kTwoPi + 0.5, RadFromDeg(1.0)},
-                 {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)},
-                 {.low = -kMostSkew, .high = kMostSkew, .step = 0.2, .moved = Moved::kForErrors}};
-  term.fill = [place](std::span<const double> shapes, Eigen::Ref<Eigen::MatrixXd> design) {
+  term.nonlinear_parameters = {
+      {-0.5, kTwoPi + 0.5, RadFromDeg(1.0)},
+      {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)},
+      {.low = -kMostSkew, .high = kMostSkew, .step = 0.2, .moved = Moved::kForErrors}};
+  term.fill = [place](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < place.size(); ++i) {
-      design(static_cast<Eigen::Index>(i), 0) =
-          model::LocalToothDamageShape(place[i], shapes[0], shapes[1], shapes[2]);
+      design(static_cast<Eigen::Index>(i), 0) = model::LocalToothDamageShape(
+          place[i], nonlinear_parameters[0], nonlinear_parameters[1], nonlinear_parameters[2]);
     }
   };
-  term.starts = [place, narrowest, widest](const Remainder& remainder) {
+  term.starts = [place, narrowest, widest](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindWindows(place, remainder.residual, remainder.weights, narrowest, widest, 4)) {
+         FindWindows(place, residual.residual, residual.weights, narrowest, widest, 4)) {
       starts.push_back({peak.centre, std::clamp(0.8 * peak.width, 0.6 * narrowest, widest), 0.0});
     }
     return starts;
@@ -303,8 +307,8 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
                       {"seen_arcmin", "arcmin", -kLargest_arcmin, kLargest_arcmin, true},
                       {"width_deg", "deg", DegFromRad(least), 14.0, false}},
        .degrees_of_freedom = 3,
-       .places = 2,
-       .trials = std::max(1.0, 0.5 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
+       .location_parameters = 2,
+       .trials_factor = std::max(1.0, 0.5 * kTwoPi / std::max(narrowest, RadFromDeg(2.0))),
        .local = true,
        .of_few_samples = true});
 }
@@ -344,7 +348,7 @@ SeparableTerm HarmonicTerm(const std::vector<double>& angle_rad, double order, s
   return term;
 }
 
-SeparableTerm ColumnTerm(std::vector<double> column, ShapeDescription description) {
+SeparableTerm ColumnTerm(std::vector<double> column, NonlinearParameterDescription description) {
   SeparableTerm term;
   term.fill = [column = std::move(column)](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> out) {
     out.col(0) = Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()));
@@ -359,7 +363,7 @@ void AddTransmissionErrorCauses(const Samples& samples, SeparableModel& model) {
   AddDrift(samples, model);
   AddLocalDamage(samples, model);
   AddWindup(samples, model);
-  AddTransmissionErrorCorrections(samples, model);
+  AddTransmissionErrorNuisanceTerms(samples, model);
 }
 
 }  // namespace strainwave::analysis::diagnosis

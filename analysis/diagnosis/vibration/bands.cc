@@ -65,10 +65,10 @@ class InStep {
 
 }  // namespace
 
-std::vector<NoiseBand> FindBands(const VibrationRemainder& remainder, double lowest_Hz, double highest_Hz,
+std::vector<NoiseBand> FindBands(const VibrationResidual& residual, double lowest_Hz, double highest_Hz,
                                  std::size_t count) {
-  const VibrationSpectrum& spectrum = remainder.over_seconds();
-  const std::vector<VibrationRun>& runs = remainder.samples().runs;
+  const VibrationSpectrum& spectrum = residual.over_seconds();
+  const std::vector<VibrationRun>& runs = residual.samples().runs;
   const double cell = spectrum.cell();
   const auto from = static_cast<std::size_t>(std::ceil(lowest_Hz / cell));
   const auto to = static_cast<std::size_t>(std::min(highest_Hz, spectrum.highest()) / cell);

@@ -21,7 +21,7 @@ struct NoiseBand {
 /// The loudest bands, strongest first, none wider than 0.7 of its frequency, none within another, none whose
 /// power is mostly that of one tone. A mode moves all channels of a record in one proportion, so what they
 /// hold along the best one is what counts: noise has no such direction.
-std::vector<NoiseBand> FindBands(const VibrationRemainder& remainder, double lowest_Hz, double highest_Hz,
+std::vector<NoiseBand> FindBands(const VibrationResidual& residual, double lowest_Hz, double highest_Hz,
                                  std::size_t count);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -9,18 +9,18 @@ namespace strainwave::analysis::diagnosis {
 /// Standard errors of the angle's scale that a known order may be off by.
 inline constexpr double kScaleRange = 3.0;
 
-/// Half-widths of a resonance in which harmonics of impulses are heard.
+/// Half-widths of a resonance in which harmonics of impulses are observable.
 inline constexpr double kRingReach = 2.0;
 
-/// Of the envelope of a train that slips, as many as are always heard.
+/// Of the envelope of a train that slips, as many as are always observable.
 inline constexpr double kHarmonicsOfSlipping = 2.0;
 
 /// Not another's order, as sharply as so many harmonics and the angle's scale say it.
 /// @param slip  by how much the order may be off since impulses slip
-bool IsBearingOrder(const VibrationRemainder& remainder, double order, double harmonics, double slip = 0.0);
+bool IsBearingOrder(const VibrationResidual& residual, double order, double harmonics, double slip = 0.0);
 
 /// Whether the order of a train or of a family of lines is a bearing's: none that others have, impulses that
 /// die away, and more to hear than one line at a whole order.
-bool IsBearing(const VibrationRemainder& remainder, const VibrationTerm& term);
+bool IsBearing(const VibrationResidual& residual, const VibrationTerm& term);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLeastPower = 12.0;
 
-// Frequency (in cycles a sample) and drop of the sum of squares of the strongest tone in a short stretch.
+// Frequency (in cycles a sample) and drop of the sum of squares of the strongest tone in a short segment.
 SpectrumPeak LoudestTone(std::span<const double> values) {
   Eigen::FFT<double> transform;
   transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
@@ -33,15 +33,15 @@ SpectrumPeak LoudestTone(std::span<const double> values) {
 
 }  // namespace
 
-std::vector<BurstSpot> FindBursts(const VibrationRemainder& remainder, std::size_t count) {
-  const VibrationRun& run = remainder.samples().runs.front();
-  const double variance = remainder.base().variance();
+std::vector<BurstSpot> FindBursts(const VibrationResidual& residual, std::size_t count) {
+  const VibrationRun& run = residual.samples().runs.front();
+  const double variance = residual.base().variance();
   std::vector<BurstSpot> spots;
   for (std::size_t length = 32; length <= run.size() / 6; length *= 2) {
-    for (const VibrationStretch& channel : run.channels) {
-      const double* values = remainder.residual().data() + channel.first;
+    for (const VibrationSegment& channel : run.channels) {
+      const double* values = residual.residual().data() + channel.first;
       for (std::size_t from = 0; from + length <= run.size(); from += length / 2) {
-        // Loud stretches alone are worth a spectrum.
+        // Loud segments alone are worth a spectrum.
         double energy = 0.0;
         for (std::size_t i = from; i < from + length; ++i) energy += values[i] * values[i];
         const double excess = energy / variance - static_cast<double>(length);
@@ -68,19 +68,19 @@ std::vector<BurstSpot> FindBursts(const VibrationRemainder& remainder, std::size
   return chosen;
 }
 
-std::optional<TermFit> SearchBurst(const VibrationRemainder& remainder, std::size_t index) {
-  const VibrationSamples& samples = remainder.samples();
+std::optional<TermFit> SearchBurst(const VibrationResidual& residual, std::size_t index) {
+  const VibrationSamples& samples = residual.samples();
   std::optional<TermFit> best;
-  for (const BurstSpot& spot : FindBursts(remainder, 3)) {
+  for (const BurstSpot& spot : FindBursts(residual, 3)) {
     if (spot.power < 2.0 * kLeastPower) break;
     VibrationTerm term;
     term.cause = index;
     term.form = VibrationForm::kBurst;
-    term.heard.assign(samples.channels(), 0);
-    std::fill_n(term.heard.begin(), samples.runs.front().channels.size(), 1);
-    term.shapes = {std::clamp(spot.frequency_Hz, 1.0, 0.95 * samples.highest_Hz()), spot.centre_s,
-                   spot.width_s};
-    Keep(remainder.With(std::move(term), 12), best);
+    term.observable.assign(samples.channels(), 0);
+    std::fill_n(term.observable.begin(), samples.runs.front().channels.size(), 1);
+    term.nonlinear_parameters = {std::clamp(spot.frequency_Hz, 1.0, 0.95 * samples.highest_Hz()),
+                                 spot.centre_s, spot.width_s};
+    Keep(residual.With(std::move(term), 12), best);
   }
   return best;
 }

@@ -18,9 +18,9 @@ struct BurstSpot {
 
 /// The loudest spots of the first record, strongest first; at least two widths or a fifth of the frequency
 /// apart.
-std::vector<BurstSpot> FindBursts(const VibrationRemainder& remainder, std::size_t count);
+std::vector<BurstSpot> FindBursts(const VibrationResidual& residual, std::size_t count);
 
 /// A tone that comes and goes once.
-std::optional<TermFit> SearchBurst(const VibrationRemainder& remainder, std::size_t index);
+std::optional<TermFit> SearchBurst(const VibrationResidual& residual, std::size_t index);
 
 }  // namespace strainwave::analysis::diagnosis

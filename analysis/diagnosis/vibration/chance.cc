@@ -21,9 +21,9 @@ double ImprobabilityOf(double likelihood_ratio, double numbers) {
   return x - (half - 1.0) * std::log(x) + std::lgamma(half);
 }
 
-double ImprobabilityOf(const VibrationRemainder& remainder, const TermFit& fit) {
-  const double numbers = static_cast<double>(fit.free_parameters - remainder.base().free_parameters);
-  return ImprobabilityOf(remainder.RatioOf(fit), numbers);
+double ImprobabilityOf(const VibrationResidual& residual, const TermFit& fit) {
+  const double numbers = static_cast<double>(fit.free_parameters - residual.base().free_parameters);
+  return ImprobabilityOf(residual.RatioOf(fit), numbers);
 }
 
 double LogChoices(std::size_t chosen, std::size_t of) {
@@ -32,16 +32,16 @@ double LogChoices(std::size_t chosen, std::size_t of) {
   return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
 }
 
-void LeastLikelyChance::Take(TermFit fit, double log_places) {
-  const double improbability = ImprobabilityOf(remainder_, fit) - log_places;
+void LeastLikelyChance::Take(TermFit fit, double log_search_locations) {
+  const double improbability = ImprobabilityOf(residual_, fit) - log_search_locations;
   if (best_ && improbability <= improbability_) return;
   improbability_ = improbability;
   best_ = std::move(fit);
 }
 
-void LeastLikelyChance::TakeWithAndWithoutDeaf(TermFit fit, double log_places) {
-  Take(fit, log_places);
-  if (fit.channels.size() > 1) Take(remainder_.WithoutDeaf(std::move(fit)), log_places);
+void LeastLikelyChance::TakeWithAndWithoutDeaf(TermFit fit, double log_search_locations) {
+  Take(fit, log_search_locations);
+  if (fit.channels.size() > 1) Take(residual_.WithoutDeaf(std::move(fit)), log_search_locations);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -14,7 +14,7 @@ double ImprobabilityOf(double likelihood_ratio, double numbers);
 /// The same of what a term explains beside a model, by its numbers. BIC charges all of them by the length of
 /// the record, and would rather have a train without its change, or another one, than what is least likely to
 /// be chance. The likelihood knows the noise's colour all over a broad ring, not only at its centre.
-double ImprobabilityOf(const VibrationRemainder& remainder, const TermFit& fit);
+double ImprobabilityOf(const VibrationResidual& residual, const TermFit& fit);
 
 /// Logarithm of how many choices of so many out of so many there are.
 double LogChoices(std::size_t chosen, std::size_t of);
@@ -24,19 +24,19 @@ double LogChoices(std::size_t chosen, std::size_t of);
 /// alone than a line that all of them hear.
 class LeastLikelyChance {
  public:
-  explicit LeastLikelyChance(const VibrationRemainder& remainder) : remainder_(remainder) {}
+  explicit LeastLikelyChance(const VibrationResidual& residual) : residual_(residual) {}
 
-  /// @param log_places  logarithm of how many such forms there were to choose from
-  void Take(TermFit fit, double log_places);
+  /// @param log_search_locations  logarithm of how many such forms there were to choose from
+  void Take(TermFit fit, double log_search_locations);
 
   /// The fit as it is, and without the channels that do not hear its term.
-  void TakeWithAndWithoutDeaf(TermFit fit, double log_places);
+  void TakeWithAndWithoutDeaf(TermFit fit, double log_search_locations);
 
   const std::optional<TermFit>& fit() const& { return best_; }
   std::optional<TermFit> fit() && { return std::move(best_); }
 
  private:
-  const VibrationRemainder& remainder_;
+  const VibrationResidual& residual_;
   std::optional<TermFit> best_;
   double improbability_{};
 };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kLengths[] = {1, 2, 3, 4, 6, 9, 13, 19, 28, 40};
 constexpr std::size_t kMostHarmonics = 160;
-// Weaker combs than this never stand up to the number of places searched.
+// Weaker combs than this never stand up to the number of search locations.
 constexpr double kLeastCombExcess = 14.0;
 constexpr double kLeastNear = 6.0;  // beside an order that is known
 // Combs this much weaker than the strongest are not among the few that are wanted.

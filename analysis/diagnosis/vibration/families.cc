@@ -29,8 +29,8 @@ constexpr double kBesideStrongest = 14.0;  // of BIC
 constexpr double kWholeOutputTurn = 0.8;   // from which on lines an output turn apart are told apart
 constexpr int kPulseHarmonic = 2;          // from which on a record has to tell pulses from whole orders
 
-TrainStart StartOf(const VibrationRemainder& remainder, const Comb& comb) {
-  const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+TrainStart StartOf(const VibrationResidual& residual, const Comb& comb) {
+  const double turn_Hz = residual.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
   return {comb.order, comb.centre * comb.order * turn_Hz, comb.excess, 0.0, 1.0};
 }
 
@@ -43,20 +43,19 @@ struct CrackLines {
   int first;  // harmonic from which on the record tells it from whole orders
 };
 
-CrackLines CrackLinesOf(const VibrationRemainder& remainder, std::size_t index, int harmonics) {
-  const VibrationSamples& samples = remainder.samples();
+CrackLines CrackLinesOf(const VibrationResidual& residual, std::size_t index, int harmonics) {
+  const VibrationSamples& samples = residual.samples();
   const double order = model::CrackOrder(samples.ratio);
   const double output = 1.0 / std::abs(samples.ratio);
   const double turns = samples.shortest_turns();
-  CrackLines lines{.term = LinesTerm(remainder, index),
+  CrackLines lines{.term = LinesTerm(residual, index),
                    .places = {},
                    .order = order,
                    .first = static_cast<int>(std::ceil(0.7 / (turns * (order - 2.0))))};
   // Where the shaft's lines leave the scale of the angle open, it is a number of the fit.
   const bool open = ScaleIsOpen(samples, order * harmonics);
   std::vector<double> orders;
-  for (int k = std::max(1, lines.first); k <= harmonics && k * order < remainder.over_turns().highest();
-       ++k) {
+  for (int k = std::max(1, lines.first); k <= harmonics && k * order < residual.over_turns().highest(); ++k) {
     orders.push_back(k * order);
     const LinePlace centre = open ? LinePlace{static_cast<double>(k), 0.0} : LinePlace{0.0, k * order};
     lines.places.push_back(centre);
@@ -68,7 +67,7 @@ CrackLines CrackLinesOf(const VibrationRemainder& remainder, std::size_t index, 
         lines.places.push_back({centre.harmonic, centre.offset + sideband});
     }
   }
-  if (open) lines.term.shapes = {orders.empty() ? order : order * BestScale(remainder, orders)};
+  if (open) lines.term.nonlinear_parameters = {orders.empty() ? order : order * BestScale(residual, orders)};
   return lines;
 }
 
@@ -97,14 +96,14 @@ bool IsALineBeside(const std::vector<LinePlace>& lines, double order) {
 // sidebands is the upper one of these.
 constexpr double kLeastOfWeaker = 0.15;  // of the power of the stronger
 constexpr double kLobes = 2.0;
-Best SidebandsOfShaft(const VibrationRemainder& remainder, std::size_t index) {
-  const double output = 1.0 / std::abs(remainder.samples().ratio);
-  const double lower = PowerAt(remainder, kLobes - output);
-  const double upper = PowerAt(remainder, kLobes + output);
+Best SidebandsOfShaft(const VibrationResidual& residual, std::size_t index) {
+  const double output = 1.0 / std::abs(residual.samples().ratio);
+  const double lower = PowerAt(residual, kLobes - output);
+  const double upper = PowerAt(residual, kLobes + output);
   if (std::min(lower, upper) < kLeastOfWeaker * std::max(lower, upper)) return std::nullopt;
-  VibrationTerm term = LinesTerm(remainder, index);
+  VibrationTerm term = LinesTerm(residual, index);
   term.lines = {{0.0, kLobes - output}, {0.0, kLobes + output}};
-  return remainder.WithAllChannels(std::move(term), 0);
+  return residual.WithAllChannels(std::move(term), 0);
 }
 
 // A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
@@ -124,10 +123,11 @@ bool IsLoudAndSmooth(const TermFit& fit, double order) {
 }
 
 // The same where the first two harmonics happen to be in step, as if they were a pulse's.
-bool IsLoudAndWide(const VibrationRemainder& remainder, const TermFit& pulses) {
+bool IsLoudAndWide(const VibrationResidual& residual, const TermFit& pulses) {
   constexpr double kWide = 0.12;  // third harmonic of a tenth of the first
-  const double width = WidthIsShape(pulses.term) ? pulses.term.shapes[0] : pulses.term.lines[0].harmonic;
-  return width > kWide && remainder.base().bic() - pulses.bic() > kLoud;
+  const double width = WidthIsNonlinearParameter(pulses.term) ? pulses.term.nonlinear_parameters[0]
+                                                              : pulses.term.lines[0].harmonic;
+  return width > kWide && residual.base().bic() - pulses.bic() > kLoud;
 }
 
 // The order itself, or two of its harmonics, have to be there.
@@ -141,7 +141,7 @@ bool AreAFamily(std::span<const LinePlace> lines) {
 // Teeth make the same lines, with the shaft's sidebands, and need no ring for it.
 bool RingsAmongTeeth(const VibrationSamples& samples, const VibrationTerm& ring) {
   const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
-  const double centre = ring.shapes[1] / turn_Hz;
+  const double centre = ring.nonlinear_parameters[1] / turn_Hz;
   const double flexspline = model::FlexsplineMeshOrder(samples.ratio);
   const double circular = model::CircularSplineMeshOrder(samples.ratio);
   const double multiple = std::max(1.0, std::round(2.0 * centre / (flexspline + circular)));
@@ -150,32 +150,33 @@ bool RingsAmongTeeth(const VibrationSamples& samples, const VibrationTerm& ring)
 
 }  // namespace
 
-double LogPlacesOfCrack(const VibrationSamples& samples, const VibrationTerm& crack) {
+double LogSearchLocationsOfCrack(const VibrationSamples& samples, const VibrationTerm& crack) {
   if (crack.form != VibrationForm::kRing) return 0.0;
   const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
-  const double harmonic = std::max(1.0, crack.shapes[1] / (crack.shapes[0] * turn_Hz));
+  const double harmonic =
+      std::max(1.0, crack.nonlinear_parameters[1] / (crack.nonlinear_parameters[0] * turn_Hz));
   return std::log(kRingsOfCrack * 2.0 * harmonic);
 }
 
-double LogPlacesOfTrain(const VibrationSamples& samples, const VibrationTerm& train) {
+double LogSearchLocationsOfTrain(const VibrationSamples& samples, const VibrationTerm& train) {
   if (train.form != VibrationForm::kRing || !train.slips.empty()) return 0.0;
   // A cell in order and one in time are as wide as a period of the ring, 1 / f, one in ln f or in ln ζ as the
   // ring's width, ζ: there are f² / order² of the former and 1 / ζ of the latter (the square root of the
   // determinant of Fisher's information).
-  const double ring = train.shapes[1] * samples.runs.front().period_s;
-  const double order = train.shapes[0];
-  const double damping = std::clamp(train.shapes[2], kLeastTrainDamping, kMostTrainDamping);
+  const double ring = train.nonlinear_parameters[1] * samples.runs.front().period_s;
+  const double order = train.nonlinear_parameters[0];
+  const double damping = std::clamp(train.nonlinear_parameters[2], kLeastTrainDamping, kMostTrainDamping);
   const double mean_of_orders = 1.0 / (kLowestBearingOrder * kHighestBearingOrder);
   return std::log(ring * ring / MeanOfPower(2.0, kLowestTrainRing, kHighestRing)) -
          std::log(order * order * mean_of_orders) -
          std::log(damping * MeanOfPower(-1.0, kLeastTrainDamping, kMostTrainDamping));
 }
 
-Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
-  const VibrationSpectrum& spectrum = remainder.over_turns();
+Best SearchBearing(const VibrationResidual& residual, std::size_t index) {
+  const VibrationSpectrum& spectrum = residual.over_turns();
   // While searching all harmonics that there may be decide, afterwards those that the fit rests on.
   const auto allowed = [&](double order) {
-    return IsBearingOrder(remainder, order, spectrum.highest() / order);
+    return IsBearingOrder(residual, order, spectrum.highest() / order);
   };
   const double lowest = kLowestBearingOrder;
   const double highest = std::min(kHighestBearingOrder, 0.45 * spectrum.highest());
@@ -188,13 +189,13 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
   std::sort(combs.begin(), combs.end(), [](const Comb& a, const Comb& b) { return a.excess > b.excess; });
   std::vector<TrainStart> starts;
   for (std::size_t c = 0; c < std::min<std::size_t>(4, combs.size()); ++c)
-    starts.push_back(StartOf(remainder, combs[c]));
-  const auto trains = FindTrains(remainder, lowest, highest, kModulations, 20, allowed);
+    starts.push_back(StartOf(residual, combs[c]));
+  const auto trains = FindTrains(residual, lowest, highest, kModulations, 20, allowed);
   starts.insert(starts.end(), trains.begin(), trains.end());
-  Best best = SearchImpulses(remainder, index, starts, {1.0, 2.0}, [&](double order) {
+  Best best = SearchImpulses(residual, index, starts, {1.0, 2.0}, [&](double order) {
     return order > lowest && order < highest && allowed(order);
   });
-  if (best && !IsBearing(remainder, best->term)) best.reset();
+  if (best && !IsBearing(residual, best->term)) best.reset();
   std::vector<double> bases;
   for (std::size_t c = 0; c < std::min<std::size_t>(3, combs.size()); ++c) bases.push_back(combs[c].order);
   // A few low harmonics need no search of their own: the strongest lines say where they may be. Of a slow
@@ -207,34 +208,34 @@ Best SearchBearing(const VibrationRemainder& remainder, std::size_t index) {
     }
   }
   for (const double base : bases) {
-    VibrationTerm term = LinesTerm(remainder, index);
-    term.shapes = {base};
+    VibrationTerm term = LinesTerm(residual, index);
+    term.nonlinear_parameters = {base};
     std::vector<LinePlace> places;
     for (int k = 1; k <= kMostLineHarmonics && k * base < spectrum.highest(); ++k) {
       for (const double offset : {0.0, -1.0, 1.0, -2.0, 2.0}) {
         places.push_back({static_cast<double>(k), offset});
       }
     }
-    Best lines = FitPayingLines(remainder, std::move(term), places, 2, AreAFamily);
+    Best lines = FitPayingLines(residual, std::move(term), places, 2, AreAFamily);
     if (!lines) continue;
     // What is beside the strongest line has to stand for itself: many places were looked at.
     std::vector<double> gains = LineGains(*lines);
     std::sort(gains.begin(), gains.end());
     const double beside = std::accumulate(gains.begin(), gains.end() - 1, 0.0);
-    if (beside > kBesideStrongest && IsBearing(remainder, lines->term)) Keep(std::move(*lines), best);
+    if (beside > kBesideStrongest && IsBearing(residual, lines->term)) Keep(std::move(*lines), best);
   }
-  Best slipping = SearchSlippingTrain(remainder, index, lowest, highest, [&](double order) {
-    return IsBearingOrder(remainder, order, kHarmonicsOfSlipping);
+  Best slipping = SearchSlippingTrain(residual, index, lowest, highest, [&](double order) {
+    return IsBearingOrder(residual, order, kHarmonicsOfSlipping);
   });
-  if (slipping && IsBearing(remainder, slipping->term) &&
-      (!best || BicWithSlips(remainder.samples(), *slipping) < best->bic()))
+  if (slipping && IsBearing(residual, slipping->term) &&
+      (!best || BicWithSlips(residual.samples(), *slipping) < best->bic()))
     best = std::move(slipping);
   return best;
 }
 
-Best SearchToothEngagement(const VibrationRemainder& remainder, std::size_t index) {
-  CrackLines lines = CrackLinesOf(remainder, index, kTeethHarmonics);
-  Best best = FitPayingLines(remainder, std::move(lines.term), std::move(lines.places), 1);
+Best SearchToothEngagement(const VibrationResidual& residual, std::size_t index) {
+  CrackLines lines = CrackLinesOf(residual, index, kTeethHarmonics);
+  Best best = FitPayingLines(residual, std::move(lines.term), std::move(lines.places), 1);
   // A line beside an order that is not there belongs to something else: the shaft's own lines that change
   // once per output turn have one where the lower sideband of the teeth's would be.
   if (best && std::ranges::none_of(best->term.lines, [&](const LinePlace& line) {
@@ -244,15 +245,15 @@ Best SearchToothEngagement(const VibrationRemainder& remainder, std::size_t inde
   return best;
 }
 
-Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
-  const VibrationSamples& samples = remainder.samples();
-  const VibrationSpectrum& spectrum = remainder.over_turns();
+Best SearchCrack(const VibrationResidual& residual, std::size_t index) {
+  const VibrationSamples& samples = residual.samples();
+  const VibrationSpectrum& spectrum = residual.over_turns();
   const double output = 1.0 / std::abs(samples.ratio);
   const double turns = samples.shortest_turns();
-  CrackLines lines = CrackLinesOf(remainder, index, kMostLineHarmonics);
+  CrackLines lines = CrackLinesOf(residual, index, kMostLineHarmonics);
   const double order = lines.order;
-  LeastLikelyChance best(remainder);
-  if (Best of_lines = FitPayingLines(remainder, std::move(lines.term), lines.places, 1);
+  LeastLikelyChance best(residual);
+  if (Best of_lines = FitPayingLines(residual, std::move(lines.term), lines.places, 1);
       of_lines && !IsLoudAndSmooth(*of_lines, order) && !IsALineBeside(of_lines->term.lines, order)) {
     const double log_choices = LogChoices(of_lines->term.lines.size(), lines.places.size());
     best.Take(std::move(*of_lines), log_choices);
@@ -261,22 +262,22 @@ Best SearchCrack(const VibrationRemainder& remainder, std::size_t index) {
   std::vector<TrainStart> starts;
   for (const double sideband : {0.0, output}) {
     const Comb comb = Refined(spectrum, CombNear(spectrum, order, range, sideband));
-    if (comb.excess > 6.0 && comb.last >= lines.first) starts.push_back(StartOf(remainder, comb));
+    if (comb.excess > 6.0 && comb.last >= lines.first) starts.push_back(StartOf(residual, comb));
     if (turns * output < kWholeOutputTurn) break;
   }
   std::vector<double> modulations;
   if (turns * output > 0.5) modulations = {output};
   if (lines.first <= kPulseHarmonic) {
-    TermFit pulses = SearchPulses(remainder, index, order, turns * output > 0.5 ? output : 0.0);
-    if (!IsLoudAndWide(remainder, pulses)) best.Take(std::move(pulses), 0.0);
+    TermFit pulses = SearchPulses(residual, index, order, turns * output > 0.5 ? output : 0.0);
+    if (!IsLoudAndWide(residual, pulses)) best.Take(std::move(pulses), 0.0);
   }
-  if (Best rings = SearchImpulses(remainder, index, starts, modulations, [](double) { return false; });
+  if (Best rings = SearchImpulses(residual, index, starts, modulations, [](double) { return false; });
       rings && !RingsAmongTeeth(samples, rings->term)) {
-    const double log_places = LogPlacesOfCrack(samples, rings->term);
-    best.Take(std::move(*rings), log_places);
+    const double log_search_locations = LogSearchLocationsOfCrack(samples, rings->term);
+    best.Take(std::move(*rings), log_search_locations);
   }
   if (turns * output > kWholeOutputTurn) {
-    if (Best sidebands = SidebandsOfShaft(remainder, index))
+    if (Best sidebands = SidebandsOfShaft(residual, index))
       best.TakeWithAndWithoutDeaf(std::move(*sidebands), 0.0);
   }
   return std::move(best).fit();

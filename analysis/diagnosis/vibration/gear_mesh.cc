@@ -68,14 +68,13 @@ bool HasItsOwn(const MeshOrders& orders, const VibrationTerm& mesh) {
 
 // Those of the orders that are together least likely to be noise: either or both of the first two, and the
 // strongest of the others, each for the choice that there is. Nothing where noise does as well.
-std::vector<double> LikeliestSet(const VibrationRemainder& remainder, const MeshOrders& orders,
-                                 double scale) {
-  const auto channels = static_cast<double>(remainder.over_turns().channels());
+std::vector<double> LikeliestSet(const VibrationResidual& residual, const MeshOrders& orders, double scale) {
+  const auto channels = static_cast<double>(residual.over_turns().channels());
   std::vector<std::pair<double, double>> others;  // power, order
-  for (const double order : orders.others) others.emplace_back(PowerAt(remainder, scale * order), order);
+  for (const double order : orders.others) others.emplace_back(PowerAt(residual, scale * order), order);
   std::ranges::sort(others, std::greater<>());
-  const double powers[] = {PowerAt(remainder, scale * orders.first_two[0]),
-                           PowerAt(remainder, scale * orders.first_two[1])};
+  const double powers[] = {PowerAt(residual, scale * orders.first_two[0]),
+                           PowerAt(residual, scale * orders.first_two[1])};
   double most = kLeastOfSet;
   std::vector<double> best;
   for (const unsigned mask : {1U, 2U, 3U}) {
@@ -110,10 +109,10 @@ double LogScales(const VibrationSamples& samples) {
 
 }  // namespace
 
-std::optional<TermFit> SearchGearMesh(const VibrationRemainder& remainder, std::size_t index) {
-  const VibrationSamples& samples = remainder.samples();
+std::optional<TermFit> SearchGearMesh(const VibrationResidual& residual, std::size_t index) {
+  const VibrationSamples& samples = residual.samples();
   const MeshOrders orders = OrdersOf(samples);
-  LeastLikelyChance best(remainder);
+  LeastLikelyChance best(residual);
   const auto take = [&](TermFit fit) {
     if (!HasItsOwn(orders, fit.term)) return;
     const double log_choices = LogChoicesOfMesh(samples, fit.term);
@@ -121,8 +120,8 @@ std::optional<TermFit> SearchGearMesh(const VibrationRemainder& remainder, std::
   };
   for (const bool open : {false, true}) {
     if (open && !ScaleIsOpen(samples, orders.first_two[0])) break;
-    VibrationTerm term = LinesTerm(remainder, index);
-    if (open) term.shapes = {BestScale(remainder, {orders.first_two[0], orders.first_two[1]})};
+    VibrationTerm term = LinesTerm(residual, index);
+    if (open) term.nonlinear_parameters = {BestScale(residual, {orders.first_two[0], orders.first_two[1]})};
     const auto places_of = [&](const std::vector<double>& chosen) {
       std::vector<LinePlace> places;
       std::ranges::transform(chosen, std::back_inserter(places), [&](double order) {
@@ -131,17 +130,17 @@ std::optional<TermFit> SearchGearMesh(const VibrationRemainder& remainder, std::
       return places;
     };
     // Lines that stand out each for itself; or a few weak ones that do together, in all channels.
-    if (std::optional<TermFit> own = FitPayingLines(remainder, term, places_of(orders.all()), 1))
+    if (std::optional<TermFit> own = FitPayingLines(residual, term, places_of(orders.all()), 1))
       take(std::move(*own));
     const std::vector<double> first_two(orders.first_two.begin(), orders.first_two.end());
     for (const std::vector<double>& chosen :
-         {LikeliestSet(remainder, orders, open ? term.shapes[0] : 1.0), first_two}) {
+         {LikeliestSet(residual, orders, open ? term.nonlinear_parameters[0] : 1.0), first_two}) {
       if (chosen.empty()) break;
       term.lines = places_of(chosen);
       const int rounds = open ? 5 : 0;
-      TermFit fit = remainder.WithAllChannels(term, rounds);
+      TermFit fit = residual.WithAllChannels(term, rounds);
       take(fit);
-      if (samples.channels() > 1) take(remainder.WithoutDeaf(std::move(fit)));
+      if (samples.channels() > 1) take(residual.WithoutDeaf(std::move(fit)));
     }
   }
   return std::move(best).fit();
@@ -154,9 +153,9 @@ double LogChoicesOfMesh(const VibrationSamples& samples, const VibrationTerm& me
                                 [&](double first) { return std::abs(first - OrderOf(line)) < 1e-9; });
   };
   const auto further = static_cast<std::size_t>(std::ranges::count_if(mesh.lines, is_further));
-  const auto hearing = static_cast<std::size_t>(std::ranges::count(mesh.heard, 1));
+  const auto hearing = static_cast<std::size_t>(std::ranges::count(mesh.observable, 1));
   return LogChoices(further, orders.others.size()) + LogChoices(hearing, samples.channels()) +
-         (mesh.shapes.empty() ? 0.0 : LogScales(samples));
+         (mesh.nonlinear_parameters.empty() ? 0.0 : LogScales(samples));
 }
 
 }  // namespace strainwave::analysis::diagnosis

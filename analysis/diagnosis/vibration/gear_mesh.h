@@ -10,9 +10,9 @@ namespace strainwave::analysis::diagnosis {
 
 /// 2N and 2N + 2 per turn, their multiples, sidebands of the input and output turn: the set of them that is
 /// least likely to be chance.
-std::optional<TermFit> SearchGearMesh(const VibrationRemainder& remainder, std::size_t index);
+std::optional<TermFit> SearchGearMesh(const VibrationResidual& residual, std::size_t index);
 
-/// Logarithm of how many sets of as many lines beside the first two, heard in as many channels, with the
+/// Logarithm of how many sets of as many lines beside the first two, observable in as many channels, with the
 /// scale of the angle held or not, there are to choose from.
 double LogChoicesOfMesh(const VibrationSamples& samples, const VibrationTerm& mesh);
 

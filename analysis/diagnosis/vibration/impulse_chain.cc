@@ -10,7 +10,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Slips are a percent or two of the period; of five times as much nobody has heard.
+// Slips are a percent or two of the period; of five times as much nobody has observable.
 constexpr double kUsualSlip = 0.015;
 constexpr double kLargestSlip = 0.1;
 
@@ -35,15 +35,15 @@ std::vector<std::size_t> BestChain(const VibrationRun& run, double order, const 
   const auto apart_at = [&](std::size_t i) {
     return kTwoPi / (order * std::max(run.speed_rad_per_s[i], 1e-9) * run.period_s);
   };
-  std::size_t stretch = 0;  // where the last gap ends
+  std::size_t segment = 0;  // where the last gap ends
   for (std::size_t i = 0; i < n; ++i) {
-    if (run.FollowsAGap(i)) stretch = i;
+    if (run.FollowsAGap(i)) segment = i;
     const double apart = apart_at(i);
     auto nearest = static_cast<std::size_t>(std::max(1.0, (1.0 - kLargestSlip) * apart));
     auto farthest = static_cast<std::size_t>((1.0 + kLargestSlip) * apart) + 1;
-    const bool over_gap = stretch > 0 && i < stretch + farthest;
+    const bool over_gap = segment > 0 && i < segment + farthest;
     if (over_gap) {
-      nearest = i - stretch + 1;
+      nearest = i - segment + 1;
       farthest += nearest;
     }
     if (i < farthest) continue;
@@ -75,7 +75,7 @@ std::vector<std::size_t> BestChain(const VibrationRun& run, double order, const 
 bool TakeImpulses(const VibrationRun& run, const std::vector<double>& angles_rad, VibrationTerm& term) {
   const std::size_t count = angles_rad.size();
   if (count < 8) return false;
-  const std::vector<double> numbers = NumbersOf(angles_rad, term.shapes[0]);
+  const std::vector<double> numbers = NumbersOf(angles_rad, term.nonlinear_parameters[0]);
   const double middle = std::reduce(numbers.begin(), numbers.end()) / static_cast<double>(count);
   double squares = 0.0;
   double both = 0.0;
@@ -93,7 +93,7 @@ bool TakeImpulses(const VibrationRun& run, const std::vector<double>& angles_rad
   const double last = first + numbers.back();
   const auto half = static_cast<std::size_t>(std::max(std::abs(first), std::abs(last) + 1.0)) + 1;
   term.slips.assign(2 * half + 1, 0.0);
-  // Where no impulse was heard the last slip goes on.
+  // Where no impulse was observable the last slip goes on.
   std::size_t j = 0;
   for (std::size_t s = 0; s < term.slips.size(); ++s) {
     const double number = static_cast<double>(s) - static_cast<double>(half) - first;
@@ -101,8 +101,8 @@ bool TakeImpulses(const VibrationRun& run, const std::vector<double>& angles_rad
     const double at = (angles_rad[j] - 0.5 * run.angle_rad.back()) * order / kTwoPi;
     term.slips[s] = at - (first + numbers[j] + place);
   }
-  term.shapes[0] = order;
-  term.shapes[3 + 2 * term.lines.size()] = place;
+  term.nonlinear_parameters[0] = order;
+  term.nonlinear_parameters[3 + 2 * term.lines.size()] = place;
   return true;
 }
 

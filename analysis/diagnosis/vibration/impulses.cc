@@ -32,8 +32,8 @@ constexpr double kPartOfFirst = 0.3;  // of that, for a first look
 // Depth of a change: an impulse does not pull. With what noise adds to it.
 constexpr double kDeepest = 1.3;
 
-double TurnHz(const VibrationRemainder& remainder) {
-  return remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+double TurnHz(const VibrationResidual& residual) {
+  return residual.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
 }
 
 // A train while it is looked for, in the first record.
@@ -45,27 +45,26 @@ struct Look {
   double excess{};
 };
 
-Look LookAt(const VibrationRemainder& remainder, RingTrain train, double sideband, double loudness) {
-  const VibrationRun& run = remainder.samples().runs.front();
+Look LookAt(const VibrationResidual& residual, RingTrain train, double sideband, double loudness) {
+  const VibrationRun& run = residual.samples().runs.front();
   const TrainMatch match =
-      MatchTrain(remainder.side_by_side(0), train, sideband, loudness * remainder.base().variance());
+      MatchTrain(residual.side_by_side(0), train, sideband, loudness * residual.base().variance());
   // An amplitude a channel and their phase; two more of a change.
   const double cells = 0.5 * (static_cast<double>(run.channels.size()) + 1.0) + (sideband > 0.0 ? 1.0 : 0.0);
   return {std::move(train), sideband, loudness, match, ExcessOf(match.power, cells)};
 }
 
 // The best train about a start: order, ring and damping in turn, by steps that become smaller.
-Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
+Look Climb(const VibrationResidual& residual, const TrainStart& start,
            const std::vector<double>& modulations) {
-  const VibrationRun& run = remainder.samples().runs.front();
-  const double top_Hz = 0.97 * remainder.samples().highest_Hz();
-  Look best =
-      LookAt(remainder, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}, {}}, 0.0, start.loudness);
+  const VibrationRun& run = residual.samples().runs.front();
+  const double top_Hz = 0.97 * residual.samples().highest_Hz();
+  Look best = LookAt(residual, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}, {}}, 0.0, start.loudness);
   const auto take = [&](RingTrain train, double sideband) {
     if (train.ring_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
         train.damping_ratio > kMostTrainDamping)
       return false;
-    Look next = LookAt(remainder, std::move(train), sideband, start.loudness);
+    Look next = LookAt(residual, std::move(train), sideband, start.loudness);
     if (next.excess <= best.excess) return false;
     best = std::move(next);
     return true;
@@ -86,7 +85,7 @@ Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
     both_ways([](RingTrain& train, double by) { train.ring_Hz *= 1.0 + by * train.damping_ratio; });
     both_ways([](RingTrain& train, double by) { train.damping_ratio *= std::exp2(by); });
     both_ways([&](RingTrain& train, double by) {
-      const double cell = train.order * TurnHz(remainder) / (run.turns * train.ring_Hz);
+      const double cell = train.order * TurnHz(residual) / (run.turns * train.ring_Hz);
       train.order += 0.4 * by * cell;
     });
     if (!moved) size *= 0.5;
@@ -95,13 +94,14 @@ Look Climb(const VibrationRemainder& remainder, const TrainStart& start,
 }
 
 // Of the noise that a train has to stand out of.
-double VarianceAbout(const VibrationRemainder& remainder, const TermFit& ring) {
-  return ring.variance() * remainder.LoudnessAt(ring.term.shapes[1]);
+double VarianceAbout(const VibrationResidual& residual, const TermFit& ring) {
+  return ring.variance() * residual.LoudnessAt(ring.term.nonlinear_parameters[1]);
 }
 
 bool IsTooDeep(const VibrationTerm& ring) {
   for (std::size_t m = 0; m < ring.lines.size(); ++m) {
-    if (std::hypot(ring.shapes[3 + 2 * m], ring.shapes[4 + 2 * m]) > kDeepest) return true;
+    if (std::hypot(ring.nonlinear_parameters[3 + 2 * m], ring.nonlinear_parameters[4 + 2 * m]) > kDeepest)
+      return true;
   }
   return false;
 }
@@ -111,48 +111,50 @@ void Take(LeastLikelyChance& best, TermFit fit) {
 }
 
 // The same train with impulses that come so many periods of its ring later.
-VibrationTerm Later(const VibrationRemainder& remainder, VibrationTerm ring, double periods) {
-  for (std::size_t r = 3 + 2 * ring.lines.size(); r < ring.shapes.size(); ++r)
-    ring.shapes[r] += periods * ring.shapes[0] * TurnHz(remainder) / ring.shapes[1];
+VibrationTerm Later(const VibrationResidual& residual, VibrationTerm ring, double periods) {
+  for (std::size_t r = 3 + 2 * ring.lines.size(); r < ring.nonlinear_parameters.size(); ++r)
+    ring.nonlinear_parameters[r] +=
+        periods * ring.nonlinear_parameters[0] * TurnHz(residual) / ring.nonlinear_parameters[1];
   return ring;
 }
 
 // The steps of a look's ring and damping leave open in which half period of the ring the impulses begin.
-TermFit FitLook(const VibrationRemainder& remainder, std::size_t index, const Look& look) {
-  const VibrationSamples& samples = remainder.samples();
+TermFit FitLook(const VibrationResidual& residual, std::size_t index, const Look& look) {
+  const VibrationSamples& samples = residual.samples();
   VibrationTerm term;
   term.cause = index;
   term.form = VibrationForm::kRing;
-  term.heard.assign(samples.channels(), 1);
-  term.shapes = {look.train.order, look.train.ring_Hz, look.train.damping_ratio};
+  term.observable.assign(samples.channels(), 1);
+  term.nonlinear_parameters = {look.train.order, look.train.ring_Hz, look.train.damping_ratio};
   if (look.sideband > 0.0) {
     term.lines = {{0.0, look.sideband}};
-    term.shapes.insert(term.shapes.end(), {look.match.cosine, look.match.sine});
+    term.nonlinear_parameters.insert(term.nonlinear_parameters.end(), {look.match.cosine, look.match.sine});
   }
-  term.shapes.push_back(look.match.phase);
+  term.nonlinear_parameters.push_back(look.match.phase);
   for (std::size_t r = 1; r < samples.runs.size(); ++r) {
-    term.shapes.push_back(
-        MatchTrain(remainder.side_by_side(r), look.train, 0.0, remainder.base().variance()).phase);
+    term.nonlinear_parameters.push_back(
+        MatchTrain(residual.side_by_side(r), look.train, 0.0, residual.base().variance()).phase);
   }
-  LeastLikelyChance best(remainder);
+  LeastLikelyChance best(residual);
   for (const double periods : {0.0, -1.0, -0.5, 0.5, 1.0})
-    Take(best, remainder.With(Later(remainder, term, periods), 0));
-  return best.fit() ? *std::move(best).fit() : remainder.With(std::move(term), 0);
+    Take(best, residual.With(Later(residual, term, periods), 0));
+  return best.fit() ? *std::move(best).fit() : residual.With(std::move(term), 0);
 }
 
 // A train that lets one of its harmonics ring is a line with too many numbers.
 // @param part  of what it has to explain beyond the line that counts yet
-bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, double part) {
+bool IsOneLine(const VibrationResidual& residual, const TermFit& solution, double part) {
   const VibrationTerm& ring = solution.term;
   VibrationTerm line;
   line.cause = ring.cause;
   line.form = VibrationForm::kLines;
-  line.heard = ring.heard;
+  line.observable = ring.observable;
   line.lines = {{1.0, 0.0}};
-  line.shapes = {ring.shapes[0] * StrongestHarmonic(remainder, ring.shapes[0])};
-  const TermFit alone = remainder.With(std::move(line), 3);
-  const double variance = VarianceAbout(remainder, solution);
-  const double by_line = (remainder.base().square_sum - alone.square_sum) / variance;
+  line.nonlinear_parameters = {ring.nonlinear_parameters[0] *
+                               StrongestHarmonic(residual, ring.nonlinear_parameters[0])};
+  const TermFit alone = residual.With(std::move(line), 3);
+  const double variance = VarianceAbout(residual, solution);
+  const double by_line = (residual.base().square_sum - alone.square_sum) / variance;
   const bool breathes = !ring.lines.empty() && ring.lines[0].offset == 1.0;
   const double share = breathes ? kBesideLineShare : kBeyondLineShare;
   const double beyond = (alone.square_sum - solution.square_sum) / variance - part * share * by_line;
@@ -164,36 +166,37 @@ bool IsOneLine(const VibrationRemainder& remainder, const TermFit& solution, dou
 
 // Refines a first look, half a period of the ring and a whole one to both sides; without a modulation and
 // with each: the look's may be the wrong one.
-void Improve(const VibrationRemainder& remainder, TermFit look, const std::vector<double>& modulations,
+void Improve(const VibrationResidual& residual, TermFit look, const std::vector<double>& modulations,
              LeastLikelyChance& best) {
-  Best own = remainder.Refine(std::move(look), 12);
+  Best own = residual.Refine(std::move(look), 12);
   Best beside;
   for (const double periods : {-1.0, -0.5, 0.5, 1.0})
-    Keep(remainder.With(Later(remainder, own->term, periods), 2), beside);
-  Keep(remainder.Refine(std::move(*beside), 4), own);
+    Keep(residual.With(Later(residual, own->term, periods), 2), beside);
+  Keep(residual.Refine(std::move(*beside), 4), own);
   VibrationTerm even = own->term;
   const double change = even.lines.empty() ? 0.0 : even.lines[0].offset;
   Take(best, std::move(*own));
   if (change > 0.0) {
     even.lines.clear();
-    even.shapes.erase(even.shapes.begin() + 3, even.shapes.begin() + 5);
-    Take(best, remainder.With(even, 6));
+    even.nonlinear_parameters.erase(even.nonlinear_parameters.begin() + 3,
+                                    even.nonlinear_parameters.begin() + 5);
+    Take(best, residual.With(even, 6));
   }
   for (const double modulation : modulations) {
-    if (modulation == change || modulation > kLargestSideband * even.shapes[0]) continue;
+    if (modulation == change || modulation > kLargestSideband * even.nonlinear_parameters[0]) continue;
     VibrationTerm term = even;
     term.lines = {{0.0, modulation}};
     // A channel that the even impulses did not pay for may pay now.
-    term.heard.assign(term.heard.size(), 1);
-    term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
-    Take(best, remainder.With(std::move(term), 8));
+    term.observable.assign(term.observable.size(), 1);
+    term.nonlinear_parameters.insert(term.nonlinear_parameters.begin() + 3, {0.0, 0.0});
+    Take(best, residual.With(std::move(term), 8));
   }
 }
 
 }  // namespace
 
-int StrongestHarmonic(const VibrationRemainder& remainder, double order) {
-  const VibrationSpectrum& spectrum = remainder.over_turns();
+int StrongestHarmonic(const VibrationResidual& residual, double order) {
+  const VibrationSpectrum& spectrum = residual.over_turns();
   int strongest = 1;
   for (int k = 2; k * order < spectrum.highest(); ++k) {
     if (spectrum.At(k * order) > spectrum.At(strongest * order)) strongest = k;
@@ -201,78 +204,79 @@ int StrongestHarmonic(const VibrationRemainder& remainder, double order) {
   return strongest;
 }
 
-Best SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
+Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
                     const std::vector<TrainStart>& starts, const std::vector<double>& modulations,
                     const std::function<bool(double order)>& allowed) {
   std::vector<Look> looks;
   for (const TrainStart& start : starts) {
     if (looks.size() == kMostStarts) break;
-    if (start.ring_Hz < 0.97 * remainder.samples().highest_Hz())
-      looks.push_back(Climb(remainder, start, modulations));
+    if (start.ring_Hz < 0.97 * residual.samples().highest_Hz())
+      looks.push_back(Climb(residual, start, modulations));
   }
   std::sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.excess > b.excess; });
   looks.resize(std::min(looks.size(), kMostFitted));
   std::vector<std::pair<double, TermFit>> fits;  // by improbability
   for (const Look& look : looks) {
-    TermFit fit = remainder.Refine(FitLook(remainder, index, look), 3);
-    const double improbability = ImprobabilityOf(remainder, fit);
+    TermFit fit = residual.Refine(FitLook(residual, index, look), 3);
+    const double improbability = ImprobabilityOf(residual, fit);
     fits.emplace_back(improbability, std::move(fit));
   }
   std::ranges::sort(fits, std::greater<>(), &std::pair<double, TermFit>::first);
-  LeastLikelyChance best(remainder);
+  LeastLikelyChance best(residual);
   std::size_t refined = 0;
   for (auto& [improbability, fit] : fits) {
     if (refined == kMostRefined) break;
     // A line is every train that has it among its harmonics: these are not to hide another train.
-    if (IsOneLine(remainder, fit, kPartOfFirst)) continue;
-    LeastLikelyChance improved(remainder);
-    Improve(remainder, std::move(fit), modulations, improved);
+    if (IsOneLine(residual, fit, kPartOfFirst)) continue;
+    LeastLikelyChance improved(residual);
+    Improve(residual, std::move(fit), modulations, improved);
     ++refined;
-    if (improved.fit() && !IsOneLine(remainder, *improved.fit(), 1.0)) Take(best, *std::move(improved).fit());
+    if (improved.fit() && !IsOneLine(residual, *improved.fit(), 1.0)) Take(best, *std::move(improved).fit());
   }
   if (!best.fit()) return std::nullopt;
   // Every second impulse, or each twice: the same harmonics, or half of them.
   const VibrationTerm found = best.fit()->term;
   for (const double multiple : {0.5, 2.0, 3.0}) {
-    const double order = multiple * found.shapes[0];
+    const double order = multiple * found.nonlinear_parameters[0];
     if (!allowed(order)) continue;
-    TermFit fit =
-        FitLook(remainder, index, Climb(remainder, {order, found.shapes[1], 0.0, 0.0, 1.0}, modulations));
-    // A look that is far behind does not catch up.
-    if (fit.bic() < best.fit()->bic() + 60.0) Improve(remainder, std::move(fit), modulations, best);
+    TermFit fit = FitLook(
+        residual, index, Climb(residual, {order, found.nonlinear_parameters[1], 0.0, 0.0, 1.0}, modulations));
+    // A look that is dominated by does not catch up.
+    if (fit.bic() < best.fit()->bic() + 60.0) Improve(residual, std::move(fit), modulations, best);
   }
-  if (IsOneLine(remainder, *best.fit(), 1.0)) return std::nullopt;
+  if (IsOneLine(residual, *best.fit(), 1.0)) return std::nullopt;
   return std::move(best).fit();
 }
 
-TermFit SearchPulses(const VibrationRemainder& remainder, std::size_t index, double order,
-                     double slow_order) {
-  const VibrationSamples& samples = remainder.samples();
+TermFit SearchPulses(const VibrationResidual& residual, std::size_t index, double order, double slow_order) {
+  const VibrationSamples& samples = residual.samples();
   const std::vector<char> all(samples.channels(), 1);
   std::vector<PulseLines> lines;
   for (const VibrationRun& run : samples.runs)
-    lines.emplace_back(run, order, remainder.residual(), remainder.solver().weights());
+    lines.emplace_back(run, order, residual.residual(), residual.solver().weights());
   Best start;
   for (const double width : {0.02, 0.03, 0.045, 0.065, 0.1, 0.15}) {
     VibrationTerm term{index, VibrationForm::kPulses, {{width, order}}, {}, all};
     const int harmonics = PulseHarmonics(width, order, samples.highest_order());
-    for (const PulseLines& of_run : lines) term.shapes.push_back(of_run.BestPlace(width, harmonics));
-    Keep(remainder.WithAllChannels(std::move(term), 0), start);
+    for (const PulseLines& of_run : lines)
+      term.nonlinear_parameters.push_back(of_run.BestPlace(width, harmonics));
+    Keep(residual.WithAllChannels(std::move(term), 0), start);
   }
-  LeastLikelyChance best(remainder);
+  LeastLikelyChance best(residual);
   const auto take = [&](VibrationTerm term, int rounds) {
-    term.heard = all;
-    best.TakeWithAndWithoutDeaf(remainder.WithAllChannels(std::move(term), rounds), 0.0);
+    term.observable = all;
+    best.TakeWithAndWithoutDeaf(residual.WithAllChannels(std::move(term), rounds), 0.0);
   };
   take(start->term, 6);
   if (slow_order != 0.0) {
     VibrationTerm changing = best.fit()->term;
     changing.lines.push_back({0.0, slow_order});
-    changing.shapes.insert(changing.shapes.begin(), {0.0, 0.0});
+    changing.nonlinear_parameters.insert(changing.nonlinear_parameters.begin(), {0.0, 0.0});
     take(std::move(changing), 8);
   }
   VibrationTerm free = best.fit()->term;
-  free.shapes.insert(free.shapes.begin(), std::exchange(free.lines[0].harmonic, 0.0));
+  free.nonlinear_parameters.insert(free.nonlinear_parameters.begin(),
+                                   std::exchange(free.lines[0].harmonic, 0.0));
   take(std::move(free), 8);
   return std::move(*std::move(best).fit());
 }

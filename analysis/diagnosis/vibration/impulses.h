@@ -15,11 +15,11 @@ inline constexpr double kLeastTrainDamping = 0.008;
 inline constexpr double kMostTrainDamping = 0.6;
 
 /// The harmonic of an order that is the loudest line.
-int StrongestHarmonic(const VibrationRemainder& remainder, double order);
+int StrongestHarmonic(const VibrationResidual& residual, double order);
 
 /// The best train of ringing impulses that one of the starts leads to, plain or with one of the modulations
 /// (orders of the input angle). Nothing where a single line explains most of it.
-std::optional<TermFit> SearchImpulses(const VibrationRemainder& remainder, std::size_t index,
+std::optional<TermFit> SearchImpulses(const VibrationResidual& residual, std::size_t index,
                                       const std::vector<TrainStart>& starts,
                                       const std::vector<double>& modulations,
                                       const std::function<bool(double order)>& allowed);
@@ -27,6 +27,6 @@ std::optional<TermFit> SearchImpulses(const VibrationRemainder& remainder, std::
 /// Smooth pulses at a known order: where they stand is read off the lines at its harmonics. Their width is
 /// one of a few, or a number of the fit where that pays.
 /// @param slow_order  of a change of their height that is tried; 0 for none
-TermFit SearchPulses(const VibrationRemainder& remainder, std::size_t index, double order, double slow_order);
+TermFit SearchPulses(const VibrationResidual& residual, std::size_t index, double order, double slow_order);
 
 }  // namespace strainwave::analysis::diagnosis

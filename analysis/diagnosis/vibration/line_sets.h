@@ -14,11 +14,11 @@ namespace strainwave::analysis::diagnosis {
 
 inline constexpr std::size_t kMostLines = 10;  // of one term
 
-/// A term of lines over the angle without lines yet, heard in all channels.
-VibrationTerm LinesTerm(const VibrationRemainder& remainder, std::size_t index);
+/// A term of lines over the angle without lines yet, observable in all channels.
+VibrationTerm LinesTerm(const VibrationResidual& residual, std::size_t index);
 
 /// Power of all channels at an order, also of one beyond half the sampling rate, whose samples are folded.
-double PowerAt(const VibrationRemainder& remainder, double order);
+double PowerAt(const VibrationResidual& residual, double order);
 
 /// Drop that each line of a term brings, of all channels, over what its coefficients cost there.
 std::vector<double> LineGains(const TermFit& fit);
@@ -27,14 +27,14 @@ std::vector<double> LineGains(const TermFit& fit);
 /// fewer than `fewest` do.
 /// @param may_be  whether some of these lines would be the cause: if not, none is fitted
 std::optional<TermFit> FitPayingLines(
-    const VibrationRemainder& remainder, VibrationTerm term, const std::vector<LinePlace>& places,
+    const VibrationResidual& residual, VibrationTerm term, const std::vector<LinePlace>& places,
     std::size_t fewest,
     const std::function<bool(std::span<const LinePlace>)>& may_be = [](std::span<const LinePlace>) {
       return true;
     });
 
 /// Scale of known orders that agrees best with the spectrum, where the shaft's own lines leave it open.
-double BestScale(const VibrationRemainder& remainder, const std::vector<double>& orders);
+double BestScale(const VibrationResidual& residual, const std::vector<double>& orders);
 
 /// Whether the shaft's lines leave it open by more than a line's sharpness where an order stands.
 bool ScaleIsOpen(const VibrationSamples& samples, double order);

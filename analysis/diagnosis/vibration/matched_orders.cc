@@ -24,9 +24,9 @@ constexpr double kLeastNoise = 0.3;  // of the resonance's peak: bins that tell 
 
 }  // namespace
 
-RingMatcher::RingMatcher(const VibrationRemainder& remainder, const SpeedBand& band)
-    : remainder_(remainder),
-      run_(remainder.samples().runs.front()),
+RingMatcher::RingMatcher(const VibrationResidual& residual, const SpeedBand& band)
+    : residual_(residual),
+      run_(residual.samples().runs.front()),
       band_(band),
       filtered_(run_.channels.size(), std::vector<Complex>(run_.size())) {
   const std::size_t speeds = run_.speed_spread < 0.01 ? 1 : kSpeeds;
@@ -79,9 +79,9 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   matched.first = centre - matched.step * static_cast<double>(below);
   matched.power.resize(below + above + 1, 0.0F);
   const double scale =
-      angle_step * std::sqrt((1.0 - std::norm(step)) / (remainder_.base().variance() * band_.turns)) / kTwoPi;
-  Foretell(natural, half_width, matched);
-  MatchBackwards(remainder_.side_by_side(0), step,
+      angle_step * std::sqrt((1.0 - std::norm(step)) / (residual_.base().variance() * band_.turns)) / kTwoPi;
+  Predict(natural, half_width, matched);
+  MatchBackwards(residual_.side_by_side(0), step,
                  [&](std::size_t first_channel, std::size_t i, const InCommon& common) {
                    const std::size_t here = std::min(SideBySide::kTogether, filtered_.size() - first_channel);
                    for (std::size_t c = 0; c < here; ++c) {
@@ -121,7 +121,7 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   return matched;
 }
 
-void RingMatcher::Foretell(double natural, double half_width, MatchedOrders& matched) const {
+void RingMatcher::Predict(double natural, double half_width, MatchedOrders& matched) const {
   matched.noise.assign(matched.power.size(), 0.0F);
   constexpr std::size_t kEvery = 8;  // bins; the noise is smooth
   const auto speeds = static_cast<double>(speeds_rad_per_s_.size());

@@ -40,9 +40,9 @@ struct OrderRange {
 /// Matches what a model leaves to rings of one damping, at the speeds of a band.
 class RingMatcher {
  public:
-  RingMatcher(const VibrationRemainder& remainder, const SpeedBand& band);
+  RingMatcher(const VibrationResidual& residual, const SpeedBand& band);
 
-  /// Where a ring may be heard at the speeds of a band.
+  /// Where a ring may be observable at the speeds of a band.
   /// @param reach   of sidebands, in orders
   /// @param widest  distance of harmonics in orders: between two of them is a ring that both are far from
   static OrderRange Range(const VibrationRun& run, const SpeedBand& band, double ring_Hz, double reach,
@@ -52,11 +52,11 @@ class RingMatcher {
 
  private:
   /// The resonance is a Lorentz line over frequency; over orders it is smeared by the speeds.
-  void Foretell(double natural, double half_width, MatchedOrders& matched) const;
+  void Predict(double natural, double half_width, MatchedOrders& matched) const;
   /// Noise of any colour is as loud here as the lines between those of a train say.
   double Loudness(const std::vector<std::complex<double>>& lines, const MatchedOrders& matched);
 
-  const VibrationRemainder& remainder_;
+  const VibrationResidual& residual_;
   const VibrationRun& run_;
   const SpeedBand band_;
   std::vector<double> speeds_rad_per_s_;                     // evenly over the turns of the band

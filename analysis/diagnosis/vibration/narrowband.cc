@@ -48,8 +48,8 @@ namespace {
 // Each sample waits for the one before: columns side by side fill the waiting.
 // @param filters  one a column, or one for all
 template <int kWidth>
-void ForetellColumns(std::span<const InnovationFilter> filters, std::span<const char> breaks,
-                     std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns, Eigen::Index first) {
+void PredictColumns(std::span<const InnovationFilter> filters, std::span<const char> breaks,
+                    std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns, Eigen::Index first) {
   using Row = Eigen::Array<double, kWidth, 1>;
   const Row zero = Row::Zero();
   Row a1, a2, c1, c2;
@@ -79,16 +79,16 @@ void ForetellColumns(std::span<const InnovationFilter> filters, std::span<const 
 
 }  // namespace
 
-void Foretell(std::span<const InnovationFilter> filters, std::span<const char> breaks,
-              std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns) {
+void Predict(std::span<const InnovationFilter> filters, std::span<const char> breaks,
+             std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns) {
   Eigen::Index first = 0;
   for (; first + 4 <= columns.cols(); first += 4) {
-    ForetellColumns<4>(filters, breaks, missing, columns, first);
+    PredictColumns<4>(filters, breaks, missing, columns, first);
   }
   for (; first + 2 <= columns.cols(); first += 2) {
-    ForetellColumns<2>(filters, breaks, missing, columns, first);
+    PredictColumns<2>(filters, breaks, missing, columns, first);
   }
-  for (; first < columns.cols(); ++first) ForetellColumns<1>(filters, breaks, missing, columns, first);
+  for (; first < columns.cols(); ++first) PredictColumns<1>(filters, breaks, missing, columns, first);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -9,7 +9,7 @@
 namespace strainwave::analysis::diagnosis {
 
 /// A lightly damped oscillator that noise drives, in white noise: y = u + v. From one sample to the next its
-/// own past foretells part of it; what is left are the innovations, which are white, so that sums of their
+/// own past predicts part of it; what is left are the innovations, which are white, so that sums of their
 /// squares compare models as they do for any other term.
 struct Narrowband {
   double frequency_Hz{};
@@ -25,10 +25,10 @@ struct InnovationFilter {
 };
 InnovationFilter FilterOf(const Narrowband& narrowband, double period_s);
 
-/// Replaces each sample of each column by what the samples before it foretell. Begins anew where `breaks`
-/// says so; for a sample that is missing what was foretold stands in.
+/// Replaces each sample of each column by what the samples before it predict. Begins anew where `breaks`
+/// says so; for a sample that is missing what was predicted stands in.
 /// @param filters  one a column, or one for all
-void Foretell(std::span<const InnovationFilter> filters, std::span<const char> breaks,
-              std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns);
+void Predict(std::span<const InnovationFilter> filters, std::span<const char> breaks,
+             std::span<const char> missing, Eigen::Ref<Eigen::MatrixXd> columns);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -28,8 +28,8 @@ MatrixXd BasisOf(const MatrixXd& columns) {
   constexpr double kSmallest = 1e-9;
   const auto dropped = (parts.values.array() < kSmallest).count();
   const Index kept = products.rows() - dropped;
-  const VectorXd stretch = parts.values.tail(kept).cwiseSqrt().cwiseInverse();
-  return columns * (scale.asDiagonal() * parts.vectors.rightCols(kept) * stretch.asDiagonal());
+  const VectorXd segment = parts.values.tail(kept).cwiseSqrt().cwiseInverse();
+  return columns * (scale.asDiagonal() * parts.vectors.rightCols(kept) * segment.asDiagonal());
 }
 
 bool IsFilter(const VibrationTerm& term) { return !HasColumns(term.form); }
@@ -48,7 +48,7 @@ OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSol
   for (std::size_t r = 0; r < samples.runs.size(); ++r) {
     const std::size_t first_group = groups_.size();
     first_of_run_.push_back(c);
-    for (const VibrationStretch& channel : samples.runs[r].channels) {
+    for (const VibrationSegment& channel : samples.runs[r].channels) {
       const auto n = static_cast<Index>(samples.runs[r].size());
       const VectorXd root =
           Eigen::Map<const VectorXd>(solver.weights().data() + channel.first, n).cwiseSqrt();
@@ -76,16 +76,17 @@ OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSol
 
 std::vector<OneTermSolver::Products> OneTermSolver::ProductsOf(const VibrationTerm& term, bool slopes) const {
   const Index width = ColumnsOf(term);
-  const Index shapes = slopes ? static_cast<Index>(term.shapes.size()) : 0;
+  const Index nonlinear_parameters = slopes ? static_cast<Index>(term.nonlinear_parameters.size()) : 0;
   std::vector<Products> products;
   MatrixXd columns;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Group& group = groups_[g];
     if (g == 0 || groups_[g - 1].run != group.run) {
-      columns.resize(static_cast<Index>(samples_.runs[group.run].size()), width * (1 + shapes));
+      columns.resize(static_cast<Index>(samples_.runs[group.run].size()), width * (1 + nonlinear_parameters));
       columns.leftCols(width) = FillTerm(samples_, group.run, term);
       if (slopes)
-        columns.rightCols(width * shapes) = FillSlopes(samples_, group.run, term, columns.leftCols(width));
+        columns.rightCols(width * nonlinear_parameters) =
+            FillSlopes(samples_, group.run, term, columns.leftCols(width));
     }
     MatrixXd weighted;
     if (group.weighted) weighted = group.root_weights.asDiagonal() * columns;
@@ -102,13 +103,13 @@ TermFit OneTermSolver::Solve(VibrationTerm term, const std::vector<Products>& pr
   fit.channels.resize(samples_.channels());
   fit.square_sum = base_.square_sum;
   fit.weight_sum = base_.weight_sum;
-  fit.free_parameters = base_.free_parameters + static_cast<int>(term.shapes.size());
+  fit.free_parameters = base_.free_parameters + static_cast<int>(term.nonlinear_parameters.size());
   const Index width = ColumnsOf(term);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const MatrixXd inverse = PseudoInverse(products[g].own.topLeftCorner(width, width));
     for (std::size_t k = 0; k < groups_[g].channels.size(); ++k) {
       const std::size_t c = groups_[g].channels[k];
-      if (term.heard[c] == 0) continue;
+      if (term.observable[c] == 0) continue;
       const VectorXd common = products[g].with_residuals.col(static_cast<Index>(k)).head(width);
       TermFit::Channel& channel = fit.channels[c];
       channel.inverse = inverse;
@@ -123,24 +124,26 @@ TermFit OneTermSolver::Solve(VibrationTerm term, const std::vector<Products>& pr
 }
 
 SharedStep OneTermSolver::Step(const TermFit& fit, const std::vector<Products>& products) const {
-  const auto shapes = static_cast<Index>(fit.term.shapes.size());
+  const auto nonlinear_parameters = static_cast<Index>(fit.term.nonlinear_parameters.size());
   const Index width = ColumnsOf(fit.term);
-  SharedStep step(shapes);
+  SharedStep step(nonlinear_parameters);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const MatrixXd& own = products[g].own;
     // Slopes with the columns' share taken out, and what they have in common with what is left.
-    const MatrixXd across = own.bottomLeftCorner(width * shapes, width);
+    const MatrixXd across = own.bottomLeftCorner(width * nonlinear_parameters, width);
     const MatrixXd inverse = PseudoInverse(own.topLeftCorner(width, width));
     const MatrixXd square =
-        own.bottomRightCorner(width * shapes, width * shapes) - across * inverse * across.transpose();
+        own.bottomRightCorner(width * nonlinear_parameters, width * nonlinear_parameters) -
+        across * inverse * across.transpose();
     for (std::size_t k = 0; k < groups_[g].channels.size(); ++k) {
       const VectorXd& coefficients = fit.channels[groups_[g].channels[k]].coefficients;
       if (coefficients.size() == 0) continue;
       const VectorXd common =
-          products[g].with_residuals.col(static_cast<Index>(k)).tail(width * shapes) - across * coefficients;
-      for (Index a = 0; a < shapes; ++a) {
+          products[g].with_residuals.col(static_cast<Index>(k)).tail(width * nonlinear_parameters) -
+          across * coefficients;
+      for (Index a = 0; a < nonlinear_parameters; ++a) {
         step.gradient(a) += coefficients.dot(common.segment(a * width, width));
-        for (Index b = 0; b < shapes; ++b) {
+        for (Index b = 0; b < nonlinear_parameters; ++b) {
           step.normal(a, b) +=
               coefficients.dot(square.block(a * width, b * width, width, width) * coefficients);
         }
@@ -152,25 +155,25 @@ SharedStep OneTermSolver::Step(const TermFit& fit, const std::vector<Products>& 
 
 VectorXd OneTermSolver::Innovations(const VibrationTerm& term) const {
   VectorXd left = left_;
-  solver_.TakeOffForetold({&term, 1}, left);
+  solver_.TakeOffPredicted({&term, 1}, left);
   return Eigen::Map<const VectorXd>(solver_.weights().data(), left.size()).cwiseSqrt().cwiseProduct(left);
 }
 
 template <typename Take>
-void OneTermSolver::ForEachForetold(std::span<const VibrationTerm> narrowband, const Take& take) const {
+void OneTermSolver::ForEachPredicted(std::span<const VibrationTerm> narrowband, const Take& take) const {
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
-    const Foretold foretold = solver_.ForetoldOf(narrowband, r, left_);
+    const Predicted predicted = solver_.PredictedOf(narrowband, r, left_);
     for (const Group& group : groups_) {
       if (group.run != r) continue;
-      MatrixXd units(static_cast<Index>(group.channels.size()), foretold.units.cols());
+      MatrixXd units(static_cast<Index>(group.channels.size()), predicted.units.cols());
       for (Index k = 0; k < units.rows(); ++k) {
         const std::size_t of_run = group.channels[static_cast<std::size_t>(k)] - first_of_run_[r];
-        units.row(k) = foretold.units.row(static_cast<Index>(of_run));
+        units.row(k) = predicted.units.row(static_cast<Index>(of_run));
       }
       if (group.weighted) {
-        take(group, units, MatrixXd(group.root_weights.asDiagonal() * foretold.along));
+        take(group, units, MatrixXd(group.root_weights.asDiagonal() * predicted.along));
       } else {
-        take(group, units, foretold.along);
+        take(group, units, predicted.along);
       }
     }
   }
@@ -180,33 +183,34 @@ TermFit OneTermSolver::SolveFilter(VibrationTerm term) const {
   TermFit fit;
   fit.channels.resize(samples_.channels());
   fit.weight_sum = base_.weight_sum;
-  ForEachForetold({&term, 1}, [&](const Group& group, const MatrixXd& units, const MatrixXd& along) {
+  ForEachPredicted({&term, 1}, [&](const Group& group, const MatrixXd& units, const MatrixXd& along) {
     for (Index k = 0; k < units.rows(); ++k)
       fit.square_sum += (group.residuals.col(k) - units(k, 0) * along).squaredNorm();
   });
-  fit.free_parameters =
-      base_.free_parameters + 2 +
-      static_cast<int>(std::ranges::count_if(term.heard, [](char heard) { return heard != 0; }));
+  fit.free_parameters = base_.free_parameters + 2 +
+                        static_cast<int>(std::ranges::count_if(
+                            term.observable, [](char observable) { return observable != 0; }));
   fit.term = std::move(term);
   return fit;
 }
 
-// What a change of a shape does to a channel, unit · along, is a combination of what is foretold now and of
+// What a change of a shape does to a channel, unit · along, is a combination of what is predicted now and of
 // its changes: the products of these few series with one another and with the residuals are enough.
-SharedStep OneTermSolver::StepFilter(const TermFit& fit, const std::vector<VibrationShape>& shapes) const {
+SharedStep OneTermSolver::StepFilter(
+    const TermFit& fit, const std::vector<VibrationNonlinearParameter>& nonlinear_parameters) const {
   std::vector<VibrationTerm> terms{fit.term};
-  std::vector<Index> shape_of{-1};
+  std::vector<Index> nonlinear_parameter_of{-1};
   std::vector<double> by_of{0.0};
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    if (s >= 2 && fit.term.heard[s - 2] == 0) continue;
-    shape_of.push_back(static_cast<Index>(s));
-    by_of.push_back(kFilterStep * shapes[s].step);
+  for (std::size_t s = 0; s < nonlinear_parameters.size(); ++s) {
+    if (s >= 2 && fit.term.observable[s - 2] == 0) continue;
+    nonlinear_parameter_of.push_back(static_cast<Index>(s));
+    by_of.push_back(kFilterStep * nonlinear_parameters[s].step);
     terms.push_back(fit.term);
-    terms.back().shapes[s] += by_of.back();
+    terms.back().nonlinear_parameters[s] += by_of.back();
   }
   const auto count = static_cast<Index>(terms.size());
-  SharedStep step(static_cast<Index>(shapes.size()));
-  ForEachForetold(terms, [&](const Group& group, const MatrixXd& units, MatrixXd along) {
+  SharedStep step(static_cast<Index>(nonlinear_parameters.size()));
+  ForEachPredicted(terms, [&](const Group& group, const MatrixXd& units, MatrixXd along) {
     for (Index t = 1; t < count; ++t)
       along.col(t) = (along.col(t) - along.col(0)) / by_of[static_cast<std::size_t>(t)];
     const MatrixXd own = SquaresOfColumns(along);
@@ -220,10 +224,10 @@ SharedStep OneTermSolver::StepFilter(const TermFit& fit, const std::vector<Vibra
       const MatrixXd normal = change.transpose() * own * change;
       const VectorXd gradient = change.transpose() * (with_residuals.col(k) - units(k, 0) * own.col(0));
       for (Index t = 1; t < count; ++t) {
-        const Index a = shape_of[static_cast<std::size_t>(t)];
+        const Index a = nonlinear_parameter_of[static_cast<std::size_t>(t)];
         step.gradient(a) += gradient(t);
         for (Index u = 1; u < count; ++u)
-          step.normal(a, shape_of[static_cast<std::size_t>(u)]) += normal(t, u);
+          step.normal(a, nonlinear_parameter_of[static_cast<std::size_t>(u)]) += normal(t, u);
       }
     }
   });
@@ -237,18 +241,20 @@ TermFit OneTermSolver::Fit(VibrationTerm term) const {
 }
 
 TermFit OneTermSolver::Refine(TermFit fit, int rounds) const {
-  if (fit.term.shapes.empty()) return fit;
+  if (fit.term.nonlinear_parameters.empty()) return fit;
   const bool filter = IsFilter(fit.term);
-  const std::vector<VibrationShape> shapes = ShapesOf(samples_, fit.term);
+  const std::vector<VibrationNonlinearParameter> nonlinear_parameters =
+      NonlinearParametersOf(samples_, fit.term);
   // Slopes cost a column a shape each: a step that is refused needs none.
   return Descend(
       std::move(fit), rounds,
       [&](const TermFit& at) {
-        return filter ? StepFilter(at, shapes) : Step(at, ProductsOf(at.term, true));
+        return filter ? StepFilter(at, nonlinear_parameters) : Step(at, ProductsOf(at.term, true));
       },
       [&](const TermFit& at, const SharedStep& step, double damping) {
         VibrationTerm moved = at.term;
-        moved.shapes = MovedShapes(moved.shapes, shapes, step, damping);
+        moved.nonlinear_parameters =
+            MovedNonlinearParameters(moved.nonlinear_parameters, nonlinear_parameters, step, damping);
         return Fit(std::move(moved));
       });
 }
@@ -259,12 +265,12 @@ void OneTermSolver::Prune(TermFit& fit) const {
   const double cost = static_cast<double>(width) * (std::log(fit.weight_sum) - kChargeLess) * fit.variance();
   const auto loudest = std::ranges::max_element(fit.channels, {}, &TermFit::Channel::drop);
   for (auto channel = fit.channels.begin(); channel != fit.channels.end(); ++channel) {
-    char& heard = fit.term.heard[static_cast<std::size_t>(channel - fit.channels.begin())];
-    if (heard == 0 || channel == loudest || channel->drop > cost) continue;
+    char& observable = fit.term.observable[static_cast<std::size_t>(channel - fit.channels.begin())];
+    if (observable == 0 || channel == loudest || channel->drop > cost) continue;
     fit.square_sum += channel->drop;
     fit.free_parameters -= static_cast<int>(width);
     *channel = {};
-    heard = 0;
+    observable = 0;
   }
 }
 
@@ -279,7 +285,7 @@ VectorXd OneTermSolver::Residual(const TermFit& fit) const {
       const std::size_t c = group.channels[k];
       auto part = residual.segment(static_cast<Index>(group.firsts[k]), own.rows());
       part = group.residuals.col(static_cast<Index>(k));
-      if (fit.term.heard[c] != 0) part -= own * fit.channels[c].coefficients;
+      if (fit.term.observable[c] != 0) part -= own * fit.channels[c].coefficients;
     }
   }
   return residual;

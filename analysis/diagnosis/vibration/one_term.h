@@ -15,7 +15,7 @@ namespace strainwave::analysis::diagnosis {
 /// One term beside a fitted model: what searches compare.
 struct TermFit {
   struct Channel {
-    Eigen::VectorXd coefficients;  // of the term's columns; empty where it is not heard
+    Eigen::VectorXd coefficients;  // of the term's columns; empty where it is not observable
     Eigen::MatrixXd inverse;       // of the term's normal matrix, the model's own columns projected out
     double drop{};                 // of the sum of squares
   };
@@ -29,9 +29,9 @@ struct TermFit {
   double variance() const { return square_sum / std::max(1.0, weight_sum - free_parameters); }
 };
 
-/// Fits single terms to what a model leaves, its terms' shapes held. The model's columns are projected out
-/// once; a term then costs its own columns' products with these and with the residual, whatever the number of
-/// channels.
+/// Fits single terms to what a model leaves, its terms' nonlinear parameters held. The model's columns are
+/// projected out once; a term then costs its own columns' products with these and with the residual, whatever
+/// the number of channels.
 class OneTermSolver {
  public:
   OneTermSolver(const VibrationSamples& samples, const VibrationSolver& solver,
@@ -39,7 +39,7 @@ class OneTermSolver {
 
   TermFit Fit(VibrationTerm term) const;
 
-  /// Levenberg–Marquardt on the term's shapes.
+  /// Levenberg–Marquardt on the term's nonlinear parameters.
   TermFit Refine(TermFit fit, int rounds) const;
 
   /// Leaves the term out of channels where it does not pay for its coefficients; the channel that hears it
@@ -73,12 +73,13 @@ class OneTermSolver {
 
   /// The same for a term that is a filter, not columns.
   TermFit SolveFilter(VibrationTerm term) const;
-  SharedStep StepFilter(const TermFit& fit, const std::vector<VibrationShape>& shapes) const;
+  SharedStep StepFilter(const TermFit& fit,
+                        const std::vector<VibrationNonlinearParameter>& nonlinear_parameters) const;
   Eigen::VectorXd Innovations(const VibrationTerm& term) const;
-  /// What narrow-band terms foretell of the channels of each group.
-  /// @param take  (group, direction of its channels × terms, foretold along it under its weights × terms)
+  /// What narrow-band terms predict of the channels of each group.
+  /// @param take  (group, direction of its channels × terms, predicted along it under its weights × terms)
   template <typename Take>
-  void ForEachForetold(std::span<const VibrationTerm> narrowband, const Take& take) const;
+  void ForEachPredicted(std::span<const VibrationTerm> narrowband, const Take& take) const;
 
   const VibrationSamples& samples_;
   const VibrationSolver& solver_;

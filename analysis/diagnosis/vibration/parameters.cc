@@ -17,7 +17,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-const VibrationStretch& ChannelAt(const VibrationSamples& samples, std::size_t channel) {
+const VibrationSegment& ChannelAt(const VibrationSamples& samples, std::size_t channel) {
   for (const VibrationRun& run : samples.runs) {
     if (channel < run.channels.size()) return run.channels[channel];
     channel -= run.channels.size();
@@ -32,7 +32,7 @@ struct Polar {
 // Amplitude and phase of the pair of coefficients at `first`, in the unit of the channel; of a single
 // coefficient where `width` is 1.
 Polar PolarAt(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t channel,
-              Index first, const MatrixXd& shapes, Index width = 2) {
+              Index first, const MatrixXd& nonlinear_parameters, Index width = 2) {
   const VibrationSolution::Channel& fitted = solution.channels[channel];
   const double scale = 1.0 / ChannelAt(samples, channel).scale;
   Eigen::Vector2d pair = Eigen::Vector2d::Zero();
@@ -40,9 +40,9 @@ Polar PolarAt(const VibrationSamples& samples, const VibrationSolution& solution
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   covariance.topLeftCorner(width, width) =
       solution.variance() * fitted.fit.inverse.block(first, first, width, width);
-  if (shapes.size() > 0 && fitted.follows_shapes.size() > 0) {
-    const MatrixXd follows = fitted.follows_shapes.middleRows(first, width);
-    covariance.topLeftCorner(width, width) += follows * shapes * follows.transpose();
+  if (nonlinear_parameters.size() > 0 && fitted.follows_nonlinear_parameters.size() > 0) {
+    const MatrixXd follows = fitted.follows_nonlinear_parameters.middleRows(first, width);
+    covariance.topLeftCorner(width, width) += follows * nonlinear_parameters * follows.transpose();
   }
   covariance *= scale * scale;
   Polar polar{pair.norm(), 0.0, std::atan2(pair(1), pair(0)), kPi};
@@ -62,7 +62,7 @@ struct Loudest {
   Polar polar;
 };
 Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t term,
-                    std::size_t from, std::size_t to, const MatrixXd& shapes) {
+                    std::size_t from, std::size_t to, const MatrixXd& nonlinear_parameters) {
   Loudest loudest;
   loudest.polar.amplitude = -1.0;
   const Index width = HasPairs(solution.terms[term].form) ? 2 : 1;
@@ -71,7 +71,7 @@ Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& so
     for (std::size_t pair = from; pair < to; ++pair) {
       const Polar polar =
           PolarAt(samples, solution, c, solution.channels[c].first[term] + static_cast<Index>(2 * pair),
-                  shapes, width);
+                  nonlinear_parameters, width);
       if (polar.amplitude > loudest.polar.amplitude) loudest = {c, pair, polar};
     }
   }
@@ -80,18 +80,20 @@ Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& so
 
 // Standard deviation of a narrow-band process in the channel where it is loudest, times √2.
 ParameterValue NarrowAmplitude(const VibrationSamples& samples, const VibrationSolution& solution,
-                               std::size_t term, const MatrixXd& shapes, Index first_shape) {
+                               std::size_t term, const MatrixXd& nonlinear_parameters,
+                               Index first_nonlinear_parameter) {
   const VibrationTerm& narrow = solution.terms[term];
   ParameterValue best{AmplitudeName(samples), UnitOfChannel(samples.runs.front().channels.front().name), 0.0,
                       0.0};
-  for (std::size_t c = 0; c < narrow.heard.size(); ++c) {
-    if (narrow.heard[c] == 0) continue;
+  for (std::size_t c = 0; c < narrow.observable.size(); ++c) {
+    if (narrow.observable[c] == 0) continue;
     const double unit = std::sqrt(2.0) * samples.noise_floor / ChannelAt(samples, c).scale;
-    const double amplitude = unit * std::abs(narrow.shapes[2 + c]);
+    const double amplitude = unit * std::abs(narrow.nonlinear_parameters[2 + c]);
     if (amplitude <= best.value) continue;
     best.value = amplitude;
-    const Index place = first_shape + 2 + static_cast<Index>(c);
-    if (shapes.size() > 0) best.standard_error = unit * StandardErrorOf(shapes(place, place));
+    const Index place = first_nonlinear_parameter + 2 + static_cast<Index>(c);
+    if (nonlinear_parameters.size() > 0)
+      best.standard_error = unit * StandardErrorOf(nonlinear_parameters(place, place));
   }
   return best;
 }
@@ -103,7 +105,7 @@ void AddCoefficients(const VibrationSamples& samples, const VibrationSolution& s
     for (std::size_t c = 0; c < solution.channels.size(); ++c) {
       const VibrationSolution::Channel& channel = solution.channels[c];
       if (channel.first[term] < 0) continue;
-      const VibrationStretch& place = ChannelAt(samples, c);
+      const VibrationSegment& place = ChannelAt(samples, c);
       const Index at = channel.first[term] + column;
       values.push_back({CoefficientName(solution.terms[term], column, place.name), UnitOfChannel(place.name),
                         channel.fit.coefficients(at) / place.scale,
@@ -139,13 +141,15 @@ std::string OrderName(VibrationCause cause) {
 double WithAngle(double order, double error) { return std::hypot(error, kUnseenWander * order); }
 
 void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t t,
-                    VibrationCause cause, const MatrixXd& shapes, Index first_shape,
-                    std::vector<ParameterValue>& values) {
+                    VibrationCause cause, const MatrixXd& nonlinear_parameters,
+                    Index first_nonlinear_parameter, std::vector<ParameterValue>& values) {
   const VibrationTerm& term = solution.terms[t];
-  const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
+  const double base = term.nonlinear_parameters.empty() ? 1.0 : term.nonlinear_parameters[0];
   const double error =
-      !term.shapes.empty() && shapes.size() > 0 ? StandardErrorOf(shapes(first_shape, first_shape)) : 0.0;
-  const Loudest loudest = LoudestPair(samples, solution, t, 0, term.lines.size(), shapes);
+      !term.nonlinear_parameters.empty() && nonlinear_parameters.size() > 0
+          ? StandardErrorOf(nonlinear_parameters(first_nonlinear_parameter, first_nonlinear_parameter))
+          : 0.0;
+  const Loudest loudest = LoudestPair(samples, solution, t, 0, term.lines.size(), nonlinear_parameters);
   double named = base;
   double named_error = error;
   if (cause == VibrationCause::kGearMesh) {
@@ -155,10 +159,10 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
     const double order = line.harmonic * base + line.offset;
     const double teeth =
         std::abs(order - flexspline) < 1.5 ? flexspline : model::CircularSplineMeshOrder(samples.ratio);
-    named = teeth * (term.shapes.empty() ? 1.0 : base);
+    named = teeth * (term.nonlinear_parameters.empty() ? 1.0 : base);
     named_error = teeth * error;
   } else if ((cause == VibrationCause::kFlexsplineCrack || cause == VibrationCause::kToothEngagement) &&
-             term.shapes.empty()) {
+             term.nonlinear_parameters.empty()) {
     named = model::CrackOrder(samples.ratio);
   }
   if (named_error > 0.0) named_error = WithAngle(named, named_error);
@@ -210,7 +214,7 @@ std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
                                             const VibrationSolution& solution) {
   std::vector<ParameterValue> values;
   for (std::size_t c = 0; c < solution.channels.size(); ++c) {
-    const VibrationStretch& place = ChannelAt(samples, c);
+    const VibrationSegment& place = ChannelAt(samples, c);
     const std::string unit = UnitOfChannel(place.name);
     const ChannelFit& fit = solution.channels[c].fit;
     values.push_back({"mean_" + place.name, unit, fit.coefficients(0) / place.scale,
@@ -228,65 +232,67 @@ std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
 }
 
 std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const VibrationSolution& solution,
-                                         std::size_t t, VibrationCause cause, const MatrixXd& shapes) {
+                                         std::size_t t, VibrationCause cause,
+                                         const MatrixXd& nonlinear_parameters) {
   const VibrationTerm& term = solution.terms[t];
-  Index first_shape = 0;
+  Index first_nonlinear_parameter = 0;
   for (std::size_t before = 0; before < t; ++before) {
-    first_shape += static_cast<Index>(solution.terms[before].shapes.size());
+    first_nonlinear_parameter += static_cast<Index>(solution.terms[before].nonlinear_parameters.size());
   }
   std::vector<ParameterValue> values;
-  const auto add_shape = [&](std::size_t s, const std::string& name, const std::string& unit) {
-    const Index place = first_shape + static_cast<Index>(s);
+  const auto add_nonlinear_parameter = [&](std::size_t s, const std::string& name, const std::string& unit) {
+    const Index place = first_nonlinear_parameter + static_cast<Index>(s);
     values.push_back(
-        {name, unit, term.shapes[s], shapes.size() > 0 ? StandardErrorOf(shapes(place, place)) : 0.0});
+        {name, unit, term.nonlinear_parameters[s],
+         nonlinear_parameters.size() > 0 ? StandardErrorOf(nonlinear_parameters(place, place)) : 0.0});
   };
   const auto add_amplitude = [&](std::size_t pairs, const std::string& name) {
-    const Loudest loudest = LoudestPair(samples, solution, t, 0, pairs, shapes);
+    const Loudest loudest = LoudestPair(samples, solution, t, 0, pairs, nonlinear_parameters);
     values.push_back({name, UnitOfChannel(ChannelAt(samples, loudest.channel).name), loudest.polar.amplitude,
                       loudest.polar.amplitude_error});
     return loudest;
   };
   switch (term.form) {
     case VibrationForm::kLines:
-      AddLineNumbers(samples, solution, t, cause, shapes, first_shape, values);
+      AddLineNumbers(samples, solution, t, cause, nonlinear_parameters, first_nonlinear_parameter, values);
       break;
     case VibrationForm::kTones:
-      add_shape(0, "frequency_Hz", "Hz");
+      add_nonlinear_parameter(0, "frequency_Hz", "Hz");
       add_amplitude(1, AmplitudeName(samples));
       break;
     case VibrationForm::kRing:
-      add_shape(0, OrderName(cause), "1/turn");
+      add_nonlinear_parameter(0, OrderName(cause), "1/turn");
       values.back().standard_error = std::hypot(WithAngle(values.back().value, values.back().standard_error),
                                                 OrderErrorOfSlips(samples, term));
       add_amplitude(1, AmplitudeName(samples));
-      add_shape(1, "ring_Hz", "Hz");
-      add_shape(2, "ring_decay_ratio", "1");
+      add_nonlinear_parameter(1, "ring_Hz", "Hz");
+      add_nonlinear_parameter(2, "ring_decay_ratio", "1");
       if (!term.slips.empty()) values.push_back({"slip_share", "1", SlipShareOf(term.slips), 0.0});
       for (std::size_t m = 0; m < term.lines.size(); ++m) {
         values.push_back({"modulated_per_turn", "1/turn", term.lines[m].offset, 0.0});
-        add_shape(3 + 2 * m, "modulation_cosine", "1");
-        add_shape(4 + 2 * m, "modulation_sine", "1");
+        add_nonlinear_parameter(3 + 2 * m, "modulation_cosine", "1");
+        add_nonlinear_parameter(4 + 2 * m, "modulation_sine", "1");
       }
       for (std::size_t r = 0; r < samples.runs.size(); ++r) {
-        add_shape(3 + 2 * term.lines.size() + r, fmt::format("place_{}_turns", r + 1), "1");
+        add_nonlinear_parameter(3 + 2 * term.lines.size() + r, fmt::format("place_{}_turns", r + 1), "1");
       }
       break;
     case VibrationForm::kPulses: {
       values.push_back({OrderName(cause), "1/turn", term.lines[0].offset, 0.0});
       add_amplitude(1, AmplitudeName(samples));
       std::size_t s = 0;
-      if (WidthIsShape(term)) {
-        add_shape(s++, "pulse_width", "1");
+      if (WidthIsNonlinearParameter(term)) {
+        add_nonlinear_parameter(s++, "pulse_width", "1");
       } else {
         values.push_back({"pulse_width", "1", term.lines[0].harmonic, 0.0});
       }
       if (term.lines.size() > 1) {
         values.push_back({"modulated_per_turn", "1/turn", term.lines[1].offset, 0.0});
-        add_shape(s++, "modulation_cosine", "1");
-        add_shape(s++, "modulation_sine", "1");
+        add_nonlinear_parameter(s++, "modulation_cosine", "1");
+        add_nonlinear_parameter(s++, "modulation_sine", "1");
       }
       for (std::size_t r = 0; r < samples.runs.size(); ++r)
-        add_shape(s + r, fmt::format("place_{}_turns", r + 1), "1");
+        add_nonlinear_parameter(s + r, fmt::format("place_{}_turns", r + 1), "1");
       break;
     }
     case VibrationForm::kGrowth: {
@@ -298,38 +304,39 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       break;
     }
     case VibrationForm::kDriven:
-      add_shape(0, "frequency_Hz", "Hz");
-      add_shape(1, "damping_ratio", "1");
+      add_nonlinear_parameter(0, "frequency_Hz", "Hz");
+      add_nonlinear_parameter(1, "damping_ratio", "1");
       add_amplitude(term.lines.size(), AmplitudeName(samples));
       for (std::size_t l = 0; l < term.lines.size(); ++l) {
         values.push_back({fmt::format("line_{}", l + 1), "1/turn", term.lines[l].harmonic, 0.0});
       }
       break;
     case VibrationForm::kNarrowband:
-      add_shape(0, "frequency_Hz", "Hz");
-      add_shape(1, "damping_ratio", "1");
-      values.push_back(NarrowAmplitude(samples, solution, t, shapes, first_shape));
-      for (std::size_t c = 0; c < term.heard.size(); ++c) {
-        if (term.heard[c] == 0) continue;
-        const VibrationStretch& place = ChannelAt(samples, c);
+      add_nonlinear_parameter(0, "frequency_Hz", "Hz");
+      add_nonlinear_parameter(1, "damping_ratio", "1");
+      values.push_back(
+          NarrowAmplitude(samples, solution, t, nonlinear_parameters, first_nonlinear_parameter));
+      for (std::size_t c = 0; c < term.observable.size(); ++c) {
+        if (term.observable[c] == 0) continue;
+        const VibrationSegment& place = ChannelAt(samples, c);
         values.push_back({"deviation_" + place.name, UnitOfChannel(place.name),
-                          term.shapes[2 + c] * samples.noise_floor / place.scale, 0.0});
+                          term.nonlinear_parameters[2 + c] * samples.noise_floor / place.scale, 0.0});
       }
       return values;
-    case VibrationForm::kKicks:
-      add_shape(0, "frequency_Hz", "Hz");
-      add_shape(1, "damping_ratio", "1");
+    case VibrationForm::kTransients:
+      add_nonlinear_parameter(0, "frequency_Hz", "Hz");
+      add_nonlinear_parameter(1, "damping_ratio", "1");
       add_amplitude(1, AmplitudeName(samples));
-      add_shape(2, "knock_1_s", "s");
-      for (std::size_t k = 3; k + 1 < term.shapes.size(); k += 2) {
-        add_shape(k, fmt::format("knock_{}_s", (k + 1) / 2), "s");
-        add_shape(k + 1, fmt::format("knock_{}_height", (k + 1) / 2), "1");
+      add_nonlinear_parameter(2, "knock_1_s", "s");
+      for (std::size_t k = 3; k + 1 < term.nonlinear_parameters.size(); k += 2) {
+        add_nonlinear_parameter(k, fmt::format("knock_{}_s", (k + 1) / 2), "s");
+        add_nonlinear_parameter(k + 1, fmt::format("knock_{}_height", (k + 1) / 2), "1");
       }
       break;
     case VibrationForm::kBurst:
-      add_shape(0, "frequency_Hz", "Hz");
-      add_shape(1, "centre_s", "s");
-      add_shape(2, "width_s", "s");
+      add_nonlinear_parameter(0, "frequency_Hz", "Hz");
+      add_nonlinear_parameter(1, "centre_s", "s");
+      add_nonlinear_parameter(2, "width_s", "s");
       add_amplitude(1, AmplitudeName(samples));
       break;
     case VibrationForm::kLevels:

@@ -26,10 +26,11 @@ std::string AmplitudeName(const VibrationSamples& samples);
 std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
                                             const VibrationSolution& solution);
 
-/// @param shapes  covariance of all shapes of the solution; empty where no errors are wanted.
+/// @param nonlinear parameters  covariance of all nonlinear parameters of the solution; empty where no errors
+/// are wanted.
 std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const VibrationSolution& solution,
                                          std::size_t term, VibrationCause cause,
-                                         const Eigen::MatrixXd& shapes);
+                                         const Eigen::MatrixXd& nonlinear_parameters);
 
 /// Response of the nominal model, each channel in its own unit.
 /// @throws std::invalid_argument naming a parameter that is unknown or missing.

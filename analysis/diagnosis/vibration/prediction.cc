@@ -74,43 +74,46 @@ VibrationTerm TermOf(const VibrationSamples& samples, VibrationCause cause, cons
   const auto add_modulation_and_places = [&] {
     if (const auto modulation = Find(parameters, "modulated_per_turn")) {
       term.lines.push_back({0.0, *modulation});
-      term.shapes.insert(term.shapes.end(), {need("modulation_cosine"), need("modulation_sine")});
+      term.nonlinear_parameters.insert(term.nonlinear_parameters.end(),
+                                       {need("modulation_cosine"), need("modulation_sine")});
     }
     for (std::size_t r = 0; r < samples.runs.size(); ++r)
-      term.shapes.push_back(need(fmt::format("place_{}_turns", r + 1)));
+      term.nonlinear_parameters.push_back(need(fmt::format("place_{}_turns", r + 1)));
   };
   if (Find(parameters, "ring_Hz")) {
     term.form = VibrationForm::kRing;
-    term.shapes = {need(cause == VibrationCause::kBearingDefect ? "defect_order" : "crack_order"),
-                   need("ring_Hz"), need("ring_decay_ratio")};
+    term.nonlinear_parameters = {
+        need(cause == VibrationCause::kBearingDefect ? "defect_order" : "crack_order"), need("ring_Hz"),
+        need("ring_decay_ratio")};
     add_modulation_and_places();
   } else if (Find(parameters, "pulse_width")) {
     term.form = VibrationForm::kPulses;
     term.lines = {{0.0, need("crack_order")}};
-    term.shapes = {need("pulse_width")};
+    term.nonlinear_parameters = {need("pulse_width")};
     add_modulation_and_places();
   } else if (cause == VibrationCause::kImbalance) {
     term.form = VibrationForm::kGrowth;
   } else if (Find(parameters, "knock_1_s")) {
-    term.form = VibrationForm::kKicks;
-    term.shapes = {need("frequency_Hz"), need("damping_ratio"), need("knock_1_s")};
+    term.form = VibrationForm::kTransients;
+    term.nonlinear_parameters = {need("frequency_Hz"), need("damping_ratio"), need("knock_1_s")};
     for (int k = 2; Find(parameters, fmt::format("knock_{}_s", k)); ++k) {
-      term.shapes.insert(term.shapes.end(),
-                         {need(fmt::format("knock_{}_s", k)), need(fmt::format("knock_{}_height", k))});
+      term.nonlinear_parameters.insert(
+          term.nonlinear_parameters.end(),
+          {need(fmt::format("knock_{}_s", k)), need(fmt::format("knock_{}_height", k))});
     }
   } else if (Find(parameters, "damping_ratio")) {
     term.form = term.lines.empty() ? VibrationForm::kNarrowband : VibrationForm::kDriven;
-    term.shapes = {need("frequency_Hz"), need("damping_ratio")};
+    term.nonlinear_parameters = {need("frequency_Hz"), need("damping_ratio")};
     for (LinePlace& line : term.lines) line = {line.offset, 0.0};
   } else if (Find(parameters, "centre_s")) {
     term.form = VibrationForm::kBurst;
-    term.shapes = {need("frequency_Hz"), need("centre_s"), need("width_s")};
+    term.nonlinear_parameters = {need("frequency_Hz"), need("centre_s"), need("width_s")};
   } else if (cause == VibrationCause::kSlowChange) {
     term.form = VibrationForm::kLevels;
   } else if (cause == VibrationCause::kLineOverTime) {
     term.form = VibrationForm::kTones;
     term.lines = {{1.0, 0.0}};
-    term.shapes = {need("frequency_Hz")};
+    term.nonlinear_parameters = {need("frequency_Hz")};
   } else if (term.lines.empty()) {
     term.lines = {{0.0, need("order_per_input_turn")}};
   }
@@ -122,7 +125,7 @@ VibrationTerm TermOf(const VibrationSamples& samples, VibrationCause cause, cons
 VectorXd PredictNominal(const VibrationSamples& samples, std::span<const ParameterValue> nominal) {
   VectorXd predicted(static_cast<Index>(samples.measured.size()));
   for (const VibrationRun& run : samples.runs) {
-    for (const VibrationStretch& channel : run.channels) {
+    for (const VibrationSegment& channel : run.channels) {
       VectorXd coefficients = VectorXd::Zero(run.nominal.cols());
       coefficients(0) = Need(nominal, "mean_" + channel.name, "nominal");
       for (const Index first : {Index{1}, Index{3}}) {
@@ -149,12 +152,13 @@ VectorXd PredictTerm(const VibrationSamples& samples, VibrationCause cause, cons
   for (std::size_t r = 0; r < samples.runs.size(); ++r) {
     const VibrationRun& run = samples.runs[r];
     const Eigen::MatrixXd columns = FillTerm(samples, r, term);
-    for (const VibrationStretch& channel : run.channels) {
+    for (const VibrationSegment& channel : run.channels) {
       auto own = predicted.segment(static_cast<Index>(channel.first), static_cast<Index>(run.size()));
       if (term.form == VibrationForm::kNarrowband) {
         const double deviation = Find(parameters, "deviation_" + channel.name).value_or(0.0);
         // One unrest drives all channels: those with the other sign move against the rest.
-        if (deviation != 0.0) own += DrawNarrowband(run, term.shapes[0], term.shapes[1], deviation);
+        if (deviation != 0.0)
+          own += DrawNarrowband(run, term.nonlinear_parameters[0], term.nonlinear_parameters[1], deviation);
         continue;
       }
       for (Index k = 0; k < columns.cols(); ++k) {

@@ -68,9 +68,9 @@ ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const Eigen::Re
   fit.coefficients = fit.inverse * ProductsOfColumns(columns, weights.cwiseProduct(response));
   fit.residual = response - columns * fit.coefficients;
   // Once more on what is left: the normal equations lose half of the digits.
-  const VectorXd correction = fit.inverse * ProductsOfColumns(columns, weights.cwiseProduct(fit.residual));
-  fit.coefficients += correction;
-  fit.residual -= columns * correction;
+  const VectorXd nuisance_term = fit.inverse * ProductsOfColumns(columns, weights.cwiseProduct(fit.residual));
+  fit.coefficients += nuisance_term;
+  fit.residual -= columns * nuisance_term;
   fit.square_sum = weights.dot(fit.residual.cwiseAbs2());
   return fit;
 }

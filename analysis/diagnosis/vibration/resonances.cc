@@ -10,7 +10,7 @@
 #include "analysis/diagnosis/vibration/bearing_orders.h"
 #include "analysis/diagnosis/vibration/bursts.h"
 #include "analysis/diagnosis/vibration/families.h"
-#include "analysis/diagnosis/vibration/kicks.h"
+#include "analysis/diagnosis/vibration/transients.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -20,89 +20,91 @@ using Best = std::optional<TermFit>;
 
 constexpr double kBandReach = 12.0;  // half-widths of a band in which its lines are
 constexpr std::size_t kMostLinesOfBand = 3;
-constexpr std::size_t kMostKicked = 2;
+constexpr std::size_t kMostExcited = 2;
 constexpr double kSameFrequency = 0.02;
 constexpr double kAsGood = 5.0;   // of ln p
 constexpr double kIsThere = 7.0;  // −ln p of a line, wherever it might have been, that would be named
 
-VibrationTerm NarrowTerm(const VibrationRemainder& remainder, std::size_t index, const NoiseBand& band,
+VibrationTerm NarrowTerm(const VibrationResidual& residual, std::size_t index, const NoiseBand& band,
                          double damping) {
   VibrationTerm term;
   term.cause = index;
   term.form = VibrationForm::kNarrowband;
-  term.heard.assign(remainder.samples().channels(), 1);
-  term.shapes = {band.centre_Hz, damping};
-  term.shapes.insert(term.shapes.end(), band.sizes.begin(), band.sizes.end());
+  term.observable.assign(residual.samples().channels(), 1);
+  term.nonlinear_parameters = {band.centre_Hz, damping};
+  term.nonlinear_parameters.insert(term.nonlinear_parameters.end(), band.sizes.begin(), band.sizes.end());
   return term;
 }
 
 // Channels in which the band is not louder than a few standard errors drop out.
-TermFit DropDeaf(const VibrationRemainder& remainder, TermFit solution) {
+TermFit DropDeaf(const VibrationResidual& residual, TermFit solution) {
   bool changed = false;
   for (std::size_t c = 0; c < solution.channels.size() && solution.channels.size() > 1; ++c) {
     VibrationTerm fewer = solution.term;
-    if (fewer.heard[c] == 0 || std::count(fewer.heard.begin(), fewer.heard.end(), 1) < 2) continue;
-    fewer.heard[c] = 0;
-    TermFit without = remainder.With(std::move(fewer), 0);
+    if (fewer.observable[c] == 0 || std::count(fewer.observable.begin(), fewer.observable.end(), 1) < 2)
+      continue;
+    fewer.observable[c] = 0;
+    TermFit without = residual.With(std::move(fewer), 0);
     if (without.bic() > solution.bic()) continue;
     solution = std::move(without);
     changed = true;
   }
-  return changed ? remainder.Refine(std::move(solution), 4) : solution;
+  return changed ? residual.Refine(std::move(solution), 4) : solution;
 }
 
 // Lines at whole orders or halfway between.
 bool AreOfShaft(const VibrationTerm& lines, double cell) {
   return std::ranges::all_of(lines.lines, [&](const LinePlace& line) {
-    const double doubled = 2.0 * (line.harmonic * lines.shapes[0] + line.offset);
+    const double doubled = 2.0 * (line.harmonic * lines.nonlinear_parameters[0] + line.offset);
     return std::abs(doubled - std::round(doubled)) < 2.0 * cell;
   });
 }
 
 // −ln p of what a term explains, by its numbers, less what a choice of places costs. BIC charges each
 // channel's share of a band by the length of all, and would rather have a chance line in one channel.
-double UnlikelinessOf(double likelihood_ratio, double numbers, double log_places) {
-  return ExcessOf(0.5 * likelihood_ratio, 0.5 * numbers) - log_places;
+double UnlikelinessOf(double likelihood_ratio, double numbers, double log_search_locations) {
+  return ExcessOf(0.5 * likelihood_ratio, 0.5 * numbers) - log_search_locations;
 }
 
-double NumbersOf(const VibrationRemainder& remainder, const TermFit& fit) {
-  return static_cast<double>(fit.free_parameters - remainder.base().free_parameters);
+double NumbersOf(const VibrationResidual& residual, const TermFit& fit) {
+  return static_cast<double>(fit.free_parameters - residual.base().free_parameters);
 }
 
 // Lines of the shaft or of the current that stand together look like a band that noise drives, or beat like
-// knocks; and a line alone is a knock that does not die away. They are lines where so few of them explain as
-// much, as the judge takes the noise: a band has something of its colour, too, and a line has not.
-bool AreLines(const VibrationRemainder& remainder, const TermFit& band, SpectrumAxis axis) {
-  const VibrationSamples& samples = remainder.samples();
+// impacts; and a line alone is an impact that does not die away. They are lines where so few of them explain
+// as much, as the judge takes the noise: a band has something of its colour, too, and a line has not.
+bool AreLines(const VibrationResidual& residual, const TermFit& band, SpectrumAxis axis) {
+  const VibrationSamples& samples = residual.samples();
   const bool over_turns = axis == SpectrumAxis::kTurns;
-  const VibrationSpectrum& spectrum = over_turns ? remainder.over_turns() : remainder.over_seconds();
+  const VibrationSpectrum& spectrum = over_turns ? residual.over_turns() : residual.over_seconds();
   const double turn_Hz = over_turns ? samples.runs.front().mean_speed_rad_per_s / kTwoPi : 1.0;
-  const double centre = band.term.shapes[0] / turn_Hz;
-  const double reach = kBandReach * band.term.shapes[1] * centre + 2.0 * spectrum.cell();
+  const double centre = band.term.nonlinear_parameters[0] / turn_Hz;
+  const double reach = kBandReach * band.term.nonlinear_parameters[1] * centre + 2.0 * spectrum.cell();
   const double log_all_places =
       std::log(2.0 * samples.runs.front().span_s() * std::min(samples.highest_Hz(), kHighestTorsional_Hz));
-  const double of_band = remainder.RatioOf(band);
-  const double numbers_of_band = NumbersOf(remainder, band);
+  const double of_band = residual.RatioOf(band);
+  const double numbers_of_band = NumbersOf(residual, band);
   VibrationTerm lines;
   lines.cause = band.term.cause;
   lines.form = over_turns ? VibrationForm::kLines : VibrationForm::kTones;
-  lines.heard.assign(samples.channels(), 1);
+  lines.observable.assign(samples.channels(), 1);
   for (const SpectrumPeak& peak :
        FindPeaks(spectrum, std::max(spectrum.cell(), centre - reach), centre + reach, kMostLinesOfBand)) {
-    if (lines.shapes.empty()) lines.shapes = {peak.order};
-    lines.lines.push_back({1.0, peak.order - lines.shapes[0]});
-    const TermFit fit = remainder.With(lines, 3);
+    if (lines.nonlinear_parameters.empty()) lines.nonlinear_parameters = {peak.order};
+    lines.lines.push_back({1.0, peak.order - lines.nonlinear_parameters[0]});
+    const TermFit fit = residual.With(lines, 3);
     const std::size_t count = lines.lines.size();
     // A hum moves all channels in step, as a mode does: one phase, and what the others take from noise.
-    const double in_step = count > 1 ? 0.0 : std::max(0.0, 0.5 * (NumbersOf(remainder, fit) - 3.0));
-    const double ratio = remainder.RatioOf(fit) - in_step;
-    const double numbers = NumbersOf(remainder, fit) - in_step;
+    const double in_step = count > 1 ? 0.0 : std::max(0.0, 0.5 * (NumbersOf(residual, fit) - 3.0));
+    const double ratio = residual.RatioOf(fit) - in_step;
+    const double numbers = NumbersOf(residual, fit) - in_step;
     // Where the others stand was chosen, too.
     const auto others = static_cast<double>(count - 1);
     double ahead{};
     if (band.term.form == VibrationForm::kNarrowband) {
-      const double log_places = others * std::log(2.0 * reach / spectrum.cell());
-      ahead = UnlikelinessOf(ratio, numbers, log_places) - UnlikelinessOf(of_band, numbers_of_band, 0.0);
+      const double log_search_locations = others * std::log(2.0 * reach / spectrum.cell());
+      ahead = UnlikelinessOf(ratio, numbers, log_search_locations) -
+              UnlikelinessOf(of_band, numbers_of_band, 0.0);
     } else {
       ahead = 0.5 * (ratio - of_band - (numbers + others - numbers_of_band) * std::log(fit.weight_sum));
     }
@@ -117,21 +119,23 @@ bool AreLines(const VibrationRemainder& remainder, const TermFit& band, Spectrum
 }
 
 // Over the angle the shaft's stand, over time those of the current, which a speed that wanders smears.
-bool AreLines(const VibrationRemainder& remainder, const TermFit& band) {
-  return (remainder.samples().angle_known() && AreLines(remainder, band, SpectrumAxis::kTurns)) ||
-         AreLines(remainder, band, SpectrumAxis::kSeconds);
+bool AreLines(const VibrationResidual& residual, const TermFit& band) {
+  return (residual.samples().angle_known() && AreLines(residual, band, SpectrumAxis::kTurns)) ||
+         AreLines(residual, band, SpectrumAxis::kSeconds);
 }
 
-double HalfWidthOf(const VibrationTerm& resonance) { return resonance.shapes[0] * resonance.shapes[1]; }
+double HalfWidthOf(const VibrationTerm& resonance) {
+  return resonance.nonlinear_parameters[0] * resonance.nonlinear_parameters[1];
+}
 
 // A line's damping is no gear's, and would hide one that is.
 void KeepDamped(TermFit fit, const ResonanceRange& range, Best& best) {
-  if (fit.term.shapes[1] >= range.least_damping) Keep(std::move(fit), best);
+  if (fit.term.nonlinear_parameters[1] >= range.least_damping) Keep(std::move(fit), best);
 }
 
-void TryDriven(const VibrationRemainder& remainder, std::size_t index, const ResonanceRange& range,
+void TryDriven(const VibrationResidual& residual, std::size_t index, const ResonanceRange& range,
                Best& best) {
-  const VibrationSamples& samples = remainder.samples();
+  const VibrationSamples& samples = residual.samples();
   double slowest = 1e300;
   double fastest = 0.0;
   for (const VibrationRun& run : samples.runs) {
@@ -148,17 +152,17 @@ void TryDriven(const VibrationRemainder& remainder, std::size_t index, const Res
       VibrationTerm term;
       term.cause = index;
       term.form = VibrationForm::kDriven;
-      term.heard.assign(samples.channels(), 1);
+      term.observable.assign(samples.channels(), 1);
       term.lines = {{harmonic, 0.0}};
-      term.shapes = {natural, 0.05};
-      Keep(remainder.With(std::move(term), 0), own);
+      term.nonlinear_parameters = {natural, 0.05};
+      Keep(residual.With(std::move(term), 0), own);
     }
     if (!own) continue;
-    *own = remainder.Refine(std::move(*own), 12);
+    *own = residual.Refine(std::move(*own), 12);
     VibrationTerm both = own->term;
     both.lines = {{1.0, 0.0}, {2.0, 0.0}};
     Keep(std::move(*own), best);
-    Keep(remainder.With(std::move(both), 6), best);
+    Keep(residual.With(std::move(both), 6), best);
   }
 }
 
@@ -167,51 +171,53 @@ void TryDriven(const VibrationRemainder& remainder, std::size_t index, const Res
 bool IsOfATrain(std::span<const VibrationTerm> terms, double frequency_Hz, double half_width_Hz) {
   return std::ranges::any_of(terms, [&](const VibrationTerm& term) {
     if (term.form != VibrationForm::kRing) return false;
-    const double half_width_of_ring_Hz = term.shapes[1] * term.shapes[2];
-    return std::abs(frequency_Hz - term.shapes[1]) < kRingReach * (half_width_of_ring_Hz + half_width_Hz);
+    const double half_width_of_ring_Hz = term.nonlinear_parameters[1] * term.nonlinear_parameters[2];
+    return std::abs(frequency_Hz - term.nonlinear_parameters[1]) <
+           kRingReach * (half_width_of_ring_Hz + half_width_Hz);
   });
 }
 
 bool HasResonanceOfATrain(std::span<const VibrationTerm> terms) {
   return std::ranges::any_of(terms, [&](const VibrationTerm& term) {
-    const bool rings = term.form == VibrationForm::kNarrowband || term.form == VibrationForm::kKicks;
-    return rings && IsOfATrain(terms, term.shapes[0], HalfWidthOf(term));
+    const bool rings = term.form == VibrationForm::kNarrowband || term.form == VibrationForm::kTransients;
+    return rings && IsOfATrain(terms, term.nonlinear_parameters[0], HalfWidthOf(term));
   });
 }
 
-Best SearchResonance(const VibrationRemainder& remainder, std::size_t index, const ResonanceRange& range) {
+Best SearchResonance(const VibrationResidual& residual, std::size_t index, const ResonanceRange& range) {
   Best best;
   std::vector<double> frequencies_Hz;
   const auto is_of_a_train = [&](double frequency_Hz) {
-    return IsOfATrain(remainder.base().terms, frequency_Hz, 0.0);
+    return IsOfATrain(residual.base().terms, frequency_Hz, 0.0);
   };
-  for (const NoiseBand& band : FindBands(remainder, range.lowest_Hz, range.highest_Hz, 2)) {
+  for (const NoiseBand& band : FindBands(residual, range.lowest_Hz, range.highest_Hz, 2)) {
     if (is_of_a_train(band.centre_Hz)) continue;
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
-    TermFit solution = DropDeaf(remainder, remainder.With(NarrowTerm(remainder, index, band, damping), 12));
+    TermFit solution = DropDeaf(residual, residual.With(NarrowTerm(residual, index, band, damping), 12));
     KeepDamped(std::move(solution), range, best);
   }
-  for (const BurstSpot& spot : FindBursts(remainder, 2)) {
+  for (const BurstSpot& spot : FindBursts(residual, 2)) {
     if (spot.frequency_Hz > range.lowest_Hz && spot.frequency_Hz < range.highest_Hz &&
         !is_of_a_train(spot.frequency_Hz))
       frequencies_Hz.push_back(spot.frequency_Hz);
   }
   for (const double frequency_Hz :
-       FindKickedFrequencies(remainder, range.lowest_Hz, range.highest_Hz, kMostKicked)) {
+       FindExcitedFrequencies(residual, range.lowest_Hz, range.highest_Hz, kMostExcited)) {
     const bool known = std::ranges::any_of(frequencies_Hz, [&](double other_Hz) {
       return std::abs(other_Hz - frequency_Hz) < kSameFrequency * frequency_Hz;
     });
     if (!known && !is_of_a_train(frequency_Hz)) frequencies_Hz.push_back(frequency_Hz);
   }
   for (const double frequency_Hz : frequencies_Hz) {
-    if (Best knocked = SearchKicks(remainder, index, frequency_Hz))
-      KeepDamped(std::move(*knocked), range, best);
+    if (Best struck = SearchTransients(residual, index, frequency_Hz))
+      KeepDamped(std::move(*struck), range, best);
   }
-  if (best && (IsOfATrain(remainder.base().terms, best->term.shapes[0], HalfWidthOf(best->term)) ||
-               AreLines(remainder, *best)))
+  if (best &&
+      (IsOfATrain(residual.base().terms, best->term.nonlinear_parameters[0], HalfWidthOf(best->term)) ||
+       AreLines(residual, *best)))
     best.reset();
-  if (range.by_shaft) TryDriven(remainder, index, range, best);
+  if (range.by_shaft) TryDriven(residual, index, range, best);
   return best;
 }
 

@@ -16,9 +16,9 @@ struct ResonanceRange {
   bool by_shaft{};  // lines of the shaft may sweep across it
 };
 
-/// A lightly damped resonance within a range: driven by noise, ringing after knocks, or, where the speed
+/// A lightly damped resonance within a range: driven by noise, ringing after impacts, or, where the speed
 /// changes, by lines of the shaft. Nothing where a single tone explains most.
-std::optional<TermFit> SearchResonance(const VibrationRemainder& remainder, std::size_t index,
+std::optional<TermFit> SearchResonance(const VibrationResidual& residual, std::size_t index,
                                        const ResonanceRange& range);
 
 /// Whether something at this frequency, with this half of its width, is the ring of a train among these

@@ -61,7 +61,7 @@ double RingTrain::SlipOf(double impulse) const {
 namespace {
 
 // An impulse as a sample behind it hears it.
-struct HeardImpulse {
+struct ObservableImpulse {
   double angle_rad{};
   double speed_rad_per_s{};
   double since_s{};
@@ -89,7 +89,7 @@ void GoThrough(const VibrationRun& run, const RingTrain& train, const Add& add, 
     const double since_s = (begin - place_of(next - back)) * apart_s;
     const Complex left = std::exp(pole * since_s);
     if (std::norm(left) < 1e-8) break;
-    add(HeardImpulse{run.angle_rad.front() - since_s * first_speed, first_speed, since_s, left});
+    add(ObservableImpulse{run.angle_rad.front() - since_s * first_speed, first_speed, since_s, left});
   }
   take(0);
   const double per_angle = train.order / kTwoPi;
@@ -103,8 +103,8 @@ void GoThrough(const VibrationRun& run, const RingTrain& train, const Add& add, 
       const double before = per_angle * run.angle_rad[i - 1] - offset;
       const double share = (place_of(next) - before) / (here - before);
       const double since_s = (1.0 - share) * step_s;
-      add(HeardImpulse{run.angle_rad[i - 1] + share * turned_rad, turned_rad / std::max(step_s, 1e-300),
-                       since_s, std::exp(pole * since_s)});
+      add(ObservableImpulse{run.angle_rad[i - 1] + share * turned_rad, turned_rad / std::max(step_s, 1e-300),
+                            since_s, std::exp(pole * since_s)});
     }
     take(i);
   }
@@ -133,7 +133,9 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
   Complex state;
   GoThrough(
       run, train,
-      [&](const HeardImpulse& impulse) { state += HeightAt(train, impulse.angle_rad).height * impulse.left; },
+      [&](const ObservableImpulse& impulse) {
+        state += HeightAt(train, impulse.angle_rad).height * impulse.left;
+      },
       [&](double, Complex step) { state = Product(state, step); },
       [&](std::size_t i) { column(static_cast<Index>(i)) = state.imag(); });
   return column;
@@ -154,7 +156,7 @@ Eigen::MatrixXd RingSlopes(const VibrationRun& run, const RingTrain& train) {
   Eigen::MatrixXd slopes(static_cast<Index>(run.size()), static_cast<Index>(4 + 2 * changes));
   GoThrough(
       run, train,
-      [&](const HeardImpulse& impulse) {
+      [&](const ObservableImpulse& impulse) {
         const ImpulseHeight at = HeightAt(train, impulse.angle_rad);
         rings += at.height * impulse.left;
         aged += at.height * impulse.since_s * impulse.left;
@@ -184,8 +186,8 @@ Eigen::MatrixXd RingSlopes(const VibrationRun& run, const RingTrain& train) {
   return slopes;
 }
 
-void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s, double height,
-             Eigen::Ref<Eigen::VectorXd> column) {
+void AddTransient(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s,
+                  double height, Eigen::Ref<Eigen::VectorXd> column) {
   const Complex pole = RingPole(ring_Hz, damping_ratio);
   const auto first = std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s) - run.time_s.begin();
   const RingStep step(pole, run.period_s);
@@ -198,7 +200,7 @@ void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, doub
   }
 }
 
-Knock OneOf(const Knock& first, const Knock& second, double ring_Hz, double damping_ratio) {
+Impact OneOf(const Impact& first, const Impact& second, double ring_Hz, double damping_ratio) {
   const Complex pole = RingPole(ring_Hz, damping_ratio);
   // Size and phase at the start of the first; the sign makes up for half a turn of the phase.
   const Complex sum = first.height + second.height * std::exp(pole * (first.start_s - second.start_s));

@@ -42,17 +42,17 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train);
 Eigen::MatrixXd RingSlopes(const VibrationRun& run, const RingTrain& train);
 
 /// Adds a single ring that starts at a time.
-void AddKick(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s, double height,
-             Eigen::Ref<Eigen::VectorXd> column);
+void AddTransient(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s,
+                  double height, Eigen::Ref<Eigen::VectorXd> column);
 
 /// A single ring of a sum of them, and its height there.
-struct Knock {
+struct Impact {
   double start_s{};
   double height{1.0};
 };
 
 /// The ring, about as late as the first of two of this frequency and damping, that both together are once
 /// both have begun.
-Knock OneOf(const Knock& first, const Knock& second, double ring_Hz, double damping_ratio);
+Impact OneOf(const Impact& first, const Impact& second, double ring_Hz, double damping_ratio);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -72,8 +72,8 @@ void FilterBackwards(const double* values, std::size_t samples, Complex step, In
   ends[1] = imaginary;
 }
 
-Kick LoudestKick(const SideBySide& residual, double ring_Hz, double damping_ratio,
-                 std::span<const double> gains) {
+Transient LoudestTransient(const SideBySide& residual, double ring_Hz, double damping_ratio,
+                           std::span<const double> gains) {
   const Complex step = std::exp(RingPole(ring_Hz, damping_ratio) * residual.run().period_s);
   const std::vector<double> matched = MatchRing(residual, step, gains);
   const double energy = RingEnergy(step);
@@ -87,7 +87,7 @@ Kick LoudestKick(const SideBySide& residual, double ring_Hz, double damping_rati
   return {sample, height * *best, height};
 }
 
-double KickPower(const SideBySide& residual, double ring_Hz, double damping_ratio, double least) {
+double TransientPower(const SideBySide& residual, double ring_Hz, double damping_ratio, double least) {
   const Complex pole = RingPole(ring_Hz, damping_ratio);
   const double period_s = residual.run().period_s;
   const Complex step = std::exp(pole * period_s);

@@ -59,7 +59,7 @@ class SideBySide {
 /// Of a few channels: real parts, then imaginary parts.
 using InCommon = std::array<double, 2 * SideBySide::kTogether>;
 
-/// A stretch of samples, from the last one to the first: common = common · step + value.
+/// A segment of samples, from the last one to the first: common = common · step + value.
 /// @param common  gets what each sample has; the last one's goes on from `state`, which becomes the first
 /// one's
 void FilterBackwards(const double* values, std::size_t samples, std::complex<double> step, InCommon& state,
@@ -71,12 +71,12 @@ void FilterBackwards(const double* values, std::size_t samples, std::complex<dou
 /// @param take  (first of the channels, sample, in common)
 template <typename Take>
 void MatchBackwards(const SideBySide& residual, std::complex<double> step, const Take& take) {
-  constexpr std::size_t kStretch = 256;  // samples, which the first cache holds
-  std::array<InCommon, kStretch> common;
+  constexpr std::size_t kSegment = 256;  // samples, which the first cache holds
+  std::array<InCommon, kSegment> common;
   for (std::size_t group = 0; group < residual.groups(); ++group) {
     InCommon state{};
     for (std::size_t end = residual.run().size(); end > 0;) {
-      const std::size_t first = end > kStretch ? end - kStretch : 0;
+      const std::size_t first = end > kSegment ? end - kSegment : 0;
       FilterBackwards(residual.Of(group) + first * SideBySide::kTogether, end - first, step, state,
                       common.data());
       for (std::size_t i = end; i-- > first;) take(group * SideBySide::kTogether, i, common[i - first]);
@@ -87,18 +87,18 @@ void MatchBackwards(const SideBySide& residual, std::complex<double> step, const
 
 /// Sample of one run at which a ring of this frequency and damping explains most of a residual, all channels
 /// together, the drop of the sum of squares that it brings, and its height in units of the gains.
-struct Kick {
+struct Transient {
   std::size_t sample{};
   double drop{};
   double height{1.0};
 };
 /// @param gains  of the channels, where they are known; each has its own where this is empty.
-Kick LoudestKick(const SideBySide& residual, double ring_Hz, double damping_ratio,
-                 std::span<const double> gains = {});
+Transient LoudestTransient(const SideBySide& residual, double ring_Hz, double damping_ratio,
+                           std::span<const double> gains = {});
 
 /// How far the drops that rings of this frequency and damping bring exceed one, added up: the largest in each
 /// time in which a ring dies away.
-double KickPower(const SideBySide& residual, double ring_Hz, double damping_ratio, double least);
+double TransientPower(const SideBySide& residual, double ring_Hz, double damping_ratio, double least);
 
 /// A train at its best place.
 struct TrainMatch {

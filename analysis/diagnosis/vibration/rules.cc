@@ -17,7 +17,7 @@ namespace {
 
 // Lines have phases and places, for which BIC charges as if all samples spoke of each: in four channels they
 // had to be twice as strong as what no chance makes. Under noise their likelihood ratio is χ² but for the
-// places that are counted: the p-value alone says whether a description is there.
+// places that are counted: the p-value alone says whether a nuisance term is there.
 constexpr double kAnyBic = -1e9;
 constexpr int kAllNumbers = 1000;
 constexpr double kLargest = 1e6;       // an accelerometer's range is far below
@@ -55,8 +55,9 @@ void AddGearMesh(Table& table) {
       .parameters = {table.amplitude},
       .degrees_of_freedom = 2,
       .known_by_size = true,
-      .places = kAllNumbers,  // of each line a phase and a share of the amplitude, as sharp as it is loud
-      .trials = 4.0};         // either line or both; which further ones, the fit says
+      .location_parameters =
+          kAllNumbers,        // of each line a phase and a share of the amplitude, as sharp as it is loud
+      .trials_factor = 4.0};  // either line or both; which further ones, the fit says
   const double folded = FoldedVibrationOrder(samples, order);
   if (std::abs(folded - order) > 1e-9) {
     rule.aliases.push_back(fmt::format("line at {:.2f} per input turn", folded));
@@ -80,7 +81,7 @@ void AddToothEngagement(Table& table) {
              .parameters = {table.amplitude},
              .degrees_of_freedom = 2,
              // A crack, which has the same order, is looked for first.
-             .trials = 400.0,
+             .trials_factor = 400.0,
              .to_settle = "# at light load a crack opens less, teeth meet all the same\n"
                           "- {kind: measurement_rotation, turns: 4, direction: cw, output_torque: 5 Nm, "
                           "input_speed: 2400 rpm, vibration_rate: 25.6 kHz}\n"});
@@ -101,11 +102,11 @@ void AddBearing(Table& table) {
                       table.amplitude},
        .degrees_of_freedom = 5,
        .known_by_size = true,
-       .places = 4,  // order, ring, its decay, where the impulses stand
+       .location_parameters = 4,  // order, ring, its decay, where the impulses stand
        // Orders, at each some tens of resonances that may ring, with each change of the impulses, in any of
        // the channels; how many of them a train might have had, the fit says. Of 235 clean records 7 had
        // p < 0.2, where 6 should.
-       .trials = 1300.0 * table.cells,
+       .trials_factor = 1300.0 * table.cells,
        .misfit_share = kRingMisfit,
        .to_settle = "# the motor alone, uncoupled: a defect that is still heard is in the motor's bearings\n"
                     "- {kind: measurement_rotation, turns: 1, direction: cw, output_torque: 40 Nm, "
@@ -133,7 +134,7 @@ void AddCrack(Table& table) {
        .known_by_size = true,
        // Widths and places of a pulse, changes, rings and lines, in any of the channels. A seventeenth of 136
        // clean records had p < 0.05 with a tenth of these, where a two-hundred-and-fortieth should.
-       .trials = 100.0,
+       .trials_factor = 100.0,
        .to_settle = "# a whole turn of the output or more: the impulses come back once per output turn\n"
                     "- {kind: measurement_rotation, turns: 4, direction: cw, output_torque: 40 Nm, "
                     "input_speed: 2400 rpm, vibration_rate: 25.6 kHz}\n"});
@@ -156,17 +157,17 @@ void AddResonances(Table& table) {
              .parameters = parameters,
              .degrees_of_freedom = 3,
              .known_by_size = true,
-             .places = 1,  // its frequency
-             .trials = std::max(50.0, 1.5 * share * table.cells),
-             .local = true,  // a knock rings for a small part of a turn
+             .location_parameters = 1,  // its frequency
+             .trials_factor = std::max(50.0, 1.5 * share * table.cells),
+             .local = true,  // an impact rings for a small part of a turn
              .to_settle = kOtherSpeed});
   if (highest > 1.1 * kHighestTorsional_Hz) {
     table.Add(VibrationCause::kHighResonance,
               {.name = "resonance of the structure",
                .parameters = {{"damping_ratio", "1", kLeastStructureDamping, 0.25, false}, table.amplitude},
                .degrees_of_freedom = 3,
-               .places = 1,
-               .trials = std::max(50.0, 1.5 * (1.0 - share) * table.cells),
+               .location_parameters = 1,
+               .trials_factor = std::max(50.0, 1.5 * (1.0 - share) * table.cells),
                .local = true,
                .named = false});
   }
@@ -196,14 +197,14 @@ void AddImbalance(Table& table, VibrationSamples& samples) {
        .degrees_of_freedom = 2,
        .known_by_size = true,
        // In any of the channels. Of 48 clean records 13 had p < 0.63 without these, where 4 should.
-       .trials = 4.0,
+       .trials_factor = 4.0,
        .to_settle =
            "# the motor alone, uncoupled, through the same speeds: an imbalance that stays is the bench's\n"
            "- {kind: measurement_rotation, turns: 1, direction: cw, output_torque: 40 Nm, input_speed: 2400 "
            "rpm, vibration_rate: 25.6 kHz}\n"});
 }
 
-void AddCorrections(Table& table) {
+void AddNuisanceTerms(Table& table) {
   const VibrationSamples& samples = table.samples;
   const std::vector<ParameterRule> amplitude{table.amplitude};
   bool steady = samples.angle_known();
@@ -216,8 +217,8 @@ void AddCorrections(Table& table) {
       table.Add(VibrationCause::kLineOverAngle, {.name = name,
                                                  .parameters = amplitude,
                                                  .degrees_of_freedom = 3,
-                                                 .places = 1,
-                                                 .trials = table.cells,
+                                                 .location_parameters = 1,
+                                                 .trials_factor = table.cells,
                                                  .least_bic = kAnyBic,
                                                  .named = false});
     }
@@ -227,8 +228,8 @@ void AddCorrections(Table& table) {
       table.Add(VibrationCause::kLineOverTime, {.name = name,
                                                 .parameters = amplitude,
                                                 .degrees_of_freedom = 3,
-                                                .places = 1,
-                                                .trials = table.cells,
+                                                .location_parameters = 1,
+                                                .trials_factor = table.cells,
                                                 .least_bic = kAnyBic,
                                                 .named = false});
     }
@@ -236,7 +237,7 @@ void AddCorrections(Table& table) {
   table.Add(VibrationCause::kBurst, {.name = "burst of a tone",
                                      .parameters = amplitude,
                                      .degrees_of_freedom = 5,
-                                     .trials = 4.0 * table.cells,
+                                     .trials_factor = 4.0 * table.cells,
                                      .local = true,
                                      .named = false});
   table.Add(VibrationCause::kSlowChange,
@@ -262,7 +263,7 @@ VibrationRules RulesFor(VibrationSamples& samples) {
     AddImbalance(table, samples);
   }
   AddResonances(table);
-  AddCorrections(table);
+  AddNuisanceTerms(table);
   return rules;
 }
 

@@ -9,7 +9,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// What these records can show: causes first, then corrections. Says in the samples' warnings which causes
+/// What these records can show: causes first, then nuisance terms. Says in the samples' warnings which causes
 /// they cannot.
 struct VibrationRules {
   std::vector<VibrationCause> kinds;

@@ -242,12 +242,12 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
   std::size_t c = 0;
   for (std::size_t r = 0; r < samples.runs.size(); ++r) {
     VibrationRun& run = samples.runs[r];
-    for (VibrationStretch& channel : run.channels) {
+    for (VibrationSegment& channel : run.channels) {
       channel.first = samples.measured.size();
       channel.scale = samples.noise_floor / noise[c];
       if (samples.runs.size() > 1) channel.name += fmt::format("_{}", r + 1);
       for (std::size_t i = 0; i < run.size(); ++i) {
-        if (i == 0 || run.FollowsAGap(i)) samples.stretches.push_back(samples.measured.size());
+        if (i == 0 || run.FollowsAGap(i)) samples.segments.push_back(samples.measured.size());
         samples.measured.push_back(channel.scale * values[c][i]);
       }
       ++c;

@@ -11,8 +11,8 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// One channel of one record, as a stretch of the response.
-struct VibrationStretch {
+/// One channel of one record, as a segment of the response.
+struct VibrationSegment {
   std::string name;     // "accel_x_m_per_s2", with the number of the record where there are several
   std::size_t first{};  // its first sample in the response
   double scale{1.0};    // response = scale · what the channel measured
@@ -24,7 +24,7 @@ struct VibrationRun {
   std::vector<double> angle_rad;        // of the input shaft, from 0; empty where no speed is known
   std::vector<double> speed_rad_per_s;  // one a sample
   std::vector<double> time_2pi;         // 2π · time: a line of so many Hz turns by it
-  std::vector<VibrationStretch> channels;
+  std::vector<VibrationSegment> channels;
   double period_s{};  // median distance of samples
   double mean_speed_rad_per_s{};
   double speed_spread{};          // (largest − smallest) / mean
@@ -42,7 +42,7 @@ struct VibrationRun {
 /// what it measured.
 struct VibrationSamples {
   std::vector<double> measured;
-  std::vector<std::size_t> stretches;  // starts of channels, and of what comes after a gap in time
+  std::vector<std::size_t> segments;  // starts of channels, and of what comes after a gap in time
   std::vector<VibrationRun> runs;
   double ratio{80.0};
   double noise_floor{};

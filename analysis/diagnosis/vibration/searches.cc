@@ -28,23 +28,25 @@ std::size_t HashOf(std::span<const double> weights) {
 }
 
 // The model with one more term, all refined together: the search has held the others.
-VibrationSolution Together(const VibrationRemainder& remainder, VibrationTerm term) {
-  std::vector<VibrationTerm> terms = remainder.base().terms;
+VibrationSolution Together(const VibrationResidual& residual, VibrationTerm term) {
+  std::vector<VibrationTerm> terms = residual.base().terms;
   terms.push_back(std::move(term));
-  VibrationSolution solution = remainder.solver().Solve(std::move(terms), &remainder.base());
-  const bool alone = remainder.base().terms.empty() && HasColumns(solution.terms.back().form);
-  return alone ? solution : remainder.solver().Refine(std::move(solution), 2);
+  VibrationSolution solution = residual.solver().Solve(std::move(terms), &residual.base());
+  const bool alone = residual.base().terms.empty() && HasColumns(solution.terms.back().form);
+  return alone ? solution : residual.solver().Refine(std::move(solution), 2);
 }
 
 // The same term, but for what a fit moves it by when another one comes or goes.
 bool IsNear(const VibrationSamples& samples, const VibrationTerm& x, const VibrationTerm& y) {
-  if (x.cause != y.cause || x.form != y.form || x.shapes.size() != y.shapes.size() ||
-      x.lines.size() != y.lines.size() || x.heard != y.heard) {
+  if (x.cause != y.cause || x.form != y.form ||
+      x.nonlinear_parameters.size() != y.nonlinear_parameters.size() || x.lines.size() != y.lines.size() ||
+      x.observable != y.observable) {
     return false;
   }
-  const std::vector<VibrationShape> shapes = ShapesOf(samples, x);
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    if (std::abs(x.shapes[s] - y.shapes[s]) > shapes[s].step) return false;
+  const std::vector<VibrationNonlinearParameter> nonlinear_parameters = NonlinearParametersOf(samples, x);
+  for (std::size_t s = 0; s < nonlinear_parameters.size(); ++s) {
+    if (std::abs(x.nonlinear_parameters[s] - y.nonlinear_parameters[s]) > nonlinear_parameters[s].step)
+      return false;
   }
   return true;
 }
@@ -65,16 +67,16 @@ bool IsNearlyWithin(const VibrationSamples& samples, const std::vector<Vibration
 
 VibrationSolution WithFound(const VibrationBase& base, VibrationTerm term, std::size_t cause) {
   term.cause = cause;  // there may be two of a kind
-  return Together(base.remainder, std::move(term));
+  return Together(base.residual, std::move(term));
 }
 
 }  // namespace
 
-std::optional<VibrationSolution> Beside(const VibrationRemainder& remainder, VibrationCause kind,
+std::optional<VibrationSolution> Beside(const VibrationResidual& residual, VibrationCause kind,
                                         std::size_t cause) {
-  std::optional<TermFit> fit = SearchCause(remainder, kind, cause);
+  std::optional<TermFit> fit = SearchCause(residual, kind, cause);
   if (!fit) return std::nullopt;
-  return Together(remainder, std::move(fit->term));
+  return Together(residual, std::move(fit->term));
 }
 
 VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
@@ -82,7 +84,7 @@ VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const do
     : searched(remembered),
       solver(samples, weights),
       solution(FitTerms(solver, terms)),
-      remainder(samples, solver, solution) {
+      residual(samples, solver, solution) {
   searched.bic = solution.bic();
 }
 
@@ -123,7 +125,7 @@ std::optional<VibrationFound> VibrationSearches::FoundBesideFewer(const Vibratio
     const auto found = other.found.find(kind);
     if (other.weights_hash != base.searched.weights_hash || found == other.found.end()) continue;
     const std::vector<VibrationTerm> fewer = UnpackTerms(other.state);
-    if (fewer.size() + 1 != terms.size() || !IsNearlyWithin(base.remainder.samples(), fewer, terms)) continue;
+    if (fewer.size() + 1 != terms.size() || !IsNearlyWithin(base.residual.samples(), fewer, terms)) continue;
     const auto& [term, gain] = found->second;
     if (gain <= 0.0 && other.bic - base.searched.bic < kHidesNothing) return found->second;
     if (!term || gain < kWorthSearching) continue;
@@ -140,7 +142,7 @@ std::optional<VibrationSolution> VibrationSearches::Find(VibrationBase& base, Vi
     if (std::optional<VibrationFound> known = FoundBesideFewer(base, kind, cause)) {
       found[kind] = std::move(*known);
     } else {
-      std::optional<VibrationSolution> solution = Beside(base.remainder, kind, cause);
+      std::optional<VibrationSolution> solution = Beside(base.residual, kind, cause);
       found[kind] = solution ? VibrationFound{solution->terms.back(), base.searched.bic - solution->bic()}
                              : VibrationFound{};
       return solution;

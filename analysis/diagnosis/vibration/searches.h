@@ -32,7 +32,7 @@ struct VibrationBase {
   VibrationSearched& searched;
   VibrationSolver solver;
   VibrationSolution solution;
-  VibrationRemainder remainder;
+  VibrationResidual residual;
 
   VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
                 const std::vector<VibrationTerm>& terms, VibrationSearched& remembered);
@@ -42,7 +42,7 @@ struct VibrationBase {
 
 /// A model with the best form of one more cause, all terms refined together; nothing where the cause has no
 /// support of its own.
-std::optional<VibrationSolution> Beside(const VibrationRemainder& remainder, VibrationCause kind,
+std::optional<VibrationSolution> Beside(const VibrationResidual& residual, VibrationCause kind,
                                         std::size_t cause);
 
 /// Remembers searches: selecting, exchanging and naming of rivals ask for the same cause beside the same

@@ -39,11 +39,11 @@ constexpr double kLeastDecayOfEnvelope = 1.0;  // exponent, from one impulse to 
 constexpr double kHighest = 2.0;               // impulse, of the usual one: the load on the balls changes
 
 // What a ring that starts at a sample has in common with the residual behind it, each channel for itself.
-std::vector<Series> Matched(const VibrationRemainder& remainder, double ring_Hz, double damping) {
-  const VibrationRun& run = remainder.samples().runs.front();
+std::vector<Series> Matched(const VibrationResidual& residual, double ring_Hz, double damping) {
+  const VibrationRun& run = residual.samples().runs.front();
   const Complex step = std::exp(RingPole(ring_Hz, damping) * run.period_s);
   std::vector<Series> matched(run.channels.size(), Series(run.size()));
-  MatchBackwards(remainder.side_by_side(0), step,
+  MatchBackwards(residual.side_by_side(0), step,
                  [&](std::size_t first, std::size_t i, const InCommon& common) {
                    const std::size_t here = std::min(SideBySide::kTogether, matched.size() - first);
                    for (std::size_t c = 0; c < here; ++c)
@@ -86,22 +86,22 @@ Envelope EnvelopeOf(const VibrationRun& run, const std::vector<Series>& matched,
   return envelope;
 }
 
-// An order, and the ring that is heard with it.
-struct HeardTrain {
+// An order, and the ring that is observable with it.
+struct ObservableTrain {
   double order{};
   double ring_Hz{};
   double excess{};
 };
 
-std::vector<HeardTrain> FindHeard(const VibrationRemainder& remainder, double lowest, double highest,
-                                  const std::function<bool(double order)>& allowed) {
-  const VibrationRun& run = remainder.samples().runs.front();
+std::vector<ObservableTrain> FindObservable(const VibrationResidual& residual, double lowest, double highest,
+                                            const std::function<bool(double order)>& allowed) {
+  const VibrationRun& run = residual.samples().runs.front();
   const double looks = std::log(kHighestSlipRing / kLowestRing) / std::log(kNextSlipRing) * kLooksPerCell *
                        (highest - lowest) * run.turns;
-  std::vector<HeardTrain> found;
+  std::vector<ObservableTrain> found;
   for (double ring = kLowestRing; ring < kHighestSlipRing; ring *= kNextSlipRing) {
     const double ring_Hz = ring / run.period_s;
-    const Envelope envelope = EnvelopeOf(run, Matched(remainder, ring_Hz, kHousingDamping), highest);
+    const Envelope envelope = EnvelopeOf(run, Matched(residual, ring_Hz, kHousingDamping), highest);
     const std::vector<double> ones(envelope.values.size(), 1.0);
     const VibrationSpectrum spectrum(envelope.samples, envelope.values, ones, SpectrumAxis::kTurns);
     for (const Comb& comb :
@@ -110,7 +110,7 @@ std::vector<HeardTrain> FindHeard(const VibrationRemainder& remainder, double lo
         found.push_back({Refined(spectrum, comb).order, ring_Hz, comb.excess});
     }
   }
-  std::ranges::sort(found, std::greater<>(), &HeardTrain::excess);
+  std::ranges::sort(found, std::greater<>(), &ObservableTrain::excess);
   found.resize(std::min(found.size(), kMostTried));
   return found;
 }
@@ -144,8 +144,8 @@ Series SlipInStep(const std::vector<Series>& matched, const std::vector<std::siz
 // @param sign  of the rings
 VibrationTerm Tracked(const VibrationRun& run, const Series& together, double height, double variance,
                       double sign, VibrationTerm term) {
-  const double energy = EnergyOf(run, term.shapes[1], term.shapes[2]);
-  const double turn = kTwoPi * term.shapes[1] * run.period_s;  // of the ring, in a sample
+  const double energy = EnergyOf(run, term.nonlinear_parameters[1], term.nonlinear_parameters[2]);
+  const double turn = kTwoPi * term.nonlinear_parameters[1] * run.period_s;  // of the ring, in a sample
   const auto off_phase = [&](std::size_t i) { return std::arg(sign * together[i] * Complex{0.0, -1.0}); };
   std::vector<double> score;
   for (std::size_t i = 0; i < together.size(); ++i) {
@@ -156,7 +156,7 @@ VibrationTerm Tracked(const VibrationRun& run, const Series& together, double he
     score.push_back((own * common - 0.5 * own * own * energy) / variance);
   }
   std::vector<double> angles_rad;
-  for (const std::size_t i : BestChain(run, term.shapes[0], score)) {
+  for (const std::size_t i : BestChain(run, term.nonlinear_parameters[0], score)) {
     const double later = std::clamp(off_phase(i) / turn, -0.5, 0.5);
     angles_rad.push_back(run.angle_rad[i] + later * run.period_s * run.speed_rad_per_s[i]);
   }
@@ -165,19 +165,20 @@ VibrationTerm Tracked(const VibrationRun& run, const Series& together, double he
 }
 
 // The impulses of a term, found anew with each better ring.
-Best Follow(const VibrationRemainder& remainder, VibrationTerm term) {
-  const VibrationRun& run = remainder.samples().runs.front();
-  const double variance = remainder.base().variance();
+Best Follow(const VibrationResidual& residual, VibrationTerm term) {
+  const VibrationRun& run = residual.samples().runs.front();
+  const double variance = residual.base().variance();
   Best best;
   for (int round = 0; round < kTracks; ++round) {
-    const std::vector<Series> matched = Matched(remainder, term.shapes[1], term.shapes[2]);
-    const double energy = EnergyOf(run, term.shapes[1], term.shapes[2]);
+    const std::vector<Series> matched =
+        Matched(residual, term.nonlinear_parameters[1], term.nonlinear_parameters[2]);
+    const double energy = EnergyOf(run, term.nonlinear_parameters[1], term.nonlinear_parameters[2]);
     std::vector<double> loud(run.size(), 0.0);
     for (const Series& channel : matched) {
       for (std::size_t i = 0; i < loud.size(); ++i)
         loud[i] += 0.5 * std::norm(channel[i]) / (energy * variance);
     }
-    const std::vector<std::size_t> chain = BestChain(run, term.shapes[0], loud);
+    const std::vector<std::size_t> chain = BestChain(run, term.nonlinear_parameters[0], loud);
     if (chain.size() < 8) return best;
     const Series together = SlipInStep(matched, chain);
     std::vector<double> heights;
@@ -188,45 +189,47 @@ Best Follow(const VibrationRemainder& remainder, VibrationTerm term) {
     for (const double sign : {-1.0, 1.0}) {
       VibrationTerm tracked = Tracked(run, together, *middle, variance, sign, term);
       if (tracked.slips.empty()) continue;
-      TermFit fit = remainder.With(std::move(tracked), 4);
-      if (!better || BicWithSlips(remainder.samples(), fit) < BicWithSlips(remainder.samples(), *better))
+      TermFit fit = residual.With(std::move(tracked), 4);
+      if (!better || BicWithSlips(residual.samples(), fit) < BicWithSlips(residual.samples(), *better))
         better = std::move(fit);
     }
     if (!better ||
-        (best && BicWithSlips(remainder.samples(), *better) > BicWithSlips(remainder.samples(), *best) - 1.0))
+        (best && BicWithSlips(residual.samples(), *better) > BicWithSlips(residual.samples(), *best) - 1.0))
       break;
     best = std::move(better);
     term = best->term;
-    term.heard.assign(term.heard.size(), 1);
+    term.observable.assign(term.observable.size(), 1);
   }
   return best;
 }
 
 // What still rings when the next impulse comes is no train of impulses to an envelope: to follow its phase is
 // to follow any resonance that noise drives.
-bool DiesAway(const VibrationRemainder& remainder, const VibrationTerm& ring) {
-  const VibrationRun& run = remainder.samples().runs.front();
-  const double apart_s = kTwoPi / (ring.shapes[0] * run.mean_speed_rad_per_s);
-  return ring.shapes[2] * kTwoPi * ring.shapes[1] * apart_s > kLeastDecayOfEnvelope;
+bool DiesAway(const VibrationResidual& residual, const VibrationTerm& ring) {
+  const VibrationRun& run = residual.samples().runs.front();
+  const double apart_s = kTwoPi / (ring.nonlinear_parameters[0] * run.mean_speed_rad_per_s);
+  return ring.nonlinear_parameters[2] * kTwoPi * ring.nonlinear_parameters[1] * apart_s >
+         kLeastDecayOfEnvelope;
 }
 
-VibrationTerm TermOf(const VibrationRemainder& remainder, std::size_t index, const HeardTrain& heard) {
+VibrationTerm TermOf(const VibrationResidual& residual, std::size_t index,
+                     const ObservableTrain& observable) {
   VibrationTerm term;
   term.cause = index;
   term.form = VibrationForm::kRing;
-  term.heard.assign(remainder.samples().channels(), 1);
-  term.shapes = {heard.order, heard.ring_Hz, kHousingDamping, 0.0};
+  term.observable.assign(residual.samples().channels(), 1);
+  term.nonlinear_parameters = {observable.order, observable.ring_Hz, kHousingDamping, 0.0};
   return term;
 }
 
 // The same with impulses that change with the load on the balls.
-Best WithChange(const VibrationRemainder& remainder, TermFit even) {
+Best WithChange(const VibrationResidual& residual, TermFit even) {
   Best best = even;
   for (const double order : {1.0, 2.0}) {
     VibrationTerm term = even.term;
     term.lines = {{0.0, order}};
-    term.shapes.insert(term.shapes.begin() + 3, {0.0, 0.0});
-    TermFit fit = remainder.With(std::move(term), 6);
+    term.nonlinear_parameters.insert(term.nonlinear_parameters.begin() + 3, {0.0, 0.0});
+    TermFit fit = residual.With(std::move(term), 6);
     if (fit.bic() < best->bic()) best = std::move(fit);
   }
   return best;
@@ -234,23 +237,24 @@ Best WithChange(const VibrationRemainder& remainder, TermFit even) {
 
 // Lines a few orders apart beat, so that together they are loud so many times a turn: a few of them explain
 // as much. What slips has no lines.
-bool IsAFamilyOfLines(const VibrationRemainder& remainder, const TermFit& train, SpectrumAxis axis) {
+bool IsAFamilyOfLines(const VibrationResidual& residual, const TermFit& train, SpectrumAxis axis) {
   const bool over_turns = axis == SpectrumAxis::kTurns;
-  const VibrationSpectrum& spectrum = over_turns ? remainder.over_turns() : remainder.over_seconds();
-  const double turn_Hz = remainder.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
+  const VibrationSpectrum& spectrum = over_turns ? residual.over_turns() : residual.over_seconds();
+  const double turn_Hz = residual.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
   const double unit_Hz = over_turns ? turn_Hz : 1.0;
-  const double centre_Hz = train.term.shapes[1];
-  const double reach_Hz = kRingReach * train.term.shapes[2] * centre_Hz + train.term.shapes[0] * turn_Hz;
+  const double centre_Hz = train.term.nonlinear_parameters[1];
+  const double reach_Hz = kRingReach * train.term.nonlinear_parameters[2] * centre_Hz +
+                          train.term.nonlinear_parameters[0] * turn_Hz;
   VibrationTerm lines;
   lines.cause = train.term.cause;
   lines.form = over_turns ? VibrationForm::kLines : VibrationForm::kTones;
-  lines.heard.assign(remainder.samples().channels(), 1);
+  lines.observable.assign(residual.samples().channels(), 1);
   for (const SpectrumPeak& peak :
        FindPeaks(spectrum, std::max(spectrum.cell(), (centre_Hz - reach_Hz) / unit_Hz),
                  (centre_Hz + reach_Hz) / unit_Hz, kMostLinesThatBeat)) {
-    if (lines.shapes.empty()) lines.shapes = {peak.order};
-    lines.lines.push_back({1.0, peak.order - lines.shapes[0]});
-    if (remainder.With(lines, 3).bic() < BicWithSlips(remainder.samples(), train)) return true;
+    if (lines.nonlinear_parameters.empty()) lines.nonlinear_parameters = {peak.order};
+    lines.lines.push_back({1.0, peak.order - lines.nonlinear_parameters[0]});
+    if (residual.With(lines, 3).bic() < BicWithSlips(residual.samples(), train)) return true;
   }
   return false;
 }
@@ -270,40 +274,41 @@ double SlipShareOf(std::span<const double> slips) {
 
 double OrderErrorOfSlips(const VibrationSamples& samples, const VibrationTerm& ring) {
   if (ring.slips.empty()) return 0.0;
-  const double impulses = ring.shapes[0] * samples.runs.front().turns;
-  return SlipShareOf(ring.slips) * ring.shapes[0] / std::sqrt(std::max(1.0, impulses));
+  const double impulses = ring.nonlinear_parameters[0] * samples.runs.front().turns;
+  return SlipShareOf(ring.slips) * ring.nonlinear_parameters[0] / std::sqrt(std::max(1.0, impulses));
 }
 
-double LogPlacesOfSlips(const VibrationSamples& samples, const VibrationTerm& ring) {
+double LogSearchLocationsOfSlips(const VibrationSamples& samples, const VibrationTerm& ring) {
   if (ring.slips.empty()) return 0.0;
   const VibrationRun& run = samples.runs.front();
-  const double harmonic = kTwoPi * ring.shapes[1] / (ring.shapes[0] * run.mean_speed_rad_per_s);
+  const double harmonic =
+      kTwoPi * ring.nonlinear_parameters[1] / (ring.nonlinear_parameters[0] * run.mean_speed_rad_per_s);
   // A normal spread is as wide as √(2πe) of its deviation.
   const double spread = std::sqrt(kTwoPi * std::numbers::e) * std::max(kLeastSlip, SlipShareOf(ring.slips));
-  return ring.shapes[0] * run.turns * std::log1p(spread * 2.0 * harmonic);
+  return ring.nonlinear_parameters[0] * run.turns * std::log1p(spread * 2.0 * harmonic);
 }
 
 double BicWithSlips(const VibrationSamples& samples, const TermFit& train) {
-  return train.bic() + 2.0 * LogPlacesOfSlips(samples, train.term);
+  return train.bic() + 2.0 * LogSearchLocationsOfSlips(samples, train.term);
 }
 
-Best SearchSlippingTrain(const VibrationRemainder& remainder, std::size_t index, double lowest,
-                         double highest, const std::function<bool(double order)>& allowed) {
+Best SearchSlippingTrain(const VibrationResidual& residual, std::size_t index, double lowest, double highest,
+                         const std::function<bool(double order)>& allowed) {
   Best best;
-  if (remainder.samples().runs.size() != 1) return best;
-  for (const HeardTrain& heard : FindHeard(remainder, lowest, highest, allowed)) {
-    Best fit = Follow(remainder, TermOf(remainder, index, heard));
-    if (fit && DiesAway(remainder, fit->term) &&
-        (!best || BicWithSlips(remainder.samples(), *fit) < BicWithSlips(remainder.samples(), *best)))
+  if (residual.samples().runs.size() != 1) return best;
+  for (const ObservableTrain& observable : FindObservable(residual, lowest, highest, allowed)) {
+    Best fit = Follow(residual, TermOf(residual, index, observable));
+    if (fit && DiesAway(residual, fit->term) &&
+        (!best || BicWithSlips(residual.samples(), *fit) < BicWithSlips(residual.samples(), *best)))
       best = std::move(fit);
   }
-  if (!best || IsAFamilyOfLines(remainder, *best, SpectrumAxis::kTurns) ||
-      IsAFamilyOfLines(remainder, *best, SpectrumAxis::kSeconds))
+  if (!best || IsAFamilyOfLines(residual, *best, SpectrumAxis::kTurns) ||
+      IsAFamilyOfLines(residual, *best, SpectrumAxis::kSeconds))
     return std::nullopt;
-  best = WithChange(remainder, std::move(*best));
-  Best again = Follow(remainder, best->term);
-  return again && BicWithSlips(remainder.samples(), *again) < BicWithSlips(remainder.samples(), *best) ? again
-                                                                                                       : best;
+  best = WithChange(residual, std::move(*best));
+  Best again = Follow(residual, best->term);
+  return again && BicWithSlips(residual.samples(), *again) < BicWithSlips(residual.samples(), *best) ? again
+                                                                                                     : best;
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -17,7 +17,7 @@ namespace strainwave::analysis::diagnosis {
 /// A train whose impulses slip, of the order with which the envelope of a ring comes and goes, where that is
 /// beyond chance. First record only, where it is the only one.
 /// @param allowed  says which orders count
-std::optional<TermFit> SearchSlippingTrain(const VibrationRemainder& remainder, std::size_t index,
+std::optional<TermFit> SearchSlippingTrain(const VibrationResidual& residual, std::size_t index,
                                            double lowest, double highest,
                                            const std::function<bool(double order)>& allowed);
 
@@ -29,7 +29,7 @@ double OrderErrorOfSlips(const VibrationSamples& samples, const VibrationTerm& r
 
 /// Logarithm of how many places the impulses of a train that slips were chosen from: to half a period of the
 /// ring, as far as they slip. 0 for even impulses.
-double LogPlacesOfSlips(const VibrationSamples& samples, const VibrationTerm& ring);
+double LogSearchLocationsOfSlips(const VibrationSamples& samples, const VibrationTerm& ring);
 
 /// BIC of a train with what these places cost.
 double BicWithSlips(const VibrationSamples& samples, const TermFit& train);

@@ -31,25 +31,25 @@ void FillSlopesOfLines(const std::vector<double>& angle, const VibrationTerm& te
 void FillSlopesOfBurst(const VibrationRun& run, const VibrationTerm& term, const Ref<const MatrixXd>& columns,
                        MatrixXd& slopes) {
   const auto time_s = Eigen::Map<const VectorXd>(run.time_s.data(), columns.rows());
-  const VectorXd since_s = time_s.array() - term.shapes[1];
-  const double width_s = term.shapes[2];
+  const VectorXd since_s = time_s.array() - term.nonlinear_parameters[1];
+  const double width_s = term.nonlinear_parameters[2];
   MatrixXd turned(columns.rows(), 2);  // by a quarter
   turned << -columns.col(1), columns.col(0);
   slopes.leftCols(2) = kTwoPi * since_s.asDiagonal() * turned;
   slopes.middleCols(2, 2) =
-      since_s.asDiagonal() * columns / (width_s * width_s) - kTwoPi * term.shapes[0] * turned;
+      since_s.asDiagonal() * columns / (width_s * width_s) - kTwoPi * term.nonlinear_parameters[0] * turned;
   slopes.rightCols(2) = since_s.cwiseAbs2().asDiagonal() * columns / (width_s * width_s * width_s);
 }
 
-// By a knock's time or height: the other knocks stay as they are.
-void FillSlopeOfKnock(const VibrationRun& run, const VibrationTerm& term, std::size_t shape, double by,
-                      Ref<VectorXd> slope) {
-  const bool first = shape == 2;
-  const bool is_height = !first && shape % 2 == 0;
-  const double start_s = term.shapes[is_height ? shape - 1 : shape];
-  const double height = first || is_height ? 1.0 : term.shapes[shape + 1];
+// By an impact's time or height: the other impacts stay as they are.
+void FillSlopeOfImpact(const VibrationRun& run, const VibrationTerm& term, std::size_t nonlinear_parameter,
+                       double by, Ref<VectorXd> slope) {
+  const bool first = nonlinear_parameter == 2;
+  const bool is_height = !first && nonlinear_parameter % 2 == 0;
+  const double start_s = term.nonlinear_parameters[is_height ? nonlinear_parameter - 1 : nonlinear_parameter];
+  const double height = first || is_height ? 1.0 : term.nonlinear_parameters[nonlinear_parameter + 1];
   const auto add = [&](double at_s, double factor) {
-    AddKick(run, term.shapes[0], term.shapes[1], at_s, factor, slope);
+    AddTransient(run, term.nonlinear_parameters[0], term.nonlinear_parameters[1], at_s, factor, slope);
   };
   slope.setZero();
   add(is_height ? start_s : start_s + by, is_height ? 1.0 : height / by);
@@ -71,12 +71,12 @@ void FillSlopesOfRing(const VibrationRun& run, std::size_t which, const Vibratio
 MatrixXd FillSlopes(const VibrationSamples& samples, std::size_t which, const VibrationTerm& term,
                     const Ref<const MatrixXd>& columns) {
   const VibrationRun& run = samples.runs[which];
-  const std::vector<VibrationShape> shapes = ShapesOf(samples, term);
+  const std::vector<VibrationNonlinearParameter> nonlinear_parameters = NonlinearParametersOf(samples, term);
   const Index width = columns.cols();
-  MatrixXd slopes(columns.rows(), width * static_cast<Index>(shapes.size()));
+  MatrixXd slopes(columns.rows(), width * static_cast<Index>(nonlinear_parameters.size()));
   switch (term.form) {
     case VibrationForm::kLines:
-      if (!shapes.empty()) FillSlopesOfLines(run.angle_rad, term, columns, slopes);
+      if (!nonlinear_parameters.empty()) FillSlopesOfLines(run.angle_rad, term, columns, slopes);
       return slopes;
     case VibrationForm::kTones:
       FillSlopesOfLines(run.time_2pi, term, columns, slopes);
@@ -90,15 +90,15 @@ MatrixXd FillSlopes(const VibrationSamples& samples, std::size_t which, const Vi
     default:
       break;
   }
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
-    const double by = kSlopeStep * shapes[s].step;
+  for (std::size_t s = 0; s < nonlinear_parameters.size(); ++s) {
+    const double by = kSlopeStep * nonlinear_parameters[s].step;
     const Index first = width * static_cast<Index>(s);
-    if (term.form == VibrationForm::kKicks && s >= 2) {
-      FillSlopeOfKnock(run, term, s, by, slopes.col(first));
+    if (term.form == VibrationForm::kTransients && s >= 2) {
+      FillSlopeOfImpact(run, term, s, by, slopes.col(first));
       continue;
     }
     VibrationTerm moved = term;
-    moved.shapes[s] += by;
+    moved.nonlinear_parameters[s] += by;
     slopes.middleCols(first, width) = (FillTerm(samples, which, moved) - columns) / by;
   }
   return slopes;

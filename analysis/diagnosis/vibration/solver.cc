@@ -17,25 +17,29 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kLongestMissing = 8;
 
-std::vector<double> ShapesFrom(const std::vector<VibrationTerm>& terms, std::size_t from) {
-  std::vector<double> shapes;
+std::vector<double> NonlinearParametersFrom(const std::vector<VibrationTerm>& terms, std::size_t from) {
+  std::vector<double> nonlinear_parameters;
   for (std::size_t t = from; t < terms.size(); ++t)
-    shapes.insert(shapes.end(), terms[t].shapes.begin(), terms[t].shapes.end());
-  return shapes;
+    nonlinear_parameters.insert(nonlinear_parameters.end(), terms[t].nonlinear_parameters.begin(),
+                                terms[t].nonlinear_parameters.end());
+  return nonlinear_parameters;
 }
 
-void SetShapesFrom(std::vector<VibrationTerm>& terms, std::size_t from, std::span<const double> shapes) {
+void SetNonlinearParametersFrom(std::vector<VibrationTerm>& terms, std::size_t from,
+                                std::span<const double> nonlinear_parameters) {
   std::size_t s = 0;
   for (std::size_t t = from; t < terms.size(); ++t) {
-    for (double& shape : terms[t].shapes) shape = shapes[s++];
+    for (double& nonlinear_parameter : terms[t].nonlinear_parameters)
+      nonlinear_parameter = nonlinear_parameters[s++];
   }
 }
 
-std::vector<VibrationShape> BoundsFrom(const VibrationSamples& samples,
-                                       const std::vector<VibrationTerm>& terms, std::size_t from) {
-  std::vector<VibrationShape> bounds;
+std::vector<VibrationNonlinearParameter> BoundsFrom(const VibrationSamples& samples,
+                                                    const std::vector<VibrationTerm>& terms,
+                                                    std::size_t from) {
+  std::vector<VibrationNonlinearParameter> bounds;
   for (std::size_t t = from; t < terms.size(); ++t) {
-    const std::vector<VibrationShape> own = ShapesOf(samples, terms[t]);
+    const std::vector<VibrationNonlinearParameter> own = NonlinearParametersOf(samples, terms[t]);
     bounds.insert(bounds.end(), own.begin(), own.end());
   }
   return bounds;
@@ -45,7 +49,7 @@ bool SameColumns(const VibrationTerm& a, const VibrationTerm& b) {
   const auto same_line = [](const LinePlace& x, const LinePlace& y) {
     return x.harmonic == y.harmonic && x.offset == y.offset;
   };
-  return a.form == b.form && a.shapes == b.shapes &&
+  return a.form == b.form && a.nonlinear_parameters == b.nonlinear_parameters &&
          std::equal(a.lines.begin(), a.lines.end(), b.lines.begin(), b.lines.end(), same_line);
 }
 
@@ -58,28 +62,30 @@ double VibrationSolution::bic() const {
          free_parameters * std::log(weight_sum);
 }
 
-std::vector<double> MovedShapes(std::vector<double> shapes, std::span<const VibrationShape> bounds,
-                                const SharedStep& step, double damping) {
+std::vector<double> MovedNonlinearParameters(std::vector<double> nonlinear_parameters,
+                                             std::span<const VibrationNonlinearParameter> bounds,
+                                             const SharedStep& step, double damping) {
   constexpr double kMostSteps = 20.0;
   MatrixXd damped = step.normal;
   damped.diagonal() *= 1.0 + damping;
   const VectorXd change = PseudoInverse(damped) * step.gradient;
-  for (std::size_t s = 0; s < shapes.size(); ++s) {
+  for (std::size_t s = 0; s < nonlinear_parameters.size(); ++s) {
     const double most = kMostSteps * bounds[s].step;
-    shapes[s] = std::clamp(shapes[s] + std::clamp(change(static_cast<Index>(s)), -most, most), bounds[s].low,
-                           bounds[s].high);
+    nonlinear_parameters[s] =
+        std::clamp(nonlinear_parameters[s] + std::clamp(change(static_cast<Index>(s)), -most, most),
+                   bounds[s].low, bounds[s].high);
   }
-  return shapes;
+  return nonlinear_parameters;
 }
 
 VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<const double> weights)
     : samples_(samples), weights_(weights.begin(), weights.end()) {
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
-    for (const VibrationStretch& channel : samples_.runs[r].channels) places_.push_back({r, &channel});
+    for (const VibrationSegment& channel : samples_.runs[r].channels) places_.push_back({r, &channel});
   }
   breaks_.assign(weights_.size(), 0);
   missing_.assign(weights_.size(), 0);
-  for (const std::size_t first : samples_.stretches) breaks_[first] = 1;
+  for (const std::size_t first : samples_.segments) breaks_[first] = 1;
   for (std::size_t i = 0; i < weights_.size();) {
     std::size_t end = i;
     while (end < weights_.size() && !(weights_[end] > 0.0)) ++end;
@@ -92,7 +98,7 @@ VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<cons
 
 VibrationSolver::Listening VibrationSolver::ListeningOf(const VibrationTerm& narrowband,
                                                         std::size_t run) const {
-  const std::vector<VibrationStretch>& channels = samples_.runs[run].channels;
+  const std::vector<VibrationSegment>& channels = samples_.runs[run].channels;
   std::size_t first = 0;
   for (std::size_t r = 0; r < run; ++r) first += samples_.runs[r].channels.size();
   Listening listening{VectorXd::Zero(static_cast<Index>(channels.size())),
@@ -100,42 +106,45 @@ VibrationSolver::Listening VibrationSolver::ListeningOf(const VibrationTerm& nar
                       std::vector<char>(samples_.runs[run].size(), 0)};
   std::vector<char>& missing = listening.missing;
   for (std::size_t c = 0; c < channels.size(); ++c) {
-    if (narrowband.heard[first + c] == 0 || narrowband.shapes[2 + first + c] == 0.0) continue;
-    listening.unit(static_cast<Index>(c)) = narrowband.shapes[2 + first + c];
+    if (narrowband.observable[first + c] == 0 || narrowband.nonlinear_parameters[2 + first + c] == 0.0)
+      continue;
+    listening.unit(static_cast<Index>(c)) = narrowband.nonlinear_parameters[2 + first + c];
     const auto own = missing_.begin() + static_cast<std::ptrdiff_t>(channels[c].first);
     std::transform(missing.begin(), missing.end(), own, missing.begin(), std::bit_or<>());
   }
   const double size = listening.unit.norm();
   if (!(size > 0.0)) return listening;
   listening.unit /= size;
-  listening.filter = FilterOf({narrowband.shapes[0], narrowband.shapes[1], 2.0 * std::log(size)},
-                              samples_.runs[run].period_s);
+  listening.filter =
+      FilterOf({narrowband.nonlinear_parameters[0], narrowband.nonlinear_parameters[1], 2.0 * std::log(size)},
+               samples_.runs[run].period_s);
   return listening;
 }
 
-Foretold VibrationSolver::ForetoldOf(std::span<const VibrationTerm> narrowband, std::size_t run,
-                                     const VectorXd& left) const {
+Predicted VibrationSolver::PredictedOf(std::span<const VibrationTerm> narrowband, std::size_t run,
+                                       const VectorXd& left) const {
   const VibrationRun& own = samples_.runs[run];
   const auto first = static_cast<Index>(own.channels.front().first);
   const auto n = static_cast<Index>(own.size());
   const auto channels = static_cast<Index>(own.channels.size());
-  Foretold foretold{MatrixXd(channels, static_cast<Index>(narrowband.size())), {}};
+  Predicted predicted{MatrixXd(channels, static_cast<Index>(narrowband.size())), {}};
   std::vector<InnovationFilter> filters;
   std::vector<char> missing;
   for (const VibrationTerm& term : narrowband) {
     Listening listening = ListeningOf(term, run);
-    foretold.units.col(static_cast<Index>(filters.size())) = listening.unit;
+    predicted.units.col(static_cast<Index>(filters.size())) = listening.unit;
     filters.push_back(listening.filter);
     if (missing.empty()) missing = std::move(listening.missing);
   }
   // The channels of a record stand one after the other.
-  foretold.along = Eigen::Map<const MatrixXd>(left.data() + first, n, channels) * foretold.units;
-  Foretell(filters, std::span(breaks_).subspan(static_cast<std::size_t>(first), own.size()), missing,
-           foretold.along);
-  return foretold;
+  predicted.along = Eigen::Map<const MatrixXd>(left.data() + first, n, channels) * predicted.units;
+  Predict(filters, std::span(breaks_).subspan(static_cast<std::size_t>(first), own.size()), missing,
+          predicted.along);
+  return predicted;
 }
 
-void VibrationSolver::TakeOffForetold(std::span<const VibrationTerm> terms, Eigen::Ref<MatrixXd> left) const {
+void VibrationSolver::TakeOffPredicted(std::span<const VibrationTerm> terms,
+                                       Eigen::Ref<MatrixXd> left) const {
   for (const VibrationTerm& term : terms) {
     if (!IsNarrowband(term)) continue;
     for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
@@ -149,8 +158,8 @@ void VibrationSolver::TakeOffForetold(std::span<const VibrationTerm> terms, Eige
       MatrixXd together = MatrixXd::Zero(n, left.cols());
       for (std::size_t c = 0; c < run.channels.size(); ++c)
         together += listening.unit(static_cast<Index>(c)) * of_channel(c);
-      Foretell({&listening.filter, 1}, std::span(breaks_).subspan(run.channels.front().first, run.size()),
-               listening.missing, together);
+      Predict({&listening.filter, 1}, std::span(breaks_).subspan(run.channels.front().first, run.size()),
+              listening.missing, together);
       for (std::size_t c = 0; c < run.channels.size(); ++c) {
         const double unit = listening.unit(static_cast<Index>(c));
         if (unit != 0.0) of_channel(c) -= unit * together;
@@ -164,13 +173,13 @@ MatrixXd VibrationSolver::Assemble(const VibrationSolution& solution, std::size_
   const VibrationRun& run = samples_.runs[place.run];
   Index width = run.nominal.cols();
   for (std::size_t t = 0; t < solution.terms.size(); ++t) {
-    if (solution.terms[t].heard[channel] != 0) width += solution.columns[place.run][t]->cols();
+    if (solution.terms[t].observable[channel] != 0) width += solution.columns[place.run][t]->cols();
   }
   MatrixXd all(static_cast<Index>(run.size()), width + 1);
   all.leftCols(run.nominal.cols()) = run.nominal;
   Index column = run.nominal.cols();
   for (std::size_t t = 0; t < solution.terms.size(); ++t) {
-    if (solution.terms[t].heard[channel] == 0) continue;
+    if (solution.terms[t].observable[channel] == 0) continue;
     const MatrixXd& own = *solution.columns[place.run][t];
     all.middleCols(column, own.cols()) = own;
     column += own.cols();
@@ -182,7 +191,7 @@ MatrixXd VibrationSolver::Assemble(const VibrationSolution& solution, std::size_
 bool VibrationSolver::RepeatsColumns(std::span<const VibrationTerm> terms, std::size_t channel) const {
   return channel > 0 && places_[channel].run == places_[channel - 1].run &&
          std::ranges::all_of(terms, [&](const VibrationTerm& term) {
-           return term.heard[channel] == term.heard[channel - 1];
+           return term.observable[channel] == term.observable[channel - 1];
          });
 }
 
@@ -215,10 +224,10 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
   solution.weight_sum = std::accumulate(weights_.begin(), weights_.end(), 0.0);
   for (const VibrationTerm& term : solution.terms) {
     const bool narrow = IsNarrowband(term);
-    solution.free_parameters += narrow ? 2 : static_cast<int>(term.shapes.size());
+    solution.free_parameters += narrow ? 2 : static_cast<int>(term.nonlinear_parameters.size());
     if (narrow)
       solution.free_parameters += static_cast<int>(
-          std::count_if(term.heard.begin(), term.heard.end(), [](char h) { return h != 0; }));
+          std::count_if(term.observable.begin(), term.observable.end(), [](char h) { return h != 0; }));
   }
   MatrixXd all;
   for (std::size_t c = 0; c < places_.size(); ++c) {
@@ -232,9 +241,9 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
                       : FitChannel(columns, ResponseOf(c), WeightsOf(c));
     Index column = samples_.runs[places_[c].run].nominal.cols();
     for (std::size_t t = 0; t < solution.terms.size(); ++t) {
-      const bool heard = solution.terms[t].heard[c] != 0;
-      channel.first.push_back(heard ? column : -1);
-      if (heard) column += solution.columns[places_[c].run][t]->cols();
+      const bool observable = solution.terms[t].observable[c] != 0;
+      channel.first.push_back(observable ? column : -1);
+      if (observable) column += solution.columns[places_[c].run][t]->cols();
     }
     solution.square_sum += channel.fit.square_sum;
     solution.free_parameters += static_cast<int>(width);
@@ -243,7 +252,7 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
   if (std::ranges::none_of(solution.terms, IsNarrowband)) return solution;
   solution.unexplained = Residual(solution);
   VectorXd left = solution.unexplained;
-  TakeOffForetold(solution.terms, left);
+  TakeOffPredicted(solution.terms, left);
   solution.square_sum = 0.0;
   for (std::size_t c = 0; c < places_.size(); ++c) {
     ChannelFit& fit = solution.channels[c].fit;
@@ -266,18 +275,18 @@ VectorXd VibrationSolver::Residual(const VibrationSolution& solution) const {
 }
 
 MatrixXd VibrationSolver::Derivatives(const VibrationSolution& solution, std::size_t channel,
-                                      std::size_t from, std::size_t shapes,
+                                      std::size_t from, std::size_t nonlinear_parameters,
                                       const std::vector<std::vector<MatrixXd>>& slopes) const {
   const Place& place = places_[channel];
   const VibrationSolution::Channel& fitted = solution.channels[channel];
-  MatrixXd derivatives =
-      MatrixXd::Zero(static_cast<Index>(samples_.runs[place.run].size()), static_cast<Index>(shapes));
+  MatrixXd derivatives = MatrixXd::Zero(static_cast<Index>(samples_.runs[place.run].size()),
+                                        static_cast<Index>(nonlinear_parameters));
   Index s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
     const VibrationTerm& term = solution.terms[t];
     const Index width = ColumnsOf(term);
-    for (Index k = 0; k < static_cast<Index>(term.shapes.size()); ++k, ++s) {
-      if (term.heard[channel] == 0 || IsNarrowband(term)) continue;
+    for (Index k = 0; k < static_cast<Index>(term.nonlinear_parameters.size()); ++k, ++s) {
+      if (term.observable[channel] == 0 || IsNarrowband(term)) continue;
       derivatives.col(s).noalias() = slopes[place.run][t - from].middleCols(k * width, width) *
                                      fitted.fit.coefficients.segment(fitted.first[t], width);
     }
@@ -285,20 +294,20 @@ MatrixXd VibrationSolver::Derivatives(const VibrationSolution& solution, std::si
   return derivatives;
 }
 
-SharedStep VibrationSolver::StepOfForetold(const VibrationSolution& solution, std::size_t from,
-                                           const std::vector<VibrationShape>& shapes,
-                                           MatrixXd derivatives) const {
-  TakeOffForetold(solution.terms, derivatives);
+SharedStep VibrationSolver::StepOfPredicted(
+    const VibrationSolution& solution, std::size_t from,
+    const std::vector<VibrationNonlinearParameter>& nonlinear_parameters, MatrixXd derivatives) const {
+  TakeOffPredicted(solution.terms, derivatives);
   const VectorXd left = Residual(solution);
   std::size_t s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
-    for (std::size_t k = 0; k < solution.terms[t].shapes.size(); ++k, ++s) {
+    for (std::size_t k = 0; k < solution.terms[t].nonlinear_parameters.size(); ++k, ++s) {
       if (!IsNarrowband(solution.terms[t])) continue;
       std::vector<VibrationTerm> moved = solution.terms;
-      const double by = 0.1 * shapes[s].step;
-      moved[t].shapes[k] += by;
+      const double by = 0.1 * nonlinear_parameters[s].step;
+      moved[t].nonlinear_parameters[k] += by;
       VectorXd there = solution.unexplained;
-      TakeOffForetold(moved, there);
+      TakeOffPredicted(moved, there);
       derivatives.col(static_cast<Index>(s)) = (left - there) / by;
     }
   }
@@ -311,7 +320,7 @@ SharedStep VibrationSolver::StepOfForetold(const VibrationSolution& solution, st
 }
 
 SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
-                                 const std::vector<VibrationShape>& shapes) const {
+                                 const std::vector<VibrationNonlinearParameter>& nonlinear_parameters) const {
   // Slopes of the columns by each shape, once a run: the channels share them.
   std::vector<std::vector<MatrixXd>> slopes(samples_.runs.size());
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
@@ -321,41 +330,47 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
                                              : FillSlopes(samples_, r, term, *solution.columns[r][t]));
     }
   }
-  const bool foretells = std::ranges::any_of(solution.terms, IsNarrowband);
+  const bool predicts = std::ranges::any_of(solution.terms, IsNarrowband);
   MatrixXd across;  // derivatives with what the coefficients make of them
-  if (foretells) across.resize(static_cast<Index>(weights_.size()), static_cast<Index>(shapes.size()));
-  SharedStep step(static_cast<Index>(shapes.size()));
+  if (predicts)
+    across.resize(static_cast<Index>(weights_.size()), static_cast<Index>(nonlinear_parameters.size()));
+  SharedStep step(static_cast<Index>(nonlinear_parameters.size()));
   MatrixXd all;
   for (std::size_t c = 0; c < places_.size(); ++c) {
     if (!RepeatsColumns(solution.terms, c)) all = Assemble(solution, c);
     const auto columns = all.leftCols(all.cols() - 1);
-    const MatrixXd derivatives = Derivatives(solution, c, from, shapes.size(), slopes);
-    MatrixXd& follows = solution.channels[c].follows_shapes;
+    const MatrixXd derivatives = Derivatives(solution, c, from, nonlinear_parameters.size(), slopes);
+    MatrixXd& follows = solution.channels[c].follows_nonlinear_parameters;
     follows = step.Add(columns, derivatives, solution.channels[c].fit, WeightsOf(c));
-    if (foretells) {
+    if (predicts) {
       const auto first = static_cast<Index>(places_[c].channel->first);
       across.middleRows(first, all.rows()) = derivatives + columns * follows;
     }
   }
-  if (foretells) return StepOfForetold(solution, from, shapes, std::move(across));
+  if (predicts) return StepOfPredicted(solution, from, nonlinear_parameters, std::move(across));
   return step;
 }
 
 VibrationSolution VibrationSolver::Refine(VibrationSolution solution, int rounds, std::size_t from) const {
-  const std::vector<VibrationShape> shapes = BoundsFrom(samples_, solution.terms, from);
-  if (shapes.empty()) return solution;
+  const std::vector<VibrationNonlinearParameter> nonlinear_parameters =
+      BoundsFrom(samples_, solution.terms, from);
+  if (nonlinear_parameters.empty()) return solution;
   return Descend(
-      std::move(solution), rounds, [&](VibrationSolution& at) { return Step(at, from, shapes); },
+      std::move(solution), rounds,
+      [&](VibrationSolution& at) { return Step(at, from, nonlinear_parameters); },
       [&](const VibrationSolution& at, const SharedStep& step, double damping) {
         std::vector<VibrationTerm> terms = at.terms;
-        SetShapesFrom(terms, from, MovedShapes(ShapesFrom(terms, from), shapes, step, damping));
+        SetNonlinearParametersFrom(terms, from,
+                                   MovedNonlinearParameters(NonlinearParametersFrom(terms, from),
+                                                            nonlinear_parameters, step, damping));
         return Solve(std::move(terms), &at);
       });
 }
 
-MatrixXd VibrationSolver::ShapeCovariance(VibrationSolution& solution) const {
-  const std::vector<VibrationShape> shapes = BoundsFrom(samples_, solution.terms, 0);
-  return solution.variance() * PseudoInverse(Step(solution, 0, shapes).normal);
+MatrixXd VibrationSolver::NonlinearParameterCovariance(VibrationSolution& solution) const {
+  const std::vector<VibrationNonlinearParameter> nonlinear_parameters =
+      BoundsFrom(samples_, solution.terms, 0);
+  return solution.variance() * PseudoInverse(Step(solution, 0, nonlinear_parameters).normal);
 }
 
 }  // namespace strainwave::analysis::diagnosis

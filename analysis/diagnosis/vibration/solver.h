@@ -13,17 +13,18 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A set of terms, fitted: every channel has coefficients of its own, all share the shapes.
+/// A set of terms, fitted: every channel has coefficients of its own, all share the nonlinear parameters.
 struct VibrationSolution {
   struct Channel {
-    ChannelFit fit;                   // columns: nominal, then the heard terms in their order
-    std::vector<Eigen::Index> first;  // of each term's columns, −1 where it is not heard
-    Eigen::MatrixXd follows_shapes;   // change of coefficients by shapes; with ShapeCovariance() only
+    ChannelFit fit;                   // columns: nominal, then the observable terms in their order
+    std::vector<Eigen::Index> first;  // of each term's columns, −1 where it is not observable
+    Eigen::MatrixXd follows_nonlinear_parameters;  // change of coefficients by nonlinear parameters; with
+                                                   // NonlinearParameterCovariance() only
   };
   std::vector<VibrationTerm> terms;
   std::vector<Channel> channels;                                             // run by run
   std::vector<std::vector<std::shared_ptr<const Eigen::MatrixXd>>> columns;  // [run][term], unfiltered
-  Eigen::VectorXd unexplained;  // what narrow-band terms foretell from, all samples; where there are some
+  Eigen::VectorXd unexplained;  // what narrow-band terms predict from, all samples; where there are some
   double square_sum{};
   double weight_sum{};
   int free_parameters{};
@@ -32,11 +33,14 @@ struct VibrationSolution {
   double variance() const { return square_sum / std::max(1.0, weight_sum - free_parameters); }
 };
 
-/// Shapes after a damped step, each within its bounds and not moved by more than some of its steps.
-std::vector<double> MovedShapes(std::vector<double> shapes, std::span<const VibrationShape> bounds,
-                                const SharedStep& step, double damping);
+/// Nonlinear parameters after a damped step, each within its bounds and not moved by more than some of its
+/// steps.
+std::vector<double> MovedNonlinearParameters(std::vector<double> nonlinear_parameters,
+                                             std::span<const VibrationNonlinearParameter> bounds,
+                                             const SharedStep& step, double damping);
 
-/// Levenberg–Marquardt on shapes, down a fit's `square_sum`, until a round brings next to nothing.
+/// Levenberg–Marquardt on nonlinear parameters, down a fit's `square_sum`, until a round brings next to
+/// nothing.
 /// @param step_at  SharedStep of a fit
 /// @param moved    the fit after a damped step: (fit, step, damping)
 template <typename Fit, typename StepAt, typename Moved>
@@ -57,14 +61,14 @@ Fit Descend(Fit fit, int rounds, StepAt step_at, Moved moved) {
   return fit;
 }
 
-/// What narrow-band terms, each for itself, foretell of what is left of one run. A mode moves all channels of
-/// a record in one proportion: what they show of it together foretells each.
-struct Foretold {
+/// What narrow-band terms, each for itself, predict of what is left of one run. A mode moves all channels of
+/// a record in one proportion: what they show of it together predicts each.
+struct Predicted {
   Eigen::MatrixXd units;  // channels × terms: direction in which it moves them
   Eigen::MatrixXd along;  // samples × terms: along that direction; a channel has its part of the unit
 };
 
-/// Fits terms to the samples by least squares under weights. What narrow-band terms foretell is taken off
+/// Fits terms to the samples by least squares under weights. What narrow-band terms predict is taken off
 /// what that leaves: a line's coefficients are the same in noise of any smooth spectrum, and other terms lie
 /// beside the band.
 class VibrationSolver {
@@ -74,11 +78,12 @@ class VibrationSolver {
   VibrationSolution Solve(std::vector<VibrationTerm> terms,
                           const VibrationSolution* previous = nullptr) const;
 
-  /// Levenberg–Marquardt on the shapes of the terms from one on, at most so many rounds.
+  /// Levenberg–Marquardt on the nonlinear parameters of the terms from one on, at most so many rounds.
   VibrationSolution Refine(VibrationSolution solution, int rounds, std::size_t from = 0) const;
 
-  /// Covariance of the shapes of all terms, one after the other; fills `follows_shapes`.
-  Eigen::MatrixXd ShapeCovariance(VibrationSolution& solution) const;
+  /// Covariance of the nonlinear parameters of all terms, one after the other; fills
+  /// `follows_nonlinear_parameters`.
+  Eigen::MatrixXd NonlinearParameterCovariance(VibrationSolution& solution) const;
 
   /// What the model does not explain (innovations, where there are narrow-band terms), all samples.
   Eigen::VectorXd Residual(const VibrationSolution& solution) const;
@@ -88,19 +93,19 @@ class VibrationSolver {
 
   /// @param narrowband  terms that the same channels hear
   /// @param left  all samples
-  Foretold ForetoldOf(std::span<const VibrationTerm> narrowband, std::size_t run,
-                      const Eigen::VectorXd& left) const;
+  Predicted PredictedOf(std::span<const VibrationTerm> narrowband, std::size_t run,
+                        const Eigen::VectorXd& left) const;
 
-  /// Takes off what the narrow-band terms foretell.
+  /// Takes off what the narrow-band terms predict.
   /// @param left  all samples, in any number of columns
-  void TakeOffForetold(std::span<const VibrationTerm> terms, Eigen::Ref<Eigen::MatrixXd> left) const;
+  void TakeOffPredicted(std::span<const VibrationTerm> terms, Eigen::Ref<Eigen::MatrixXd> left) const;
 
   std::span<const double> weights() const { return weights_; }
 
  private:
   struct Place {
     std::size_t run;
-    const VibrationStretch* channel;
+    const VibrationSegment* channel;
   };
   /// How a narrow-band term listens to the channels of a run: together along a unit vector, zero where none
   /// hears it, but for samples that one of them misses.
@@ -115,12 +120,13 @@ class VibrationSolver {
   Eigen::Map<const Eigen::VectorXd> WeightsOf(std::size_t channel) const;
   Eigen::Map<const Eigen::VectorXd> ResponseOf(std::size_t channel) const;
   Eigen::MatrixXd Derivatives(const VibrationSolution& solution, std::size_t channel, std::size_t from,
-                              std::size_t shapes,
+                              std::size_t nonlinear_parameters,
                               const std::vector<std::vector<Eigen::MatrixXd>>& slopes) const;
-  SharedStep StepOfForetold(const VibrationSolution& solution, std::size_t from,
-                            const std::vector<VibrationShape>& shapes, Eigen::MatrixXd derivatives) const;
+  SharedStep StepOfPredicted(const VibrationSolution& solution, std::size_t from,
+                             const std::vector<VibrationNonlinearParameter>& nonlinear_parameters,
+                             Eigen::MatrixXd derivatives) const;
   SharedStep Step(VibrationSolution& solution, std::size_t from,
-                  const std::vector<VibrationShape>& shapes) const;
+                  const std::vector<VibrationNonlinearParameter>& nonlinear_parameters) const;
 
   const VibrationSamples& samples_;
   std::vector<double> weights_;

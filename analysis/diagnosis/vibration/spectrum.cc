@@ -160,7 +160,7 @@ VibrationSpectrum::VibrationSpectrum(const VibrationSamples& samples, std::span<
       even = std::abs(place[i] - step * static_cast<double>(i)) < 0.02 * step;
     }
     Run own;
-    for (const VibrationStretch& channel : run.channels) {
+    for (const VibrationSegment& channel : run.channels) {
       std::vector<double> values = AtEvenSteps(place, residual.subspan(channel.first, run.size()),
                                                weights.subspan(channel.first, run.size()), step, even);
       const std::size_t size = std::bit_ceil(kSpectrumPadding * values.size());

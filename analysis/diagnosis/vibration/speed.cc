@@ -29,14 +29,14 @@ constexpr std::size_t kMostPairs = 6;
 constexpr double kClearLine = 9.0;  // −ln p of one line at a known place, beyond what a channel gives
 
 Eigen::Map<const VectorXd> Response(const VibrationSamples& samples, const VibrationRun& run,
-                                    const VibrationStretch& channel) {
+                                    const VibrationSegment& channel) {
   return {samples.measured.data() + channel.first, static_cast<Index>(run.size())};
 }
 
 std::vector<double> LessMeans(const VibrationSamples& samples) {
   std::vector<double> centred(samples.measured);
   for (const VibrationRun& run : samples.runs) {
-    for (const VibrationStretch& channel : run.channels) {
+    for (const VibrationSegment& channel : run.channels) {
       const double mean = Response(samples, run, channel).mean();
       for (std::size_t i = 0; i < run.size(); ++i) centred[channel.first + i] -= mean;
     }
@@ -108,7 +108,7 @@ PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, cons
     PhaseFit now;
     now.phase = phase;
     SharedStep step(basis.cols());
-    for (const VibrationStretch& channel : run.channels) {
+    for (const VibrationSegment& channel : run.channels) {
       const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights, inverse);
       now.square_sum += fit.square_sum;
       for (Index k = 0; k < 2; ++k) {
@@ -162,7 +162,7 @@ Step StepOf(const VibrationSamples& samples, const VibrationRun& run, const Matr
   const MatrixXd normal_inverse = NormalInverse(columns, weights);
   SharedStep step(numbers);
   double square_sum = 0.0;
-  for (const VibrationStretch& channel : run.channels) {
+  for (const VibrationSegment& channel : run.channels) {
     const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights, normal_inverse);
     const VectorXd slopes[] = {SlopeOf(columns, fit, 1), SlopeOf(columns, fit, 2)};
     step.Add(columns, derivatives(slopes), fit, weights);
@@ -292,7 +292,7 @@ bool StandsOutAlone(const VibrationSamples& one, Index line) {
   const auto n = static_cast<Index>(run.size());
   const VectorXd weights = VectorXd::Ones(n);
   std::vector<double> left(one.measured.size(), 0.0);
-  for (const VibrationStretch& channel : run.channels) {
+  for (const VibrationSegment& channel : run.channels) {
     const auto response = Response(one, run, channel);
     ChannelFit fit = FitChannel(run.nominal, response, weights);
     fit.coefficients.segment(2 * line - 1, 2).setZero();
@@ -317,9 +317,9 @@ std::optional<double> SquareSumOfPair(VibrationSamples samples, double speed_rad
 }
 
 // A speed in another unit puts the pair of lines far from where it should be. So may a gear with as many
-// teeth: a doubt, not a finding.
-void DoubtUnit(const VibrationSpectrum& spectrum, double speed_rad_per_s,
-               std::vector<std::string>& warnings) {
+// teeth: a model uncertainty, not a finding.
+void QuestionUnit(const VibrationSpectrum& spectrum, double speed_rad_per_s,
+                  std::vector<std::string>& warnings) {
   struct MixUp {
     double factor;
     const char* unit;
@@ -350,7 +350,7 @@ void CorrectSpeed(VibrationSamples& samples, SpeedSource source) {
     VibrationSamples one;
     one.runs.push_back(run);
     const VibrationSpectrum spectrum(one, centred, ones, SpectrumAxis::kTurns);
-    if (source != SpeedSource::kItsLines) DoubtUnit(spectrum, run.mean_speed_rad_per_s, samples.warnings);
+    if (source != SpeedSource::kItsLines) QuestionUnit(spectrum, run.mean_speed_rad_per_s, samples.warnings);
     const double best = BestPair(spectrum, 1.0, source == SpeedSource::kMeasured ? 0.004 : 0.025);
     const double cells = std::abs(best - 1.0) / spectrum.cell();
     const double ahead = PairExcess(spectrum, best) - PairExcess(spectrum, 1.0);

@@ -17,7 +17,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// Kinds of cause and correction, each with its own search.
+/// Kinds of cause and nuisance term, each with its own search.
 enum class VibrationCause {
   kGearMesh,
   kToothEngagement,
@@ -46,10 +46,10 @@ inline constexpr double kLeastSpeedSpread =
     0.08;  // of the mean speed, to tell growth with speed from a level
 
 /// What a model leaves, for searches; all of it is made when first asked for.
-class VibrationRemainder {
+class VibrationResidual {
  public:
-  VibrationRemainder(const VibrationSamples& samples, const VibrationSolver& solver,
-                     const VibrationSolution& base);
+  VibrationResidual(const VibrationSamples& samples, const VibrationSolver& solver,
+                    const VibrationSolution& base);
 
   const VibrationSamples& samples() const { return samples_; }
   const VibrationSolver& solver() const { return solver_; }
@@ -100,7 +100,7 @@ class VibrationRemainder {
 
 /// The best form of a cause beside a model; nothing where it has no support of its own (a bearing that would
 /// be one line, a resonance that would be a tone).
-std::optional<TermFit> SearchCause(const VibrationRemainder& remainder, VibrationCause cause,
+std::optional<TermFit> SearchCause(const VibrationResidual& residual, VibrationCause cause,
                                    std::size_t index);
 
 /// Order as it appears at this sampling rate.

@@ -10,7 +10,6 @@
 #include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/vibration/families.h"
 #include "analysis/diagnosis/vibration/gear_mesh.h"
-#include "analysis/diagnosis/vibration/kicks.h"
 #include "analysis/diagnosis/vibration/parameters.h"
 #include "analysis/diagnosis/vibration/resonances.h"
 #include "analysis/diagnosis/vibration/rules.h"
@@ -20,17 +19,18 @@
 #include "analysis/diagnosis/vibration/slipping.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/starts.h"
+#include "analysis/diagnosis/vibration/transients.h"
 #include "analysis/noise_level.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kKnocksInACell = 20.0;  // as many as make p < 0.004 in four of a thousand clean records
+constexpr double kImpactsInACell = 20.0;  // as many as make p < 0.004 in four of a thousand clean records
 
 /// Accelerations over time and shaft angle. The response is all channels one after the other, scaled to equal
 /// noise; the nominal model has a constant and the shaft's lines at 1 and 2 per turn in each. Lines and
-/// ringing impulses are foretold as they are; a resonance that noise drives is foretold from one sample to
+/// ringing impulses are predicted as they are; a resonance that noise drives is predicted from one sample to
 /// the next, so that a model with one has its RMSE over one sample ahead.
 class VibrationStudy final : public Study {
  public:
@@ -42,7 +42,7 @@ class VibrationStudy final : public Study {
   }
 
   std::span<const double> measured() const override { return samples_.measured; }
-  std::span<const std::size_t> stretches() const override { return samples_.stretches; }
+  std::span<const std::size_t> segments() const override { return samples_.segments; }
   const std::vector<CauseRule>& causes() const override { return rules_.rules; }
   const std::vector<Regressor>& regressors() const override { return regressors_; }
   std::string unit() const override { return UnitOfChannel(samples_.runs.front().channels.front().name); }
@@ -63,7 +63,7 @@ class VibrationStudy final : public Study {
   std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override {
     std::vector<UserQuantity> quantities;
     for (const VibrationRun& run : samples_.runs) {
-      for (const VibrationStretch& channel : run.channels) {
+      for (const VibrationSegment& channel : run.channels) {
         const auto rms = [&](const double* values) {
           const Eigen::Map<const Eigen::VectorXd> own(values + channel.first,
                                                       static_cast<Eigen::Index>(run.size()));
@@ -99,8 +99,8 @@ class VibrationStudy final : public Study {
     VibrationBase& base = searches_.BaseOf(samples_, weights, known);
     std::optional<VibrationSolution> solution = searches_.Find(base, rules_.kinds[missing[0]], missing[0]);
     for (std::size_t m = 1; m < missing.size() && solution; ++m) {
-      const VibrationRemainder remainder(samples_, base.solver, *solution);
-      std::optional<VibrationSolution> more = Beside(remainder, rules_.kinds[missing[m]], missing[m]);
+      const VibrationResidual residual(samples_, base.solver, *solution);
+      std::optional<VibrationSolution> more = Beside(residual, rules_.kinds[missing[m]], missing[m]);
       solution = std::move(more);
     }
     if (!solution) return Unusable(cause_indices);
@@ -169,7 +169,7 @@ class VibrationStudy final : public Study {
     std::size_t alone = 0;
     std::size_t in_company = 0;
     for (const VibrationRun& run : samples_.runs) {
-      for (const VibrationStretch& channel : run.channels) {
+      for (const VibrationSegment& channel : run.channels) {
         const std::span<const double> own(residual.data() + channel.first, run.size());
         const double usual = RobustStandardDeviation(own);
         for (const std::size_t spike : FindSpikes(own, EstimateNoise(own))) {
@@ -195,45 +195,48 @@ class VibrationStudy final : public Study {
                     VibrationSolution solution, FitPurpose purpose) const {
     ModelFit fit = Unusable(cause_indices);
     if (HasResonanceOfATrain(solution.terms)) return fit;
-    Eigen::MatrixXd shapes;
-    if (purpose != FitPurpose::kCompare) shapes = solver.ShapeCovariance(solution);
+    Eigen::MatrixXd nonlinear_parameters;
+    if (purpose != FitPurpose::kCompare) nonlinear_parameters = solver.NonlinearParameterCovariance(solution);
     fit.nominal = DescribeNominal(samples_, solution);
     for (const std::size_t cause : cause_indices) {
       const auto term = static_cast<std::size_t>(
           std::ranges::find(solution.terms, cause, &VibrationTerm::cause) - solution.terms.begin());
-      fit.cause_parameters.push_back(DescribeTerm(samples_, solution, term, rules_.kinds[cause], shapes));
+      fit.cause_parameters.push_back(
+          DescribeTerm(samples_, solution, term, rules_.kinds[cause], nonlinear_parameters));
     }
     const Eigen::Map<const Eigen::VectorXd> measured(samples_.measured.data(),
                                                      static_cast<Eigen::Index>(samples_.measured.size()));
     fit.predicted = measured - solver.Residual(solution);
     fit.free_parameters = solution.free_parameters;
     for (const VibrationTerm& term : solution.terms) {
-      fit.log_places += LogPlacesOf(term);
-      fit.placed_parameters += static_cast<int>(KnockCount(term));
+      fit.log_search_locations += LogSearchLocationsOf(term);
+      fit.location_parameters += static_cast<int>(ImpactCount(term));
     }
     fit.state = PackTerms(solution.terms);
     fit.usable = fit.predicted.allFinite();
     return fit;
   }
 
-  // The cells that the rule of a resonance counts are a band's; in each a knock may begin with either sign
+  // The cells that the rule of a resonance counts are a band's; in each an impact may begin with either sign
   // and die away in several ways. Those beside the first may be at any time, to half a period of what rings;
   // which one is the first does not matter.
-  double LogPlacesOf(const VibrationTerm& term) const {
+  double LogSearchLocationsOf(const VibrationTerm& term) const {
     const VibrationCause kind = rules_.kinds[term.cause];
     if (kind == VibrationCause::kGearMesh) return LogChoicesOfMesh(samples_, term);
     if (kind == VibrationCause::kBearingDefect) {
-      return LogPlacesOfTrain(samples_, term) + LogPlacesOfSlips(samples_, term);
+      return LogSearchLocationsOfTrain(samples_, term) + LogSearchLocationsOfSlips(samples_, term);
     }
-    if (kind == VibrationCause::kFlexsplineCrack) return LogPlacesOfCrack(samples_, term);
+    if (kind == VibrationCause::kFlexsplineCrack) return LogSearchLocationsOfCrack(samples_, term);
     if (kind == VibrationCause::kLineOverAngle)
-      return LogPlacesOfLine(term.shapes[0], 1.0 / samples_.shortest_turns(), samples_.highest_order());
+      return LogSearchLocationsOfLine(term.nonlinear_parameters[0], 1.0 / samples_.shortest_turns(),
+                                      samples_.highest_order());
     if (kind == VibrationCause::kLineOverTime)
-      return LogPlacesOfLine(term.shapes[0], 1.0 / samples_.runs.front().span_s(), samples_.highest_Hz());
-    if (term.form != VibrationForm::kKicks) return 0.0;
-    const double further = static_cast<double>(KnockCount(term)) - 1.0;
-    const double times = 2.0 * term.shapes[0] * samples_.runs.front().span_s();
-    return std::log(kKnocksInACell) +
+      return LogSearchLocationsOfLine(term.nonlinear_parameters[0], 1.0 / samples_.runs.front().span_s(),
+                                      samples_.highest_Hz());
+    if (term.form != VibrationForm::kTransients) return 0.0;
+    const double further = static_cast<double>(ImpactCount(term)) - 1.0;
+    const double times = 2.0 * term.nonlinear_parameters[0] * samples_.runs.front().span_s();
+    return std::log(kImpactsInACell) +
            std::max(0.0, further * std::log(std::max(1.0, times)) - std::lgamma(further + 1.0));
   }
 

@@ -18,7 +18,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 void FillLines(const std::vector<double>& angle, const VibrationTerm& term, MatrixXd& columns) {
-  const double base = term.shapes.empty() ? 1.0 : term.shapes[0];
+  const double base = term.nonlinear_parameters.empty() ? 1.0 : term.nonlinear_parameters[0];
   for (std::size_t l = 0; l < term.lines.size(); ++l) {
     const double order = term.lines[l].harmonic * base + term.lines[l].offset;
     const auto pair = static_cast<Index>(2 * l);
@@ -35,7 +35,8 @@ void FillDriven(const VibrationRun& run, const VibrationTerm& term, MatrixXd& co
     const auto pair = static_cast<Index>(2 * l);
     for (std::size_t i = 0; i < run.size(); ++i) {
       const std::complex<double> gain =
-          model::ResonantGain(order * run.speed_rad_per_s[i], kTwoPi * term.shapes[0], term.shapes[1]);
+          model::ResonantGain(order * run.speed_rad_per_s[i], kTwoPi * term.nonlinear_parameters[0],
+                              term.nonlinear_parameters[1]);
       const std::complex<double> line = gain * std::polar(1.0, order * run.angle_rad[i]);
       columns(static_cast<Index>(i), pair) = line.real();
       columns(static_cast<Index>(i), pair + 1) = line.imag();
@@ -46,10 +47,11 @@ void FillDriven(const VibrationRun& run, const VibrationTerm& term, MatrixXd& co
 void FillBurst(const VibrationRun& run, const VibrationTerm& term, MatrixXd& columns) {
   columns.setZero();
   for (std::size_t i = 0; i < run.size(); ++i) {
-    const double off = (run.time_s[i] - term.shapes[1]) / term.shapes[2];
+    const double off = (run.time_s[i] - term.nonlinear_parameters[1]) / term.nonlinear_parameters[2];
     if (std::abs(off) > 5.0) continue;
     const double bell = std::exp(-0.5 * off * off);
-    const double angle = term.shapes[0] * (run.time_2pi[i] - kTwoPi * term.shapes[1]);
+    const double angle =
+        term.nonlinear_parameters[0] * (run.time_2pi[i] - kTwoPi * term.nonlinear_parameters[1]);
     columns(static_cast<Index>(i), 0) = bell * std::cos(angle);
     columns(static_cast<Index>(i), 1) = bell * std::sin(angle);
   }
@@ -57,8 +59,9 @@ void FillBurst(const VibrationRun& run, const VibrationTerm& term, MatrixXd& col
 
 }  // namespace
 
-std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const VibrationTerm& term) {
-  std::vector<VibrationShape> shapes;
+std::vector<VibrationNonlinearParameter> NonlinearParametersOf(const VibrationSamples& samples,
+                                                               const VibrationTerm& term) {
+  std::vector<VibrationNonlinearParameter> nonlinear_parameters;
   double turns = 0.0;
   double span_s = 0.0;
   for (const VibrationRun& run : samples.runs) {
@@ -68,80 +71,95 @@ std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const Vibr
   const double top_Hz = 0.98 * samples.highest_Hz();
   switch (term.form) {
     case VibrationForm::kLines: {
-      if (term.shapes.empty()) break;
+      if (term.nonlinear_parameters.empty()) break;
       double harmonic = 1.0;
       for (const LinePlace& line : term.lines) harmonic = std::max(harmonic, std::abs(line.harmonic));
       // A search has found the cell; a fit does not leave it.
       const double cell = 1.0 / (turns * harmonic);
-      shapes.push_back({term.shapes[0] - cell, term.shapes[0] + cell, 0.05 * cell});
+      nonlinear_parameters.push_back(
+          {term.nonlinear_parameters[0] - cell, term.nonlinear_parameters[0] + cell, 0.05 * cell});
       break;
     }
     case VibrationForm::kTones: {
       const double cell = 1.0 / span_s;
-      shapes.push_back({term.shapes[0] - cell, term.shapes[0] + cell, 0.05 * cell});
+      nonlinear_parameters.push_back(
+          {term.nonlinear_parameters[0] - cell, term.nonlinear_parameters[0] + cell, 0.05 * cell});
       break;
     }
     case VibrationForm::kRing: {
-      const double lines = std::max(1.0, term.shapes[1] * span_s / turns / term.shapes[0]);
+      const double lines =
+          std::max(1.0, term.nonlinear_parameters[1] * span_s / turns / term.nonlinear_parameters[0]);
       const double cell = 1.0 / (turns * lines);
-      shapes.push_back({term.shapes[0] - 2.0 * cell, term.shapes[0] + 2.0 * cell, 0.05 * cell});
-      shapes.push_back(
-          {0.7 * term.shapes[1], std::min(top_Hz, 1.4 * term.shapes[1]), 0.005 * term.shapes[1]});
+      nonlinear_parameters.push_back({term.nonlinear_parameters[0] - 2.0 * cell,
+                                      term.nonlinear_parameters[0] + 2.0 * cell, 0.05 * cell});
+      nonlinear_parameters.push_back({0.7 * term.nonlinear_parameters[1],
+                                      std::min(top_Hz, 1.4 * term.nonlinear_parameters[1]),
+                                      0.005 * term.nonlinear_parameters[1]});
       // Towards one the ring becomes a single smooth bump; and it dies away before the next begins.
-      shapes.push_back({std::max(0.006, kLeastDecay / (kTwoPi * lines)), 0.95, 0.05 * term.shapes[2]});
-      for (std::size_t m = 0; m < 2 * term.lines.size(); ++m) shapes.push_back({-2.0, 2.0, 0.05});
-      for (std::size_t s = shapes.size(); s < term.shapes.size(); ++s) {
-        shapes.push_back({term.shapes[s] - 0.5, term.shapes[s] + 0.5, 0.02 / lines});
+      nonlinear_parameters.push_back(
+          {std::max(0.006, kLeastDecay / (kTwoPi * lines)), 0.95, 0.05 * term.nonlinear_parameters[2]});
+      for (std::size_t m = 0; m < 2 * term.lines.size(); ++m)
+        nonlinear_parameters.push_back({-2.0, 2.0, 0.05});
+      for (std::size_t s = nonlinear_parameters.size(); s < term.nonlinear_parameters.size(); ++s) {
+        nonlinear_parameters.push_back(
+            {term.nonlinear_parameters[s] - 0.5, term.nonlinear_parameters[s] + 0.5, 0.02 / lines});
       }
       break;
     }
     case VibrationForm::kPulses: {
-      const bool free = WidthIsShape(term);
-      const double width = free ? term.shapes[0] : term.lines[0].harmonic;
-      if (free) shapes.push_back({0.01, 0.3, 0.05 * width});
-      for (std::size_t m = 2; m < 2 * term.lines.size(); ++m) shapes.push_back({-2.0, 2.0, 0.05});
-      for (std::size_t s = shapes.size(); s < term.shapes.size(); ++s) {
-        shapes.push_back({term.shapes[s] - 0.5, term.shapes[s] + 0.5, 0.05 * width});
+      const bool free = WidthIsNonlinearParameter(term);
+      const double width = free ? term.nonlinear_parameters[0] : term.lines[0].harmonic;
+      if (free) nonlinear_parameters.push_back({0.01, 0.3, 0.05 * width});
+      for (std::size_t m = 2; m < 2 * term.lines.size(); ++m)
+        nonlinear_parameters.push_back({-2.0, 2.0, 0.05});
+      for (std::size_t s = nonlinear_parameters.size(); s < term.nonlinear_parameters.size(); ++s) {
+        nonlinear_parameters.push_back(
+            {term.nonlinear_parameters[s] - 0.5, term.nonlinear_parameters[s] + 0.5, 0.05 * width});
       }
       break;
     }
     case VibrationForm::kDriven:
-      shapes.push_back({1.0, top_Hz, 0.01 * term.shapes[0]});
-      shapes.push_back({0.002, 0.5, 0.05 * term.shapes[1]});
+      nonlinear_parameters.push_back({1.0, top_Hz, 0.01 * term.nonlinear_parameters[0]});
+      nonlinear_parameters.push_back({0.002, 0.5, 0.05 * term.nonlinear_parameters[1]});
       break;
     case VibrationForm::kNarrowband:
-      shapes.push_back(
-          {0.8 * term.shapes[0], std::min(top_Hz, 1.25 * term.shapes[0]), 0.003 * term.shapes[0]});
-      shapes.push_back({5e-4, 0.5, 0.05 * term.shapes[1]});
-      for (std::size_t s = 2; s < term.shapes.size(); ++s) {
-        const auto sizes = Eigen::Map<const Eigen::VectorXd>(term.shapes.data() + 2,
-                                                             static_cast<Index>(term.shapes.size() - 2));
-        shapes.push_back({-1e3, 1e3, 0.025 * std::max(1e-3, sizes.norm())});
+      nonlinear_parameters.push_back({0.8 * term.nonlinear_parameters[0],
+                                      std::min(top_Hz, 1.25 * term.nonlinear_parameters[0]),
+                                      0.003 * term.nonlinear_parameters[0]});
+      nonlinear_parameters.push_back({5e-4, 0.5, 0.05 * term.nonlinear_parameters[1]});
+      for (std::size_t s = 2; s < term.nonlinear_parameters.size(); ++s) {
+        const auto sizes = Eigen::Map<const Eigen::VectorXd>(
+            term.nonlinear_parameters.data() + 2, static_cast<Index>(term.nonlinear_parameters.size() - 2));
+        nonlinear_parameters.push_back({-1e3, 1e3, 0.025 * std::max(1e-3, sizes.norm())});
       }
       break;
-    case VibrationForm::kKicks:
-      shapes.push_back(
-          {0.8 * term.shapes[0], std::min(top_Hz, 1.25 * term.shapes[0]), 0.003 * term.shapes[0]});
-      shapes.push_back({5e-4, 0.5, 0.05 * term.shapes[1]});
-      for (std::size_t k = 2; k < term.shapes.size(); ++k) {
-        const double period_s = 1.0 / term.shapes[0];
+    case VibrationForm::kTransients:
+      nonlinear_parameters.push_back({0.8 * term.nonlinear_parameters[0],
+                                      std::min(top_Hz, 1.25 * term.nonlinear_parameters[0]),
+                                      0.003 * term.nonlinear_parameters[0]});
+      nonlinear_parameters.push_back({5e-4, 0.5, 0.05 * term.nonlinear_parameters[1]});
+      for (std::size_t k = 2; k < term.nonlinear_parameters.size(); ++k) {
+        const double period_s = 1.0 / term.nonlinear_parameters[0];
         const bool time = k == 2 || k % 2 == 1;
-        shapes.push_back(
-            time ? VibrationShape{term.shapes[k] - period_s, term.shapes[k] + period_s, 0.02 * period_s}
-                 : VibrationShape{-100.0, 100.0, 0.05});
+        nonlinear_parameters.push_back(
+            time ? VibrationNonlinearParameter{term.nonlinear_parameters[k] - period_s,
+                                               term.nonlinear_parameters[k] + period_s, 0.02 * period_s}
+                 : VibrationNonlinearParameter{-100.0, 100.0, 0.05});
       }
       break;
     case VibrationForm::kBurst:
-      shapes.push_back({std::max(0.5, 0.7 * term.shapes[0]), std::min(top_Hz, 1.4 * term.shapes[0]),
-                        0.02 / term.shapes[2]});
-      shapes.push_back({0.0, span_s, 0.1 * term.shapes[2]});
-      shapes.push_back({0.2 * term.shapes[2], 5.0 * term.shapes[2], 0.05 * term.shapes[2]});
+      nonlinear_parameters.push_back({std::max(0.5, 0.7 * term.nonlinear_parameters[0]),
+                                      std::min(top_Hz, 1.4 * term.nonlinear_parameters[0]),
+                                      0.02 / term.nonlinear_parameters[2]});
+      nonlinear_parameters.push_back({0.0, span_s, 0.1 * term.nonlinear_parameters[2]});
+      nonlinear_parameters.push_back({0.2 * term.nonlinear_parameters[2], 5.0 * term.nonlinear_parameters[2],
+                                      0.05 * term.nonlinear_parameters[2]});
       break;
     case VibrationForm::kGrowth:
     case VibrationForm::kLevels:
       break;
   }
-  return shapes;
+  return nonlinear_parameters;
 }
 
 Index ColumnsOf(const VibrationTerm& term) {
@@ -152,7 +170,7 @@ Index ColumnsOf(const VibrationTerm& term) {
       return static_cast<Index>(2 * term.lines.size());
     case VibrationForm::kRing:
     case VibrationForm::kPulses:
-    case VibrationForm::kKicks:
+    case VibrationForm::kTransients:
       return 1;
     case VibrationForm::kGrowth:
     case VibrationForm::kBurst:
@@ -166,19 +184,25 @@ Index ColumnsOf(const VibrationTerm& term) {
 }
 
 RingTrain TrainOf(const VibrationTerm& ring, std::size_t run) {
-  RingTrain train{ring.shapes[0], ring.shapes[1], ring.shapes[2], 0.0, {}, ring.slips};
+  RingTrain train{ring.nonlinear_parameters[0],
+                  ring.nonlinear_parameters[1],
+                  ring.nonlinear_parameters[2],
+                  0.0,
+                  {},
+                  ring.slips};
   std::size_t s = 3;
   for (const LinePlace& line : ring.lines) {
-    train.modulations.push_back({line.offset, ring.shapes[s], ring.shapes[s + 1]});
+    train.modulations.push_back(
+        {line.offset, ring.nonlinear_parameters[s], ring.nonlinear_parameters[s + 1]});
     s += 2;
   }
-  train.phase = ring.shapes[s + run];
+  train.phase = ring.nonlinear_parameters[s + run];
   return train;
 }
 
 bool HasPairs(VibrationForm form) {
-  return form != VibrationForm::kRing && form != VibrationForm::kPulses && form != VibrationForm::kKicks &&
-         form != VibrationForm::kLevels;
+  return form != VibrationForm::kRing && form != VibrationForm::kPulses &&
+         form != VibrationForm::kTransients && form != VibrationForm::kLevels;
 }
 
 MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const VibrationTerm& term) {
@@ -196,24 +220,30 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
       columns = RingColumn(run, TrainOf(term, which));
       break;
     case VibrationForm::kPulses: {
-      std::size_t s = WidthIsShape(term) ? 1 : 0;
-      PulseTrain train{
-          term.lines[0].offset, s > 0 ? term.shapes[0] : term.lines[0].harmonic, 0.0, 0.0, 0.0, 0.0};
+      std::size_t s = WidthIsNonlinearParameter(term) ? 1 : 0;
+      PulseTrain train{term.lines[0].offset,
+                       s > 0 ? term.nonlinear_parameters[0] : term.lines[0].harmonic,
+                       0.0,
+                       0.0,
+                       0.0,
+                       0.0};
       if (term.lines.size() > 1) {
         train.slow_order = term.lines[1].offset;
-        train.cosine = term.shapes[s];
-        train.sine = term.shapes[s + 1];
+        train.cosine = term.nonlinear_parameters[s];
+        train.sine = term.nonlinear_parameters[s + 1];
         s += 2;
       }
-      train.place = term.shapes[s + which];
+      train.place = term.nonlinear_parameters[s + which];
       columns = PulseColumn(run, train, samples.highest_order());
       break;
     }
-    case VibrationForm::kKicks:
+    case VibrationForm::kTransients:
       columns.setZero();
-      AddKick(run, term.shapes[0], term.shapes[1], term.shapes[2], 1.0, columns.col(0));
-      for (std::size_t k = 3; k + 1 < term.shapes.size(); k += 2) {
-        AddKick(run, term.shapes[0], term.shapes[1], term.shapes[k], term.shapes[k + 1], columns.col(0));
+      AddTransient(run, term.nonlinear_parameters[0], term.nonlinear_parameters[1],
+                   term.nonlinear_parameters[2], 1.0, columns.col(0));
+      for (std::size_t k = 3; k + 1 < term.nonlinear_parameters.size(); k += 2) {
+        AddTransient(run, term.nonlinear_parameters[0], term.nonlinear_parameters[1],
+                     term.nonlinear_parameters[k], term.nonlinear_parameters[k + 1], columns.col(0));
       }
       break;
     case VibrationForm::kGrowth:
@@ -251,10 +281,10 @@ std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {
     state.push_back(static_cast<double>(term.form));
     state.push_back(static_cast<double>(term.lines.size()));
     for (const LinePlace& line : term.lines) state.insert(state.end(), {line.harmonic, line.offset});
-    state.push_back(static_cast<double>(term.shapes.size()));
-    state.insert(state.end(), term.shapes.begin(), term.shapes.end());
-    state.push_back(static_cast<double>(term.heard.size()));
-    for (const char heard : term.heard) state.push_back(heard);
+    state.push_back(static_cast<double>(term.nonlinear_parameters.size()));
+    state.insert(state.end(), term.nonlinear_parameters.begin(), term.nonlinear_parameters.end());
+    state.push_back(static_cast<double>(term.observable.size()));
+    for (const char observable : term.observable) state.push_back(observable);
     state.push_back(static_cast<double>(term.slips.size()));
     state.insert(state.end(), term.slips.begin(), term.slips.end());
   }
@@ -273,10 +303,10 @@ std::vector<VibrationTerm> UnpackTerms(const std::vector<double>& state) {
       line.harmonic = next();
       line.offset = next();
     }
-    term.shapes.resize(static_cast<std::size_t>(next()));
-    for (double& shape : term.shapes) shape = next();
-    term.heard.resize(static_cast<std::size_t>(next()));
-    for (char& heard : term.heard) heard = static_cast<char>(next());
+    term.nonlinear_parameters.resize(static_cast<std::size_t>(next()));
+    for (double& nonlinear_parameter : term.nonlinear_parameters) nonlinear_parameter = next();
+    term.observable.resize(static_cast<std::size_t>(next()));
+    for (char& observable : term.observable) observable = static_cast<char>(next());
     term.slips.resize(static_cast<std::size_t>(next()));
     for (double& slip : term.slips) slip = next();
   }

@@ -12,18 +12,22 @@
 namespace strainwave::analysis::diagnosis {
 
 /// What a vibration term is made of. Columns come in pairs (a cosine and a sine part), except for `kRing`,
-/// `kPulses`, `kKicks` and `kLevels`: a mode moves all places of a housing in step, or against each other.
+/// `kPulses`, `kTransients` and `kLevels`: a mode moves all places of a housing in step, or against each
+/// other.
 enum class VibrationForm {
-  kLines,   // lines at orders of the input angle; shapes: a base order, or none
-  kTones,   // lines at frequencies; shapes: Hz
-  kRing,    // impulses at even angles that ring; shapes: order, Hz, damping, two a modulation, phase a run
-  kPulses,  // smooth pulses at even angles; shapes: width or none, two a modulation, place a run
-  kGrowth,  // 1 per turn, growing with the square of the speed; no shapes
-  kDriven,  // lines of the shaft across a resonance; shapes: Hz, damping
-  kNarrowband,  // a resonance driven by noise, no columns; shapes: Hz, damping, size a channel in noise
-  kKicks,       // a resonance that rings after knocks; shapes: Hz, damping, s; then s, height
-  kBurst,       // a tone for a short while; shapes: Hz, centre s, width s
-  kLevels,      // slow change of the mean: powers of time 1 to 3; no shapes
+  kLines,   // lines at orders of the input angle; nonlinear parameters: a base order, or none
+  kTones,   // lines at frequencies; nonlinear parameters: Hz
+  kRing,    // impulses at even angles that ring; nonlinear parameters: order, Hz, damping, two a modulation,
+            // phase a run
+  kPulses,  // smooth pulses at even angles; nonlinear parameters: width or none, two a modulation, place a
+            // run
+  kGrowth,  // 1 per turn, growing with the square of the speed; no nonlinear parameters
+  kDriven,  // lines of the shaft across a resonance; nonlinear parameters: Hz, damping
+  kNarrowband,  // a resonance driven by noise, no columns; nonlinear parameters: Hz, damping, size a channel
+                // in noise
+  kTransients,  // a resonance that rings after impacts; nonlinear parameters: Hz, damping, s; then s, height
+  kBurst,       // a tone for a short while; nonlinear parameters: Hz, centre s, width s
+  kLevels,      // slow change of the mean: powers of time 1 to 3; no nonlinear parameters
 };
 
 /// Order of a line: harmonic · base + offset, in lines per input turn (or Hz).
@@ -44,22 +48,23 @@ struct VibrationTerm {
   /// kDriven: `harmonic` alone; kRing: order of a modulation in `offset`; kPulses: the order, then that of a
   /// modulation, in `offset`, with the width in the first one's `harmonic` where that is no shape.
   std::vector<LinePlace> lines;
-  std::vector<double> shapes;
-  std::vector<char> heard;  // one a channel of all runs: 0 where the term is left out
+  std::vector<double> nonlinear_parameters;
+  std::vector<char> observable;  // one a channel of all runs: 0 where the term is left out
   std::vector<double>
       slips{};  // kRing: of its impulses, as RingTrain has them; found by a search, not fitted
 };
 
 /// Width of the pulses of a term: few records tell it, and a number that is not fitted costs nothing.
-inline bool WidthIsShape(const VibrationTerm& pulses) { return pulses.lines[0].harmonic == 0.0; }
+inline bool WidthIsNonlinearParameter(const VibrationTerm& pulses) { return pulses.lines[0].harmonic == 0.0; }
 
-/// Bounds of a term's shapes, and what a change has to be to matter.
-struct VibrationShape {
+/// Bounds of a term's nonlinear parameters, and what a change has to be to matter.
+struct VibrationNonlinearParameter {
   double low{};
   double high{};
   double step{};
 };
-std::vector<VibrationShape> ShapesOf(const VibrationSamples& samples, const VibrationTerm& term);
+std::vector<VibrationNonlinearParameter> NonlinearParametersOf(const VibrationSamples& samples,
+                                                               const VibrationTerm& term);
 
 Eigen::Index ColumnsOf(const VibrationTerm& term);
 
@@ -72,7 +77,7 @@ bool HasPairs(VibrationForm form);
 /// Columns of the term in one run.
 Eigen::MatrixXd FillTerm(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term);
 
-/// Slopes of the term's columns, all of them by the first of its shapes, then by the next.
+/// Slopes of the term's columns, all of them by the first of its nonlinear parameters, then by the next.
 /// @param columns  FillTerm
 Eigen::MatrixXd FillSlopes(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term,
                            const Eigen::Ref<const Eigen::MatrixXd>& columns);

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "analysis/diagnosis/vibration/matched_orders.h"
-#include "analysis/diagnosis/vibration/place_sums.h"
 #include "analysis/diagnosis/vibration/speed_band.h"
+#include "analysis/diagnosis/vibration/zero_padded_inverse_fft.h"
 #include "analysis/units.h"
 #include "analysis/vector_clones.h"
 
@@ -24,7 +24,7 @@ constexpr double kOtherRing = 0.25;           // ln of how far apart rings are t
 constexpr double kNextRing = 1.055;           // within a width of the resonance
 constexpr double kHighestMatchedRing = 0.45;  // of the sampling rate
 constexpr double kLeastTrainOverlap = 0.1;    // of a train's harmonics with the resonance
-// Far below what the number of places searched makes of noise: what is weaker is never among the strongest.
+// Far below what the number of search locations makes of noise: what is weaker is never among the strongest.
 constexpr double kLeastTrainPower = 9.0;
 constexpr double kLeastTrainExcess = 9.0;
 constexpr std::size_t kPlacesPerHarmonic = 2;  // or more: a power of two in all
@@ -56,18 +56,18 @@ void AddOfOnePhase(std::span<float> norms, std::span<const float> squares_real,
 
 // By place, then by list: the place of each list at which it is largest.
 STRAINWAVE_VECTOR_CLONES
-std::array<std::int32_t, PlaceSums::kLists> LargestOfEach(std::span<const float> values) {
-  std::array<float, PlaceSums::kLists> largest{};
-  std::array<std::int32_t, PlaceSums::kLists> at{};
-  std::copy_n(values.begin(), PlaceSums::kLists, largest.begin());
+std::array<std::int32_t, ZeroPaddedInverseFft::kLists> LargestOfEach(std::span<const float> values) {
+  std::array<float, ZeroPaddedInverseFft::kLists> largest{};
+  std::array<std::int32_t, ZeroPaddedInverseFft::kLists> at{};
+  std::copy_n(values.begin(), ZeroPaddedInverseFft::kLists, largest.begin());
   const float* row = values.data();
-  for (std::int32_t p = 0; p < static_cast<std::int32_t>(values.size() / PlaceSums::kLists); ++p) {
-    for (std::size_t i = 0; i < PlaceSums::kLists; ++i) {
+  for (std::int32_t p = 0; p < static_cast<std::int32_t>(values.size() / ZeroPaddedInverseFft::kLists); ++p) {
+    for (std::size_t i = 0; i < ZeroPaddedInverseFft::kLists; ++i) {
       const bool larger = row[i] > largest[i];
       largest[i] = larger ? row[i] : largest[i];
       at[i] = larger ? p : at[i];
     }
-    row += PlaceSums::kLists;
+    row += ZeroPaddedInverseFft::kLists;
   }
   return at;
 }
@@ -116,7 +116,7 @@ class TrainSearch {
       comb.noise = plain.noise;
       if (!together.empty() && together.front().places() != comb.places()) take();
       together.push_back(comb);
-      if (together.size() == PlaceSums::kLists) take();
+      if (together.size() == ZeroPaddedInverseFft::kLists) take();
     }
     take();
     std::vector<TrainStart> found;
@@ -177,7 +177,7 @@ class TrainSearch {
     std::vector<Place> best(combs.size());
     if (combs.empty()) return best;
     const std::size_t places = combs.front().places();
-    const std::size_t count = places * PlaceSums::kLists;
+    const std::size_t count = places * ZeroPaddedInverseFft::kLists;
     sum_.assign(count, 0.0F);
     square_real_.assign(count, 0.0F);
     square_imaginary_.assign(count, 0.0F);
@@ -194,11 +194,11 @@ class TrainSearch {
       AddSquares(sums_.real(), sums_.imaginary(), sum_, square_real_, square_imaginary_);
     }
     AddOfOnePhase(sum_, square_real_, square_imaginary_);
-    const std::array<std::int32_t, PlaceSums::kLists> loudest = LargestOfEach(sum_);
+    const std::array<std::int32_t, ZeroPaddedInverseFft::kLists> loudest = LargestOfEach(sum_);
     for (std::size_t i = 0; i < combs.size(); ++i) {
-      const std::size_t most = static_cast<std::size_t>(loudest[i]) * PlaceSums::kLists + i;
+      const std::size_t most = static_cast<std::size_t>(loudest[i]) * ZeroPaddedInverseFft::kLists + i;
       best[i] = {0.5 * static_cast<double>(sum_[most]) * combs[i].order / combs[i].noise,
-                 static_cast<double>(most / PlaceSums::kLists) / static_cast<double>(places),
+                 static_cast<double>(most / ZeroPaddedInverseFft::kLists) / static_cast<double>(places),
                  std::polar(1.0, 0.5 * std::atan2(static_cast<double>(square_imaginary_[most]),
                                                   static_cast<double>(square_real_[most])))};
     }
@@ -256,7 +256,7 @@ class TrainSearch {
   std::span<const double> sidebands_;
   double reach_{};
   double channels_{};
-  PlaceSums sums_;
+  ZeroPaddedInverseFft sums_;
   // By place, then by comb.
   std::vector<float> sum_;
   std::vector<float> square_real_;
@@ -304,10 +304,10 @@ double WorkOf(const VibrationRun& run, const SpeedBand& band, const std::vector<
 
 }  // namespace
 
-std::vector<TrainStart> FindTrains(const VibrationRemainder& remainder, double lowest, double highest,
+std::vector<TrainStart> FindTrains(const VibrationResidual& residual, double lowest, double highest,
                                    std::span<const double> sidebands, std::size_t count,
                                    const std::function<bool(double order)>& allowed) {
-  const VibrationRun& run = remainder.samples().runs.front();
+  const VibrationRun& run = residual.samples().runs.front();
   const double turn_Hz = run.mean_speed_rad_per_s / kTwoPi;
   if (!(highest > lowest)) return {};
   const double reach = *std::ranges::max_element(sidebands);
@@ -324,7 +324,7 @@ std::vector<TrainStart> FindTrains(const VibrationRemainder& remainder, double l
     band = band_for();
   }
   if (!(band.turns > 0.0)) return {};
-  RingMatcher matcher(remainder, band);
+  RingMatcher matcher(residual, band);
   std::vector<TrainStart> found;
   for (const double ring_Hz : rings_Hz) {
     const MatchedOrders matched = matcher.Match(ring_Hz, reach, highest);

@@ -31,7 +31,7 @@ struct TrainStart {
 /// @param sidebands  impulses that change so many times a turn count with what they change by; 0 for even
 ///                   ones.
 /// @param allowed    says which orders count.
-std::vector<TrainStart> FindTrains(const VibrationRemainder& remainder, double lowest, double highest,
+std::vector<TrainStart> FindTrains(const VibrationResidual& residual, double lowest, double highest,
                                    std::span<const double> sidebands, std::size_t count,
                                    const std::function<bool(double order)>& allowed);
 

@@ -154,8 +154,8 @@ TEST(ClockModel, StartsAnewWhenTheDevicesClockSteps) {
   EXPECT_FALSE(model.estimate());
 }
 
-TEST(ClockModel, RefusesStretchesThatHoldNothing) {
-  EXPECT_EQ(MessageOf<std::invalid_argument>([] { ClockModel({.most_stretches = 1}); }),
+TEST(ClockModel, RefusesSegmentsThatHoldNothing) {
+  EXPECT_EQ(MessageOf<std::invalid_argument>([] { ClockModel({.most_segments = 1}); }),
             "stretch = 250000000 ns and most_stretches = 1 are not above zero and one");
 }
 

@@ -17,7 +17,7 @@ double FurthestShare(const LoopRecords& records) {
 
 // Knees of the spring beside those that the record's metadata has. The law fits slopes between given knees:
 // what is left of knees that lie elsewhere would pass for friction, for a dead zone or for hardening.
-class Knees final : public Correction {
+class Knees final : public NuisanceTerm {
  public:
   explicit Knees(const LoopRecords& records) : t1_Nm_(records.t1_Nm), t2_Nm_(records.t2_Nm) {
     const double most = FurthestShare(records);
@@ -40,19 +40,19 @@ class Knees final : public Correction {
     if (v.size() > 1) law.spring.t2_Nm += v[1];
   }
 
-  std::vector<std::vector<double>> Starts(const LoopRemainder&) const override {
+  std::vector<std::vector<double>> Starts(const LoopResidual&) const override {
     return {std::vector<double>(numbers.size(), 0.0)};
   }
 
   // The knees themselves, as the record would have to state them.
   std::vector<ParameterValue> Describe(std::span<const double> v,
                                        const Eigen::MatrixXd& covariance) const override {
-    std::vector<ParameterValue> described = Correction::Describe(v, covariance);
+    std::vector<ParameterValue> described = NuisanceTerm::Describe(v, covariance);
     for (std::size_t k = 0; k < described.size(); ++k) described[k].value += Stated_Nm(k);
     return described;
   }
   std::vector<double> Restore(std::span<const ParameterValue> parameters) const override {
-    std::vector<double> v = Correction::Restore(parameters);
+    std::vector<double> v = NuisanceTerm::Restore(parameters);
     for (std::size_t k = 0; k < v.size(); ++k) v[k] -= Stated_Nm(k);
     return v;
   }
@@ -66,7 +66,7 @@ class Knees final : public Correction {
 
 }  // namespace
 
-void AppendKneeCorrection(const LoopRecords& records, LoopEffects& effects) {
+void AppendKneeNuisanceTerm(const LoopRecords& records, LoopEffects& effects) {
   effects.push_back(std::make_unique<Knees>(records));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/vibration/place_sums.h"
+#include "analysis/diagnosis/vibration/zero_padded_inverse_fft.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,8 @@ void Pass(const float* __restrict real, const float* __restrict imaginary, float
           std::size_t block) {
   for (std::size_t p = 0; p < half; ++p) {
     // A direction for a transform of twice `half`, out of those for all.
-    const float turn_real = directions[p * (block / PlaceSums::kLists)].real();
-    const float turn_imaginary = directions[p * (block / PlaceSums::kLists)].imag();
+    const float turn_real = directions[p * (block / ZeroPaddedInverseFft::kLists)].real();
+    const float turn_imaginary = directions[p * (block / ZeroPaddedInverseFft::kLists)].imag();
     const float* const a_real = real + p * block;
     const float* const a_imaginary = imaginary + p * block;
     const float* const b_real = real + (p + half) * block;
@@ -43,7 +43,7 @@ void Pass(const float* __restrict real, const float* __restrict imaginary, float
 STRAINWAVE_VECTOR_CLONES
 void FirstPass(const float* __restrict real, const float* __restrict imaginary, float* __restrict next_real,
                float* __restrict next_imaginary, const std::complex<float>* directions, std::size_t half) {
-  constexpr std::size_t kBlock = PlaceSums::kLists;
+  constexpr std::size_t kBlock = ZeroPaddedInverseFft::kLists;
   for (std::size_t p = 0; p < half; ++p) {
     const float turn_real = directions[p].real();
     const float turn_imaginary = directions[p].imag();
@@ -60,7 +60,7 @@ void FirstPass(const float* __restrict real, const float* __restrict imaginary, 
 
 }  // namespace
 
-void PlaceSums::Clear(std::size_t places) {
+void ZeroPaddedInverseFft::Clear(std::size_t places) {
   places_ = places;
   real_.assign(places * kLists, 0.0F);
   imaginary_.assign(places * kLists, 0.0F);
@@ -74,7 +74,7 @@ void PlaceSums::Clear(std::size_t places) {
   }
 }
 
-void PlaceSums::Sum() {
+void ZeroPaddedInverseFft::Sum() {
   std::size_t block = kLists;
   for (std::size_t half = places_ / 2; half > 0; half /= 2, block *= 2) {
     if (block == kLists) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/records/metadata_doubts.h"
+#include "bench/records/metadata_warnings.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace strainwave::bench::metadata_doubts_test {
+namespace strainwave::bench::metadata_warnings_test {
 namespace {
 
 using Doubts = std::vector<std::string>;
@@ -14,10 +14,10 @@ Doubts Of(const std::string& kind, const Metadata& metadata) {
   daq::Record record;
   record.kind = kind;
   record.metadata = metadata;
-  return MetadataDoubts(record);
+  return MetadataWarnings(record);
 }
 
-TEST(MetadataDoubts, AreNoneOfARecordThatSaysAll) {
+TEST(MetadataWarnings, AreNoneOfARecordThatSaysAll) {
   EXPECT_EQ(Of("hysteresis", {{"t1_Nm", "14"}, {"t2_Nm", "48"}, {"t3_Nm", "92"}, {"lock_angle_deg", "90"}}),
             Doubts());
   EXPECT_EQ(Of("transmission_error", {{"ratio", "100"}, {"absolute", "true"}, {"step_deg", "1"}}), Doubts());
@@ -25,14 +25,14 @@ TEST(MetadataDoubts, AreNoneOfARecordThatSaysAll) {
   EXPECT_EQ(Of("vibration", {{"sample_rate_hz", "12800"}, {"class", "worn"}}), Doubts());
 }
 
-TEST(MetadataDoubts, NameEachDefaultThatIsTaken) {
+TEST(MetadataWarnings, NameEachDefaultThatIsTaken) {
   EXPECT_EQ(Of("transmission_error", {}), Doubts{"metadata ratio is missing: the default of 80 is taken"});
   EXPECT_EQ(Of("hysteresis", {{"t2_Nm", "20"}}),
             (Doubts{"metadata t1_Nm is missing: the default of 7 Nm is taken",
                     "metadata t3_Nm is missing: the default of 34 Nm is taken"}));
 }
 
-TEST(MetadataDoubts, SayWhichKeyWasMeant) {
+TEST(MetadataWarnings, SayWhichKeyWasMeant) {
   const std::pair<const char*, const char*> kMeant[] = {{"T3_Nm", "t3_Nm"},   {"t3", "t3_Nm"},
                                                         {"T3 (Nm)", "t3_Nm"}, {"t3_NM", "t3_Nm"},
                                                         {"t3_kNm", "t3_Nm"},  {"t3-nm", "t3_Nm"}};
@@ -52,10 +52,10 @@ TEST(MetadataDoubts, SayWhichKeyWasMeant) {
             Doubts{"metadata 'samplerate_hz' is not known and not read; did you mean 'sample_rate_hz'?"});
 }
 
-TEST(MetadataDoubts, NameAKeyThatNothingReadsButOfAVibrationWhereItMayBeALabel) {
+TEST(MetadataWarnings, NameAKeyThatNothingReadsButOfAVibrationWhereItMayBeALabel) {
   EXPECT_EQ(Of("motion", {{"operator", "AB"}}), Doubts{"metadata 'operator' is not known and not read"});
   EXPECT_EQ(Of("vibration", {{"wear_um", "3"}}), Doubts());
 }
 
 }  // namespace
-}  // namespace strainwave::bench::metadata_doubts_test
+}  // namespace strainwave::bench::metadata_warnings_test

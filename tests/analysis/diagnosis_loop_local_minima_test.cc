@@ -6,13 +6,13 @@
 #include "tests/analysis/diagnosed_loop.h"
 #include "tests/analysis/generated_loop.h"
 
-// Fits of a loop that end in the wrong valley.
-namespace strainwave::analysis::diagnosis::diagnosis_loop_valleys_test {
+// Fits of a loop that end in the wrong local minimum.
+namespace strainwave::analysis::diagnosis::diagnosis_loop_local_minima_test {
 namespace {
 
 // What a gear that is stiffer one way leaves the nominal model makes up for by friction that yields over most
 // of the range; beside that friction the asymmetry would bring next to nothing.
-TEST(LoopValleys, OfTheNominalModelHideNoAsymmetry) {
+TEST(LoopLocalMinima, OfTheNominalModelHideNoAsymmetry) {
   std::vector<PathLeg> stairs;
   for (const double to_Nm : {6.0, 12.0, 18.0, 24.0, 30.0, 35.0, 30.0, 24.0, 18.0, 12.0, 6.0, 0.0})
     stairs.push_back({to_Nm, 12.0, 2.5});
@@ -32,7 +32,7 @@ TEST(LoopValleys, OfTheNominalModelHideNoAsymmetry) {
 }
 
 // Knees that are at one twist are at two torques: taken for one, they would be a torque that is not zero.
-TEST(LoopValleys, OfKneesAtOneTwistAreNoOffsetOfTheTorque) {
+TEST(LoopLocalMinima, OfKneesAtOneTwistAreNoOffsetOfTheTorque) {
   const Diagnosed answer =
       DiagnoseLoop({.law_stiffer_share = 0.03}, {.angle_noise_rad = RadFromArcmin(0.03)},
                    {{34.0, 1.0}, {-34.0, 1.0}, {34.0, 1.0}, {-34.0, 1.0}, {0.0, 1.0}}, 4000, 5);
@@ -51,7 +51,7 @@ TEST(LoopAsymmetry, MayBeginBeyondTheFirstSegment) {
 
 // A zone beside the friction with sharp ends, in a loop of so many samples that a fit would rather take means
 // of several: these see a zone that fades away.
-TEST(LoopValleys, OfAZoneThatFadesAwayHideNoneWithSharpEnds) {
+TEST(LoopLocalMinima, OfAZoneThatFadesAwayHideNoneWithSharpEnds) {
   const Diagnosed answer =
       DiagnoseLoop({.k1_Nm_per_rad = 1.4e4,
                     .k2_Nm_per_rad = 2.9e4,
@@ -68,4 +68,4 @@ TEST(LoopValleys, OfAZoneThatFadesAwayHideNoneWithSharpEnds) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis::diagnosis_loop_valleys_test
+}  // namespace strainwave::analysis::diagnosis::diagnosis_loop_local_minima_test

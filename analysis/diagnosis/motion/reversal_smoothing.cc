@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/motion/passage.h"
+#include "analysis/diagnosis/motion/reversal_smoothing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,15 +17,15 @@ constexpr double kClearDetail =
 constexpr double kNarrowest = 2e-4;  // of the 95 % quantile of the speed
 constexpr double kWidest = 0.026;    // of it
 
-void SetPassage(MotionGrid& grid, const SignPassage& passage) {
-  grid.passage = passage;
-  grid.direction = passage.SignsOf(grid.velocity);
+void SetReversalSmoothing(MotionGrid& grid, const ReversalSmoothing& reversal_smoothing) {
+  grid.reversal_smoothing = reversal_smoothing;
+  grid.direction = reversal_smoothing.SignsOf(grid.velocity);
   grid.nominal.col(2) = grid.Project(grid.direction);
 }
 
 }  // namespace
 
-std::vector<double> SignPassage::SignsOf(std::span<const double> velocities) const {
+std::vector<double> ReversalSmoothing::SignsOf(std::span<const double> velocities) const {
   std::vector<double> signs(velocities.size());
   for (std::size_t i = 0; i < velocities.size(); ++i) {
     const double v = velocities[i];
@@ -40,10 +40,11 @@ std::vector<double> SignPassage::SignsOf(std::span<const double> velocities) con
   return signs;
 }
 
-std::vector<SignPassage> ChooseSignPassage(MotionGrid& grid, const Eigen::VectorXd& torque, double delay_s) {
+std::vector<ReversalSmoothing> ChooseReversalSmoothing(MotionGrid& grid, const Eigen::VectorXd& torque,
+                                                       double delay_s) {
   // An axis that never turns shows none: friction that falls with speed would pass for one.
   if (grid.Reversals() == 0) {
-    SetPassage(grid, {.width = grid.velocity_noise});
+    SetReversalSmoothing(grid, {.width = grid.velocity_noise});
     return {};
   }
   // What no width changes is projected out once.
@@ -55,16 +56,16 @@ std::vector<SignPassage> ChooseSignPassage(MotionGrid& grid, const Eigen::Vector
   const Eigen::MatrixXd basis = OrthonormalBasis(grid.Weighted(others));
   const Eigen::VectorXd measured = grid.Weighted(torque);
   const Eigen::VectorXd rest = measured - basis * (basis.transpose() * measured);
-  const auto left_by = [&](const SignPassage& passage) {
-    const Eigen::VectorXd column = grid.Weighted(grid.Project(passage.SignsOf(later)));
+  const auto left_by = [&](const ReversalSmoothing& reversal_smoothing) {
+    const Eigen::VectorXd column = grid.Weighted(grid.Project(reversal_smoothing.SignsOf(later)));
     const Eigen::VectorXd beside = column - basis * (basis.transpose() * column);
     const double along = beside.dot(rest);
     return rest.squaredNorm() - along * along / std::max(beside.squaredNorm(), 1e-300);
   };
-  SignPassage best{.width = grid.velocity_noise};
+  ReversalSmoothing best{.width = grid.velocity_noise};
   double least = left_by(best);
-  std::vector<std::pair<double, SignPassage>> tried{{least, best}};
-  const auto try_passage = [&](const SignPassage& other, double clearly) {
+  std::vector<std::pair<double, ReversalSmoothing>> tried{{least, best}};
+  const auto try_reversal_smoothing = [&](const ReversalSmoothing& other, double clearly) {
     if (other.width <= grid.velocity_noise) return;
     const double now = left_by(other);
     tried.emplace_back(now, other);
@@ -76,22 +77,23 @@ std::vector<SignPassage> ChooseSignPassage(MotionGrid& grid, const Eigen::Vector
   const double speed = QuantileOfMagnitude(grid.velocity, 0.95);
   for (double share = kNarrowest; share < kWidest; share *= 2.0) {
     for (const bool hyperbolic : {false, true})
-      try_passage({.width = share * speed, .hyperbolic = hyperbolic},
-                  best.width > grid.velocity_noise ? 0.0 : kClearDetail);
+      try_reversal_smoothing({.width = share * speed, .hyperbolic = hyperbolic},
+                             best.width > grid.velocity_noise ? 0.0 : kClearDetail);
   }
   if (best.width > grid.velocity_noise) {
     for (double ratio = std::sqrt(2.0); ratio > 1.02; ratio = std::sqrt(ratio)) {
-      const SignPassage centre = best;
+      const ReversalSmoothing centre = best;
       for (const bool hyperbolic : {false, true}) {
         for (const double width : {centre.width * ratio, centre.width, centre.width / ratio})
-          try_passage({.width = width, .hyperbolic = hyperbolic}, 0.0);
+          try_reversal_smoothing({.width = width, .hyperbolic = hyperbolic}, 0.0);
       }
     }
   }
-  SetPassage(grid, best);
-  std::vector<SignPassage> open;
-  for (const auto& [left, passage] : tried) {
-    if (static_cast<double>(grid.rows()) * std::log(left / least) < kClearDetail) open.push_back(passage);
+  SetReversalSmoothing(grid, best);
+  std::vector<ReversalSmoothing> open;
+  for (const auto& [left, reversal_smoothing] : tried) {
+    if (static_cast<double>(grid.rows()) * std::log(left / least) < kClearDetail)
+      open.push_back(reversal_smoothing);
   }
   return open;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/records/metadata_doubts.h"
+#include "bench/records/metadata_warnings.h"
 
 #include <algorithm>
 #include <array>
@@ -115,7 +115,7 @@ void AddDefaults(const daq::Record& record, std::vector<std::string>& doubts) {
 
 }  // namespace
 
-std::vector<std::string> MetadataDoubts(const daq::Record& record) {
+std::vector<std::string> MetadataWarnings(const daq::Record& record) {
   std::vector<std::string> doubts;
   AddDefaults(record, doubts);
   const Keys read = KeysOf(record.kind);

@@ -12,6 +12,6 @@ namespace strainwave::bench {
 /// taken (daq/record_rules.h, MetadataNumber), and a key that nothing reads, with the one that was meant
 /// where one is near. Of a vibration any key may be a label, so that only those near one that is read are
 /// told.
-std::vector<std::string> MetadataDoubts(const daq::Record& record);
+std::vector<std::string> MetadataWarnings(const daq::Record& record);
 
 }  // namespace strainwave::bench

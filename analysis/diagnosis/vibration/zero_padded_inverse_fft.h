@@ -9,7 +9,7 @@ namespace strainwave::analysis::diagnosis {
 
 /// Several lists of lines, each summed with the phases of even places: ∑ₖ lineₖ exp(2πi k p / places) for
 /// every place p, by a fast transform that has the lists side by side in vectors.
-class PlaceSums {
+class ZeroPaddedInverseFft {
  public:
   static constexpr std::size_t kLists = 8;
 

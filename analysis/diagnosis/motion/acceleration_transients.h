@@ -9,17 +9,18 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// Gives the points' acceleration back what smoothing of the path took from short jolts of it: from a ramp of
-/// a few samples, which is nothing beside the noise of a whole record and all there is while it lasts. Half
-/// an octave at a time from the smoothing up to the low-pass; each as far as it stands above its noise around
-/// a place (positive-part shrinkage; James & Stein, Berkeley Symposium 4 (1961) 361), unless that would be
-/// noise in the torque. Only what shows in the bands that the smoothing left goes on into those above.
-/// @return how wrong the acceleration may still be at each point (standard deviation): by what a jolt has
-/// above
+/// Gives the points' acceleration back what smoothing of the path took from short acceleration transients of
+/// it: from a ramp of a few samples, which is nothing beside the noise of a whole record and all there is
+/// while it lasts. Half an octave at a time from the smoothing up to the low-pass; each as far as it stands
+/// above its noise around a place (positive-part shrinkage; James & Stein, Berkeley Symposium 4 (1961) 361),
+/// unless that would be noise in the torque. Only what shows in the bands that the smoothing left goes on
+/// into those above.
+/// @return how wrong the acceleration may still be at each point (standard deviation): by what an
+/// acceleration transient has above
 ///   where noise hides it, as it goes on from band to band, and by what folds back from above half the
 ///   sampling rate.
-std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth& bandwidth,
-                             std::span<const PointLayout> layouts, MotionGrid& grid);
+std::vector<double> AddAccelerationTransients(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                                              std::span<const PointLayout> layouts, MotionGrid& grid);
 
 /// Takes out of the points' acceleration what is nothing but noise: half an octave at a time from the
 /// smoothing upwards, where a band stays at its noise and the torque does not follow it. Motion that is fast
@@ -30,7 +31,7 @@ std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionB
                                      std::span<const PointLayout> layouts, MotionGrid& grid);
 
 /// Size of the acceleration around each point in the last half octave that the smoothing of the path leaves:
-/// its noise, and more where the acceleration jumps. Infinite next to a stretch's ends, where nobody knows.
+/// its noise, and more where the acceleration jumps. Infinite next to a segment's ends, where nobody knows.
 std::vector<double> LastBand(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                              std::span<const PointLayout> layouts, const MotionGrid& grid);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/leftover_views.h"
+#include "analysis/diagnosis/residual_views.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Index;
 
-// What the residual has that its own past does not foretell; the first samples of each stretch get no weight.
+// What the residual has that its own past does not predict; the first samples of each segment get no weight.
 struct Innovations {
   std::vector<double> values;
   std::vector<double> weights;
@@ -30,13 +30,13 @@ Innovations InnovationsOf(const Study& study, std::span<const double> residual,
   const std::size_t n = residual.size();
   const auto order = static_cast<std::size_t>(noise.order);
   Innovations out{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
-  const std::span<const std::size_t> stretches = study.stretches();
+  const std::span<const std::size_t> segments = study.segments();
   std::size_t run = 0;
-  std::size_t stretch = 0;
+  std::size_t segment = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (stretch < stretches.size() && stretches[stretch] == i) {
+    if (segment < segments.size() && segments[segment] == i) {
       run = 0;
-      ++stretch;
+      ++segment;
     }
     if (weights[i] > 0.0 && run >= order) {
       out.values[i] = residual[i];
@@ -74,7 +74,7 @@ std::string LineText(const Regressor& regressor, double order, double folding, d
 }
 
 void AddLines(const Study& study, const Regressor& regressor, std::span<const double> residual,
-              std::span<const double> weights, const NoiseFit& noise, std::vector<LeftoverView>& views) {
+              std::span<const double> weights, const NoiseFit& noise, std::vector<ResidualView>& views) {
   const double span = SpanOf(regressor.values);
   if (!(span > 0.0) || (regressor.angle && span < 0.5 * kTwoPi)) return;
   const double folding = FoldingOrder(regressor.values, weights);
@@ -96,7 +96,7 @@ void AddLines(const Study& study, const Regressor& regressor, std::span<const do
   const std::string unit = study.unit();
   const double unit_per_si = study.unit_per_si();
   for (const LinePeak& peak : peaks) {
-    LeftoverView view;
+    ResidualView view;
     view.columns.resize(static_cast<Index>(residual.size()), 2);
     ForEachPhasor(regressor.values, peak.order, [&](std::size_t i, std::complex<double> phasor) {
       view.columns(static_cast<Index>(i), 0) = phasor.real();
@@ -123,7 +123,7 @@ void AddLines(const Study& study, const Regressor& regressor, std::span<const do
 
 // Over angles the place within a turn, so that what comes back each turn adds up.
 void AddWindows(const Study& study, const Regressor& regressor, std::span<const double> residual,
-                std::span<const double> weights, std::size_t samples, std::vector<LeftoverView>& views) {
+                std::span<const double> weights, std::size_t samples, std::vector<ResidualView>& views) {
   std::vector<double> place = regressor.values;
   if (regressor.angle && SpanOf(place) > 1.05 * kTwoPi) {
     for (double& value : place) {
@@ -140,7 +140,7 @@ void AddWindows(const Study& study, const Regressor& regressor, std::span<const 
     places += 4.0 * (span / width + 1.0);  // as FindWindows steps
   }
   for (const WindowPeak& peak : FindWindows(place, residual, weights, narrowest, widest, 2)) {
-    LeftoverView view;
+    ResidualView view;
     view.columns.resize(static_cast<Index>(residual.size()), 1);
     for (std::size_t i = 0; i < residual.size(); ++i) {
       const bool inside = std::abs(place[i] - peak.centre) <= 0.5 * peak.width;
@@ -162,7 +162,7 @@ void AddWindows(const Study& study, const Regressor& regressor, std::span<const 
 
 }  // namespace
 
-double LeftoverView::PlacesSearched(double likelihood_ratio) const {
+double ResidualView::SearchLocations(double likelihood_ratio) const {
   return places * (continuous ? std::sqrt(std::max(1.0, 0.5 * likelihood_ratio)) : 1.0);
 }
 
@@ -214,9 +214,9 @@ std::size_t CountViews(const Study& study) {
   return std::max<std::size_t>(count, 1);
 }
 
-std::vector<LeftoverView> LookAtLeftover(const Study& study, std::span<const double> residual,
+std::vector<ResidualView> LookAtResidual(const Study& study, std::span<const double> residual,
                                          std::span<const double> weights, const NoiseFit& noise) {
-  std::vector<LeftoverView> views;
+  std::vector<ResidualView> views;
   for (const Regressor& regressor : study.regressors()) {
     if (regressor.angle) AddLines(study, regressor, residual, weights, noise, views);
   }

@@ -10,7 +10,7 @@
 #include "analysis/units.h"
 #include "tests/analysis/diagnosed.h"
 
-namespace strainwave::analysis::diagnosis::diagnosis_motion_jolts_test {
+namespace strainwave::analysis::diagnosis::diagnosis_motion_acceleration_transients_test {
 namespace {
 
 constexpr double kPeriod_s = 2.3;
@@ -76,7 +76,7 @@ MotionData Record(unsigned seed, const Moves& moves, const Logger& logger, doubl
 Diagnosed Ask(const MotionData& record) { return DiagnoseRecords(&MakeMotionStudy, {record}); }
 
 // A stamp that is wrong puts the sample elsewhere, by its speed times that.
-TEST(MotionJolts, StampsAreAsWrongAsThePositionInMotionSays) {
+TEST(MotionAccelerationTransients, StampsAreAsWrongAsThePositionInMotionSays) {
   constexpr double kRate_Hz = 50.0;
   const Moves moves{0.3};
   const auto error_s = [&](const Logger& logger) {
@@ -88,7 +88,7 @@ TEST(MotionJolts, StampsAreAsWrongAsThePositionInMotionSays) {
   EXPECT_LT(error_s({.rate_Hz = kRate_Hz, .late_share = 0.2}), 0.0002 / kRate_Hz);
 }
 
-TEST(MotionJolts, StampsThatAreWrongMakeNoPlay) {
+TEST(MotionAccelerationTransients, StampsThatAreWrongMakeNoPlay) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     const Diagnosed clean = Ask(Record(
         seed, {0.2},
@@ -98,7 +98,7 @@ TEST(MotionJolts, StampsThatAreWrongMakeNoPlay) {
 }
 
 // Ramps of four samples and more: what they leave between the samples is nobody's effect.
-TEST(MotionJolts, AreNotTakenForASwingNorForPlay) {
+TEST(MotionAccelerationTransients, AreNotTakenForASwingNorForPlay) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Diagnosed clean = Ask(Record(seed, {0.07}, {.rate_Hz = 50.0, .noise_Nm = 0.02}));
     EXPECT_EQ(clean.names(), Names()) << seed;
@@ -108,7 +108,7 @@ TEST(MotionJolts, AreNotTakenForASwingNorForPlay) {
 
 // Picks and places: moves of different lengths with one acceleration and short stops, whose corners come as
 // often as the smoothing is wide. What is usual in the acceleration is then the corners', not its noise.
-TEST(MotionJolts, ThatComeEveryFewSamplesAreNoPlay) {
+TEST(MotionAccelerationTransients, ThatComeEveryFewSamplesAreNoPlay) {
   constexpr double kAcceleration = 2100.0;
   constexpr double kLoad_kgm2 = 4.7e-5;
   for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
@@ -156,7 +156,7 @@ TEST(MotionJolts, ThatComeEveryFewSamplesAreNoPlay) {
 }
 
 // Where stamps jitter the path has to be smoothed beyond what the torque follows.
-TEST(MotionJolts, AreNotTakenForThatWhereTimeStampsJitter) {
+TEST(MotionAccelerationTransients, AreNotTakenForThatWhereTimeStampsJitter) {
   const Logger logger{.rate_Hz = 200.0, .noise_Nm = 0.01, .late_share = 0.3, .stamp_error = 0.002};
   for (const unsigned seed : {4U, 5U, 6U}) {
     const Diagnosed clean = Ask(Record(seed, {0.1}, logger));
@@ -167,7 +167,7 @@ TEST(MotionJolts, AreNotTakenForThatWhereTimeStampsJitter) {
 
 // Where the path's noise is no longer small beside what is left of the motion, it passes for acceleration
 // that the torque does not follow.
-TEST(MotionJolts, DoNotLetNoiseOfThePathThroughAtAHighRate) {
+TEST(MotionAccelerationTransients, DoNotLetNoiseOfThePathThroughAtAHighRate) {
   const auto logger = [](double rate_Hz, double noise_Nm) {
     return Logger{.rate_Hz = rate_Hz,
                   .duration_s = 20.0,
@@ -180,8 +180,8 @@ TEST(MotionJolts, DoNotLetNoiseOfThePathThroughAtAHighRate) {
   EXPECT_EQ(Ask(Record(4, {0.03}, logger(2000.0, 0.03))).names(), Names());
 }
 
-// The torque turns back within a few samples at the top of each jolt, as at a spike.
-TEST(MotionJolts, AreNotTakenForSpikesBesideSpikes) {
+// The torque turns back within a few samples at the top of each acceleration transient, as at a spike.
+TEST(MotionAccelerationTransients, AreNotTakenForSpikesBesideSpikes) {
   for (const unsigned seed : {9U, 10U, 11U}) {
     MotionData record = Record(seed, {0.06}, {.rate_Hz = 200.0, .noise_Nm = 0.01});
     for (std::size_t i = 130; i < record.torque.size(); i += 333)
@@ -189,14 +189,14 @@ TEST(MotionJolts, AreNotTakenForSpikesBesideSpikes) {
     const Diagnosed clean = Ask(record);
     EXPECT_EQ(clean.names(), Names()) << seed;
     EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoEffect) << seed;
-    // "24 samples of the torque stand off …"; the tops of 18 jolts would be twice as many.
+    // "24 samples of the torque stand off …"; the tops of 18 acceleration transients would be twice as many.
     ASSERT_FALSE(clean.study->warnings().empty());
     EXPECT_NEAR(std::stod(clean.study->warnings().front()), 24.0, 3.0) << clean.study->warnings().front();
   }
 }
 
 // By its noise such a velocity bends in many a place as a spike of the torque does.
-TEST(MotionJolts, AreNotMadeOfTheNoiseOfAVelocity) {
+TEST(MotionAccelerationTransients, AreNotMadeOfTheNoiseOfAVelocity) {
   std::mt19937 random(13);
   std::normal_distribution<double> normal;
   MotionData record;
@@ -217,7 +217,7 @@ TEST(MotionJolts, AreNotMadeOfTheNoiseOfAVelocity) {
 }
 
 // Noise of the path hides what is fast about a ramp, and not when it came.
-TEST(MotionJolts, TellHowLateATorqueIs) {
+TEST(MotionAccelerationTransients, TellHowLateATorqueIs) {
   const Logger logger{.rate_Hz = 200.0, .noise_Nm = 0.002, .path_noise_rad = 1e-5, .delay_s = 0.0003};
   for (const unsigned seed : {21U, 22U, 23U}) {
     const Diagnosed found = Ask(Record(seed, {0.1}, logger));
@@ -227,14 +227,14 @@ TEST(MotionJolts, TellHowLateATorqueIs) {
   }
 }
 
-TEST(MotionJolts, LeaveTheRestOfTheRecordItsPower) {
+TEST(MotionAccelerationTransients, LeaveTheRestOfTheRecordItsPower) {
   const Diagnosed found = Ask(Record(7, {0.07}, {.rate_Hz = 50.0, .noise_Nm = 0.02}, 0.01));
   EXPECT_EQ(found.names(), Names{"gravity_load"});
   const ParameterValue amplitude = found.value("amplitude_Nm");
   EXPECT_NEAR(amplitude.value, 0.01, 4.0 * amplitude.standard_error);
 }
 
-TEST(MotionJolts, CostTheRowsAroundThemTheirWeight) {
+TEST(MotionAccelerationTransients, CostTheRowsAroundThemTheirWeight) {
   const auto study =
       MakeMotionStudy(std::vector<MotionData>{Record(8, {0.07}, {.rate_Hz = 50.0, .noise_Nm = 0.02})});
   const std::span<const double> weights = study->Weights();
@@ -255,7 +255,7 @@ TEST(MotionJolts, CostTheRowsAroundThemTheirWeight) {
 }
 
 // The end of a ramp at speed, where noise of the stamps hides what a kink has above the smoothing.
-TEST(MotionJolts, CostWeightAlsoWhereNoiseHidesThem) {
+TEST(MotionAccelerationTransients, CostWeightAlsoWhereNoiseHidesThem) {
   const Logger logger{.rate_Hz = 200.0, .noise_Nm = 0.01, .late_share = 0.3, .stamp_error = 0.002};
   const auto study = MakeMotionStudy(std::vector<MotionData>{Record(4, {0.1}, logger)});
   const auto& regressors = study->regressors();
@@ -275,4 +275,4 @@ TEST(MotionJolts, CostWeightAlsoWhereNoiseHidesThem) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_jolts_test
+}  // namespace strainwave::analysis::diagnosis::diagnosis_motion_acceleration_transients_test

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "analysis/diagnosis/leftover_views.h"
+#include "analysis/diagnosis/residual_views.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -67,14 +67,14 @@ std::string DependenceText(const Regressor& regressor, const std::vector<double>
 }  // namespace
 
 void AddDependence(const Study& study, const Regressor& regressor, std::span<const double> weights,
-                   std::vector<LeftoverView>& views) {
+                   std::vector<ResidualView>& views) {
   const Bins bins = Bin(regressor.values, weights);
   const auto count = static_cast<Index>(bins.centre.size());
   if (count < 2) return;
   const auto samples = static_cast<Index>(regressor.values.size());
   const double places = count > 2 ? 2.0 : 1.0;  // a straight line, and any curve
   if (count > 2) {
-    LeftoverView line;
+    ResidualView line;
     line.columns.resize(samples, 2);
     const double origin = bins.centre[bins.centre.size() / 2];
     line.columns.col(0).setOnes();
@@ -93,7 +93,7 @@ void AddDependence(const Study& study, const Regressor& regressor, std::span<con
     };
     views.push_back(std::move(line));
   }
-  LeftoverView curve;
+  ResidualView curve;
   curve.columns = Eigen::MatrixXd::Zero(samples, count);
   for (std::size_t i = 0; i < bins.of_sample.size(); ++i) {
     curve.columns(static_cast<Index>(i), static_cast<Index>(bins.of_sample[i])) = 1.0;

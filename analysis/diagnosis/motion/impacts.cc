@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/motion/knocks.h"
+#include "analysis/diagnosis/motion/impacts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +14,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr std::size_t kFewest = 2;  // spikes that are knocks: one alone is anything's
-constexpr double kExplained = 0.5;  // of a spike's height, that may be left of a knock
+constexpr std::size_t kFewest = 2;  // spikes that are impacts: one alone is anything's
+constexpr double kExplained = 0.5;  // of a spike's height, that may be left of an impact
 // Of −2 log-likelihood, what a sample costs that is called a spike: one of 300, anywhere within 30 standard
 // deviations of the noise to either side. Nothing costs more.
 constexpr double kSpike = 18.0;
@@ -27,15 +27,15 @@ std::vector<double> LeftAtPoints(const MotionSamples& samples, const MotionGrid&
   const std::vector<double>& numbers = fit.state;
   std::vector<double> left(grid.time_s.size(), 0.0);
   if (!fit.causes.empty()) {
-    left = LooseLoadAtPoints(grid, std::span(numbers).subspan(nominal + 1));
+    left = InertiaBehindBacklashAtPoints(grid, std::span(numbers).subspan(nominal + 1));
     for (double& value : left) value *= -numbers[nominal];
   }
-  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
-    const MotionGrid::Stretch& stretch = grid.stretches[s];
-    for (std::size_t k = 0; k < stretch.count; ++k) {
-      const std::size_t i = stretch.first + k;
-      left[i] += samples.stretches[s].torque[k] - numbers[0] * grid.passed_acceleration[i] -
-                 numbers[1] * grid.velocity[i] - numbers[2] * grid.direction[i] - numbers[3 + stretch.record];
+  for (std::size_t s = 0; s < grid.segments.size(); ++s) {
+    const MotionGrid::Segment& segment = grid.segments[s];
+    for (std::size_t k = 0; k < segment.count; ++k) {
+      const std::size_t i = segment.first + k;
+      left[i] += samples.segments[s].torque[k] - numbers[0] * grid.passed_acceleration[i] -
+                 numbers[1] * grid.velocity[i] - numbers[2] * grid.direction[i] - numbers[3 + segment.record];
     }
   }
   return left;
@@ -54,7 +54,7 @@ std::size_t CountOf(const std::vector<std::vector<std::size_t>>& of_each_record)
   return count;
 }
 
-// Of the spikes of each record, those of which the loose load leaves little.
+// Of the spikes of each record, those of which the inertia behind backlash leaves little.
 std::vector<std::vector<std::size_t>> Explained(std::span<const MotionData> records,
                                                 const std::vector<std::vector<std::size_t>>& spikes,
                                                 const MotionGrid& grid, std::span<const double> before,
@@ -62,12 +62,12 @@ std::vector<std::vector<std::size_t>> Explained(std::span<const MotionData> reco
   std::vector<std::vector<std::size_t>> explained(spikes.size());
   for (std::size_t r = 0; r < spikes.size(); ++r) {
     for (const std::size_t spike : spikes[r]) {
-      for (const MotionGrid::Stretch& stretch : grid.stretches) {
-        if (stretch.record != r) continue;
-        const double steps = (records[r].time_s[spike] - grid.time_s[stretch.first]) / stretch.step_s;
+      for (const MotionGrid::Segment& segment : grid.segments) {
+        if (segment.record != r) continue;
+        const double steps = (records[r].time_s[spike] - grid.time_s[segment.first]) / segment.step_s;
         const auto k = static_cast<std::ptrdiff_t>(std::lround(steps));
-        if (k < 0 || k >= static_cast<std::ptrdiff_t>(stretch.count)) continue;
-        const std::size_t point = stretch.first + static_cast<std::size_t>(k);
+        if (k < 0 || k >= static_cast<std::ptrdiff_t>(segment.count)) continue;
+        const std::size_t point = segment.first + static_cast<std::size_t>(k);
         if (std::abs(after[point]) < kExplained * std::abs(before[point])) explained[r].push_back(spike);
       }
     }
@@ -77,18 +77,18 @@ std::vector<std::vector<std::size_t>> Explained(std::span<const MotionData> reco
 
 }  // namespace
 
-MotionSamples KeepKnocks(std::span<const MotionData> records, MotionSamples samples) {
+MotionSamples KeepImpacts(std::span<const MotionData> records, MotionSamples samples) {
   if (CountOf(samples.spikes) < kFewest) return samples;
   const MotionSamples all = PrepareMotion(records, samples.spikes);
   const MotionBandwidth bandwidth = ChooseBandwidth(samples, kMostRows);
-  for (const EvenStretch& stretch : all.stretches) {
-    // Where the torque is sampled much faster than it can be looked at, no knock is that short.
-    if (!KeepsUpWith(bandwidth, stretch.step_s)) return samples;
+  for (const EvenSegment& segment : all.segments) {
+    // Where the torque is sampled much faster than it can be looked at, no impact is that short.
+    if (!KeepsUpWith(bandwidth, segment.step_s)) return samples;
   }
   const SharedGrid grid = WithoutLowPass(all, bandwidth);
   SeparableModel model;
   model.measured = grid->measured;
-  model.stretches = grid->response_stretches;
+  model.segments = grid->response_segments;
   AddNominalMotion(grid, MotionUnits{all.linear}, model);
   AddBacklash(grid, MotionUnits{all.linear}, model);
   if (model.causes.empty()) return samples;
@@ -103,8 +103,8 @@ MotionSamples KeepKnocks(std::span<const MotionData> records, MotionSamples samp
   const double noise = RobustStandardDeviation(after);
   const double gain = CostOf(before, noise) - CostOf(after, noise);
   if (!(gain > numbers * std::log(static_cast<double>(after.size())))) return samples;
-  const auto knocks = Explained(records, samples.spikes, *grid, before, after);
-  return CountOf(knocks) < kFewest ? samples : PrepareMotion(records, knocks);
+  const auto impacts = Explained(records, samples.spikes, *grid, before, after);
+  return CountOf(impacts) < kFewest ? samples : PrepareMotion(records, impacts);
 }
 
 }  // namespace strainwave::analysis::diagnosis

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "analysis/decompositions.h"
-#include "analysis/diagnosis/leftover_views.h"
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/residual_tests.h"
+#include "analysis/diagnosis/residual_views.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -19,7 +19,7 @@ namespace {
 
 // The parts of a view's fit that decide between views.
 struct Judged {
-  const LeftoverView* view{};
+  const ResidualView* view{};
   NoiseFit noise;
   Eigen::VectorXd fitted;
   double score{};
@@ -39,7 +39,7 @@ std::string PText(double p) { return p < 1e-12 ? "p < 1e-12" : fmt::format("p = 
 
 }  // namespace
 
-std::string DescribeLeftover(const Study& study, const Eigen::VectorXd& residual,
+std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual,
                              std::span<const double> weights) {
   constexpr double kReported = 1e-3;
   constexpr std::size_t kMost = 3;
@@ -52,23 +52,23 @@ std::string DescribeLeftover(const Study& study, const Eigen::VectorXd& residual
     const std::span<const double> samples(left.data(), static_cast<std::size_t>(left.size()));
     const double scale = std::sqrt(left.squaredNorm() / std::max(1.0, static_cast<double>(left.size())));
     const auto noise_of = [&](std::span<const double> x) {
-      return FitNoise(x, weights, study.stretches(), study.LargestNoiseOrder(), scale);
+      return FitNoise(x, weights, study.segments(), study.LargestNoiseOrder(), scale);
     };
     const NoiseFit before = noise_of(samples);
     if (before.samples < 30 || !(scale > 0.0)) break;
-    const std::vector<LeftoverView> views = LookAtLeftover(study, samples, weights, before);
+    const std::vector<ResidualView> views = LookAtResidual(study, samples, weights, before);
     std::optional<Judged> best;
     Eigen::VectorXd best_coefficients;
-    for (const LeftoverView& view : views) {
+    for (const ResidualView& view : views) {
       Judged judged;
       judged.view = &view;
       Eigen::VectorXd coefficients;
       judged.fitted = Project(view.columns, left, weights, &coefficients);
-      const Eigen::VectorXd remainder = left - judged.fitted;
-      judged.noise = noise_of({remainder.data(), static_cast<std::size_t>(remainder.size())});
+      const Eigen::VectorXd after = left - judged.fitted;
+      judged.noise = noise_of({after.data(), static_cast<std::size_t>(after.size())});
       const double ratio = std::max(0.0, LikelihoodRatio(judged.noise, before));
       const double freedom = static_cast<double>(view.degrees_of_freedom);
-      const double places = view.PlacesSearched(ratio) * static_cast<double>(CountViews(study));
+      const double places = view.SearchLocations(ratio) * static_cast<double>(CountViews(study));
       judged.p_value = std::min(
           1.0, places * boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), ratio)));
       judged.score = ratio - freedom * std::log(static_cast<double>(before.samples)) - 2.0 * std::log(places);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/hysteresis/uncharged_shapes.h"
+#include "analysis/diagnosis/hysteresis/unpenalised_parameters.h"
 
 #include <algorithm>
 #include <vector>
@@ -10,7 +10,7 @@ namespace strainwave::analysis::diagnosis {
 
 using Eigen::Index;
 
-double UnchargedShapes(const LoopModel& model, const LoopSolution& solution, const LoopGrid& grid) {
+double UnpenalisedParameters(const LoopModel& model, const LoopSolution& solution, const LoopGrid& grid) {
   const std::vector<bool> held = model.Held(solution.numbers);
   std::vector<Index> known;
   std::vector<Index> others;

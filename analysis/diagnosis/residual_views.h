@@ -16,7 +16,7 @@ namespace strainwave::analysis::diagnosis {
 inline constexpr double kHighestOrderPerTurn = 1000.0;
 
 /// A shape that a residual may have, at the best place that a search found.
-struct LeftoverView {
+struct ResidualView {
   Eigen::MatrixXd columns;   // samples × coefficients
   int degrees_of_freedom{};  // coefficients that are free beside the residual's mean
   double places{1.0};        // searched
@@ -25,19 +25,19 @@ struct LeftoverView {
   bool continuous{};
   std::function<std::string(const Eigen::VectorXd& coefficients)> describe;
 
-  double PlacesSearched(double likelihood_ratio) const;
+  double SearchLocations(double likelihood_ratio) const;
 };
 
 /// Best lines over angles and over time, windows, dependences on the other regressors; those over angles
 /// first.
-std::vector<LeftoverView> LookAtLeftover(const Study& study, std::span<const double> residual,
+std::vector<ResidualView> LookAtResidual(const Study& study, std::span<const double> residual,
                                          std::span<const double> weights, const NoiseFit& noise);
 
 /// Means over bins of a regressor, and before them a straight line where it has more than two values.
 void AddDependence(const Study& study, const Regressor& regressor, std::span<const double> weights,
-                   std::vector<LeftoverView>& views);
+                   std::vector<ResidualView>& views);
 
-/// How many searches LookAtLeftover makes.
+/// How many searches LookAtResidual makes.
 std::size_t CountViews(const Study& study);
 
 /// Orders per turn that an evenly stepped angle folds into one another: 2π / step, in the unit of orders; 0

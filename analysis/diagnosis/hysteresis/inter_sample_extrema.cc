@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/hysteresis/unseen_peaks.h"
+#include "analysis/diagnosis/hysteresis/inter_sample_extrema.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,15 +16,15 @@ constexpr double kSharp = 0.5;
 constexpr double kSpread = 0.5 * (kSharp - kRound);
 
 // A turn between sample `before` and the next.
-struct UnseenPeak {
+struct InterSampleExtremum {
   std::size_t before{};
   double outermost_Nm{};  // of both samples
   double turned_Nm{};     // with the sign of a peak: the smaller of the second differences on both sides
 };
 
-std::vector<UnseenPeak> FindUnseenPeaks(const LoopGrid& samples) {
+std::vector<InterSampleExtremum> FindInterSampleExtrema(const LoopGrid& samples) {
   const std::vector<double>& torque_Nm = samples.torque_Nm;
-  std::vector<UnseenPeak> peaks;
+  std::vector<InterSampleExtremum> peaks;
   for (std::size_t r = 0; r < samples.records(); ++r) {
     for (std::size_t k = samples.starts[r] + 1; k + 2 < samples.starts[r + 1]; ++k) {
       if (!std::isnan(samples.turn_Nm[k + 1])) continue;
@@ -42,19 +42,19 @@ std::vector<UnseenPeak> FindUnseenPeaks(const LoopGrid& samples) {
   return peaks;
 }
 
-void PlaceAt(const UnseenPeak& peak, double share, LoopGrid& samples) {
+void PlaceAt(const InterSampleExtremum& peak, double share, LoopGrid& samples) {
   samples.turn_Nm[peak.before + 1] = peak.outermost_Nm + share * peak.turned_Nm;
   samples.turn_share[peak.before + 1] = 0.5;
 }
 
 }  // namespace
 
-bool PlaceUnseenPeaks(const GearLaw& law, const Eigen::VectorXd& predicted_rad, double noise_rad,
-                      LoopGrid& samples) {
+bool PlaceInterSampleExtrema(const GearLaw& law, const Eigen::VectorXd& predicted_rad, double noise_rad,
+                             LoopGrid& samples) {
   constexpr double kShows = 0.5;  // of the noise
-  const std::vector<UnseenPeak> peaks = FindUnseenPeaks(samples);
+  const std::vector<InterSampleExtremum> peaks = FindInterSampleExtrema(samples);
   LoopGrid further = samples;
-  for (const UnseenPeak& peak : peaks) PlaceAt(peak, kRound + kSpread, further);
+  for (const InterSampleExtremum& peak : peaks) PlaceAt(peak, kRound + kSpread, further);
   Eigen::VectorXd as_seen_rad;
   Eigen::VectorXd further_rad;
   FillTwist(law, samples, as_seen_rad);

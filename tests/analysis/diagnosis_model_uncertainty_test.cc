@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/doubt.h"
+#include "analysis/diagnosis/model_uncertainty.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,15 +15,15 @@
 #include "tests/analysis/led_axis.h"
 #include "tests/analysis/white_noise.h"
 
-namespace strainwave::analysis::diagnosis::diagnosis_doubt_test {
+namespace strainwave::analysis::diagnosis::diagnosis_model_uncertainty_test {
 namespace {
 
 constexpr std::size_t kSamples = 1000;
 constexpr double kNoise = 0.1;
 constexpr double kAllowed = 0.01;
 
-// Knocks for ten samples of every hundred.
-bool Knocks(std::size_t sample) { return sample % 100 < 10; }
+// Impacts for ten samples of every hundred.
+bool Impacts(std::size_t sample) { return sample % 100 < 10; }
 
 SeparableTerm Column(const std::vector<double>& values) {
   SeparableTerm term;
@@ -34,15 +34,15 @@ SeparableTerm Column(const std::vector<double>& values) {
   return term;
 }
 
-// A mean; knocks of one height, of which each may be wrong by all of it; and something else.
+// A mean; impacts of one height, of which each may be wrong by all of it; and something else.
 SeparableStudy Toy(std::vector<double> measured, std::vector<double> else_values) {
-  std::vector<double> knocks;
-  for (std::size_t i = 0; i < kSamples; ++i) knocks.push_back(Knocks(i) ? 1.0 : 0.0);
+  std::vector<double> impacts;
+  for (std::size_t i = 0; i < kSamples; ++i) impacts.push_back(Impacts(i) ? 1.0 : 0.0);
   SeparableModel model;
   model.nominal.push_back(Column(std::vector<double>(kSamples, 1.0)));
-  model.causes.push_back(Column(knocks));
-  model.causes.back().doubt = [knocks](std::span<const double> numbers) -> Eigen::VectorXd {
-    return std::abs(numbers[0]) * Eigen::Map<const Eigen::VectorXd>(knocks.data(), kSamples);
+  model.causes.push_back(Column(impacts));
+  model.causes.back().model_uncertainty = [impacts](std::span<const double> numbers) -> Eigen::VectorXd {
+    return std::abs(numbers[0]) * Eigen::Map<const Eigen::VectorXd>(impacts.data(), kSamples);
   };
   model.rules.push_back({.name = "knocks", .parameters = {{"size", "1", -10.0, 10.0, true}}});
   model.causes.push_back(Column(std::move(else_values)));
@@ -53,62 +53,62 @@ SeparableStudy Toy(std::vector<double> measured, std::vector<double> else_values
   return SeparableStudy(std::move(model));
 }
 
-// Whether what is found beside the knocks is in doubt.
-bool IsElseInDoubt(const SeparableStudy& study) {
+// Whether what is found beside the impacts is uncertain.
+bool IsElseUncertain(const SeparableStudy& study) {
   const Judge judge(study, std::vector<double>(kSamples, 1.0), {});
-  const std::vector<std::size_t> knocks{0};
+  const std::vector<std::size_t> impacts{0};
   const std::vector<std::size_t> both{0, 1};
-  const ScoredModel without = judge.Fit(knocks, nullptr);
+  const ScoredModel without = judge.Fit(impacts, nullptr);
   const ScoredModel with = judge.Fit(both, &without.fit);
   EXPECT_GT(judge.Compare(with, without).likelihood_ratio, 30.0);
-  return IsInDoubt(judge, with, without, 1, kAllowed);
+  return IsUncertain(judge, with, without, 1, kAllowed);
 }
 
-// One knock of ten is what else there is.
-std::vector<double> OneKnock() {
+// One impact of ten is what else there is.
+std::vector<double> OneImpact() {
   std::vector<double> one(kSamples, 0.0);
   for (std::size_t i = 400; i < 410; ++i) one[i] = 1.0;
   return one;
 }
 
-TEST(Doubt, LeavesNothingOfWhatIsBuiltOnOneKnockWhereAllAreOffByChance) {
+TEST(ModelUncertainty, LeavesNothingOfWhatIsBuiltOnOneImpactWhereAllAreOffByChance) {
   std::vector<double> measured = WhiteNoise(kSamples, kNoise, 1);
   const std::vector<double> astray = WhiteNoise(kSamples, 0.6, 2);
-  for (std::size_t i = 0; i < kSamples; ++i) measured[i] += Knocks(i) ? 1.5 + astray[i] : 0.0;
+  for (std::size_t i = 0; i < kSamples; ++i) measured[i] += Impacts(i) ? 1.5 + astray[i] : 0.0;
   for (std::size_t i = 400; i < 410; ++i) measured[i] += 0.5;
-  EXPECT_TRUE(IsElseInDoubt(Toy(std::move(measured), OneKnock())));
+  EXPECT_TRUE(IsElseUncertain(Toy(std::move(measured), OneImpact())));
 }
 
-TEST(Doubt, TakesNothingFromWhatIsThereBetweenTheKnocks) {
+TEST(ModelUncertainty, TakesNothingFromWhatIsThereBetweenTheImpacts) {
   std::vector<double> measured = WhiteNoise(kSamples, kNoise, 3);
   const std::vector<double> astray = WhiteNoise(kSamples, 0.6, 4);
   std::vector<double> wave;
   for (std::size_t i = 0; i < kSamples; ++i) {
     wave.push_back(std::sin(kTwoPi * static_cast<double>(i) / 25.0));
-    measured[i] += (Knocks(i) ? 1.5 + astray[i] : 0.0) + 0.1 * wave[i];
+    measured[i] += (Impacts(i) ? 1.5 + astray[i] : 0.0) + 0.1 * wave[i];
   }
-  EXPECT_FALSE(IsElseInDoubt(Toy(std::move(measured), wave)));
+  EXPECT_FALSE(IsElseUncertain(Toy(std::move(measured), wave)));
 }
 
-// As foretold but for what else there is: in all knocks from the sixth on, or in one.
-std::vector<double> LaterKnocks() {
+// As predicted but for what else there is: in all impacts from the sixth on, or in one.
+std::vector<double> LaterImpacts() {
   std::vector<double> later;
-  for (std::size_t i = 0; i < kSamples; ++i) later.push_back(Knocks(i) && i >= kSamples / 2 ? 1.0 : 0.0);
+  for (std::size_t i = 0; i < kSamples; ++i) later.push_back(Impacts(i) && i >= kSamples / 2 ? 1.0 : 0.0);
   return later;
 }
 
-TEST(Doubt, SaysNothingWhereSeveralKnocksTell) {
-  const std::vector<double> later = LaterKnocks();
+TEST(ModelUncertainty, SaysNothingWhereSeveralImpactsTell) {
+  const std::vector<double> later = LaterImpacts();
   std::vector<double> measured = WhiteNoise(kSamples, kNoise, 5);
-  for (std::size_t i = 0; i < kSamples; ++i) measured[i] += (Knocks(i) ? 1.5 : 0.0) + 0.5 * later[i];
-  EXPECT_FALSE(IsElseInDoubt(Toy(std::move(measured), later)));
+  for (std::size_t i = 0; i < kSamples; ++i) measured[i] += (Impacts(i) ? 1.5 : 0.0) + 0.5 * later[i];
+  EXPECT_FALSE(IsElseUncertain(Toy(std::move(measured), later)));
 }
 
-TEST(Doubt, LeavesNothingOfWhatOneKnockTells) {
+TEST(ModelUncertainty, LeavesNothingOfWhatOneImpactTells) {
   std::vector<double> measured = WhiteNoise(kSamples, kNoise, 6);
-  for (std::size_t i = 0; i < kSamples; ++i) measured[i] += Knocks(i) ? 1.5 : 0.0;
+  for (std::size_t i = 0; i < kSamples; ++i) measured[i] += Impacts(i) ? 1.5 : 0.0;
   for (std::size_t i = 400; i < 410; ++i) measured[i] += 0.5;
-  EXPECT_TRUE(IsElseInDoubt(Toy(std::move(measured), OneKnock())));
+  EXPECT_TRUE(IsElseUncertain(Toy(std::move(measured), OneImpact())));
 }
 
 // An axis with a light load in a gap so wide that the load strikes several times on its way; when hangs on
@@ -128,7 +128,7 @@ const LedAxis kWideGap{.path = {{1.5, kTwoPi * 0.07}, {0.4, kTwoPi * 0.33}, {0.1
                        .torque_noise_Nm = 0.0387,
                        .position_noise_rad = 2e-7};
 
-TEST(Doubt, NamesNoDisturbanceAtKnocksThatComeAtAnotherTime) {
+TEST(ModelUncertainty, NamesNoDisturbanceAtImpactsThatComeAtAnotherTime) {
   for (const unsigned seed : {1U, 2U}) {
     const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {RecordOf(kWideGap, seed)});
     EXPECT_EQ(found.names(), Names{"backlash"}) << seed;
@@ -156,7 +156,7 @@ MotionData OneEarlyReversal(unsigned seed, int which, double early_s) {
   return record;
 }
 
-TEST(Doubt, NamesNothingForOneReversalThatComesEarly) {
+TEST(ModelUncertainty, NamesNothingForOneReversalThatComesEarly) {
   const Diagnosed found = DiagnoseRecords(&MakeMotionStudy, {OneEarlyReversal(4, 3, 0.01)});
   EXPECT_EQ(found.names(), Names());
   EXPECT_TRUE(std::ranges::any_of(found.diagnosis.candidates, [](const CandidateResult& candidate) {
@@ -167,4 +167,4 @@ TEST(Doubt, NamesNothingForOneReversalThatComesEarly) {
 }
 
 }  // namespace
-}  // namespace strainwave::analysis::diagnosis::diagnosis_doubt_test
+}  // namespace strainwave::analysis::diagnosis::diagnosis_model_uncertainty_test

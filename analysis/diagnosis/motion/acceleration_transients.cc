@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/motion/jolts.h"
+#include "analysis/diagnosis/motion/acceleration_transients.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,8 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kStandsOut = 2.5;         // times the noise of a band, from which on a jolt shows in it
+constexpr double kStandsOut =
+    2.5;  // times the noise of a band, from which on an acceleration transient shows in it
 constexpr double kStandsOutAtLeast = 1.5;  // the same where what hides in the noise shows in the torque
 constexpr double kStandsOutAlone = 6.0;    // the same of a band that no other bears out
 constexpr double kFast = 0.5;      // of the 95 % quantile of the speed: where noise that goes with it shows
@@ -22,7 +23,7 @@ constexpr double kBeyond = 0.3;    // of the last band: what lies beyond it and 
 // A band over the one half an octave lower: of a fast swing, and the most of a jump.
 constexpr double kFastSwing = 1.5;
 constexpr double kUneven = 1.15;
-// Shares of the jolts that are jumps.
+// Shares of the acceleration transients that are jumps.
 constexpr double kFewJumps = 0.35;
 constexpr double kMostlyJumps = 0.5;
 constexpr double kManySamples = 2.0;  // in the smoothing of the path
@@ -65,27 +66,27 @@ AccelerationBand MeasureAccelerationBand(const MotionSamples& samples, const Mot
   std::vector<double> moving;
   std::vector<double> fast;
   std::vector<double> by_speed;
-  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
-    const MotionGrid::Stretch& stretch = grid.stretches[s];
-    const EvenStretch& raw = samples.stretches[s];
+  for (std::size_t s = 0; s < grid.segments.size(); ++s) {
+    const MotionGrid::Segment& segment = grid.segments[s];
+    const EvenSegment& raw = samples.segments[s];
     const std::vector<double>& moved = bandwidth.by_velocity ? raw.velocity : raw.position;
     const KernelTaps kernel = MakeBandKernel(sigma_s, raw.step_s, bandwidth.by_velocity ? 1 : 2);
     const double gain = NoiseGain(kernel);
-    for (std::size_t i = 0; i < stretch.count; ++i) {
+    for (std::size_t i = 0; i < segment.count; ++i) {
       const std::size_t sample = layouts[s].SampleOf(i);
-      const double speed = std::abs(grid.velocity[stretch.first + i]);
+      const double speed = std::abs(grid.velocity[segment.first + i]);
       band.white.push_back(gain * PathNoise(samples, bandwidth, speed));
       if (sample < kernel.reach || sample + kernel.reach >= moved.size()) continue;
       const double value = kernel.At(moved, sample);
-      band.values[stretch.first + i] = value;
+      band.values[segment.first + i] = value;
       if (speed > kMoving * top_speed) moving.push_back(value);
       if (speed > kFast * top_speed) {
         fast.push_back(value);
         by_speed.push_back(value / speed);
       }
     }
-    const auto half = static_cast<std::size_t>(kAround * sigma_s / stretch.step_s);
-    AddMeanSquares({band.values.data() + stretch.first, stretch.count}, half, band.mean_squares);
+    const auto half = static_cast<std::size_t>(kAround * sigma_s / segment.step_s);
+    AddMeanSquares({band.values.data() + segment.first, segment.count}, half, band.mean_squares);
   }
   // Where a fast axis is calm there is no other noise.
   std::size_t calm = 0;
@@ -105,7 +106,8 @@ AccelerationBand MeasureAccelerationBand(const MotionSamples& samples, const Mot
     band.noise = band.white;
     return band;
   }
-  // An axis that turns often has its jolts where it is slow, one that is struck has them anywhere.
+  // An axis that turns often has its acceleration transients where it is slow, one that is struck has them
+  // anywhere.
   const double everywhere = std::min(UsualSize(moving), UsualSize(fast));
   const double with_speed = UsualSize(by_speed);
   for (std::size_t i = 0; i < grid.time_s.size(); ++i)
@@ -126,13 +128,13 @@ TorqueBand MeasureTorqueBand(const MotionSamples& samples, std::span<const Point
                              const MotionGrid& grid, double sigma_s, const AccelerationBand& band,
                              const Predicate& counts) {
   TorqueBand sums;
-  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
-    const MotionGrid::Stretch& stretch = grid.stretches[s];
-    const EvenStretch& raw = samples.stretches[s];
+  for (std::size_t s = 0; s < grid.segments.size(); ++s) {
+    const MotionGrid::Segment& segment = grid.segments[s];
+    const EvenSegment& raw = samples.segments[s];
     const KernelTaps kernel = MakeBandKernel(sigma_s, raw.step_s, 0);
-    for (std::size_t i = 0; i < stretch.count; ++i) {
+    for (std::size_t i = 0; i < segment.count; ++i) {
       const std::size_t sample = layouts[s].SampleOf(i);
-      const std::size_t point = stretch.first + i;
+      const std::size_t point = segment.first + i;
       if (sample < kernel.reach || sample + kernel.reach >= raw.torque.size() || !counts(point)) continue;
       const double x = band.values[point];
       const double y = kernel.At(raw.torque, sample);
@@ -154,7 +156,7 @@ void TakeFollowedForMotion(const TorqueBand& torque, AccelerationBand& band) {
     band.noise[i] = std::max(band.white[i], std::min(band.noise[i], unfollowed));
 }
 
-// What the bands have shown of a jolt at a point so far.
+// What the bands have shown of an acceleration transient at a point so far.
 struct Trace {
   bool shows{};
   double size{};   // in the last band
@@ -168,8 +170,8 @@ double SharpnessOf(double decay) {
   return std::clamp((decay - kSlowestDecay) / (1.0 - kSlowestDecay), 0.0, 1.0);
 }
 
-// Whether the large jolts are jumps: 1, or 0 where there are none. Those that come close together spoil each
-// other's course from band to band, but where the largest are jumps all are.
+// Whether the large acceleration transients are jumps: 1, or 0 where there are none. Those that come close
+// together spoil each other's course from band to band, but where the largest are jumps all are.
 double ShareOfJumps(std::span<const Trace> traces) {
   double all = 0.0;
   double sharp = 0.0;
@@ -188,14 +190,14 @@ double ShareOfJumps(std::span<const Trace> traces) {
 // full.
 std::vector<double> JumpErrors(const MotionSamples& samples, const MotionGrid& grid, double share) {
   std::vector<double> errors(grid.time_s.size(), 0.0);
-  for (std::size_t s = 0; s < grid.stretches.size(); ++s) {
-    const MotionGrid::Stretch& stretch = grid.stretches[s];
-    const double step_s = samples.stretches[s].step_s;
+  for (std::size_t s = 0; s < grid.segments.size(); ++s) {
+    const MotionGrid::Segment& segment = grid.segments[s];
+    const double step_s = samples.segments[s].step_s;
     if (grid.path_sigma_s > kManySamples * step_s) continue;
     const double late_s = share * step_s / std::sqrt(12.0);
-    for (std::size_t i = stretch.first + 1; i + 1 < stretch.first + stretch.count; ++i) {
+    for (std::size_t i = segment.first + 1; i + 1 < segment.first + segment.count; ++i) {
       const double rise = grid.passed_acceleration[i + 1] - grid.passed_acceleration[i - 1];
-      errors[i] = late_s * std::abs(rise) / (2.0 * stretch.step_s);
+      errors[i] = late_s * std::abs(rise) / (2.0 * segment.step_s);
     }
   }
   return errors;
@@ -231,11 +233,12 @@ std::vector<double> CalmAcceleration(const MotionSamples& samples, const MotionB
   return variances;
 }
 
-std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth& bandwidth,
-                             std::span<const PointLayout> layouts, MotionGrid& grid) {
+std::vector<double> AddAccelerationTransients(const MotionSamples& samples, const MotionBandwidth& bandwidth,
+                                              std::span<const PointLayout> layouts, MotionGrid& grid) {
   std::vector<Trace> traces(grid.time_s.size());
   std::vector<double> variances(grid.time_s.size(), 0.0);
-  // From four bands that the smoothing has left, which show how a jolt goes on, to the end of the low-pass.
+  // From four bands that the smoothing has left, which show how an acceleration transient goes on, to the end
+  // of the low-pass.
   for (double sigma_s = 2.0 * std::numbers::sqrt2 * bandwidth.path_sigma_s;
        sigma_s > 0.99 * bandwidth.sigma_s; sigma_s /= std::numbers::sqrt2) {
     const bool left = sigma_s > 0.99 * bandwidth.path_sigma_s;
@@ -253,7 +256,7 @@ std::vector<double> AddJolts(const MotionSamples& samples, const MotionBandwidth
                : kStandsOut;
       const double usual = stands_out * band.noise[i];
       const double share = usual * usual / std::max(band.mean_squares[i], 1e-300);
-      // Where an axis turns every few samples, jolts are what is usual in the wider bands.
+      // Where an axis turns every few samples, acceleration transients are what is usual in the wider bands.
       trace.shows =
           trace.shows || (left && share < 1.0) || ((last || !left) && size > kStandsOutAlone * band.noise[i]);
       if (!trace.shows) continue;
