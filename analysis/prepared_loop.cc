@@ -147,20 +147,20 @@ void CheckClosed(const PreparedLoop& loop, const TorsionalStiffness& result,
   double there_rad = mean_of(loop.twist_rad, 0);
   const double elsewhere_Nm = 0.02 * loop.torques.t3_Nm + 4.0 * loop.torque_noise_Nm.standard_deviation;
   if (std::abs(end_Nm - start_Nm) > elsewhere_Nm) {
-    // It ends elsewhere: compare with the first passage of that torque.
-    std::size_t passage = n;
-    for (std::size_t i = 1; i + few < n && passage == n; ++i) {
+    // It ends elsewhere: compare with the first crossing of that torque.
+    std::size_t crossing = n;
+    for (std::size_t i = 1; i + few < n && crossing == n; ++i) {
       if ((loop.torque_Nm[i - 1] - end_Nm) * (loop.torque_Nm[i] - end_Nm) <= 0.0) {
-        passage = i;
+        crossing = i;
       }
     }
-    const bool earlier_branch = loop.branches.size() > 1 && passage < loop.branches.back().first;
+    const bool earlier_branch = loop.branches.size() > 1 && crossing < loop.branches.back().first;
     if (!earlier_branch) {
       failed->push_back(fmt::format(
           "loop not closed: torque goes from {:.3g} to {:.3g} Nm and never comes back", start_Nm, end_Nm));
       return;
     }
-    there_rad = loop.twist_rad[passage];
+    there_rad = loop.twist_rad[crossing];
   } else {
     there_rad += (end_Nm - start_Nm) / result.k1_Nm_per_rad.value;
   }

@@ -71,9 +71,9 @@ double UnpenalisedParameters(const TermSet& set, const SeparableSolution& soluti
   for (const SeparableTerm* term : set.terms) {
     for (std::size_t c = 0; c < term->columns; ++c) others.push_back(next++);
     for (const NonlinearParameterRange& range : term->nonlinear_parameters) {
-      const bool uncharged = range.known && set.Moves(range);
-      (uncharged ? known : others).push_back(next++);
-      if (uncharged) ranges.push_back(range.high - range.low);
+      const bool unpenalised = range.known && set.Moves(range);
+      (unpenalised ? known : others).push_back(next++);
+      if (unpenalised) ranges.push_back(range.high - range.low);
     }
   }
   if (known.empty()) return 0.0;
@@ -105,10 +105,11 @@ bool MoveWhereItPays(const SeparableModel& model, std::span<const double> weight
     return samples * std::log(solution.weighted_square_sum / moved.weighted_square_sum);
   };
   const auto pays = [&](const SeparableSolution& moved) {
-    const double uncharged =
+    const double unpenalised =
         UnpenalisedParameters(all, moved, weights) - UnpenalisedParameters(set, solution, weights);
     const double charged =
-        static_cast<double>(all.moved_nonlinear_parameters() - set.moved_nonlinear_parameters()) - uncharged;
+        static_cast<double>(all.moved_nonlinear_parameters() - set.moved_nonlinear_parameters()) -
+        unpenalised;
     return ahead(moved) > std::max(1.0, charged) * std::log(samples);
   };
   const auto take = [&](std::vector<std::vector<double>> nonlinear_parameters) {

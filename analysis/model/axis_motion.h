@@ -57,7 +57,7 @@ class InertiaBehindBacklash {
     const double kept = 1.0 - stiffness - drag;  // of the load's way, by a contact
     const double edge = stiffness * half_;
     double load_way = h * speed_;
-    double kick = 0.0;  // of the push
+    double moved = 0.0;  // of the push
     for (int k = 1; k <= steps; ++k) {
       const double u = static_cast<double>(k) * share;
       const double at = near_ + u * (first + u * (second + u * third));
@@ -72,14 +72,14 @@ class InertiaBehindBacklash {
         free = std::max(led - edge + kept * load_way, load_way);
       else if (lead < -half_)
         free = std::min(led + edge + kept * load_way, load_way);
-      kick = free - load_way;
+      moved = free - load_way;
       // Friction stops, it does not turn round.
       load_way = free > friction ? free - friction : free < -friction ? free + friction : 0.0;
     }
     speed_ = load_way / h;
     near_ = near;
     near_speed_ = near_speed;
-    return kick / (h * h);
+    return moved / (h * h);
   }
 
  private:

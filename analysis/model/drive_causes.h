@@ -12,7 +12,7 @@ struct TorqueWindow {
   double torque_Nm{};
   double start_s{};
   double end_s{};
-  double edge_share{};  // of the window, that its rise and its fall take each: 0 a jolt, 0.5 a bell
+  double edge_share{};  // of the window, that its rise and its fall take each: 0 a rectangle, 0.5 a bell
 };
 
 /// A torque that follows the angle of the shaft: amplitude · sin(order · θ + phase).

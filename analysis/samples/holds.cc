@@ -132,7 +132,7 @@ std::optional<Held> FindHeld(std::span<const double> values, double coarsest_ste
   constexpr double kLeastShare = 0.02;  // of all values: an axis stops less often
   constexpr double kClearly = 3.0;      // steps; an encoder that hardly turns goes on by one
   constexpr double kOfAStep = 0.01;     // tolerance: the changes of a slow ramp are alike, but not that much
-  constexpr double kByChance = 3.0;     // times what the signal's own small changes foretell
+  constexpr double kByChance = 3.0;     // times what the signal's own small changes predict
   constexpr std::size_t kFewLevels = 20;  // of a command in steps
   const std::vector<Run> runs = RunsOf(values);
   const double step = QuantisationStep(values, kOfAStep);

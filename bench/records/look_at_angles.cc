@@ -21,8 +21,8 @@ using samples::Wraps;
 constexpr double kTurn_deg = 360.0;
 constexpr double kMostOfModulus = 0.4;   // a step; half of it could be one the other way
 constexpr double kMostOfInput = 0.1;     // the same where the ratio contradicts it: any step could be another
-constexpr double kOffRatio = 0.1;        // of the modulus: what the ratio may foretell wrongly of a step
-constexpr double kClearlyWrapped = 1.5;  // turns that the ratio foretells of an input that keeps to one
+constexpr double kOffRatio = 0.1;        // of the modulus: what the ratio may predict wrongly of a step
+constexpr double kClearlyWrapped = 1.5;  // turns that the ratio predicts of an input that keeps to one
 
 void NoteWraps(daq::Record& record, const std::string& column, const Wraps& wraps, const char* unit) {
   NoteAt(

@@ -29,7 +29,7 @@ std::chrono::nanoseconds ClockEstimate::ToHost(std::chrono::nanoseconds device) 
 ClockModel::ClockModel(ClockModelSettings settings) : settings_(settings) {
   if (settings.segment.count() <= 0 || settings.most_segments < 2) {
     throw std::invalid_argument(
-        fmt::format("stretch = {} ns and most_stretches = {} are not above zero and one",
+        fmt::format("segment = {} ns and most_segments = {} are not above zero and one",
                     settings.segment.count(), settings.most_segments));
   }
   kept_.resize(settings.most_segments);

@@ -89,7 +89,7 @@ ModelFit FitLeaning(double lean) {
   return SeparableStudy(std::move(model)).Fit(only, ones, nullptr, FitPurpose::kCompare);
 }
 
-TEST(NumberThatIsMovedWhereItPays, RestsUnchargedWhereItDoesNot) {
+TEST(NumberThatIsMovedWhereItPays, RestsUnpenalisedWhereItDoesNot) {
   const ModelFit fit = FitLeaning(0.0);
   EXPECT_EQ(fit.state.back(), 0.0);
   EXPECT_EQ(fit.free_parameters, 2);  // offset and amplitude

@@ -12,7 +12,7 @@
 namespace strainwave::analysis::model::model_axis_motion_test {
 namespace {
 
-constexpr double kContact = 120.0;     // rad/s of a loose load on its contact, half damped
+constexpr double kContact = 120.0;     // rad/s of an inertia behind backlash on its contact, half damped
 constexpr double kLoadFriction = 3.0;  // of it, as a deceleration in rad/s²
 
 // A load on its own between the two ends of a gap, by many small steps.
@@ -64,7 +64,7 @@ double ShareOff(double start, double step_s, std::size_t count, std::size_t fine
   return std::sqrt(off_square / square);
 }
 
-// Knocks come by a part of a step too early or too late.
+// Impacts come by a part of a step too early or too late.
 TEST(InertiaBehindBacklash, IsPushedAtTheEndsOfItsGapAlone) {
   for (const double start : {1.0, 0.0, -1.0}) EXPECT_LT(ShareOff(start, 0.0001, 60000, 1), 0.1) << start;
 }

@@ -16,7 +16,7 @@ import math
 import numpy
 
 import draw
-from effect import foretold_sigma
+from effect import predicted_sigma
 
 FOUND_BY_CHANCE, WRONG_NAMES = 0.005, 0.01
 # A train may have the line that is seen as any of its harmonics, with any ring and change that leaves the others as weak.
@@ -42,9 +42,9 @@ def strongest_line(signal, angle_rad):
 
 def probability_of_name(attempt, causes):
     effect, signal, experiment = attempt.effects[0], attempt.signals[0], attempt.experiment
-    nats = 0.5 * foretold_sigma(attempt, effect, signal) ** 2
+    nats = 0.5 * predicted_sigma(attempt, effect, signal) ** 2
     found = probability(nats, effect.ln_places + math.log(causes / FOUND_BY_CHANCE))
-    if effect.foretold:
+    if effect.predicted:
         line = strongest_line(signal, experiment.angle_rad[attempt.keep])
         return found * probability(nats - line, LN_TRAINS_OF_A_LINE + math.log(1.0 / WRONG_NAMES))
     # Ahead by half the square of the distance on average; that scatters by the distance.

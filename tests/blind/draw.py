@@ -11,7 +11,7 @@ import nuisance
 import rivals
 import transmission_error
 import vibration
-from effect import Ruler, foretold_sigma, scale_for
+from effect import Ruler, predicted_sigma, scale_for
 
 EXPERIMENTS = {"transmission_error": (transmission_error.TransmissionError, transmission_error.CAUSES, 0.28),
                "hysteresis": (hysteresis.Hysteresis, hysteresis.CAUSES, 0.27),
@@ -157,7 +157,7 @@ def _truth(attempt, seed, number, situation):
     experiment = attempt.experiment
     causes = []
     for effect, scale, signal in zip(attempt.effects, attempt.scales, attempt.signals if attempt.effects else []):
-        causes.append({"name": effect.name, "sigma": foretold_sigma(attempt, effect, signal),
+        causes.append({"name": effect.name, "sigma": predicted_sigma(attempt, effect, signal),
                        "energy_sigma": float(numpy.linalg.norm(signal)), "parameters": _listed(effect.describe(scale))})
     truth = {"seed": seed, "case": number, "kind": experiment.kind, "situation": situation,
              "causes": [] if situation == "outside" else causes,

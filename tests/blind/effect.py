@@ -21,7 +21,7 @@ class Effect:
     # Independent places (orders, times, resonances) of which it may have any, for attainable.py alone.
     ln_places: float = 0.0
     # What of it is no chance, and has a size to a matched filter.
-    foretold: typing.Optional[typing.Callable] = None  # act() without what is chance, where not all of it can be foretold
+    predicted: typing.Optional[typing.Callable] = None  # act() without what is chance, where not all of it can be predicted
     swing: typing.Optional[tuple] = None  # (Hz, damping ratio) of what noise drives: its spectrum is all that is known
 
 
@@ -79,11 +79,11 @@ def nats_of_swing(values, rate_hz, natural_hz, damping_ratio):
     return max(float(((1.0 + power) * level / (1.0 + level) - numpy.log1p(level)).sum()) for level in levels)
 
 
-def foretold_sigma(attempt, effect, signal):
+def predicted_sigma(attempt, effect, signal):
     """Size of a whitened `signal` to a filter that is matched to all of the effect that is no chance: its even impulses,
     its spectrum, or (most effects) all of it."""
-    if effect.foretold:
-        template = attempt.ruler.left_over(effect.foretold(1.0)[:, attempt.keep])
+    if effect.predicted:
+        template = attempt.ruler.left_over(effect.predicted(1.0)[:, attempt.keep])
         return abs(float((signal * template).sum())) / float(numpy.linalg.norm(template))
     if effect.swing:
         gains = attempt.experiment.gains
@@ -97,7 +97,7 @@ def scale_for(attempt, effect, wanted_sigma):
     nominal = attempt.respond([])
 
     def sigma_at(scale):
-        return foretold_sigma(attempt, effect, attempt.ruler.left_over(attempt.respond([(effect, scale)]) - nominal))
+        return predicted_sigma(attempt, effect, attempt.ruler.left_over(attempt.respond([(effect, scale)]) - nominal))
 
     low, high = 0.0, effect.most_scale
     scale = min(effect.first_scale, effect.most_scale)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motion records: the torque that an axis needs to follow a motion, by inverse dynamics; loose loads take substeps.
+"""Motion records: the torque that an axis needs to follow a motion, by inverse dynamics; inertias behind backlash take substeps.
 
 A stiff position loop makes the motion; what hides in the axis shows in the torque. All terms are functions of time, so a torque
 that acts late is the same sum read at a later time.
@@ -9,7 +9,7 @@ import math
 import numpy
 
 from effect import Effect
-from loose_load import backlash_reaction, resonance_reaction
+from backlash_load import backlash_reaction, resonance_reaction
 from trajectory import draw_trajectory
 
 CAUSES = ("stribeck_friction", "asymmetric_friction", "position_periodic_torque", "gravity_load", "quadratic_drag",
@@ -181,7 +181,7 @@ class Motion:
                                      self.coulomb / self.inertia * rng.uniform(0.2, 0.6))
         return Effect("backlash", lambda scale, t: share * self.inertia * reaction(scale, t),
                       lambda scale: {"gap": (scale, "m" if self.linear else "rad")}, 0.002 * reach, 0.08 * reach,
-                      tolerance=0.015,  # knocks make the size a ragged function of the gap
+                      tolerance=0.015,  # impacts make the size a ragged function of the gap
                       least_scale=0.0005 * reach)
 
     def _disturbance(self, rng):
@@ -190,7 +190,7 @@ class Motion:
             length_s = rng.uniform(0.3, 2.0)
             start_s = rng.uniform(0.05 * self.duration_s, 0.95 * self.duration_s - length_s)
             windows.append((start_s, start_s + length_s, float(rng.choice([-1.0, 1.0])) * rng.uniform(0.6, 1.0)))
-        # Squeezing the edges lets the same formula be a push, a knock or a held force.
+        # Squeezing the edges lets the same formula be a push, an impact or a held force.
         edge = rng.uniform(0.1, 0.5)
 
         def push(t):

@@ -179,7 +179,7 @@ class Vibration:
         # even impulses or a change once or twice a turn with its phase.
         turns = self.mean_rpm / 60.0 * self.time_s[-1]
         harmonic = natural_hz / (self.mean_rpm / 60.0 * order)
-        return dataclasses.replace(effect, foretold=lambda scale: scale * self.gains[:, numpy.newaxis] * even,
+        return dataclasses.replace(effect, predicted=lambda scale: scale * self.gains[:, numpy.newaxis] * even,
                                    ln_places=math.log(18.0 * turns * harmonic * 45.0 * 2.0 * 6.0))
 
     def _resonance(self, rng):
@@ -191,8 +191,8 @@ class Vibration:
             orders = min(abs(natural_hz - order * self.mean_rpm / 60.0) for order in (1.0, 2.0))
             if min(mains, orders) > 4.0 * damping_ratio * natural_hz / 2.0 and damping_ratio < 0.05:
                 break
-        knocks = rng.random() < 0.5
-        if knocks:  # a few from outside
+        impacts = rng.random() < 0.5
+        if impacts:  # a few from outside
             onset_s = numpy.sort(rng.uniform(0.02, 0.85, int(rng.integers(1, 5)))) * span_s
             heights = rng.choice([-1.0, 1.0], len(onset_s)) * rng.uniform(0.5, 1.0, len(onset_s))
         else:  # the load's unrest keeps it swinging
@@ -202,11 +202,11 @@ class Vibration:
         ring = self._ringing(onset_s, heights, natural_hz, damping_ratio)
         effect = self._shaped("torsional_resonance", self.gains[:, numpy.newaxis] * ring,
                               lambda scale: {"frequency": (natural_hz, "Hz"), "damping": (damping_ratio, "")})
-        # Resonances a width apart with three dampings; each knock in any half period.
+        # Resonances a width apart with three dampings; each impact in any half period.
         ln_places = math.log(650.0)
-        if knocks:
+        if impacts:
             ln_places += len(onset_s) * math.log(2.0 * natural_hz * span_s) - math.lgamma(len(onset_s) + 1.0)
-        return dataclasses.replace(effect, ln_places=ln_places, swing=None if knocks else (natural_hz, damping_ratio))
+        return dataclasses.replace(effect, ln_places=ln_places, swing=None if impacts else (natural_hz, damping_ratio))
 
     def make_outside(self, rng):
         turn_hz = self.mean_rpm / 60.0

@@ -34,7 +34,8 @@ double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSol
 /// A fit of a model that a record may not be able to tell from the best one.
 struct Alternative {
   Eigen::VectorXd numbers;
-  double shape_stretch{};  // of the effect's shape that it stands for, which was held; 0 where all is free
+  double nonlinear_parameter_range{};  // of the effect's shape that it stands for, which was held; 0 where
+                                       // all is free
 };
 /// The model with one effect in each of its forms that it does not have in `x`, and, for each form that is
 /// not out of the question, with its shape held at values away from the best one.

@@ -282,12 +282,12 @@ void HysteresisStudy::WidenByAlternatives(const LoopModel& model, std::size_t ef
     if (!(ahead > kNegligible)) continue;
     double likelihood = std::exp(0.5 * std::min(ahead, 0.0));
     Eigen::MatrixXd errors = covariance;
-    if (other.shape_stretch > 0.0) {
+    if (other.nonlinear_parameter_range > 0.0) {
       // A piece of the integral over the shape, beside the peak's: √2π of its standard errors.
       const auto nonlinear_parameter = static_cast<Index>(model.Of(effect, numbers).data() - numbers.data()) +
                                        model.effects()[effect]->NonlinearParameter();
       const double peak = std::sqrt(kTwoPi * covariance(nonlinear_parameter, nonlinear_parameter));
-      likelihood *= std::min(1.0, other.shape_stretch / std::max(peak, 1e-6));
+      likelihood *= std::min(1.0, other.nonlinear_parameter_range / std::max(peak, 1e-6));
       // The other numbers have the errors that they have at a given shape.
       if (errors(nonlinear_parameter, nonlinear_parameter) > 0.0) {
         const Eigen::VectorXd with_nonlinear_parameter = covariance.col(nonlinear_parameter);

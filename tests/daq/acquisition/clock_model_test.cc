@@ -156,7 +156,7 @@ TEST(ClockModel, StartsAnewWhenTheDevicesClockSteps) {
 
 TEST(ClockModel, RefusesSegmentsThatHoldNothing) {
   EXPECT_EQ(MessageOf<std::invalid_argument>([] { ClockModel({.most_segments = 1}); }),
-            "stretch = 250000000 ns and most_stretches = 1 are not above zero and one");
+            "segment = 250000000 ns and most_segments = 1 are not above zero and one");
 }
 
 // Steps of the time of day (NTP, daylight saving) cannot change an interval that never looks at it.
