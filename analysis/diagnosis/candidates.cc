@@ -14,9 +14,9 @@ namespace strainwave::analysis::diagnosis {
 namespace {
 
 // Of BIC, or as much of a p-value that is corrected. The errors of one fit are too large next to another
-// cause that can take its shape: where the likelihood leaves no model uncertainty, they are asked for less
+// cause that can take its shape: where the likelihood is decisive, they are asked for less
 // (Hauck & Donner, J. Am. Stat. Assoc. 72 (1977) 851).
-constexpr double kNoModelUncertainty = 20.0;
+constexpr double kDecisive = 20.0;
 
 // Share of the likelihood ratio of a cause below which another one is no rival.
 constexpr double kNowhereNear = 0.2;
@@ -122,14 +122,14 @@ CandidateResult JudgeCause(const Judge& judge, const ScoredModel& with, const Sc
   const bool local = std::ranges::any_of(
       with.fit.causes, [&](std::size_t other) { return judge.study().causes()[other].local; });
   result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, local);
-  const bool no_model_uncertainty = result.evidence.delta_bic > kNoModelUncertainty ||
-                                    result.evidence.p_value < std::exp(-0.5 * kNoModelUncertainty);
+  const bool decisive =
+      result.evidence.delta_bic > kDecisive || result.evidence.p_value < std::exp(-0.5 * kDecisive);
   // A block that alone has the highest speeds is nothing that the others could predict.
-  if (!local && (judge.HasFewBlocks() || no_model_uncertainty) && !(result.evidence.heldout_gain > 0.0))
+  if (!local && (judge.HasFewBlocks() || decisive) && !(result.evidence.heldout_gain > 0.0))
     result.evidence.heldout_gain = judge.HeldOutGain(with.fit, without.fit, with.noise, true);
   const ScoredModel reported = judge.Fit(with.fit.causes, &with.fit, FitPurpose::kJudge);
-  result.objection = no_model_uncertainty ? judge.Objection(reported.fit, cause, kNotExcluded)
-                                          : judge.Objection(reported.fit, cause);
+  result.objection =
+      decisive ? judge.Objection(reported.fit, cause, kNotExcluded) : judge.Objection(reported.fit, cause);
   const bool predicted = result.evidence.heldout_gain > 0.0 ||
                          (rule.of_few_samples &&
                           result.evidence.heldout_gain > -kLossUnpredicted * comparison.likelihood_ratio &&

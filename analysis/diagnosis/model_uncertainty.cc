@@ -80,7 +80,7 @@ std::vector<bool> MostTelling(std::span<const double> model_uncertainty, std::sp
   return telling;
 }
 
-// Weights in which samples uncertain count for less; empty where that changes nothing.
+// Weights in which uncertain samples count for less; empty where that changes nothing.
 std::vector<double> WeightsInModelUncertainty(const Judge& judge, const ScoredModel& model,
                                               const ScoredModel& without) {
   const std::span<const double> weights = judge.weights();

@@ -46,7 +46,7 @@ struct SeparableTerm {
   /// takes the first `most_starts`; errors are those over all that the record does not exclude.
   std::function<std::vector<std::vector<double>>(const WeightedResidual& residual)> starts;
   std::size_t most_starts{static_cast<std::size_t>(-1)};
-  /// As Study::Model uncertainty, of these coefficients and nonlinear parameters; empty for none.
+  /// As Study::ModelUncertainty, of these coefficients and nonlinear parameters; empty for none.
   std::function<Eigen::VectorXd(std::span<const double> numbers)> model_uncertainty;
   /// As ModelFit::log_search_locations, of these nonlinear parameters; empty for 0.
   std::function<double(std::span<const double> nonlinear_parameters)> log_search_locations;

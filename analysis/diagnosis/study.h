@@ -166,7 +166,7 @@ class Study {
   virtual bool RemembersSearches() const { return false; }
 
   /// What the response that a fit predicts may be wrong by, sample by sample (SI, a standard deviation up to
-  /// a common factor), where it hangs on more than any fit can know: when an inertia behind backlash impacts
+  /// a common factor), where it hangs on more than any fit can know: when an inertia behind backlash strikes
   /// after several impacts. Empty: nowhere.
   virtual std::vector<double> ModelUncertainty(const ModelFit& /*fit*/) const { return {}; }
 

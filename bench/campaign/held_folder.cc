@@ -41,10 +41,10 @@ CampaignFolder HeldFolder::wherever() const { return {PathOf(held_.front().secon
 
 void HeldFolder::DemandInPlace() const {
   const auto away = [](const auto& entry) { return !InPlace(entry.first, entry.second); };
-  if (std::ranges::none_of(held_, away)) return;
-  // From the outermost once more: it may have gone after it was looked at, and what it holds with it.
-  const auto first = std::ranges::find_if(held_, away);
-  if (first == held_.end()) return;  // put back meanwhile
+  const auto found = std::ranges::find_if(held_, away);
+  if (found == held_.end()) return;
+  // What it lies in may have gone after it was looked at: the outermost is told.
+  const auto first = std::ranges::find_if(held_.begin(), found, away);
   const auto& [path, held] = *first;
   std::error_code none;
   throw BenchError(

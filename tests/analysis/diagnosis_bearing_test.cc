@@ -259,7 +259,7 @@ TEST(IsBearing, TakesTheHarmonicsBesideALineAtAWholeOrderForATrain) {
   EXPECT_FALSE(IsBearingIn(teeth, kOrder, 80.1, kDamping));
 }
 
-// A shaft that impacts twice a turn has all even orders: 6, 9 and 12 of 14/3 with what stands 2 beside them.
+// A shaft with two impacts a turn has all even orders: 6, 9 and 12 of 14/3 with what stands 2 beside them.
 TEST(IsBearing, TakesNoLinesAtWholeOrdersForABearing) {
   VibrationTerm lines{.form = VibrationForm::kLines,
                       .lines = {{6.0, 0.0}, {9.0, 0.0}, {12.0, 0.0}, {12.0, 2.0}, {12.0, -2.0}},

@@ -74,7 +74,7 @@ TEST(MotionBacklash, IsNamedBehindAStiffShaftThatThrowsTheMotorBack) {
   }
 }
 
-// An axis that is led along its way, with a light load in a gap that impacts for half a sample of a slow
+// An axis that is led along its way, with a light load in a gap that strikes for half a sample of a slow
 // logger, and as many samples that stand off by chance as there are.
 MotionData SlowlyLogged(unsigned seed, double load_kgm2, int spikes, double begin = 1.0) {
   constexpr double kNoise_Nm = 0.05;

@@ -114,7 +114,7 @@ TEST(Selection, NamesTwoCausesRatherThanANuisanceTermThatIsNoBetter) {
 }
 
 // Of eight numbers one is the size; as little as it is away from zero, chance does not make all eight. BIC
-// asks too much of so many: for such a cause the p-value says that there is no model uncertainty.
+// asks too much of so many: for such a cause the p-value is decisive.
 TEST(Selection, AsksLessOfTheSizeOfWhatChanceDoesNotMake) {
   constexpr double kSize = 0.1;
   const auto bell = [](int k) {

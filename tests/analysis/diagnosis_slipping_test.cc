@@ -51,7 +51,7 @@ TEST(SlippingBearing, IsNamedWithItsOrderAndNoResonanceBesideIt) {
   }
 }
 
-// A gap of four impulses: those that nobody observable are counted, or the order would be another one.
+// A gap of four impulses: those that are not observable are counted, or the order would be another one.
 TEST(SlippingBearing, IsNamedWithItsOrderOverAGap) {
   const Effect bearing = SlippingBearing(89, 0.01, 0.7);
   VibrationData record = Record(Turning(1500.0, 1.0, 0.0), 89, bearing, {1.0, -0.6});

@@ -307,7 +307,7 @@ TEST(VibrationStudy, SaysWhatIsWrongWithARecord) {
 }
 
 // A gear of so many teeth has lines where the shaft's would be if the speed were in Hz.
-TEST(VibrationStudy, ModelUncertaintiesTheUnitOfASpeedAndGoesOn) {
+TEST(VibrationStudy, QuestionsTheUnitOfASpeedAndGoesOn) {
   const Turning run(1500.0, 1.0, 0.0);
   VibrationData record = Record(run, 14, Silence);
   record.input_speed_rad_per_s = {RadPerSFromRpm(RadPerSFromRpm(1500.0))};

@@ -19,10 +19,12 @@ def unused_words(glossary):
     return dict(TABLE.findall(glossary.partition(HEADING)[2]))
 
 
-def pattern_of(word):
-    """The word with its endings, alone or as a part of a name: knock, knocks, kKnock_s, KnocksOf."""
-    capital = word[0].upper() + word[1:]
-    return re.compile(rf"(?<![a-z]){word}(?:s|es|ed|ing)?(?![a-z])|(?<![A-Z]){capital}(?:s|es|ed|ing)?(?![a-z])")
+def pattern_of(words):
+    """Any of them with its endings, alone or as a part of a name: knock, knocks, kKnock_s, KnocksOf. Group 1 or 2 is
+    the word."""
+    def any_of(forms):
+        return "(" + "|".join(forms) + ")(?:s|es|ed|ing)?(?![a-z])"
+    return re.compile("(?<![a-z])" + any_of(words) + "|(?<![A-Z])" + any_of(word[0].upper() + word[1:] for word in words))
 
 
 def without_texts(code):
@@ -30,7 +32,8 @@ def without_texts(code):
 
 
 def findings(tree):
-    words = {pattern_of(word): (word, term.strip()) for word, term in unused_words(tree.text("docs/glossary.md")).items()}
+    words = unused_words(tree.text("docs/glossary.md"))
+    pattern = pattern_of(words)
     found = []
     for path in tree.paths():
         if path in HISTORY or not path.endswith((".h", ".cc", ".md")):
@@ -38,8 +41,10 @@ def findings(tree):
         text = tree.text(path)
         lines = outside_code(text) if path.endswith(".md") else without_texts(text).split("\n")
         for number, line in enumerate(lines, 1):
-            found += [f"{path}:{number}: '{word}' (expected: {term})" for pattern, (word, term) in words.items()
-                      if pattern.search(line)]
+            for match in pattern.finditer(line):
+                word = next(filter(None, match.groups()))
+                word = word if word in words else word[0].lower() + word[1:]
+                found.append(f"{path}:{number}: '{word}' (expected: {words[word].strip()})")
     return found
 
 
@@ -53,7 +58,7 @@ class Terms(unittest.TestCase):
         tree = Tree({"docs/glossary.md": f"{HEADING}\n\n| `knock` | impact |\n",
                      "a.cc": "// no knock\nint kKnocksInACell;\nauto text = \"a knock\";  // knocking\nint unknocked;\n"})
         self.assertEqual(findings(tree), ["a.cc:1: 'knock' (expected: impact)", "a.cc:2: 'knock' (expected: impact)",
-                                               "a.cc:3: 'knock' (expected: impact)"])
+                                          "a.cc:3: 'knock' (expected: impact)"])
 
 
 if __name__ == "__main__":

@@ -16,8 +16,8 @@ void AddSensorReplaced(const LayoutPointer& layout, SeparableModel& model);
 /// What a long pause leaves and running takes away again.
 void AddPauseRecovery(const LayoutPointer& layout, SeparableModel& model);
 
-/// Nonlinear parameters without a cause: line over time, smooth function of load time and of temperature,
-/// deviation that passes, run-in of another length.
+/// Nuisance terms, which have no physical cause: line over time, smooth function of load time and of
+/// temperature, deviation that passes, run-in of another length.
 void AddCampaignNuisanceTerms(const LayoutPointer& layout, SeparableModel& model);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -78,8 +78,9 @@ void AppendDistributedFriction(const LoopRecords& records, LoopEffects& effects)
 void AppendRateDependence(const LoopRecords& records, LoopEffects& effects);
 /// Appends the causes that add to the angle: creep, brake slip, thermal drift.
 void AppendAddedEffects(const LoopRecords& records, LoopEffects& effects);
-/// Appends nonlinear parameters without a physical cause: other knees, smooth functions of the torque, lines
-/// over output angle, time and torque, windows over torque and output angle, a jump and a window in time.
+/// Appends the nuisance terms, which have no physical cause: other knees, smooth functions of the torque,
+/// lines over output angle, time and torque, windows over torque and output angle, a jump and a window in
+/// time.
 void AppendNuisanceTerms(const LoopRecords& records, LoopEffects& effects);
 
 /// Standard errors from a covariance.

@@ -13,7 +13,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
 
 /// What a load behind a gap asks for beyond one that is held tight, per unit of its inertia, at the points
 /// and before the low-pass.
-/// @param nonlinear parameters  of the cause's term
+/// @param nonlinear_parameters  of the cause's term
 std::vector<double> InertiaBehindBacklashAtPoints(const MotionGrid& grid,
                                                   std::span<const double> nonlinear_parameters);
 

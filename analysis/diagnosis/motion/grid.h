@@ -58,9 +58,10 @@ struct MotionGrid {
   std::vector<double> passed_torque;
   std::vector<double> noise_of_acceleration;  // more where an axis is not calm
   std::vector<bool> wide;                     // where rows pass the wider low-pass
-  std::vector<double> acceleration_error;     // around acceleration transients (motion/acceleration
-                                              // transients.h): how wrong the acceleration may be
-  std::vector<double> last_band;   // acceleration in the last half octave (motion/acceleration transients.h)
+  // Around acceleration transients (motion/acceleration_transients.h): how wrong the acceleration may be, and
+  // the acceleration in the last half octave.
+  std::vector<double> acceleration_error;
+  std::vector<double> last_band;
   std::vector<double> jump_error;  // the same where it jumps: of the torque's samples, that fold it
 
   // Rows.

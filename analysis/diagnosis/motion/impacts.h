@@ -7,7 +7,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A load that impacts where a gap closes may do so within one sample of the torque, which looks like a spike
+/// A load that strikes where a gap closes may do so within one sample of the torque, which looks like a spike
 /// of the measurement. It is none where one inertia behind backlash predicts several of them, their times,
 /// signs and heights together, and does not predict others that are not there.
 /// @param samples  of the records, with all spikes bridged

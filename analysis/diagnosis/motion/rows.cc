@@ -140,7 +140,7 @@ double FoldedKink_s(const MotionBandwidth& bandwidth, double step_s) {
 }
 
 // At each point, by how much a row there may be wrong because nobody knows when exactly the motion reversed.
-// @param reversal smoothing  speed over which friction may turn round, nobody knows how
+// @param reversal_smoothing  speed over which friction may turn round, nobody knows how
 std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBandwidth& bandwidth,
                                    double expected_delay_s, double reversal_smoothing,
                                    const MotionGrid& grid) {

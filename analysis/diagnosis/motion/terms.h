@@ -37,10 +37,10 @@ void AddLoadCause(const SharedGrid& grid, const MotionUnits& units, SeparableMod
 void AddPositionCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
 void AddDynamicCauses(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
 void AddDisturbanceCause(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
-/// Nonlinear parameters without a cause.
+/// Nuisance terms, which have no physical cause.
 void AddMotionNuisanceTerms(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model);
 
-/// A term whose columns are evaluated at the points and low-passed: `column_at(nonlinear parameters, column,
+/// A term whose columns are evaluated at the points and low-passed: `column_at(nonlinear_parameters, column,
 /// points)` fills one.
 template <typename ColumnAt>
 SeparableTerm PointTerm(SharedGrid grid, std::size_t columns, ColumnAt column_at) {

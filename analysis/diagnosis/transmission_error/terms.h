@@ -28,8 +28,8 @@ struct TransmissionErrorSamples {
 /// the nuisance terms; a cause that the record did not excite is left out, with a warning.
 void AddTransmissionErrorCauses(const TransmissionErrorSamples& samples, SeparableModel& model);
 
-/// Nonlinear parameters without a cause: free lines over the output angle, a ripple in a window, levels in
-/// windows of output angle and time, curves over time and torque.
+/// Nuisance terms, which have no physical cause: free lines over the output angle, a ripple in a window,
+/// levels in windows of output angle and time, curves over time and torque.
 void AddTransmissionErrorNuisanceTerms(const TransmissionErrorSamples& samples, SeparableModel& model);
 
 /// Standard deviation of the noise: of the differences between samples of different sweeps at the same output
@@ -40,7 +40,7 @@ double TransmissionErrorFloor_rad(const TransmissionErrorSamples& samples);
 SeparableTerm HarmonicTerm(const std::vector<double>& angle_rad, double order, std::string amplitude_name,
                            std::string unit, double unit_per_si);
 
-/// One column that is given, scaled so that its coefficient reads in `nuisance term`'s unit.
+/// One column that is given, scaled so that its coefficient reads in `description`'s unit.
 SeparableTerm ColumnTerm(std::vector<double> column, NonlinearParameterDescription description);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -10,7 +10,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Slips are a percent or two of the period; of five times as much nobody has observable.
+// Slips are a percent or two of the period; nothing is known of five times as much.
 constexpr double kUsualSlip = 0.015;
 constexpr double kLargestSlip = 0.1;
 

@@ -26,7 +26,7 @@ std::string AmplitudeName(const VibrationSamples& samples);
 std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
                                             const VibrationSolution& solution);
 
-/// @param nonlinear parameters  covariance of all nonlinear parameters of the solution; empty where no errors
+/// @param nonlinear_parameters  covariance of all nonlinear parameters of the solution; empty where no errors
 /// are wanted.
 std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const VibrationSolution& solution,
                                          std::size_t term, VibrationCause cause,

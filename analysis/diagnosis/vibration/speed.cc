@@ -317,7 +317,7 @@ std::optional<double> SquareSumOfPair(VibrationSamples samples, double speed_rad
 }
 
 // A speed in another unit puts the pair of lines far from where it should be. So may a gear with as many
-// teeth: a model uncertainty, not a finding.
+// teeth: a question to the user, not a finding.
 void QuestionUnit(const VibrationSpectrum& spectrum, double speed_rad_per_s,
                   std::vector<std::string>& warnings) {
   struct MixUp {
