@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 #include "analysis/diagnosis/cause_sets.h"
@@ -56,14 +57,23 @@ Candidate FitCandidate(const Judge& judge, const ScoredModel& model, std::size_t
 }
 
 std::vector<Candidate> FitCandidates(const Judge& judge, const ScoredModel& model,
-                                     const std::function<bool(std::size_t)>& is_out) {
+                                     const std::function<bool(std::size_t)>& is_out,
+                                     const std::function<void(std::size_t)>& begins) {
   const Study& study = judge.study();
-  std::vector<Candidate> candidates;
+  std::vector<std::size_t> causes;
   for (std::size_t cause = 0; cause < study.causes().size(); ++cause) {
-    if (!MayStandBeside(study, model.fit, cause) || is_out(cause)) continue;
-    Candidate candidate = FitCandidate(judge, model, cause);
-    if (candidate.model.fit.usable) candidates.push_back(std::move(candidate));
+    if (MayStandBeside(study, model.fit, cause) && !is_out(cause)) causes.push_back(cause);
   }
+  std::vector<Candidate> candidates(causes.size());
+  std::mutex telling;
+  judge.parallel()(causes.size(), [&](std::size_t i) {
+    {
+      const std::lock_guard lock(telling);
+      begins(causes[i]);
+    }
+    candidates[i] = FitCandidate(judge, model, causes[i]);
+  });
+  std::erase_if(candidates, [](const Candidate& candidate) { return !candidate.model.fit.usable; });
   return candidates;
 }
 

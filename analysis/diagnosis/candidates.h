@@ -29,11 +29,13 @@ inline constexpr double kNotExcluded = 2.0;
 /// @returns it fitted beside a model; its own model is not usable where that fails.
 Candidate FitCandidate(const Judge& judge, const ScoredModel& model, std::size_t cause);
 
-/// All that may stand beside a model, each fitted with it, but for those that `is_out` names; it is asked
-/// right before each of the fits, which may take long.
+/// All that may stand beside a model, each fitted with it, but for those that `is_out` names; several at once
+/// where the judge may.
+/// @param begins  told of each fit, which may take long; from any thread, but one at a time
 std::vector<Candidate> FitCandidates(
     const Judge& judge, const ScoredModel& model,
-    const std::function<bool(std::size_t)>& is_out = [](std::size_t) { return false; });
+    const std::function<bool(std::size_t cause)>& is_out = [](std::size_t) { return false; },
+    const std::function<void(std::size_t cause)>& begins = [](std::size_t) {});
 
 /// The strongest first; causes stand before a nuisance term that does not lead them by enough, so that the
 /// next one has its turn where the first does not pass.

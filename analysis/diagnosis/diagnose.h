@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/diagnosis/study.h"
+#include "analysis/parallel_for.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -79,6 +80,7 @@ struct DiagnoseOptions {
   std::vector<std::size_t> given_causes;
   unsigned long long seed{1};                                                // of the bootstrap
   std::function<void(const std::string& step, double share_done)> progress;  // may be empty
+  ParallelFor parallel{InTurn};  // over candidates, and over held-out folds; changes no bit
 };
 
 /// Finds what the nominal model of a study lacks.

@@ -27,7 +27,7 @@ Eigen::MatrixXd ColourBackwards(Eigen::MatrixXd rows, const NoiseFit& noise,
     const Index last = s + 1 < segments.size() ? static_cast<Index>(segments[s + 1]) : rows.rows();
     for (Index i = last - 1; i >= first; --i) {
       for (Index k = 1; k <= noise.order && i + k < last; ++k) {
-        rows.row(i) += noise.coefficients[static_cast<std::size_t>(k - 1)] * rows.row(i + k);
+        rows.row(i) += noise.series.front().coefficients[static_cast<std::size_t>(k - 1)] * rows.row(i + k);
       }
     }
   }

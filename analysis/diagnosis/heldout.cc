@@ -50,11 +50,11 @@ Folds MakeFolds(std::size_t samples, std::span<const std::size_t> segments, std:
 }
 
 std::vector<double> HeldOutResiduals(const Study& study, std::span<const double> weights, const Folds& folds,
-                                     const ModelFit& whole) {
+                                     const ModelFit& whole, const ParallelFor& parallel) {
   const std::span<const double> measured = study.measured();
   std::vector<double> residuals(measured.size(), 0.0);
-  std::vector<double> training(weights.size());
-  for (std::size_t fold = 0; fold < folds.folds; ++fold) {
+  parallel(folds.folds, [&](std::size_t fold) {
+    std::vector<double> training(weights.size());
     for (std::size_t i = 0; i < training.size(); ++i)
       training[i] = folds.fold_of[i] == fold ? 0.0 : weights[i];
     const ModelFit fit = study.Fit(whole.causes, training, &whole, FitPurpose::kCompare);
@@ -64,7 +64,7 @@ std::vector<double> HeldOutResiduals(const Study& study, std::span<const double>
           fit.usable ? fit.predicted(static_cast<Eigen::Index>(i)) : whole.predicted.mean();
       residuals[i] = measured[i] - predicted;
     }
-  }
+  });
   return residuals;
 }
 

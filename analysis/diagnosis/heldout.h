@@ -7,6 +7,7 @@
 
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/study.h"
+#include "analysis/parallel_for.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -25,8 +26,9 @@ Folds MakeFolds(std::size_t samples, std::span<const std::size_t> segments, std:
 
 /// Residuals of samples that the fit has not seen: each fold is predicted by a fit to the others, started
 /// from `whole`. A sample without weight is left at 0.
+/// @param parallel  over the folds
 std::vector<double> HeldOutResiduals(const Study& study, std::span<const double> weights, const Folds& folds,
-                                     const ModelFit& whole);
+                                     const ModelFit& whole, const ParallelFor& parallel = InTurn);
 
 double HeldOutRmse(std::span<const double> residuals, std::span<const double> weights);
 

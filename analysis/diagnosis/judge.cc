@@ -52,12 +52,13 @@ bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double 
   return corrected_p_value < error && DeltaBic(comparison, rule) > asked;
 }
 
-Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOptions&)
+Judge::Judge(const Study& study, std::vector<double> weights, const DiagnoseOptions& options)
     : study_(study),
       weights_(std::move(weights)),
       folds_(MakeFolds(study.measured().size(), study.segments(), study.BlockLength())),
       short_folds_(MakeFolds(study.measured().size(), study.segments(),
                              std::max<std::size_t>(2, study.BlockLength() / kShortBlocks))),
+      parallel_(options.parallel),
       fits_(std::min(kMostFits, kMostKept / std::max<std::size_t>(1, study.measured().size()))),
       held_out_(kMostHeldOut) {
   for (const double weight : weights_) samples_ += weight > 0.0 ? 1.0 : 0.0;
@@ -70,7 +71,7 @@ ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* star
     ScoredModel model{study_.Fit(causes, weights_, start, purpose), {}};
     if (model.fit.usable) {
       model.noise = FitNoise(study_.Decorrelated(ResidualsOf(study_, model.fit), weights_), weights_,
-                             study_.segments(), study_.LargestNoiseOrder(), scale_);
+                             study_.segments(), study_.LargestNoiseOrder(), scale_, study_.NoiseSeries());
     }
     return model;
   };
@@ -83,9 +84,9 @@ ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* star
   return fits_.Get(request, make);
 }
 
-const std::vector<double>& Judge::HeldOut(const ModelFit& fit, bool local) const {
+std::vector<double> Judge::HeldOut(const ModelFit& fit, bool local) const {
   return held_out_.Get({fit.causes, fit.state, local},
-                       [&] { return HeldOutResiduals(study_, weights_, folds(local), fit); });
+                       [&] { return HeldOutResiduals(study_, weights_, folds(local), fit, parallel_); });
 }
 
 Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) const {

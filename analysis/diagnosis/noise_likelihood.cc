@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/diagnosis/noise_likelihood.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -75,21 +76,23 @@ std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<
   return predictors;
 }
 
-}  // namespace
+// One series at each order.
+struct SeriesFit {
+  std::size_t samples{};
+  std::vector<Autoregression> by_order;  // one where the samples are too few for more
+  std::vector<double> log_likelihood;
 
-NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> weights,
-                  std::span<const std::size_t> segments, int largest_order, double scale) {
-  NoiseFit fit;
-  const std::vector<GoodRun> runs = RunsOf(weights, segments);
-  for (const GoodRun& run : runs) fit.samples += run.size();
-  if (fit.samples == 0) return fit;
-  std::vector<double> residual(unweighted.begin(), unweighted.end());
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    if (weights[i] != 1.0) residual[i] *= std::sqrt(std::max(0.0, weights[i]));
+  std::size_t At(int order) const {
+    return std::min(static_cast<std::size_t>(order), log_likelihood.size() - 1);
   }
+};
+
+SeriesFit FitSeries(std::span<const double> residual, std::span<const GoodRun> runs, int largest_order,
+                    double scale) {
+  SeriesFit fit;
+  for (const GoodRun& run : runs) fit.samples += run.size();
   const auto n = static_cast<double>(fit.samples);
   const std::vector<Predictor> predictors = PredictorsOf(residual, runs, largest_order);
-  double best = 0.0;
   for (int order = 0; order < static_cast<int>(predictors.size()); ++order) {
     double squares = 0.0;  // as if nothing were predicted
     double logarithms = 0.0;
@@ -111,20 +114,70 @@ NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> we
     }
     const double variance = std::max(squares / n, 1e-24 * scale * scale);
     fit.log_likelihood.push_back(-0.5 * (n * (std::log(kTwoPi * variance) + 1.0) + logarithms));
-    const double penalised = fit.log_likelihood.back() - 0.5 * order * std::log(n);
-    if (order > 0 && penalised <= best) continue;
     const Predictor& own = predictors[static_cast<std::size_t>(order)];
+    fit.by_order.push_back(
+        {{own.coefficients.begin(), own.coefficients.end()}, std::sqrt(own.share * variance), fit.samples});
+  }
+  return fit;
+}
+
+std::vector<SeriesFit> FitAllSeries(std::span<const double> residual, std::span<const GoodRun> runs,
+                                    std::span<const std::size_t> series, int largest_order, double scale) {
+  std::vector<SeriesFit> fits;
+  for (auto from = runs.begin(); from != runs.end();) {
+    const auto next = std::upper_bound(series.begin(), series.end(), from->first);
+    const std::size_t end = next == series.end() ? residual.size() : *next;
+    const auto to = std::find_if(from, runs.end(), [&](const GoodRun& run) { return run.first >= end; });
+    fits.push_back(FitSeries(residual, {from, to}, largest_order, scale));
+    from = to;
+  }
+  return fits;
+}
+
+}  // namespace
+
+NoiseFit FitNoise(std::span<const double> unweighted, std::span<const double> weights,
+                  std::span<const std::size_t> segments, int largest_order, double scale,
+                  std::span<const std::size_t> series) {
+  NoiseFit fit;
+  std::vector<double> residual(unweighted.begin(), unweighted.end());
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    if (weights[i] != 1.0) residual[i] *= std::sqrt(std::max(0.0, weights[i]));
+  }
+  const std::vector<SeriesFit> fits =
+      FitAllSeries(residual, RunsOf(weights, segments), series, largest_order, scale);
+  if (fits.empty()) return fit;
+  std::size_t orders = 0;
+  for (const SeriesFit& own : fits) {
+    fit.samples += own.samples;
+    orders = std::max(orders, own.log_likelihood.size());
+  }
+  const auto n = static_cast<double>(fit.samples);
+  const double charge = 0.5 * static_cast<double>(fits.size()) * std::log(n);
+  double best = 0.0;
+  for (int order = 0; order < static_cast<int>(orders); ++order) {
+    double together = 0.0;
+    for (const SeriesFit& own : fits) together += own.log_likelihood[own.At(order)];
+    fit.log_likelihood.push_back(together);
+    const double penalised = together - order * charge;
+    if (order > 0 && penalised <= best) continue;
     best = penalised;
     fit.order = order;
-    fit.coefficients.assign(own.coefficients.begin(), own.coefficients.end());
-    fit.innovation_sd = std::sqrt(own.share * variance);
   }
+  double innovations = 0.0;
+  for (const SeriesFit& own : fits) {
+    fit.series.push_back(own.by_order[own.At(fit.order)]);
+    innovations +=
+        static_cast<double>(own.samples) * fit.series.back().innovation_sd * fit.series.back().innovation_sd;
+  }
+  fit.innovation_sd = std::sqrt(innovations / n);
   return fit;
 }
 
 double LikelihoodRatio(const NoiseFit& richer, const NoiseFit& poorer) {
   if (richer.log_likelihood.empty() || poorer.log_likelihood.empty()) return 0.0;
-  const double charge = 0.5 * std::log(static_cast<double>(std::max<std::size_t>(richer.samples, 1)));
+  const double charge =
+      0.5 * richer.per_order() * std::log(static_cast<double>(std::max<std::size_t>(richer.samples, 1)));
   const auto base = static_cast<std::size_t>(richer.order);
   double ahead = 1e300;
   for (const std::size_t order : {base, static_cast<std::size_t>(poorer.order)}) {

@@ -56,8 +56,8 @@ Filtered FilterBoth(std::span<const double> residual, std::span<const double> re
     double x = regressor[i];
     for (std::size_t k = 1; k <= order; ++k) {
       valid = valid && weights[i - k] > 0.0 && segment_of[i - k] == segment_of[i];
-      e -= noise.coefficients[k - 1] * residual[i - k];
-      x -= noise.coefficients[k - 1] * regressor[i - k];
+      e -= noise.series.front().coefficients[k - 1] * residual[i - k];
+      x -= noise.series.front().coefficients[k - 1] * regressor[i - k];
     }
     if (!valid) continue;
     out.valid[i] = 1;

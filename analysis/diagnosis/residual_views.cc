@@ -42,7 +42,7 @@ Innovations InnovationsOf(const Study& study, std::span<const double> residual,
       out.values[i] = residual[i];
       out.weights[i] = weights[i];
       for (std::size_t k = 1; k <= order; ++k) {
-        out.values[i] -= noise.coefficients[k - 1] * residual[i - k];
+        out.values[i] -= noise.series.front().coefficients[k - 1] * residual[i - k];
       }
     }
     run = weights[i] > 0.0 ? run + 1 : 0;

@@ -122,9 +122,10 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     std::vector<Candidate> candidates;
     const auto looking = [&](std::size_t cause) {
       TellProgress(options, rules[cause].name, seen.size(), cause, rules.size());
-      return false;
     };
-    if (!circling || HasNuisanceTerm(judge, model)) candidates = FitCandidates(judge, model, looking);
+    const auto none_out = [](std::size_t) { return false; };
+    if (!circling || HasNuisanceTerm(judge, model))
+      candidates = FitCandidates(judge, model, none_out, looking);
     Rank(judge.study(), candidates);
     const Candidate* chosen = nullptr;
     if (!circling) chosen = ChooseNext(judge, given, model, candidates, explained, full, error, judged);

@@ -72,14 +72,17 @@ class Judge {
   /// taken off. Blocks are short where `local` is set.
   double HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const NoiseFit& noise, bool local) const;
 
+  /// Tasks that fit, each for itself.
+  const ParallelFor& parallel() const { return parallel_; }
+
   const Folds& folds(bool local) const { return local ? short_folds_ : folds_; }
 
   /// Whether a number may be shown by one block alone (a slip by the one peak that is beyond its level, the
   /// beginning of a drift): without it the others can but extrapolate. Short blocks tell more there.
   bool HasFewBlocks() const { return folds_.blocks < kFewBlocks; }
 
-  /// Residuals of samples that the fit has not seen. The reference holds while the next one is asked for.
-  const std::vector<double>& HeldOut(const ModelFit& fit, bool local) const;
+  /// Residuals of samples that the fit has not seen.
+  std::vector<double> HeldOut(const ModelFit& fit, bool local) const;
 
   /// Why this cause's parameters are not believed; empty if they are. The fit is to be one for reporting.
   /// `away_from_zero`: standard errors that an amount has to be.
@@ -94,6 +97,7 @@ class Judge {
   double scale_{};
   Folds folds_;
   Folds short_folds_;
+  ParallelFor parallel_;
 
   /// What a fit hangs on beside the weights. Judging of candidates, of exchanges and of what was chosen in
   /// the end ask for the same one several times.

@@ -158,6 +158,7 @@ class Study {
   /// Fits nominal parameters and the causes with these indices (ascending) together.
   /// @param weights  one a sample, ≥ 0; zero keeps a sample out of the fit (held out, or an outlier).
   /// @param start    a fit of the same or another set of causes to start from, or null.
+  /// Several threads may fit at once.
   virtual ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                        const ModelFit* start, FitPurpose purpose) const = 0;
 
@@ -199,6 +200,9 @@ class Study {
                                            std::span<const double> /*weights*/) const {
     return residual;
   }
+
+  /// First samples of what, decorrelated, has a spectrum of its own (FitNoise); empty: one for all.
+  virtual std::span<const std::size_t> NoiseSeries() const { return {}; }
 
   /// True where a sample that stands off its neighbours is a disturbance of the measurement, and is left out.
   virtual bool SpikesAreOutliers() const { return true; }

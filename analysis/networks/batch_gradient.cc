@@ -16,10 +16,6 @@ constexpr Index kMostSlices = 8;
 
 }  // namespace
 
-void InTurn(std::size_t count, const std::function<void(std::size_t)>& task) {
-  for (std::size_t i = 0; i < count; ++i) task(i);
-}
-
 template <typename Scalar>
 BatchGradient<Scalar>::BatchGradient(const Network& network, Loss loss, ParallelFor parallel)
     : network_(network), loss_(loss), parallel_(std::move(parallel)) {}

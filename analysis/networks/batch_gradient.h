@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "analysis/networks/loss.h"
 #include "analysis/networks/network.h"
+#include "analysis/parallel_for.h"
 
 namespace strainwave::analysis::networks {
-
-/// Calls task(0) … task(count − 1), in any order and on any threads, and comes back when all are done.
-/// Threads are the caller's matter; `InTurn` uses none.
-using ParallelFor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
-void InTurn(std::size_t count, const std::function<void(std::size_t)>& task);
 
 /// Loss and gradient of a batch. The batch is cut into slices, as many as its size alone says, and what they
 /// give is added in their order: the same bits on any number of threads.

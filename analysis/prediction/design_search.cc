@@ -18,9 +18,9 @@ Trial Try(const Samples& samples, const Candidate& candidate, const std::vector<
   settings.design = candidate.DesignFor(static_cast<int>(samples.features.cols()),
                                         static_cast<int>(samples.targets.cols()));
   settings.training.weight_decay = candidate.weight_decay;
-  settings.training.parallel = networks::InTurn;
+  settings.training.parallel = InTurn;
   settings.members = 1;
-  settings.parallel = networks::InTurn;
+  settings.parallel = InTurn;
   const CrossFit cross = CrossPredict(samples, settings, folds);
   const std::vector<double> errors = FoldErrors_percent(samples, folds, cross);
   double sum = 0.0;

@@ -22,7 +22,7 @@ struct EnsembleSettings {
   int members{1};                // networks that differ in their seed alone
   double validation_share{0.0};  // of the records, in blocks of time, apart for early stopping; 0: none
   bool beside_line{false};       // a ridge first: the networks learn what it leaves
-  networks::ParallelFor parallel{networks::InTurn};  // over the members
+  ParallelFor parallel{InTurn};  // over the members
 };
 
 /// The caller wanted no more of it.

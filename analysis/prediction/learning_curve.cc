@@ -34,8 +34,8 @@ std::vector<LearningPoint> LearningCurve(const Samples& samples, const Split& sp
 
   EnsembleSettings single = settings;
   single.members = 1;
-  single.parallel = networks::InTurn;
-  single.training.parallel = networks::InTurn;
+  single.parallel = InTurn;
+  single.training.parallel = InTurn;
   std::atomic<bool> go_on{true};
   std::mutex telling;
   double done = 0.0;

@@ -13,6 +13,7 @@
 #include "analysis/diagnosis/diagnose.h"
 #include "analysis/diagnosis/residuals.h"
 #include "bench/campaign/folder.h"
+#include "bench/campaign/on_all_processors.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
@@ -58,6 +59,7 @@ diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, const std::optional<E
                                   const DiagnoseCommand& command, ShareLine& line) {
   diagnosis::DiagnoseOptions options;
   options.seed = command.seed;
+  options.parallel = OnAllProcessors;
   if (model) options.given_causes = GivenCauses(*model, *input.study, command.model);
   options.progress = [&](const std::string& step, double share) {
     line.Show(step, share * (command.out.empty() ? 1.0 : kShareOfFits));
@@ -107,6 +109,7 @@ std::vector<RecordWarning> WarningsOfOpen(const diagnosis::Diagnosis& result, co
 int Run(const DiagnoseCommand& command) {
   KeepFreedMemory();
   ShareLine line;
+  line.Show("reading " + FileText(command.paths.front()), 0.0);
   StudyInput input = ReadStudyInput(command.paths, command.choice);
   const std::optional<ExtendedModel> given = ReadModel(command, input.kind);
   TellWarnings(input.warnings);

@@ -153,11 +153,12 @@ int Run(const FeaturesCommand& command) {
   }
   std::size_t done = 0;
   for (const std::filesystem::path& path : paths.files) {
-    if (command.json)
-      line.Show("features", static_cast<double>(done++) / static_cast<double>(paths.files.size()));
+    const double share = static_cast<double>(done++) / static_cast<double>(paths.files.size());
+    line.Show("reading " + FileText(path), share);
     for (const daq::Record& record : ReadVibrationRecords(path, MotorTorqueAdded(command.motor_torque))) {
       const std::vector<RecordWarning> warnings = WarningsOf(record);
       TellWarnings(warnings);
+      line.Show("features of " + FileText(path), share);
       nlohmann::ordered_json report = command.coefficients
                                           ? CoefficientsReport(record, command)
                                           : FeaturesReport(record, command, channel_features);

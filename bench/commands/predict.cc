@@ -14,6 +14,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
+#include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
 #include "bench/prediction/baseline_file.h"
 #include "bench/prediction/predictor_file.h"
@@ -140,10 +141,15 @@ int Run(const PredictCommand& command) {
   const MotorTorque motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe.channels));
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   std::set<std::string> told;
+  ShareLine line;
+  double done = 0.0;
   for (const std::string& path : command.paths) {
+    const double share = done++ / static_cast<double>(command.paths.size());
+    line.Show("reading " + FileText(path), share);
     for (const daq::Record& record : ReadVibrationRecords(path, motor_torque)) {
       std::vector<RecordWarning> warnings = WarningsOf(record);
       TellWarnings(warnings);
+      line.Show("predicting from " + FileText(path), share);
       Eigen::MatrixXd features = inputs.OfWindows(record);
       if (baseline) features.rowwise() -= baseline->features;
       Together predicted = TogetherOf(predictor.fitted.Predict(features));
@@ -157,6 +163,7 @@ int Run(const PredictCommand& command) {
       reports.back()["warnings"] = WarningTexts(warnings);
     }
   }
+  line.Clear();
   if (command.json) ToStdout("{}\n", (reports.size() == 1 ? reports.front() : reports).dump(2));
   return static_cast<int>(ExitCode::kDone);
 }

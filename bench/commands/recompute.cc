@@ -137,7 +137,10 @@ int Recompute(const RecomputeOptions& options) {
   nlohmann::json reports = nlohmann::json::array();
   bool differs = false;
   bool failed = false;
+  ShareLine line;
+  double done = 0.0;
   for (const std::string& path : options.paths) {
+    const double share = done++ / static_cast<double>(options.paths.size());
     if (std::filesystem::is_directory(path)) {
       CampaignReport campaign = RecomputeFolder({path}, options);
       if (!options.json) PrintCampaignText(campaign);
@@ -146,11 +149,13 @@ int Recompute(const RecomputeOptions& options) {
       reports.push_back(std::move(campaign.json));
       continue;
     }
+    line.Show("reading " + FileText(path), share);
     const std::optional<CampaignBeside> beside = FindCampaignBeside(path);
     for (daq::Record& record : daq::ReadRecords(path)) {
       // A cycle's file holds records of other kinds beside those that have something to compute.
       const bool computable = record.kind == "transmission_error" || record.kind == "hysteresis";
       if (!computable && record.source.first_data_line == 0) continue;
+      line.Show("computing from " + FileText(path), share);
       LookAtSamples(record);
       const RecordContext context = ContextOfRecord(record, beside);
       nlohmann::json report = RecordJson(record, kMethods.at(options.method), context);
@@ -168,6 +173,7 @@ int Recompute(const RecomputeOptions& options) {
                    options.json);
     }
   }
+  line.Clear();
   if (reports.empty()) {
     throw BenchError(
         ExitCode::kWrongInput,

@@ -32,6 +32,13 @@ std::string DurationText(double time_s) {
   return fmt::format("{} s", seconds);
 }
 
+std::string FileText(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const auto size = std::filesystem::file_size(file, unknown);
+  const std::string name = file.filename().string();
+  return unknown ? name : fmt::format("{}, {}", name, BytesText(static_cast<double>(size)));
+}
+
 void ShareLine::Show(const std::string& step, double share) {
   const auto now = steady_clock::now();
   const double elapsed_s = duration<double>(now - start_).count();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,9 @@ std::string BytesText(double bytes);
 
 /// "1 h 05 min", "3 min 20 s", "12 s": for people.
 std::string DurationText(double time_s);
+
+/// "sweep.csv, 512.0 MB": what a command is busy with.
+std::string FileText(const std::filesystem::path& file);
 
 /// The line of a terminal that is written anew in place (`ShowLine`), taken away at the end.
 class TerminalLine {

@@ -84,7 +84,7 @@ TEST(FitNoise, FindsTheMemoryOfAutoregressiveNoiseAndNoneInWhiteNoise) {
   for (std::size_t i = 1; i < x.size(); ++i) x[i] += 0.6 * x[i - 1];
   const NoiseFit fit = FitNoise(x, weights, one, 4, 1.0);
   EXPECT_EQ(fit.order, 1);
-  EXPECT_NEAR(fit.coefficients[0], 0.6, 0.04);
+  EXPECT_NEAR(fit.series.front().coefficients[0], 0.6, 0.04);
   EXPECT_NEAR(fit.innovation_sd, 1.0, 0.04);
 }
 

@@ -67,7 +67,7 @@ void ComputesTheFeatures(benchmark::State& state) {
 }
 BENCHMARK(ComputesTheFeatures)->Args({4, 102400})->Args({6, 200000})->Unit(benchmark::kMillisecond);
 
-void TrainsAnEpoch(benchmark::State& state, const char* model, const networks::ParallelFor& parallel) {
+void TrainsAnEpoch(benchmark::State& state, const char* model, const ParallelFor& parallel) {
   const networks::Network network(networks::DesignOf(model, 204, 4));
   networks::Samples<float> samples{networks::Matrix<float>::Random(204, 2500),
                                    networks::Matrix<float>::Random(4, 2500).array() + 3.0F};
@@ -78,11 +78,11 @@ void TrainsAnEpoch(benchmark::State& state, const char* model, const networks::P
   networks::Vector<float> parameters = networks::InitialParameters<float>(network, 1);
   for (auto _ : state) networks::Train(network, samples, {}, options, parameters);
 }
-BENCHMARK_CAPTURE(TrainsAnEpoch, ann, "ann", networks::InTurn)
+BENCHMARK_CAPTURE(TrainsAnEpoch, ann, "ann", InTurn)
     ->Arg(32)
     ->Arg(2500)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(TrainsAnEpoch, cnn, "cnn", networks::InTurn)->Arg(32)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(TrainsAnEpoch, cnn, "cnn", InTurn)->Arg(32)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(TrainsAnEpoch, ann_threads, "ann", bench::OnAllProcessors)
     ->Arg(32)
     ->Arg(2500)

@@ -244,6 +244,7 @@ VibrationSamples PrepareVibration(std::span<const VibrationData> records) {
     VibrationRun& run = samples.runs[r];
     for (VibrationSegment& channel : run.channels) {
       channel.first = samples.measured.size();
+      samples.channel_starts.push_back(channel.first);
       channel.scale = samples.noise_floor / noise[c];
       if (samples.runs.size() > 1) channel.name += fmt::format("_{}", r + 1);
       for (std::size_t i = 0; i < run.size(); ++i) {

@@ -43,6 +43,7 @@ struct VibrationRun {
 struct VibrationSamples {
   std::vector<double> measured;
   std::vector<std::size_t> segments;  // starts of channels, and of what comes after a gap in time
+  std::vector<std::size_t> channel_starts;
   std::vector<VibrationRun> runs;
   double ratio{80.0};
   double noise_floor{};

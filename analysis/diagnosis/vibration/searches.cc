@@ -103,31 +103,45 @@ VibrationSearched& VibrationSearches::SearchedBeside(const VibrationSamples& sam
   return searched_.emplace_front(std::move(searched));
 }
 
-VibrationBase& VibrationSearches::BaseOf(const VibrationSamples& samples, std::span<const double> weights,
-                                         const std::vector<VibrationTerm>& terms) {
+std::shared_ptr<VibrationBase> VibrationSearches::BaseOf(const VibrationSamples& samples,
+                                                         std::span<const double> weights,
+                                                         const std::vector<VibrationTerm>& terms) {
+  const std::lock_guard lock(mutex_);
   VibrationSearched& searched = SearchedBeside(samples, HashOf(weights), terms);
-  const auto known =
-      std::ranges::find(bases_, &searched, [](const VibrationBase& base) { return &base.searched; });
+  const auto known = std::ranges::find(
+      bases_, &searched, [](const std::shared_ptr<VibrationBase>& base) { return &base->searched; });
   if (known != bases_.end()) {
     bases_.splice(bases_.begin(), bases_, known);
     return bases_.front();
   }
-  bases_.emplace_front(samples, weights, terms, searched);
+  bases_.push_front(std::make_shared<VibrationBase>(samples, weights, terms, searched));
   if (bases_.size() > kMostBases) bases_.pop_back();
   return bases_.front();
 }
 
 std::optional<VibrationFound> VibrationSearches::FoundBesideFewer(const VibrationBase& base,
-                                                                  VibrationCause kind,
-                                                                  std::size_t cause) const {
+                                                                  VibrationCause kind, std::size_t cause) {
+  struct Fewer {
+    std::vector<VibrationTerm> terms;
+    double bic{};
+    VibrationFound found;
+  };
   const std::vector<VibrationTerm>& terms = base.solution.terms;
-  for (const VibrationSearched& other : searched_) {
-    const auto found = other.found.find(kind);
-    if (other.weights_hash != base.searched.weights_hash || found == other.found.end()) continue;
-    const std::vector<VibrationTerm> fewer = UnpackTerms(other.state);
-    if (fewer.size() + 1 != terms.size() || !IsNearlyWithin(base.residual.samples(), fewer, terms)) continue;
-    const auto& [term, gain] = found->second;
-    if (gain <= 0.0 && other.bic - base.searched.bic < kHidesNothing) return found->second;
+  std::vector<Fewer> all;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const VibrationSearched& other : searched_) {
+      const auto found = other.found.find(kind);
+      if (other.weights_hash == base.searched.weights_hash && found != other.found.end())
+        all.push_back({UnpackTerms(other.state), other.bic, found->second});
+    }
+  }
+  for (const Fewer& fewer : all) {
+    if (fewer.terms.size() + 1 != terms.size() ||
+        !IsNearlyWithin(base.residual.samples(), fewer.terms, terms))
+      continue;
+    const auto& [term, gain] = fewer.found;
+    if (gain <= 0.0 && fewer.bic - base.searched.bic < kHidesNothing) return fewer.found;
     if (!term || gain < kWorthSearching) continue;
     const double gain_now = base.searched.bic - WithFound(base, *term, cause).bic();
     if (gain_now > kAsMuch * gain) return VibrationFound{term, gain_now};
@@ -135,22 +149,44 @@ std::optional<VibrationFound> VibrationSearches::FoundBesideFewer(const Vibratio
   return std::nullopt;
 }
 
+VibrationFound VibrationSearches::Search(const VibrationBase& base, VibrationCause kind, std::size_t cause) {
+  if (std::optional<VibrationFound> known = FoundBesideFewer(base, kind, cause)) return std::move(*known);
+  const std::optional<VibrationSolution> solution = Beside(base.residual, kind, cause);
+  if (!solution) return {};
+  return {solution->terms.back(), base.searched.bic - solution->bic()};
+}
+
 std::optional<VibrationSolution> VibrationSearches::Find(VibrationBase& base, VibrationCause kind,
-                                                         std::size_t cause) const {
-  auto& found = base.searched.found;
-  if (!found.contains(kind)) {
-    if (std::optional<VibrationFound> known = FoundBesideFewer(base, kind, cause)) {
-      found[kind] = std::move(*known);
-    } else {
-      std::optional<VibrationSolution> solution = Beside(base.residual, kind, cause);
-      found[kind] = solution ? VibrationFound{solution->terms.back(), base.searched.bic - solution->bic()}
-                             : VibrationFound{};
-      return solution;
-    }
+                                                         std::size_t cause) {
+  const std::pair<const VibrationSearched*, VibrationCause> own{&base.searched, kind};
+  VibrationFound found;
+  bool known = false;
+  {
+    std::unique_lock lock(mutex_);
+    search_ended_.wait(lock, [&] { return !running_.contains(own); });
+    const auto before = base.searched.found.find(kind);
+    known = before != base.searched.found.end();
+    if (known) found = before->second;
+    if (!known) running_.insert(own);
   }
-  const std::optional<VibrationTerm>& term = found[kind].term;
-  if (!term) return std::nullopt;
-  return WithFound(base, *term, cause);
+  if (!known) {
+    const auto end = [&] {
+      const std::lock_guard lock(mutex_);
+      if (known) base.searched.found[kind] = found;
+      running_.erase(own);
+      search_ended_.notify_all();
+    };
+    try {
+      found = Search(base, kind, cause);
+      known = true;
+    } catch (...) {
+      end();
+      throw;
+    }
+    end();
+  }
+  if (!found.term) return std::nullopt;
+  return WithFound(base, std::move(*found.term), cause);
 }
 
 }  // namespace strainwave::analysis::diagnosis

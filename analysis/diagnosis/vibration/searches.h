@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <condition_variable>
 #include <cstddef>
 #include <list>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "analysis/diagnosis/vibration/solver.h"
@@ -46,24 +51,28 @@ std::optional<VibrationSolution> Beside(const VibrationResidual& residual, Vibra
                                         std::size_t cause);
 
 /// Remembers searches: selecting, exchanging and naming of rivals ask for the same cause beside the same
-/// model several times, or beside one that differs only by what its fit was started from. Not for several
-/// threads at once.
+/// model several times, or beside one that differs only by what its fit was started from. Several threads may
+/// search beside one base; what they find does not hang on who is first.
 class VibrationSearches {
  public:
-  VibrationBase& BaseOf(const VibrationSamples& samples, std::span<const double> weights,
-                        const std::vector<VibrationTerm>& terms);
+  std::shared_ptr<VibrationBase> BaseOf(const VibrationSamples& samples, std::span<const double> weights,
+                                        const std::vector<VibrationTerm>& terms);
 
   /// The base with a cause of this kind; nothing where the cause has no support of its own.
-  std::optional<VibrationSolution> Find(VibrationBase& base, VibrationCause kind, std::size_t cause) const;
+  std::optional<VibrationSolution> Find(VibrationBase& base, VibrationCause kind, std::size_t cause);
 
  private:
   VibrationSearched& SearchedBeside(const VibrationSamples& samples, std::size_t weights_hash,
                                     const std::vector<VibrationTerm>& terms);
+  VibrationFound Search(const VibrationBase& base, VibrationCause kind, std::size_t cause);
   std::optional<VibrationFound> FoundBesideFewer(const VibrationBase& base, VibrationCause kind,
-                                                 std::size_t cause) const;
+                                                 std::size_t cause);
 
-  std::list<VibrationSearched> searched_;  // all
-  std::list<VibrationBase> bases_;         // a few, the last used first
+  std::mutex mutex_;  // of all below, and of what was found beside a set
+  std::condition_variable search_ended_;
+  std::set<std::pair<const VibrationSearched*, VibrationCause>> running_;
+  std::list<VibrationSearched> searched_;            // all
+  std::list<std::shared_ptr<VibrationBase>> bases_;  // a few, the last used first
 };
 
 }  // namespace strainwave::analysis::diagnosis

@@ -54,31 +54,32 @@ VibrationResidual::VibrationResidual(const VibrationSamples& samples, const Vibr
 }
 
 const SideBySide& VibrationResidual::side_by_side(std::size_t run) const {
-  if (side_by_side_.empty()) {
-    for (const VibrationRun& own : samples_.runs)
-      side_by_side_.emplace_back(own, residual_, solver_.weights());
-  }
-  return side_by_side_[run];
+  const std::vector<SideBySide>& all = side_by_side_.Get([&] {
+    std::vector<SideBySide> made;
+    for (const VibrationRun& own : samples_.runs) made.emplace_back(own, residual_, solver_.weights());
+    return made;
+  });
+  return all[run];
 }
 
 const VibrationSpectrum& VibrationResidual::over_turns() const {
-  if (!turns_) turns_.emplace(samples_, residual_, solver_.weights(), SpectrumAxis::kTurns);
-  return *turns_;
+  return turns_.Get(
+      [&] { return VibrationSpectrum(samples_, residual_, solver_.weights(), SpectrumAxis::kTurns); });
 }
 
 const VibrationSpectrum& VibrationResidual::over_seconds() const {
-  if (!seconds_) seconds_.emplace(samples_, residual_, solver_.weights(), SpectrumAxis::kSeconds);
-  return *seconds_;
+  return seconds_.Get(
+      [&] { return VibrationSpectrum(samples_, residual_, solver_.weights(), SpectrumAxis::kSeconds); });
 }
 
 NoiseFit VibrationResidual::NoiseOf(std::vector<double> residual) const {
   Decorrelate(samples_, solver_.weights(), residual);
-  return FitNoise(residual, solver_.weights(), samples_.segments, 1, std::sqrt(base_.variance()));
+  return FitNoise(residual, solver_.weights(), samples_.segments, 1, std::sqrt(base_.variance()),
+                  samples_.channel_starts);
 }
 
 const NoiseFit& VibrationResidual::noise() const {
-  if (!noise_) noise_ = NoiseOf(residual_);
-  return *noise_;
+  return noise_.Get([&] { return NoiseOf(residual_); });
 }
 
 double VibrationResidual::RatioOf(const TermFit& fit) const {
@@ -87,14 +88,22 @@ double VibrationResidual::RatioOf(const TermFit& fit) const {
 }
 
 double VibrationResidual::LoudnessAt(double frequency_Hz) const {
-  const double memory = noise().order > 0 ? noise().coefficients.front() : 0.0;
+  if (noise().order == 0) return 1.0;
   const double turned = std::cos(kTwoPi * frequency_Hz * samples_.runs.front().period_s);
-  return (1.0 - memory * memory) / (1.0 + memory * memory - 2.0 * memory * turned);
+  double density = 0.0;
+  double variance = 0.0;
+  for (const Autoregression& series : noise().series) {
+    const double memory = series.coefficients.empty() ? 0.0 : series.coefficients.front();
+    const double innovations =
+        static_cast<double>(series.samples) * series.innovation_sd * series.innovation_sd;
+    density += innovations / (1.0 + memory * memory - 2.0 * memory * turned);
+    variance += innovations / (1.0 - memory * memory);
+  }
+  return density / variance;
 }
 
 const OneTermSolver& VibrationResidual::one_term() const {
-  if (!one_term_) one_term_.emplace(samples_, solver_, base_);
-  return *one_term_;
+  return one_term_.Get([&] { return OneTermSolver(samples_, solver_, base_); });
 }
 
 TermFit VibrationResidual::WithAllChannels(VibrationTerm term, int rounds) const {

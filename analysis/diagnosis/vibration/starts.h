@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/diagnosis/noise_likelihood.h"
+#include "analysis/diagnosis/on_first_use.h"
 #include "analysis/diagnosis/vibration/one_term.h"
 #include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/diagnosis/vibration/samples.h"
@@ -45,7 +46,7 @@ inline constexpr double kLeastStructureDamping = 6e-4;
 inline constexpr double kLeastSpeedSpread =
     0.08;  // of the mean speed, to tell growth with speed from a level
 
-/// What a model leaves, for searches; all of it is made when first asked for.
+/// What a model leaves, for searches, several at once; all of it is made when first asked for.
 class VibrationResidual {
  public:
   VibrationResidual(const VibrationSamples& samples, const VibrationSolver& solver,
@@ -89,13 +90,13 @@ class VibrationResidual {
   const VibrationSolution& base_;
   std::vector<double> residual_;
   const OneTermSolver& one_term() const;
-
-  mutable std::vector<SideBySide> side_by_side_;  // by run
-  mutable std::optional<OneTermSolver> one_term_;
-  mutable std::optional<VibrationSpectrum> turns_;
-  mutable std::optional<VibrationSpectrum> seconds_;
   NoiseFit NoiseOf(std::vector<double> residual) const;
-  mutable std::optional<NoiseFit> noise_;
+
+  OnFirstUse<std::vector<SideBySide>> side_by_side_;  // by run
+  OnFirstUse<OneTermSolver> one_term_;
+  OnFirstUse<VibrationSpectrum> turns_;
+  OnFirstUse<VibrationSpectrum> seconds_;
+  OnFirstUse<NoiseFit> noise_;
 };
 
 /// The best form of a cause beside a model; nothing where it has no support of its own (a bearing that would

@@ -51,6 +51,7 @@ class VibrationStudy final : public Study {
   std::size_t BlockLength() const override { return block_length_; }
   // More memory would be a resonance.
   int LargestNoiseOrder() const override { return 1; }
+  std::span<const std::size_t> NoiseSeries() const override { return samples_.channel_starts; }
   std::vector<double> Decorrelated(std::vector<double> residual,
                                    std::span<const double> weights) const override {
     Decorrelate(samples_, weights, residual);
@@ -96,15 +97,15 @@ class VibrationStudy final : public Study {
       if (!solution.terms.empty()) solution = solver.Refine(std::move(solution), rounds);
       return Describe(cause_indices, solver, std::move(solution), purpose);
     }
-    VibrationBase& base = searches_.BaseOf(samples_, weights, known);
-    std::optional<VibrationSolution> solution = searches_.Find(base, rules_.kinds[missing[0]], missing[0]);
+    const std::shared_ptr<VibrationBase> base = searches_.BaseOf(samples_, weights, known);
+    std::optional<VibrationSolution> solution = searches_.Find(*base, rules_.kinds[missing[0]], missing[0]);
     for (std::size_t m = 1; m < missing.size() && solution; ++m) {
-      const VibrationResidual residual(samples_, base.solver, *solution);
+      const VibrationResidual residual(samples_, base->solver, *solution);
       std::optional<VibrationSolution> more = Beside(residual, rules_.kinds[missing[m]], missing[m]);
       solution = std::move(more);
     }
     if (!solution) return Unusable(cause_indices);
-    return Describe(cause_indices, base.solver, std::move(*solution), purpose);
+    return Describe(cause_indices, base->solver, std::move(*solution), purpose);
   }
 
   Eigen::VectorXd Predict(std::span<const ParameterValue> nominal,
