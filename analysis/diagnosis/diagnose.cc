@@ -131,7 +131,7 @@ std::string WordsOf(const Judge& judge, const ModelFit& fit, std::span<const Fin
       ResidualsOf(judge.study(), causes == fit.causes ? fit : judge.Fit(causes, &fit).fit);
   return DescribeResidual(
       judge.study(), Eigen::Map<const Eigen::VectorXd>(left.data(), static_cast<Eigen::Index>(left.size())),
-      judge.weights());
+      judge.weights(), judge.parallel());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/diagnosis/study.h"
+#include "analysis/parallel_for.h"
 
 /// What the studies are made of: one struct a kind of record, in SI, and one function that makes the study of
 /// several such records together. Optional columns are empty where the record has none.
@@ -83,6 +84,8 @@ std::unique_ptr<Study> MakeTransmissionErrorStudy(std::span<const TransmissionEr
 std::unique_ptr<Study> MakeHysteresisStudy(std::span<const HysteresisData> records);
 std::unique_ptr<Study> MakeMotionStudy(std::span<const MotionData> records);
 std::unique_ptr<Study> MakeVibrationStudy(std::span<const VibrationData> records);
+/// @param parallel  over parts of one search
+std::unique_ptr<Study> MakeVibrationStudy(std::span<const VibrationData> records, ParallelFor parallel);
 std::unique_ptr<Study> MakeCampaignStudy(const CampaignData& campaign);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -5,7 +5,6 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "analysis/decompositions.h"
@@ -20,7 +19,7 @@ namespace {
 // The parts of a view's fit that decide between views.
 struct Judged {
   const ResidualView* view{};
-  NoiseFit noise;
+  Eigen::VectorXd coefficients;
   Eigen::VectorXd fitted;
   double score{};
   double p_value{1.0};
@@ -40,7 +39,7 @@ std::string PText(double p) { return p < 1e-12 ? "p < 1e-12" : fmt::format("p = 
 }  // namespace
 
 std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual,
-                             std::span<const double> weights) {
+                             std::span<const double> weights, const ParallelFor& parallel) {
   constexpr double kReported = 1e-3;
   constexpr std::size_t kMost = 3;
   // A view further down the list has to be clearly better: over time a line looks as over an evenly run
@@ -56,29 +55,29 @@ std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual
     };
     const NoiseFit before = noise_of(samples);
     if (before.samples < 30 || !(scale > 0.0)) break;
-    const std::vector<ResidualView> views = LookAtResidual(study, samples, weights, before);
-    std::optional<Judged> best;
-    Eigen::VectorXd best_coefficients;
-    for (const ResidualView& view : views) {
-      Judged judged;
+    const std::vector<ResidualView> views = LookAtResidual(study, samples, weights, before, parallel);
+    std::vector<Judged> all(views.size());
+    parallel(views.size(), [&](std::size_t i) {
+      const ResidualView& view = views[i];
+      Judged& judged = all[i];
       judged.view = &view;
-      Eigen::VectorXd coefficients;
-      judged.fitted = Project(view.columns, left, weights, &coefficients);
+      judged.fitted = Project(view.columns, left, weights, &judged.coefficients);
       const Eigen::VectorXd after = left - judged.fitted;
-      judged.noise = noise_of({after.data(), static_cast<std::size_t>(after.size())});
-      const double ratio = std::max(0.0, LikelihoodRatio(judged.noise, before));
+      const NoiseFit noise = noise_of({after.data(), static_cast<std::size_t>(after.size())});
+      const double ratio = std::max(0.0, LikelihoodRatio(noise, before));
       const double freedom = static_cast<double>(view.degrees_of_freedom);
       const double places = view.SearchLocations(ratio) * static_cast<double>(CountViews(study));
       judged.p_value = std::min(
           1.0, places * boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), ratio)));
       judged.score = ratio - freedom * std::log(static_cast<double>(before.samples)) - 2.0 * std::log(places);
-      if (judged.p_value < kReported && (!best || judged.score > best->score + kMoreThanAnother)) {
-        best = std::move(judged);
-        best_coefficients = coefficients;
-      }
+    });
+    const Judged* best = nullptr;
+    for (const Judged& judged : all) {
+      if (judged.p_value < kReported && (best == nullptr || judged.score > best->score + kMoreThanAnother))
+        best = &judged;
     }
-    if (!best) break;
-    text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", best->view->describe(best_coefficients),
+    if (best == nullptr) break;
+    text += fmt::format("{}{} ({})", text.empty() ? "" : "; ", best->view->describe(best->coefficients),
                         PText(best->p_value));
     left -= best->fitted;
   }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "analysis/diagnosis/study.h"
+#include "analysis/parallel_for.h"
 
 /// Is a residual nothing but noise? All p-values are small where it is not. Samples of weight zero are gaps;
 /// others count as residual · √weight. Segments (first samples, ascending from 0) are not joined.
@@ -56,7 +57,8 @@ double CrossCorrelationP(std::span<const double> residual, std::span<const doubl
 ///
 /// Each is judged by its likelihood ratio under autoregressive noise, times the search locations. Empty where
 /// nothing has p < 10⁻³. A line over an angle of even steps is named with the orders that fold onto it.
+/// @param parallel  over what is looked at
 std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual,
-                             std::span<const double> weights);
+                             std::span<const double> weights, const ParallelFor& parallel = InTurn);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
+#include <iterator>
 #include <numeric>
 #include <optional>
 
@@ -215,22 +217,36 @@ std::size_t CountViews(const Study& study) {
 }
 
 std::vector<ResidualView> LookAtResidual(const Study& study, std::span<const double> residual,
-                                         std::span<const double> weights, const NoiseFit& noise) {
-  std::vector<ResidualView> views;
+                                         std::span<const double> weights, const NoiseFit& noise,
+                                         const ParallelFor& parallel) {
+  using Looks = std::vector<std::function<void(std::vector<ResidualView>&)>>;
+  Looks looks;
+  const auto look_for_lines = [&](const Regressor& regressor) {
+    looks.emplace_back([&](auto& views) { AddLines(study, regressor, residual, weights, noise, views); });
+  };
+  const auto look_for_windows = [&](const Regressor& regressor) {
+    looks.emplace_back(
+        [&](auto& views) { AddWindows(study, regressor, residual, weights, noise.samples, views); });
+  };
   for (const Regressor& regressor : study.regressors()) {
-    if (regressor.angle) AddLines(study, regressor, residual, weights, noise, views);
+    if (regressor.angle) look_for_lines(regressor);
   }
   for (const Regressor& regressor : study.regressors()) {
-    if (regressor.angle) AddWindows(study, regressor, residual, weights, noise.samples, views);
+    if (regressor.angle) look_for_windows(regressor);
   }
   for (const Regressor& regressor : study.regressors()) {
-    if (!regressor.angle) AddDependence(study, regressor, weights, views);
+    if (!regressor.angle)
+      looks.emplace_back([&](auto& views) { AddDependence(study, regressor, weights, views); });
   }
   for (const Regressor& regressor : study.regressors()) {
     if (!IsTime(regressor)) continue;
-    AddLines(study, regressor, residual, weights, noise, views);
-    AddWindows(study, regressor, residual, weights, noise.samples, views);
+    look_for_lines(regressor);
+    look_for_windows(regressor);
   }
+  std::vector<std::vector<ResidualView>> found(looks.size());
+  parallel(looks.size(), [&](std::size_t i) { looks[i](found[i]); });
+  std::vector<ResidualView> views;
+  for (std::vector<ResidualView>& own : found) std::ranges::move(own, std::back_inserter(views));
   return views;
 }
 

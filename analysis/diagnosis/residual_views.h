@@ -9,6 +9,7 @@
 
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/study.h"
+#include "analysis/parallel_for.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -30,8 +31,10 @@ struct ResidualView {
 
 /// Best lines over angles and over time, windows, dependences on the other regressors; those over angles
 /// first.
+/// @param parallel  over the regressors
 std::vector<ResidualView> LookAtResidual(const Study& study, std::span<const double> residual,
-                                         std::span<const double> weights, const NoiseFit& noise);
+                                         std::span<const double> weights, const NoiseFit& noise,
+                                         const ParallelFor& parallel = InTurn);
 
 /// Means over bins of a regressor, and before them a straight line where it has more than two values.
 void AddDependence(const Study& study, const Regressor& regressor, std::span<const double> weights,

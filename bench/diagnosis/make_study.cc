@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/campaign/campaign.h"
+#include "bench/campaign/on_all_processors.h"
 #include "bench/campaign/record_context.h"
 #include "bench/diagnosis/campaign_data.h"
 #include "bench/errors/bench_error.h"
@@ -163,7 +164,7 @@ std::unique_ptr<diagnosis::Study> MakeStudy(std::span<const Record> records) {
     return diagnosis::MakeTransmissionErrorStudy(AllOf(records, TransmissionErrorDataOf));
   if (kind == "hysteresis") return diagnosis::MakeHysteresisStudy(AllOf(records, HysteresisDataOf));
   if (kind == "motion") return diagnosis::MakeMotionStudy(AllOf(records, MotionDataOf));
-  return diagnosis::MakeVibrationStudy(AllOf(records, VibrationDataOf));
+  return diagnosis::MakeVibrationStudy(AllOf(records, VibrationDataOf), OnAllProcessors);
 }
 
 StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordChoice& choice) {

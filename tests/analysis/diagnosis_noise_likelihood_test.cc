@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -47,6 +49,33 @@ TEST(NoiseLikelihood, KnowsTheMemoryOfSamplesNextToGaps) {
                   kRecords;
   }
   EXPECT_LT(mean_ratio, 2.0);
+}
+
+// Two channels, of which one remembers and is louder.
+TEST(NoiseLikelihood, IsOfEachSeriesWhatItIsAlone) {
+  constexpr std::size_t kOne = 4000;
+  std::vector<double> both = WhiteNoise(2 * kOne, 1.0, 11);
+  for (std::size_t i = 1; i < kOne; ++i) both[i] += 0.7 * both[i - 1];
+  for (std::size_t i = kOne; i < both.size(); ++i) both[i] *= 0.3;
+  const std::vector<double> weights(both.size(), 1.0);
+  const std::vector<std::size_t> starts{0, kOne};
+  const NoiseFit fit = FitNoise(both, weights, starts, 1, 1.0, starts);
+  ASSERT_EQ(fit.series.size(), 2U);
+  EXPECT_EQ(fit.order, 1);
+  EXPECT_NEAR(fit.series[0].coefficients[0], 0.7, 0.04);
+  EXPECT_NEAR(fit.series[1].coefficients[0], 0.0, 0.05);
+  EXPECT_NEAR(fit.series[0].innovation_sd, 1.0, 0.04);
+  EXPECT_NEAR(fit.series[1].innovation_sd, 0.3, 0.012);
+  const std::span<const double> all(both);
+  const std::span<const double> ones(weights);
+  for (std::size_t order = 0; order <= 1; ++order) {
+    double alone = 0.0;
+    for (const std::size_t first : starts) {
+      alone +=
+          FitNoise(all.subspan(first, kOne), ones.first(kOne), kOneSegment, 1, 1.0).log_likelihood[order];
+    }
+    EXPECT_NEAR(fit.log_likelihood[order], alone, 1e-9 * std::abs(alone));
+  }
 }
 
 }  // namespace

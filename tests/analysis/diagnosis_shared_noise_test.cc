@@ -48,6 +48,18 @@ TEST(DecorrelationOf, PassesOverLinesThatAllChannelsHear) {
             kOfMedians);
 }
 
+// What all sensors share remembers the sample before, what each has alone does not: no one spectrum fits
+// both.
+TEST(SharedNoise, AccusesNoHealthyMachineWhoseSharedNoiseHasAColourOfItsOwn) {
+  const Turning run(1500.0, 2.0, 0.0);
+  for (const unsigned seed : {41U, 42U, 43U, 44U, 45U, 46U}) {
+    VibrationData record = Record(run, seed, Silence, {1.0, 1.0, 1.0});
+    const Signal shared = ColouredNoise(run, seed + 50, 3.0 * kNoise_m_per_s2, 0.75);
+    for (VibrationChannel& channel : record.channels) channel.values = std::move(channel.values) + shared;
+    EXPECT_EQ(Ask({record}).names(), Names{}) << seed;
+  }
+}
+
 // Three sensors on a healthy machine, half of whose noise is one and the same.
 TEST(SharedNoise, AccusesNoHealthyMachine) {
   const Turning run(1500.0, 2.0, 0.0);

@@ -9,11 +9,11 @@
 #include <numeric>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "tests/analysis/golden.h"
 #include "tests/analysis/message_of.h"
+#include "tests/analysis/on_threads.h"
 
 namespace strainwave::analysis::networks::network_training_test {
 namespace {
@@ -27,13 +27,6 @@ Samples<double> RandomSamples(Eigen::Index inputs, Eigen::Index outputs, Eigen::
     return 3.0 + std::tanh(samples.inputs(row % inputs, column) - samples.inputs((row + 1) % inputs, column));
   });
   return samples;
-}
-
-// One thread a task, in reverse, so that the order in which they end differs from that of InTurn.
-void OnThreads(std::size_t count, const std::function<void(std::size_t)>& task) {
-  std::vector<std::thread> threads;
-  for (std::size_t i = count; i-- > 0;) threads.emplace_back([&task, i] { task(i); });
-  for (std::thread& thread : threads) thread.join();
 }
 
 TEST(Train, GivesTheSameBitsForTheSameSeedOnAnyNumberOfThreads) {

@@ -148,6 +148,91 @@ bool RingsAmongTeeth(const VibrationSamples& samples, const VibrationTerm& ring)
   return centre > multiple * flexspline - kTeethSideband && centre < multiple * circular + kTeethSideband;
 }
 
+// Orders that a bearing may have.
+struct BearingRange {
+  const VibrationResidual& residual;
+  double end;  // of the spectrum
+  double lowest{kLowestBearingOrder};
+  double highest;
+
+  explicit BearingRange(const VibrationResidual& own)
+      : residual(own), end(own.over_turns().highest()), highest(std::min(kHighestBearingOrder, 0.45 * end)) {}
+
+  // While searching all harmonics that there may be decide, afterwards those that the fit rests on.
+  bool Allows(double order) const { return IsBearingOrder(residual, order, end / order); }
+};
+
+// The strongest first.
+std::vector<Comb> CombsOf(const VibrationResidual& residual, const BearingRange& range) {
+  const VibrationSpectrum& spectrum = residual.over_turns();
+  const auto allowed = [&](double order) { return range.Allows(order); };
+  std::vector<Comb> combs;
+  for (const double sideband : kModulations) {
+    for (const Comb& comb : FindCombs(spectrum, range.lowest, range.highest, sideband, 3, allowed))
+      combs.push_back(Refined(spectrum, comb));
+  }
+  std::sort(combs.begin(), combs.end(), [](const Comb& a, const Comb& b) { return a.excess > b.excess; });
+  return combs;
+}
+
+Best RingsOfBearing(const VibrationResidual& residual, std::size_t index, const BearingRange& range,
+                    std::span<const Comb> combs) {
+  const auto allowed = [&](double order) { return range.Allows(order); };
+  std::vector<TrainStart> starts;
+  for (std::size_t c = 0; c < std::min<std::size_t>(4, combs.size()); ++c)
+    starts.push_back(StartOf(residual, combs[c]));
+  const auto trains = FindTrains(residual, range.lowest, range.highest, kModulations, 20, allowed);
+  starts.insert(starts.end(), trains.begin(), trains.end());
+  Best best = SearchImpulses(residual, index, starts, {1.0, 2.0}, [&](double order) {
+    return order > range.lowest && order < range.highest && allowed(order);
+  });
+  if (best && !IsBearing(residual, best->term)) best.reset();
+  return best;
+}
+
+// A few low harmonics need no search of their own: the strongest lines say where they may be. Of a slow
+// logger the first one with its sidebands may be all there is.
+Best LinesOfBearing(const VibrationResidual& residual, std::size_t index, const BearingRange& range,
+                    std::span<const Comb> combs) {
+  const VibrationSpectrum& spectrum = residual.over_turns();
+  std::vector<double> bases;
+  for (std::size_t c = 0; c < std::min<std::size_t>(3, combs.size()); ++c) bases.push_back(combs[c].order);
+  const double highest_first = std::min(kHighestBearingOrder, spectrum.highest() - 1.0);
+  for (const SpectrumPeak& peak : FindPeaks(spectrum, range.lowest, spectrum.highest(), 3)) {
+    for (int k = 1; k <= 3; ++k) {
+      const double base = peak.order / k;
+      if (base > range.lowest && base < highest_first && range.Allows(base)) bases.push_back(base);
+    }
+  }
+  Best best;
+  for (const double base : bases) {
+    VibrationTerm term = LinesTerm(residual, index);
+    term.nonlinear_parameters = {base};
+    std::vector<LinePlace> places;
+    for (int k = 1; k <= kMostLineHarmonics && k * base < spectrum.highest(); ++k) {
+      for (const double offset : {0.0, -1.0, 1.0, -2.0, 2.0}) {
+        places.push_back({static_cast<double>(k), offset});
+      }
+    }
+    Best lines = FitPayingLines(residual, std::move(term), places, 2, AreAFamily);
+    if (!lines) continue;
+    // What is beside the strongest line has to stand for itself: many places were looked at.
+    std::vector<double> gains = LineGains(*lines);
+    std::sort(gains.begin(), gains.end());
+    const double beside = std::accumulate(gains.begin(), gains.end() - 1, 0.0);
+    if (beside > kBesideStrongest && IsBearing(residual, lines->term)) Keep(std::move(*lines), best);
+  }
+  return best;
+}
+
+Best SlippingBearing(const VibrationResidual& residual, std::size_t index, const BearingRange& range) {
+  Best slipping = SearchSlippingTrain(residual, index, range.lowest, range.highest, [&](double order) {
+    return IsBearingOrder(residual, order, kHarmonicsOfSlipping);
+  });
+  if (slipping && !IsBearing(residual, slipping->term)) slipping.reset();
+  return slipping;
+}
+
 }  // namespace
 
 double LogSearchLocationsOfCrack(const VibrationSamples& samples, const VibrationTerm& crack) {
@@ -173,62 +258,18 @@ double LogSearchLocationsOfTrain(const VibrationSamples& samples, const Vibratio
 }
 
 Best SearchBearing(const VibrationResidual& residual, std::size_t index) {
-  const VibrationSpectrum& spectrum = residual.over_turns();
-  // While searching all harmonics that there may be decide, afterwards those that the fit rests on.
-  const auto allowed = [&](double order) {
-    return IsBearingOrder(residual, order, spectrum.highest() / order);
-  };
-  const double lowest = kLowestBearingOrder;
-  const double highest = std::min(kHighestBearingOrder, 0.45 * spectrum.highest());
-  std::vector<Comb> combs;
-  for (const double sideband : {0.0, 1.0, 2.0}) {
-    for (const Comb& comb : FindCombs(spectrum, lowest, highest, sideband, 3, allowed)) {
-      combs.push_back(Refined(spectrum, comb));
-    }
-  }
-  std::sort(combs.begin(), combs.end(), [](const Comb& a, const Comb& b) { return a.excess > b.excess; });
-  std::vector<TrainStart> starts;
-  for (std::size_t c = 0; c < std::min<std::size_t>(4, combs.size()); ++c)
-    starts.push_back(StartOf(residual, combs[c]));
-  const auto trains = FindTrains(residual, lowest, highest, kModulations, 20, allowed);
-  starts.insert(starts.end(), trains.begin(), trains.end());
-  Best best = SearchImpulses(residual, index, starts, {1.0, 2.0}, [&](double order) {
-    return order > lowest && order < highest && allowed(order);
+  const BearingRange range(residual);
+  const std::vector<Comb> combs = CombsOf(residual, range);
+  std::array<Best, 3> found;
+  residual.parallel()(found.size(), [&](std::size_t way) {
+    if (way == 0) found[0] = RingsOfBearing(residual, index, range, combs);
+    if (way == 1) found[1] = SlippingBearing(residual, index, range);
+    if (way == 2) found[2] = LinesOfBearing(residual, index, range, combs);
   });
-  if (best && !IsBearing(residual, best->term)) best.reset();
-  std::vector<double> bases;
-  for (std::size_t c = 0; c < std::min<std::size_t>(3, combs.size()); ++c) bases.push_back(combs[c].order);
-  // A few low harmonics need no search of their own: the strongest lines say where they may be. Of a slow
-  // logger the first one with its sidebands may be all there is.
-  const double highest_first = std::min(kHighestBearingOrder, spectrum.highest() - 1.0);
-  for (const SpectrumPeak& peak : FindPeaks(spectrum, lowest, spectrum.highest(), 3)) {
-    for (int k = 1; k <= 3; ++k) {
-      const double base = peak.order / k;
-      if (base > lowest && base < highest_first && allowed(base)) bases.push_back(base);
-    }
-  }
-  for (const double base : bases) {
-    VibrationTerm term = LinesTerm(residual, index);
-    term.nonlinear_parameters = {base};
-    std::vector<LinePlace> places;
-    for (int k = 1; k <= kMostLineHarmonics && k * base < spectrum.highest(); ++k) {
-      for (const double offset : {0.0, -1.0, 1.0, -2.0, 2.0}) {
-        places.push_back({static_cast<double>(k), offset});
-      }
-    }
-    Best lines = FitPayingLines(residual, std::move(term), places, 2, AreAFamily);
-    if (!lines) continue;
-    // What is beside the strongest line has to stand for itself: many places were looked at.
-    std::vector<double> gains = LineGains(*lines);
-    std::sort(gains.begin(), gains.end());
-    const double beside = std::accumulate(gains.begin(), gains.end() - 1, 0.0);
-    if (beside > kBesideStrongest && IsBearing(residual, lines->term)) Keep(std::move(*lines), best);
-  }
-  Best slipping = SearchSlippingTrain(residual, index, lowest, highest, [&](double order) {
-    return IsBearingOrder(residual, order, kHarmonicsOfSlipping);
-  });
-  if (slipping && IsBearing(residual, slipping->term) &&
-      (!best || BicWithSlips(residual.samples(), *slipping) < best->bic()))
+  auto& [rings, slipping, lines] = found;
+  Best best = std::move(rings);
+  if (lines) Keep(std::move(*lines), best);
+  if (slipping && (!best || BicWithSlips(residual.samples(), *slipping) < best->bic()))
     best = std::move(slipping);
   return best;
 }

@@ -207,20 +207,22 @@ int StrongestHarmonic(const VibrationResidual& residual, double order) {
 Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
                     const std::vector<TrainStart>& starts, const std::vector<double>& modulations,
                     const std::function<bool(double order)>& allowed) {
-  std::vector<Look> looks;
+  std::vector<TrainStart> below_half_the_rate;
   for (const TrainStart& start : starts) {
-    if (looks.size() == kMostStarts) break;
-    if (start.ring_Hz < 0.97 * residual.samples().highest_Hz())
-      looks.push_back(Climb(residual, start, modulations));
+    if (below_half_the_rate.size() == kMostStarts) break;
+    if (start.ring_Hz < 0.97 * residual.samples().highest_Hz()) below_half_the_rate.push_back(start);
   }
+  std::vector<Look> looks(below_half_the_rate.size());
+  residual.parallel()(
+      looks.size(), [&](std::size_t i) { looks[i] = Climb(residual, below_half_the_rate[i], modulations); });
   std::sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.excess > b.excess; });
   looks.resize(std::min(looks.size(), kMostFitted));
-  std::vector<std::pair<double, TermFit>> fits;  // by improbability
-  for (const Look& look : looks) {
-    TermFit fit = residual.Refine(FitLook(residual, index, look), 3);
-    const double improbability = ImprobabilityOf(residual, fit);
-    fits.emplace_back(improbability, std::move(fit));
-  }
+  std::vector<std::pair<double, TermFit>> fits(looks.size());  // by improbability
+  residual.parallel()(looks.size(), [&](std::size_t i) {
+    auto& [improbability, fit] = fits[i];
+    fit = residual.Refine(FitLook(residual, index, looks[i]), 3);
+    improbability = ImprobabilityOf(residual, fit);
+  });
   std::ranges::sort(fits, std::greater<>(), &std::pair<double, TermFit>::first);
   LeastLikelyChance best(residual);
   std::size_t refined = 0;

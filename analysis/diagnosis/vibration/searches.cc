@@ -80,11 +80,12 @@ std::optional<VibrationSolution> Beside(const VibrationResidual& residual, Vibra
 }
 
 VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
-                             const std::vector<VibrationTerm>& terms, VibrationSearched& remembered)
+                             const std::vector<VibrationTerm>& terms, VibrationSearched& remembered,
+                             const ParallelFor& parallel)
     : searched(remembered),
       solver(samples, weights),
       solution(FitTerms(solver, terms)),
-      residual(samples, solver, solution) {
+      residual(samples, solver, solution, parallel) {
   searched.bic = solution.bic();
 }
 
@@ -114,7 +115,7 @@ std::shared_ptr<VibrationBase> VibrationSearches::BaseOf(const VibrationSamples&
     bases_.splice(bases_.begin(), bases_, known);
     return bases_.front();
   }
-  bases_.push_front(std::make_shared<VibrationBase>(samples, weights, terms, searched));
+  bases_.push_front(std::make_shared<VibrationBase>(samples, weights, terms, searched, parallel_));
   if (bases_.size() > kMostBases) bases_.pop_back();
   return bases_.front();
 }

@@ -40,7 +40,8 @@ struct VibrationBase {
   VibrationResidual residual;
 
   VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
-                const std::vector<VibrationTerm>& terms, VibrationSearched& remembered);
+                const std::vector<VibrationTerm>& terms, VibrationSearched& remembered,
+                const ParallelFor& parallel);
   VibrationBase(const VibrationBase&) = delete;
   VibrationBase& operator=(const VibrationBase&) = delete;
 };
@@ -55,6 +56,9 @@ std::optional<VibrationSolution> Beside(const VibrationResidual& residual, Vibra
 /// search beside one base; what they find does not hang on who is first.
 class VibrationSearches {
  public:
+  /// @param parallel  over parts of one search
+  explicit VibrationSearches(ParallelFor parallel) : parallel_(std::move(parallel)) {}
+
   std::shared_ptr<VibrationBase> BaseOf(const VibrationSamples& samples, std::span<const double> weights,
                                         const std::vector<VibrationTerm>& terms);
 
@@ -68,6 +72,7 @@ class VibrationSearches {
   std::optional<VibrationFound> FoundBesideFewer(const VibrationBase& base, VibrationCause kind,
                                                  std::size_t cause);
 
+  ParallelFor parallel_;
   std::mutex mutex_;  // of all below, and of what was found beside a set
   std::condition_variable search_ended_;
   std::set<std::pair<const VibrationSearched*, VibrationCause>> running_;

@@ -15,6 +15,7 @@
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/diagnosis/vibration/terms.h"
+#include "analysis/parallel_for.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -50,8 +51,9 @@ inline constexpr double kLeastSpeedSpread =
 class VibrationResidual {
  public:
   VibrationResidual(const VibrationSamples& samples, const VibrationSolver& solver,
-                    const VibrationSolution& base);
+                    const VibrationSolution& base, ParallelFor parallel = InTurn);
 
+  const ParallelFor& parallel() const { return parallel_; }
   const VibrationSamples& samples() const { return samples_; }
   const VibrationSolver& solver() const { return solver_; }
   const VibrationSolution& base() const { return base_; }
@@ -88,6 +90,7 @@ class VibrationResidual {
   const VibrationSamples& samples_;
   const VibrationSolver& solver_;
   const VibrationSolution& base_;
+  ParallelFor parallel_;
   std::vector<double> residual_;
   const OneTermSolver& one_term() const;
   NoiseFit NoiseOf(std::vector<double> residual) const;

@@ -34,7 +34,8 @@ constexpr double kImpactsInACell = 20.0;  // as many as make p < 0.004 in four o
 /// the next, so that a model with one has its RMSE over one sample ahead.
 class VibrationStudy final : public Study {
  public:
-  explicit VibrationStudy(std::span<const VibrationData> records) : samples_(PrepareVibration(records)) {
+  VibrationStudy(std::span<const VibrationData> records, ParallelFor parallel)
+      : samples_(PrepareVibration(records)), parallel_(std::move(parallel)), searches_(parallel_) {
     rules_ = RulesFor(samples_);
     for (const VibrationRun& run : samples_.runs) block_length_ = std::max(block_length_, BlockOf(run));
     MakeRegressors();
@@ -100,7 +101,7 @@ class VibrationStudy final : public Study {
     const std::shared_ptr<VibrationBase> base = searches_.BaseOf(samples_, weights, known);
     std::optional<VibrationSolution> solution = searches_.Find(*base, rules_.kinds[missing[0]], missing[0]);
     for (std::size_t m = 1; m < missing.size() && solution; ++m) {
-      const VibrationResidual residual(samples_, base->solver, *solution);
+      const VibrationResidual residual(samples_, base->solver, *solution, parallel_);
       std::optional<VibrationSolution> more = Beside(residual, rules_.kinds[missing[m]], missing[m]);
       solution = std::move(more);
     }
@@ -243,6 +244,7 @@ class VibrationStudy final : public Study {
 
   VibrationSamples samples_;
   VibrationRules rules_;
+  ParallelFor parallel_;
   mutable VibrationSearches searches_;
   std::vector<Regressor> regressors_;
   std::size_t block_length_{1};
@@ -252,7 +254,11 @@ class VibrationStudy final : public Study {
 }  // namespace
 
 std::unique_ptr<Study> MakeVibrationStudy(std::span<const VibrationData> records) {
-  return std::make_unique<VibrationStudy>(records);
+  return MakeVibrationStudy(records, InTurn);
+}
+
+std::unique_ptr<Study> MakeVibrationStudy(std::span<const VibrationData> records, ParallelFor parallel) {
+  return std::make_unique<VibrationStudy>(records, std::move(parallel));
 }
 
 }  // namespace strainwave::analysis::diagnosis
