@@ -152,7 +152,7 @@ nlohmann::ordered_json DiagnosisJson(const DiagnosisReport& report) {
   const diagnosis::Diagnosis& result = report.result;
   const diagnosis::Study& study = *report.input.study;
   return {{"verdict", VerdictText(result.verdict)},
-          {"kind", report.input.kind},
+          {"kind", NameOf(report.input.kind)},
           {"nominal", NominalJson(report)},
           {"causes", CausesJson(report)},
           {"extended",
