@@ -44,9 +44,9 @@ CampaignInputs ReadFrozenInputs(const CampaignFolder& folder, const Journal& jou
 ///   lost its last rows); DatabaseError when the journal is damaged.
 Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode);
 
-/// What is allowed but leaves doubt about the files of a campaign, each with the file: parts of the journal
+/// What is allowed but uncertain about the files of a campaign, each with the file: parts of the journal
 /// that no checksum covers, a damaged state in the checkpoint.
-std::vector<std::string> DoubtsAbout(const CampaignFolder& folder, const Journal& journal);
+std::vector<std::string> WarningsAbout(const CampaignFolder& folder, const Journal& journal);
 
 /// The bench of a campaign that goes on: the frozen one, with the files of its devices where they were at the
 /// start.
