@@ -12,8 +12,8 @@ namespace strainwave::analysis::diagnosis {
 
 /// Effects none of which shows while the others are still in the residual: slow ones pass together for the
 /// autocorrelation of the noise. The strongest candidate as if the noise were white, the strongest beside it,
-/// and so on; then what the memory of what is left explains as well, or another one's misfit, is taken out
-/// again, weakest first.
+/// and so on; then what the autocorrelation of the residual explains as well, or another one's misfit, is
+/// taken out again, weakest first.
 std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std::size_t> given,
                                         const ScoredModel& model, std::size_t most, double error);
 

@@ -75,7 +75,7 @@ ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* star
     }
     return model;
   };
-  if (purpose == FitPurpose::kCompare && study_.RemembersSearches()) return make();
+  if (purpose == FitPurpose::kCompare && study_.CachesSearches()) return make();
   FitRequest request{{causes.begin(), causes.end()}, {}, {}, purpose};
   if (start != nullptr && start->usable) {
     request.start_causes = start->causes;

@@ -56,7 +56,7 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const Diag
 
 /// Of the white likelihood ratio of a cause, from which on others may be dominated by it.
 inline constexpr double kClearlyAhead = 60.0;
-/// Likelihood ratio as if the noise were white: what an effect leaves of another passes for its memory.
+/// Likelihood ratio as if the noise were white: what an effect leaves of another passes for autocorrelation.
 double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -40,9 +40,9 @@ struct CrossCorrelation {
 };
 
 /// Largest cross-correlation over lags −largest_lag … largest_lag. Both are filtered by the autoregressive
-/// model of the residual first, so that its own memory does not count as agreement; what the regressor's
-/// memory makes of neighbouring lags is taken out of the nuisance term (Glaz & Johnson, JASA 79 (1984) 436:
-/// product form).
+/// model of the residual first, so that its own autocorrelation does not count as agreement; what the
+/// regressor's autocorrelation makes of neighbouring lags is taken out of the nuisance term (Glaz & Johnson,
+/// JASA 79 (1984) 436: product form).
 CrossCorrelation LargestCrossCorrelation(std::span<const double> residual, std::span<const double> regressor,
                                          std::span<const double> weights,
                                          std::span<const std::size_t> segments, int largest_lag = 20);

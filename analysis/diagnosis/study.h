@@ -162,9 +162,9 @@ class Study {
   virtual ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                        const ModelFit* start, FitPurpose purpose) const = 0;
 
-  /// True where the study remembers what it searched for, so that what a fit of causes that `start` lacks
-  /// comes to may hang on what was asked for before it.
-  virtual bool RemembersSearches() const { return false; }
+  /// True where the study caches what it searched for, so that what a fit of causes that `start` lacks comes
+  /// to may depend on what was asked for before it.
+  virtual bool CachesSearches() const { return false; }
 
   /// What the response that a fit predicts may be wrong by, sample by sample (SI, a standard deviation up to
   /// a common factor), where it hangs on more than any fit can know: when an inertia behind backlash strikes

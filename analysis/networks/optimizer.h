@@ -33,7 +33,7 @@ struct ResilientPropagation {
 
 using OptimizerSettings = std::variant<Adam, MomentumDescent, ResilientPropagation>;
 
-/// What the method remembers between steps; starts at zero.
+/// What the method keeps between steps; starts at zero.
 template <typename Scalar>
 class Optimizer {
  public:

@@ -37,10 +37,9 @@ std::array<std::uint8_t, kBasicTeds_bytes> BytesOf(const BasicTeds& teds);
 /// transducers (25), in its order, "%Sens@Ref", "%TF_HP_S", "%Direction", "%Weight", "%Sign", the transfer
 /// function "%TF_SP", "%TF_KPr", "%TF_KPq", "%TF_SL" and "%TempCoef", "%RefFreq", "%RefTemp"; of the template
 /// for bridges (33), as torque transducers are, "%ElecSigType", "%PhysMeasType", "%MinPhysVal",
-/// "%MaxPhysVal",
-/// "%MinElecVal", "%MaxElecVal", "%MapMeth", "%BridgeType", "%SensorImped", "%RespTime", "%ExciteAmplNom",
-/// "%ExciteAmplMin", "%ExciteAmplMax"; and of both the calibration part "%CalDate", "%CalInitials",
-/// "%CalPeriod" (days), "%MeasID".
+/// "%MaxPhysVal", "%MinElecVal", "%MaxElecVal", "%MapMeth", "%BridgeType", "%SensorImped", "%RespTime",
+/// "%ExciteAmplNom", "%ExciteAmplMin", "%ExciteAmplMax"; and of both the calibration part "%CalDate",
+/// "%CalInitials", "%CalPeriod" (days), "%MeasID".
 ///
 /// Held against National Instruments, "IEEE 1451.4 Sensor Templates Overview" (basic part: widths and
 /// ranges), the fields that the open reader of SDL-MCI/SDLMA-Core takes from template 25, and those that the

@@ -76,7 +76,7 @@ SeparableModel ToyModel(const ToyRecord& record, std::vector<double> measured) {
   return model;
 }
 
-TEST(FitNoise, FindsTheMemoryOfAutoregressiveNoiseAndNoneInWhiteNoise) {
+TEST(FitNoise, FindsTheCoefficientOfAutoregressiveNoiseAndNoneInWhiteNoise) {
   std::vector<double> x = WhiteNoise(4000, 1.0, 7);
   const std::vector<double> weights(4000, 1.0);
   const std::vector<std::size_t> one{0};

@@ -13,7 +13,7 @@ namespace {
 
 // Each line is as weak in each channel as noise may be; the weakest brings less than its numbers are charged,
 // and no name.
-TEST(VibrationPair, NamesAMeshThatFourChannelsHearWeaklyBesideImpacts) {
+TEST(VibrationPair, NamesAMeshThatIsWeakInFourChannelsBesideImpacts) {
   const struct {
     double amplitude;
     unsigned seed;
@@ -51,7 +51,7 @@ TEST(VibrationPair, TakesWhatATrainLeavesForNoResonance) {
   }
 }
 
-// In no channel alone: all four hear it.
+// In no channel alone: it takes all four.
 TEST(WeakVibration, NamesACrackThatNoChannelShowsAlone) {
   const struct {
     double height;

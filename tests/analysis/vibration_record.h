@@ -102,14 +102,14 @@ inline Diagnosed Ask(const std::vector<VibrationData>& records) {
   return DiagnoseRecords(&MakeVibrationStudy, records);
 }
 
-/// Noise that remembers the sample before.
-inline Signal ColouredNoise(const Turning& run, unsigned seed, double deviation, double memory) {
+/// First-order autoregressive noise.
+inline Signal ColouredNoise(const Turning& run, unsigned seed, double deviation, double lag_one) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, deviation * std::sqrt(1.0 - memory * memory));
+  std::normal_distribution<double> noise(0.0, deviation * std::sqrt(1.0 - lag_one * lag_one));
   Signal signal;
   double before = 0.0;
   for (std::size_t i = 0; i < run.time_s.size(); ++i)
-    signal.push_back(before = memory * before + noise(random));
+    signal.push_back(before = lag_one * before + noise(random));
   return signal;
 }
 

@@ -197,7 +197,7 @@ Eigen::VectorXd SettleTurns(LoopRecords& records, const LoopModel& model, const 
   return there.numbers;
 }
 
-// Peaks that no sample saw and the friction remembers.
+// Peaks that no sample saw but whose effect on the friction remains.
 // @returns the nominal numbers with them.
 Eigen::VectorXd SettlePeaks(LoopRecords& records, const LoopModel& model, const Eigen::VectorXd& x) {
   constexpr int kRounds = 3;

@@ -69,8 +69,8 @@ struct Turn {
 std::vector<Turn> FindTurns(std::span<const double> time_s, std::span<const double> signal, double noise);
 
 /// Standard deviation of the noise on a signal of straight pieces, first-order autoregressive noise included:
-/// from its second differences over 1, 2, 4, 8 and 16 samples, which grow with the distance as far as noise
-/// remembers itself. 0 below 40 values.
+/// from its second differences over 1, 2, 4, 8 and 16 samples, which grow with the distance as far as the
+/// noise is autocorrelated. 0 below 40 values.
 double LastingNoise(std::span<const double> time_s, std::span<const double> signal);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -105,7 +105,8 @@ class HysteresisStudy final : public Study {
 };
 
 // What the nominal model says of the record itself: where the output was on its way, without the angle's own
-// noise, which a line over the measured angle follows where the noise has a memory; and the torque's noise.
+// noise, which a line over the measured angle follows where the noise is autocorrelated; and the torque's
+// noise.
 void HysteresisStudy::TakeFromNominal() {
   LoopGrid& samples = records_.samples;
   const LoopModel nominal(records_, {});

@@ -33,7 +33,7 @@ constexpr double kMostSwing = 10.0;      // times the usual acceleration, where 
 constexpr double kShortestShare = 0.02;  // of all points, that a segment with a beginning of its own has
 constexpr double kDiedAway = 1e-20;      // of a swing's square
 constexpr std::size_t kFirstSwing = 2;   // of the nonlinear parameters
-constexpr std::size_t kSwingsRemembered = 8;
+constexpr std::size_t kCachedSwings = 8;
 constexpr std::ptrdiff_t kFirstSwingValue = 5;
 
 // Damping ratios of which a search starts, and their spacing in ln frequency.
@@ -135,10 +135,9 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   const double usual = UsualSize(grid->passed_acceleration);
   SeparableTerm term;
   // Slopes by what a segment begins with are taken at one frequency and damping, in which it is straight.
-  const auto driven_swings =
-      std::make_shared<Recent<std::array<double, 2>, Eigen::VectorXd>>(kSwingsRemembered);
-  const auto free_swings = std::make_shared<Recent<std::array<double, 3>, Eigen::MatrixX2d>>(
-      kSwingsRemembered * beginnings.size());
+  const auto driven_swings = std::make_shared<Recent<std::array<double, 2>, Eigen::VectorXd>>(kCachedSwings);
+  const auto free_swings =
+      std::make_shared<Recent<std::array<double, 3>, Eigen::MatrixX2d>>(kCachedSwings * beginnings.size());
   term.fill = [=](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     const double natural = kTwoPi * std::exp(nonlinear_parameters[0]);
     const double damping = std::exp(nonlinear_parameters[1]);

@@ -20,7 +20,7 @@ inline constexpr double kHarmonicsOfSlipping = 2.0;
 bool IsBearingOrder(const VibrationResidual& residual, double order, double harmonics, double slip = 0.0);
 
 /// Whether the order of a train or of a family of lines is a bearing's: none that others have, impulses that
-/// die away, and more to hear than one line at a whole order.
+/// die away, and more that is observable than one line at a whole order.
 bool IsBearing(const VibrationResidual& residual, const VibrationTerm& term);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -319,7 +319,7 @@ Best SearchCrack(const VibrationResidual& residual, std::size_t index) {
   }
   if (turns * output > kWholeOutputTurn) {
     if (Best sidebands = SidebandsOfShaft(residual, index))
-      best.TakeWithAndWithoutDeaf(std::move(*sidebands), 0.0);
+      best.TakeWithAndWithoutUnobservable(std::move(*sidebands), 0.0);
   }
   return std::move(best).fit();
 }

@@ -140,7 +140,7 @@ std::optional<TermFit> SearchGearMesh(const VibrationResidual& residual, std::si
       const int rounds = open ? 5 : 0;
       TermFit fit = residual.WithAllChannels(term, rounds);
       take(fit);
-      if (samples.channels() > 1) take(residual.WithoutDeaf(std::move(fit)));
+      if (samples.channels() > 1) take(residual.WithoutUnobservable(std::move(fit)));
     }
   }
   return std::move(best).fit();
@@ -153,8 +153,8 @@ double LogChoicesOfMesh(const VibrationSamples& samples, const VibrationTerm& me
                                 [&](double first) { return std::abs(first - OrderOf(line)) < 1e-9; });
   };
   const auto further = static_cast<std::size_t>(std::ranges::count_if(mesh.lines, is_further));
-  const auto hearing = static_cast<std::size_t>(std::ranges::count(mesh.observable, 1));
-  return LogChoices(further, orders.others.size()) + LogChoices(hearing, samples.channels()) +
+  const auto observable = static_cast<std::size_t>(std::ranges::count(mesh.observable, 1));
+  return LogChoices(further, orders.others.size()) + LogChoices(observable, samples.channels()) +
          (mesh.nonlinear_parameters.empty() ? 0.0 : LogScales(samples));
 }
 

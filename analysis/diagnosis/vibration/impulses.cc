@@ -267,7 +267,7 @@ TermFit SearchPulses(const VibrationResidual& residual, std::size_t index, doubl
   LeastLikelyChance best(residual);
   const auto take = [&](VibrationTerm term, int rounds) {
     term.observable = all;
-    best.TakeWithAndWithoutDeaf(residual.WithAllChannels(std::move(term), rounds), 0.0);
+    best.TakeWithAndWithoutUnobservable(residual.WithAllChannels(std::move(term), rounds), 0.0);
   };
   take(start->term, 6);
   if (slow_order != 0.0) {

@@ -53,7 +53,7 @@ OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSol
       const VectorXd root =
           Eigen::Map<const VectorXd>(solver.weights().data() + channel.first, n).cwiseSqrt();
       std::size_t place = first_group;
-      // A term that some channels do not hear leaves them other columns.
+      // A term that is not observable in some channels leaves them other columns.
       const auto same = [&](const Group& group) {
         return group.root_weights == root &&
                base.channels[group.channels.front()].first == base.channels[c].first;

@@ -162,7 +162,7 @@ VectorXd PredictTerm(const VibrationSamples& samples, VibrationCause cause, cons
         continue;
       }
       for (Index k = 0; k < columns.cols(); ++k) {
-        // A channel that does not hear the term has no coefficients.
+        // A channel in which the term is not observable has no coefficients.
         own += Find(parameters, CoefficientName(term, k, channel.name)).value_or(0.0) * columns.col(k);
       }
     }

@@ -36,8 +36,8 @@ VibrationTerm NarrowTerm(const VibrationResidual& residual, std::size_t index, c
   return term;
 }
 
-// Channels in which the band is not louder than a few standard errors drop out.
-TermFit DropDeaf(const VibrationResidual& residual, TermFit solution) {
+// Channels in which the band is no larger than a few standard errors drop out.
+TermFit DropUnobservable(const VibrationResidual& residual, TermFit solution) {
   bool changed = false;
   for (std::size_t c = 0; c < solution.channels.size() && solution.channels.size() > 1; ++c) {
     VibrationTerm fewer = solution.term;
@@ -194,7 +194,8 @@ Best SearchResonance(const VibrationResidual& residual, std::size_t index, const
     if (is_of_a_train(band.centre_Hz)) continue;
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
-    TermFit solution = DropDeaf(residual, residual.With(NarrowTerm(residual, index, band, damping), 12));
+    TermFit solution =
+        DropUnobservable(residual, residual.With(NarrowTerm(residual, index, band, damping), 12));
     KeepDamped(std::move(solution), range, best);
   }
   for (const BurstSpot& spot : FindBursts(residual, 2)) {

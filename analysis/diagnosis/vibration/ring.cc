@@ -60,7 +60,7 @@ double RingTrain::SlipOf(double impulse) const {
 
 namespace {
 
-// An impulse as a sample behind it hears it.
+// An impulse as it is observable at a sample behind it.
 struct ObservableImpulse {
   double angle_rad{};
   double speed_rad_per_s{};

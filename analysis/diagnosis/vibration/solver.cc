@@ -96,29 +96,29 @@ VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<cons
   }
 }
 
-VibrationSolver::Listening VibrationSolver::ListeningOf(const VibrationTerm& narrowband,
-                                                        std::size_t run) const {
+VibrationSolver::ChannelCombination VibrationSolver::CombinationOf(const VibrationTerm& narrowband,
+                                                                   std::size_t run) const {
   const std::vector<VibrationSegment>& channels = samples_.runs[run].channels;
   std::size_t first = 0;
   for (std::size_t r = 0; r < run; ++r) first += samples_.runs[r].channels.size();
-  Listening listening{VectorXd::Zero(static_cast<Index>(channels.size())),
-                      {},
-                      std::vector<char>(samples_.runs[run].size(), 0)};
-  std::vector<char>& missing = listening.missing;
+  ChannelCombination combined{VectorXd::Zero(static_cast<Index>(channels.size())),
+                              {},
+                              std::vector<char>(samples_.runs[run].size(), 0)};
+  std::vector<char>& missing = combined.missing;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     if (narrowband.observable[first + c] == 0 || narrowband.nonlinear_parameters[2 + first + c] == 0.0)
       continue;
-    listening.unit(static_cast<Index>(c)) = narrowband.nonlinear_parameters[2 + first + c];
+    combined.unit(static_cast<Index>(c)) = narrowband.nonlinear_parameters[2 + first + c];
     const auto own = missing_.begin() + static_cast<std::ptrdiff_t>(channels[c].first);
     std::transform(missing.begin(), missing.end(), own, missing.begin(), std::bit_or<>());
   }
-  const double size = listening.unit.norm();
-  if (!(size > 0.0)) return listening;
-  listening.unit /= size;
-  listening.filter =
+  const double size = combined.unit.norm();
+  if (!(size > 0.0)) return combined;
+  combined.unit /= size;
+  combined.filter =
       FilterOf({narrowband.nonlinear_parameters[0], narrowband.nonlinear_parameters[1], 2.0 * std::log(size)},
                samples_.runs[run].period_s);
-  return listening;
+  return combined;
 }
 
 Predicted VibrationSolver::PredictedOf(std::span<const VibrationTerm> narrowband, std::size_t run,
@@ -131,10 +131,10 @@ Predicted VibrationSolver::PredictedOf(std::span<const VibrationTerm> narrowband
   std::vector<InnovationFilter> filters;
   std::vector<char> missing;
   for (const VibrationTerm& term : narrowband) {
-    Listening listening = ListeningOf(term, run);
-    predicted.units.col(static_cast<Index>(filters.size())) = listening.unit;
-    filters.push_back(listening.filter);
-    if (missing.empty()) missing = std::move(listening.missing);
+    ChannelCombination combined = CombinationOf(term, run);
+    predicted.units.col(static_cast<Index>(filters.size())) = combined.unit;
+    filters.push_back(combined.filter);
+    if (missing.empty()) missing = std::move(combined.missing);
   }
   // The channels of a record stand one after the other.
   predicted.along = Eigen::Map<const MatrixXd>(left.data() + first, n, channels) * predicted.units;
@@ -150,18 +150,18 @@ void VibrationSolver::TakeOffPredicted(std::span<const VibrationTerm> terms,
     for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
       const VibrationRun& run = samples_.runs[r];
       const auto n = static_cast<Index>(run.size());
-      const Listening listening = ListeningOf(term, r);
-      if (listening.unit.isZero(0.0)) continue;
+      const ChannelCombination combined = CombinationOf(term, r);
+      if (combined.unit.isZero(0.0)) continue;
       const auto of_channel = [&](std::size_t c) {
         return left.middleRows(static_cast<Index>(run.channels[c].first), n);
       };
       MatrixXd together = MatrixXd::Zero(n, left.cols());
       for (std::size_t c = 0; c < run.channels.size(); ++c)
-        together += listening.unit(static_cast<Index>(c)) * of_channel(c);
-      Predict({&listening.filter, 1}, std::span(breaks_).subspan(run.channels.front().first, run.size()),
-              listening.missing, together);
+        together += combined.unit(static_cast<Index>(c)) * of_channel(c);
+      Predict({&combined.filter, 1}, std::span(breaks_).subspan(run.channels.front().first, run.size()),
+              combined.missing, together);
       for (std::size_t c = 0; c < run.channels.size(); ++c) {
-        const double unit = listening.unit(static_cast<Index>(c));
+        const double unit = combined.unit(static_cast<Index>(c));
         if (unit != 0.0) of_channel(c) -= unit * together;
       }
     }

@@ -13,7 +13,7 @@ struct Resonator {
   double y1{}, y2{};
   double strike{};  // for which a blow of one rings as e^(−ζωt) sin ωt
 
-  /// A mode above the band is not heard.
+  /// A mode above the band is not observable.
   void Tune(double frequency_Hz, double damping, double sample_rate_hz) noexcept {
     if (frequency_Hz >= 0.45 * sample_rate_hz) {
       gain = strike = 0.0;
