@@ -117,21 +117,21 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
 
 double Judge::Score(const Comparison& comparison, const CauseRule& rule) const {
   const double more = comparison.more_parameters;
-  const double places = std::min<double>(rule.location_parameters + comparison.more_location_parameters,
-                                         std::max<double>(more, rule.degrees_of_freedom));
-  // Places that the search chooses and the fit leaves alone are none of its numbers, but cost as much.
+  const double locations = std::min<double>(rule.location_parameters + comparison.more_location_parameters,
+                                            std::max<double>(more, rule.degrees_of_freedom));
+  // Locations that the search chooses and the fit leaves alone are none of its numbers, but cost as much.
   const double left_alone = std::max(0.0, rule.degrees_of_freedom - more);
-  const double amounts = more - std::max(0.0, places - left_alone);
+  const double amounts = more - std::max(0.0, locations - left_alone);
   return comparison.likelihood_ratio - amounts * std::log(samples_) -
-         places * std::log(std::clamp(comparison.likelihood_ratio, 1.0, samples_)) -
+         locations * std::log(std::clamp(comparison.likelihood_ratio, 1.0, samples_)) -
          2.0 * (comparison.log_search_locations + std::log(std::max(1.0, rule.trials_factor)));
 }
 
 double Judge::Corrected(double p_value, const CauseRule& rule) const {
   const auto of_its_sort = std::ranges::count(study_.causes(), rule.named, &CauseRule::named);
   const double share = rule.named ? kShareOfCauses : 1.0 - kShareOfCauses;
-  const double looks = std::max(1.0, rule.trials_factor) * static_cast<double>(of_its_sort) / share;
-  return -std::expm1(looks * std::log1p(-std::min(p_value, 0.999999)));
+  const double trials = std::max(1.0, rule.trials_factor) * static_cast<double>(of_its_sort) / share;
+  return -std::expm1(trials * std::log1p(-std::min(p_value, 0.999999)));
 }
 
 double Judge::HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const NoiseFit& noise,

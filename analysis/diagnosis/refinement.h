@@ -26,7 +26,7 @@ double LeadAsked(double explained);
 
 /// The same where both are known: our formulae are not nature's, so that a curve always follows the last few
 /// percent better, but not one with half as many numbers as a cause has amounts, where these are many
-/// (disturbances at several times, against one place).
+/// (disturbances at several times, against one position).
 double LeadAsked(double explained, const Comparison& description, const Comparison& cause);
 
 /// Whether what a cause of a model brings may be the misfit of another one beside it

@@ -207,8 +207,8 @@ void CacheColumns(SeparableTerm& term, std::size_t samples) {
 double WeightedResidual::MeanSquare() const {
   double sum = 0.0;
   double weight = 0.0;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    sum += weights[i] * residual[i] * residual[i];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sum += weights[i] * values[i] * values[i];
     weight += weights[i];
   }
   return weight > 0.0 ? sum / weight : 0.0;

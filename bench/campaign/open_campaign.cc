@@ -70,7 +70,7 @@ std::vector<std::string> WarningsAbout(const CampaignFolder& folder, const Journ
   const auto checkpoint = ReadCheckpoint(folder.Checkpoint());
   if (checkpoint && checkpoint->damaged_states > 0) {
     warnings.push_back(fmt::format("{}: warning: {} of its 3 states is damaged; the newest whole one counts",
-                                 folder.Checkpoint().string(), checkpoint->damaged_states));
+                                   folder.Checkpoint().string(), checkpoint->damaged_states));
   }
   return warnings;
 }

@@ -81,7 +81,7 @@ void AddStiffness(nlohmann::json& report, const analysis::TorsionalStiffness& st
 
 // What diagnose says of such a loop before it looks for causes: units mixed up, all three slopes moved alike.
 void AddWarnings(const daq::Record& record, const analysis::TorsionalStiffness& stiffness,
-               const RecordContext& context, nlohmann::json& warnings) {
+                 const RecordContext& context, nlohmann::json& warnings) {
   const analysis::diagnosis::HysteresisData data = HysteresisDataOf(Corrected(record, context.corrections));
   const auto [low_rad, high_rad] = std::ranges::minmax(data.output_angle_rad);
   const auto [low_Nm, high_Nm] = std::ranges::minmax(data.torque_Nm);

@@ -57,7 +57,7 @@ SeparableModel ToyModel(const ToyRecord& record, std::vector<double> measured) {
   };
   bump.starts = [x = record.x](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const WindowPeak& peak : FindWindows(x, residual.residual, residual.weights, 0.02, 0.08, 3)) {
+    for (const WindowPeak& peak : FindWindows(x, residual.values, residual.weights, 0.02, 0.08, 3)) {
       starts.push_back({peak.centre});
     }
     return starts;

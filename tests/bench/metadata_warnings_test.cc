@@ -20,7 +20,8 @@ Warnings Of(const std::string& kind, const Metadata& metadata) {
 TEST(MetadataWarnings, AreNoneOfARecordThatSaysAll) {
   EXPECT_EQ(Of("hysteresis", {{"t1_Nm", "14"}, {"t2_Nm", "48"}, {"t3_Nm", "92"}, {"lock_angle_deg", "90"}}),
             Warnings());
-  EXPECT_EQ(Of("transmission_error", {{"ratio", "100"}, {"absolute", "true"}, {"step_deg", "1"}}), Warnings());
+  EXPECT_EQ(Of("transmission_error", {{"ratio", "100"}, {"absolute", "true"}, {"step_deg", "1"}}),
+            Warnings());
   EXPECT_EQ(Of("motion", {{"kt_Nm_per_A", "0.11"}}), Warnings());
   EXPECT_EQ(Of("vibration", {{"sample_rate_hz", "12800"}, {"class", "worn"}}), Warnings());
 }
@@ -29,7 +30,7 @@ TEST(MetadataWarnings, NameEachDefaultThatIsTaken) {
   EXPECT_EQ(Of("transmission_error", {}), Warnings{"metadata ratio is missing: the default of 80 is taken"});
   EXPECT_EQ(Of("hysteresis", {{"t2_Nm", "20"}}),
             (Warnings{"metadata t1_Nm is missing: the default of 7 Nm is taken",
-                    "metadata t3_Nm is missing: the default of 34 Nm is taken"}));
+                      "metadata t3_Nm is missing: the default of 34 Nm is taken"}));
 }
 
 TEST(MetadataWarnings, SayWhichKeyWasMeant) {
@@ -37,10 +38,10 @@ TEST(MetadataWarnings, SayWhichKeyWasMeant) {
                                                         {"T3 (Nm)", "t3_Nm"}, {"t3_NM", "t3_Nm"},
                                                         {"t3_kNm", "t3_Nm"},  {"t3-nm", "t3_Nm"}};
   for (const auto& [written, meant] : kMeant) {
-    EXPECT_EQ(
-        Of("hysteresis", {{"t1_Nm", "5"}, {"t2_Nm", "20"}, {written, "50"}}),
-        (Warnings{"metadata t3_Nm is missing: the default of 34 Nm is taken",
-                fmt::format("metadata '{}' is not known and not read; did you mean '{}'?", written, meant)}));
+    EXPECT_EQ(Of("hysteresis", {{"t1_Nm", "5"}, {"t2_Nm", "20"}, {written, "50"}}),
+              (Warnings{"metadata t3_Nm is missing: the default of 34 Nm is taken",
+                        fmt::format("metadata '{}' is not known and not read; did you mean '{}'?", written,
+                                    meant)}));
   }
   for (const char* written : {"Ratio", "gear_ratio", "ratio_1", "ration"}) {
     EXPECT_EQ(Of("transmission_error", {{written, "100"}}).back(),

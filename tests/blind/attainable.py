@@ -43,7 +43,7 @@ def strongest_line(signal, angle_rad):
 def probability_of_name(attempt, causes):
     effect, signal, experiment = attempt.effects[0], attempt.signals[0], attempt.experiment
     nats = 0.5 * predicted_sigma(attempt, effect, signal) ** 2
-    found = probability(nats, effect.ln_places + math.log(causes / FOUND_BY_CHANCE))
+    found = probability(nats, effect.ln_search_locations + math.log(causes / FOUND_BY_CHANCE))
     if effect.predicted:
         line = strongest_line(signal, experiment.angle_rad[attempt.keep])
         return found * probability(nats - line, LN_TRAINS_OF_A_LINE + math.log(1.0 / WRONG_NAMES))

@@ -19,7 +19,7 @@ class Effect:
     tolerance: float = 0.005  # of the size that is asked for
     least_scale: float = 0.0  # below it the effect is not physically plausible either
     # Independent places (orders, times, resonances) of which it may have any, for attainable.py alone.
-    ln_places: float = 0.0
+    ln_search_locations: float = 0.0
     # What of it is no chance, and has a size to a matched filter.
     predicted: typing.Optional[typing.Callable] = None  # act() without what is chance, where not all of it can be predicted
     swing: typing.Optional[tuple] = None  # (Hz, damping ratio) of what noise drives: its spectrum is all that is known

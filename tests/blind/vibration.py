@@ -180,7 +180,7 @@ class Vibration:
         turns = self.mean_rpm / 60.0 * self.time_s[-1]
         harmonic = natural_hz / (self.mean_rpm / 60.0 * order)
         return dataclasses.replace(effect, predicted=lambda scale: scale * self.gains[:, numpy.newaxis] * even,
-                                   ln_places=math.log(18.0 * turns * harmonic * 45.0 * 2.0 * 6.0))
+                                   ln_search_locations=math.log(18.0 * turns * harmonic * 45.0 * 2.0 * 6.0))
 
     def _resonance(self, rng):
         span_s = self.time_s[-1]
@@ -203,10 +203,10 @@ class Vibration:
         effect = self._shaped("torsional_resonance", self.gains[:, numpy.newaxis] * ring,
                               lambda scale: {"frequency": (natural_hz, "Hz"), "damping": (damping_ratio, "")})
         # Resonances a width apart with three dampings; each impact in any half period.
-        ln_places = math.log(650.0)
+        ln_search_locations = math.log(650.0)
         if impacts:
-            ln_places += len(onset_s) * math.log(2.0 * natural_hz * span_s) - math.lgamma(len(onset_s) + 1.0)
-        return dataclasses.replace(effect, ln_places=ln_places, swing=None if impacts else (natural_hz, damping_ratio))
+            ln_search_locations += len(onset_s) * math.log(2.0 * natural_hz * span_s) - math.lgamma(len(onset_s) + 1.0)
+        return dataclasses.replace(effect, ln_search_locations=ln_search_locations, swing=None if impacts else (natural_hz, damping_ratio))
 
     def make_outside(self, rng):
         turn_hz = self.mean_rpm / 60.0

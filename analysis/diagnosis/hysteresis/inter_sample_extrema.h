@@ -17,7 +17,7 @@ namespace strainwave::analysis::diagnosis {
 /// @param law           of the nominal gear, about.
 /// @param predicted_rad  what the nominal model says of the samples, the twist of that gear with its offset.
 /// @return whether any peak shows.
-bool PlaceInterSampleExtrema(const GearLaw& law, const Eigen::VectorXd& predicted_rad, double noise_rad,
-                             LoopGrid& samples);
+bool SetInterSampleExtrema(const GearLaw& law, const Eigen::VectorXd& predicted_rad, double noise_rad,
+                           LoopGrid& samples);
 
 }  // namespace strainwave::analysis::diagnosis

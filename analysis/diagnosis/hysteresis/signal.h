@@ -58,7 +58,7 @@ std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<co
 double FollowedShare(std::span<const double> time_s, std::span<const double> drive,
                      std::span<const double> clean_drive, std::span<const double> response, double slope);
 
-/// A place between two samples at which a signal turns from one straight line into another.
+/// A time between two samples at which a signal turns from one straight line into another.
 struct Turn {
   std::size_t before{};  // sample that it comes after
   double share{};        // of the time to the next sample, 0 to 1

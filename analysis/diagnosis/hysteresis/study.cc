@@ -111,7 +111,7 @@ void HysteresisStudy::TakeFromNominal() {
   LoopGrid& samples = records_.samples;
   const LoopModel nominal(records_, {});
   const Eigen::VectorXd place = nominal.Predict(nominal_start_, samples);
-  samples.place_rad.assign(place.begin(), place.end());
+  samples.position_rad.assign(place.begin(), place.end());
   Eigen::VectorXd gear;
   FillTwist(nominal.LawOf(nominal_start_), samples, gear);
   noise_response_rad_ = ResponseToTorqueNoise(records_, gear);
@@ -129,7 +129,7 @@ LoopGrid HysteresisStudy::GridOf(const LoopModel& model, std::span<const double>
   return Condense(records_, weights, model.NeedsAllSamples() ? 0 : kComparisonPoints);
 }
 
-// Records whose first sample has no weight: of those behind it, few if any hang on the state that their
+// Records whose first sample has no weight: of those behind it, few if any depend on the state that their
 // friction starts in. It is a condition of the record and not of the model: a fit that does not see it keeps
 // what it was given.
 std::vector<bool> HysteresisStudy::UnseenStarts(std::span<const double> weights) const {

@@ -84,7 +84,7 @@ double FreeSwingDrop(const MotionGrid& grid, const WeightedResidual& residual,
       swing *= std::abs(step_s - grid.row_spacing_s) < 1e-9 * grid.row_spacing_s
                    ? usual_turn
                    : std::exp(exponent * step_s);
-      along += residual.weights[row] * residual.residual[row] * swing;
+      along += residual.weights[row] * residual.values[row] * swing;
       squares += residual.weights[row] * std::norm(swing);
     }
     if (squares > 0.0) drop += 2.0 * std::norm(along) / squares;

@@ -62,11 +62,11 @@ void AddPoints(const EvenSegment& samples, const MotionBandwidth& bandwidth, con
                MotionGrid& grid) {
   const double step_s = samples.step_s;
   const int from_velocity = bandwidth.by_velocity ? 1 : 0;
-  const std::vector<double> places = Extended(samples.position, layout.margin);
+  const std::vector<double> positions = Extended(samples.position, layout.margin);
   const std::vector<double> speeds =
       bandwidth.by_velocity ? Extended(samples.velocity, layout.margin) : std::vector<double>{};
   const std::vector<double> torque = Extended(samples.torque, layout.margin);
-  const std::vector<double>& moved = bandwidth.by_velocity ? speeds : places;
+  const std::vector<double>& moved = bandwidth.by_velocity ? speeds : positions;
   const KernelTaps position = MakeKernel(bandwidth.path_sigma_s, step_s, 0);
   const KernelTaps velocity = MakeKernel(bandwidth.path_sigma_s, step_s, 1 - from_velocity);
   const KernelTaps passed_acceleration = MakeKernel(bandwidth.path_sigma_s, step_s, 2 - from_velocity);
@@ -76,7 +76,7 @@ void AddPoints(const EvenSegment& samples, const MotionBandwidth& bandwidth, con
   for (std::size_t i = 0; i < samples.position.size(); i += layout.stride) {
     const std::size_t at = layout.margin + i;
     grid.time_s.push_back(samples.start_s + static_cast<double>(i) * step_s);
-    grid.position.push_back(position.At(places, at));
+    grid.position.push_back(position.At(positions, at));
     grid.velocity.push_back(velocity.At(moved, at));
     grid.passed_acceleration.push_back(passed_acceleration.At(moved, at));
     grid.passed_torque.push_back(passed_torque.At(torque, at));

@@ -103,8 +103,8 @@ Eigen::MatrixXd RowSums::BesideNominal(const Eigen::MatrixXd& sums) const {
 }
 
 Eigen::VectorXd RowSums::ResidualOf(const WeightedResidual& residual) const {
-  const Eigen::Map<const Eigen::VectorXd> values(residual.residual.data(),
-                                                 static_cast<Index>(residual.residual.size()));
+  const Eigen::Map<const Eigen::VectorXd> values(residual.values.data(),
+                                                 static_cast<Index>(residual.values.size()));
   return each_ ? Eigen::VectorXd(values) : Eigen::VectorXd(BesideNominal(Of(values)));
 }
 

@@ -11,7 +11,7 @@ namespace strainwave::analysis::diagnosis {
 /// A band of the spectrum over time that is louder than its surroundings, the channels in step or against
 /// each other.
 struct NoiseBand {
-  double excess{};  // −ln p of one look
+  double excess{};  // −ln p without the trials factor
   double centre_Hz{};
   double width_Hz{};
   /// A channel of all runs: deviation of what moves it in that of its noise, signed.

@@ -15,7 +15,7 @@ namespace {
 constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of the shaft's to its last one
 constexpr double kPartOfCell = 0.6;        // that tells two orders apart
 constexpr double kSlipRange = 2.5;         // standard errors
-constexpr double kLinePartOfCell = 0.3;    // that tells a strong line's place
+constexpr double kLinePartOfCell = 0.3;    // that tells a strong line's order
 // Of what stands at the harmonics beside a line: −ln p that nobody takes for noise, and beyond the part of
 // the line's power that a ring lets through there.
 constexpr double kPlainlyObservable = 10.0;
@@ -60,7 +60,7 @@ bool IsALineOfTeeth(const VibrationResidual& residual, const Observable& observa
 // impacts.
 bool AreOfTheShaft(const VibrationResidual& residual, const VibrationTerm& lines) {
   const double sharpness = kLinePartOfCell * residual.over_turns().cell();
-  return std::ranges::all_of(lines.lines, [&](const LinePlace& line) {
+  return std::ranges::all_of(lines.lines, [&](const LineOrder& line) {
     const double order = line.harmonic * lines.nonlinear_parameters[0] + line.offset;
     return std::abs(order - std::round(order)) < sharpness;
   });
@@ -77,9 +77,9 @@ double HarmonicsOf(const VibrationResidual& residual, const VibrationTerm& term)
                               : std::max(0.0, observable.centre - observable.reach());
     return std::max(1.0, observable.centre + observable.reach() - lowest);
   }
-  const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LinePlace::harmonic);
+  const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LineOrder::harmonic);
   // The order itself counts from zero.
-  const auto is_first = [](const LinePlace& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
+  const auto is_first = [](const LineOrder& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
   const double from = std::ranges::any_of(term.lines, is_first) ? 0.0 : lowest.harmonic;
   return std::max(1.0, highest.harmonic - from);
 }

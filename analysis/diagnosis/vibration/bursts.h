@@ -8,7 +8,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A place in time and frequency where a residual is loud for a while.
+/// A time and frequency at which a residual is loud for a while.
 struct BurstSpot {
   double power{};  // drop of the sum of squares, in variances of the noise
   double frequency_Hz{};

@@ -38,7 +38,7 @@ TrainStart StartOf(const VibrationResidual& residual, const Comb& comb) {
 // change once or twice an output turn.
 struct CrackLines {
   VibrationTerm term;
-  std::vector<LinePlace> places;
+  std::vector<LineOrder> candidates;
   double order;
   int first;  // harmonic from which on the record tells it from whole orders
 };
@@ -49,7 +49,7 @@ CrackLines CrackLinesOf(const VibrationResidual& residual, std::size_t index, in
   const double output = 1.0 / std::abs(samples.ratio);
   const double turns = samples.shortest_turns();
   CrackLines lines{.term = LinesTerm(residual, index),
-                   .places = {},
+                   .candidates = {},
                    .order = order,
                    .first = static_cast<int>(std::ceil(0.7 / (turns * (order - 2.0))))};
   // Where the shaft's lines leave the scale of the angle open, it is a number of the fit.
@@ -57,14 +57,14 @@ CrackLines CrackLinesOf(const VibrationResidual& residual, std::size_t index, in
   std::vector<double> orders;
   for (int k = std::max(1, lines.first); k <= harmonics && k * order < residual.over_turns().highest(); ++k) {
     orders.push_back(k * order);
-    const LinePlace centre = open ? LinePlace{static_cast<double>(k), 0.0} : LinePlace{0.0, k * order};
-    lines.places.push_back(centre);
+    const LineOrder centre = open ? LineOrder{static_cast<double>(k), 0.0} : LineOrder{0.0, k * order};
+    lines.candidates.push_back(centre);
     if (turns * output < kWholeOutputTurn) continue;
     for (const double sideband : {-output, output, -2.0 * output, 2.0 * output}) {
       // What falls onto a whole order is not the crack's own.
       const double beside = k * order + sideband;
       if (std::abs(beside - std::round(beside)) * turns > 0.7)
-        lines.places.push_back({centre.harmonic, centre.offset + sideband});
+        lines.candidates.push_back({centre.harmonic, centre.offset + sideband});
     }
   }
   if (open) lines.term.nonlinear_parameters = {orders.empty() ? order : order * BestScale(residual, orders)};
@@ -82,16 +82,16 @@ double MeanOfPower(double n, double low, double high) {
 }
 
 // Of a known order; what is none of its multiples is a sideband.
-double HarmonicOf(const LinePlace& line, double order) { return line.harmonic + line.offset / order; }
+double HarmonicOf(const LineOrder& line, double order) { return line.harmonic + line.offset / order; }
 bool IsWhole(double harmonic) { return std::abs(harmonic - std::round(harmonic)) < 1e-9; }
 
 // One line alone that is not the order itself may be anything that happens to be there: of whole orders a
 // short record tells high multiples only.
-bool IsALineBeside(const std::vector<LinePlace>& lines, double order) {
+bool IsALineBeside(const std::vector<LineOrder>& lines, double order) {
   return lines.size() == 1 && std::abs(HarmonicOf(lines[0], order) - 1.0) > 1e-9;
 }
 
-// The shaft's line at 2 per turn, changed by a place that comes by once per output turn: a line to either
+// The shaft's line at 2 per turn, changed by a point that comes by once per output turn: a line to either
 // side of it, and nothing at the crack's own order. Both have to be there: the lower one of the teeth's
 // sidebands is the upper one of these.
 constexpr double kLeastOfWeaker = 0.15;  // of the power of the stronger
@@ -113,7 +113,7 @@ bool IsLoudAndSmooth(const TermFit& fit, double order) {
   const std::vector<double> gains = LineGains(fit);
   std::array<double, kTeethHarmonics> of_harmonics{};
   for (std::size_t l = 0; l < gains.size(); ++l) {
-    const LinePlace& line = fit.term.lines[l];
+    const LineOrder& line = fit.term.lines[l];
     const double harmonic = HarmonicOf(line, order);
     if (harmonic > kTeethHarmonics + 0.5) return false;
     if (IsWhole(harmonic)) of_harmonics[static_cast<std::size_t>(std::lround(harmonic)) - 1] += gains[l];
@@ -131,9 +131,9 @@ bool IsLoudAndWide(const VibrationResidual& residual, const TermFit& pulses) {
 }
 
 // The order itself, or two of its harmonics, have to be there.
-bool AreAFamily(std::span<const LinePlace> lines) {
-  const auto is_centre = [](const LinePlace& line) { return line.offset == 0.0; };
-  const auto is_first = [](const LinePlace& line) { return line.offset == 0.0 && line.harmonic == 1.0; };
+bool AreAFamily(std::span<const LineOrder> lines) {
+  const auto is_centre = [](const LineOrder& line) { return line.offset == 0.0; };
+  const auto is_first = [](const LineOrder& line) { return line.offset == 0.0 && line.harmonic == 1.0; };
   return std::ranges::count_if(lines, is_centre) >= 2 ||
          (std::ranges::any_of(lines, is_first) && lines.size() >= 3);
 }
@@ -208,15 +208,15 @@ Best LinesOfBearing(const VibrationResidual& residual, std::size_t index, const 
   for (const double base : bases) {
     VibrationTerm term = LinesTerm(residual, index);
     term.nonlinear_parameters = {base};
-    std::vector<LinePlace> places;
+    std::vector<LineOrder> candidates;
     for (int k = 1; k <= kMostLineHarmonics && k * base < spectrum.highest(); ++k) {
       for (const double offset : {0.0, -1.0, 1.0, -2.0, 2.0}) {
-        places.push_back({static_cast<double>(k), offset});
+        candidates.push_back({static_cast<double>(k), offset});
       }
     }
-    Best lines = FitPayingLines(residual, std::move(term), places, 2, AreAFamily);
+    Best lines = FitPayingLines(residual, std::move(term), candidates, 2, AreAFamily);
     if (!lines) continue;
-    // What is beside the strongest line has to stand for itself: many places were looked at.
+    // What is beside the strongest line has to stand for itself: there were many candidates.
     std::vector<double> gains = LineGains(*lines);
     std::sort(gains.begin(), gains.end());
     const double beside = std::accumulate(gains.begin(), gains.end() - 1, 0.0);
@@ -276,10 +276,10 @@ Best SearchBearing(const VibrationResidual& residual, std::size_t index) {
 
 Best SearchToothEngagement(const VibrationResidual& residual, std::size_t index) {
   CrackLines lines = CrackLinesOf(residual, index, kTeethHarmonics);
-  Best best = FitPayingLines(residual, std::move(lines.term), std::move(lines.places), 1);
+  Best best = FitPayingLines(residual, std::move(lines.term), std::move(lines.candidates), 1);
   // A line beside an order that is not there belongs to something else: the shaft's own lines that change
   // once per output turn have one where the lower sideband of the teeth's would be.
-  if (best && std::ranges::none_of(best->term.lines, [&](const LinePlace& line) {
+  if (best && std::ranges::none_of(best->term.lines, [&](const LineOrder& line) {
         return IsWhole(HarmonicOf(line, lines.order));
       }))
     best.reset();
@@ -294,9 +294,9 @@ Best SearchCrack(const VibrationResidual& residual, std::size_t index) {
   CrackLines lines = CrackLinesOf(residual, index, kMostLineHarmonics);
   const double order = lines.order;
   LeastLikelyChance best(residual);
-  if (Best of_lines = FitPayingLines(residual, std::move(lines.term), lines.places, 1);
+  if (Best of_lines = FitPayingLines(residual, std::move(lines.term), lines.candidates, 1);
       of_lines && !IsLoudAndSmooth(*of_lines, order) && !IsALineBeside(of_lines->term.lines, order)) {
-    const double log_choices = LogChoices(of_lines->term.lines.size(), lines.places.size());
+    const double log_choices = LogChoices(of_lines->term.lines.size(), lines.candidates.size());
     best.Take(std::move(*of_lines), log_choices);
   }
   const double range = kScaleRange * samples.order_uncertainty * order + 0.5 * spectrum.cell() / 100.0;

@@ -28,7 +28,7 @@ constexpr int kClimbs = 4;
 constexpr double kBeyondLine = 7.0;
 constexpr double kBeyondLineShare = 0.01;
 constexpr double kBesideLineShare = 0.05;
-constexpr double kPartOfFirst = 0.3;  // of that, for a first look
+constexpr double kPartOfFirst = 0.3;  // of that, for a first fit
 // Depth of a change: an impulse does not pull. With what noise adds to it.
 constexpr double kDeepest = 1.3;
 
@@ -36,8 +36,8 @@ double TurnHz(const VibrationResidual& residual) {
   return residual.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
 }
 
-// A train while it is looked for, in the first record.
-struct Look {
+// A train while it is searched for, in the first record.
+struct TrainCandidate {
   RingTrain train;
   double sideband{};
   double loudness{1.0};
@@ -45,7 +45,8 @@ struct Look {
   double excess{};
 };
 
-Look LookAt(const VibrationResidual& residual, RingTrain train, double sideband, double loudness) {
+TrainCandidate CandidateOf(const VibrationResidual& residual, RingTrain train, double sideband,
+                           double loudness) {
   const VibrationRun& run = residual.samples().runs.front();
   const TrainMatch match =
       MatchTrain(residual.side_by_side(0), train, sideband, loudness * residual.base().variance());
@@ -55,16 +56,17 @@ Look LookAt(const VibrationResidual& residual, RingTrain train, double sideband,
 }
 
 // The best train about a start: order, ring and damping in turn, by steps that become smaller.
-Look Climb(const VibrationResidual& residual, const TrainStart& start,
-           const std::vector<double>& modulations) {
+TrainCandidate Climb(const VibrationResidual& residual, const TrainStart& start,
+                     const std::vector<double>& modulations) {
   const VibrationRun& run = residual.samples().runs.front();
   const double top_Hz = 0.97 * residual.samples().highest_Hz();
-  Look best = LookAt(residual, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}, {}}, 0.0, start.loudness);
+  TrainCandidate best =
+      CandidateOf(residual, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}, {}}, 0.0, start.loudness);
   const auto take = [&](RingTrain train, double sideband) {
     if (train.ring_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
         train.damping_ratio > kMostTrainDamping)
       return false;
-    Look next = LookAt(residual, std::move(train), sideband, start.loudness);
+    TrainCandidate next = CandidateOf(residual, std::move(train), sideband, start.loudness);
     if (next.excess <= best.excess) return false;
     best = std::move(next);
     return true;
@@ -118,22 +120,23 @@ VibrationTerm Later(const VibrationResidual& residual, VibrationTerm ring, doubl
   return ring;
 }
 
-// The steps of a look's ring and damping leave open in which half period of the ring the impulses begin.
-TermFit FitLook(const VibrationResidual& residual, std::size_t index, const Look& look) {
+// The steps of a candidate's ring and damping leave open in which half period of the ring the impulses begin.
+TermFit FitCandidate(const VibrationResidual& residual, std::size_t index, const TrainCandidate& candidate) {
   const VibrationSamples& samples = residual.samples();
   VibrationTerm term;
   term.cause = index;
   term.form = VibrationForm::kRing;
   term.observable.assign(samples.channels(), 1);
-  term.nonlinear_parameters = {look.train.order, look.train.ring_Hz, look.train.damping_ratio};
-  if (look.sideband > 0.0) {
-    term.lines = {{0.0, look.sideband}};
-    term.nonlinear_parameters.insert(term.nonlinear_parameters.end(), {look.match.cosine, look.match.sine});
+  term.nonlinear_parameters = {candidate.train.order, candidate.train.ring_Hz, candidate.train.damping_ratio};
+  if (candidate.sideband > 0.0) {
+    term.lines = {{0.0, candidate.sideband}};
+    term.nonlinear_parameters.insert(term.nonlinear_parameters.end(),
+                                     {candidate.match.cosine, candidate.match.sine});
   }
-  term.nonlinear_parameters.push_back(look.match.phase);
+  term.nonlinear_parameters.push_back(candidate.match.phase);
   for (std::size_t r = 1; r < samples.runs.size(); ++r) {
     term.nonlinear_parameters.push_back(
-        MatchTrain(residual.side_by_side(r), look.train, 0.0, residual.base().variance()).phase);
+        MatchTrain(residual.side_by_side(r), candidate.train, 0.0, residual.base().variance()).phase);
   }
   LeastLikelyChance best(residual);
   for (const double periods : {0.0, -1.0, -0.5, 0.5, 1.0})
@@ -164,11 +167,11 @@ bool IsOneLine(const VibrationResidual& residual, const TermFit& solution, doubl
   return ExcessOf(0.5 * (beyond + numbers - more), 0.5 * numbers) < part * kBeyondLine;
 }
 
-// Refines a first look, half a period of the ring and a whole one to both sides; without a modulation and
-// with each: the look's may be the wrong one.
-void Improve(const VibrationResidual& residual, TermFit look, const std::vector<double>& modulations,
+// Refines a first fit, half a period of the ring and a whole one to both sides; without a modulation and
+// with each: the fit's may be the wrong one.
+void Improve(const VibrationResidual& residual, TermFit candidate, const std::vector<double>& modulations,
              LeastLikelyChance& best) {
-  Best own = residual.Refine(std::move(look), 12);
+  Best own = residual.Refine(std::move(candidate), 12);
   Best beside;
   for (const double periods : {-1.0, -0.5, 0.5, 1.0})
     Keep(residual.With(Later(residual, own->term, periods), 2), beside);
@@ -212,15 +215,17 @@ Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
     if (below_half_the_rate.size() == kMostStarts) break;
     if (start.ring_Hz < 0.97 * residual.samples().highest_Hz()) below_half_the_rate.push_back(start);
   }
-  std::vector<Look> looks(below_half_the_rate.size());
-  residual.parallel()(
-      looks.size(), [&](std::size_t i) { looks[i] = Climb(residual, below_half_the_rate[i], modulations); });
-  std::sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.excess > b.excess; });
-  looks.resize(std::min(looks.size(), kMostFitted));
-  std::vector<std::pair<double, TermFit>> fits(looks.size());  // by improbability
-  residual.parallel()(looks.size(), [&](std::size_t i) {
+  std::vector<TrainCandidate> candidates(below_half_the_rate.size());
+  residual.parallel()(candidates.size(), [&](std::size_t i) {
+    candidates[i] = Climb(residual, below_half_the_rate[i], modulations);
+  });
+  std::sort(candidates.begin(), candidates.end(),
+            [](const TrainCandidate& a, const TrainCandidate& b) { return a.excess > b.excess; });
+  candidates.resize(std::min(candidates.size(), kMostFitted));
+  std::vector<std::pair<double, TermFit>> fits(candidates.size());  // by improbability
+  residual.parallel()(candidates.size(), [&](std::size_t i) {
     auto& [improbability, fit] = fits[i];
-    fit = residual.Refine(FitLook(residual, index, looks[i]), 3);
+    fit = residual.Refine(FitCandidate(residual, index, candidates[i]), 3);
     improbability = ImprobabilityOf(residual, fit);
   });
   std::ranges::sort(fits, std::greater<>(), &std::pair<double, TermFit>::first);
@@ -241,9 +246,9 @@ Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
   for (const double multiple : {0.5, 2.0, 3.0}) {
     const double order = multiple * found.nonlinear_parameters[0];
     if (!allowed(order)) continue;
-    TermFit fit = FitLook(
+    TermFit fit = FitCandidate(
         residual, index, Climb(residual, {order, found.nonlinear_parameters[1], 0.0, 0.0, 1.0}, modulations));
-    // A look that is dominated by does not catch up.
+    // A candidate that is dominated does not catch up.
     if (fit.bic() < best.fit()->bic() + 60.0) Improve(residual, std::move(fit), modulations, best);
   }
   if (IsOneLine(residual, *best.fit(), 1.0)) return std::nullopt;
@@ -261,7 +266,7 @@ TermFit SearchPulses(const VibrationResidual& residual, std::size_t index, doubl
     VibrationTerm term{index, VibrationForm::kPulses, {{width, order}}, {}, all};
     const int harmonics = PulseHarmonics(width, order, samples.highest_order());
     for (const PulseLines& of_run : lines)
-      term.nonlinear_parameters.push_back(of_run.BestPlace(width, harmonics));
+      term.nonlinear_parameters.push_back(of_run.BestPhase(width, harmonics));
     Keep(residual.WithAllChannels(std::move(term), 0), start);
   }
   LeastLikelyChance best(residual);

@@ -61,9 +61,9 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   const auto [first, last] = Range(run_, band_, ring_Hz, reach, widest);
   const double centre = 0.5 * (first + last);
   // What is matched to a narrow ring changes slowly beside it: a few samples a bandwidth are enough.
-  const auto places = static_cast<std::size_t>(1.3 * (last - first) * run_.turns) + 8;
-  const std::size_t size = std::bit_ceil(kPadding * places);
-  const double angle_step = run_.angle_rad.back() / static_cast<double>(places);
+  const auto points = static_cast<std::size_t>(1.3 * (last - first) * run_.turns) + 8;
+  const std::size_t size = std::bit_ceil(kPadding * points);
+  const double angle_step = run_.angle_rad.back() / static_cast<double>(points);
   const Directions& directions = Directions::Table();
   std::vector<Complex> turns(run_.size());
   for (std::size_t i = 0; i < run_.size(); ++i) {
@@ -92,7 +92,7 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   for (const std::vector<Complex>& filtered : filtered_) {
     values_.assign(size, Complex{});
     std::size_t i = 0;
-    for (std::size_t p = 0; p < places; ++p) {
+    for (std::size_t p = 0; p < points; ++p) {
       const double angle = angle_step * static_cast<double>(p);
       while (i + 2 < run_.size() && run_.angle_rad[i + 1] <= angle) ++i;
       const double gap = run_.angle_rad[i + 1] - run_.angle_rad[i];

@@ -15,19 +15,19 @@ namespace strainwave::analysis::diagnosis {
 struct MatchedOrders {
   double first{};
   double step{};
-  double per_order{};  // places
+  double per_order{};  // bins
   std::vector<std::vector<std::complex<float>>> of_channel;
   std::vector<float> power;  // of all channels
   double loudness{};         // of the channels on average, beside white noise
   std::vector<float> noise;  // power that a channel has without impulses; its integral over the orders is one
 
   double last() const { return first + step * static_cast<double>(power.size() - 1); }
-  std::size_t PlaceOf(double order) const {
+  std::size_t BinOf(double order) const {
     return static_cast<std::size_t>((order - first) * per_order + 0.5);
   }
   std::complex<double> At(std::size_t channel, double order) const {
-    const std::size_t place = PlaceOf(order);
-    return place < power.size() ? std::complex<double>(of_channel[channel][place]) : std::complex<double>{};
+    const std::size_t bin = BinOf(order);
+    return bin < power.size() ? std::complex<double>(of_channel[channel][bin]) : std::complex<double>{};
   }
 };
 

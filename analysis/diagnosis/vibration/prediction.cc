@@ -104,7 +104,7 @@ VibrationTerm TermOf(const VibrationSamples& samples, VibrationCause cause, cons
   } else if (Find(parameters, "damping_ratio")) {
     term.form = term.lines.empty() ? VibrationForm::kNarrowband : VibrationForm::kDriven;
     term.nonlinear_parameters = {need("frequency_Hz"), need("damping_ratio")};
-    for (LinePlace& line : term.lines) line = {line.offset, 0.0};
+    for (LineOrder& line : term.lines) line = {line.offset, 0.0};
   } else if (Find(parameters, "centre_s")) {
     term.form = VibrationForm::kBurst;
     term.nonlinear_parameters = {need("frequency_Hz"), need("centre_s"), need("width_s")};

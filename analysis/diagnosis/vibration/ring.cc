@@ -81,12 +81,12 @@ void GoThrough(const VibrationRun& run, const RingTrain& train, const Add& add, 
   const double first_speed = std::max(run.speed_rad_per_s.front(), 1e-9);
   const double apart_s = kTwoPi / (train.order * first_speed);
   const double begin = Impulses(run, train, 0);
-  const auto place_of = [&train](double impulse) { return impulse + train.SlipOf(impulse); };
+  const auto position_of = [&train](double impulse) { return impulse + train.SlipOf(impulse); };
   double next = std::floor(begin) + 1.0;
-  while (place_of(next) <= begin) next += 1.0;
-  while (place_of(next - 1.0) > begin) next -= 1.0;
+  while (position_of(next) <= begin) next += 1.0;
+  while (position_of(next - 1.0) > begin) next -= 1.0;
   for (int back = 1; back <= 200; ++back) {
-    const double since_s = (begin - place_of(next - back)) * apart_s;
+    const double since_s = (begin - position_of(next - back)) * apart_s;
     const Complex left = std::exp(pole * since_s);
     if (std::norm(left) < 1e-8) break;
     add(ObservableImpulse{run.angle_rad.front() - since_s * first_speed, first_speed, since_s, left});
@@ -98,10 +98,10 @@ void GoThrough(const VibrationRun& run, const RingTrain& train, const Add& add, 
     const double step_s = run.time_s[i] - run.time_s[i - 1];
     advance(step_s, step(step_s));
     const double here = per_angle * run.angle_rad[i] - offset;
-    for (; place_of(next) <= here; next += 1.0) {
+    for (; position_of(next) <= here; next += 1.0) {
       const double turned_rad = run.angle_rad[i] - run.angle_rad[i - 1];
       const double before = per_angle * run.angle_rad[i - 1] - offset;
-      const double share = (place_of(next) - before) / (here - before);
+      const double share = (position_of(next) - before) / (here - before);
       const double since_s = (1.0 - share) * step_s;
       add(ObservableImpulse{run.angle_rad[i - 1] + share * turned_rad, turned_rad / std::max(step_s, 1e-300),
                             since_s, std::exp(pole * since_s)});

@@ -132,14 +132,14 @@ void Add(const InCommon& values, InCommon& sum) {
 // Power of what noise leaves in the sum over a train's impulses, beside that of as many which do not ring
 // into one another, each turned by where it stands on `side` turns of the angle.
 double OverlapOf(const VibrationRun& run, const RingTrain& train, double side) {
-  constexpr int kPlaces = 16;
+  constexpr int kPoints = 16;
   const Complex turn = std::polar(1.0, kTwoPi * side / train.order);
   double sum = 0.0;
-  for (int p = 0; p < kPlaces; ++p) {
-    const std::size_t i = (2 * static_cast<std::size_t>(p) + 1) * run.size() / (2 * kPlaces);
+  for (int p = 0; p < kPoints; ++p) {
+    const std::size_t i = (2 * static_cast<std::size_t>(p) + 1) * run.size() / (2 * kPoints);
     const double apart_s = kTwoPi / (train.order * std::max(run.speed_rad_per_s[i], 1e-9));
     const Complex left = turn * std::exp(RingPole(train.ring_Hz, train.damping_ratio) * apart_s);
-    sum += ((1.0 + left) / (1.0 - left)).real() / kPlaces;
+    sum += ((1.0 + left) / (1.0 - left)).real() / kPoints;
   }
   return std::max(kLeastOverlap, sum);
 }

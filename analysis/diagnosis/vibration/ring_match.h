@@ -100,7 +100,7 @@ Transient LoudestTransient(const SideBySide& residual, double ring_Hz, double da
 /// time in which a ring dies away.
 double TransientPower(const SideBySide& residual, double ring_Hz, double damping_ratio, double least);
 
-/// A train at its best place.
+/// A train at its best phase.
 struct TrainMatch {
   double power{};   // half the drop of the sum of squares that it brings, in variances of the noise
   double phase{};   // as RingTrain has it
@@ -108,7 +108,7 @@ struct TrainMatch {
   double sine{};
 };
 
-/// The place at which a train of this order, ring and damping explains most of a residual of one run, over
+/// The phase at which a train of this order, ring and damping explains most of a residual of one run, over
 /// its channels together, with the size of a change of its impulses.
 /// @param sideband  order of the change; 0 for even impulses
 /// @param variance  of the noise

@@ -15,9 +15,9 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Lines have phases and places, for which BIC charges as if all samples spoke of each: in four channels they
+// Lines have phases and orders, for which BIC charges as if all samples spoke of each: in four channels they
 // had to be twice as strong as what no chance makes. Under noise their likelihood ratio is χ² but for the
-// places that are counted: the p-value alone says whether a nuisance term is there.
+// search locations that are counted: the p-value alone says whether a nuisance term is there.
 constexpr double kAnyBic = -1e9;
 constexpr int kAllNumbers = 1000;
 constexpr double kLargest = 1e6;       // an accelerometer's range is far below
@@ -132,7 +132,7 @@ void AddCrack(Table& table) {
                       table.amplitude},
        .degrees_of_freedom = 2,
        .known_by_size = true,
-       // Widths and places of a pulse, changes, rings and lines, in any of the channels. A seventeenth of 136
+       // Widths and phases of a pulse, changes, rings and lines, in any of the channels. A seventeenth of 136
        // clean records had p < 0.05 with a tenth of these, where a two-hundred-and-fortieth should.
        .trials_factor = 100.0,
        .to_settle = "# a whole turn of the output or more: the impulses come back once per output turn\n"

@@ -29,7 +29,7 @@ constexpr double kNextSlipRing = 1.25;    // within a width of what rings
 constexpr double kHousingDamping = 0.08;  // as a bearing's housing has it; what is found is refined
 constexpr double kHarmonics = 4.0;        // of the highest order, in the spectrum of an envelope
 constexpr double kClearExcess = 7.0;      // −ln p of a comb beyond all that were looked at
-constexpr double kLooksPerCell = 30.0;    // ranges of harmonics, and steps finer than a cell
+constexpr double kTrialsPerCell = 30.0;   // ranges of harmonics, and steps finer than a cell
 constexpr std::size_t kMostTried = 3;
 constexpr int kTracks = 3;
 constexpr std::size_t kMostLinesThatBeat = 5;
@@ -96,8 +96,8 @@ struct ObservableTrain {
 std::vector<ObservableTrain> FindObservable(const VibrationResidual& residual, double lowest, double highest,
                                             const std::function<bool(double order)>& allowed) {
   const VibrationRun& run = residual.samples().runs.front();
-  const double looks = std::log(kHighestSlipRing / kLowestRing) / std::log(kNextSlipRing) * kLooksPerCell *
-                       (highest - lowest) * run.turns;
+  const double trials = std::log(kHighestSlipRing / kLowestRing) / std::log(kNextSlipRing) * kTrialsPerCell *
+                        (highest - lowest) * run.turns;
   std::vector<ObservableTrain> found;
   for (double ring = kLowestRing; ring < kHighestSlipRing; ring *= kNextSlipRing) {
     const double ring_Hz = ring / run.period_s;
@@ -106,7 +106,7 @@ std::vector<ObservableTrain> FindObservable(const VibrationResidual& residual, d
     const VibrationSpectrum spectrum(envelope.samples, envelope.values, ones, SpectrumAxis::kTurns);
     for (const Comb& comb :
          FindCombs(spectrum, lowest, std::min(highest, 0.45 * spectrum.highest()), 0.0, 1, allowed)) {
-      if (comb.excess > std::log(looks) + kClearExcess)
+      if (comb.excess > std::log(trials) + kClearExcess)
         found.push_back({Refined(spectrum, comb).order, ring_Hz, comb.excess});
     }
   }

@@ -27,11 +27,11 @@ double SlipShareOf(std::span<const double> slips);
 /// Standard error of a train's order by what its impulses slip, which adds up.
 double OrderErrorOfSlips(const VibrationSamples& samples, const VibrationTerm& ring);
 
-/// Logarithm of how many places the impulses of a train that slips were chosen from: to half a period of the
-/// ring, as far as they slip. 0 for even impulses.
+/// Logarithm of how many locations the impulses of a train that slips were chosen from: to half a period of
+/// the ring, as far as they slip. 0 for even impulses.
 double LogSearchLocationsOfSlips(const VibrationSamples& samples, const VibrationTerm& ring);
 
-/// BIC of a train with what these places cost.
+/// BIC of a train with what these locations cost.
 double BicWithSlips(const VibrationSamples& samples, const TermFit& train);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -103,7 +103,7 @@ class VibrationSolver {
   std::span<const double> weights() const { return weights_; }
 
  private:
-  struct Place {
+  struct RunChannel {
     std::size_t run;
     const VibrationSegment* channel;
   };
@@ -130,7 +130,7 @@ class VibrationSolver {
 
   const VibrationSamples& samples_;
   std::vector<double> weights_;
-  std::vector<Place> places_;
+  std::vector<RunChannel> run_channels_;
   std::vector<char> breaks_;   // one a sample of the response
   std::vector<char> missing_;  // single samples without weight; a block held out is not missing, it is unseen
 };

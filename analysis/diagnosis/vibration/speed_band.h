@@ -20,7 +20,7 @@ struct SpeedBand {
 };
 
 /// What a frequency stands at in orders spreads with one over the speed: the slowest turns of a run-up cost a
-/// search most of its places and hold few of the impulses, and at standstill there is no order at all.
+/// search most of its locations and hold few of the impulses, and at standstill there is no order at all.
 /// @returns the band with most of the turns whose work is no more than this; without turns where none with
 ///          half of them is.
 SpeedBand BandWithin(const VibrationRun& run, double most_work,

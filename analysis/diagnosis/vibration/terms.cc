@@ -73,7 +73,7 @@ std::vector<VibrationNonlinearParameter> NonlinearParametersOf(const VibrationSa
     case VibrationForm::kLines: {
       if (term.nonlinear_parameters.empty()) break;
       double harmonic = 1.0;
-      for (const LinePlace& line : term.lines) harmonic = std::max(harmonic, std::abs(line.harmonic));
+      for (const LineOrder& line : term.lines) harmonic = std::max(harmonic, std::abs(line.harmonic));
       // A search has found the cell; a fit does not leave it.
       const double cell = 1.0 / (turns * harmonic);
       nonlinear_parameters.push_back(
@@ -191,7 +191,7 @@ RingTrain TrainOf(const VibrationTerm& ring, std::size_t run) {
                   {},
                   ring.slips};
   std::size_t s = 3;
-  for (const LinePlace& line : ring.lines) {
+  for (const LineOrder& line : ring.lines) {
     train.modulations.push_back(
         {line.offset, ring.nonlinear_parameters[s], ring.nonlinear_parameters[s + 1]});
     s += 2;
@@ -233,7 +233,7 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
         train.sine = term.nonlinear_parameters[s + 1];
         s += 2;
       }
-      train.place = term.nonlinear_parameters[s + which];
+      train.phase = term.nonlinear_parameters[s + which];
       columns = PulseColumn(run, train, samples.highest_order());
       break;
     }
@@ -248,8 +248,8 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
       break;
     case VibrationForm::kGrowth:
       for (Index i = 0; i < n; ++i) {
-        const auto place = static_cast<std::size_t>(i);
-        const double growth = model::ImbalanceGrowth(run.speed_rad_per_s[place], RadPerSFromRpm(1000.0));
+        const auto sample = static_cast<std::size_t>(i);
+        const double growth = model::ImbalanceGrowth(run.speed_rad_per_s[sample], RadPerSFromRpm(1000.0));
         columns(i, 0) = growth * run.nominal(i, 1);
         columns(i, 1) = growth * run.nominal(i, 2);
       }
@@ -280,7 +280,7 @@ std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {
     state.push_back(static_cast<double>(term.cause));
     state.push_back(static_cast<double>(term.form));
     state.push_back(static_cast<double>(term.lines.size()));
-    for (const LinePlace& line : term.lines) state.insert(state.end(), {line.harmonic, line.offset});
+    for (const LineOrder& line : term.lines) state.insert(state.end(), {line.harmonic, line.offset});
     state.push_back(static_cast<double>(term.nonlinear_parameters.size()));
     state.insert(state.end(), term.nonlinear_parameters.begin(), term.nonlinear_parameters.end());
     state.push_back(static_cast<double>(term.observable.size()));
@@ -292,14 +292,14 @@ std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {
 }
 
 std::vector<VibrationTerm> UnpackTerms(const std::vector<double>& state) {
-  std::size_t place = 0;
-  const auto next = [&] { return place < state.size() ? state[place++] : 0.0; };
+  std::size_t next_number = 0;
+  const auto next = [&] { return next_number < state.size() ? state[next_number++] : 0.0; };
   std::vector<VibrationTerm> terms(static_cast<std::size_t>(next()));
   for (VibrationTerm& term : terms) {
     term.cause = static_cast<std::size_t>(next());
     term.form = static_cast<VibrationForm>(static_cast<int>(next()));
     term.lines.resize(static_cast<std::size_t>(next()));
-    for (LinePlace& line : term.lines) {
+    for (LineOrder& line : term.lines) {
       line.harmonic = next();
       line.offset = next();
     }

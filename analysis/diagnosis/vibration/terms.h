@@ -12,14 +12,14 @@
 namespace strainwave::analysis::diagnosis {
 
 /// What a vibration term is made of. Columns come in pairs (a cosine and a sine part), except for `kRing`,
-/// `kPulses`, `kTransients` and `kLevels`: a mode moves all places of a housing in step, or against each
+/// `kPulses`, `kTransients` and `kLevels`: a mode moves all points of a housing in step, or against each
 /// other.
 enum class VibrationForm {
   kLines,   // lines at orders of the input angle; nonlinear parameters: a base order, or none
   kTones,   // lines at frequencies; nonlinear parameters: Hz
   kRing,    // impulses at even angles that ring; nonlinear parameters: order, Hz, damping, two a modulation,
             // phase a run
-  kPulses,  // smooth pulses at even angles; nonlinear parameters: width or none, two a modulation, place a
+  kPulses,  // smooth pulses at even angles; nonlinear parameters: width or none, two a modulation, phase a
             // run
   kGrowth,  // 1 per turn, growing with the square of the speed; no nonlinear parameters
   kDriven,  // lines of the shaft across a resonance; nonlinear parameters: Hz, damping
@@ -31,10 +31,10 @@ enum class VibrationForm {
 };
 
 /// Order of a line: harmonic · base + offset, in lines per input turn (or Hz).
-struct LinePlace {
+struct LineOrder {
   double harmonic{};
   double offset{};
-  bool operator==(const LinePlace&) const = default;
+  bool operator==(const LineOrder&) const = default;
 };
 
 /// Exponent by which a ring's envelope falls from one impulse to the next, at least: what rings on through
@@ -47,7 +47,7 @@ struct VibrationTerm {
   VibrationForm form{VibrationForm::kLines};
   /// kDriven: `harmonic` alone; kRing: order of a modulation in `offset`; kPulses: the order, then that of a
   /// modulation, in `offset`, with the width in the first one's `harmonic` where that is no shape.
-  std::vector<LinePlace> lines;
+  std::vector<LineOrder> lines;
   std::vector<double> nonlinear_parameters;
   std::vector<char> observable;  // one a channel of all runs: 0 where the term is left out
   std::vector<double>

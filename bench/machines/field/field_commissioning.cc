@@ -99,7 +99,7 @@ std::vector<BenchMachine::Finding> FieldMachine::Findings() const {
     for (std::size_t i = 0; i < shown; ++i) findings.push_back({false, notes[i]});
     if (notes.size() > shown) {
       findings.push_back({false, fmt::format("{}: and {} more notes about its EDS file", profile.string(),
-                                           notes.size() - shown)});
+                                             notes.size() - shown)});
     }
   }
   return findings;
