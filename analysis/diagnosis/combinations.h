@@ -22,8 +22,7 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std:
 /// what else is there, takes its place;
 /// one that does as well is its rival.
 /// @param beside  candidates beside the model. What shows beside a nuisance term may be one of two for which
-/// it
-///   stands, though it shows nothing without the other
+///   it stands, though it shows nothing without the other
 /// @param rivals  set to the pairs that do as well, by the cause whose place they would take
 std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::size_t> given,
                                     const ScoredModel& model, std::span<const Candidate> beside, double error,

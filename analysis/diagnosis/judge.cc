@@ -24,9 +24,9 @@ constexpr std::size_t kMostHeldOut = 8;
 // Bonferroni; Genovese, Roeder & Wasserman, Biometrika 93 (2006) 509).
 constexpr double kShareOfCauses = 0.75;
 
-// BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
-// phase): of a nuisance term it may say so much less where chance is excluded, and less for each of many
-// parameters.
+// BIC charges a parameter by all samples, also one that only a few of them know (a response, a window, an
+// order's phase): of a nuisance term it may say so much less where chance is excluded, and less for each of
+// many parameters.
 constexpr double kLeastBic = -12.0;
 constexpr double kLeastBicEach = -5.0;
 constexpr double kLeastBicOfMany = -40.0;

@@ -17,8 +17,7 @@ namespace strainwave::analysis::diagnosis {
 /// with the pairs that are there, so that gaps cost power and nothing else.
 ///
 /// @param noise_order  parameters of an autoregressive model that was fitted to this very residual; each
-/// costs
-///   a degree of freedom. Those of a regression cost none and do not belong here.
+///   costs a degree of freedom. Those of a regression cost none and do not belong here.
 ///
 /// Source: Ljung & Box, Biometrika 65 (1978) 297.
 double LjungBoxP(std::span<const double> residual, std::span<const double> weights,

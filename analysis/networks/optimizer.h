@@ -38,7 +38,7 @@ template <typename Scalar>
 class Optimizer {
  public:
   /// @throws std::invalid_argument for settings out of range: rates and steps above 0, 0 ≤ betas and momentum
-  /// < 1.
+  ///   < 1.
   Optimizer(OptimizerSettings settings, Eigen::Index parameters);
 
   /// @param rate_factor  what the schedule makes of the rate.

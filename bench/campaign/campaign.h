@@ -38,8 +38,7 @@ CampaignInputs ReadFrozenInputs(const CampaignFolder& folder, const Journal& jou
 
 /// The journal of a campaign, to read or to go on with; every command that reads a campaign comes through
 /// here.
-/// @throws BenchError when the folder is not a campaign, a frozen file is not the one that the campaign
-/// was
+/// @throws BenchError when the folder is not a campaign, a frozen file is not the one that the campaign was
 ///   started with, or the checkpoint is of another campaign or further on than the journal (which then has
 ///   lost its last rows); DatabaseError when the journal is damaged.
 Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode);

@@ -44,8 +44,7 @@ struct MappingContext {
 ///  * vibration: one amplitude stands for all channels, the mean of them; phases are the bench's own.
 ///
 /// @param kind     of the record: "transmission_error", "hysteresis", "motion", "vibration", or "campaign",
-/// which
-///   has no terms.
+///   which has no terms.
 /// @param nominal  the fitted nominal parameters; those that are missing keep the plant's own numbers.
 /// @throws std::invalid_argument for an unknown kind, and for a parameter of a known cause that is missing.
 PlantMapping PlantTermsOf(std::string_view kind, std::span<const analysis::diagnosis::ParameterValue> nominal,

@@ -54,8 +54,7 @@ std::vector<std::string_view> TedsTemplateFields();
 /// included.
 /// @param raw_per_volt  of the converter; of a bridge raw per V/V.
 /// @throws std::invalid_argument for a field with an unknown name, a number that is none, a "%MapMeth" that
-/// is
-///   not linear ("0"), or where there is neither "%Sens@Ref" nor such a line.
+///   is not linear ("0"), or where there is neither "%Sens@Ref" nor such a line.
 Calibration CalibrationFromTeds(const BasicTeds& basic, const Attributes& fields, double raw_per_volt);
 
 }  // namespace strainwave::daq::acquisition

@@ -32,8 +32,8 @@ TEST(VibrationShaft, NamesABearingInARunUpFromStandstill) {
     for (std::size_t i = 1; i < turning.time_s.size(); ++i) {
       if (turning.angle_rad[i] * kOrder / kTwoPi < next) continue;
       const double since = turning.angle_rad[i] - next * kTwoPi / kOrder;
-      AddRing(turning, turning.time_s[i] - since / std::max(1.0, turning.speed_rad_per_s[i]), 0.5, 1100.0,
-              0.04, signal);
+      AddRinging(turning, turning.time_s[i] - since / std::max(1.0, turning.speed_rad_per_s[i]), 0.5, 1100.0,
+                 0.04, signal);
       ++next;
     }
     return signal;

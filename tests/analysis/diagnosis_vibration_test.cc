@@ -86,7 +86,7 @@ TEST(VibrationStudy, NamesAResonanceThatImpactsRing) {
   EXPECT_NEAR(answer.value("damping_ratio").value, 0.015, 0.005);
   EXPECT_NEAR(answer.value("knock_1_s").value, 0.2111, 0.001);
   EXPECT_NEAR(answer.value("knock_2_s").value, 0.7037, 0.001);
-  // Twenty kinds of ring in each cell; and one of the impacts may be in any half period of 1.2 s.
+  // Twenty kinds of resonance in each cell; and one of the impacts may be in any half period of 1.2 s.
   EXPECT_NEAR(answer.diagnosis.extended.log_search_locations, std::log(20.0 * 2.0 * 140.0 * 1.2), 0.01);
 }
 

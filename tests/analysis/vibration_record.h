@@ -48,8 +48,8 @@ inline Signal Line(const Turning& run, double order, double amplitude) {
 }
 
 /// A sine that dies away, from a time between two samples on.
-inline void AddRing(const Turning& run, double start_s, double height, double frequency_Hz, double damping,
-                    Signal& signal) {
+inline void AddRinging(const Turning& run, double start_s, double height, double frequency_Hz, double damping,
+                       Signal& signal) {
   for (std::size_t i = 0; i < signal.size(); ++i) {
     const double since = kTwoPi * frequency_Hz * (run.time_s[i] - start_s);
     if (since >= 0.0 && damping * since < 9.0)
@@ -57,17 +57,18 @@ inline void AddRing(const Turning& run, double start_s, double height, double fr
   }
 }
 
-/// A start of a ring and its height.
-struct Blow {
+/// A start of a response and its height.
+struct TestImpact {
   double start_s{};
   double height{};
 };
 
-/// A resonance that a few blows let ring.
-inline Effect Ringing(double frequency_Hz, double damping, std::vector<Blow> blows) {
-  return [=, blows = std::move(blows)](const Turning& run) {
+/// A resonance that a few impacts excite.
+inline Effect Ringing(double frequency_Hz, double damping, std::vector<TestImpact> impacts) {
+  return [=, impacts = std::move(impacts)](const Turning& run) {
     Signal signal = Silence(run);
-    for (const Blow& blow : blows) AddRing(run, blow.start_s, blow.height, frequency_Hz, damping, signal);
+    for (const TestImpact& impact : impacts)
+      AddRinging(run, impact.start_s, impact.height, frequency_Hz, damping, signal);
     return signal;
   };
 }

@@ -127,7 +127,7 @@ Eigen::MatrixX2d FreeSwing(const MotionGrid& grid, const MotionGrid::Segment& se
 
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
-  // A ring that an acceleration transient started may be faster than the motion.
+  // An oscillation that an acceleration transient started may be faster than the motion.
   const double high_Hz =
       std::min(1.2 * grid->cutoff_rad_per_s(), 4.0 * grid->path_cutoff_rad_per_s()) / kTwoPi;
   if (!(high_Hz > 3.0 * low_Hz)) return;

@@ -353,7 +353,8 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   grid.prefit = LeastSquares(grid.Weighted(grid.nominal), grid.Weighted(torque));
   grid.inertia_error = InertiaError(grid);
   if (std::abs(grid.prefit(0)) < kUnknownInertia * grid.inertia_error) {
-    // What is left of the acceleration is noise: a number for it would only blow up where it is not fitted.
+    // What is left of the acceleration is noise: a number for it would only grow large where it is not
+    // fitted.
     grid.nominal.col(0).setZero();
     grid.prefit = ShortestLeastSquares(grid.Weighted(grid.nominal), grid.Weighted(torque));
   }

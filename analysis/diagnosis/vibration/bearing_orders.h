@@ -10,7 +10,7 @@ namespace strainwave::analysis::diagnosis {
 inline constexpr double kScaleRange = 3.0;
 
 /// Half-widths of a resonance in which harmonics of impulses are observable.
-inline constexpr double kRingReach = 2.0;
+inline constexpr double kResonanceReach = 2.0;
 
 /// Of the envelope of a train that slips, as many as are always observable.
 inline constexpr double kHarmonicsOfSlipping = 2.0;

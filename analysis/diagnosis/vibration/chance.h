@@ -13,7 +13,7 @@ double ImprobabilityOf(double likelihood_ratio, double numbers);
 
 /// The same of what a term explains beside a model, by its numbers. BIC charges all of them by the length of
 /// the record, and would rather have a train without its change, or another one, than what is least likely to
-/// be chance. The likelihood knows the noise's colour all over a broad ring, not only at its centre.
+/// be chance. The likelihood knows the noise's colour all over a broad resonance, not only at its centre.
 double ImprobabilityOf(const VibrationResidual& residual, const TermFit& fit);
 
 /// Logarithm of how many choices of so many out of so many there are.

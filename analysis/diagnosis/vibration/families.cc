@@ -71,10 +71,11 @@ CrackLines CrackLinesOf(const VibrationResidual& residual, std::size_t index, in
   return lines;
 }
 
-constexpr double kTeethSideband = 2.0;  // orders
-constexpr double kRingsOfCrack = 45.0;  // resonances a width apart
+constexpr double kTeethSideband = 2.0;       // orders
+constexpr double kResonancesOfCrack = 45.0;  // resonances a width apart
 
-constexpr double kHighestRing = 0.48;  // of the sampling rate; a fit leaves what was searched for a start
+constexpr double kHighestResonance =
+    0.48;  // of the sampling rate; a fit leaves what was searched for a start
 
 // Mean of xⁿ where ln x is even between two limits.
 double MeanOfPower(double n, double low, double high) {
@@ -138,10 +139,10 @@ bool AreAFamily(std::span<const LineOrder> lines) {
          (std::ranges::any_of(lines, is_first) && lines.size() >= 3);
 }
 
-// Teeth make the same lines, with the shaft's sidebands, and need no ring for it.
-bool RingsAmongTeeth(const VibrationSamples& samples, const VibrationTerm& ring) {
+// Teeth make the same lines, with the shaft's sidebands, and need no resonance for it.
+bool ResonatesAmongTeeth(const VibrationSamples& samples, const VibrationTerm& train) {
   const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
-  const double centre = ring.nonlinear_parameters[1] / turn_Hz;
+  const double centre = train.nonlinear_parameters[1] / turn_Hz;
   const double flexspline = model::FlexsplineMeshOrder(samples.ratio);
   const double circular = model::CircularSplineMeshOrder(samples.ratio);
   const double multiple = std::max(1.0, std::round(2.0 * centre / (flexspline + circular)));
@@ -175,8 +176,8 @@ std::vector<Comb> CombsOf(const VibrationResidual& residual, const BearingRange&
   return combs;
 }
 
-Best RingsOfBearing(const VibrationResidual& residual, std::size_t index, const BearingRange& range,
-                    std::span<const Comb> combs) {
+Best ImpulsesOfBearing(const VibrationResidual& residual, std::size_t index, const BearingRange& range,
+                       std::span<const Comb> combs) {
   const auto allowed = [&](double order) { return range.Allows(order); };
   std::vector<TrainStart> starts;
   for (std::size_t c = 0; c < std::min<std::size_t>(4, combs.size()); ++c)
@@ -236,23 +237,23 @@ Best SlippingBearing(const VibrationResidual& residual, std::size_t index, const
 }  // namespace
 
 double LogSearchLocationsOfCrack(const VibrationSamples& samples, const VibrationTerm& crack) {
-  if (crack.form != VibrationForm::kRing) return 0.0;
+  if (crack.form != VibrationForm::kImpulseTrain) return 0.0;
   const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
   const double harmonic =
       std::max(1.0, crack.nonlinear_parameters[1] / (crack.nonlinear_parameters[0] * turn_Hz));
-  return std::log(kRingsOfCrack * 2.0 * harmonic);
+  return std::log(kResonancesOfCrack * 2.0 * harmonic);
 }
 
 double LogSearchLocationsOfTrain(const VibrationSamples& samples, const VibrationTerm& train) {
-  if (train.form != VibrationForm::kRing || !train.slips.empty()) return 0.0;
-  // A cell in order and one in time are as wide as a period of the ring, 1 / f, one in ln f or in ln ζ as the
-  // ring's width, ζ: there are f² / order² of the former and 1 / ζ of the latter (the square root of the
-  // determinant of Fisher's information).
-  const double ring = train.nonlinear_parameters[1] * samples.runs.front().period_s;
+  if (train.form != VibrationForm::kImpulseTrain || !train.slips.empty()) return 0.0;
+  // A cell in order and one in time are as wide as a period of the resonance, 1 / f, one in ln f or in ln ζ
+  // as the resonance's width, ζ: there are f² / order² of the former and 1 / ζ of the latter (the square root
+  // of the determinant of Fisher's information).
+  const double resonance = train.nonlinear_parameters[1] * samples.runs.front().period_s;
   const double order = train.nonlinear_parameters[0];
   const double damping = std::clamp(train.nonlinear_parameters[2], kLeastTrainDamping, kMostTrainDamping);
   const double mean_of_orders = 1.0 / (kLowestBearingOrder * kHighestBearingOrder);
-  return std::log(ring * ring / MeanOfPower(2.0, kLowestTrainRing, kHighestRing)) -
+  return std::log(resonance * resonance / MeanOfPower(2.0, kLowestTrainResonance, kHighestResonance)) -
          std::log(order * order * mean_of_orders) -
          std::log(damping * MeanOfPower(-1.0, kLeastTrainDamping, kMostTrainDamping));
 }
@@ -262,12 +263,12 @@ Best SearchBearing(const VibrationResidual& residual, std::size_t index) {
   const std::vector<Comb> combs = CombsOf(residual, range);
   std::array<Best, 3> found;
   residual.parallel()(found.size(), [&](std::size_t way) {
-    if (way == 0) found[0] = RingsOfBearing(residual, index, range, combs);
+    if (way == 0) found[0] = ImpulsesOfBearing(residual, index, range, combs);
     if (way == 1) found[1] = SlippingBearing(residual, index, range);
     if (way == 2) found[2] = LinesOfBearing(residual, index, range, combs);
   });
-  auto& [rings, slipping, lines] = found;
-  Best best = std::move(rings);
+  auto& [impulses, slipping, lines] = found;
+  Best best = std::move(impulses);
   if (lines) Keep(std::move(*lines), best);
   if (slipping && (!best || BicWithSlips(residual.samples(), *slipping) < best->bic()))
     best = std::move(slipping);
@@ -312,10 +313,10 @@ Best SearchCrack(const VibrationResidual& residual, std::size_t index) {
     TermFit pulses = SearchPulses(residual, index, order, turns * output > 0.5 ? output : 0.0);
     if (!IsLoudAndWide(residual, pulses)) best.Take(std::move(pulses), 0.0);
   }
-  if (Best rings = SearchImpulses(residual, index, starts, modulations, [](double) { return false; });
-      rings && !RingsAmongTeeth(samples, rings->term)) {
-    const double log_search_locations = LogSearchLocationsOfCrack(samples, rings->term);
-    best.Take(std::move(*rings), log_search_locations);
+  if (Best impulses = SearchImpulses(residual, index, starts, modulations, [](double) { return false; });
+      impulses && !ResonatesAmongTeeth(samples, impulses->term)) {
+    const double log_search_locations = LogSearchLocationsOfCrack(samples, impulses->term);
+    best.Take(std::move(*impulses), log_search_locations);
   }
   if (turns * output > kWholeOutputTurn) {
     if (Best sidebands = SidebandsOfShaft(residual, index))

@@ -8,8 +8,8 @@
 
 #include "analysis/diagnosis/vibration/chance.h"
 #include "analysis/diagnosis/vibration/families.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 #include "analysis/diagnosis/vibration/pulses.h"
-#include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -24,7 +24,7 @@ constexpr double kFirstDamping = 0.03;
 constexpr int kClimbs = 4;
 // −ln p of what a train has to explain beyond its strongest line: one in a hundred lines may pass for one of
 // some two hundred trains that have it among their harmonics. And more than a line that is no pure sine
-// leaves: where the speed breathes with the shaft, it has lines of its own at one order to either side.
+// leaves: where the speed modulated with the shaft, it has lines of its own at one order to either side.
 constexpr double kBeyondLine = 7.0;
 constexpr double kBeyondLineShare = 0.01;
 constexpr double kBesideLineShare = 0.05;
@@ -38,14 +38,14 @@ double TurnHz(const VibrationResidual& residual) {
 
 // A train while it is searched for, in the first record.
 struct TrainCandidate {
-  RingTrain train;
+  ImpulseTrain train;
   double sideband{};
   double loudness{1.0};
   TrainMatch match;
   double excess{};
 };
 
-TrainCandidate CandidateOf(const VibrationResidual& residual, RingTrain train, double sideband,
+TrainCandidate CandidateOf(const VibrationResidual& residual, ImpulseTrain train, double sideband,
                            double loudness) {
   const VibrationRun& run = residual.samples().runs.front();
   const TrainMatch match =
@@ -55,15 +55,15 @@ TrainCandidate CandidateOf(const VibrationResidual& residual, RingTrain train, d
   return {std::move(train), sideband, loudness, match, ExcessOf(match.power, cells)};
 }
 
-// The best train about a start: order, ring and damping in turn, by steps that become smaller.
+// The best train about a start: order, resonance and damping in turn, by steps that become smaller.
 TrainCandidate Climb(const VibrationResidual& residual, const TrainStart& start,
                      const std::vector<double>& modulations) {
   const VibrationRun& run = residual.samples().runs.front();
   const double top_Hz = 0.97 * residual.samples().highest_Hz();
-  TrainCandidate best =
-      CandidateOf(residual, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}, {}}, 0.0, start.loudness);
-  const auto take = [&](RingTrain train, double sideband) {
-    if (train.ring_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
+  TrainCandidate best = CandidateOf(residual, {start.order, start.resonance_Hz, kFirstDamping, 0.0, {}, {}},
+                                    0.0, start.loudness);
+  const auto take = [&](ImpulseTrain train, double sideband) {
+    if (train.resonance_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
         train.damping_ratio > kMostTrainDamping)
       return false;
     TrainCandidate next = CandidateOf(residual, std::move(train), sideband, start.loudness);
@@ -79,15 +79,15 @@ TrainCandidate Climb(const VibrationResidual& residual, const TrainStart& start,
     bool moved = false;
     const auto both_ways = [&](const auto& change) {
       for (const double sense : {-1.0, 1.0}) {
-        RingTrain train = best.train;
+        ImpulseTrain train = best.train;
         change(train, sense * size);
         moved = take(train, best.sideband) || moved;
       }
     };
-    both_ways([](RingTrain& train, double by) { train.ring_Hz *= 1.0 + by * train.damping_ratio; });
-    both_ways([](RingTrain& train, double by) { train.damping_ratio *= std::exp2(by); });
-    both_ways([&](RingTrain& train, double by) {
-      const double cell = train.order * TurnHz(residual) / (run.turns * train.ring_Hz);
+    both_ways([](ImpulseTrain& train, double by) { train.resonance_Hz *= 1.0 + by * train.damping_ratio; });
+    both_ways([](ImpulseTrain& train, double by) { train.damping_ratio *= std::exp2(by); });
+    both_ways([&](ImpulseTrain& train, double by) {
+      const double cell = train.order * TurnHz(residual) / (run.turns * train.resonance_Hz);
       train.order += 0.4 * by * cell;
     });
     if (!moved) size *= 0.5;
@@ -96,13 +96,13 @@ TrainCandidate Climb(const VibrationResidual& residual, const TrainStart& start,
 }
 
 // Of the noise that a train has to stand out of.
-double VarianceAbout(const VibrationResidual& residual, const TermFit& ring) {
-  return ring.variance() * residual.LoudnessAt(ring.term.nonlinear_parameters[1]);
+double VarianceAbout(const VibrationResidual& residual, const TermFit& train) {
+  return train.variance() * residual.LoudnessAt(train.term.nonlinear_parameters[1]);
 }
 
-bool IsTooDeep(const VibrationTerm& ring) {
-  for (std::size_t m = 0; m < ring.lines.size(); ++m) {
-    if (std::hypot(ring.nonlinear_parameters[3 + 2 * m], ring.nonlinear_parameters[4 + 2 * m]) > kDeepest)
+bool IsTooDeep(const VibrationTerm& train) {
+  for (std::size_t m = 0; m < train.lines.size(); ++m) {
+    if (std::hypot(train.nonlinear_parameters[3 + 2 * m], train.nonlinear_parameters[4 + 2 * m]) > kDeepest)
       return true;
   }
   return false;
@@ -112,22 +112,24 @@ void Take(LeastLikelyChance& best, TermFit fit) {
   if (!IsTooDeep(fit.term)) best.Take(std::move(fit), 0.0);
 }
 
-// The same train with impulses that come so many periods of its ring later.
-VibrationTerm Later(const VibrationResidual& residual, VibrationTerm ring, double periods) {
-  for (std::size_t r = 3 + 2 * ring.lines.size(); r < ring.nonlinear_parameters.size(); ++r)
-    ring.nonlinear_parameters[r] +=
-        periods * ring.nonlinear_parameters[0] * TurnHz(residual) / ring.nonlinear_parameters[1];
-  return ring;
+// The same train with impulses that come so many periods of its resonance later.
+VibrationTerm Later(const VibrationResidual& residual, VibrationTerm train, double periods) {
+  for (std::size_t r = 3 + 2 * train.lines.size(); r < train.nonlinear_parameters.size(); ++r)
+    train.nonlinear_parameters[r] +=
+        periods * train.nonlinear_parameters[0] * TurnHz(residual) / train.nonlinear_parameters[1];
+  return train;
 }
 
-// The steps of a candidate's ring and damping leave open in which half period of the ring the impulses begin.
+// The steps of a candidate's resonance and damping leave open in which half period of the resonance the
+// impulses begin.
 TermFit FitCandidate(const VibrationResidual& residual, std::size_t index, const TrainCandidate& candidate) {
   const VibrationSamples& samples = residual.samples();
   VibrationTerm term;
   term.cause = index;
-  term.form = VibrationForm::kRing;
+  term.form = VibrationForm::kImpulseTrain;
   term.observable.assign(samples.channels(), 1);
-  term.nonlinear_parameters = {candidate.train.order, candidate.train.ring_Hz, candidate.train.damping_ratio};
+  term.nonlinear_parameters = {candidate.train.order, candidate.train.resonance_Hz,
+                               candidate.train.damping_ratio};
   if (candidate.sideband > 0.0) {
     term.lines = {{0.0, candidate.sideband}};
     term.nonlinear_parameters.insert(term.nonlinear_parameters.end(),
@@ -144,22 +146,22 @@ TermFit FitCandidate(const VibrationResidual& residual, std::size_t index, const
   return best.fit() ? *std::move(best).fit() : residual.With(std::move(term), 0);
 }
 
-// A train that lets one of its harmonics ring is a line with too many numbers.
+// A train whose resonance passes one of its harmonics alone is a line with too many numbers.
 // @param part  of what it has to explain beyond the line that counts yet
 bool IsOneLine(const VibrationResidual& residual, const TermFit& solution, double part) {
-  const VibrationTerm& ring = solution.term;
+  const VibrationTerm& train = solution.term;
   VibrationTerm line;
-  line.cause = ring.cause;
+  line.cause = train.cause;
   line.form = VibrationForm::kLines;
-  line.observable = ring.observable;
+  line.observable = train.observable;
   line.lines = {{1.0, 0.0}};
-  line.nonlinear_parameters = {ring.nonlinear_parameters[0] *
-                               StrongestHarmonic(residual, ring.nonlinear_parameters[0])};
+  line.nonlinear_parameters = {train.nonlinear_parameters[0] *
+                               StrongestHarmonic(residual, train.nonlinear_parameters[0])};
   const TermFit alone = residual.With(std::move(line), 3);
   const double variance = VarianceAbout(residual, solution);
   const double by_line = (residual.base().square_sum - alone.square_sum) / variance;
-  const bool breathes = !ring.lines.empty() && ring.lines[0].offset == 1.0;
-  const double share = breathes ? kBesideLineShare : kBeyondLineShare;
+  const bool modulated = !train.lines.empty() && train.lines[0].offset == 1.0;
+  const double share = modulated ? kBesideLineShare : kBeyondLineShare;
   const double beyond = (alone.square_sum - solution.square_sum) / variance - part * share * by_line;
   // A line has a phase in each channel: it may have more numbers, each of which takes its part of the noise.
   const double more = solution.free_parameters - alone.free_parameters;
@@ -167,7 +169,7 @@ bool IsOneLine(const VibrationResidual& residual, const TermFit& solution, doubl
   return ExcessOf(0.5 * (beyond + numbers - more), 0.5 * numbers) < part * kBeyondLine;
 }
 
-// Refines a first fit, half a period of the ring and a whole one to both sides; without a modulation and
+// Refines a first fit, half a period of the resonance and a whole one to both sides; without a modulation and
 // with each: the fit's may be the wrong one.
 void Improve(const VibrationResidual& residual, TermFit candidate, const std::vector<double>& modulations,
              LeastLikelyChance& best) {
@@ -213,7 +215,7 @@ Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
   std::vector<TrainStart> below_half_the_rate;
   for (const TrainStart& start : starts) {
     if (below_half_the_rate.size() == kMostStarts) break;
-    if (start.ring_Hz < 0.97 * residual.samples().highest_Hz()) below_half_the_rate.push_back(start);
+    if (start.resonance_Hz < 0.97 * residual.samples().highest_Hz()) below_half_the_rate.push_back(start);
   }
   std::vector<TrainCandidate> candidates(below_half_the_rate.size());
   residual.parallel()(candidates.size(), [&](std::size_t i) {

@@ -11,7 +11,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// The residual of the first record, matched to a ring, over orders of the input angle.
+/// The residual of the first record, matched to a resonance, over orders of the input angle.
 struct MatchedOrders {
   double first{};
   double step{};
@@ -37,18 +37,19 @@ struct OrderRange {
   double last{};
 };
 
-/// Matches what a model leaves to rings of one damping, at the speeds of a band.
-class RingMatcher {
+/// Matches what a model leaves to resonances of one damping, at the speeds of a band.
+class ResonanceMatcher {
  public:
-  RingMatcher(const VibrationResidual& residual, const SpeedBand& band);
+  ResonanceMatcher(const VibrationResidual& residual, const SpeedBand& band);
 
-  /// Where a ring may be observable at the speeds of a band.
+  /// Where a resonance may be observable at the speeds of a band.
   /// @param reach   of sidebands, in orders
-  /// @param widest  distance of harmonics in orders: between two of them is a ring that both are far from
-  static OrderRange Range(const VibrationRun& run, const SpeedBand& band, double ring_Hz, double reach,
+  /// @param widest  distance of harmonics in orders: between two of them is a resonance that both are far
+  ///   from
+  static OrderRange Range(const VibrationRun& run, const SpeedBand& band, double resonance_Hz, double reach,
                           double widest);
 
-  MatchedOrders Match(double ring_Hz, double reach, double widest);
+  MatchedOrders Match(double resonance_Hz, double reach, double widest);
 
  private:
   /// The resonance is a Lorentz line over frequency; over orders it is smeared by the speeds.

@@ -261,7 +261,7 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       add_nonlinear_parameter(0, "frequency_Hz", "Hz");
       add_amplitude(1, AmplitudeName(samples));
       break;
-    case VibrationForm::kRing:
+    case VibrationForm::kImpulseTrain:
       add_nonlinear_parameter(0, OrderName(cause), "1/turn");
       values.back().standard_error = std::hypot(WithAngle(values.back().value, values.back().standard_error),
                                                 OrderErrorOfSlips(samples, term));

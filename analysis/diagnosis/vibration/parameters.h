@@ -27,7 +27,7 @@ std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
                                             const VibrationSolution& solution);
 
 /// @param nonlinear_parameters  covariance of all nonlinear parameters of the solution; empty where no errors
-/// are wanted.
+///   are wanted.
 std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const VibrationSolution& solution,
                                          std::size_t term, VibrationCause cause,
                                          const Eigen::MatrixXd& nonlinear_parameters);

@@ -81,7 +81,7 @@ VibrationTerm TermOf(const VibrationSamples& samples, VibrationCause cause, cons
       term.nonlinear_parameters.push_back(need(fmt::format("place_{}_turns", r + 1)));
   };
   if (Find(parameters, "ring_Hz")) {
-    term.form = VibrationForm::kRing;
+    term.form = VibrationForm::kImpulseTrain;
     term.nonlinear_parameters = {
         need(cause == VibrationCause::kBearingDefect ? "defect_order" : "crack_order"), need("ring_Hz"),
         need("ring_decay_ratio")};

@@ -171,17 +171,17 @@ void TryDriven(const VibrationResidual& residual, std::size_t index, const Reson
 
 bool IsOfATrain(std::span<const VibrationTerm> terms, double frequency_Hz, double half_width_Hz) {
   return std::ranges::any_of(terms, [&](const VibrationTerm& term) {
-    if (term.form != VibrationForm::kRing) return false;
-    const double half_width_of_ring_Hz = term.nonlinear_parameters[1] * term.nonlinear_parameters[2];
+    if (term.form != VibrationForm::kImpulseTrain) return false;
+    const double half_width_of_resonance_Hz = term.nonlinear_parameters[1] * term.nonlinear_parameters[2];
     return std::abs(frequency_Hz - term.nonlinear_parameters[1]) <
-           kRingReach * (half_width_of_ring_Hz + half_width_Hz);
+           kResonanceReach * (half_width_of_resonance_Hz + half_width_Hz);
   });
 }
 
 bool HasResonanceOfATrain(std::span<const VibrationTerm> terms) {
   return std::ranges::any_of(terms, [&](const VibrationTerm& term) {
-    const bool rings = term.form == VibrationForm::kNarrowband || term.form == VibrationForm::kTransients;
-    return rings && IsOfATrain(terms, term.nonlinear_parameters[0], HalfWidthOf(term));
+    const bool resonates = term.form == VibrationForm::kNarrowband || term.form == VibrationForm::kTransients;
+    return resonates && IsOfATrain(terms, term.nonlinear_parameters[0], HalfWidthOf(term));
   });
 }
 

@@ -9,8 +9,8 @@
 
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/on_first_use.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 #include "analysis/diagnosis/vibration/one_term.h"
-#include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/spectrum.h"

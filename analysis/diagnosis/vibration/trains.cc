@@ -20,16 +20,16 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kOtherRing = 0.25;           // ln of how far apart rings are that one train may have
-constexpr double kNextRing = 1.055;           // within a width of the resonance
-constexpr double kHighestMatchedRing = 0.45;  // of the sampling rate
-constexpr double kLeastTrainOverlap = 0.1;    // of a train's harmonics with the resonance
+constexpr double kOtherResonance = 0.25;  // ln of how far apart resonances are that one train may have
+constexpr double kNextResonance = 1.055;  // within a width of the resonance
+constexpr double kHighestMatchedResonance = 0.45;  // of the sampling rate
+constexpr double kLeastTrainOverlap = 0.1;         // of a train's harmonics with the resonance
 // Far below what the number of search locations makes of noise: what is weaker is never among the strongest.
 constexpr double kLeastTrainPower = 9.0;
 constexpr double kLeastTrainExcess = 9.0;
 constexpr std::size_t kPhasesPerHarmonic = 2;  // or more: a power of two in all
-constexpr std::size_t kCandidatesPerRing = 24;
-constexpr std::size_t kTrainsPerRing = 3;
+constexpr std::size_t kCandidatesPerResonance = 24;
+constexpr std::size_t kTrainsPerResonance = 3;
 constexpr double kMostWork = 1500.0;  // harmonics looked at, a sample
 
 // Of complex numbers: adds their norms, and their squares.
@@ -78,9 +78,10 @@ double OrderStep(double turns, double highest) { return 0.5 / (turns * highest);
 // Trains in one resonance.
 class TrainSearch {
  public:
-  TrainSearch(double turns, double ring_Hz, const MatchedOrders& matched, std::span<const double> sidebands)
+  TrainSearch(double turns, double resonance_Hz, const MatchedOrders& matched,
+              std::span<const double> sidebands)
       : turns_(turns),
-        ring_Hz_(ring_Hz),
+        resonance_Hz_(resonance_Hz),
         matched_(matched),
         sidebands_(sidebands),
         reach_(*std::ranges::max_element(sidebands)),
@@ -97,7 +98,7 @@ class TrainSearch {
         if (best[i].power < least) continue;
         candidates.emplace_back(best[i].power, together[i].order);
         std::push_heap(candidates.begin(), candidates.end(), std::greater<>());
-        if (candidates.size() <= kCandidatesPerRing) continue;
+        if (candidates.size() <= kCandidatesPerResonance) continue;
         std::pop_heap(candidates.begin(), candidates.end(), std::greater<>());
         candidates.pop_back();
         least = candidates.front().first;
@@ -135,7 +136,7 @@ class TrainSearch {
     Complex phase{1.0};
   };
 
-  // Harmonics of an order that the ring lets through.
+  // Harmonics of an order that the resonance lets through.
   struct Comb {
     double order{};
     int first{};
@@ -171,7 +172,8 @@ class TrainSearch {
     return sum;
   }
 
-  // The ring starts in step in all channels, or against it: of their amplitudes the parts of one phase count.
+  // The response starts in step in all channels, or against it: of their amplitudes the parts of one phase
+  // count.
   // @param combs  with as many phases each
   std::vector<TrainPhase> BestPhases(std::span<const Comb> combs) {
     std::vector<TrainPhase> best(combs.size());
@@ -222,7 +224,7 @@ class TrainSearch {
     comb.noise = noise;
     const TrainPhase best = BestPhases({&comb, 1}).front();
     const double cells = 0.5 * (channels_ + 1.0);
-    TrainStart start{comb.order, ring_Hz_, ExcessOf(best.power, cells), 0.0, matched_.loudness};
+    TrainStart start{comb.order, resonance_Hz_, ExcessOf(best.power, cells), 0.0, matched_.loudness};
     const std::vector<Complex> plain = AmplitudesAt(comb, 0.0, best.share);
     for (const double side : sidebands_) {
       // Impulses that come more seldom do not show the change; its lines are their own harmonics again.
@@ -239,18 +241,18 @@ class TrainSearch {
         square += own * own;
       }
       if (!(square > 0.0)) continue;
-      // About a ring that is far from the harmonics the sidebands are the louder ones, by noise alone.
+      // About a resonance that is far from the harmonics the sidebands are the louder ones, by noise alone.
       const double beside = PowerOf(comb, side).noise + PowerOf(comb, -side).noise;
       if (beside < kLeastTrainOverlap) continue;
       const double more = std::norm(upper + std::conj(lower)) / square * comb.order / beside;
       const double excess = ExcessOf(best.power + more, cells + 1.0);
-      if (excess > start.excess) start = {comb.order, ring_Hz_, excess, side, matched_.loudness};
+      if (excess > start.excess) start = {comb.order, resonance_Hz_, excess, side, matched_.loudness};
     }
     return start;
   }
 
   double turns_{};
-  double ring_Hz_{};
+  double resonance_Hz_{};
   const MatchedOrders& matched_;
   std::span<const double> sidebands_;
   double reach_{};
@@ -271,31 +273,32 @@ std::vector<TrainStart> Strongest(std::vector<TrainStart> trains, double turns, 
   for (const TrainStart& start : trains) {
     if (chosen.size() == count) break;
     const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const TrainStart& other) {
-      const double cell = start.order * turn_Hz / (turns * start.ring_Hz);
+      const double cell = start.order * turn_Hz / (turns * start.resonance_Hz);
       return std::abs(other.order - start.order) < 1.5 * cell &&
-             std::abs(std::log(other.ring_Hz / start.ring_Hz)) < kOtherRing;
+             std::abs(std::log(other.resonance_Hz / start.resonance_Hz)) < kOtherResonance;
     });
     if (!near) chosen.push_back(start);
   }
   return chosen;
 }
 
-std::vector<double> RingsOf(const VibrationRun& run) {
-  std::vector<double> rings_Hz;
+std::vector<double> ResonancesOf(const VibrationRun& run) {
+  std::vector<double> resonances_Hz;
   const double turn_Hz = run.mean_speed_rad_per_s / kTwoPi;
-  for (double ring = kLowestTrainRing; ring < kHighestMatchedRing; ring *= kNextRing) {
-    const double ring_Hz = ring / run.period_s;
-    if (ring_Hz >= 3.0 * turn_Hz) rings_Hz.push_back(ring_Hz);
+  for (double resonance = kLowestTrainResonance; resonance < kHighestMatchedResonance;
+       resonance *= kNextResonance) {
+    const double resonance_Hz = resonance / run.period_s;
+    if (resonance_Hz >= 3.0 * turn_Hz) resonances_Hz.push_back(resonance_Hz);
   }
-  return rings_Hz;
+  return resonances_Hz;
 }
 
-// Harmonics of all trains in all rings.
-double WorkOf(const VibrationRun& run, const SpeedBand& band, const std::vector<double>& rings_Hz,
+// Harmonics of all trains in all resonances.
+double WorkOf(const VibrationRun& run, const SpeedBand& band, const std::vector<double>& resonances_Hz,
               double reach, double lowest, double highest) {
   double work = 0.0;
-  for (const double ring_Hz : rings_Hz) {
-    const OrderRange range = RingMatcher::Range(run, band, ring_Hz, reach, highest);
+  for (const double resonance_Hz : resonances_Hz) {
+    const OrderRange range = ResonanceMatcher::Range(run, band, resonance_Hz, reach, highest);
     work += (range.last - range.first) * (1.0 / lowest - 1.0 / highest) / OrderStep(band.span, range.last);
   }
   return work;
@@ -310,25 +313,26 @@ std::vector<TrainStart> FindTrains(const VibrationResidual& residual, double low
   const double turn_Hz = run.mean_speed_rad_per_s / kTwoPi;
   if (!(highest > lowest)) return {};
   const double reach = *std::ranges::max_element(sidebands);
-  std::vector<double> rings_Hz = RingsOf(run);
+  std::vector<double> resonances_Hz = ResonancesOf(run);
   const auto band_for = [&] {
     return BandWithin(run, kMostWork * static_cast<double>(run.size()), [&](const SpeedBand& tried) {
-      return WorkOf(run, tried, rings_Hz, reach, lowest, highest);
+      return WorkOf(run, tried, resonances_Hz, reach, lowest, highest);
     });
   };
-  // Of a shaft that creeps the highest rings are given up: they have most harmonics.
+  // Of a shaft that creeps the highest resonances are given up: they have most harmonics.
   SpeedBand band = band_for();
-  while (!(band.turns > 0.0) && rings_Hz.size() > 1) {
-    rings_Hz.resize(rings_Hz.size() - 1 - rings_Hz.size() / 10);
+  while (!(band.turns > 0.0) && resonances_Hz.size() > 1) {
+    resonances_Hz.resize(resonances_Hz.size() - 1 - resonances_Hz.size() / 10);
     band = band_for();
   }
   if (!(band.turns > 0.0)) return {};
-  RingMatcher matcher(residual, band);
+  ResonanceMatcher matcher(residual, band);
   std::vector<TrainStart> found;
-  for (const double ring_Hz : rings_Hz) {
-    const MatchedOrders matched = matcher.Match(ring_Hz, reach, highest);
-    TrainSearch search(band.span, ring_Hz, matched, sidebands);
-    const auto own = Strongest(search.Find(lowest, highest, allowed), run.turns, turn_Hz, kTrainsPerRing);
+  for (const double resonance_Hz : resonances_Hz) {
+    const MatchedOrders matched = matcher.Match(resonance_Hz, reach, highest);
+    TrainSearch search(band.span, resonance_Hz, matched, sidebands);
+    const auto own =
+        Strongest(search.Find(lowest, highest, allowed), run.turns, turn_Hz, kTrainsPerResonance);
     found.insert(found.end(), own.begin(), own.end());
   }
   return Strongest(std::move(found), run.turns, turn_Hz, count);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "analysis/diagnosis/vibration/families.h"
-#include "analysis/diagnosis/vibration/ring_match.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -112,7 +112,7 @@ std::vector<double> FindExcitedFrequencies(const VibrationResidual& residual, do
   const double variance = residual.base().variance();
   const double highest = std::min(highest_Hz, 0.97 * samples.highest_Hz());
   std::vector<std::pair<double, double>> excited;  // power, frequency
-  // A ring has to die away within the record.
+  // A response has to die away within the record.
   for (double frequency_Hz = std::max(lowest_Hz, 1.0 / (kScanDamping * run.span_s())); frequency_Hz < highest;
        frequency_Hz *= kNextFrequency) {
     const double power =
