@@ -16,7 +16,7 @@ const std::vector<std::size_t> kOneSegment{0};
 
 // What is left is largest where an effect is that the model lacks, often next to a gap: that is no
 // autocorrelation.
-TEST(NoiseLikelihood, DoesNotTakeLoudSamplesNextToGapsForAutocorrelation) {
+TEST(NoiseLikelihood, DoesNotTakeLargeSamplesNextToGapsForAutocorrelation) {
   std::vector<double> noise = WhiteNoise(1000, 0.1, 4);
   std::vector<double> weights(noise.size(), 1.0);
   for (std::size_t i = 0; i < noise.size(); ++i) {

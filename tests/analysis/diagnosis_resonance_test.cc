@@ -61,7 +61,7 @@ TEST(VibrationResonance, NamesWhatSwingsInAShortRecord) {
   }
 }
 
-// No band shows them, the loudest bursts are chance, and so is what a line takes of them.
+// No band shows them, the largest bursts are chance, and so is what a line takes of them.
 TEST(VibrationResonance, NamesAFewImpacts) {
   const Effect impacts = Ringing(211.9, 0.0157, {{0.313, 0.09}, {0.952, -0.08}});
   for (const unsigned seed : {1U, 2U, 3U, 17U, 18U, 22U}) {

@@ -74,7 +74,7 @@ TEST(SlippingBearing, IsNamedWhereItsImpulsesChangeWithTheLoad) {
   EXPECT_EQ(answer.value("modulated_per_turn").value, 1.0);
 }
 
-// The resonance that noise drives is loud now and then, but not so many times a turn.
+// The resonance that noise drives is large now and then, but not so many times a turn.
 TEST(SlippingBearing, IsNoneWhereNoiseDrivesAResonance) {
   for (const unsigned seed : {85U, 86U}) {
     const Effect resonance = [seed](const Turning& run) {

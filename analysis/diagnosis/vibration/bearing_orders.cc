@@ -44,12 +44,12 @@ Observable ObservableOf(const VibrationResidual& residual, const VibrationTerm& 
 
 // One harmonic alone, at a whole order: any order that divides it may be meant, and teeth make such lines.
 // But they have none at the harmonics beside it, which stand at no whole orders: a resonance that is narrow
-// lets little of these through, and where the impulses are loud enough they are seen all the same.
+// lets little of these through, and where the impulses are large enough they are seen all the same.
 bool IsALineOfTeeth(const VibrationResidual& residual, const Observable& observable, double order) {
-  const double loudest = std::max(1.0, std::round(observable.centre));
-  if (std::abs(observable.centre - loudest) + observable.reach() >= 1.0) return false;
+  const double largest = std::max(1.0, std::round(observable.centre));
+  if (std::abs(observable.centre - largest) + observable.reach() >= 1.0) return false;
   const VibrationSpectrum& spectrum = residual.over_turns();
-  const double line = loudest * order;
+  const double line = largest * order;
   if (std::abs(line - std::round(line)) >= kLinePartOfCell * spectrum.cell()) return false;
   const double beside = spectrum.At(line - order) + spectrum.At(line + order);
   const double cells = 2.0 * static_cast<double>(spectrum.channels());

@@ -108,9 +108,9 @@ Best SidebandsOfShaft(const VibrationResidual& residual, std::size_t index) {
 }
 
 // A pulse of a tenth of a turn has a third harmonic of a quarter of the first: nobody overlooks it here.
-constexpr double kLoud = 400.0;        // gain in BIC of the harmonics themselves
+constexpr double kStrong = 400.0;      // gain in BIC of the harmonics themselves
 constexpr double kMostOfThird = 0.04;  // of the power of the first, that teeth have, too
-bool IsLoudAndSmooth(const TermFit& fit, double order) {
+bool IsStrongAndSmooth(const TermFit& fit, double order) {
   const std::vector<double> gains = LineGains(fit);
   std::array<double, kTeethHarmonics> of_harmonics{};
   for (std::size_t l = 0; l < gains.size(); ++l) {
@@ -120,15 +120,15 @@ bool IsLoudAndSmooth(const TermFit& fit, double order) {
     if (IsWhole(harmonic)) of_harmonics[static_cast<std::size_t>(std::lround(harmonic)) - 1] += gains[l];
   }
   return of_harmonics[2] <= kMostOfThird * of_harmonics[0] &&
-         std::accumulate(of_harmonics.begin(), of_harmonics.end(), 0.0) > kLoud;
+         std::accumulate(of_harmonics.begin(), of_harmonics.end(), 0.0) > kStrong;
 }
 
 // The same where the first two harmonics happen to be in step, as if they were a pulse's.
-bool IsLoudAndWide(const VibrationResidual& residual, const TermFit& pulses) {
+bool IsStrongAndWide(const VibrationResidual& residual, const TermFit& pulses) {
   constexpr double kWide = 0.12;  // third harmonic of a tenth of the first
   const double width = WidthIsNonlinearParameter(pulses.term) ? pulses.term.nonlinear_parameters[0]
                                                               : pulses.term.lines[0].harmonic;
-  return width > kWide && residual.base().bic() - pulses.bic() > kLoud;
+  return width > kWide && residual.base().bic() - pulses.bic() > kStrong;
 }
 
 // The order itself, or two of its harmonics, have to be there.
@@ -296,7 +296,7 @@ Best SearchCrack(const VibrationResidual& residual, std::size_t index) {
   const double order = lines.order;
   LeastLikelyChance best(residual);
   if (Best of_lines = FitPayingLines(residual, std::move(lines.term), lines.candidates, 1);
-      of_lines && !IsLoudAndSmooth(*of_lines, order) && !IsALineBeside(of_lines->term.lines, order)) {
+      of_lines && !IsStrongAndSmooth(*of_lines, order) && !IsALineBeside(of_lines->term.lines, order)) {
     const double log_choices = LogChoices(of_lines->term.lines.size(), lines.candidates.size());
     best.Take(std::move(*of_lines), log_choices);
   }
@@ -311,7 +311,7 @@ Best SearchCrack(const VibrationResidual& residual, std::size_t index) {
   if (turns * output > 0.5) modulations = {output};
   if (lines.first <= kPulseHarmonic) {
     TermFit pulses = SearchPulses(residual, index, order, turns * output > 0.5 ? output : 0.0);
-    if (!IsLoudAndWide(residual, pulses)) best.Take(std::move(pulses), 0.0);
+    if (!IsStrongAndWide(residual, pulses)) best.Take(std::move(pulses), 0.0);
   }
   if (Best impulses = SearchImpulses(residual, index, starts, modulations, [](double) { return false; });
       impulses && !ResonatesAmongTeeth(samples, impulses->term)) {

@@ -17,7 +17,7 @@ std::optional<TermFit> SearchBearing(const VibrationResidual& residual, std::siz
 
 /// 2 (1 + 1/N) per turn and its harmonics: as lines, or as impulses that excite a resonance; or 2 ± 1/N, what
 /// a point of the flexspline that comes by once per output turn makes of the shaft's own line. One or two
-/// lines alone that are so loud that a pulse would show a third are none.
+/// lines alone that are so large that a pulse would show a third are none.
 std::optional<TermFit> SearchCrack(const VibrationResidual& residual, std::size_t index);
 
 /// Logarithm of how many resonances, and phases in their period at which a response begins, a crack's was

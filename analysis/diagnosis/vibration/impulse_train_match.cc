@@ -72,7 +72,7 @@ void FilterBackwards(const double* values, std::size_t samples, Complex step, In
   ends[1] = imaginary;
 }
 
-Transient LoudestTransient(const SideBySide& residual, double resonance_Hz, double damping_ratio,
+Transient LargestTransient(const SideBySide& residual, double resonance_Hz, double damping_ratio,
                            std::span<const double> gains) {
   const Complex step = std::exp(ResonancePole(resonance_Hz, damping_ratio) * residual.run().period_s);
   const std::vector<double> matched = MatchRinging(residual, step, gains);

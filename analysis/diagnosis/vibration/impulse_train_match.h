@@ -93,7 +93,7 @@ struct Transient {
   double height{1.0};
 };
 /// @param gains  of the channels, where they are known; each has its own where this is empty.
-Transient LoudestTransient(const SideBySide& residual, double resonance_Hz, double damping_ratio,
+Transient LargestTransient(const SideBySide& residual, double resonance_Hz, double damping_ratio,
                            std::span<const double> gains = {});
 
 /// How far the drops that responses of this frequency and damping bring exceed one, added up: the largest in

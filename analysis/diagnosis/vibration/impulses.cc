@@ -40,19 +40,19 @@ double TurnHz(const VibrationResidual& residual) {
 struct TrainCandidate {
   ImpulseTrain train;
   double sideband{};
-  double loudness{1.0};
+  double relative_noise{1.0};
   TrainMatch match;
   double excess{};
 };
 
 TrainCandidate CandidateOf(const VibrationResidual& residual, ImpulseTrain train, double sideband,
-                           double loudness) {
+                           double relative_noise) {
   const VibrationRun& run = residual.samples().runs.front();
   const TrainMatch match =
-      MatchTrain(residual.side_by_side(0), train, sideband, loudness * residual.base().variance());
+      MatchTrain(residual.side_by_side(0), train, sideband, relative_noise * residual.base().variance());
   // An amplitude a channel and their phase; two more of a change.
   const double cells = 0.5 * (static_cast<double>(run.channels.size()) + 1.0) + (sideband > 0.0 ? 1.0 : 0.0);
-  return {std::move(train), sideband, loudness, match, ExcessOf(match.power, cells)};
+  return {std::move(train), sideband, relative_noise, match, ExcessOf(match.power, cells)};
 }
 
 // The best train about a start: order, resonance and damping in turn, by steps that become smaller.
@@ -61,12 +61,12 @@ TrainCandidate Climb(const VibrationResidual& residual, const TrainStart& start,
   const VibrationRun& run = residual.samples().runs.front();
   const double top_Hz = 0.97 * residual.samples().highest_Hz();
   TrainCandidate best = CandidateOf(residual, {start.order, start.resonance_Hz, kFirstDamping, 0.0, {}, {}},
-                                    0.0, start.loudness);
+                                    0.0, start.relative_noise);
   const auto take = [&](ImpulseTrain train, double sideband) {
     if (train.resonance_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
         train.damping_ratio > kMostTrainDamping)
       return false;
-    TrainCandidate next = CandidateOf(residual, std::move(train), sideband, start.loudness);
+    TrainCandidate next = CandidateOf(residual, std::move(train), sideband, start.relative_noise);
     if (next.excess <= best.excess) return false;
     best = std::move(next);
     return true;
@@ -97,7 +97,7 @@ TrainCandidate Climb(const VibrationResidual& residual, const TrainStart& start,
 
 // Of the noise that a train has to stand out of.
 double VarianceAbout(const VibrationResidual& residual, const TermFit& train) {
-  return train.variance() * residual.LoudnessAt(train.term.nonlinear_parameters[1]);
+  return train.variance() * residual.RelativeNoiseAt(train.term.nonlinear_parameters[1]);
 }
 
 bool IsTooDeep(const VibrationTerm& train) {

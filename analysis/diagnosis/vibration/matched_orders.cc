@@ -20,7 +20,7 @@ constexpr double kEdge = 4.0;      // half-widths of the resonance that count
 constexpr std::size_t kPadding = 4;
 constexpr std::size_t kSpeeds = 48;
 constexpr std::size_t kFewestRatios = 24;
-constexpr double kLeastNoise = 0.3;  // of the resonance's peak: bins that tell how loud the noise is there
+constexpr double kLeastNoise = 0.3;  // of the resonance's peak: bins that tell how large the noise is there
 
 }  // namespace
 
@@ -109,12 +109,12 @@ MatchedOrders ResonanceMatcher::Match(double resonance_Hz, double reach, double 
       lines[k] = Product(spectrum_[(size + k - below) % size], back);
       back = Product(back, further);
     }
-    const double loudness = Loudness(lines, matched);
-    const double louder = std::sqrt(loudness);
-    matched.loudness += loudness / static_cast<double>(run_.channels.size());
+    const double relative_noise = RelativeNoise(lines, matched);
+    const double noise_amplitude = std::sqrt(relative_noise);
+    matched.relative_noise += relative_noise / static_cast<double>(run_.channels.size());
     std::vector<std::complex<float>>& own = matched.of_channel.emplace_back(lines.size());
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      own[k] = lines[k] / louder;
+      own[k] = lines[k] / noise_amplitude;
       matched.power[k] += std::norm(own[k]);
     }
   }
@@ -136,7 +136,7 @@ void ResonanceMatcher::Predict(double natural, double half_width, MatchedOrders&
     matched.noise[k] = matched.noise[k / kEvery * kEvery];
 }
 
-double ResonanceMatcher::Loudness(const std::vector<Complex>& lines, const MatchedOrders& matched) {
+double ResonanceMatcher::RelativeNoise(const std::vector<Complex>& lines, const MatchedOrders& matched) {
   const float least = static_cast<float>(kLeastNoise) * std::ranges::max(matched.noise);
   ratios_.clear();
   for (std::size_t k = 0; k < lines.size(); k += kPadding) {

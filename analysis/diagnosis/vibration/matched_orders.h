@@ -18,7 +18,7 @@ struct MatchedOrders {
   double per_order{};  // bins
   std::vector<std::vector<std::complex<float>>> of_channel;
   std::vector<float> power;  // of all channels
-  double loudness{};         // of the channels on average, beside white noise
+  double relative_noise{};   // of the channels on average, beside white noise
   std::vector<float> noise;  // power that a channel has without impulses; its integral over the orders is one
 
   double last() const { return first + step * static_cast<double>(power.size() - 1); }
@@ -54,8 +54,8 @@ class ResonanceMatcher {
  private:
   /// The resonance is a Lorentz line over frequency; over orders it is smeared by the speeds.
   void Predict(double natural, double half_width, MatchedOrders& matched) const;
-  /// Noise of any colour is as loud here as the lines between those of a train say.
-  double Loudness(const std::vector<std::complex<double>>& lines, const MatchedOrders& matched);
+  /// Noise of any colour is as large here as the lines between those of a train say.
+  double RelativeNoise(const std::vector<std::complex<double>>& lines, const MatchedOrders& matched);
 
   const VibrationResidual& residual_;
   const VibrationRun& run_;

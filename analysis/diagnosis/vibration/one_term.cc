@@ -263,10 +263,10 @@ void OneTermSolver::Prune(TermFit& fit) const {
   const Index width = ColumnsOf(fit.term);
   if (width == 0 || fit.channels.size() < 2) return;
   const double cost = static_cast<double>(width) * (std::log(fit.weight_sum) - kChargeLess) * fit.variance();
-  const auto loudest = std::ranges::max_element(fit.channels, {}, &TermFit::Channel::drop);
+  const auto largest = std::ranges::max_element(fit.channels, {}, &TermFit::Channel::drop);
   for (auto channel = fit.channels.begin(); channel != fit.channels.end(); ++channel) {
     char& observable = fit.term.observable[static_cast<std::size_t>(channel - fit.channels.begin())];
-    if (observable == 0 || channel == loudest || channel->drop > cost) continue;
+    if (observable == 0 || channel == largest || channel->drop > cost) continue;
     fit.square_sum += channel->drop;
     fit.free_parameters -= static_cast<int>(width);
     *channel = {};

@@ -56,15 +56,16 @@ Polar PolarAt(const VibrationSamples& samples, const VibrationSolution& solution
 }
 
 // Channel and pair of a term whose amplitude is largest.
-struct Loudest {
+struct LargestAmplitude {
   std::size_t channel{};
   std::size_t pair{};
   Polar polar;
 };
-Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t term,
-                    std::size_t from, std::size_t to, const MatrixXd& nonlinear_parameters) {
-  Loudest loudest;
-  loudest.polar.amplitude = -1.0;
+LargestAmplitude LargestPair(const VibrationSamples& samples, const VibrationSolution& solution,
+                             std::size_t term, std::size_t from, std::size_t to,
+                             const MatrixXd& nonlinear_parameters) {
+  LargestAmplitude largest;
+  largest.polar.amplitude = -1.0;
   const Index width = HasPairs(solution.terms[term].form) ? 2 : 1;
   for (std::size_t c = 0; c < solution.channels.size(); ++c) {
     if (solution.channels[c].first[term] < 0) continue;
@@ -72,13 +73,13 @@ Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& so
       const Polar polar =
           PolarAt(samples, solution, c, solution.channels[c].first[term] + static_cast<Index>(2 * pair),
                   nonlinear_parameters, width);
-      if (polar.amplitude > loudest.polar.amplitude) loudest = {c, pair, polar};
+      if (polar.amplitude > largest.polar.amplitude) largest = {c, pair, polar};
     }
   }
-  return loudest;
+  return largest;
 }
 
-// Standard deviation of a narrow-band process in the channel where it is loudest, times √2.
+// Standard deviation of a narrow-band process in the channel where it is largest, times √2.
 ParameterValue NarrowAmplitude(const VibrationSamples& samples, const VibrationSolution& solution,
                                std::size_t term, const MatrixXd& nonlinear_parameters,
                                Index first_nonlinear_parameter) {
@@ -149,13 +150,14 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
       !term.nonlinear_parameters.empty() && nonlinear_parameters.size() > 0
           ? StandardErrorOf(nonlinear_parameters(first_nonlinear_parameter, first_nonlinear_parameter))
           : 0.0;
-  const Loudest loudest = LoudestPair(samples, solution, t, 0, term.lines.size(), nonlinear_parameters);
+  const LargestAmplitude largest =
+      LargestPair(samples, solution, t, 0, term.lines.size(), nonlinear_parameters);
   double named = base;
   double named_error = error;
   if (cause == VibrationCause::kGearMesh) {
     // The stronger one of the two mesh orders.
     const double flexspline = model::FlexsplineMeshOrder(samples.ratio);
-    const LineOrder& line = term.lines[loudest.pair];
+    const LineOrder& line = term.lines[largest.pair];
     const double order = line.harmonic * base + line.offset;
     const double teeth =
         std::abs(order - flexspline) < 1.5 ? flexspline : model::CircularSplineMeshOrder(samples.ratio);
@@ -171,8 +173,8 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
     const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
     values.push_back({"mean_frequency_Hz", "Hz", named * turn_Hz, named_error * turn_Hz});
   }
-  values.push_back({AmplitudeName(samples), UnitOfChannel(ChannelAt(samples, loudest.channel).name),
-                    loudest.polar.amplitude, loudest.polar.amplitude_error});
+  values.push_back({AmplitudeName(samples), UnitOfChannel(ChannelAt(samples, largest.channel).name),
+                    largest.polar.amplitude, largest.polar.amplitude_error});
   if (term.lines.size() < 2 && cause == VibrationCause::kLineOverAngle) return;
   for (std::size_t l = 0; l < term.lines.size(); ++l) {
     values.push_back({fmt::format("line_{}", l + 1), "1/turn",
@@ -248,10 +250,10 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
                           : 0.0});
   };
   const auto add_amplitude = [&](std::size_t pairs, const std::string& name) {
-    const Loudest loudest = LoudestPair(samples, solution, t, 0, pairs, nonlinear_parameters);
-    values.push_back({name, UnitOfChannel(ChannelAt(samples, loudest.channel).name), loudest.polar.amplitude,
-                      loudest.polar.amplitude_error});
-    return loudest;
+    const LargestAmplitude largest = LargestPair(samples, solution, t, 0, pairs, nonlinear_parameters);
+    values.push_back({name, UnitOfChannel(ChannelAt(samples, largest.channel).name), largest.polar.amplitude,
+                      largest.polar.amplitude_error});
+    return largest;
   };
   switch (term.form) {
     case VibrationForm::kLines:
@@ -297,11 +299,11 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       break;
     }
     case VibrationForm::kGrowth: {
-      const Loudest loudest = add_amplitude(1, AmplitudeName(samples));
+      const LargestAmplitude largest = add_amplitude(1, AmplitudeName(samples));
       values.back().name =
           "amplitude_at_1000_rpm" + values.back().name.substr(std::string("amplitude").size());
-      values.push_back({"phase_deg", "deg", DegFromRad(loudest.polar.phase_rad),
-                        DegFromRad(loudest.polar.phase_error_rad)});
+      values.push_back({"phase_deg", "deg", DegFromRad(largest.polar.phase_rad),
+                        DegFromRad(largest.polar.phase_error_rad)});
       break;
     }
     case VibrationForm::kDriven:

@@ -11,7 +11,7 @@
 #include "analysis/diagnosis/vibration/starts.h"
 
 /// Names and numbers of vibration models as people and files read them. First what a reader looks for (order,
-/// frequency, amplitude in the loudest channel), then all that is needed to run the model again:
+/// frequency, amplitude in the strongest channel), then all that is needed to run the model again:
 /// `cosine_1_accel_x` and `sine_1_accel_x` of every pair of columns in every channel. Amplitudes are those of
 /// the channel itself.
 namespace strainwave::analysis::diagnosis {

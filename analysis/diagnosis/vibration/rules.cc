@@ -56,7 +56,7 @@ void AddGearMesh(Table& table) {
       .degrees_of_freedom = 2,
       .known_by_size = true,
       .location_parameters =
-          kAllNumbers,        // of each line a phase and a share of the amplitude, as sharp as it is loud
+          kAllNumbers,        // of each line a phase and a share of the amplitude, as sharp as it is large
       .trials_factor = 4.0};  // either line or both; which further ones, the fit says
   const double folded = FoldedVibrationOrder(samples, order);
   if (std::abs(folded - order) > 1e-9) {

@@ -118,21 +118,21 @@ std::vector<ObservableTrain> FindObservable(const VibrationResidual& residual, d
 
 // The channels as one: in the proportion in which they ring at these samples.
 Series SlipInStep(const std::vector<Series>& matched, const std::vector<std::size_t>& at) {
-  const auto loudness = [&](const Series& channel) {
+  const auto energy_of = [&](const Series& channel) {
     double sum = 0.0;
     for (const std::size_t i : at) sum += std::norm(channel[i]);
     return sum;
   };
-  const Series& loudest = *std::ranges::max_element(matched, {}, loudness);
+  const Series& largest = *std::ranges::max_element(matched, {}, energy_of);
   std::vector<double> gains;
   double square = 0.0;
   for (const Series& channel : matched) {
     double gain = 0.0;
-    for (const std::size_t i : at) gain += (std::conj(loudest[i]) * channel[i]).real();
+    for (const std::size_t i : at) gain += (std::conj(largest[i]) * channel[i]).real();
     gains.push_back(gain);
     square += gain * gain;
   }
-  Series together(loudest.size());
+  Series together(largest.size());
   for (std::size_t c = 0; c < matched.size(); ++c) {
     const double gain = gains[c] / std::sqrt(std::max(square, 1e-300));
     for (std::size_t i = 0; i < together.size(); ++i) together[i] += gain * matched[c][i];
@@ -174,12 +174,12 @@ Best Follow(const VibrationResidual& residual, VibrationTerm term) {
     const std::vector<Series> matched =
         Matched(residual, term.nonlinear_parameters[1], term.nonlinear_parameters[2]);
     const double energy = EnergyOf(run, term.nonlinear_parameters[1], term.nonlinear_parameters[2]);
-    std::vector<double> loud(run.size(), 0.0);
+    std::vector<double> score(run.size(), 0.0);
     for (const Series& channel : matched) {
-      for (std::size_t i = 0; i < loud.size(); ++i)
-        loud[i] += 0.5 * std::norm(channel[i]) / (energy * variance);
+      for (std::size_t i = 0; i < score.size(); ++i)
+        score[i] += 0.5 * std::norm(channel[i]) / (energy * variance);
     }
-    const std::vector<std::size_t> chain = BestChain(run, term.nonlinear_parameters[0], loud);
+    const std::vector<std::size_t> chain = BestChain(run, term.nonlinear_parameters[0], score);
     if (chain.size() < 8) return best;
     const Series together = SlipInStep(matched, chain);
     std::vector<double> heights;
@@ -236,7 +236,7 @@ Best WithChange(const VibrationResidual& residual, TermFit even) {
   return best;
 }
 
-// Lines a few orders apart beat, so that together they are loud so many times a turn: a few of them explain
+// Lines a few orders apart beat, so that together they are large so many times a turn: a few of them explain
 // as much. What slips has no lines.
 bool IsAFamilyOfLines(const VibrationResidual& residual, const TermFit& train, SpectrumAxis axis) {
   const bool over_turns = axis == SpectrumAxis::kTurns;

@@ -253,7 +253,7 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source)
   }
   if (measured && run.speed_spread > kLeastSpreadOfLag && LinesAgreeOnLag(samples, run)) {
     PhaseFit late = FitPhase(samples, run, BasisOf(run, {0, true}));
-    // A loud line beside one of the shaft's is met somewhere if the angle may go far enough.
+    // A strong line beside one of the shaft's is met somewhere if the angle may go far enough.
     if (std::abs(late.phase(1)) < kMostLag_s) take(std::move(late), {0, true}, 2.0);
   }
   // A foreign line nearby pulls at the scale a little, and an imbalance turns the phase of the first line
@@ -285,7 +285,7 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source)
   }
 }
 
-// Whether one of the shaft's lines stands out where the other was taken out: over few turns a loud line is
+// Whether one of the shaft's lines stands out where the other was taken out: over few turns a strong line is
 // seen in the spectrum where a weak one would be.
 bool StandsOutAlone(const VibrationSamples& one, Index line) {
   const VibrationRun& run = one.runs.front();

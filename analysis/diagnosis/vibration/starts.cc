@@ -87,7 +87,7 @@ double VibrationResidual::RatioOf(const TermFit& fit) const {
   return LikelihoodRatio(NoiseOf({left.begin(), left.end()}), noise());
 }
 
-double VibrationResidual::LoudnessAt(double frequency_Hz) const {
+double VibrationResidual::RelativeNoiseAt(double frequency_Hz) const {
   if (noise().order == 0) return 1.0;
   const double turned = std::cos(kTwoPi * frequency_Hz * samples_.runs.front().period_s);
   double density = 0.0;

@@ -70,7 +70,7 @@ class VibrationResidual {
   double RatioOf(const TermFit& fit) const;
 
   /// Noise about a frequency beside white noise of the same variance.
-  double LoudnessAt(double frequency_Hz) const;
+  double RelativeNoiseAt(double frequency_Hz) const;
 
   /// One more term, refined; channels in which it is not observable are left out.
   TermFit With(VibrationTerm term, int rounds) const;

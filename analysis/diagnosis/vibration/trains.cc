@@ -195,9 +195,9 @@ class TrainSearch {
       AddSquares(sums_.real(), sums_.imaginary(), sum_, square_real_, square_imaginary_);
     }
     AddOfOnePhase(sum_, square_real_, square_imaginary_);
-    const std::array<std::int32_t, ZeroPaddedInverseFft::kLists> loudest = LargestOfEach(sum_);
+    const std::array<std::int32_t, ZeroPaddedInverseFft::kLists> largest = LargestOfEach(sum_);
     for (std::size_t i = 0; i < combs.size(); ++i) {
-      const std::size_t most = static_cast<std::size_t>(loudest[i]) * ZeroPaddedInverseFft::kLists + i;
+      const std::size_t most = static_cast<std::size_t>(largest[i]) * ZeroPaddedInverseFft::kLists + i;
       best[i] = {0.5 * static_cast<double>(sum_[most]) * combs[i].order / combs[i].noise,
                  static_cast<double>(most / ZeroPaddedInverseFft::kLists) / static_cast<double>(phases),
                  std::polar(1.0, 0.5 * std::atan2(static_cast<double>(square_imaginary_[most]),
@@ -224,7 +224,7 @@ class TrainSearch {
     comb.noise = noise;
     const TrainPhase best = BestPhases({&comb, 1}).front();
     const double cells = 0.5 * (channels_ + 1.0);
-    TrainStart start{comb.order, resonance_Hz_, ExcessOf(best.power, cells), 0.0, matched_.loudness};
+    TrainStart start{comb.order, resonance_Hz_, ExcessOf(best.power, cells), 0.0, matched_.relative_noise};
     const std::vector<Complex> plain = AmplitudesAt(comb, 0.0, best.share);
     for (const double side : sidebands_) {
       // Impulses that come more seldom do not show the change; its lines are their own harmonics again.
@@ -241,12 +241,12 @@ class TrainSearch {
         square += own * own;
       }
       if (!(square > 0.0)) continue;
-      // About a resonance that is far from the harmonics the sidebands are the louder ones, by noise alone.
+      // About a resonance that is far from the harmonics the sidebands are the larger ones, by noise alone.
       const double beside = PowerOf(comb, side).noise + PowerOf(comb, -side).noise;
       if (beside < kLeastTrainOverlap) continue;
       const double more = std::norm(upper + std::conj(lower)) / square * comb.order / beside;
       const double excess = ExcessOf(best.power + more, cells + 1.0);
-      if (excess > start.excess) start = {comb.order, resonance_Hz_, excess, side, matched_.loudness};
+      if (excess > start.excess) start = {comb.order, resonance_Hz_, excess, side, matched_.relative_noise};
     }
     return start;
   }

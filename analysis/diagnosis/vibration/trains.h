@@ -19,9 +19,9 @@ inline constexpr double kLowestTrainResonance = 0.03;
 struct TrainStart {
   double order{};
   double resonance_Hz{};
-  double excess{};       // −ln p without the trials factor
-  double sideband{};     // order of the change of the impulses that says so; 0 for even ones
-  double loudness{1.0};  // power of the noise about the resonance, beside white noise of its variance
+  double excess{};             // −ln p without the trials factor
+  double sideband{};           // order of the change of the impulses that says so; 0 for even ones
+  double relative_noise{1.0};  // power of the noise about the resonance, beside white noise of its variance
 };
 
 /// Trains of impulses that excite a resonance a resonance, coherently, for resonances all over the spectrum:

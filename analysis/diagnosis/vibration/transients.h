@@ -14,7 +14,7 @@ namespace strainwave::analysis::diagnosis {
 std::size_t ImpactCount(const VibrationTerm& term);
 
 /// Frequencies between two at which the responses to impacts are largest, all that there are in a record
-/// together; the loudest first. One record only.
+/// together; the largest first. One record only.
 std::vector<double> FindExcitedFrequencies(const VibrationResidual& residual, double lowest_Hz,
                                            double highest_Hz, std::size_t count);
 
