@@ -93,8 +93,8 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   Comparison comparison;
   if (!richer.fit.usable || !poorer.fit.usable) return comparison;
   double more = richer.fit.free_parameters - poorer.fit.free_parameters;
-  // What is added has an amount at least, also where the poorer model needs the more numbers for it (a swing
-  // at the start that stands in for a drag).
+  // What is added has an amount at least, also where the poorer model needs the more numbers for it (an
+  // oscillation at the start that stands in for a drag).
   if (more > 0.0 || richer.fit.causes.size() > poorer.fit.causes.size())
     more = std::max(1.0, richer.fit.charged_parameters() - poorer.fit.charged_parameters());
   comparison.more_parameters = more;

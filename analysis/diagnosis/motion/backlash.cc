@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Index;
 
-// Turns of a contact's swing in a step of the points: a faster one leaves transients and no course.
+// Turns of a contact's oscillation in a step of the points: a faster one leaves transients and no course.
 constexpr double kFastestContact = 0.5;
 // Part of a contact's deflection by which the width of a gap is not known.
 constexpr double kContactEdge = 0.1;
@@ -43,7 +43,7 @@ constexpr int kWider = 20;           // times the step to either side
 constexpr double kWiderStep = 0.01;  // in ln gap
 constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
 constexpr int kBegins = 10;             // to either side of the middle
-constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
+constexpr double kContactStep = 0.125;  // radians of the contact's own oscillation that a step may be
 // In ln gap, to see how far impacts may go astray.
 constexpr double kAstray[] = {-0.15, -0.06, -0.02, 0.02, 0.06, 0.15};
 constexpr std::size_t kRecentModelUncertainties = 8;
@@ -214,7 +214,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const double high = 0.1 * (*last - *first);
   const double braking = BrakingOf(*grid);
   const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
-  // A contact swings faster than the motion, else it is a resonance, and slower than the points tell.
+  // A contact oscillates faster than the motion, else it is a resonance, and slower than the points tell.
   const double low_Hz = 4.0;
   const double high_Hz = kFastestContact / grid->segments.front().step_s;
   if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;

@@ -30,7 +30,7 @@ constexpr double kMuchSmoother = 1.9;  // than the low-pass: an octave
 constexpr double kFoldedBack = 0.3;
 
 // Goes on beyond both ends as the cubic through what is next to them does, so that what depends on the past
-// motion (a second inertia that swings) knows it from the record's first sample.
+// motion (a second inertia that oscillates) knows it from the record's first sample.
 std::vector<double> Extended(const std::vector<double>& values, std::size_t count) {
   const std::size_t used = std::min(values.size(), count + 4);
   Eigen::MatrixXd powers(static_cast<Index>(used), 4);

@@ -126,7 +126,8 @@ void NonlinearParameterMap::Take(Index nonlinear_parameter, const Eigen::MatrixX
   const Eigen::MatrixXd sums = sums_.Of(rows);
   const Eigen::MatrixXd column = sums_.BesideNominal(sums);
   const double norm = column.norm();
-  // What is one with the nominal model, as a swing far above the motion is with the inertia, stays zero.
+  // What is one with the nominal model, as an oscillation far above the motion is with the inertia, stays
+  // zero.
   if (!(norm > 1e-3 * sums.norm())) return;
   columns_.col(nonlinear_parameter) = (column / norm).cast<float>();
   lengths_(nonlinear_parameter) = norm;
