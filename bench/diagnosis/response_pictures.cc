@@ -52,7 +52,7 @@ Abscissa ResponseAbscissa(const DiagnosisReport& report) {
   return AbscissaOf(study, {"time"});
 }
 
-// The samples around the sample where the nominal model is off most, inside one segment.
+// The samples around that at which the nominal model is off most, inside one segment.
 std::vector<std::size_t> DetailOf(const DiagnosisReport& report, std::size_t length) {
   const std::vector<double> residual = diagnosis::ResidualsOf(*report.input.study, report.result.nominal);
   const std::vector<double>& weights = report.result.weights;

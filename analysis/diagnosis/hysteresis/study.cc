@@ -110,8 +110,8 @@ class HysteresisStudy final : public Study {
 void HysteresisStudy::TakeFromNominal() {
   LoopGrid& samples = records_.samples;
   const LoopModel nominal(records_, {});
-  const Eigen::VectorXd place = nominal.Predict(nominal_start_, samples);
-  samples.position_rad.assign(place.begin(), place.end());
+  const Eigen::VectorXd position_rad = nominal.Predict(nominal_start_, samples);
+  samples.position_rad.assign(position_rad.begin(), position_rad.end());
   Eigen::VectorXd gear;
   FillTwist(nominal.LawOf(nominal_start_), samples, gear);
   noise_response_rad_ = ResponseToTorqueNoise(records_, gear);
