@@ -175,9 +175,10 @@ class FormReader {
   }
 
   static bool IsKnownToAnyKind(std::string_view name) {
-    constexpr std::string_view kKinds[] = {"transmission_error", "hysteresis", "motion", "vibration",
-                                           "history"};
-    return std::ranges::any_of(kKinds, [name](std::string_view kind) { return IsKnownColumn(kind, name); });
+    constexpr RecordKind::Value kKinds[] = {RecordKind::kTransmissionError, RecordKind::kHysteresis,
+                                            RecordKind::kMotion, RecordKind::kVibration,
+                                            RecordKind::kHistory};
+    return std::ranges::any_of(kKinds, [name](RecordKind kind) { return IsKnownColumn(kind, name); });
   }
 
   // Names that a record has decide; then that the first row has as many cells.

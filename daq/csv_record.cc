@@ -124,19 +124,19 @@ class CsvReader {
              "fewer, and values in columns");
     }
     if (key == "kind") {
-      record_.kind = value;
+      record_.kind = RecordKind::Named(value);
     } else {
       record_.metadata.emplace_back(key, value);
     }
   }
 
   void CheckKind() {
-    if (IsKnownKind(record_.kind)) return;
+    if (record_.kind != RecordKind::kUnknown) return;
     const auto said = metadata_places_.find("kind");
     if (said == metadata_places_.end()) {
       Add({1, 1}, "metadata 'kind' is missing", fmt::format("'# kind: ' and {}", kKnownKinds));
     } else {
-      Add(said->second, "kind is " + Quoted(record_.kind), std::string(kKnownKinds));
+      Add(said->second, "kind is " + Quoted(record_.kind.name()), std::string(kKnownKinds));
     }
   }
 
@@ -206,7 +206,7 @@ class CsvReader {
 
   // A logger that was killed leaves half a line; what an axis did before is worth having without it.
   bool IsCutOffLog(const Line& line) {
-    if (record_.kind != "motion" || line.has_end || row_ == 0) return false;
+    if (record_.kind != RecordKind::kMotion || line.has_end || row_ == 0) return false;
     const std::vector<Cell> cells = SplitCells(line.text, separator_);
     const bool whole = cells.size() == columns_.size() && NumberFromText(cells.back().text);
     if (whole || cells.size() > columns_.size()) return false;

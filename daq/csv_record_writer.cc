@@ -20,7 +20,7 @@ void DemandPlain(std::string_view what, std::string_view text, std::string_view 
 }
 
 void DemandWritable(const Record& record) {
-  DemandPlain("kind", record.kind, "");
+  DemandPlain("kind", record.kind.name(), "");
   for (auto entry = record.metadata.begin(); entry != record.metadata.end(); ++entry) {
     const auto& [key, value] = *entry;
     DemandPlain("metadata key", key, ":");
@@ -60,7 +60,7 @@ void AppendCell(std::string& text, Number value) {
 
 std::string CsvTextOf(const Record& record) {
   DemandWritable(record);
-  std::string text = fmt::format("# kind: {}\n", record.kind);
+  std::string text = fmt::format("# kind: {}\n", record.kind.name());
   for (const auto& [key, value] : record.metadata) {
     text += value.empty() ? fmt::format("# {}:\n", key) : fmt::format("# {}: {}\n", key, value);
   }

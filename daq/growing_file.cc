@@ -166,7 +166,7 @@ void TakeBlock(std::span<const std::byte> payload, GrownFile& file) {
     const auto known = std::ranges::find(file.records, group, &NamedRecord::group);
     NamedRecord& named = known == file.records.end() ? file.records.emplace_back() : *known;
     named.group = group;
-    named.record.kind = reader.Text();
+    named.record.kind = RecordKind::Named(reader.Text());
     named.record.metadata = reader.Texts();
     const auto first_row = reader.Take<std::uint64_t>();
     const auto rows = reader.Take<std::uint64_t>();
@@ -207,7 +207,7 @@ void GrowingFile::Append(std::span<const NamedRecord> records) {
     on_disk = record.rows();
     new_rows += on_disk - first_row;
     payload.Add(group);
-    payload.Add(record.kind);
+    payload.Add(std::string(record.kind.name()));
     payload.Add(record.metadata);
     payload.Add(std::uint64_t{first_row});
     payload.Add(std::uint64_t{on_disk - first_row});

@@ -25,11 +25,11 @@ void Demand(bool holds, std::string_view group_path, std::string_view rule) {
   if (!holds) throw std::invalid_argument(fmt::format("record '{}': {}", group_path, rule));
 }
 
-bool HasNul(const std::string& text) { return text.find('\0') != text.npos; }
+bool HasNul(std::string_view text) { return text.find('\0') != text.npos; }
 
 void DemandWritable(const Record& record, const std::string& path) {
   Demand(path.starts_with('/') && !HasNul(path), path, "a group path starts with '/'");
-  Demand(!record.kind.empty() && !HasNul(record.kind), path, "the kind is empty");
+  Demand(!record.kind.name().empty() && !HasNul(record.kind.name()), path, "the kind is empty");
   Demand(record.rows() > 0, path, "it has no rows");
   for (const auto& [key, value] : record.metadata) {
     Demand(!key.empty() && key != kKindName && !HasNul(key) && !HasNul(value), path,
@@ -148,7 +148,7 @@ class GroupReader {
     std::vector<std::string> left_out;
     for (Hdf5Attribute& attribute : ReadAttributes(group, left_out)) {
       if (attribute.name == kKindName) {
-        record_.kind = std::move(attribute.text);
+        record_.kind = RecordKind::Named(attribute.text);
       } else {
         record_.metadata.emplace_back(std::move(attribute.name), std::move(attribute.text));
       }
@@ -294,7 +294,7 @@ void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& r
   DemandWritable(record, group_path);
   const Hdf5Silence silence;
   const Hdf5Handle group = OpenOrCreateGroup(file, group_path);
-  WriteTextAttribute(group.get(), std::string(kKindName), record.kind);
+  WriteTextAttribute(group.get(), std::string(kKindName), std::string(record.kind.name()));
   for (const auto& [key, value] : record.metadata) WriteAttribute(group.get(), key, value);
   for (const Column& column : record.columns)
     WriteColumn(group.get(), column, record.Metadata("sample_rate_hz"));

@@ -11,6 +11,8 @@
 #include <variant>
 #include <vector>
 
+#include "daq/record_kind.h"
+
 namespace strainwave::daq {
 
 /// Sense of a transmission-error sweep; the numbers are what HDF5 readers may find in place of the text.
@@ -50,7 +52,7 @@ struct RecordNote {
 /// One measurement: metadata (text, in file order) and columns of equal length.
 /// Field units at this edge: degrees, Nm, s, degC (docs/contract.md#units-and-signs).
 struct Record {
-  std::string kind;
+  RecordKind kind;
   std::vector<std::pair<std::string, std::string>> metadata;  // without `kind`
   std::vector<Column> columns;
   RecordSource source;

@@ -167,7 +167,7 @@ Column ReceiveColumn(Receiver& in) {
 }
 
 void Send(Sender& out, const Record& record) {
-  out.Text(record.kind);
+  out.Text(std::string(record.kind.name()));
   Send(out, record.metadata);
   Send(out, record.notes);
   out.Text(record.source.file);
@@ -178,7 +178,7 @@ void Send(Sender& out, const Record& record) {
 
 Record ReceiveRecord(Receiver& in) {
   Record record;
-  record.kind = in.Text();
+  record.kind = RecordKind::Named(in.Text());
   record.metadata = ReceivePairs(in);
   record.notes = ReceiveNotes(in);
   record.source.file = in.Text();

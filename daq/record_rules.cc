@@ -30,41 +30,48 @@ constexpr std::array<std::string_view, 5> kVibrationOptional{"time_s", "accel_x_
 constexpr std::array<std::string_view, 1> kHistoryRequired{"time_s"};
 
 struct KindRule {
-  std::string_view kind;
+  RecordKind::Value kind;
   Names required;
   Names required_linear;  // in place of `required`, for a linear axis
   Names optional;
 };
 
 constexpr KindRule kKindRules[] = {
-    {"transmission_error", kSweepRequired, {}, kSweepOptional},
-    {"hysteresis", kLoopRequired, {}, kLoopOptional},
-    {"motion", kRotaryRequired, kLinearRequired, kMotionOptional},
-    {"vibration", {}, {}, kVibrationOptional},
-    {"history", kHistoryRequired, {}, {}},
+    {RecordKind::kTransmissionError, kSweepRequired, {}, kSweepOptional},
+    {RecordKind::kHysteresis, kLoopRequired, {}, kLoopOptional},
+    {RecordKind::kMotion, kRotaryRequired, kLinearRequired, kMotionOptional},
+    {RecordKind::kVibration, {}, {}, kVibrationOptional},
+    {RecordKind::kHistory, kHistoryRequired, {}, {}},
 };
 
 enum class Need { kFinite, kPositive, kNotZero };
 
 struct NumberRule {
-  std::string_view kind;
+  RecordKind::Value kind;
   std::string_view key;
   Need need;
 };
 
 constexpr NumberRule kNumberRules[] = {
-    {"transmission_error", "ratio", Need::kNotZero},  {"hysteresis", "t1_Nm", Need::kPositive},
-    {"hysteresis", "t2_Nm", Need::kPositive},         {"hysteresis", "t3_Nm", Need::kPositive},
-    {"motion", "inertia_kgm2", Need::kPositive},      {"motion", "mass_kg", Need::kPositive},
-    {"vibration", "sample_rate_hz", Need::kPositive}, {"vibration", "input_speed_rpm", Need::kFinite},
-    {"vibration", "k2_Nm_per_rad", Need::kFinite},    {"vibration", "k3_Nm_per_rad", Need::kFinite},
-    {"vibration", "e_avg_arcmin", Need::kFinite},     {"vibration", "e_max_arcmin", Need::kFinite},
-    {"vibration", "ratio", Need::kNotZero},           {"history", "sample_rate_hz", Need::kPositive},
+    {RecordKind::kTransmissionError, "ratio", Need::kNotZero},
+    {RecordKind::kHysteresis, "t1_Nm", Need::kPositive},
+    {RecordKind::kHysteresis, "t2_Nm", Need::kPositive},
+    {RecordKind::kHysteresis, "t3_Nm", Need::kPositive},
+    {RecordKind::kMotion, "inertia_kgm2", Need::kPositive},
+    {RecordKind::kMotion, "mass_kg", Need::kPositive},
+    {RecordKind::kVibration, "sample_rate_hz", Need::kPositive},
+    {RecordKind::kVibration, "input_speed_rpm", Need::kFinite},
+    {RecordKind::kVibration, "k2_Nm_per_rad", Need::kFinite},
+    {RecordKind::kVibration, "k3_Nm_per_rad", Need::kFinite},
+    {RecordKind::kVibration, "e_avg_arcmin", Need::kFinite},
+    {RecordKind::kVibration, "e_max_arcmin", Need::kFinite},
+    {RecordKind::kVibration, "ratio", Need::kNotZero},
+    {RecordKind::kHistory, "sample_rate_hz", Need::kPositive},
 };
 
-const KindRule* FindRule(std::string_view kind) {
+const KindRule* FindRule(const RecordKind& kind) {
   const auto* found = std::find_if(std::begin(kKindRules), std::end(kKindRules),
-                                   [kind](const KindRule& rule) { return rule.kind == kind; });
+                                   [&kind](const KindRule& rule) { return kind == rule.kind; });
   return found == std::end(kKindRules) ? nullptr : found;
 }
 
@@ -168,7 +175,7 @@ void CheckMetadata(const Record& record, Report& report) {
                value ? Describe(*value, rule.need) : "a number");
   }
   CheckMetadataBounds(record, report);
-  if (record.kind == "motion" && record.FindColumn("current_A") != nullptr) {
+  if (record.kind == RecordKind::kMotion && record.FindColumn("current_A") != nullptr) {
     for (const std::string& key : CurrentGainKeys(record)) {
       const std::optional<double> gain = NumberFromText(*record.Metadata(key));
       if (gain && Satisfies(*gain, Need::kNotZero)) continue;
@@ -180,7 +187,7 @@ void CheckMetadata(const Record& record, Report& report) {
   if (absolute && *absolute != "true" && *absolute != "false") {
     report.Add({Level::kMetadata, "absolute"}, fmt::format("absolute is '{}'", *absolute), "true or false");
   }
-  if (record.kind != "hysteresis" || !numbers_good) return;
+  if (record.kind != RecordKind::kHysteresis || !numbers_good) return;
   constexpr std::pair<std::string_view, std::string_view> kAscending[] = {{"t1_Nm", "t2_Nm"},
                                                                           {"t2_Nm", "t3_Nm"}};
   for (const auto& [lower, upper] : kAscending) {
@@ -207,7 +214,8 @@ void CheckCurrentGain(const Record& record, std::string_view drive_column, Repor
 
 void CheckRequiredColumns(const Record& record, const KindRule& rule, Report& report) {
   Names required = rule.required;
-  std::string expected = fmt::format("the columns {} in a {} record", fmt::join(required, ", "), rule.kind);
+  std::string expected =
+      fmt::format("the columns {} in a {} record", fmt::join(required, ", "), RecordKind(rule.kind).name());
   if (!rule.required_linear.empty()) {
     expected += fmt::format(", or {} for a linear axis", fmt::join(rule.required_linear, ", "));
     if (CountPresent(record, rule.required_linear) > CountPresent(record, rule.required)) {
@@ -222,7 +230,7 @@ void CheckRequiredColumns(const Record& record, const KindRule& rule, Report& re
     }
     report.Add({Level::kRecord}, fmt::format("column '{}' is missing", name), expected);
   }
-  if (rule.kind != "vibration") return;
+  if (rule.kind != RecordKind::kVibration) return;
   const bool has_time = record.FindColumn("time_s") != nullptr;
   if (!has_time && !record.Metadata("sample_rate_hz")) {
     report.Add({Level::kRecord}, "neither column 'time_s' nor metadata 'sample_rate_hz' is there",
@@ -302,7 +310,7 @@ void CheckTime(std::span<const double> time_s, Report& report) {
 void CheckValues(const Record& record, Report& report) {
   for (const Column& column : record.columns) {
     const bool known = IsKnownColumn(record.kind, column.name);
-    const bool is_direction = record.kind == "transmission_error" && column.name == "direction";
+    const bool is_direction = record.kind == RecordKind::kTransmissionError && column.name == "direction";
     if (is_direction != std::holds_alternative<std::vector<Direction>>(column.values) && known) {
       report.Add({Level::kColumn, column.name},
                  fmt::format("{} holds {}", column.name, is_direction ? "numbers" : "directions"),
@@ -325,9 +333,10 @@ std::vector<RuleBreak> CheckRecord(const Record& record) {
   Report report(breaks);
   const KindRule* rule = FindRule(record.kind);
   if (rule == nullptr) {
-    report.Add({Level::kKind},
-               record.kind.empty() ? "kind is missing" : fmt::format("kind is '{}'", record.kind),
-               std::string(kKnownKinds));
+    report.Add(
+        {Level::kKind},
+        record.kind.name().empty() ? "kind is missing" : fmt::format("kind is '{}'", record.kind.name()),
+        std::string(kKnownKinds));
     return breaks;
   }
   CheckMetadata(record, report);
@@ -345,15 +354,13 @@ std::vector<RuleBreak> CheckBounds(const Record& record) {
   return breaks;
 }
 
-bool IsKnownKind(std::string_view kind) { return FindRule(kind) != nullptr; }
-
-bool IsKnownColumn(std::string_view kind, std::string_view column) {
+bool IsKnownColumn(const RecordKind& kind, std::string_view column) {
   const KindRule* rule = FindRule(kind);
   return rule != nullptr && (Contains(rule->required, column) || Contains(rule->required_linear, column) ||
                              Contains(rule->optional, column));
 }
 
-bool TakesFurtherChannels(std::string_view kind) { return kind == "vibration"; }
+bool TakesFurtherChannels(const RecordKind& kind) { return kind == RecordKind::kVibration; }
 
 bool IsShaftAngle(std::string_view column) {
   constexpr std::string_view kAngles[] = {"input_angle_deg", "input_angle_rad", "output_angle_deg",
@@ -361,15 +368,16 @@ bool IsShaftAngle(std::string_view column) {
   return std::ranges::find(kAngles, column) != std::end(kAngles);
 }
 
-bool IsReadAsDoubles(std::string_view kind, std::string_view column) {
-  return column == "time_s" || IsShaftAngle(column) || (kind != "vibration" && IsKnownColumn(kind, column));
+bool IsReadAsDoubles(const RecordKind& kind, std::string_view column) {
+  return column == "time_s" || IsShaftAngle(column) ||
+         (kind != RecordKind::kVibration && IsKnownColumn(kind, column));
 }
 
 bool IsLinearAxis(const Record& record) {
   const auto is_there = [&](std::string_view name) {
     return record.FindColumn(name) != nullptr || HasCurrentFor(record, name);
   };
-  return record.kind == "motion" && !std::ranges::all_of(kRotaryRequired, is_there) &&
+  return record.kind == RecordKind::kMotion && !std::ranges::all_of(kRotaryRequired, is_there) &&
          std::ranges::all_of(kLinearRequired, is_there);
 }
 

@@ -45,21 +45,19 @@ inline constexpr std::size_t kMostBreaksPerColumn = 20;
 inline constexpr std::string_view kKnownKinds =
     "transmission_error, hysteresis, motion, vibration or history";
 
-bool IsKnownKind(std::string_view kind);
-
 /// True when the kind gives `column` a meaning, so that its values must be good. A vibration also takes any
 /// further column as a channel, which this does not tell.
-bool IsKnownColumn(std::string_view kind, std::string_view column);
+bool IsKnownColumn(const RecordKind& kind, std::string_view column);
 
 /// True when a further column of numbers is a channel with rules of its own (vibration).
-bool TakesFurtherChannels(std::string_view kind);
+bool TakesFurtherChannels(const RecordKind& kind);
 
 /// True for the columns that say where the input or the output shaft stands: beside accelerations they are no
 /// channel.
 bool IsShaftAngle(std::string_view column);
 
 /// True when analysis reads the column as doubles; others keep the number type of their file.
-bool IsReadAsDoubles(std::string_view kind, std::string_view column);
+bool IsReadAsDoubles(const RecordKind& kind, std::string_view column);
 
 /// True for a motion record of a linear axis (`position_m`, `force_N`).
 bool IsLinearAxis(const Record& record);

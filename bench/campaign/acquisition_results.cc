@@ -43,7 +43,7 @@ RunningStatistics StatisticsOf(const daq::Record& record, const std::string& cha
 NamedRecord SourceRecord(const SourceTotals& before, const SourceTotals& now) {
   NamedRecord named{"source_" + now.name, {}};
   daq::Record& record = named.record;
-  record.kind = "history";
+  record.kind = daq::RecordKind::kHistory;
   record.SetMetadata("source", now.name);
   Add(record, "time_s", 0.0);
   Add(record, "received_samples", Count(now.samples.received, before.samples.received));
@@ -66,7 +66,7 @@ NamedRecord SourceRecord(const SourceTotals& before, const SourceTotals& now) {
 NamedRecord RecordingRecord(const RecordedSource& recorded) {
   NamedRecord named{"recording_" + recorded.name, {}};
   daq::Record& record = named.record;
-  record.kind = "history";
+  record.kind = daq::RecordKind::kHistory;
   record.SetMetadata("recording", recorded.name);
   if (!recorded.trouble.empty()) record.SetMetadata("trouble", recorded.trouble);
   const auto& totals = recorded.totals;

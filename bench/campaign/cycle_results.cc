@@ -40,7 +40,7 @@ Place PlaceOf(const std::string& group) {
 }
 
 // The records that count, in an order that does not depend on how they came.
-std::vector<const daq::Record*> Counting(std::span<const NamedRecord> records, std::string_view kind) {
+std::vector<const daq::Record*> Counting(std::span<const NamedRecord> records, const daq::RecordKind& kind) {
   std::map<std::pair<std::string, std::string>, std::pair<int, const daq::Record*>> newest;
   for (const NamedRecord& named : records) {
     if (named.record.kind != kind) continue;
@@ -164,10 +164,10 @@ void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod met
 
 CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleContext& context) {
   CycleAnalysis analysis;
-  for (const daq::Record* record : Counting(records, "transmission_error")) {
+  for (const daq::Record* record : Counting(records, daq::RecordKind::kTransmissionError)) {
     AddTransmissionError(*record, context, analysis);
   }
-  if (const auto loops = Counting(records, "hysteresis"); !loops.empty()) {
+  if (const auto loops = Counting(records, daq::RecordKind::kHysteresis); !loops.empty()) {
     AddStiffness(loops, context.method, "", context, analysis);
     for (const auto& [method, suffix] :
          {std::pair{StiffnessMethod::kModel, "_model"}, std::pair{StiffnessMethod::kLoading, "_loading"},
@@ -177,11 +177,11 @@ CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleCont
     analysis.results.push_back(
         {"gear_temperature_degC", Mean(loops.front()->Doubles("temperature_degC")), 0.0, ""});
   }
-  for (const daq::Record* record : Counting(records, "motion")) {
+  for (const daq::Record* record : Counting(records, daq::RecordKind::kMotion)) {
     for (Result& result : RotationResults(*record, context.ratio))
       analysis.results.push_back(std::move(result));
   }
-  for (const daq::Record* record : Counting(records, "vibration")) {
+  for (const daq::Record* record : Counting(records, daq::RecordKind::kVibration)) {
     for (Result& result : VibrationResults(*record)) analysis.results.push_back(std::move(result));
   }
   for (Result& result : SensorCheckResults(records)) analysis.results.push_back(std::move(result));

@@ -138,7 +138,7 @@ DrawnRecord NamesOf(const daq::Record& record) {
     const std::string name = part.string();
     group = group.empty() || name.starts_with(group) ? name : group + "_" + name;
   }
-  names.stem += "_" + (group.empty() ? record.kind : group);
+  names.stem += "_" + (group.empty() ? std::string(record.kind.name()) : group);
   if (!group.empty()) names.title += ", " + group;
   if (const auto angle = record.Metadata("lock_angle_deg")) {
     names.stem += fmt::format("_lock_{}deg", *angle);
@@ -207,13 +207,13 @@ std::vector<std::filesystem::path> DrawRecord(const daq::Record& record, analysi
                                               const BenchCorrections& corrections,
                                               const std::filesystem::path& into) {
   const DrawnRecord drawn = NamesOf(record);
-  if (record.kind == "transmission_error") {
+  if (record.kind == daq::RecordKind::kTransmissionError) {
     analysis::TransmissionError error = TransmissionErrorOf(record, corrections);
     AddUncertainty(corrections, error);
     return {
         DrawTransmissionError(drawn.title, {"measured", std::move(error)}, std::nullopt, into / drawn.stem)};
   }
-  if (record.kind != "hysteresis") return {};
+  if (record.kind != daq::RecordKind::kHysteresis) return {};
   const auto stiffness = StiffnessOf(record, method, corrections);
   const std::vector<double> twist_rad =
       TwistOf(record, corrections.series_compliance.compliance_rad_per_Nm.value);

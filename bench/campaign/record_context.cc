@@ -21,14 +21,14 @@ bool IsBlank(const daq::Record& record) { return record.source.group.find("/blan
 // As AnalyzeCycle takes them off: only a lock test has torque enough to twist the couplings.
 std::vector<std::string> TakenOf(const daq::Record& record, const BenchCorrections& corrections) {
   std::vector<std::string> taken;
-  if (record.kind == "hysteresis" && KnowsCompliance(corrections)) {
+  if (record.kind == daq::RecordKind::kHysteresis && KnowsCompliance(corrections)) {
     const analysis::Estimate& compliance = corrections.series_compliance.compliance_rad_per_Nm;
     const analysis::Estimate arcmin{ArcminFromRad(compliance.value),
                                     ArcminFromRad(compliance.standard_error)};
     taken.push_back(
         fmt::format("the bench's compliance of {} (blank test)", EstimateText(arcmin, "arcmin/Nm")));
   }
-  if (record.kind == "transmission_error" && !corrections.encoder.harmonics.empty())
+  if (record.kind == daq::RecordKind::kTransmissionError && !corrections.encoder.harmonics.empty())
     taken.push_back("the output encoder's error, once and twice a turn (blank test)");
   const auto skew_us = daq::NumberFromText(record.Metadata("encoder_skew_us").value_or(""));
   if (skew_us && record.Metadata("encoder_skew_taken_out") == "true")
@@ -57,7 +57,7 @@ std::optional<CampaignBeside> FindCampaignBeside(const std::filesystem::path& fi
 
 RecordContext ContextOfRecord(const daq::Record& record, const std::optional<CampaignBeside>& campaign) {
   RecordContext context;
-  const bool is_loop = record.kind == "hysteresis";
+  const bool is_loop = record.kind == daq::RecordKind::kHysteresis;
   if (!campaign) {
     // What only a bench of this program writes.
     if (is_loop && record.Metadata("lock_angle_deg")) {
@@ -99,8 +99,8 @@ RecordContext ContextOfRecord(const daq::Record& record, const std::optional<Cam
 }
 
 daq::Record Corrected(daq::Record record, const BenchCorrections& corrections) {
-  const bool is_loop = record.kind == "hysteresis";
-  if (!is_loop && record.kind != "transmission_error") return record;
+  const bool is_loop = record.kind == daq::RecordKind::kHysteresis;
+  if (!is_loop && record.kind != daq::RecordKind::kTransmissionError) return record;
   std::vector<double> angle_deg = record.CopyAsDoubles("output_angle_deg");
   if (is_loop) {
     const double compliance = DegFromRad(corrections.series_compliance.compliance_rad_per_Nm.value);

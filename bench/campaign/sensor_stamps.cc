@@ -16,7 +16,7 @@ struct Stamp {
   std::string channel{};
 };
 
-Stamp StampOf(const std::string& column, const std::string& kind, const BenchDescription& bench) {
+Stamp StampOf(const std::string& column, const daq::RecordKind& kind, const BenchDescription& bench) {
   const Stamp driving{bench.driving_servo.serial, "drive parameters"};
   for (const AccelerometerDescription& accelerometer : bench.accelerometers) {
     if (column.starts_with(accelerometer.name + "_m_per_s2"))
@@ -29,7 +29,7 @@ Stamp StampOf(const std::string& column, const std::string& kind, const BenchDes
   }
   if (column.starts_with("motor_torque")) return driving;
   // The torque of a motion record is what the drive applies; the transducer's stands beside it.
-  if (kind == "motion" && column == "torque_Nm") return driving;
+  if (kind == daq::RecordKind::kMotion && column == "torque_Nm") return driving;
   if (column.find("torque") != std::string::npos)
     return {bench.transducer.serial, bench.transducer.calibration, "output_torque"};
   return {};

@@ -72,21 +72,21 @@ diagnosis::Diagnosis RunDiagnosis(const StudyInput& input, const std::optional<E
   }
 }
 
-std::optional<ExtendedModel> ReadModel(const DiagnoseCommand& command, const std::string& kind) {
+std::optional<ExtendedModel> ReadModel(const DiagnoseCommand& command, StudyKind kind) {
   if (command.model.empty()) return std::nullopt;
   ExtendedModel model = ReadExtendedModel(command.model);
   if (model.kind != kind) {
     throw BenchError(ExitCode::kWrongInput,
                      fmt::format("{}: error: the model is of kind {}, the records of kind {} (expected one "
                                  "kind)",
-                                 command.model, model.kind, kind));
+                                 command.model, NameOf(model.kind), NameOf(kind)));
   }
   return model;
 }
 
 // The plant's terms of a model; what the simulated bench has no place for stays out with a word.
 PlantMapping PlantOf(const ExtendedModel& model, const MappingContext& context) {
-  if (model.kind == "campaign") return {{}, {"the model of a campaign has no terms of the plant"}};
+  if (model.kind == StudyKind::kCampaign) return {{}, {"the model of a campaign has no terms of the plant"}};
   try {
     PlantMapping plant = PlantTermsOf(model.kind, model.nominal, NamedCausesOf(model, false), context);
     for (const diagnosis::ParameterValue& number : model.nominal) {

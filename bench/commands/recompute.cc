@@ -153,7 +153,8 @@ int Recompute(const RecomputeOptions& options) {
     const std::optional<CampaignBeside> beside = FindCampaignBeside(path);
     for (daq::Record& record : daq::ReadRecords(path)) {
       // A cycle's file holds records of other kinds beside those that have something to compute.
-      const bool computable = record.kind == "transmission_error" || record.kind == "hysteresis";
+      const bool computable =
+          record.kind == daq::RecordKind::kTransmissionError || record.kind == daq::RecordKind::kHysteresis;
       if (!computable && record.source.first_data_line == 0) continue;
       line.Show("computing from " + FileText(path), share);
       LookAtSamples(record);

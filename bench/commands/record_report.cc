@@ -135,15 +135,16 @@ std::string ValueText(const nlohmann::json& report, const std::string& key) {
 }  // namespace
 
 nlohmann::json RecordJson(const daq::Record& record, StiffnessMethod method, const RecordContext& context) {
-  if (record.kind != "transmission_error" && record.kind != "hysteresis") {
+  if (record.kind != daq::RecordKind::kTransmissionError && record.kind != daq::RecordKind::kHysteresis) {
     throw BenchError(
         ExitCode::kWrongInput,
         fmt::format("{}: error: kind '{}' has nothing to recompute (expected transmission_error or "
                     "hysteresis)",
-                    record.source.file, record.kind));
+                    record.source.file, record.kind.name()));
   }
-  nlohmann::json report = record.kind == "hysteresis" ? HysteresisJson(record, method, context)
-                                                      : TransmissionErrorJson(record, context);
+  nlohmann::json report = record.kind == daq::RecordKind::kHysteresis
+                              ? HysteresisJson(record, method, context)
+                              : TransmissionErrorJson(record, context);
   if (!context.campaign.empty()) report["campaign"] = context.campaign;
   for (const std::string& note : context.notes) report["notes"].push_back(note);
   return report;

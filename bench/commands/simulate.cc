@@ -33,23 +33,24 @@ struct SimulateOptions {
 };
 
 // The first record of the model's kind.
-daq::Record ReadLike(const SimulateOptions& options, const std::string& kind) {
+daq::Record ReadLike(const SimulateOptions& options, StudyKind kind) {
   for (daq::Record& record : daq::ReadRecords(options.like)) {
-    if (record.kind != kind || record.source.group.find(options.group) == std::string::npos) continue;
+    if (StudyKindOf(record.kind) != kind || record.source.group.find(options.group) == std::string::npos)
+      continue;
     LookAtSamples(record);
     TellWarnings(WarningsOf(record));
     return std::move(record);
   }
   throw BenchError(ExitCode::kWrongInput,
                    fmt::format("{}: error: no record of kind {} (expected the kind of the model {})",
-                               options.like, kind, options.model));
+                               options.like, NameOf(kind), options.model));
 }
 
 void Write(const daq::Record& record, const std::filesystem::path& path) {
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
   const std::string ending = path.extension().string();
   if (ending == ".h5" || ending == ".hdf5") {
-    const daq::NamedRecord named{record.kind, record};
+    const daq::NamedRecord named{std::string(record.kind.name()), record};
     daq::WriteRecordsAtomically(path, {&named, 1});
   } else {
     daq::WriteCsvRecord(record, path);
@@ -76,14 +77,14 @@ int Simulate(const SimulateOptions& options) {
   const std::string sha256 = Sha256(ReadText(options.out));
   if (options.json) {
     ToStdout("{}\n", nlohmann::ordered_json{{"record", options.out},
-                                            {"kind", record.kind},
+                                            {"kind", record.kind.name()},
                                             {"rows", record.rows()},
                                             {"seed", options.seed},
                                             {"noise", options.no_noise ? 0.0 : model.noise},
                                             {"sha256", sha256}}
                          .dump(2));
   } else {
-    ToStdout("{}: {}, {} rows, seed {}\n", options.out, record.kind, record.rows(), options.seed);
+    ToStdout("{}: {}, {} rows, seed {}\n", options.out, record.kind.name(), record.rows(), options.seed);
   }
   return static_cast<int>(ExitCode::kDone);
 }

@@ -164,7 +164,7 @@ std::vector<NamedRecord> HysteresisProgram::TakeRecords() {
   for (std::size_t i = 0; i < logs_.size(); ++i) {
     if (logs_[i].rows() == 0) continue;
     NamedRecord named{fmt::format("hysteresis_{}", i + 1), {}};
-    named.record.kind = "hysteresis";
+    named.record.kind = daq::RecordKind::kHysteresis;
     named.record.SetMetadata("t1_Nm", specimen_.t1_Nm);
     named.record.SetMetadata("t2_Nm", specimen_.t2_Nm);
     named.record.SetMetadata("t3_Nm", specimen_.t3_Nm);

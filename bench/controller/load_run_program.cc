@@ -157,7 +157,7 @@ bool LoadRunProgram::Log(const Readings& readings, double elapsed_s) noexcept {
 std::vector<NamedRecord> LoadRunProgram::RecordsSoFar() const {
   if (log_.rows() == 0) return {};
   NamedRecord named{"load_run", {}};
-  named.record.kind = "history";
+  named.record.kind = daq::RecordKind::kHistory;
   named.record.SetMetadata("log_rate_hz", parameters_.log_rate_hz);
   named.record.SetMetadata("credited_load_s", credited_load_s());
   const std::vector<std::string> single{"input_speed_rpm",

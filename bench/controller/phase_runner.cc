@@ -250,7 +250,7 @@ void PhaseRunner::AfterFault(PhaseProgram& program, PhaseOutcome& outcome) {
                                                              "ambient_temperature_degC",
                                                              "vibration_rms_m_per_s2"};
   NamedRecord box{"black_box", {}};
-  box.record.kind = "history";
+  box.record.kind = daq::RecordKind::kHistory;
   box.record.SetMetadata("stop_time_s", duration<double>(outcome.reason.time).count());
   box.record.SetMetadata("stop_cause", std::string(Code(outcome.reason.cause)));
   for (std::size_t channel = 0; channel < kNames.size(); ++channel) {

@@ -146,7 +146,7 @@ void RotationProgram::Collect(BenchDevices& devices) {
 
 std::vector<NamedRecord> RotationProgram::TakeRecords() {
   NamedRecord vibration{"vibration", {}};
-  vibration.record.kind = "vibration";
+  vibration.record.kind = daq::RecordKind::kVibration;
   vibration.record.SetMetadata("sample_rate_hz", parameters_.vibration_rate_hz);
   vibration.record.SetMetadata("input_speed_rpm", RpmFromRadPerS(parameters_.input_speed_rad_per_s));
   vibration.record.SetMetadata("direction", parameters_.clockwise ? "cw" : "ccw");
@@ -162,13 +162,13 @@ std::vector<NamedRecord> RotationProgram::TakeRecords() {
   add("accel_motor_z_m_per_s2", vibration_.accel_motor_z_m_per_s2);
 
   NamedRecord rotation{"rotation", {}};
-  rotation.record.kind = "motion";
+  rotation.record.kind = daq::RecordKind::kMotion;
   rotation.record.SetMetadata("sample_rate_hz", parameters_.log_rate_hz);
   const std::vector<std::string> single{"torque_Nm", "output_torque_Nm", "temperature_degC",
                                         "velocity_rad_per_s"};
   rotation.record.columns = log_.Columns(single);
   NamedRecord breakaway{"breakaway", {}};
-  breakaway.record.kind = "motion";
+  breakaway.record.kind = daq::RecordKind::kMotion;
   breakaway.record.SetMetadata("sample_rate_hz", parameters_.log_rate_hz);
   breakaway.record.columns = breakaway_log_.Columns(single);
   std::vector<NamedRecord> records;

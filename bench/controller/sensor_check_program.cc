@@ -103,7 +103,7 @@ StepResult SensorCheckProgram::Step(const Readings& readings, double elapsed_s,
 
 std::vector<NamedRecord> SensorCheckProgram::TakeRecords() {
   NamedRecord named{"check", {}};
-  named.record.kind = "history";
+  named.record.kind = daq::RecordKind::kHistory;
   named.record.SetMetadata("check", schedules::KindName(parameters_));
   const bool angle = parameters_.kind == Kind::kReference;
   const char* const unit = angle ? "arcmin" : "Nm";

@@ -143,7 +143,7 @@ void SweepProgram::TakeOut(double skew_s, daq::Record& record) const {
 
 std::vector<NamedRecord> SweepProgram::TakeRecords() {
   NamedRecord named{"transmission_error", {}};
-  named.record.kind = "transmission_error";
+  named.record.kind = daq::RecordKind::kTransmissionError;
   named.record.SetMetadata("ratio", ratio_);
   named.record.SetMetadata("step_deg", DegFromRad(parameters_.step_rad));
   named.record.columns = log_.Columns();

@@ -39,7 +39,7 @@ void VibrationStatistics::Take(Sampler& sampler) {
 daq::Record VibrationStatistics::Record(double sample_rate_hz) const {
   const VibrationMoments channels = latest_.Get();
   daq::Record record;
-  record.kind = "history";
+  record.kind = daq::RecordKind::kHistory;
   record.SetMetadata("statistics", "vibration");
   record.SetMetadata("sample_rate_hz", sample_rate_hz);
   record.SetMetadata("lost_samples", std::to_string(channels.lost));

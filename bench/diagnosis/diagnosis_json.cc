@@ -55,11 +55,12 @@ Json NominalJson(const DiagnosisReport& report) {
     causes.push_back({{"name", study.causes()[fit.causes[i]].name},
                       {"parameters", ParametersJson(fit.cause_parameters[i])}});
   }
-  return {{"parameters", std::move(parameters)},
-          {"heldout_rmse", Finite(report.result.nominal_heldout_rmse * study.unit_per_si())},
-          {"unit", study.unit()},
-          {"model", report.model.empty() ? "nominal " + report.input.kind : report.model},
-          {"causes", std::move(causes)}};
+  return {
+      {"parameters", std::move(parameters)},
+      {"heldout_rmse", Finite(report.result.nominal_heldout_rmse * study.unit_per_si())},
+      {"unit", study.unit()},
+      {"model", report.model.empty() ? "nominal " + std::string(NameOf(report.input.kind)) : report.model},
+      {"causes", std::move(causes)}};
 }
 
 Json CausesJson(const DiagnosisReport& report) {

@@ -12,8 +12,8 @@ namespace {
 namespace diagnosis = analysis::diagnosis;
 
 // The structure stays or it does not: the first thing to know of what has no name.
-std::string AgainOf(const std::string& kind) {
-  if (kind == "transmission_error") {
+std::string AgainOf(StudyKind kind) {
+  if (kind == StudyKind::kTransmissionError) {
     return "# the same sweep twice, in half the step: what belongs to the gear comes back at the same angle\n"
            "- kind: transmission_error\n"
            "  input_speed: 300 rpm\n"
@@ -21,7 +21,7 @@ std::string AgainOf(const std::string& kind) {
            "  steps: 1440\n"
            "  directions: both\n";
   }
-  if (kind == "hysteresis") {
+  if (kind == StudyKind::kHysteresis) {
     return "# two loops at another rate, at two lock angles: what belongs to the gear comes back in each\n"
            "- kind: hysteresis\n"
            "  peak_torque: 34 Nm\n"
@@ -30,7 +30,7 @@ std::string AgainOf(const std::string& kind) {
            "  loops: 2\n"
            "  lock_angles: [0 deg, 90 deg]\n";
   }
-  if (kind == "campaign") return {};
+  if (kind == StudyKind::kCampaign) return {};
   return "# the same turns at another speed and without load: what follows the angle keeps its order, what\n"
          "# follows time or speed does not\n"
          "- kind: measurement_rotation\n"

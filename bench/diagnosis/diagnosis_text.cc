@@ -116,11 +116,11 @@ std::string MeasuredText(const DiagnosisReport& report) {
   for (const RecordIdentity& record : report.input.records) samples += record.rows;
   const std::size_t records = report.input.records.size();
   std::string text =
-      Section("measured", report.input.kind == "campaign"
+      Section("measured", report.input.kind == StudyKind::kCampaign
                               ? Text("a campaign of {} cycles", samples)
                               : Text("{} of kind {}, {} samples{}",
                                      records == 1 ? std::string("one record") : Text("{} records", records),
-                                     report.input.kind, samples, records == 1 ? "" : " together"));
+                                     NameOf(report.input.kind), samples, records == 1 ? "" : " together"));
   for (const RecordIdentity& record : report.input.records) {
     text += Text("             {}{}  sha256 {}\n", record.file,
                  record.group.empty() ? "" : " " + record.group, record.sha256.substr(0, 12));
@@ -132,11 +132,12 @@ std::string MeasuredText(const DiagnosisReport& report) {
 
 std::string NominalText(const DiagnosisReport& report, bool details) {
   const diagnosis::Study& study = *report.input.study;
-  std::string text = Section(
-      "simulation",
-      Text("{}, refitted to the record{}",
-           report.model.empty() ? "the nominal model of " + report.input.kind : "the model " + report.model,
-           report.input.records.size() == 1 ? "" : "s"));
+  std::string text =
+      Section("simulation",
+              Text("{}, refitted to the record{}",
+                   report.model.empty() ? "the nominal model of " + std::string(NameOf(report.input.kind))
+                                        : "the model " + report.model,
+                   report.input.records.size() == 1 ? "" : "s"));
   const diagnosis::ModelFit& fit = report.result.nominal;
   for (const ParameterValue& parameter : fit.nominal) {
     const ParameterValue* const before = Find(report.nominal_before, parameter.name);

@@ -95,11 +95,11 @@ std::vector<ModelEffect> ReadEffects(std::vector<YamlMap> maps, std::string_view
 
 ExtendedModel ReadDiagnosisSection(YamlMap map) {
   ExtendedModel model;
-  model.kind = map.Choice<std::string>("kind", {{"transmission_error", "transmission_error"},
-                                                {"hysteresis", "hysteresis"},
-                                                {"motion", "motion"},
-                                                {"vibration", "vibration"},
-                                                {"campaign", "campaign"}});
+  model.kind = map.Choice<StudyKind>("kind", {{"transmission_error", StudyKind::kTransmissionError},
+                                              {"hysteresis", StudyKind::kHysteresis},
+                                              {"motion", StudyKind::kMotion},
+                                              {"vibration", StudyKind::kVibration},
+                                              {"campaign", StudyKind::kCampaign}});
   model.date = map.Text("date", "");
   model.unit = map.Text("unit", "");
   model.noise_floor = map.Number("noise_floor", Bound::kNotNegative, "0");
@@ -149,8 +149,9 @@ std::string ExtendedModelText(const ExtendedModel& model) {
       "# as its plant_file, and the simulated bench then runs `terms` on top of its own plant.\n"
       "plant: 1\n";
   AddTerms(model.plant, text);
-  text += fmt::format("diagnosis:\n  kind: {}\n  date: {}\n  unit: {}\n  noise_floor: {}\n", model.kind,
-                      Quoted(model.date), Quoted(model.unit), NumberText(model.noise_floor));
+  text +=
+      fmt::format("diagnosis:\n  kind: {}\n  date: {}\n  unit: {}\n  noise_floor: {}\n", NameOf(model.kind),
+                  Quoted(model.date), Quoted(model.unit), NumberText(model.noise_floor));
   text += fmt::format("  records:{}\n", model.records.empty() ? " []" : "");
   for (const RecordIdentity& record : model.records) {
     text += fmt::format("    - {{file: {}, group: {}, sha256: {}, rows: {}}}\n",

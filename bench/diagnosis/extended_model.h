@@ -7,6 +7,7 @@
 
 #include "analysis/diagnosis/diagnose.h"
 #include "bench/diagnosis/make_study.h"
+#include "bench/diagnosis/study_kind.h"
 #include "schedules/reader/findings.h"
 
 namespace strainwave::bench {
@@ -21,7 +22,7 @@ struct ModelEffect {
 /// A model that a diagnosis has extended, as it stands in `extended_model.yaml`. The file is a plant file of
 /// the simulated bench with one more section, so that `run` and `simulate` take the very same file.
 struct ExtendedModel {
-  std::string kind;
+  StudyKind kind{};
   std::string date;  // UTC
   std::vector<RecordIdentity> records;
   std::string unit;      // of the response

@@ -36,10 +36,6 @@ std::vector<Data> AllOf(std::span<const Record> records, Data (*data_of)(const R
   return all;
 }
 
-bool IsDiagnosed(const std::string& kind) {
-  return kind == "transmission_error" || kind == "hysteresis" || kind == "motion" || kind == "vibration";
-}
-
 std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const RecordChoice& choice) {
   std::vector<Record> records;
   std::set<std::string> kinds;
@@ -52,15 +48,16 @@ std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const Reco
     }
     for (Record& record : daq::ReadRecords(path)) {
       if (!choice.group.empty() && record.source.group.find(choice.group) == std::string::npos) continue;
-      if (choice.kind.empty() ? !IsDiagnosed(record.kind) && record.source.first_data_line == 0
-                              : record.kind != choice.kind)
+      const bool diagnosed = StudyKindOf(record.kind).has_value();
+      if (choice.kind.empty() ? !diagnosed && record.source.first_data_line == 0
+                              : record.kind.name() != choice.kind)
         continue;
-      if (!IsDiagnosed(record.kind)) {
+      if (!diagnosed) {
         throw RecordRefusal(record, fmt::format("a record of kind {} cannot be diagnosed (expected {})",
-                                                record.kind, kDiagnosedKinds));
+                                                record.kind.name(), kDiagnosedKinds));
       }
       LookAtSamples(record);
-      kinds.insert(record.kind);
+      kinds.emplace(record.kind.name());
       records.push_back(std::move(record));
     }
   }
@@ -95,7 +92,7 @@ MappingContext MappingOf(const Record& record) {
     const double sum = std::accumulate(temperature_degC.begin(), temperature_degC.end(), 0.0);
     mapping.temperature_degC = sum / static_cast<double>(temperature_degC.size());
   }
-  if (record.kind == "vibration") {
+  if (record.kind == daq::RecordKind::kVibration) {
     const auto data = VibrationDataOf(record);
     if (!data.input_speed_rad_per_s.empty())
       mapping.input_speed_rad_per_s = data.input_speed_rad_per_s.front();
@@ -126,7 +123,7 @@ StudyInput ReadCampaign(const std::string& path) {
   const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   StudyInput input;
   const diagnosis::CampaignData& data = input.campaign.emplace(CampaignDataOf(folder, journal));
-  input.kind = "campaign";
+  input.kind = StudyKind::kCampaign;
   input.records.push_back({path, "", Sha256OfFile(folder.Journal()), data.cycle.size()});
   const auto& specimen = inputs.schedule.specimen;
   input.mapping.ratio = specimen.ratio;
@@ -159,11 +156,11 @@ std::vector<std::string> StudyInput::WarningTexts() const {
 }
 
 std::unique_ptr<diagnosis::Study> MakeStudy(std::span<const Record> records) {
-  const std::string& kind = records.front().kind;
-  if (kind == "transmission_error")
+  const std::optional<StudyKind> kind = StudyKindOf(records.front().kind);
+  if (kind == StudyKind::kTransmissionError)
     return diagnosis::MakeTransmissionErrorStudy(AllOf(records, TransmissionErrorDataOf));
-  if (kind == "hysteresis") return diagnosis::MakeHysteresisStudy(AllOf(records, HysteresisDataOf));
-  if (kind == "motion") return diagnosis::MakeMotionStudy(AllOf(records, MotionDataOf));
+  if (kind == StudyKind::kHysteresis) return diagnosis::MakeHysteresisStudy(AllOf(records, HysteresisDataOf));
+  if (kind == StudyKind::kMotion) return diagnosis::MakeMotionStudy(AllOf(records, MotionDataOf));
   return diagnosis::MakeVibrationStudy(AllOf(records, VibrationDataOf), OnAllProcessors);
 }
 
@@ -173,7 +170,7 @@ StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordCho
     input = ReadCampaign(paths.front());
   } else {
     std::vector<Record> records = ReadChosen(paths, choice);
-    input.kind = records.front().kind;
+    input.kind = *StudyKindOf(records.front().kind);
     input.mapping = MappingOf(records.front());
     std::optional<CampaignBeside> beside;
     for (Record& record : records) {
@@ -186,7 +183,7 @@ StudyInput ReadStudyInput(const std::vector<std::string>& paths, const RecordCho
       for (const std::string& warning : context.warnings) record.notes.push_back({0, warning});
       for (const std::string& note : context.notes)
         if (std::ranges::find(input.notes, note) == input.notes.end()) input.notes.push_back(note);
-      if (record.kind == "vibration" && !record.Metadata("ratio"))
+      if (record.kind == daq::RecordKind::kVibration && !record.Metadata("ratio"))
         record.notes.push_back({0, "metadata ratio is missing: the default of 80 is taken"});
       record = Corrected(std::move(record), context.corrections);
       for (RecordWarning& warning : WarningsOf(record)) input.warnings.push_back(std::move(warning));

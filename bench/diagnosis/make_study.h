@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/records.h"
 #include "analysis/diagnosis/study.h"
 #include "bench/diagnosis/plant_mapping.h"
+#include "bench/diagnosis/study_kind.h"
 #include "bench/records/record_warnings.h"
 #include "daq/record.h"
 
@@ -31,7 +32,7 @@ struct RecordChoice {
 
 /// Records of one kind, or a campaign, ready to be diagnosed.
 struct StudyInput {
-  std::string kind;  // of docs/contract.md, or "campaign"
+  StudyKind kind{};
   std::vector<RecordIdentity> records;
   std::vector<RecordWarning> warnings;  // what was noticed about the records
   std::vector<std::string> notes;       // what was taken off them, as their campaign does

@@ -51,7 +51,7 @@ Record Sweep(const ExcitationColumns& columns) {
       torque_Nm.push_back(8.0 * std::sin(0.37 * time_s.back()));
     }
   }
-  Record record{.kind = "transmission_error", .metadata = {}, .columns = {}, .source = {}};
+  Record record{.kind = daq::RecordKind::kTransmissionError, .metadata = {}, .columns = {}, .source = {}};
   record.SetMetadata("ratio", kRatio);
   const std::vector<double> time = time_s;
   AddColumn(record, "time_s", std::move(time_s));
@@ -81,7 +81,7 @@ Record Loops(const ExcitationColumns& columns) {
     torque = target;
     for (double held_s = 0.0; held_s < kHold_s; held_s += kPeriod_s) add();
   }
-  Record record{.kind = "hysteresis", .metadata = {}, .columns = {}, .source = {}};
+  Record record{.kind = daq::RecordKind::kHysteresis, .metadata = {}, .columns = {}, .source = {}};
   for (const auto& [key, value] : {std::pair{"t1_Nm", 7.0}, {"t2_Nm", 25.0}, {"t3_Nm", kPeak_Nm}}) {
     record.SetMetadata(key, value);
   }
@@ -115,7 +115,7 @@ Record MultiSine(const ExcitationColumns& columns) {
     velocity_rad_per_s.push_back(velocity);
     torque_Nm.push_back(0.02 * acceleration + 0.05 * velocity + std::copysign(0.5, velocity));
   }
-  Record record{.kind = "motion", .metadata = {}, .columns = {}, .source = {}};
+  Record record{.kind = daq::RecordKind::kMotion, .metadata = {}, .columns = {}, .source = {}};
   const std::vector<double> time = time_s;
   AddColumn(record, "time_s", std::move(time_s));
   AddColumn(record, "position_rad", std::move(position_rad));
@@ -128,7 +128,7 @@ Record MultiSine(const ExcitationColumns& columns) {
 Record Shaking() {
   constexpr double kRate_hz = 12000.0;
   constexpr double kSpeed_rpm = 2400.0;
-  Record record{.kind = "vibration", .metadata = {}, .columns = {}, .source = {}};
+  Record record{.kind = daq::RecordKind::kVibration, .metadata = {}, .columns = {}, .source = {}};
   record.SetMetadata("sample_rate_hz", kRate_hz);
   record.SetMetadata("input_speed_rpm", kSpeed_rpm);
   double phase_rad = 0.0;
@@ -146,18 +146,18 @@ Record Shaking() {
 
 }  // namespace
 
-std::vector<analysis::diagnosis::ParameterValue> NominalParameters(std::string_view kind) {
-  if (kind == "transmission_error") {
+std::vector<analysis::diagnosis::ParameterValue> NominalParameters(StudyKind kind) {
+  if (kind == StudyKind::kTransmissionError) {
     return {{"offset_arcmin", "arcmin", 0.0, 0.0},
             {"second_harmonic_amplitude_arcmin", "arcmin", 0.5, 0.0},
             {"second_harmonic_phase_deg", "deg", 0.0, 0.0}};
   }
-  if (kind == "hysteresis") {
+  if (kind == StudyKind::kHysteresis) {
     return {{"k1_Nm_per_rad", "Nm/rad", 1.6e4, 0.0},    {"k2_Nm_per_rad", "Nm/rad", 2.5e4, 0.0},
             {"k3_Nm_per_rad", "Nm/rad", 2.9e4, 0.0},    {"friction_torque_Nm", "Nm", 1.0, 0.0},
             {"yield_twist_arcmin", "arcmin", 0.3, 0.0}, {"offset_arcmin", "arcmin", 0.0, 0.0}};
   }
-  if (kind == "motion") {
+  if (kind == StudyKind::kMotion) {
     return {{"inertia_kgm2", "kg m^2", 0.02, 0.0},
             {"viscous_Nms_per_rad", "Nm s/rad", 0.05, 0.0},
             {"coulomb_Nm", "Nm", 0.5, 0.0},
@@ -166,8 +166,8 @@ std::vector<analysis::diagnosis::ParameterValue> NominalParameters(std::string_v
   return {};
 }
 
-std::vector<analysis::diagnosis::ParameterValue> DataSheetParameters(std::string_view kind) {
-  if (kind == "motion") return {};
+std::vector<analysis::diagnosis::ParameterValue> DataSheetParameters(StudyKind kind) {
+  if (kind == StudyKind::kMotion) return {};
   auto parameters = NominalParameters(kind);
   std::erase_if(parameters, [](const auto& parameter) {
     return parameter.name.starts_with("offset") || parameter.name.ends_with("phase_deg");
@@ -175,19 +175,19 @@ std::vector<analysis::diagnosis::ParameterValue> DataSheetParameters(std::string
   return parameters;
 }
 
-double NominalNoise(std::string_view kind) {
-  if (kind == "transmission_error") return 0.03;
-  if (kind == "hysteresis") return 0.02;
+double NominalNoise(StudyKind kind) {
+  if (kind == StudyKind::kTransmissionError) return 0.03;
+  if (kind == StudyKind::kHysteresis) return 0.02;
   return 0.05;
 }
 
-Record UsualExcitation(std::string_view kind, const ExcitationColumns& columns) {
-  if (kind == "transmission_error") return Sweep(columns);
-  if (kind == "hysteresis") return Loops(columns);
-  if (kind == "motion") return MultiSine(columns);
-  if (kind == "vibration") return Shaking();
+Record UsualExcitation(StudyKind kind, const ExcitationColumns& columns) {
+  if (kind == StudyKind::kTransmissionError) return Sweep(columns);
+  if (kind == StudyKind::kHysteresis) return Loops(columns);
+  if (kind == StudyKind::kMotion) return MultiSine(columns);
+  if (kind == StudyKind::kVibration) return Shaking();
   throw std::invalid_argument(
-      fmt::format("there is no usual measurement of kind '{}' (expected {})", kind, kDiagnosedKinds));
+      fmt::format("there is no usual measurement of kind '{}' (expected {})", NameOf(kind), kDiagnosedKinds));
 }
 
 }  // namespace strainwave::bench

@@ -31,11 +31,11 @@ std::string ExtendedName(const DiagnosisReport& report) {
   return fmt::format("with {}", fmt::join(names, ", "));
 }
 
-std::string ResponseName(std::string_view kind) {
-  if (kind == "transmission_error") return "transmission error";
-  if (kind == "hysteresis") return "twist";
-  if (kind == "motion") return "drive";
-  if (kind == "vibration") return "acceleration";
+std::string ResponseName(StudyKind kind) {
+  if (kind == StudyKind::kTransmissionError) return "transmission error";
+  if (kind == StudyKind::kHysteresis) return "twist";
+  if (kind == StudyKind::kMotion) return "drive";
+  if (kind == StudyKind::kVibration) return "acceleration";
   return "result";
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/diagnosis/diagnosis_report.h"
+#include "bench/diagnosis/study_kind.h"
 
 /// What the pictures of a diagnosis share.
 namespace strainwave::bench {
@@ -27,7 +28,7 @@ std::string NominalName(const DiagnosisReport& report);
 std::string ExtendedName(const DiagnosisReport& report);
 
 /// "twist", "transmission error": what the response of a kind is.
-std::string ResponseName(std::string_view kind);
+std::string ResponseName(StudyKind kind);
 
 /// "loop.csv: measured and simulated": what is shown, of which record.
 std::string TitleOf(const DiagnosisReport& report, const std::string& what);

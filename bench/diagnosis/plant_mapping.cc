@@ -57,32 +57,23 @@ void SayUnknown(const NamedCause& cause, PlantTerms& plant) {
 
 }  // namespace mapping
 
-PlantMapping PlantTermsOf(std::string_view kind, mapping::Parameters nominal,
+PlantMapping PlantTermsOf(StudyKind kind, mapping::Parameters nominal,
                           std::span<const mapping::NamedCause> causes, const MappingContext& context) {
   mapping::PlantTerms plant;
-  if (kind == "campaign") {
+  if (kind == StudyKind::kCampaign) {
     plant.Say("campaign: the wear of the simulated gear follows laws of its own, not the fitted trends");
     return plant.Take();
   }
-  if (kind == "motion" && mapping::Find(nominal, "mass_kg")) {
+  if (kind == StudyKind::kMotion && mapping::Find(nominal, "mass_kg")) {
     plant.Say("motion: a linear axis has no place on the simulated bench, which turns");
     return plant.Take();
   }
   // What was fitted is one specimen, not the mean of many.
   plant.Off({"specimen_scatter"});
-  if (kind == "transmission_error") {
-    mapping::MapTransmissionError(nominal, causes, context, plant);
-  } else if (kind == "hysteresis") {
-    mapping::MapHysteresis(nominal, causes, context, plant);
-  } else if (kind == "motion") {
-    mapping::MapMotion(nominal, causes, context, plant);
-  } else if (kind == "vibration") {
-    mapping::MapVibration(nominal, causes, context, plant);
-  } else {
-    throw std::invalid_argument(fmt::format(
-        "kind = \"{}\" is unknown (known: transmission_error, hysteresis, motion, vibration, campaign)",
-        kind));
-  }
+  if (kind == StudyKind::kTransmissionError) mapping::MapTransmissionError(nominal, causes, context, plant);
+  if (kind == StudyKind::kHysteresis) mapping::MapHysteresis(nominal, causes, context, plant);
+  if (kind == StudyKind::kMotion) mapping::MapMotion(nominal, causes, context, plant);
+  if (kind == StudyKind::kVibration) mapping::MapVibration(nominal, causes, context, plant);
   return plant.Take();
 }
 

@@ -8,6 +8,7 @@
 
 #include "analysis/diagnosis/study.h"
 #include "bench/configuration/bench_description.h"
+#include "bench/diagnosis/study_kind.h"
 
 namespace strainwave::bench {
 
@@ -43,11 +44,10 @@ struct MappingContext {
 ///  * motion: the axis is the bench's input shaft; its position counts from the encoder's zero.
 ///  * vibration: one amplitude stands for all channels, the mean of them; phases are the bench's own.
 ///
-/// @param kind     of the record: "transmission_error", "hysteresis", "motion", "vibration", or "campaign",
-///   which has no terms.
+/// @param kind     a campaign has no terms
 /// @param nominal  the fitted nominal parameters; those that are missing keep the plant's own numbers.
-/// @throws std::invalid_argument for an unknown kind, and for a parameter of a known cause that is missing.
-PlantMapping PlantTermsOf(std::string_view kind, std::span<const analysis::diagnosis::ParameterValue> nominal,
+/// @throws std::invalid_argument for a parameter of a known cause that is missing.
+PlantMapping PlantTermsOf(StudyKind kind, std::span<const analysis::diagnosis::ParameterValue> nominal,
                           std::span<const analysis::diagnosis::Study::NamedCause> causes,
                           const MappingContext& context = {});
 

@@ -41,14 +41,15 @@ Abscissa AbscissaOf(const diagnosis::Study& study, std::initializer_list<std::st
 
 Abscissa ResponseAbscissa(const DiagnosisReport& report) {
   const diagnosis::Study& study = *report.input.study;
-  if (report.input.kind == "transmission_error") {
+  if (report.input.kind == StudyKind::kTransmissionError) {
     Abscissa turn = AbscissaOf(study, {"output_angle"});
     // From the first turn on, whichever turns of the shaft these were.
     const double before = 360.0 * std::floor(std::ranges::min(turn.values) / 360.0 + 1e-6);
     for (double& value : turn.values) value -= before;
     return turn;
   }
-  if (report.input.kind == "hysteresis") return AbscissaOf(study, {"torque"});  // drawn over the twist
+  if (report.input.kind == StudyKind::kHysteresis)
+    return AbscissaOf(study, {"torque"});  // drawn over the twist
   return AbscissaOf(study, {"time"});
 }
 
@@ -78,7 +79,7 @@ std::vector<std::size_t> DetailOf(const DiagnosisReport& report, std::size_t len
 }
 
 // As everywhere, a loop is drawn as torque over twist.
-bool IsLoop(const DiagnosisReport& report) { return report.input.kind == "hysteresis"; }
+bool IsLoop(const DiagnosisReport& report) { return report.input.kind == StudyKind::kHysteresis; }
 
 // A line through so many turns would be a bush.
 bool IsZigzag(const std::vector<double>& values) {
@@ -169,7 +170,7 @@ std::filesystem::path DrawResponse(const DiagnosisReport& report, const std::fil
   const std::size_t samples = study.measured().size();
   const auto whole = Thinned(samples, kMostDrawn);
   // A branch of a loop spans much more twist than a model errs by.
-  const std::size_t parts = report.input.kind == "hysteresis" ? 60 : 12;
+  const std::size_t parts = report.input.kind == StudyKind::kHysteresis ? 60 : 12;
   const auto detail = DetailOf(report, std::clamp<std::size_t>(samples / parts, 40, 1500));
   const PanelLayout layout = StackPanels(2, 330.0, 66.0);
   const double shift = ShiftOf(report);

@@ -112,9 +112,8 @@ void SetVibration(Record& record, const diagnosis::Study& study, const std::vect
 }  // namespace
 
 RunnableModel ReadRunnableModel(const std::string& name, bool with_corrections) {
-  const bool is_kind =
-      name == "transmission_error" || name == "hysteresis" || name == "motion" || name == "vibration";
-  if (is_kind) return {name, NominalParameters(name), {}, NominalNoise(name)};
+  if (const std::optional<StudyKind> kind = StudyKindOf(daq::RecordKind::Named(name)))
+    return {*kind, NominalParameters(*kind), {}, NominalNoise(*kind)};
   if (!std::filesystem::exists(name)) {
     throw BenchError(
         ExitCode::kWrongInput,
@@ -123,7 +122,7 @@ RunnableModel ReadRunnableModel(const std::string& name, bool with_corrections) 
                     name, kDiagnosedKinds));
   }
   const ExtendedModel model = ReadExtendedModel(name);
-  if (model.kind == "campaign") {
+  if (model.kind == StudyKind::kCampaign) {
     throw BenchError(ExitCode::kWrongInput,
                      fmt::format("{}: error: the model of a campaign makes no record (expected one of {})",
                                  name, kDiagnosedKinds));
@@ -143,15 +142,16 @@ Record ExcitationFor(const RunnableModel& model) {
 }
 
 Record SimulateRecord(const RunnableModel& model, const Record& like, std::uint64_t seed, bool noise) {
-  if (like.kind != model.kind) {
-    throw std::invalid_argument(fmt::format(
-        "the record is of kind {}, the model of kind {} (expected one kind)", like.kind, model.kind));
+  if (StudyKindOf(like.kind) != model.kind) {
+    throw std::invalid_argument(
+        fmt::format("the record is of kind {}, the model of kind {} (expected one kind)", like.kind.name(),
+                    NameOf(model.kind)));
   }
   Record record = like;
   const auto study = MakeStudy({&like, 1});
   const std::vector<ParameterValue> nominal = NominalFor(model, *study);
   const double deviation = noise ? model.noise / study->unit_per_si() : 0.0;
-  if (model.kind == "motion") {
+  if (model.kind == StudyKind::kMotion) {
     std::vector<double> torque = SimulateMotion(like, *study, nominal, model.causes);
     AddNoise(deviation, seed, torque);
     SetMotion(record, std::move(torque));
@@ -159,9 +159,9 @@ Record SimulateRecord(const RunnableModel& model, const Record& like, std::uint6
     const Eigen::VectorXd predicted = study->Predict(nominal, model.causes);
     std::vector<double> response(predicted.data(), predicted.data() + predicted.size());
     AddNoise(deviation, seed, response);
-    if (model.kind == "transmission_error") {
+    if (model.kind == StudyKind::kTransmissionError) {
       SetSweep(record, response);
-    } else if (model.kind == "hysteresis") {
+    } else if (model.kind == StudyKind::kHysteresis) {
       SetLoop(record, response);
     } else {
       SetVibration(record, *study, response);

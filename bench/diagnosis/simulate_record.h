@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "analysis/diagnosis/study.h"
+#include "bench/diagnosis/study_kind.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {
 
 /// A model that can be run: the nominal one of a kind, or one that `diagnose` extended.
 struct RunnableModel {
-  std::string kind;
+  StudyKind kind{};
   std::vector<analysis::diagnosis::ParameterValue> nominal;  // others are those of the usual excitation
   std::vector<analysis::diagnosis::Study::NamedCause> causes;
   double noise{};  // standard deviation in the unit of the response

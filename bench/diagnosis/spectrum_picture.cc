@@ -166,12 +166,12 @@ void MoveTo(const std::vector<NamedOrder>& found, Axis& axis) {
 
 std::vector<NamedOrder> NamedOrdersOf(const DiagnosisReport& report, const Axis& axis,
                                       std::vector<NamedOrder> orders) {
-  if (report.input.kind == "transmission_error" && axis.over != nullptr) {
+  if (report.input.kind == StudyKind::kTransmissionError && axis.over != nullptr) {
     for (const auto& known : analysis::KnownOrders(report.input.mapping.ratio)) {
       orders.push_back({known.order, axis.Seen(known.order), known.name});
     }
   }
-  if (report.input.kind == "vibration" && axis.over != nullptr && axis.over->angle) {
+  if (report.input.kind == StudyKind::kVibration && axis.over != nullptr && axis.over->angle) {
     orders.push_back({1.0, axis.Seen(1.0), "shaft"});
     orders.push_back({2.0, axis.Seen(2.0), "shaft, twice"});
   }

@@ -41,7 +41,7 @@ struct CycleFeatures {
   std::string left_out;
 };
 
-const daq::Record* FindRecord(const std::vector<NamedRecord>& records, std::string_view kind,
+const daq::Record* FindRecord(const std::vector<NamedRecord>& records, const daq::RecordKind& kind,
                               std::string_view column) {
   const auto found = std::ranges::find_if(records, [&](const NamedRecord& named) {
     return named.record.kind == kind && (column.empty() || named.record.FindColumn(column) != nullptr);
@@ -52,13 +52,13 @@ const daq::Record* FindRecord(const std::vector<NamedRecord>& records, std::stri
 CycleFeatures FeaturesOf(const std::vector<NamedRecord>& records, bool motor_torque,
                          ChannelFeatures& features) {
   CycleFeatures cycle;
-  const daq::Record* const found = FindRecord(records, "vibration", "");
+  const daq::Record* const found = FindRecord(records, daq::RecordKind::kVibration, "");
   if (found == nullptr) {
     cycle.left_out = "no vibration record";
     return cycle;
   }
   daq::Record vibration = *found;
-  const daq::Record* const rotation = FindRecord(records, "motion", kTorqueChannel);
+  const daq::Record* const rotation = FindRecord(records, daq::RecordKind::kMotion, kTorqueChannel);
   if (rotation != nullptr) AddOperatingPoint(vibration, *rotation);
   if (motor_torque && rotation != nullptr) AddMotorTorque(vibration, *rotation);
   cycle.operating = OperatingPointOf(vibration);

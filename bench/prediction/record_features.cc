@@ -88,21 +88,24 @@ bool HasMotorTorque(const std::vector<std::string>& channels) {
 std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path, MotorTorque motor_torque) {
   std::vector<daq::Record> records = daq::ReadRecords(path);
   const auto rotation = std::ranges::find_if(records, [](const daq::Record& record) {
-    return record.kind == "motion" && record.FindColumn("output_torque_Nm") != nullptr && record.rows() > 1;
+    return record.kind == daq::RecordKind::kMotion && record.FindColumn("output_torque_Nm") != nullptr &&
+           record.rows() > 1;
   });
   for (daq::Record& record : records) {
-    if (record.kind != "vibration" || rotation == records.end()) continue;
+    if (record.kind != daq::RecordKind::kVibration || rotation == records.end()) continue;
     AddOperatingPoint(record, *rotation);
     if (motor_torque == MotorTorque::kAdded) AddMotorTorque(record, *rotation);
   }
   for (daq::Record& record : records) {
-    if (record.kind == "vibration") LookAtSamples(record);
+    if (record.kind == daq::RecordKind::kVibration) LookAtSamples(record);
   }
   std::vector<std::string> kinds;
   for (const daq::Record& record : records) {
-    if (std::ranges::find(kinds, record.kind) == kinds.end()) kinds.push_back(record.kind);
+    const std::string kind(record.kind.name());
+    if (std::ranges::find(kinds, kind) == kinds.end()) kinds.push_back(kind);
   }
-  std::erase_if(records, [](const daq::Record& record) { return record.kind != "vibration"; });
+  std::erase_if(records,
+                [](const daq::Record& record) { return record.kind != daq::RecordKind::kVibration; });
   if (records.empty()) {
     throw BenchError(ExitCode::kWrongInput, fmt::format("{}: error: kind is {} (expected vibration)",
                                                         path.string(), fmt::join(kinds, ", ")));

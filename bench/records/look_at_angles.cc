@@ -148,9 +148,9 @@ void TakeLostTurns(daq::Record& record, double ratio, double output_modulus_deg,
 }  // namespace
 
 void LookAtAngles(daq::Record& record) {
-  if (record.kind == "motion") UnwrapAlone(record, "position_rad", kTwoPi, "rad");
-  if (record.kind == "hysteresis") UnwrapAlone(record, "output_angle_deg", kTurn_deg, "deg");
-  if (record.kind != "transmission_error") return;
+  if (record.kind == daq::RecordKind::kMotion) UnwrapAlone(record, "position_rad", kTwoPi, "rad");
+  if (record.kind == daq::RecordKind::kHysteresis) UnwrapAlone(record, "output_angle_deg", kTurn_deg, "deg");
+  if (record.kind != daq::RecordKind::kTransmissionError) return;
   const double ratio = *daq::MetadataNumber(record, "ratio");
   const double output_modulus_deg = UnwrapOutput(record, ratio);
   const double input_modulus_deg = UnwrapInput(record, ratio);

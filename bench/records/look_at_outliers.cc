@@ -14,7 +14,7 @@ namespace strainwave::bench {
 // Of an axis: a torque may jump within a sample, and its study knows how to tell that from an outlier; a
 // position and a velocity go through every value between.
 void LookAtOutliers(daq::Record& record) {
-  if (record.kind != "motion") return;
+  if (record.kind != daq::RecordKind::kMotion) return;
   std::vector<bool> kept(record.rows(), true);
   for (const char* name : {"position_rad", "position_m", "velocity_rad_per_s", "velocity_m_per_s"}) {
     if (record.FindColumn(name) == nullptr) continue;

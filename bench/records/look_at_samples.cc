@@ -64,8 +64,8 @@ void LookAtSamples(daq::Record& record) {
   LookAtOutliers(record);
   LookAtSteps(record);
   LookAtVelocity(record);
-  if (record.kind == "transmission_error") CheckSweep(record);
-  if (record.kind != "vibration") return;
+  if (record.kind == daq::RecordKind::kTransmissionError) CheckSweep(record);
+  if (record.kind != daq::RecordKind::kVibration) return;
   LookAtRunning(record);
   for (auto& [column, warning] : SortVibrationColumns(record).warnings) NoteOn(record, std::move(warning));
 }

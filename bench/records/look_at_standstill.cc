@@ -48,12 +48,12 @@ struct HeldColumn {
 
 // The channels that a kind lives of.
 std::vector<std::string> Measured(const daq::Record& record) {
-  if (record.kind == "vibration") return VibrationChannelsOf(record);
+  if (record.kind == daq::RecordKind::kVibration) return VibrationChannelsOf(record);
   std::vector<std::string> names;
   for (const char* name : {"input_angle_deg", "output_angle_deg", "torque_Nm", "position_rad", "position_m",
                            "force_N", "current_A", "velocity_rad_per_s", "velocity_m_per_s"}) {
     const bool beside_the_point =
-        record.kind == "transmission_error" && std::string_view(name) == "torque_Nm";
+        record.kind == daq::RecordKind::kTransmissionError && std::string_view(name) == "torque_Nm";
     if (record.FindColumn(name) != nullptr && !beside_the_point) names.emplace_back(name);
   }
   return names;
@@ -76,7 +76,8 @@ bool IsOfTheLogger(const daq::Record& record, const std::string& name, const Hel
     const std::vector<double> values = record.CopyAsDoubles(other);
     const bool goes_on = samples::GoesOnMeanwhile(held, values) > kGoesOn;
     // Angles that are read in turn stand together without harm: a sweep has no time.
-    const bool together = record.kind != "transmission_error" && RepeatedTogether(held, values) > kTogether;
+    const bool together =
+        record.kind != daq::RecordKind::kTransmissionError && RepeatedTogether(held, values) > kTogether;
     if (goes_on || together) return true;
   }
   return alone;
@@ -85,7 +86,7 @@ bool IsOfTheLogger(const daq::Record& record, const std::string& name, const Hel
 std::vector<HeldColumn> FindHeldColumns(const daq::Record& record) {
   std::vector<HeldColumn> columns;
   for (const std::string& name : Measured(record)) {
-    const bool sweep = record.kind == "transmission_error";
+    const bool sweep = record.kind == daq::RecordKind::kTransmissionError;
     std::optional<Held> held = sweep ? samples::FindHeld(record.Doubles(name), kCoarsestEncoder_deg)
                                      : samples::FindHeld(record.CopyAsDoubles(name));
     if (held && IsOfTheLogger(record, name, *held)) columns.push_back({name, std::move(*held)});
@@ -182,7 +183,8 @@ void LookAtHeldVibration(daq::Record& record, const std::vector<HeldColumn>& col
 void LookAtHeld(daq::Record& record) {
   std::vector<HeldColumn> columns = FindHeldColumns(record);
   if (columns.empty()) return;
-  record.kind == "vibration" ? LookAtHeldVibration(record, columns) : TakeNewRows(record, std::move(columns));
+  record.kind == daq::RecordKind::kVibration ? LookAtHeldVibration(record, columns)
+                                             : TakeNewRows(record, std::move(columns));
 }
 
 std::string PlaceOf(const daq::Record& record, const Frozen& frozen) {
@@ -196,7 +198,7 @@ std::string PlaceOf(const daq::Record& record, const Frozen& frozen) {
 // Against its own noise; of the two angles of a sweep also against the other shaft, which went on.
 std::vector<Frozen> FrozenOf(const daq::Record& record, const std::string& name) {
   std::vector<Frozen> segments;
-  if (record.kind != "transmission_error") {
+  if (record.kind != daq::RecordKind::kTransmissionError) {
     segments = samples::FindFrozen(record.CopyAsDoubles(name));
     std::erase_if(segments, [](const Frozen& frozen) { return frozen.count < kFewestFrozen; });
     return segments;
@@ -215,7 +217,7 @@ std::vector<Frozen> FrozenOf(const daq::Record& record, const std::string& name)
 }
 
 void LookAtFrozen(daq::Record& record) {
-  const bool vibration = record.kind == "vibration";
+  const bool vibration = record.kind == daq::RecordKind::kVibration;
   std::vector<bool> kept(record.rows(), true);
   for (const std::string& name : Measured(record)) {
     std::vector<Frozen> segments = FrozenOf(record, name);
@@ -270,7 +272,7 @@ void LookAtRests(daq::Record& record) {
 }  // namespace
 
 void LookAtStandstill(daq::Record& record) {
-  if (record.kind == "transmission_error") LookAtRests(record);
+  if (record.kind == daq::RecordKind::kTransmissionError) LookAtRests(record);
   LookAtHeld(record);
   LookAtFrozen(record);
 }

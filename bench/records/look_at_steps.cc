@@ -63,8 +63,8 @@ void LookAtWork(daq::Record& record) {
 }  // namespace
 
 void LookAtSteps(daq::Record& record) {
-  if (record.kind == "motion") LookAtWork(record);
-  if (record.kind != "hysteresis") return;
+  if (record.kind == daq::RecordKind::kMotion) LookAtWork(record);
+  if (record.kind != daq::RecordKind::kHysteresis) return;
   LookAtSteps(record, "output_angle_deg", "deg");
   LookAtSteps(record, "torque_Nm", "Nm");
   LookAtRange(record, "torque_Nm", "Nm");

@@ -71,9 +71,10 @@ void LookAtTime(daq::Record& record) {
   ExpectOneRate(record, time_s, said_hz);
   const double repeated =
       static_cast<double>(samples::RepeatedStamps(time_s)) / static_cast<double>(time_s.size() - 1);
-  if (record.kind == "vibration") return SettleVibration(record, std::move(time_s), repeated, said_hz);
+  if (record.kind == daq::RecordKind::kVibration)
+    return SettleVibration(record, std::move(time_s), repeated, said_hz);
   // The study of an axis lives of its time, and says itself what is odd about it and what it does about it.
-  if (record.kind == "motion") return;
+  if (record.kind == daq::RecordKind::kMotion) return;
   if (repeated >= kManyRepeated) {
     return NoteOn(record, fmt::format("{:.1f} % of the time stamps repeat the one before", 100.0 * repeated));
   }

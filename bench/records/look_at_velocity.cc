@@ -52,7 +52,7 @@ AtTheEnd GoesOnAt(double end, std::span<const samples::Frozen> runs, std::span<c
 void LookAtVelocity(daq::Record& record) {
   const bool linear = daq::IsLinearAxis(record);
   const char* name = linear ? "velocity_m_per_s" : "velocity_rad_per_s";
-  if (record.kind != "motion" || record.FindColumn(name) == nullptr) return;
+  if (record.kind != daq::RecordKind::kMotion || record.FindColumn(name) == nullptr) return;
   const std::vector<double> time_s = record.CopyAsDoubles("time_s");
   const std::vector<double> position = record.CopyAsDoubles(linear ? "position_m" : "position_rad");
   const std::vector<double> velocity = record.CopyAsDoubles(name);

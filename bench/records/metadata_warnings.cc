@@ -51,11 +51,11 @@ constexpr std::array<std::string_view, 23> kOfAll{"absolute",
                                                   "stop_time_s",
                                                   "trouble"};
 
-Keys KeysOf(std::string_view kind) {
-  if (kind == "transmission_error") return kOfSweep;
-  if (kind == "hysteresis") return kOfLoop;
-  if (kind == "motion") return kOfMotion;
-  if (kind == "vibration") return kOfVibration;
+Keys KeysOf(const daq::RecordKind& kind) {
+  if (kind == daq::RecordKind::kTransmissionError) return kOfSweep;
+  if (kind == daq::RecordKind::kHysteresis) return kOfLoop;
+  if (kind == daq::RecordKind::kMotion) return kOfMotion;
+  if (kind == daq::RecordKind::kVibration) return kOfVibration;
   return {};
 }
 
@@ -101,7 +101,8 @@ std::optional<std::string> Meant(std::string_view key, Keys keys) {
 
 void AddDefaults(const daq::Record& record, std::vector<std::string>& warnings) {
   // The ratio of a vibration is asked for by diagnose alone.
-  if (record.kind != "transmission_error" && record.kind != "hysteresis") return;
+  if (record.kind != daq::RecordKind::kTransmissionError && record.kind != daq::RecordKind::kHysteresis)
+    return;
   for (const std::string_view key : KeysOf(record.kind)) {
     if (record.Metadata(key)) continue;
     const std::optional<double> taken = daq::MetadataNumber(record, key);
@@ -129,7 +130,7 @@ std::vector<std::string> MetadataWarnings(const daq::Record& record) {
     if (const auto meant = Meant(key, missing)) {
       warnings.push_back(
           fmt::format("metadata '{}' is not known and not read; did you mean '{}'?", key, *meant));
-    } else if (record.kind != "vibration") {
+    } else if (record.kind != daq::RecordKind::kVibration) {
       warnings.push_back(fmt::format("metadata '{}' is not known and not read", key));
     }
   }

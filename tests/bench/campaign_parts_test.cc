@@ -98,7 +98,7 @@ TEST(TimeToGo, IsThatOfThePlanWithoutWhatIsDone) {
 // Two points a step apart, so that mean and range can be told by head.
 NamedRecord Sweep(const std::string& group, double error_deg) {
   NamedRecord named{group, {}};
-  named.record.kind = "transmission_error";
+  named.record.kind = daq::RecordKind::kTransmissionError;
   std::vector<double> input, output, temperature;
   std::vector<daq::Direction> direction;
   for (int i = 0; i <= 72; ++i) {
@@ -163,7 +163,7 @@ TEST(BenchUncertainty, AddsInQuadratureWhatAllLoopsShare) {
 NamedRecord Check(const std::string& kind, const std::string& unit, double allowed,
                   std::vector<std::pair<std::string, std::vector<double>>> columns) {
   NamedRecord named{"the_check/check", {}};
-  named.record.kind = "history";
+  named.record.kind = daq::RecordKind::kHistory;
   named.record.SetMetadata("check", kind);
   if (unit == "Nm") named.record.SetMetadata("expected_Nm", kind == "shunt_check" ? 50.0 : 0.0);
   named.record.SetMetadata("allowed_" + unit, allowed);
@@ -232,7 +232,7 @@ TEST(VibrationStatistics, OfPiecesAreThoseOfTheWhole) {
   for (const auto& piece : {first, second}) {
     const auto moments = piece.moments();
     NamedRecord named{records.empty() ? "load/vibration_statistics" : "load/vibration_statistics_2", {}};
-    named.record.kind = "history";
+    named.record.kind = daq::RecordKind::kHistory;
     named.record.SetMetadata("statistics", "vibration");
     for (const auto& [name, value] :
          {std::pair{"count", moments.count}, std::pair{"mean_m_per_s2", moments.mean},

@@ -199,20 +199,22 @@ void ExpectFragmentsToBeSchedules(const diagnosis::Study& study, const std::stri
 }
 
 TEST(MeasurementsToSettle, AreSchedulesForEveryCauseOfEveryKind) {
-  for (const char* kind : {"transmission_error", "hysteresis", "motion", "vibration"}) {
+  for (const StudyKind kind :
+       {StudyKind::kTransmissionError, StudyKind::kHysteresis, StudyKind::kMotion, StudyKind::kVibration}) {
     const std::vector<daq::Record> records{UsualExcitation(kind, {.temperature = true, .torque = true})};
-    ExpectFragmentsToBeSchedules(*MakeStudy(records), kind);
+    ExpectFragmentsToBeSchedules(*MakeStudy(records), std::string(NameOf(kind)));
   }
   ExpectFragmentsToBeSchedules(*diagnosis::MakeCampaignStudy(SampleCampaign()), "campaign");
 }
 
 TEST(MeasurementsToSettle, AreThereForWhatHasNoName) {
-  for (const char* kind : {"transmission_error", "hysteresis", "motion", "vibration"}) {
+  for (const StudyKind kind :
+       {StudyKind::kTransmissionError, StudyKind::kHysteresis, StudyKind::kMotion, StudyKind::kVibration}) {
     MadeUp made_up = Unnamed();
     made_up.input.kind = kind;
     const auto entries = MeasurementsToSettle(made_up.Report());
     ASSERT_EQ(entries.size(), 1u);
-    EXPECT_EQ(SaidOfScheduleWith(entries[0]), "") << kind;
+    EXPECT_EQ(SaidOfScheduleWith(entries[0]), "") << NameOf(kind);
   }
 }
 

@@ -66,7 +66,7 @@ class RingingStudy final : public diagnosis::Study {
 std::string SpectrumWith(std::vector<diagnosis::ParameterValue> parameters) {
   const daq::ScratchFolder folder;
   StudyInput input;
-  input.kind = "vibration";
+  input.kind = StudyKind::kVibration;
   input.study = std::make_unique<RingingStudy>();
   diagnosis::Diagnosis result;
   result.weights.assign(kSamples, 1.0);

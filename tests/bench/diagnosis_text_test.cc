@@ -77,7 +77,8 @@ TEST(DiagnosisText, KeepsLongListsForWhoAsksForThem) {
 }
 
 TEST(ParameterWords, AreThereForEveryNumberOfTheDataSheets) {
-  for (const char* kind : {"transmission_error", "hysteresis", "motion", "vibration"}) {
+  for (const StudyKind kind :
+       {StudyKind::kTransmissionError, StudyKind::kHysteresis, StudyKind::kMotion, StudyKind::kVibration}) {
     for (const ParameterValue& parameter : NominalParameters(kind)) {
       EXPECT_NE(ParameterWords(parameter.name), "") << parameter.name;
     }

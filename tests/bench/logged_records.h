@@ -30,7 +30,7 @@ inline void AddColumn(Record& record, const std::string& name, std::vector<doubl
 
 inline Record New(const std::string& kind) {
   Record record;
-  record.kind = kind;
+  record.kind = daq::RecordKind::Named(kind);
   record.source = {"r.csv", kFirstLine, ""};
   return record;
 }

@@ -23,7 +23,7 @@ constexpr int kFirstLine = 6;
 
 Record New(const std::string& kind) {
   Record record;
-  record.kind = kind;
+  record.kind = daq::RecordKind::Named(kind);
   record.source = {"r.csv", kFirstLine, ""};
   return record;
 }
@@ -89,7 +89,7 @@ Record Vibration(std::size_t resting_rows) {
 }
 
 TEST(LookAtRows, SaysNothingOfHealthyRecords) {
-  for (Record record : {Loop(), Vibration(0)}) EXPECT_EQ(Looked(record), Notes{}) << record.kind;
+  for (Record record : {Loop(), Vibration(0)}) EXPECT_EQ(Looked(record), Notes{}) << record.kind.name();
 }
 
 TEST(LookAtRows, CountsEachRowThatWasWrittenTwiceOnce) {

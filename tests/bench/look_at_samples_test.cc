@@ -31,7 +31,7 @@ void ExpectSameError(const Record& looked, const Record& as_it_was) {
 TEST(LookAtSamples, SaysNothingOfHealthyRecordsAndLeavesThemAsTheyAre) {
   for (const Record& healthy : {Sweep(), Sweep(5.0, -100.0), Axis(), Axis(1000.0), Vibration()}) {
     Record record = healthy;
-    EXPECT_EQ(Looked(record), std::vector<std::string>{}) << healthy.kind;
+    EXPECT_EQ(Looked(record), std::vector<std::string>{}) << healthy.kind.name();
     for (std::size_t c = 0; c < record.columns.size(); ++c)
       EXPECT_EQ(record.columns[c].values, healthy.columns[c].values) << healthy.columns[c].name;
   }

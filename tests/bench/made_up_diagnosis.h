@@ -73,7 +73,7 @@ struct MadeUp {
   MadeUp() {
     auto made_up = std::make_unique<MadeUpStudy>();
     const std::size_t samples = made_up->angle().size();
-    input.kind = "transmission_error";
+    input.kind = StudyKind::kTransmissionError;
     input.records.push_back({"/somewhere/sweep.csv", "", std::string(64, 'a'), samples});
     input.warnings.push_back({"", 0, "3.0 % of the time stamps repeat the one before"});
     result.nominal.nominal = {{"offset_arcmin", "arcmin", 0.0, 0.01}};

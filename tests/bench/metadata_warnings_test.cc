@@ -12,7 +12,7 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 Warnings Of(const std::string& kind, const Metadata& metadata) {
   daq::Record record;
-  record.kind = kind;
+  record.kind = daq::RecordKind::Named(kind);
   record.metadata = metadata;
   return MetadataWarnings(record);
 }

@@ -39,7 +39,7 @@ class Opening : public testing::Test {
   void Store(int cycle, const std::string& says_cycle, const std::string& says_schedule,
              bool with_digest = true) {
     daq::Record record;
-    record.kind = "history";
+    record.kind = daq::RecordKind::kHistory;
     record.columns.push_back({"time_s", std::vector<double>{0.0, 1.0 * cycle}, {}, {}});
     daq::WriteRecordsAtomically(folder_.CycleFile(cycle), std::vector<daq::NamedRecord>{{"a", record}},
                                 {{"cycle", says_cycle}, {"schedule_sha256", says_schedule}});

@@ -90,7 +90,7 @@ TEST(OperatingPointOf, TakesMeansOfWhatSignalsTell) {
 
 TEST(OperatingPointOf, TakesMetadataWhereARecordHasNoColumn) {
   daq::Record record;
-  record.kind = "vibration";
+  record.kind = daq::RecordKind::kVibration;
   record.columns.push_back({"accel_x_m_per_s2", std::vector<double>{1.0, 2.0}, "", ""});
   record.columns.push_back({"temperature_degC", std::vector<double>{30.0, 32.0}, "", ""});
   record.SetMetadata("output_torque_Nm", -18.0);

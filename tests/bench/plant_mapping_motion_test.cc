@@ -18,7 +18,7 @@ const std::vector<ParameterValue> kNominal = Values(
     {{"inertia_kgm2", 3e-4}, {"viscous_Nms_per_rad", 8e-4}, {"coulomb_Nm", 0.02}, {"offset_Nm", 0.015}});
 
 GearPlant AxisOf(std::vector<NamedCause> causes, const MappingContext& context = {}) {
-  const PlantMapping mapping = PlantTermsOf("motion", kNominal, causes, context);
+  const PlantMapping mapping = PlantTermsOf(StudyKind::kMotion, kNominal, causes, context);
   EXPECT_TRUE(mapping.not_run.empty()) << mapping.not_run[0];
   return PlantOf(mapping);
 }
@@ -97,7 +97,7 @@ TEST(MotionMapping, FeelsPositionAsTheModelDoes) {
 
 TEST(MotionMapping, SwingsWithItsSecondInertia) {
   const PlantMapping mapping =
-      PlantTermsOf("motion", kNominal,
+      PlantTermsOf(StudyKind::kMotion, kNominal,
                    std::vector{Cause("torsional_resonance", {{"frequency_Hz", 30.0},
                                                              {"damping_ratio", 0.05},
                                                              {"inertia_share", 0.4},
@@ -133,7 +133,7 @@ TEST(MotionMapping, SwingsWithItsSecondInertia) {
 
 TEST(MotionMapping, LosesContactOverItsGap) {
   const PlantMapping mapping = PlantTermsOf(
-      "motion", kNominal,
+      StudyKind::kMotion, kNominal,
       std::vector{Cause("backlash",
                         {{"backlash_rad", 0.08}, {"load_inertia_kgm2", 1e-4}, {"load_friction_Nm", 0.01}})});
   const model::PlantParameters plant = PlantOf(mapping).specimen();
@@ -145,7 +145,7 @@ TEST(MotionMapping, LosesContactOverItsGap) {
 
 TEST(MotionMapping, TakesWindowsAndDelays) {
   const model::PlantParameters plant =
-      PlantOf(PlantTermsOf("motion", kNominal,
+      PlantOf(PlantTermsOf(StudyKind::kMotion, kNominal,
                            std::vector{Cause("external_disturbance", {{"start_s", 1.0},
                                                                       {"end_s", 2.0},
                                                                       {"torque_Nm", 0.2},
@@ -165,7 +165,7 @@ TEST(MotionMapping, TakesWindowsAndDelays) {
 
 TEST(MotionMapping, SaysWhatTheBenchCannotRun) {
   const auto sentence = [](std::vector<ParameterValue> nominal, std::vector<NamedCause> causes) {
-    const PlantMapping mapping = PlantTermsOf("motion", nominal, causes);
+    const PlantMapping mapping = PlantTermsOf(StudyKind::kMotion, nominal, causes);
     return mapping.not_run.size() == 1 ? mapping.not_run[0]
                                        : std::to_string(mapping.not_run.size()) + " sentences";
   };
@@ -181,7 +181,7 @@ TEST(MotionMapping, SaysWhatTheBenchCannotRun) {
 }
 
 model::PlantParameters VibratingPlant(std::vector<NamedCause> causes) {
-  const PlantMapping mapping = PlantTermsOf("vibration",
+  const PlantMapping mapping = PlantTermsOf(StudyKind::kVibration,
                                             Values({{"first_amplitude_accel_x_m_per_s2", 0.1},
                                                     {"first_phase_deg_accel_x_m_per_s2", 30.0},
                                                     {"first_amplitude_accel_y_m_per_s2", 0.3},
@@ -255,7 +255,7 @@ TEST(VibrationMapping, TakesRingsMeshAndResonance) {
 }
 
 TEST(MappingOfMotion, RejectsWhatItCannotRead) {
-  const auto message = [](std::string_view kind, std::vector<NamedCause> causes) -> std::string {
+  const auto message = [](StudyKind kind, std::vector<NamedCause> causes) -> std::string {
     try {
       PlantTermsOf(kind, {}, causes);
     } catch (const std::invalid_argument& error) {
@@ -263,12 +263,9 @@ TEST(MappingOfMotion, RejectsWhatItCannotRead) {
     }
     return "no error";
   };
-  EXPECT_EQ(
-      message("weather", {}),
-      "kind = \"weather\" is unknown (known: transmission_error, hysteresis, motion, vibration, campaign)");
-  EXPECT_EQ(message("hysteresis", {Cause("torque_zero_offset", {{"offset", 1.0}})}),
+  EXPECT_EQ(message(StudyKind::kHysteresis, {Cause("torque_zero_offset", {{"offset", 1.0}})}),
             "torque_zero_offset has no parameter offset_Nm");
-  EXPECT_EQ(message("campaign", {}), "no error");
+  EXPECT_EQ(message(StudyKind::kCampaign, {}), "no error");
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST(PlantMapping, ShowsEachLineOfATransmissionErrorWithItsAmplitudeAndPhase) {
       Cause("tooth_engagement", {{"amplitude_arcmin", 0.13}, {"phase_deg", 15.0}}),
       Cause("output_eccentricity", {{"amplitude_arcmin", 0.25}, {"phase_deg", 100.0}}),
       Cause("circular_spline_ovality", {{"amplitude_arcmin", 0.09}, {"phase_deg", -120.0}})};
-  const PlantMapping mapping = PlantTermsOf("transmission_error", kErrorNominal, causes);
+  const PlantMapping mapping = PlantTermsOf(StudyKind::kTransmissionError, kErrorNominal, causes);
   EXPECT_TRUE(mapping.not_run.empty());
   GearPlant plant = PlantOf(mapping);
   const Sweep sweep = SweepOf(plant, 1.0, 800);
@@ -91,7 +91,7 @@ TEST(PlantMapping, ShowsEachLineOfATransmissionErrorWithItsAmplitudeAndPhase) {
 }
 
 TEST(PlantMapping, ShowsTheDifferenceBetweenTheDirections) {
-  const PlantMapping mapping = PlantTermsOf("transmission_error", kErrorNominal,
+  const PlantMapping mapping = PlantTermsOf(StudyKind::kTransmissionError, kErrorNominal,
                                             std::vector{Cause("backlash", {{"backlash_arcmin", 1.2}})});
   GearPlant plant = PlantOf(mapping);
   const double cw = MeanOf(SweepOf(plant, 1.0, 360).error_rad);
@@ -100,7 +100,7 @@ TEST(PlantMapping, ShowsTheDifferenceBetweenTheDirections) {
 }
 
 TEST(PlantMapping, LeavesTheDirectionsToTheBenchWhereItsDragMakesMore) {
-  const PlantMapping mapping = PlantTermsOf("transmission_error", kErrorNominal,
+  const PlantMapping mapping = PlantTermsOf(StudyKind::kTransmissionError, kErrorNominal,
                                             std::vector{Cause("backlash", {{"backlash_arcmin", 0.1}})});
   ASSERT_EQ(mapping.not_run.size(), 1U);
   EXPECT_EQ(
@@ -111,11 +111,11 @@ TEST(PlantMapping, LeavesTheDirectionsToTheBenchWhereItsDragMakesMore) {
 
 TEST(PlantMapping, ShowsADamagedTooth) {
   GearPlant damaged = PlantOf(PlantTermsOf(
-      "transmission_error", kErrorNominal,
+      StudyKind::kTransmissionError, kErrorNominal,
       std::vector{
           Cause("local_tooth_damage",
                 {{"height_arcmin", -0.5}, {"centre_deg", 200.0}, {"width_deg", 6.0}, {"skew_share", 0.5}})}));
-  GearPlant whole = PlantOf(PlantTermsOf("transmission_error", kErrorNominal, {}));
+  GearPlant whole = PlantOf(PlantTermsOf(StudyKind::kTransmissionError, kErrorNominal, {}));
   const Sweep with = SweepOf(damaged, 1.0, 720);
   const Sweep without = SweepOf(whole, 1.0, 720);
   const auto bump_at = [&](std::size_t half_degree) {
@@ -130,7 +130,7 @@ TEST(PlantMapping, ShowsADamagedTooth) {
 TEST(PlantMapping, WindsUpWithTheLoad) {
   for (const double windup : {-0.4, -0.1}) {  // arcmin/Nm; the smaller is stiffer than the bench's couplings
     GearPlant plant =
-        PlantOf(PlantTermsOf("transmission_error", kErrorNominal,
+        PlantOf(PlantTermsOf(StudyKind::kTransmissionError, kErrorNominal,
                              std::vector{Cause("load_windup", {{"windup_arcmin_per_Nm", windup}})}));
     Hold(plant, Driven(Input::kPosition, 0.0, 5.0), 3.0);
     const double error = Error_rad(plant);
@@ -143,13 +143,13 @@ TEST(PlantMapping, WindsUpWithTheLoad) {
 
 TEST(PlantMapping, TurnsTheDriftOfAnErrorIntoThatOfTheOutput) {
   const PlantMapping by_temperature = PlantTermsOf(
-      "transmission_error", kErrorNominal, std::vector{Cause("thermal_drift", {{"drift_arcmin_per_K", 0.2}})},
-      {.temperature_degC = 25.0});
+      StudyKind::kTransmissionError, kErrorNominal,
+      std::vector{Cause("thermal_drift", {{"drift_arcmin_per_K", 0.2}})}, {.temperature_degC = 25.0});
   const model::OutputDrift drift = PlantOf(by_temperature).specimen().output_drift;
   EXPECT_NEAR(ArcminFromRad(model::OutputDrift_rad(drift, 30.0, 0.0)), -1.0, 1e-9);
   // 2 arcmin/h in the mean over half an hour that settles with a constant of ten minutes.
   const PlantMapping by_time = PlantTermsOf(
-      "transmission_error", kErrorNominal,
+      StudyKind::kTransmissionError, kErrorNominal,
       std::vector{Cause("thermal_drift", {{"drift_arcmin_per_h", 2.0}, {"time_constant_s", 600.0}})},
       {.duration_s = 1800.0});
   const model::OutputDrift settling = PlantOf(by_time).specimen().output_drift;
@@ -158,7 +158,7 @@ TEST(PlantMapping, TurnsTheDriftOfAnErrorIntoThatOfTheOutput) {
               -(1.0 - std::exp(-1.0)) / (1.0 - std::exp(-3.0)), 1e-9);
   // 0.5 arcmin that has its crest after a sixth of an hour.
   const PlantMapping swinging = PlantTermsOf(
-      "transmission_error", kErrorNominal,
+      StudyKind::kTransmissionError, kErrorNominal,
       std::vector{
           Cause("thermal_drift", {{"drift_swing_arcmin", 0.5}, {"phase_deg", 60.0}, {"period_s", 3600.0}})},
       {.duration_s = 3600.0});
@@ -183,7 +183,7 @@ double AfterRamp(GearPlant& plant, double from_Nm, double to_Nm, double rate_Nm_
 }
 
 GearPlant LoopPlant(std::vector<NamedCause> causes, const MappingContext& context = {}) {
-  const PlantMapping mapping = PlantTermsOf("hysteresis", kLoopNominal, causes, context);
+  const PlantMapping mapping = PlantTermsOf(StudyKind::kHysteresis, kLoopNominal, causes, context);
   EXPECT_TRUE(mapping.not_run.empty());
   return PlantOf(mapping, {"load_unbalance", "load_motor_ripple", "output_drag", "kinematic_input_1",
                            "kinematic_input_2", "kinematic_input_4", "kinematic_tooth_engagement"});
@@ -265,8 +265,9 @@ TEST(PlantMapping, TakesWhatTheRateDoesForADamper) {
 }
 
 TEST(PlantMapping, TakesAnAsymmetryOfTheWholeLawForOneOfItsSegments) {
-  const PlantMapping mapping = PlantTermsOf(
-      "hysteresis", {}, std::vector{Cause("asymmetric_stiffness", {{"law_asymmetry_share", 0.1}})}, {});
+  const PlantMapping mapping =
+      PlantTermsOf(StudyKind::kHysteresis, {},
+                   std::vector{Cause("asymmetric_stiffness", {{"law_asymmetry_share", 0.1}})}, {});
   EXPECT_TRUE(mapping.not_run.empty());
   EXPECT_EQ(LoopPlant({Cause("asymmetric_stiffness", {{"law_asymmetry_share", 0.1}})})
                 .law()
@@ -277,8 +278,9 @@ TEST(PlantMapping, TakesAnAsymmetryOfTheWholeLawForOneOfItsSegments) {
 }
 
 TEST(PlantMapping, SaysThatTheBenchIsStifferOneWayInAllSegmentsOnly) {
-  const PlantMapping mapping = PlantTermsOf(
-      "hysteresis", {}, std::vector{Cause("asymmetric_stiffness", {{"k1_asymmetry_share", 0.1}})}, {});
+  const PlantMapping mapping =
+      PlantTermsOf(StudyKind::kHysteresis, {},
+                   std::vector{Cause("asymmetric_stiffness", {{"k1_asymmetry_share", 0.1}})}, {});
   ASSERT_EQ(mapping.not_run.size(), 1U);
   EXPECT_EQ(mapping.not_run[0], "asymmetric_stiffness: the simulated bench has no term for it");
 }

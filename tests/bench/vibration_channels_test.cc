@@ -29,7 +29,7 @@ std::vector<double> Noise(unsigned seed = 1) {
 
 daq::Record RecordOf(std::vector<std::pair<std::string, std::vector<double>>> columns) {
   daq::Record record;
-  record.kind = "vibration";
+  record.kind = daq::RecordKind::kVibration;
   for (auto& [name, values] : columns) record.columns.push_back({name, std::move(values), "", ""});
   return record;
 }

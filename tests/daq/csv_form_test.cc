@@ -13,7 +13,7 @@ const std::string kHead = "# kind: hysteresis\n# t1_Nm: 7\n";
 void ExpectTheLoop(const std::string& text) {
   SCOPED_TRACE(text);
   const Record record = ParseCsvRecord(text, "r.csv");
-  EXPECT_EQ(record.kind, "hysteresis");
+  EXPECT_EQ(record.kind, RecordKind::kHysteresis);
   EXPECT_EQ(record.Metadata("t1_Nm"), "7");
   const auto values = [&](const char* name) {
     const auto column = record.Doubles(name);

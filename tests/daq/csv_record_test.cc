@@ -7,7 +7,7 @@ namespace {
 
 TEST(CsvRecord, ReadsMetadataAndColumns) {
   const Record record = ParseCsvRecord(kLoop, "r.csv");
-  EXPECT_EQ(record.kind, "hysteresis");
+  EXPECT_EQ(record.kind, RecordKind::kHysteresis);
   EXPECT_EQ(record.metadata, (std::vector<std::pair<std::string, std::string>>{{"t1_Nm", "7"}}));
   ASSERT_EQ(record.rows(), 3U);
   EXPECT_EQ(record.Doubles("torque_Nm")[1], -2.5);
@@ -273,7 +273,7 @@ TEST(ReadCsvRecord, NamesAFileThatIsMissingOrAFolder) {
 Record RandomSweep(std::size_t rows) {
   std::mt19937_64 random(7);
   Record record;
-  record.kind = "transmission_error";
+  record.kind = RecordKind::kTransmissionError;
   record.SetMetadata("ratio", -80.5);
   record.SetMetadata("specimen", "A: 3, \"left\"");
   record.SetMetadata("remark", "");

@@ -131,7 +131,7 @@ TEST(CycleFile, StoresWhatASensorThatDiedMeasured) {
 TEST(CycleFile, KeepsTheHistoryAroundAnEvent) {
   const ScratchFolder folder;
   Record record;
-  record.kind = "history";
+  record.kind = RecordKind::kHistory;
   record.columns.push_back({"time_s", std::vector{-0.002, -0.001, 0.0}, "", ""});
   record.columns.push_back({"torque_Nm", std::vector{1.0, std::nan(""), 90.0}, "", ""});
   WriteRecordsAtomically(folder / "a.h5", std::vector<NamedRecord>{{"trip", record}});
@@ -156,7 +156,8 @@ TEST(CycleFile, RefusesWhatCannotBeWritten) {
             "record '/': file attribute 'software' is empty, has a NUL in it or its value, or is taken");
   EXPECT_EQ(message_of({{"x", SampleLoop()}}, {{"kind", "a"}}),
             "record '/': file attribute 'kind' is empty, has a NUL in it or its value, or is taken");
-  EXPECT_EQ(message_with([](Record& r) { r.kind.clear(); }), "record '/x': the kind is empty");
+  EXPECT_EQ(message_with([](Record& r) { r.kind = RecordKind::Named(""); }),
+            "record '/x': the kind is empty");
   EXPECT_EQ(message_with([](Record& r) { r.columns.clear(); }), "record '/x': it has no rows");
   EXPECT_EQ(message_with([](Record& r) { r.columns[1].values = std::vector{1.0}; }),
             "record '/x': column 'torque_Nm' has 1 rows, not 3");
@@ -254,7 +255,7 @@ TEST(ReadRecords, TellsHdf5FromCsvByContentAndNotByName) {
   WriteBytes(folder / "misleading.h5", "# kind: hysteresis\ntime_s,torque_Nm,output_angle_deg\n0,1,2\n");
   const std::vector<Record> records = ReadRecords(folder / "misleading.h5");
   ASSERT_EQ(records.size(), 1U);
-  EXPECT_EQ(records[0].kind, "hysteresis");
+  EXPECT_EQ(records[0].kind, RecordKind::kHysteresis);
   EXPECT_EQ(MessageOf<RecordError>([&] { ReadRecords(folder.path()); }),
             folder.path().string() + ": error: Is a directory (expected a record file)");
 }

@@ -21,7 +21,7 @@ constexpr std::size_t kRowsPerBlock = 10;
 // A history so far, with a summary that changes beside it.
 std::vector<NamedRecord> RecordsOf(std::size_t rows) {
   Record history;
-  history.kind = "history";
+  history.kind = RecordKind::kHistory;
   history.SetMetadata("credited_load_s", static_cast<double>(rows));
   Column time{"time_s", std::vector<double>{}, "", ""};
   Column torque{"torque_Nm", std::vector<float>{}, "T-0815", "C-17", {{"sensitivity", "2"}}};
@@ -31,7 +31,7 @@ std::vector<NamedRecord> RecordsOf(std::size_t rows) {
   }
   history.columns = {time, torque};
   Record summary;
-  summary.kind = "history";
+  summary.kind = RecordKind::kHistory;
   summary.columns = {{"x_mean_m_per_s2", std::vector<double>{static_cast<double>(rows)}, "", ""}};
   return {{"load_run/load_run", history}, {"load_run/vibration_statistics", summary}};
 }

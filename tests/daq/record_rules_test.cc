@@ -63,7 +63,7 @@ TEST(CheckRecord, LooksAtFurtherColumnsOnlyWhereTheyAreChannels) {
 
 Record SampleMotion() {
   Record record;
-  record.kind = "motion";
+  record.kind = RecordKind::kMotion;
   record.columns.push_back({"time_s", std::vector{0.0, 0.1}, "", ""});
   record.columns.push_back({"position_rad", std::vector{0.0, 0.2}, "", ""});
   record.columns.push_back({"current_A", std::vector{1.0, -2.0}, "", ""});

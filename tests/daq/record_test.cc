@@ -15,7 +15,7 @@ namespace {
 
 Record SmallSweep() {
   Record record;
-  record.kind = "transmission_error";
+  record.kind = RecordKind::kTransmissionError;
   record.columns.push_back(
       {"direction", std::vector{Direction::kClockwise, Direction::kCounterClockwise}, "", ""});
   record.columns.push_back({"output_angle_deg", std::vector{0.0, 1.5}, "E-17", "2024-11"});

@@ -14,7 +14,7 @@ namespace strainwave::daq {
 
 inline Record SampleLoop() {
   Record record;
-  record.kind = "hysteresis";
+  record.kind = RecordKind::kHysteresis;
   record.SetMetadata("t1_Nm", 7.0);
   record.SetMetadata("t2_Nm", "25.0");  // a number, but not in its shortest form
   record.SetMetadata("specimen", "Nr. 007 \"ä\"");
@@ -26,7 +26,7 @@ inline Record SampleLoop() {
 
 inline Record SampleSweep() {
   Record record;
-  record.kind = "transmission_error";
+  record.kind = RecordKind::kTransmissionError;
   record.SetMetadata("ratio", -80.0);
   record.SetMetadata("absolute", "true");
   record.columns.push_back(
@@ -38,7 +38,7 @@ inline Record SampleSweep() {
 
 inline Record SampleVibration() {
   Record record;
-  record.kind = "vibration";
+  record.kind = RecordKind::kVibration;
   record.SetMetadata("sample_rate_hz", 25600.0);
   record.columns.push_back({"accel_x_m_per_s2", std::vector{0.1F, -9.81F, 1e-30F}, "A-1", ""});
   record.columns.push_back({"accel_motor_z_m_per_s2", std::vector{0.0F, 1.0F, 2.0F}, "", ""});

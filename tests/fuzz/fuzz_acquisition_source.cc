@@ -3,7 +3,7 @@
 // holds anything but samples that the device counted one after the other.
 // sources: bench/monitor/acquisition_source.cc bench/monitor/window.cc bench/prediction/signal_settings.cc
 // sources: daq/acquisition/calibration.cc daq/acquisition/clock_model.cc daq/acquisition/gap_ledger.cc
-// sources: daq/acquisition/teds.cc daq/record.cc
+// sources: daq/acquisition/teds.cc daq/record.cc daq/record_kind.cc
 // libraries: fmt eigen3
 #include <cstdint>
 #include <cstdlib>

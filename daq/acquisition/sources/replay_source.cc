@@ -35,7 +35,7 @@ bool IsReadableStream(const std::filesystem::path& path) {
     if (!IsStreamFile(path)) return streams;
     const StreamFileReader stream(path);
     for (const BlockRow& block : stream.blocks()) stream.Words(block.row, block.samples);
-    streams.emplace_back().kind = "stream";
+    streams.emplace_back().kind = RecordKind::kHistory;
     return streams;
   });
   return !found.empty();
