@@ -261,17 +261,18 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
   }
   const std::vector<double> level = LocalLevel(drops, static_cast<std::size_t>(30.0 * cell / step));
   const auto prominence = [&](std::size_t bin) { return drops[bin] / level[bin]; };
-  std::vector<std::size_t> bins(drops.size());
-  std::iota(bins.begin(), bins.end(), std::size_t{0});
+  std::vector<std::size_t> ranked(drops.size());
+  std::iota(ranked.begin(), ranked.end(), std::size_t{0});
   // No more are looked at than lie near the peaks that are taken.
   const std::size_t near = count * (2 * static_cast<std::size_t>(std::ceil(cell / step)) + 5);
-  std::partial_sort(bins.begin(), bins.begin() + static_cast<std::ptrdiff_t>(std::min(near, bins.size())),
-                    bins.end(), [&](std::size_t a, std::size_t b) { return prominence(a) > prominence(b); });
+  std::partial_sort(ranked.begin(),
+                    ranked.begin() + static_cast<std::ptrdiff_t>(std::min(near, ranked.size())), ranked.end(),
+                    [&](std::size_t a, std::size_t b) { return prominence(a) > prominence(b); });
   // A line over an angle at which the samples crowd raises its surroundings with it.
   const auto highest = static_cast<std::size_t>(std::ranges::max_element(drops) - drops.begin());
-  bins.insert(bins.begin() + 1, highest);
+  ranked.insert(ranked.begin() + 1, highest);
   std::vector<LinePeak> peaks;
-  for (const std::size_t bin : bins) {
+  for (const std::size_t bin : ranked) {
     if (peaks.size() == count || !(drops[bin] > 0.0)) break;
     const double order = static_cast<double>(bin + from) * step;
     const bool close = std::any_of(peaks.begin(), peaks.end(),

@@ -150,7 +150,7 @@ class Line final : public NuisanceTerm {
 
   void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd&,
            Eigen::VectorXd& total_rad) const override {
-    const std::vector<double>& abscissa = AbscissaOf(grid);
+    const std::vector<double>& abscissa = AbscissaIn(grid);
     const double per_abscissa = abscissa_.per_number * v[2];
     // One sine a sample, not two functions: fits spend their time here.
     const double height = RadFromArcmin(std::hypot(v[0], v[1]));
@@ -167,7 +167,7 @@ class Line final : public NuisanceTerm {
     const LoopGrid& grid = residual.grid;
     const double per_number = abscissa_.per_number;
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(AbscissaOf(grid), residual.residual_rad, grid.weight,
+    for (const LinePeak& peak : FindLines(AbscissaIn(grid), residual.residual_rad, grid.weight,
                                           lowest_ * per_number, highest_ * per_number, 3)) {
       starts.push_back({0.0, 0.0, std::clamp(peak.order / per_number, lowest_, highest_)});
     }
@@ -175,7 +175,7 @@ class Line final : public NuisanceTerm {
   }
 
  private:
-  const std::vector<double>& AbscissaOf(const LoopGrid& grid) const {
+  const std::vector<double>& AbscissaIn(const LoopGrid& grid) const {
     return over_ == Over::kTime ? grid.time_s : over_ == Over::kTorque ? grid.torque_Nm : grid.position_rad;
   }
 
