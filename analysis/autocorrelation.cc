@@ -17,7 +17,7 @@ double LagProduct(std::span<const double> x, std::size_t lag) {
 
 }  // namespace
 
-Eigen::Index MemoryLength(std::span<const double> residual) {
+Eigen::Index KernelBandwidth(std::span<const double> residual) {
   const auto n = static_cast<double>(residual.size());
   if (residual.size() < 8) {
     return 1;
@@ -53,23 +53,23 @@ Eigen::MatrixXd Whiten(const Eigen::MatrixXd& rows, double rho) {
   return white;
 }
 
-Eigen::MatrixXd LongRunCovariance(const Eigen::MatrixXd& scores, Eigen::Index memory_length) {
+Eigen::MatrixXd LongRunCovariance(const Eigen::MatrixXd& scores, Eigen::Index bandwidth) {
   const Eigen::Index n = scores.rows();
   // Row-major, so that a sample is one segment of memory in the running sum.
   const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = scores;
-  const Eigen::Index windows = n + memory_length - 1;
+  const Eigen::Index windows = n + bandwidth - 1;
   Eigen::MatrixXd window_sums(windows, scores.cols());
   Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(scores.cols());
   for (Eigen::Index end = 0; end < windows; ++end) {
     if (end < n) {
       sum += rows.row(end);
     }
-    if (end >= memory_length) {
-      sum -= rows.row(end - memory_length);
+    if (end >= bandwidth) {
+      sum -= rows.row(end - bandwidth);
     }
     window_sums.row(end) = sum;
   }
-  return window_sums.transpose() * window_sums / static_cast<double>(memory_length);
+  return window_sums.transpose() * window_sums / static_cast<double>(bandwidth);
 }
 
 Eigen::MatrixXd ScoreCovariance(const Eigen::MatrixXd& scores, std::span<const double> residuals) {
@@ -77,8 +77,8 @@ Eigen::MatrixXd ScoreCovariance(const Eigen::MatrixXd& scores, std::span<const d
   const Eigen::Map<const Eigen::VectorXd> column(residuals.data(),
                                                  static_cast<Eigen::Index>(residuals.size()));
   const Eigen::MatrixXd white = Whiten(column, rho);
-  const Eigen::Index memory = MemoryLength({white.data(), residuals.size()});
-  return LongRunCovariance(Whiten(scores, rho), memory) / ((1.0 - rho) * (1.0 - rho));
+  const Eigen::Index bandwidth = KernelBandwidth({white.data(), residuals.size()});
+  return LongRunCovariance(Whiten(scores, rho), bandwidth) / ((1.0 - rho) * (1.0 - rho));
 }
 
 double VarianceInflation(std::span<const double> residual) {

@@ -6,13 +6,13 @@
 
 namespace strainwave::analysis {
 
-/// Length over which a residual forgets itself, as a number of samples: the bandwidth of a Bartlett kernel by
-/// the first-order autoregressive plug-in rule, 1.1447 (4ρ² / (1 − ρ²)² · n)^⅓, at least n^⅓ and at most n
+/// Length of the autocorrelation of a residual in samples: the bandwidth of a Bartlett kernel by the
+/// first-order autoregressive plug-in rule, 1.1447 (4ρ² / (1 − ρ²)² · n)^⅓, at least n^⅓ and at most n
 /// / 8. ρ is the larger of the lag-1 autocorrelation and, where that one is significant, the ratio of lag 2
 /// to lag 1, which stays high when white noise hides a slow component.
 ///
 /// Source: Andrews, Econometrica 59 (1991) 817, eq. 6.2 and 6.4.
-Eigen::Index MemoryLength(std::span<const double> residual);
+Eigen::Index KernelBandwidth(std::span<const double> residual);
 
 /// Lag-1 autocorrelation, within ±0.9; 0 for fewer than 8 values.
 double LagOneCorrelation(std::span<const double> residual);
@@ -21,16 +21,16 @@ double LagOneCorrelation(std::span<const double> residual);
 Eigen::MatrixXd Whiten(const Eigen::MatrixXd& rows, double rho);
 
 /// Long-run covariance of the sum of the rows of `scores` (one row a sample, in time order), with Bartlett
-/// weights 1 − |lag| / memory_length: the mean over all windows of `memory_length` rows of the outer product
-/// of the window's sum. Positive semidefinite by construction. `memory_length` 1 takes the rows as
+/// weights 1 − |lag| / bandwidth: the mean over all windows of `bandwidth` rows of the outer product
+/// of the window's sum. Positive semidefinite by construction. `bandwidth` 1 takes the rows as
 /// independent.
 ///
 /// Source: Newey & West, Econometrica 55 (1987) 703; the form as a mean over windows follows by counting.
-Eigen::MatrixXd LongRunCovariance(const Eigen::MatrixXd& scores, Eigen::Index memory_length);
+Eigen::MatrixXd LongRunCovariance(const Eigen::MatrixXd& scores, Eigen::Index bandwidth);
 
 /// The same for the scores of a least-squares fit (rows Jᵢ rᵢ of a Jacobian that changes slowly), whitened
 /// first by the lag-1 correlation of the residuals and coloured again by 1 / (1 − ρ)²: a window alone misses
-/// the far end of the memory.
+/// the far end of the autocorrelation.
 ///
 /// Source: Andrews & Monahan, Econometrica 60 (1992) 953.
 Eigen::MatrixXd ScoreCovariance(const Eigen::MatrixXd& scores, std::span<const double> residuals);

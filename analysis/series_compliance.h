@@ -21,7 +21,7 @@ struct BlankRamp {
 /// Straight line twist = C · torque + offset through a torque ramp. The standard error holds under
 /// autocorrelated residuals, so that a slightly bent or looped line costs certainty.
 /// @throws std::invalid_argument if lengths differ, a value is not finite, or there are fewer than 16
-/// samples.
+///   samples.
 BlankRamp FitSeriesCompliance(std::span<const double> torque_Nm, std::span<const double> twist_rad);
 
 /// Error of the output encoder by its own angle: eccentricity once, tilt twice a turn (docs/effects.md E18).

@@ -133,7 +133,7 @@ void StiffnessCurve::DriveByTwist(const double* parameters, double* residuals, d
   }
 }
 
-// While the element sticks, its torque is c + κφ with κ = W/δ; c is all that has to be remembered of the
+// While the element sticks, its torque is c + κφ with κ = W/δ; c is all that is kept of the
 // past, and changes only when the element slides. φ counts from the spring's centre.
 void StiffnessCurve::DriveByTorque(const double* parameters, double* residuals, double* jacobian) const {
   const std::size_t n = torque_Nm.size();

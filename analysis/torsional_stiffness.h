@@ -72,8 +72,7 @@ struct TorsionalStiffness {
 ///
 /// @param loop     at least 16 samples; one loop or several, starting anywhere.
 /// @throws std::invalid_argument if lengths differ, a value is not finite, there are fewer than 16 samples,
-/// or the
-///   torques are out of order.
+///   or the torques are out of order.
 TorsionalStiffness FitStiffnessModel(const TorsionLoop& loop, const TestTorques& torques);
 
 /// As published (docs/sources.md#shivam-2023, eq. 4): secants of the loading branch from its start at zero
@@ -97,8 +96,7 @@ TorsionalStiffness FitStiffnessBackbone(const TorsionLoop& loop, const TestTorqu
 /// model's errors then hold that misfit of form as well, and a warning gives both numbers.
 ///
 /// @param torque_gain_relative_se  relative standard error of the torque transducer's gain (0.003 / √3 for
-/// ±0.3 %
-///   read as a rectangular distribution), from 0 up.
+///   ±0.3 % read as a rectangular distribution), from 0 up.
 /// @throws std::invalid_argument as FitStiffnessModel, and if C, its error or the gain's error is negative.
 TorsionalStiffness MeasureStiffness(const TorsionLoop& loop, const TestTorques& torques,
                                     StiffnessMethod method, const SeriesCompliance& bench = {},

@@ -29,7 +29,7 @@ struct AngleSweep {
 struct OrderLine {
   double order_per_output_rev{};
   double order_per_input_rev{};
-  Estimate amplitude_rad;  // NaN where the samples show a part of it that hangs on its phase
+  Estimate amplitude_rad;  // NaN where the samples show a part of it that depends on its phase
   double phase_rad{};
   /// Named source where the order has one ("wave generator, 2nd harmonic"); else empty. Where two candidates
   /// appear at one order, both names, joined by " or ".

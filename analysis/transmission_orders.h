@@ -30,7 +30,7 @@ struct OrderAnalysis {
 };
 
 /// @param output_angle_rad, error_rad  the samples of one full revolution, at least 8, in the order of the
-/// sweep.
+///   sweep.
 OrderAnalysis AnalyseOrders(std::span<const double> output_angle_rad, std::span<const double> error_rad,
                             double ratio);
 

@@ -35,8 +35,7 @@ class CheckpointFile {
 
   /// Opens the file to write, or makes an empty one, which appears whole or not at all.
   /// @throws DataFileError if that fails, and if the file is none of this format or all that was written is
-  /// damaged:
-  ///   a state that was lost is never taken for one that was not begun.
+  ///   damaged: a state that was lost is never taken for one that was not begun.
   explicit CheckpointFile(const std::filesystem::path& path);
 
   /// Writes the next state: one system call, no allocation, nothing waits for the disk.

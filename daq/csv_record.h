@@ -14,8 +14,7 @@ namespace strainwave::daq {
 /// plus sign, and blank lines at the end are taken as they come. Columns of text that the kind does not know
 /// are left out, which `Record::notes` says. Numbers become doubles.
 /// @throws RecordError with every finding as `FILE:LINE:COLUMN: error: WHAT (expected ...)`; the column
-/// counts
-///   bytes from 1. A file that is missing, a folder or unreadable has no line and column.
+///   counts bytes from 1. A file that is missing, a folder or unreadable has no line and column.
 Record ReadCsvRecord(const std::filesystem::path& path);
 
 /// The same for a text in memory; `file` is its name for messages.
@@ -23,8 +22,7 @@ Record ParseCsvRecord(std::string_view text, const std::string& file);
 
 /// The record as CSV, numbers in the shortest text that reads back to the same bits.
 /// @throws std::invalid_argument if columns differ in length, or a name, key or value cannot be told apart
-/// again
-///   when read (a line end; blanks at its ends; a comma or a quote in a name; a colon in a key; a name
+///   again when read (a line end; blanks at its ends; a comma or a quote in a name; a colon in a key; a name
 ///   twice).
 std::string CsvTextOf(const Record& record);
 

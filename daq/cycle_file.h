@@ -37,8 +37,7 @@ void WriteRecordsAtomically(const std::filesystem::path& path, std::span<const N
 
 /// Reads every record of a file, and the attributes of the file itself.
 /// @throws RecordError with the findings of all records: a missing or cut file, a foreign one without a
-/// record, a
-///   checksum that does not match, and with `Checking::kRules` what breaks the rules.
+///   record, a checksum that does not match, and with `Checking::kRules` what breaks the rules.
 CycleFile ReadCycleFile(const std::filesystem::path& path, Checking checking = Checking::kRules);
 
 }  // namespace strainwave::daq

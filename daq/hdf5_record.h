@@ -16,8 +16,7 @@ namespace strainwave::daq {
 /// Writes `record` as the group `group_path` ("/hysteresis", "/repeat/2/hysteresis", "/") of `file`.
 /// Values are not judged, so that whatever was measured can be stored.
 /// @throws std::invalid_argument if the record has no kind, no rows, columns of unequal length, or a name
-/// that
-///   HDF5 or the reader would take for something else; Hdf5Error.
+///   that HDF5 or the reader would take for something else; Hdf5Error.
 void WriteRecordGroup(hid_t file, const std::string& group_path, const Record& record);
 
 /// Paths of all groups with an attribute `kind`, at any depth, the root among them, in the order of creation
@@ -27,8 +26,7 @@ std::vector<std::string> ListRecordGroups(hid_t file);
 
 /// Reads one group back. `file_name` is for messages.
 /// @throws RecordError with every finding as `FILE: error: group '/x', dataset 'y', row 17: WHAT (expected
-/// ...)`,
-///   rows counted from 0; Hdf5Error if the group is not there.
+///   ...)`, rows counted from 0; Hdf5Error if the group is not there.
 Record ReadRecordGroup(hid_t file, const std::string& group_path, const std::string& file_name,
                        Checking checking = Checking::kRules);
 

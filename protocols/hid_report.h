@@ -11,8 +11,7 @@
 namespace strainwave::protocols {
 
 /// One number within an input report (Device Class Definition for HID 1.11, 5.6 and 8): value = number ×
-/// scale
-/// + offset.
+/// scale + offset.
 struct HidField {
   std::string name;
   std::uint8_t report_id{};     // the report's first byte; 0: the device does not number its reports

@@ -30,7 +30,7 @@ inline constexpr double kNotExcluded = 2.0;
 Candidate FitCandidate(const Judge& judge, const ScoredModel& model, std::size_t cause);
 
 /// All that may stand beside a model, each fitted with it, but for those that `is_out` names; several at once
-/// where the judge may.
+/// where `Judge::parallel` allows it.
 /// @param begins  told of each fit, which may take long; from any thread, but one at a time
 std::vector<Candidate> FitCandidates(
     const Judge& judge, const ScoredModel& model,

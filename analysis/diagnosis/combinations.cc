@@ -63,7 +63,7 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std:
     const CauseRule& rule = rules[candidate.cause];
     const double ahead = WhiteRatio(candidate.model, poorer);
     const int more = candidate.model.fit.free_parameters - poorer.fit.free_parameters;
-    // Without a discount for places: noise with a memory has lines and windows anywhere.
+    // Without a discount for search locations: autoregressive noise has lines and windows anywhere.
     return ahead - 2.0 * std::log(std::max(1.0, rule.trials_factor)) - more * std::log(judge.samples()) -
            (IsNuisanceTerm(rule) ? LeadAsked(ahead) : 0.0);
   };

@@ -12,8 +12,8 @@ namespace strainwave::analysis::diagnosis {
 
 /// Effects none of which shows while the others are still in the residual: slow ones pass together for the
 /// autocorrelation of the noise. The strongest candidate as if the noise were white, the strongest beside it,
-/// and so on; then what the memory of what is left explains as well, or another one's misfit, is taken out
-/// again, weakest first.
+/// and so on; then what the autocorrelation of the residual explains as well, or another one's misfit, is
+/// taken out again, weakest first.
 std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std::size_t> given,
                                         const ScoredModel& model, std::size_t most, double error);
 
@@ -22,8 +22,7 @@ std::optional<ScoredModel> FindTogether(const Judge& judge, std::span<const std:
 /// what else is there, takes its place;
 /// one that does as well is its rival.
 /// @param beside  candidates beside the model. What shows beside a nuisance term may be one of two for which
-/// it
-///   stands, though it shows nothing without the other
+///   it stands, though it shows nothing without the other
 /// @param rivals  set to the pairs that do as well, by the cause whose place they would take
 std::optional<ScoredModel> FindPair(const Judge& judge, std::span<const std::size_t> given,
                                     const ScoredModel& model, std::span<const Candidate> beside, double error,

@@ -24,9 +24,9 @@ constexpr std::size_t kMostHeldOut = 8;
 // Bonferroni; Genovese, Roeder & Wasserman, Biometrika 93 (2006) 509).
 constexpr double kShareOfCauses = 0.75;
 
-// BIC charges a parameter by all samples, also one that only a few of them know (a ring, a window, an order's
-// phase): of a nuisance term it may say so much less where chance is excluded, and less for each of many
-// parameters.
+// BIC charges a parameter by all samples, also one that only a few of them know (a response, a window, an
+// order's phase): of a nuisance term it may say so much less where chance is excluded, and less for each of
+// many parameters.
 constexpr double kLeastBic = -12.0;
 constexpr double kLeastBicEach = -5.0;
 constexpr double kLeastBicOfMany = -40.0;
@@ -75,7 +75,7 @@ ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* star
     }
     return model;
   };
-  if (purpose == FitPurpose::kCompare && study_.RemembersSearches()) return make();
+  if (purpose == FitPurpose::kCompare && study_.CachesSearches()) return make();
   FitRequest request{{causes.begin(), causes.end()}, {}, {}, purpose};
   if (start != nullptr && start->usable) {
     request.start_causes = start->causes;
@@ -93,8 +93,8 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
   Comparison comparison;
   if (!richer.fit.usable || !poorer.fit.usable) return comparison;
   double more = richer.fit.free_parameters - poorer.fit.free_parameters;
-  // What is added has an amount at least, also where the poorer model needs the more numbers for it (a swing
-  // at the start that stands in for a drag).
+  // What is added has an amount at least, also where the poorer model needs the more numbers for it (an
+  // oscillation at the start that stands in for a drag).
   if (more > 0.0 || richer.fit.causes.size() > poorer.fit.causes.size())
     more = std::max(1.0, richer.fit.charged_parameters() - poorer.fit.charged_parameters());
   comparison.more_parameters = more;
@@ -117,21 +117,21 @@ Comparison Judge::Compare(const ScoredModel& richer, const ScoredModel& poorer) 
 
 double Judge::Score(const Comparison& comparison, const CauseRule& rule) const {
   const double more = comparison.more_parameters;
-  const double places = std::min<double>(rule.location_parameters + comparison.more_location_parameters,
-                                         std::max<double>(more, rule.degrees_of_freedom));
-  // Places that the search chooses and the fit leaves alone are none of its numbers, but cost as much.
+  const double locations = std::min<double>(rule.location_parameters + comparison.more_location_parameters,
+                                            std::max<double>(more, rule.degrees_of_freedom));
+  // Locations that the search chooses and the fit leaves alone are none of its numbers, but cost as much.
   const double left_alone = std::max(0.0, rule.degrees_of_freedom - more);
-  const double amounts = more - std::max(0.0, places - left_alone);
+  const double amounts = more - std::max(0.0, locations - left_alone);
   return comparison.likelihood_ratio - amounts * std::log(samples_) -
-         places * std::log(std::clamp(comparison.likelihood_ratio, 1.0, samples_)) -
+         locations * std::log(std::clamp(comparison.likelihood_ratio, 1.0, samples_)) -
          2.0 * (comparison.log_search_locations + std::log(std::max(1.0, rule.trials_factor)));
 }
 
 double Judge::Corrected(double p_value, const CauseRule& rule) const {
   const auto of_its_sort = std::ranges::count(study_.causes(), rule.named, &CauseRule::named);
   const double share = rule.named ? kShareOfCauses : 1.0 - kShareOfCauses;
-  const double looks = std::max(1.0, rule.trials_factor) * static_cast<double>(of_its_sort) / share;
-  return -std::expm1(looks * std::log1p(-std::min(p_value, 0.999999)));
+  const double trials = std::max(1.0, rule.trials_factor) * static_cast<double>(of_its_sort) / share;
+  return -std::expm1(trials * std::log1p(-std::min(p_value, 0.999999)));
 }
 
 double Judge::HeldOutGain(const ModelFit& richer, const ModelFit& poorer, const NoiseFit& noise,

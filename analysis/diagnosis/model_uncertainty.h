@@ -8,7 +8,7 @@
 namespace strainwave::analysis::diagnosis {
 
 /// Whether a cause of a model lives of samples in which another cause, or the nominal model, predicts a
-/// course that hangs on more than a fit can know (Study::ModelUncertainty): once they count for less, most
+/// course that depends on more than a fit can know (Study::ModelUncertainty): once they count for less, most
 /// of its likelihood ratio is gone and the rest is not beyond chance. What counts for less:
 /// - all uncertain samples, by the noise's variance over that with a multiple of the model uncertainty's
 /// square, of which

@@ -39,8 +39,8 @@ NoiseFit FitNoise(std::span<const double> residual, std::span<const double> weig
                   std::span<const std::size_t> series = {});
 
 /// Twice the log-likelihood that `richer` is ahead of `poorer`, each under its own noise of one and the same
-/// order: the best one of the richer model, or, where the poorer does better with more memory, that one less
-/// what BIC charges for it.
+/// order: the best one of the richer model, or, where the poorer does better with a stronger autocorrelation,
+/// that one less what BIC charges for it.
 double LikelihoodRatio(const NoiseFit& richer, const NoiseFit& poorer);
 
 }  // namespace strainwave::analysis::diagnosis

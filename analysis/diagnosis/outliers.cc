@@ -14,19 +14,21 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Whether the other passes of a sample's place, all in all, stand off like it: then it is no outlier but
-// something narrow at that place.
-bool ComesAgain(std::span<const double> places_rad, std::span<const double> residuals, std::size_t sample) {
-  constexpr double kSamePlace = 0.6;  // of the way to the nearer neighbour
+// Whether the other passes of a sample's angle, all in all, stand off like it: then it is no outlier but
+// something narrow at that angle.
+bool ComesAgain(std::span<const double> turn_angles_rad, std::span<const double> residuals,
+                std::size_t sample) {
+  constexpr double kSameAngle = 0.6;  // of the way to the nearer neighbour
   constexpr double kLike = 0.5;       // of the sample
-  if (sample == 0 || sample + 1 >= places_rad.size()) return false;
-  const double reach_rad = kSamePlace * std::min(std::abs(places_rad[sample] - places_rad[sample - 1]),
-                                                 std::abs(places_rad[sample + 1] - places_rad[sample]));
+  if (sample == 0 || sample + 1 >= turn_angles_rad.size()) return false;
+  const double reach_rad =
+      kSameAngle * std::min(std::abs(turn_angles_rad[sample] - turn_angles_rad[sample - 1]),
+                            std::abs(turn_angles_rad[sample + 1] - turn_angles_rad[sample]));
   double sum = 0.0;
   double count = 0.0;
-  for (std::size_t i = 0; i < places_rad.size(); ++i) {
+  for (std::size_t i = 0; i < turn_angles_rad.size(); ++i) {
     if (i + 1 >= sample && i <= sample + 1) continue;
-    if (std::abs(std::remainder(places_rad[i] - places_rad[sample], kTwoPi)) > reach_rad) continue;
+    if (std::abs(std::remainder(turn_angles_rad[i] - turn_angles_rad[sample], kTwoPi)) > reach_rad) continue;
     sum += residuals[i];
     count += 1.0;
   }
@@ -38,7 +40,7 @@ bool ComesAgain(std::span<const double> places_rad, std::span<const double> resi
 bool LeaveOutSpikes(const Study& study, const ModelFit& fit, std::vector<double>& weights) {
   if (!study.SpikesAreOutliers()) return false;
   const std::vector<double> residuals = ResidualsOf(study, fit);
-  const std::span<const double> places_rad = study.PlacesOnTurn();
+  const std::span<const double> turn_angles_rad = study.AnglesOnTurn();
   bool any = false;
   for (std::size_t s = 0; s < study.segments().size(); ++s) {
     const std::size_t first = study.segments()[s];
@@ -46,7 +48,7 @@ bool LeaveOutSpikes(const Study& study, const ModelFit& fit, std::vector<double>
     const std::span<const double> segment(residuals.data() + first, last - first);
     for (const auto& found : {FindSpikes(segment, EstimateNoise(segment)), FindLoneSamples(segment)}) {
       for (const std::size_t spike : found) {
-        if (ComesAgain(places_rad, residuals, first + spike)) continue;
+        if (ComesAgain(turn_angles_rad, residuals, first + spike)) continue;
         any = any || weights[first + spike] > 0.0;
         weights[first + spike] = 0.0;
       }

@@ -8,7 +8,7 @@
 namespace strainwave::analysis::diagnosis {
 
 /// Takes the weight from single samples whose residual stands off their neighbours', but for those that come
-/// again in the other passes of their place; true if there were new ones.
+/// again in the other passes of their angle; true if there were new ones.
 bool LeaveOutSpikes(const Study& study, const ModelFit& fit, std::vector<double>& weights);
 
 }  // namespace strainwave::analysis::diagnosis

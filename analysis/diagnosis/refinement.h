@@ -26,7 +26,7 @@ double LeadAsked(double explained);
 
 /// The same where both are known: our formulae are not nature's, so that a curve always follows the last few
 /// percent better, but not one with half as many numbers as a cause has amounts, where these are many
-/// (disturbances at several times, against one place).
+/// (disturbances at several times, against one position).
 double LeadAsked(double explained, const Comparison& description, const Comparison& cause);
 
 /// Whether what a cause of a model brings may be the misfit of another one beside it
@@ -56,7 +56,7 @@ bool Exchange(const Judge& judge, std::span<const std::size_t> given, const Diag
 
 /// Of the white likelihood ratio of a cause, from which on others may be dominated by it.
 inline constexpr double kClearlyAhead = 60.0;
-/// Likelihood ratio as if the noise were white: what an effect leaves of another passes for its memory.
+/// Likelihood ratio as if the noise were white: what an effect leaves of another passes for autocorrelation.
 double WhiteRatio(const ScoredModel& richer, const ScoredModel& poorer);
 
 }  // namespace strainwave::analysis::diagnosis

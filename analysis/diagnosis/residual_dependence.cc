@@ -72,7 +72,7 @@ void AddDependence(const Study& study, const Regressor& regressor, std::span<con
   const auto count = static_cast<Index>(bins.centre.size());
   if (count < 2) return;
   const auto samples = static_cast<Index>(regressor.values.size());
-  const double places = count > 2 ? 2.0 : 1.0;  // a straight line, and any curve
+  const double search_locations = count > 2 ? 2.0 : 1.0;  // a straight line, and any curve
   if (count > 2) {
     ResidualView line;
     line.columns.resize(samples, 2);
@@ -81,7 +81,7 @@ void AddDependence(const Study& study, const Regressor& regressor, std::span<con
     line.columns.col(1) =
         Eigen::Map<const Eigen::VectorXd>(regressor.values.data(), samples).array() - origin;
     line.degrees_of_freedom = 1;
-    line.places = places;
+    line.search_locations = search_locations;
     line.describe = [&regressor, bins, origin, unit = study.unit(),
                      unit_per_si = study.unit_per_si()](const Eigen::VectorXd& line_coefficients) {
       Eigen::VectorXd means(static_cast<Index>(bins.centre.size()));
@@ -99,7 +99,7 @@ void AddDependence(const Study& study, const Regressor& regressor, std::span<con
     curve.columns(static_cast<Index>(i), static_cast<Index>(bins.of_sample[i])) = 1.0;
   }
   curve.degrees_of_freedom = static_cast<int>(count) - 1;
-  curve.places = places;
+  curve.search_locations = search_locations;
   curve.describe = [&regressor, centre = bins.centre, unit = study.unit(),
                     unit_per_si = study.unit_per_si()](const Eigen::VectorXd& means) {
     return DependenceText(regressor, centre, means, unit, unit_per_si);

@@ -42,7 +42,7 @@ std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual
                              std::span<const double> weights, const ParallelFor& parallel) {
   constexpr double kReported = 1e-3;
   constexpr std::size_t kMost = 3;
-  // A view further down the list has to be clearly better: over time a line looks as over an evenly run
+  // A view further down the list has to be clearly better: over time a line searches as over an evenly run
   // angle.
   constexpr double kMoreThanAnother = 6.0;
   Eigen::VectorXd left = residual;
@@ -55,7 +55,7 @@ std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual
     };
     const NoiseFit before = noise_of(samples);
     if (before.samples < 30 || !(scale > 0.0)) break;
-    const std::vector<ResidualView> views = LookAtResidual(study, samples, weights, before, parallel);
+    const std::vector<ResidualView> views = ResidualViewsOf(study, samples, weights, before, parallel);
     std::vector<Judged> all(views.size());
     parallel(views.size(), [&](std::size_t i) {
       const ResidualView& view = views[i];
@@ -66,10 +66,11 @@ std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual
       const NoiseFit noise = noise_of({after.data(), static_cast<std::size_t>(after.size())});
       const double ratio = std::max(0.0, LikelihoodRatio(noise, before));
       const double freedom = static_cast<double>(view.degrees_of_freedom);
-      const double places = view.SearchLocations(ratio) * static_cast<double>(CountViews(study));
-      judged.p_value = std::min(
-          1.0, places * boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), ratio)));
-      judged.score = ratio - freedom * std::log(static_cast<double>(before.samples)) - 2.0 * std::log(places);
+      const double search_locations = view.SearchLocations(ratio) * static_cast<double>(CountViews(study));
+      judged.p_value = std::min(1.0, search_locations * boost::math::cdf(boost::math::complement(
+                                                            boost::math::chi_squared(freedom), ratio)));
+      judged.score =
+          ratio - freedom * std::log(static_cast<double>(before.samples)) - 2.0 * std::log(search_locations);
     });
     const Judged* best = nullptr;
     for (const Judged& judged : all) {

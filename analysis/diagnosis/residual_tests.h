@@ -17,8 +17,7 @@ namespace strainwave::analysis::diagnosis {
 /// with the pairs that are there, so that gaps cost power and nothing else.
 ///
 /// @param noise_order  parameters of an autoregressive model that was fitted to this very residual; each
-/// costs
-///   a degree of freedom. Those of a regression cost none and do not belong here.
+///   costs a degree of freedom. Those of a regression cost none and do not belong here.
 ///
 /// Source: Ljung & Box, Biometrika 65 (1978) 297.
 double LjungBoxP(std::span<const double> residual, std::span<const double> weights,
@@ -40,9 +39,9 @@ struct CrossCorrelation {
 };
 
 /// Largest cross-correlation over lags −largest_lag … largest_lag. Both are filtered by the autoregressive
-/// model of the residual first, so that its own memory does not count as agreement; what the regressor's
-/// memory makes of neighbouring lags is taken out of the nuisance term (Glaz & Johnson, JASA 79 (1984) 436:
-/// product form).
+/// model of the residual first, so that its own autocorrelation does not count as agreement; what the
+/// regressor's autocorrelation makes of neighbouring lags is taken out of the nuisance term (Glaz & Johnson,
+/// JASA 79 (1984) 436: product form).
 CrossCorrelation LargestCrossCorrelation(std::span<const double> residual, std::span<const double> regressor,
                                          std::span<const double> weights,
                                          std::span<const std::size_t> segments, int largest_lag = 20);

@@ -105,7 +105,7 @@ void AddLines(const Study& study, const Regressor& regressor, std::span<const do
       view.columns(static_cast<Index>(i), 1) = phasor.imag();
     });
     view.degrees_of_freedom = 2;
-    view.places = IndependentOrders(regressor.values, lowest, highest);
+    view.search_locations = IndependentOrders(regressor.values, lowest, highest);
     view.continuous = true;
     // What an order is known to: that much beside a whole number, it is the whole number.
     const double order_sd_times_amplitude =
@@ -123,33 +123,33 @@ void AddLines(const Study& study, const Regressor& regressor, std::span<const do
   }
 }
 
-// Over angles the place within a turn, so that what comes back each turn adds up.
+// Over angles the angle within a turn, so that what comes back each turn adds up.
 void AddWindows(const Study& study, const Regressor& regressor, std::span<const double> residual,
                 std::span<const double> weights, std::size_t samples, std::vector<ResidualView>& views) {
-  std::vector<double> place = regressor.values;
-  if (regressor.angle && SpanOf(place) > 1.05 * kTwoPi) {
-    for (double& value : place) {
+  std::vector<double> abscissa = regressor.values;
+  if (regressor.angle && SpanOf(abscissa) > 1.05 * kTwoPi) {
+    for (double& value : abscissa) {
       value -= kTwoPi * std::floor(value / kTwoPi);
     }
   }
-  const double span = SpanOf(place);
+  const double span = SpanOf(abscissa);
   if (!(span > 0.0)) return;
   const double narrowest = span * std::max(6.0 / static_cast<double>(samples), 1.0 / 400.0);
-  if (!WindowsMove(place, narrowest)) return;
+  if (!WindowsMove(abscissa, narrowest)) return;
   const double widest = 0.25 * span;
-  double places = 0.0;
+  double search_locations = 0.0;
   for (double width = narrowest; width <= widest * 1.0001; width *= std::sqrt(2.0)) {
-    places += 4.0 * (span / width + 1.0);  // as FindWindows steps
+    search_locations += 4.0 * (span / width + 1.0);  // as FindWindows steps
   }
-  for (const WindowPeak& peak : FindWindows(place, residual, weights, narrowest, widest, 2)) {
+  for (const WindowPeak& peak : FindWindows(abscissa, residual, weights, narrowest, widest, 2)) {
     ResidualView view;
     view.columns.resize(static_cast<Index>(residual.size()), 1);
     for (std::size_t i = 0; i < residual.size(); ++i) {
-      const bool inside = std::abs(place[i] - peak.centre) <= 0.5 * peak.width;
+      const bool inside = std::abs(abscissa[i] - peak.centre) <= 0.5 * peak.width;
       view.columns(static_cast<Index>(i), 0) = inside ? 1.0 : 0.0;
     }
     view.degrees_of_freedom = 1;
-    view.places = places;
+    view.search_locations = search_locations;
     view.describe = [&regressor, peak, unit = study.unit(),
                      unit_per_si = study.unit_per_si()](const Eigen::VectorXd& coefficients) {
       const TitleParts title = SplitTitle(regressor);
@@ -165,7 +165,7 @@ void AddWindows(const Study& study, const Regressor& regressor, std::span<const 
 }  // namespace
 
 double ResidualView::SearchLocations(double likelihood_ratio) const {
-  return places * (continuous ? std::sqrt(std::max(1.0, 0.5 * likelihood_ratio)) : 1.0);
+  return search_locations * (continuous ? std::sqrt(std::max(1.0, 0.5 * likelihood_ratio)) : 1.0);
 }
 
 double FoldingOrder(std::span<const double> angle_rad, std::span<const double> weights) {
@@ -216,35 +216,35 @@ std::size_t CountViews(const Study& study) {
   return std::max<std::size_t>(count, 1);
 }
 
-std::vector<ResidualView> LookAtResidual(const Study& study, std::span<const double> residual,
-                                         std::span<const double> weights, const NoiseFit& noise,
-                                         const ParallelFor& parallel) {
-  using Looks = std::vector<std::function<void(std::vector<ResidualView>&)>>;
-  Looks looks;
-  const auto look_for_lines = [&](const Regressor& regressor) {
-    looks.emplace_back([&](auto& views) { AddLines(study, regressor, residual, weights, noise, views); });
+std::vector<ResidualView> ResidualViewsOf(const Study& study, std::span<const double> residual,
+                                          std::span<const double> weights, const NoiseFit& noise,
+                                          const ParallelFor& parallel) {
+  using Searches = std::vector<std::function<void(std::vector<ResidualView>&)>>;
+  Searches searches;
+  const auto search_lines = [&](const Regressor& regressor) {
+    searches.emplace_back([&](auto& views) { AddLines(study, regressor, residual, weights, noise, views); });
   };
-  const auto look_for_windows = [&](const Regressor& regressor) {
-    looks.emplace_back(
+  const auto search_windows = [&](const Regressor& regressor) {
+    searches.emplace_back(
         [&](auto& views) { AddWindows(study, regressor, residual, weights, noise.samples, views); });
   };
   for (const Regressor& regressor : study.regressors()) {
-    if (regressor.angle) look_for_lines(regressor);
+    if (regressor.angle) search_lines(regressor);
   }
   for (const Regressor& regressor : study.regressors()) {
-    if (regressor.angle) look_for_windows(regressor);
+    if (regressor.angle) search_windows(regressor);
   }
   for (const Regressor& regressor : study.regressors()) {
     if (!regressor.angle)
-      looks.emplace_back([&](auto& views) { AddDependence(study, regressor, weights, views); });
+      searches.emplace_back([&](auto& views) { AddDependence(study, regressor, weights, views); });
   }
   for (const Regressor& regressor : study.regressors()) {
     if (!IsTime(regressor)) continue;
-    look_for_lines(regressor);
-    look_for_windows(regressor);
+    search_lines(regressor);
+    search_windows(regressor);
   }
-  std::vector<std::vector<ResidualView>> found(looks.size());
-  parallel(looks.size(), [&](std::size_t i) { looks[i](found[i]); });
+  std::vector<std::vector<ResidualView>> found(searches.size());
+  parallel(searches.size(), [&](std::size_t i) { searches[i](found[i]); });
   std::vector<ResidualView> views;
   for (std::vector<ResidualView>& own : found) std::ranges::move(own, std::back_inserter(views));
   return views;

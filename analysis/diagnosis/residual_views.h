@@ -16,13 +16,13 @@ namespace strainwave::analysis::diagnosis {
 /// Of lines over an angle that are looked for.
 inline constexpr double kHighestOrderPerTurn = 1000.0;
 
-/// A shape that a residual may have, at the best place that a search found.
+/// A shape that a residual may have, at the best search location.
 struct ResidualView {
   Eigen::MatrixXd columns;   // samples × coefficients
   int degrees_of_freedom{};  // coefficients that are free beside the residual's mean
-  double places{1.0};        // searched
-  /// A place can be moved without a grid, which counts √(likelihood ratio / 2) times more (Baluev, MNRAS 385
-  /// (2008) 1279, eq. 6).
+  double search_locations{1.0};
+  /// The location can be moved without a grid, which counts √(likelihood ratio / 2) times more (Baluev, MNRAS
+  /// 385 (2008) 1279, eq. 6).
   bool continuous{};
   std::function<std::string(const Eigen::VectorXd& coefficients)> describe;
 
@@ -32,15 +32,15 @@ struct ResidualView {
 /// Best lines over angles and over time, windows, dependences on the other regressors; those over angles
 /// first.
 /// @param parallel  over the regressors
-std::vector<ResidualView> LookAtResidual(const Study& study, std::span<const double> residual,
-                                         std::span<const double> weights, const NoiseFit& noise,
-                                         const ParallelFor& parallel = InTurn);
+std::vector<ResidualView> ResidualViewsOf(const Study& study, std::span<const double> residual,
+                                          std::span<const double> weights, const NoiseFit& noise,
+                                          const ParallelFor& parallel = InTurn);
 
 /// Means over bins of a regressor, and before them a straight line where it has more than two values.
 void AddDependence(const Study& study, const Regressor& regressor, std::span<const double> weights,
                    std::vector<ResidualView>& views);
 
-/// How many searches LookAtResidual makes.
+/// How many searches ResidualViewsOf makes.
 std::size_t CountViews(const Study& study);
 
 /// Orders per turn that an evenly stepped angle folds into one another: 2π / step, in the unit of orders; 0

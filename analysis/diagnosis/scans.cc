@@ -73,21 +73,21 @@ std::size_t FastLengthFrom(std::size_t length) {
   }
 }
 
-// What of a residual lies below each place.
+// What of a residual lies below each abscissa.
 struct SortedSums {
   std::vector<double> at;  // rising
   std::vector<double> weight{0.0};
   std::vector<double> value{0.0};
 
-  SortedSums(std::span<const double> place, std::span<const double> residual,
+  SortedSums(std::span<const double> abscissa, std::span<const double> residual,
              std::span<const double> weights) {
-    std::vector<std::size_t> order(place.size());
+    std::vector<std::size_t> order(abscissa.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
+                     [&](std::size_t a, std::size_t b) { return abscissa[a] < abscissa[b]; });
     for (const std::size_t i : order) {
       if (!(weights[i] > 0.0)) continue;
-      at.push_back(place[i]);
+      at.push_back(abscissa[i]);
       weight.push_back(weight.back() + weights[i]);
       value.push_back(value.back() + weights[i] * residual[i]);
     }
@@ -260,21 +260,21 @@ std::vector<LinePeak> FindLines(std::span<const double> angle_rad, std::span<con
                           .Drop();
   }
   const std::vector<double> level = LocalLevel(drops, static_cast<std::size_t>(30.0 * cell / step));
-  const auto prominence = [&](std::size_t place) { return drops[place] / level[place]; };
-  std::vector<std::size_t> places(drops.size());
-  std::iota(places.begin(), places.end(), std::size_t{0});
+  const auto prominence = [&](std::size_t bin) { return drops[bin] / level[bin]; };
+  std::vector<std::size_t> ranked(drops.size());
+  std::iota(ranked.begin(), ranked.end(), std::size_t{0});
   // No more are looked at than lie near the peaks that are taken.
   const std::size_t near = count * (2 * static_cast<std::size_t>(std::ceil(cell / step)) + 5);
-  std::partial_sort(places.begin(),
-                    places.begin() + static_cast<std::ptrdiff_t>(std::min(near, places.size())), places.end(),
+  std::partial_sort(ranked.begin(),
+                    ranked.begin() + static_cast<std::ptrdiff_t>(std::min(near, ranked.size())), ranked.end(),
                     [&](std::size_t a, std::size_t b) { return prominence(a) > prominence(b); });
-  // A line over an angle at which the samples crowd in places raises its surroundings with it.
+  // A line over an angle at which the samples crowd raises its surroundings with it.
   const auto highest = static_cast<std::size_t>(std::ranges::max_element(drops) - drops.begin());
-  places.insert(places.begin() + 1, highest);
+  ranked.insert(ranked.begin() + 1, highest);
   std::vector<LinePeak> peaks;
-  for (const std::size_t place : places) {
-    if (peaks.size() == count || !(drops[place] > 0.0)) break;
-    const double order = static_cast<double>(place + from) * step;
+  for (const std::size_t bin : ranked) {
+    if (peaks.size() == count || !(drops[bin] > 0.0)) break;
+    const double order = static_cast<double>(bin + from) * step;
     const bool close = std::any_of(peaks.begin(), peaks.end(),
                                    [&](const LinePeak& peak) { return std::abs(peak.order - order) < cell; });
     if (!close) peaks.push_back(Refine(angle_rad, residual, weights, order, step, 0.5 * lowest_order));
@@ -287,21 +287,21 @@ double LogSearchLocationsOfLine(double order, double lowest_order, double highes
   return std::log(within * std::log(highest_order / lowest_order) / (highest_order - lowest_order));
 }
 
-bool WindowsMove(std::span<const double> place, double width) {
-  // Of half a step, as the first window begins before the first place.
-  return std::ranges::all_of(place, [width](double at) { return at + 0.125 * width > at; });
+bool WindowsMove(std::span<const double> abscissa, double width) {
+  // Of half a step, as the first window begins before the first abscissa.
+  return std::ranges::all_of(abscissa, [width](double at) { return at + 0.125 * width > at; });
 }
 
-std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,
+std::vector<WindowPeak> FindWindows(std::span<const double> abscissa, std::span<const double> residual,
                                     std::span<const double> weights, double narrowest, double widest,
                                     std::size_t count) {
-  return Windows(SortedSums(place, residual, weights), narrowest, widest, count);
+  return Windows(SortedSums(abscissa, residual, weights), narrowest, widest, count);
 }
 
-std::vector<WindowPeak> FindSharpWindows(std::span<const double> place, std::span<const double> residual,
+std::vector<WindowPeak> FindSharpWindows(std::span<const double> abscissa, std::span<const double> residual,
                                          std::span<const double> weights, double narrowest, double widest,
                                          std::size_t count) {
-  const SortedSums sums(place, residual, weights);
+  const SortedSums sums(abscissa, residual, weights);
   std::vector<WindowPeak> peaks = Windows(sums, narrowest, widest, count);
   for (WindowPeak& peak : peaks) peak = Sharpened(sums, narrowest, widest, peak);
   return peaks;

@@ -33,10 +33,11 @@ double LineDrop(std::span<const double> angle_rad, std::span<const double> resid
 /// Independent orders in that range: the number of trials of the search.
 double IndependentOrders(std::span<const double> angle_rad, double lowest_order, double highest_order);
 
-/// Logarithm of the places that there are for a line of about this order, over those of all orders in the
-/// range: what repeats has no scale, so that each octave of orders has the same share of what may be found by
-/// chance. A line at a low order, where an octave has few places, pays for few; one at the end of the range
-/// pays for the octaves. Source: Dümbgen & Spokoiny, Ann. Statist. 29 (2001) 124, as for windows below.
+/// Logarithm of the search locations that there are for a line of about this order, over those of all orders
+/// in the range: what repeats has no scale, so that each octave of orders has the same share of what may be
+/// found by chance. A line at a low order, where an octave has few locations, pays for few; one at the end of
+/// the range pays for the octaves. Source: Dümbgen & Spokoiny, Ann. Statist. 29 (2001) 124, as for windows
+/// below.
 double LogSearchLocationsOfLine(double order, double lowest_order, double highest_order);
 
 /// A segment of a regressor in which the residual's mean differs from zero.
@@ -46,27 +47,27 @@ struct WindowPeak {
   double drop{};   // of the weighted sum of squares
 };
 
-/// Whether windows of that width move on by a quarter of it at each place; not where that is lost in rounding
-/// (millionths of a radian after 1e11 of them, or a width that is hardly above zero).
-bool WindowsMove(std::span<const double> place, double width);
+/// Whether windows of that width move on by a quarter of it at each abscissa; not where that is lost in
+/// rounding (millionths of a radian after 1e11 of them, or a width that is hardly above zero).
+bool WindowsMove(std::span<const double> abscissa, double width);
 
 /// The `count` best windows over widths from `narrowest` to `widest` (a factor of √2 apart) and all centres,
 /// at least a width apart, strongest first.
-std::vector<WindowPeak> FindWindows(std::span<const double> place, std::span<const double> residual,
+std::vector<WindowPeak> FindWindows(std::span<const double> abscissa, std::span<const double> residual,
                                     std::span<const double> weights, double narrowest, double widest,
                                     std::size_t count);
 
 /// The same with ends that lie between samples where they fit best: first one end, then the other, until none
 /// moves. For windows whose ends are sharp, however wide.
-std::vector<WindowPeak> FindSharpWindows(std::span<const double> place, std::span<const double> residual,
+std::vector<WindowPeak> FindSharpWindows(std::span<const double> abscissa, std::span<const double> residual,
                                          std::span<const double> weights, double narrowest, double widest,
                                          std::size_t count);
 
-/// Logarithm of the places that there are for windows as wide as this one, over those for the narrowest: a
-/// wide window has few places, and pays for few. Each octave of widths has the same share of what may be
-/// found by chance, so that the narrowest pay for the octaves; half of them, since a neighbouring octave sees
-/// much the same. Source: Dümbgen & Spokoiny, Ann. Statist. 29 (2001) 124 (a bound for each scale instead of
-/// one).
+/// Logarithm of the search locations that there are for windows as wide as this one, over those for the
+/// narrowest: a wide window has few locations, and pays for few. Each octave of widths has the same share of
+/// what may be found by chance, so that the narrowest pay for the octaves; half of them, since a neighbouring
+/// octave sees much the same. Source: Dümbgen & Spokoiny, Ann. Statist. 29 (2001) 124 (a bound for each scale
+/// instead of one).
 double LogSearchLocationsOfWidth(double width, double narrowest, double widest);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -27,7 +27,7 @@ struct Comparison {
   double delta_bic{};             // each number charged by all samples
   double samples{};               // with weight
   double log_search_locations{};  // of the search locations, over those that the richer model's rules count
-  double p_value{1.0};            // of so many looks more, not yet corrected by the rule's
+  double p_value{1.0};            // of so many trials more, not yet corrected by the rule's
   double more_parameters{};       // as they are charged for
   double more_location_parameters{};  // of these, those that `log_search_locations` charges for
 };
@@ -39,8 +39,8 @@ bool IsBeyondChance(const Comparison& comparison, const CauseRule& rule, double 
 
 /// BIC that a cause brings. Its numbers are charged by the samples, ln n each (a standard error of 1/√n of
 /// the prior's width); of those that are known as sharply as the effect is large, by that, ln of the
-/// likelihood ratio: Laplace's approximation for phases, places and shares of one amplitude (Kass & Raftery,
-/// J. Am. Stat. Assoc. 90 (1995) 773, section 4).
+/// likelihood ratio: Laplace's approximation for phases, locations and shares of one amplitude (Kass &
+/// Raftery, J. Am. Stat. Assoc. 90 (1995) 773, section 4).
 double DeltaBic(const Comparison& comparison, const CauseRule& rule);
 
 /// BIC that a cause has to bring beside another one: none at all, unless its rule asks for less.
@@ -59,12 +59,13 @@ class Judge {
                   FitPurpose purpose = FitPurpose::kCompare) const;
   Comparison Compare(const ScoredModel& richer, const ScoredModel& poorer) const;
 
-  /// BIC of a cause that brings this likelihood ratio at the cost of so many parameters, less what the places
-  /// searched cost: by how many there are, and by how sharply each is known (Laplace's approximation, in
-  /// which an amount is known to 1/√samples and a place to 1/√ratio of a resolution cell).
+  /// BIC of a cause that brings this likelihood ratio at the cost of so many parameters, less what the
+  /// locations searched cost: by how many there are, and by how sharply each is known (Laplace's
+  /// approximation, in which an amount is known to 1/√samples and a location to 1/√ratio of a resolution
+  /// cell).
   double Score(const Comparison& comparison, const CauseRule& rule) const;
 
-  /// p-value of one look, times the places that the cause's search looked at and the candidates there are of
+  /// p-value of one trial, times the locations that the cause's search covers and the candidates there are of
   /// its sort (causes, or nuisance terms), over the share of the error allowed that is for this sort.
   double Corrected(double p_value, const CauseRule& rule) const;
 
@@ -99,7 +100,7 @@ class Judge {
   Folds short_folds_;
   ParallelFor parallel_;
 
-  /// What a fit hangs on beside the weights. Judging of candidates, of exchanges and of what was chosen in
+  /// What a fit depends on beside the weights. Judging of candidates, of exchanges and of what was chosen in
   /// the end ask for the same one several times.
   struct FitRequest {
     std::vector<std::size_t> causes;

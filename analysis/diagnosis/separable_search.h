@@ -14,7 +14,7 @@ constexpr int kFinalRounds = 12;
 
 /// What a search for nonlinear parameters found.
 struct SearchedNonlinearParameters {
-  std::optional<SeparableSolution> best;  // none if the record gives no place to start from
+  std::optional<SeparableSolution> best;  // none if the record gives no start
   /// Nonlinear parameters of all terms where other starts ended; and, where there are nonlinear parameters
   /// that are moved only where it pays, of the starts themselves: without those nonlinear parameters a search
   /// leaves the place where they pay.

@@ -185,7 +185,7 @@ void Describe(const Record& record, const SeparableSolution& solution, ModelFit&
 
 // Candidates are fitted one after the other beside the same known terms, whose columns are the same each
 // time.
-void RememberColumns(SeparableTerm& term, std::size_t samples) {
+void CacheColumns(SeparableTerm& term, std::size_t samples) {
   constexpr std::size_t kMostNumbers = std::size_t{1} << 20;  // 8 MB a term
   constexpr std::size_t kMostFills = 64;
   const std::size_t most =
@@ -207,8 +207,8 @@ void RememberColumns(SeparableTerm& term, std::size_t samples) {
 double WeightedResidual::MeanSquare() const {
   double sum = 0.0;
   double weight = 0.0;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    sum += weights[i] * residual[i] * residual[i];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sum += weights[i] * values[i] * values[i];
     weight += weights[i];
   }
   return weight > 0.0 ? sum / weight : 0.0;
@@ -226,7 +226,7 @@ SeparableStudy::SeparableStudy(SeparableModel model) : model_(std::move(model)) 
                       regressor.values.size(), model_.measured.size()));
     }
   }
-  for (SeparableTerm& term : model_.causes) RememberColumns(term, model_.measured.size());
+  for (SeparableTerm& term : model_.causes) CacheColumns(term, model_.measured.size());
 }
 
 std::vector<UserQuantity> SeparableStudy::Quantities(const Eigen::VectorXd& predicted) const {

@@ -25,9 +25,9 @@ struct NonlinearParameterRange {
   Moved moved{Moved::kAlways};
 };
 
-/// What a search for nonlinear parameters is given: what the rest of the model leaves.
+/// Residual of the rest of the model, in which a search looks for nonlinear parameters.
 struct WeightedResidual {
-  std::span<const double> residual;
+  std::span<const double> values;
   std::span<const double> weights;
 
   /// Weighted.
@@ -75,7 +75,7 @@ struct SeparableModel {
   std::size_t block_length{1};
   int largest_noise_order{4};
   bool spikes_are_outliers{true};
-  std::vector<double> places_rad;  // as Study::PlacesOnTurn
+  std::vector<double> turn_angles_rad;  // as Study::AnglesOnTurn
   std::vector<std::string> warnings;
   std::function<std::vector<UserQuantity>(const Eigen::VectorXd& predicted)> quantities;
 };
@@ -100,7 +100,7 @@ class SeparableStudy final : public Study {
   std::size_t BlockLength() const override { return model_.block_length; }
   int LargestNoiseOrder() const override { return model_.largest_noise_order; }
   bool SpikesAreOutliers() const override { return model_.spikes_are_outliers; }
-  std::span<const double> PlacesOnTurn() const override { return model_.places_rad; }
+  std::span<const double> AnglesOnTurn() const override { return model_.turn_angles_rad; }
   const std::vector<std::string>& warnings() const override { return model_.warnings; }
   std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override;
   ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,

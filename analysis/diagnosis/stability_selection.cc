@@ -35,7 +35,8 @@ Normal NormalEquations(const SparseProblem& problem, const std::vector<Index>& c
   return normal;
 }
 
-// p-value of each term, by the scatter of the blocks' scores: right whatever the memory within a block.
+// p-value of each term, by the scatter of the blocks' scores: right whatever the autocorrelation within a
+// block.
 std::vector<double> TermPValues(const SparseProblem& problem, std::span<const std::size_t> terms,
                                 std::span<const std::size_t> blocks) {
   const std::vector<Index> columns = problem.Columns(terms);

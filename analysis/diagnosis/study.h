@@ -51,14 +51,14 @@ struct CauseRule {
   std::string effect{};  // a row of docs/effects.md, "E4"; or empty
   std::vector<ParameterRule> parameters{};
   int degrees_of_freedom{1};  // parameters that it adds
-  /// True where all of its numbers are known as sharply as the effect is large: phases, places and shares of
-  /// one amplitude, which BIC else charges as if all samples spoke of each (DeltaBic).
+  /// True where all of its numbers are known as sharply as the effect is large: phases, locations and shares
+  /// of one amplitude, which BIC else charges as if all samples spoke of each (DeltaBic).
   bool known_by_size{};
-  /// How many of these are places that the search looked for (an order, a window's two ends): they are
-  /// charged by the places there are, not by the samples. Of the ordinates of a curve all but one: they have
-  /// one size in common, and each is known as sharply as the curve is strong.
+  /// How many of these are locations that the search looked for (an order, a window's two ends): they are
+  /// charged by the search locations there are, not by the samples. Of the ordinates of a curve all but one:
+  /// they have one size in common, and each is known as sharply as the curve is strong.
   int location_parameters{};
-  /// How many independent places its search looks at (orders, windows): multiplies the p-value. Where they
+  /// How many independent locations (orders, windows) its search covers: multiplies the p-value. Where they
   /// overlap or the likelihood ratio is no χ², as many as make p < 0.05 in one of twenty clean records
   /// (checked on 480 of tests/blind).
   double trials_factor{1.0};
@@ -115,10 +115,10 @@ struct ModelFit {
   int free_parameters{};
   /// Of these, as many as are not charged for: what the record says of them is no more than was known before.
   double known_before{};
-  /// Logarithm of how many places the fit chose from over those that the rules of its causes count: of each
-  /// further one of several impacts, its time; below 0 for a window that is wider than the narrowest.
+  /// Logarithm of how many search locations the fit chose from over those that the rules of its causes count:
+  /// of each further one of several impacts, its time; below 0 for a window that is wider than the narrowest.
   double log_search_locations{};
-  /// Of the free parameters, those that say where such a place is: `log_search_locations` charges for them.
+  /// Of the free parameters, those that give such a location: `log_search_locations` charges for them.
   int location_parameters{};
   std::vector<double> state;  // the fit's own numbers, to start the next one from; its layout is the study's
   bool usable{};              // false: no solution inside the hard bounds; everything else is then void
@@ -162,13 +162,13 @@ class Study {
   virtual ModelFit Fit(std::span<const std::size_t> cause_indices, std::span<const double> weights,
                        const ModelFit* start, FitPurpose purpose) const = 0;
 
-  /// True where the study remembers what it searched for, so that what a fit of causes that `start` lacks
-  /// comes to may hang on what was asked for before it.
-  virtual bool RemembersSearches() const { return false; }
+  /// True where the study caches what it searched for, so that what a fit of causes that `start` lacks comes
+  /// to may depend on what was asked for before it.
+  virtual bool CachesSearches() const { return false; }
 
   /// What the response that a fit predicts may be wrong by, sample by sample (SI, a standard deviation up to
-  /// a common factor), where it hangs on more than any fit can know: when an inertia behind backlash strikes
-  /// after several impacts. Empty: nowhere.
+  /// a common factor), where it depends on more than any fit can know: when an inertia behind backlash
+  /// strikes after several impacts. Empty: nowhere.
   virtual std::vector<double> ModelUncertainty(const ModelFit& /*fit*/) const { return {}; }
 
   /// Standard deviation of the noise without a model, SI: from repeats at equal position where the record has
@@ -209,7 +209,7 @@ class Study {
 
   /// Angle at which each sample was taken, where a record comes by one and the same angle several times and
   /// what it shows there comes again; empty where it does not.
-  virtual std::span<const double> PlacesOnTurn() const { return {}; }
+  virtual std::span<const double> AnglesOnTurn() const { return {}; }
 
   /// Quantities that users care for, of this record and of a model's prediction of it; empty where none.
   virtual std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const = 0;

@@ -22,7 +22,7 @@ struct OrderBands {
 /// @param signal  even in time, at constant speed; at least 4 turns; finite.
 /// @param samples_per_turn  of the input shaft.
 /// @return one value a band in the square of the signal's unit; NaN for a band that the sampling does not
-/// reach.
+///   reach.
 /// @throws std::invalid_argument if the signal is too short, or edges do not rise.
 ///
 /// Source: Welch, IEEE Trans. Audio Electroacoustics 15 (1967) 70.

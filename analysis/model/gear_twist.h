@@ -75,7 +75,7 @@ inline SpringState GearTorque(const TwistCurve& curve, double scale, double anch
   return state;
 }
 
-/// What a deviating gear has to remember between steps.
+/// State of a deviating gear between steps.
 struct TwistMemory {
   double anchor_rad{};  // of the hysteresis element
   std::array<double, 2> further_anchor_rad{};

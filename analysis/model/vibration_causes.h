@@ -9,9 +9,9 @@
 
 namespace strainwave::analysis::model {
 
-/// A mode that rings as blows e^(−ζωt) sin ωt, one each time that something passes.
+/// A mode excited by impacts: responses e^(−ζωt) sin ωt, one each time that something passes.
 struct Ringing {
-  double amplitude_m_per_s2{};  // of a blow, before the modulation
+  double amplitude_m_per_s2{};  // of an impact's response, before the modulation
   double mode_Hz{3600.0};
   double mode_damping{0.03};
 };
@@ -112,9 +112,9 @@ inline double Crack_m_per_s2(const FlexsplineCrack& crack, double input_rad, dou
   return sum;
 }
 
-/// Mean square of a ringing at so many blows a second: a decaying ring of size r holds r²/(4ζω).
-inline double RingingSquare(const Ringing& ringing, double blows_per_s) noexcept {
-  return ringing.amplitude_m_per_s2 * ringing.amplitude_m_per_s2 * blows_per_s /
+/// Mean square of the ringing at so many impacts a second: a decaying response of size r holds r²/(4ζω).
+inline double RingingSquare(const Ringing& ringing, double impacts_per_s) noexcept {
+  return ringing.amplitude_m_per_s2 * ringing.amplitude_m_per_s2 * impacts_per_s /
          (4.0 * ringing.mode_damping * kTwoPi * ringing.mode_Hz);
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <complex>
 
-/// Orders, per turn of the input shaft, at which parts of a strain wave gear make themselves heard, and how
+/// Orders, per turn of the input shaft, at which parts of a strain wave gear vibrate, and how
 /// the shaft's own lines change with speed.
 namespace strainwave::analysis::model {
 

@@ -52,8 +52,7 @@ struct Design {
 
 /// What a layer makes of a shape.
 /// @throws std::invalid_argument if a size of the layer is not positive or does not fit into the shape, or a
-/// sample
-///   has more than 2²⁶ values.
+///   sample has more than 2²⁶ values.
 Shape OutputShape(const Layer& layer, const Shape& input);
 
 /// The two models of docs/sources.md#shivam-2023, section V, by name, for any number of inputs and outputs

@@ -33,12 +33,12 @@ struct ResilientPropagation {
 
 using OptimizerSettings = std::variant<Adam, MomentumDescent, ResilientPropagation>;
 
-/// What the method remembers between steps; starts at zero.
+/// What the method keeps between steps; starts at zero.
 template <typename Scalar>
 class Optimizer {
  public:
   /// @throws std::invalid_argument for settings out of range: rates and steps above 0, 0 ≤ betas and momentum
-  /// < 1.
+  ///   < 1.
   Optimizer(OptimizerSettings settings, Eigen::Index parameters);
 
   /// @param rate_factor  what the schedule makes of the rate.

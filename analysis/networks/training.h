@@ -56,7 +56,7 @@ struct TrainingHistory {
 /// option is out
 ///   of range, or early stopping has no validation samples;
 /// @throws std::domain_error if the loss is no longer finite; the parameters are then those of the epoch
-/// before.
+///   before.
 template <typename Scalar>
 TrainingHistory Train(const Network& network, const Samples<Scalar>& training,
                       const Samples<Scalar>& validation, const TrainingOptions& options,

@@ -56,8 +56,7 @@ struct Fit {
 /// Fits on all samples. The intervals are calibrated by cross-fitting: whole specimens (blocks of time where
 /// there is one) are left out in turn, predicted by an ensemble that has not seen them, and their errors over
 /// √(residual² + member spread²) give the factor. Source: see `conformal.h`; Barber et al. (2021) for the
-/// cross-fitting.
-/// A predictor of classes has no intervals: the band stays at zero.
+/// cross-fitting. A predictor of classes has no intervals: the band stays at zero.
 /// @param folds  2 or more.
 /// @throws std::invalid_argument as TrainEnsemble and CalibrateBand; std::runtime_error when progress ended
 ///   it.

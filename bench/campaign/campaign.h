@@ -38,15 +38,14 @@ CampaignInputs ReadFrozenInputs(const CampaignFolder& folder, const Journal& jou
 
 /// The journal of a campaign, to read or to go on with; every command that reads a campaign comes through
 /// here.
-/// @throws BenchError when the folder is not a campaign, a frozen file is not the one that the campaign
-/// was
+/// @throws BenchError when the folder is not a campaign, a frozen file is not the one that the campaign was
 ///   started with, or the checkpoint is of another campaign or further on than the journal (which then has
 ///   lost its last rows); DatabaseError when the journal is damaged.
 Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode);
 
-/// What is allowed but leaves doubt about the files of a campaign, each with the file: parts of the journal
+/// What is allowed but uncertain about the files of a campaign, each with the file: parts of the journal
 /// that no checksum covers, a damaged state in the checkpoint.
-std::vector<std::string> DoubtsAbout(const CampaignFolder& folder, const Journal& journal);
+std::vector<std::string> WarningsAbout(const CampaignFolder& folder, const Journal& journal);
 
 /// The bench of a campaign that goes on: the frozen one, with the files of its devices where they were at the
 /// start.

@@ -288,11 +288,11 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
   for (int repeat = 0;; ++repeat) {
     stored = AnalyzeForStore(records_.all(), cycle_, context);
     if (cycle_ == 0 || repeat == schedule_.measurements.retries) break;
-    std::vector<std::string> doubts = stored.failed_checks;
-    for (std::string& outlier : quality_.Outliers(stored.results)) doubts.push_back(std::move(outlier));
-    if (doubts.empty()) break;
-    for (const std::string& doubt : doubts) {
-      Note("warning", "", "measured_again", fmt::format("cycle {}: {}; measuring again", cycle_, doubt));
+    std::vector<std::string> warnings = stored.failed_checks;
+    for (std::string& outlier : quality_.Outliers(stored.results)) warnings.push_back(std::move(outlier));
+    if (warnings.empty()) break;
+    for (const std::string& warning : warnings) {
+      Note("warning", "", "measured_again", fmt::format("cycle {}: {}; measuring again", cycle_, warning));
     }
     for (const CycleStep& step : steps) {
       if (!step.measurement) continue;

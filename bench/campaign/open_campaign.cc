@@ -62,17 +62,17 @@ Journal OpenCampaign(const CampaignFolder& folder, Database::Mode mode) {
   return journal;
 }
 
-std::vector<std::string> DoubtsAbout(const CampaignFolder& folder, const Journal& journal) {
-  std::vector<std::string> doubts;
+std::vector<std::string> WarningsAbout(const CampaignFolder& folder, const Journal& journal) {
+  std::vector<std::string> warnings;
   if (const std::string unchecked = journal.Unchecked(); !unchecked.empty()) {
-    doubts.push_back(fmt::format("{}: warning: {}", folder.Journal().string(), unchecked));
+    warnings.push_back(fmt::format("{}: warning: {}", folder.Journal().string(), unchecked));
   }
   const auto checkpoint = ReadCheckpoint(folder.Checkpoint());
   if (checkpoint && checkpoint->damaged_states > 0) {
-    doubts.push_back(fmt::format("{}: warning: {} of its 3 states is damaged; the newest whole one counts",
-                                 folder.Checkpoint().string(), checkpoint->damaged_states));
+    warnings.push_back(fmt::format("{}: warning: {} of its 3 states is damaged; the newest whole one counts",
+                                   folder.Checkpoint().string(), checkpoint->damaged_states));
   }
-  return doubts;
+  return warnings;
 }
 
 }  // namespace strainwave::bench

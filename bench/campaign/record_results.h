@@ -66,7 +66,7 @@ analysis::Estimate WithBenchUncertainty(const analysis::Estimate& stiffness_Nm_p
 enum class AngleKind {
   kRange,   // difference of two readings, such as e_max
   kMean,    // mean over a turn, such as lost motion
-  kZeroed,  // hangs on the angle of one sample, such as e_avg
+  kZeroed,  // depends on the angle of one sample, such as e_avg
 };
 
 /// The same for an angle in arcmin: the encoder's correction, what it leaves of each reading, the accuracy of

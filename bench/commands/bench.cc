@@ -64,8 +64,8 @@ int Check(const BenchOptions& options) {
                                       {"value", values[i].second},
                                       {"good", (readings.bad_channels >> i & 1U) == 0}});
     }
-    for (const BenchMachine::Doubt& doubt : machine.Doubts()) {
-      document["doubts"].push_back({{"refuses", doubt.refuses}, {"words", doubt.words}});
+    for (const BenchMachine::Finding& finding : machine.Findings()) {
+      document["doubts"].push_back({{"refuses", finding.refuses}, {"words", finding.words}});
     }
     if (!missing.empty()) document["missing"] = missing;
     ToStdout("{}\n", document.dump(2));
@@ -79,8 +79,8 @@ int Check(const BenchOptions& options) {
                values[i].first, values[i].second);
     }
     if (!missing.empty()) ToStdout("BAD   {}\n", missing);
-    for (const BenchMachine::Doubt& doubt : machine.Doubts())
-      ToStdout("{:<5} {}\n", doubt.refuses ? "BAD" : "note", doubt.words);
+    for (const BenchMachine::Finding& finding : machine.Findings())
+      ToStdout("{:<5} {}\n", finding.refuses ? "BAD" : "note", finding.words);
     ToStdout("{}\n", good ? "everything answers; nothing was moved"
                           : "not everything is as it should be (see BAD above); nothing was moved");
   }

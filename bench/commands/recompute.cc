@@ -73,8 +73,8 @@ struct CampaignReport {
 
 CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOptions& options) {
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
-  const std::vector<std::string> doubts = DoubtsAbout(folder, journal);
-  for (const std::string& doubt : doubts) ToStderr("{}\n", doubt);
+  const std::vector<std::string> warnings = WarningsAbout(folder, journal);
+  for (const std::string& warning : warnings) ToStderr("{}\n", warning);
   const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   context.method = kMethods.at(options.method);
@@ -103,7 +103,7 @@ CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
            {"cycles_equal_to_stored", cycles.size() - differing.size()},
            {"cycles_differing", std::move(differing)},
            {"sensor_checks", CheckJson(checks)},
-           {"warnings", doubts},
+           {"warnings", warnings},
            {"cycles", std::move(rows)}},
           CheckText(checks),
           std::move(pictures)};

@@ -80,8 +80,8 @@ void AddStiffness(nlohmann::json& report, const analysis::TorsionalStiffness& st
 }
 
 // What diagnose says of such a loop before it looks for causes: units mixed up, all three slopes moved alike.
-void AddDoubts(const daq::Record& record, const analysis::TorsionalStiffness& stiffness,
-               const RecordContext& context, nlohmann::json& warnings) {
+void AddWarnings(const daq::Record& record, const analysis::TorsionalStiffness& stiffness,
+                 const RecordContext& context, nlohmann::json& warnings) {
   const analysis::diagnosis::HysteresisData data = HysteresisDataOf(Corrected(record, context.corrections));
   const auto [low_rad, high_rad] = std::ranges::minmax(data.output_angle_rad);
   const auto [low_Nm, high_Nm] = std::ranges::minmax(data.torque_Nm);
@@ -109,7 +109,7 @@ nlohmann::json HysteresisJson(const daq::Record& record, StiffnessMethod method,
   }
   report["failed_checks"] = stiffness.failed_checks;
   report["warnings"] = stiffness.warnings;
-  AddDoubts(record, stiffness, context, report["warnings"]);
+  AddWarnings(record, stiffness, context, report["warnings"]);
   nlohmann::json methods;
   for (const auto& [name, other] :
        {std::pair{"model", StiffnessMethod::kModel}, std::pair{"loading", StiffnessMethod::kLoading},

@@ -68,16 +68,16 @@ ExitCode CodeOf(const CampaignEnd& end) {
 }
 
 // What is not known of the bench is told and noted; what speaks against it must be mended first.
-void CheckDoubts(const BenchMachine& machine, Journal& journal) {
+void CheckFindings(const BenchMachine& machine, Journal& journal) {
   std::string refused;
-  for (const BenchMachine::Doubt& doubt : machine.Doubts()) {
-    if (doubt.refuses) {
-      refused += fmt::format("{}error: {}", refused.empty() ? "" : "\n", doubt.words);
+  for (const BenchMachine::Finding& finding : machine.Findings()) {
+    if (finding.refuses) {
+      refused += fmt::format("{}error: {}", refused.empty() ? "" : "\n", finding.words);
       continue;
     }
-    ToStderr("warning: {}\n", doubt.words);
+    ToStderr("warning: {}\n", finding.words);
     journal.AddEvent({journal.LatestTime_s(), UtcNow(), journal.LastCompleteCycle() + 1, "", "warning",
-                      "commissioning", doubt.words});
+                      "commissioning", finding.words});
   }
   if (!refused.empty()) throw BenchError(ExitCode::kMachineFailed, refused);
 }
@@ -134,7 +134,7 @@ int Run(const RunOptions& options) {
   HeldFolder held(folder);
   std::optional<ResumePoint> resume;
   if (options.resume) {
-    for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
+    for (const std::string& warning : WarningsAbout(folder, journal)) ToStderr("{}\n", warning);
     if (options.extend) ToStderr("{}\n", ExtendCampaign(folder, inputs, journal));
     resume = PrepareResume(folder, inputs, journal, options.accept_pause);
     if (!resume) {
@@ -147,7 +147,7 @@ int Run(const RunOptions& options) {
   CampaignEnd end;
   {
     const auto machine = MakeMachine(inputs.bench, TestOf(inputs.schedule, pace, options.truth), Ask);
-    CheckDoubts(*machine, journal);
+    CheckFindings(*machine, journal);
     NoteUnwatchedLimits(inputs.bench, journal);
     if (!options.accept_expired) {
       RefuseToStart(CalibrationTroubles(CalibrationsOf(inputs.bench), machine->Calibrations(), Today()),

@@ -12,7 +12,8 @@
 namespace strainwave::bench {
 namespace {
 
-// What a campaign is told by. A shell without job control starts what runs in its background deaf to SIGINT.
+// What a campaign is told by. A shell without job control starts what runs in its background with SIGINT
+// ignored.
 constexpr std::array kAlways{SIGINT, SIGTERM, SIGUSR1, SIGUSR2};
 // By default these neither end nor stop a process.
 constexpr std::array kHarmless{SIGCHLD, SIGCONT, SIGURG, SIGWINCH};

@@ -93,7 +93,7 @@ std::string EndUtc(const Status& status) {
 
 Status StatusOf(const CampaignFolder& folder) {
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
-  for (const std::string& doubt : DoubtsAbout(folder, journal)) ToStderr("{}\n", doubt);
+  for (const std::string& warning : WarningsAbout(folder, journal)) ToStderr("{}\n", warning);
   const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   Status status;
   status.process = CampaignLock::Holder(folder);

@@ -94,7 +94,7 @@ StopReason PhaseRunner::SoftRequest() const noexcept {
   return {cause, 0.0, 0.0, readings_.time};
 }
 
-void PhaseRunner::Remember(const Readings& readings) noexcept {
+void PhaseRunner::AddToHistory(const Readings& readings) noexcept {
   const std::array<double, kHistoryChannels> row{duration<double>(readings.time).count(),
                                                  DegFromRad(readings.input_angle_rad),
                                                  DegFromRad(readings.output_angle_rad),
@@ -109,7 +109,7 @@ void PhaseRunner::Remember(const Readings& readings) noexcept {
 
 StopReason PhaseRunner::OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept {
   readings_ = devices_.sampler.Read();
-  Remember(readings_);
+  AddToHistory(readings_);
   const InterlockInputs inputs = Inputs(program);
   const StopReason broken = interlocks_.Check(readings_, inputs);
   // Some readings are a drive's: where they are missing because the drive is, that is the reason.
@@ -230,7 +230,7 @@ void PhaseRunner::AfterFault(PhaseProgram& program, PhaseOutcome& outcome) {
   for (int row = 0; row < rows; ++row) {
     devices_.clock.SleepUntil(devices_.clock.Now() + period);
     readings_ = devices_.sampler.Read();
-    Remember(readings_);
+    AddToHistory(readings_);
     std::array<StopReason, 12> broken;
     const std::size_t count = interlocks_.CheckAll(readings_, Inputs(program), broken);
     for (std::size_t i = 0; i < count; ++i) {
@@ -269,7 +269,7 @@ StopReason PhaseRunner::WaitUntilRecovered(const HeartbeatFunction& heartbeat) {
     devices_.clock.SleepUntil(devices_.clock.Now() + Nanoseconds(period_s));
     waited_s += period_s;
     readings_ = devices_.sampler.Read();
-    Remember(readings_);
+    AddToHistory(readings_);
     if (request_.load(std::memory_order_relaxed) == StopRequest::kQuickStop) {
       return {StopCause::kQuickStopRequested, 0.0, 0.0, readings_.time};
     }

@@ -86,7 +86,7 @@ class PhaseRunner {
   StopReason OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept;
   StopReason SoftRequest() const noexcept;  // pause or shutdown, where asked for
   InterlockInputs Inputs(const PhaseProgram& program) const noexcept;
-  void Remember(const Readings& readings) noexcept;
+  void AddToHistory(const Readings& readings) noexcept;
   void AfterFault(PhaseProgram& program, PhaseOutcome& outcome);
 
   DriveWatch driving_;

@@ -19,8 +19,7 @@ class SetPointWatch {
  public:
   /// @param tolerance  in the unit of the set point, above zero.
   /// @param dwell_s    how long it may be away, together; time within the tolerance of a set point that
-  /// stands
-  ///   counts against it.
+  ///   stands counts against it.
   SetPointWatch(double tolerance, double dwell_s) noexcept : tolerance_(tolerance), dwell_s_(dwell_s) {}
 
   /// Once a control period, with the set point that was last given. A sample counts once: between two of

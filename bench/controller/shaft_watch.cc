@@ -23,14 +23,14 @@ constexpr double kApartFor_s = 0.25;
 // A shaft that swings is fastest once in half a period; what swings on a gear
 // or in a drive's loop does so at 5 Hz and more (14 Hz seen on a simulated
 // drive behind a slow line).
-constexpr double kRemembers_s = 0.1;
+constexpr double kDecay_s = 0.1;
 
 }  // namespace
 
 StopReason ShaftWatch::Check(const Readings& readings, const DriveActual& driving) noexcept {
   fastest_rad_per_s_ =
       std::max({std::abs(driving.speed_rad_per_s), std::abs(readings.input_speed_rad_per_s),
-                fastest_rad_per_s_ * std::exp(Seconds(checked_ - readings.time) / kRemembers_s)});
+                fastest_rad_per_s_ * std::exp(Seconds(checked_ - readings.time) / kDecay_s)});
   checked_ = readings.time;
   const nanoseconds between = std::chrono::abs(readings.angles_time - driving.time);
   const bool is_new = readings.angles_time > encoder_time_ && driving.time > drive_time_;

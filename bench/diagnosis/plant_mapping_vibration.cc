@@ -74,9 +74,9 @@ void MapMesh(const NamedCause& cause, const MappingContext& context, PlantTerms&
                           order));
     return;
   }
-  const double loudest = Require(cause, "amplitude_m_per_s2");
-  const double flexspline = LineAmplitude(p, kFlexspline).value_or(by_flexspline ? loudest : 0.0);
-  const double circular = LineAmplitude(p, kCircularSpline).value_or(by_flexspline ? 0.0 : loudest);
+  const double largest = Require(cause, "amplitude_m_per_s2");
+  const double flexspline = LineAmplitude(p, kFlexspline).value_or(by_flexspline ? largest : 0.0);
+  const double circular = LineAmplitude(p, kCircularSpline).value_or(by_flexspline ? 0.0 : largest);
   const double own = by_flexspline ? kFlexspline : kCircularSpline;
   const double of_own = by_flexspline ? flexspline : circular;
   // The side towards the other mesh order is not a sideband alone.
@@ -92,16 +92,16 @@ void MapMesh(const NamedCause& cause, const MappingContext& context, PlantTerms&
 void MapPassings(const NamedCause& cause, std::string_view term, double order, double sideband,
                  const MappingContext& context, PlantTerms& plant) {
   const Parameters p = cause.parameters;
-  const double loudest = Require(cause, "amplitude_m_per_s2") / RelativeSpeed(context);
+  const double largest = Require(cause, "amplitude_m_per_s2") / RelativeSpeed(context);
   if (const auto ring_Hz = Find(p, "ring_Hz")) {
-    plant.Set(term, {{"ringing_m_per_s2", loudest},
+    plant.Set(term, {{"ringing_m_per_s2", largest},
                      {"mode_Hz", *ring_Hz},
                      {"mode_damping", Require(cause, "ring_decay_ratio")},
                      {"modulation", 0.0}});
     return;
   }
   const std::optional<double> line = LineAmplitude(p, order);
-  plant.Set(term, {{"amplitude_m_per_s2", line ? *line / RelativeSpeed(context) : loudest},
+  plant.Set(term, {{"amplitude_m_per_s2", line ? *line / RelativeSpeed(context) : largest},
                    {"modulation", line ? DepthOf(p, order, sideband, *line) : 0.0}});
 }
 

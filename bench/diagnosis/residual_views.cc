@@ -21,33 +21,33 @@ constexpr double kLeastSamples = 4.0;
 
 // Sums of one bin.
 struct Bin {
-  double weight{}, place{}, value{}, square{};
+  double weight{}, abscissa{}, value{}, square{};
   double samples{};
 };
 
 // Places that differ by less count as one: steps that rounding has made uneven.
-constexpr double kSamePlace = 5e-4;  // of the range
+constexpr double kSameValue = 5e-4;  // of the range
 
-std::vector<Bin> FillBins(std::span<const double> place, std::span<const double> residual,
+std::vector<Bin> FillBins(std::span<const double> abscissa, std::span<const double> residual,
                           std::span<const double> weights) {
   // A campaign may have cycles without a temperature.
-  const ValueRange seen = FiniteRange(place);
+  const ValueRange seen = FiniteRange(abscissa);
   const double range = std::max(seen.high - seen.low, 1e-300);
   const auto share = [&](double here) { return (here - seen.low) / range; };
   std::set<long> values;
-  for (std::size_t i = 0; i < place.size() && values.size() <= kFewValues; ++i) {
-    if (std::isfinite(place[i])) values.insert(std::lround(share(place[i]) / kSamePlace));
+  for (std::size_t i = 0; i < abscissa.size() && values.size() <= kFewValues; ++i) {
+    if (std::isfinite(abscissa[i])) values.insert(std::lround(share(abscissa[i]) / kSameValue));
   }
   const bool few = values.size() <= kFewValues;
   std::vector<Bin> bins(few ? values.size() : kBins);
-  for (std::size_t i = 0; i < place.size(); ++i) {
-    if (!(weights[i] > 0.0) || !std::isfinite(place[i])) continue;
+  for (std::size_t i = 0; i < abscissa.size(); ++i) {
+    if (!(weights[i] > 0.0) || !std::isfinite(abscissa[i])) continue;
     const auto index = few ? static_cast<std::size_t>(std::distance(
-                                 values.begin(), values.find(std::lround(share(place[i]) / kSamePlace))))
-                           : std::min(kBins - 1, static_cast<std::size_t>(share(place[i]) * kBins));
+                                 values.begin(), values.find(std::lround(share(abscissa[i]) / kSameValue))))
+                           : std::min(kBins - 1, static_cast<std::size_t>(share(abscissa[i]) * kBins));
     Bin& bin = bins[index];
     bin.weight += weights[i];
-    bin.place += weights[i] * place[i];
+    bin.abscissa += weights[i] * abscissa[i];
     bin.value += weights[i] * residual[i];
     bin.square += weights[i] * residual[i] * residual[i];
     bin.samples += 1.0;
@@ -63,26 +63,26 @@ bool IsFolded(const diagnosis::Regressor& regressor) {
   return high - low > 1.05 * kTwoPi;
 }
 
-std::vector<double> PlacesOf(const diagnosis::Regressor& regressor) {
-  std::vector<double> places = regressor.values;
+std::vector<double> AbscissaeOf(const diagnosis::Regressor& regressor) {
+  std::vector<double> abscissae = regressor.values;
   const bool folded = IsFolded(regressor);
-  for (double& place : places) {
+  for (double& value : abscissae) {
     // A full turn less rounding is the start of the next one.
-    if (folded) place -= kTwoPi * std::floor(place / kTwoPi + 1e-9);
-    place *= regressor.per_unit;
+    if (folded) value -= kTwoPi * std::floor(value / kTwoPi + 1e-9);
+    value *= regressor.per_unit;
   }
-  return places;
+  return abscissae;
 }
 
-BinnedMeans BinMeans(std::span<const double> place, std::span<const double> residual,
+BinnedMeans BinMeans(std::span<const double> abscissa, std::span<const double> residual,
                      std::span<const double> weights) {
   BinnedMeans means;
-  for (const Bin& bin : FillBins(place, residual, weights)) {
+  for (const Bin& bin : FillBins(abscissa, residual, weights)) {
     if (bin.samples < kLeastSamples) continue;
     const double mean = bin.value / bin.weight;
     const double variance =
         std::max(0.0, bin.square / bin.weight - mean * mean) * bin.samples / (bin.samples - 1.0);
-    means.place.push_back(bin.place / bin.weight);
+    means.abscissa.push_back(bin.abscissa / bin.weight);
     means.mean.push_back(mean);
     means.two_standard_errors.push_back(2.0 * std::sqrt(variance / bin.samples));
   }
@@ -99,7 +99,7 @@ std::vector<RegressorShare> SharesByRegressor(const DiagnosisReport& report) {
     Bin all;
     double between = 0.0;
     double bins = 0.0;
-    for (const Bin& bin : FillBins(PlacesOf(regressor), residual, weights)) {
+    for (const Bin& bin : FillBins(AbscissaeOf(regressor), residual, weights)) {
       if (bin.samples < kLeastSamples) continue;
       between += bin.value * bin.value / bin.weight;
       bins += 1.0;

@@ -11,18 +11,18 @@
 namespace strainwave::bench {
 
 /// A regressor as it is drawn: in the unit of its axis, an angle of more than one turn folded into one.
-std::vector<double> PlacesOf(const analysis::diagnosis::Regressor& regressor);
+std::vector<double> AbscissaeOf(const analysis::diagnosis::Regressor& regressor);
 bool IsFolded(const analysis::diagnosis::Regressor& regressor);
 
 /// Means of a residual in bins of a regressor, with what repeats of the noise would let them vary.
 struct BinnedMeans {
-  std::vector<double> place;
+  std::vector<double> abscissa;
   std::vector<double> mean;
   std::vector<double> two_standard_errors;
 };
 /// Bins of equal width, or one for each value where there are few; those of fewer than four samples are left
 /// out.
-BinnedMeans BinMeans(std::span<const double> place, std::span<const double> residual,
+BinnedMeans BinMeans(std::span<const double> abscissa, std::span<const double> residual,
                      std::span<const double> weights);
 
 /// Share of the nominal residual's variance that its mean in bins of a regressor explains, less what the

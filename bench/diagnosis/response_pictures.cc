@@ -22,7 +22,7 @@ using diagnosis::Regressor;
 // What a kind is drawn over: what a person would choose for the abscissa.
 struct Abscissa {
   std::string title{"sample"};
-  std::vector<double> place;
+  std::vector<double> values;
 };
 
 Abscissa AbscissaOf(const diagnosis::Study& study, std::initializer_list<std::string_view> wanted) {
@@ -30,12 +30,12 @@ Abscissa AbscissaOf(const diagnosis::Study& study, std::initializer_list<std::st
     const auto found = std::ranges::find(study.regressors(), name, &Regressor::name);
     if (found == study.regressors().end()) continue;
     Abscissa abscissa{found->title, found->values};
-    for (double& place : abscissa.place) place *= found->per_unit;
+    for (double& value : abscissa.values) value *= found->per_unit;
     return abscissa;
   }
   Abscissa abscissa;
-  abscissa.place.resize(study.measured().size());
-  std::iota(abscissa.place.begin(), abscissa.place.end(), 0.0);
+  abscissa.values.resize(study.measured().size());
+  std::iota(abscissa.values.begin(), abscissa.values.end(), 0.0);
   return abscissa;
 }
 
@@ -44,8 +44,8 @@ Abscissa ResponseAbscissa(const DiagnosisReport& report) {
   if (report.input.kind == StudyKind::kTransmissionError) {
     Abscissa turn = AbscissaOf(study, {"output_angle"});
     // From the first turn on, whichever turns of the shaft these were.
-    const double before = 360.0 * std::floor(std::ranges::min(turn.place) / 360.0 + 1e-6);
-    for (double& place : turn.place) place -= before;
+    const double before = 360.0 * std::floor(std::ranges::min(turn.values) / 360.0 + 1e-6);
+    for (double& value : turn.values) value -= before;
     return turn;
   }
   if (report.input.kind == StudyKind::kHysteresis)
@@ -53,7 +53,7 @@ Abscissa ResponseAbscissa(const DiagnosisReport& report) {
   return AbscissaOf(study, {"time"});
 }
 
-// The samples around the place where the nominal model is off most, inside one segment.
+// The samples around that at which the nominal model is off most, inside one segment.
 std::vector<std::size_t> DetailOf(const DiagnosisReport& report, std::size_t length) {
   const std::vector<double> residual = diagnosis::ResidualsOf(*report.input.study, report.result.nominal);
   const std::vector<double>& weights = report.result.weights;
@@ -108,7 +108,7 @@ std::string ResponsePanel(const DiagnosisReport& report, const Abscissa& absciss
   const auto& nominal = report.result.nominal.predicted;
   const auto& extended = report.result.extended.predicted;
   const auto count = static_cast<std::size_t>(nominal.size());
-  const auto place = Picked(abscissa.place, indices);
+  const auto abscissae = Picked(abscissa.values, indices);
   auto measured = Picked(study.measured(), indices, unit);
   auto before = Picked({nominal.data(), count}, indices, unit);
   auto after = Picked({extended.data(), count}, indices, unit);
@@ -116,7 +116,7 @@ std::string ResponsePanel(const DiagnosisReport& report, const Abscissa& absciss
     for (double& value : *values) value -= shift;
     drawn.insert(drawn.end(), values->begin(), values->end());
   }
-  data += BrokenBlock(name, indices, study.segments(), {place, measured, before, after});
+  data += BrokenBlock(name, indices, study.segments(), {abscissae, measured, before, after});
   const auto over = [&](int column) {
     return IsLoop(report) ? fmt::format("{}:1", column) : fmt::format("1:{}", column);
   };
@@ -186,9 +186,9 @@ std::filesystem::path DrawResponse(const DiagnosisReport& report, const std::fil
                         Quoted(IsLoop(report) ? over : response), Quoted(IsLoop(report) ? response : over));
   const auto ranges = [&](const std::vector<double>& values, std::span<const std::size_t> indices) {
     const std::string of_values = RangeText(values);
-    const std::string of_places = RangeText(Picked(abscissa.place, indices), 0.02);
-    return fmt::format("set yrange {}\nset xrange {}\n", IsLoop(report) ? of_places : of_values,
-                       IsLoop(report) ? of_values : of_places);
+    const std::string of_abscissae = RangeText(Picked(abscissa.values, indices), 0.02);
+    return fmt::format("set yrange {}\nset xrange {}\n", IsLoop(report) ? of_abscissae : of_values,
+                       IsLoop(report) ? of_values : of_abscissae);
   };
   script += ranges(drawn, whole);
   std::vector<LegendEntry> legend{{kMeasuredColour, "measured"}, {kLastColour.plain, NominalName(report)}};
@@ -209,7 +209,7 @@ std::filesystem::path DrawResidual(const DiagnosisReport& report, const std::fil
   const diagnosis::Study& study = *report.input.study;
   const Abscissa abscissa = AbscissaOf(study, {"time"});
   const auto indices = Thinned(study.measured().size(), kMostDrawn);
-  const auto place = Picked(abscissa.place, indices);
+  const auto abscissae = Picked(abscissa.values, indices);
   const bool extended = IsExtended(report);
   const PanelLayout layout = StackPanels(extended ? 2 : 1, 300.0, 44.0);
   const double unit = study.unit_per_si();
@@ -218,7 +218,7 @@ std::filesystem::path DrawResidual(const DiagnosisReport& report, const std::fil
   const auto after = Picked(diagnosis::ResidualsOf(study, report.result.extended), indices, unit);
   std::string script =
       FrameCommands(layout.height_px, TitleOf(report, "what the simulation misses")) + MissLabel(study);
-  script += fmt::format("set xrange {}\nset yrange {}\n", RangeText(place, 0.01),
+  script += fmt::format("set xrange {}\nset yrange {}\n", RangeText(abscissae, 0.01),
                         RangeText(Counted(before, indices, report.result.weights)));
   if (floor > 0.0) {
     script += fmt::format(
@@ -238,7 +238,7 @@ std::filesystem::path DrawResidual(const DiagnosisReport& report, const std::fil
         "1000\n",
         k + 2, DotSize(indices.size()), colour);
   }
-  return RenderPicture(DataBlock("residual", {place, before, after}) + script + "unset multiplot\n", stem,
+  return RenderPicture(DataBlock("residual", {abscissae, before, after}) + script + "unset multiplot\n", stem,
                        {.width_px = 1200, .height_px = static_cast<int>(layout.height_px)});
 }
 
@@ -247,22 +247,22 @@ std::filesystem::path DrawResidualOver(const DiagnosisReport& report, std::size_
   const diagnosis::Study& study = *report.input.study;
   const Regressor& over = study.regressors()[regressor];
   const std::string quantity = over.title.substr(0, over.title.find(" / "));
-  const std::vector<double> places = PlacesOf(over);
-  const auto indices = Thinned(places.size(), kMostDrawn);
+  const std::vector<double> abscissae = AbscissaeOf(over);
+  const auto indices = Thinned(abscissae.size(), kMostDrawn);
   const PanelLayout layout = StackPanels(IsExtended(report) ? 2 : 1, 300.0, 44.0);
   std::string data;
   std::string script =
       FrameCommands(layout.height_px, TitleOf(report, "what the simulation misses, over " + quantity)) +
-      MissLabel(study) + fmt::format("set xrange {}\n", RangeText(places, 0.02));
+      MissLabel(study) + fmt::format("set xrange {}\n", RangeText(abscissae, 0.02));
   for (std::size_t k = 0; k < layout.panels.size(); ++k) {
     const bool nominal = k == 0;
     std::vector<double> residual =
         diagnosis::ResidualsOf(study, nominal ? report.result.nominal : report.result.extended);
     for (double& value : residual) value *= study.unit_per_si();
-    const BinnedMeans means = BinMeans(places, residual, report.result.weights);
+    const BinnedMeans means = BinMeans(abscissae, residual, report.result.weights);
     const auto drawn = Picked(residual, indices);
-    data += DataBlock(fmt::format("points{}", k), {Picked(places, indices), drawn});
-    data += DataBlock(fmt::format("means{}", k), {means.place, means.mean, means.two_standard_errors});
+    data += DataBlock(fmt::format("points{}", k), {Picked(abscissae, indices), drawn});
+    data += DataBlock(fmt::format("means{}", k), {means.abscissa, means.mean, means.two_standard_errors});
     if (nominal) {
       script += fmt::format("set yrange {}\n", RangeText(Counted(drawn, indices, report.result.weights)));
     }

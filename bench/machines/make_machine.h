@@ -23,11 +23,9 @@ struct SimulatedTest {
 
 /// The bench that a bench file describes.
 /// @param test  for a simulated bench. Rows are added to the truth file; of two with one cycle number the
-/// last
-///   counts.
+///   last counts.
 /// @param ask   what a person at a real bench must do by hand.
-/// @throws BenchError for a real bench whose devices are not there or refuse; BenchFileError for files
-/// that
+/// @throws BenchError for a real bench whose devices are not there or refuse; BenchFileError for files that
 ///   cannot be used, and for a plant term or a parameter that there is not.
 std::unique_ptr<BenchMachine> MakeMachine(const BenchDescription& description, const SimulatedTest& test,
                                           const AskOperator& ask = {});

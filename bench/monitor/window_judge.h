@@ -23,7 +23,7 @@ class WindowJudge {
   /// @param last_number  of the window before the first one.
   /// @param given  under what the reducer runs, where the stream does not tell it.
   /// @throws std::invalid_argument if a limit is of an output that the predictor does not have, or of a
-  /// class.
+  ///   class.
   WindowJudge(ExportedPredictor& predictor, const OutputLimits& limits, std::int64_t last_number = 0,
               const OperatingPoint& given = {});
 

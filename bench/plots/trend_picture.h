@@ -21,7 +21,7 @@ struct Trend {
 ///
 /// @return the picture's path, as RenderPicture does.
 /// @throws std::invalid_argument if there is no trend, or a trend's columns differ in length or hold no
-/// value.
+///   value.
 /// @throws GnuplotError, std::filesystem::filesystem_error as RenderPicture does.
 std::filesystem::path DrawTrends(const std::string& title, std::span<const Trend> trends,
                                  const std::filesystem::path& stem);

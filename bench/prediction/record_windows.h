@@ -20,8 +20,8 @@ struct RecordSignals {
   std::size_t rows() const { return channels.empty() ? 0 : channels.front().size(); }
 };
 
-/// @throws BenchError naming the record if a channel is missing, or the rate is another one (by more than
-/// a hundredth).
+/// @throws BenchError naming the record if a channel is missing, or the rate is another one (by more than a
+///   hundredth).
 RecordSignals SignalsOf(const daq::Record& record, const SignalSettings& settings);
 
 /// Refuses a channel that is one value throughout, or stays at its highest or lowest value: a sensor that is

@@ -72,8 +72,8 @@ SignalFault RateFault(double rate_hz, const SignalSettings& settings);
 SignalFault MissingChannel(const std::string& channel, const SignalSettings& settings);
 
 /// What is wrong with the sensor behind a signal: a value that is no number or out of the bounds of its unit
-/// (`daq/value_bounds.h`), one value throughout (not
-/// connected), or so many samples at its highest or lowest value that it is at its end.
+/// (`daq/value_bounds.h`), one value throughout (not connected), or so many samples at its highest or lowest
+/// value that it is at its end.
 std::optional<SignalFault> SensorFault(const std::string& channel, std::span<const double> signal);
 
 }  // namespace strainwave::bench

@@ -37,8 +37,7 @@ inline constexpr std::size_t kFewestRows = 20;
 /// Reads campaign folders, record files of kind vibration with labels, and folders of such files; whatever is
 /// of one specimen is one reducer (specimens.h, for records that name none). Cycles with a flagged result,
 /// and features that are not finite in every row, are left out with a note.
-/// @throws BenchError if a path is none of these, sources have different channels or rates, an output is
-/// in
+/// @throws BenchError if a path is none of these, sources have different channels or rates, an output is in
 ///   none of them or is the same in all, or fewer than 20 rows are left.
 TrainingData ReadTrainingData(const std::vector<std::filesystem::path>& paths, const SourceSettings& settings,
                               SpecimenPer specimen_per,

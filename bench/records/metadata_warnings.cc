@@ -99,7 +99,7 @@ std::optional<std::string> Meant(std::string_view key, Keys keys) {
       keys[static_cast<std::size_t>(std::ranges::find(plain_keys, *nearest) - plain_keys.begin())]);
 }
 
-void AddDefaults(const daq::Record& record, std::vector<std::string>& doubts) {
+void AddDefaults(const daq::Record& record, std::vector<std::string>& warnings) {
   // The ratio of a vibration is asked for by diagnose alone.
   if (record.kind != daq::RecordKind::kTransmissionError && record.kind != daq::RecordKind::kHysteresis)
     return;
@@ -109,7 +109,7 @@ void AddDefaults(const daq::Record& record, std::vector<std::string>& doubts) {
     if (!taken) continue;
     const std::string unit =
         daq::BoundsOf(key).unit.empty() ? "" : fmt::format(" {}", daq::BoundsOf(key).unit);
-    doubts.push_back(
+    warnings.push_back(
         fmt::format("metadata {} is missing: the default of {:g}{} is taken", key, *taken, unit));
   }
 }
@@ -117,8 +117,8 @@ void AddDefaults(const daq::Record& record, std::vector<std::string>& doubts) {
 }  // namespace
 
 std::vector<std::string> MetadataWarnings(const daq::Record& record) {
-  std::vector<std::string> doubts;
-  AddDefaults(record, doubts);
+  std::vector<std::string> warnings;
+  AddDefaults(record, warnings);
   const Keys read = KeysOf(record.kind);
   for (const auto& [key, value] : record.metadata) {
     if (std::ranges::find(read, key) != read.end() || std::ranges::find(kOfAll, key) != kOfAll.end() ||
@@ -128,13 +128,13 @@ std::vector<std::string> MetadataWarnings(const daq::Record& record) {
     for (const std::string_view known : read)
       if (!record.Metadata(known)) missing.push_back(known);
     if (const auto meant = Meant(key, missing)) {
-      doubts.push_back(
+      warnings.push_back(
           fmt::format("metadata '{}' is not known and not read; did you mean '{}'?", key, *meant));
     } else if (record.kind != daq::RecordKind::kVibration) {
-      doubts.push_back(fmt::format("metadata '{}' is not known and not read", key));
+      warnings.push_back(fmt::format("metadata '{}' is not known and not read", key));
     }
   }
-  return doubts;
+  return warnings;
 }
 
 }  // namespace strainwave::bench

@@ -15,7 +15,7 @@ std::vector<RecordWarning> WarningsOf(const daq::Record& record) {
         {record.source.file, line, group.empty() ? text : fmt::format("group '{}': {}", group, text)});
   };
   for (const daq::RecordNote& note : record.notes) add(note.line, note.text);
-  for (const std::string& doubt : MetadataWarnings(record)) add(0, doubt);
+  for (const std::string& warning : MetadataWarnings(record)) add(0, warning);
   return warnings;
 }
 

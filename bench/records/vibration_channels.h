@@ -13,7 +13,7 @@ namespace strainwave::bench {
 struct VibrationColumns {
   std::vector<std::string> channels;  // in the record's order
   /// Column and sentence: what is left out that no other part of the program reads, and what is taken with a
-  /// doubt.
+  /// warning.
   std::vector<std::pair<std::string, std::string>> warnings;
 };
 

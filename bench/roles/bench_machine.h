@@ -69,11 +69,11 @@ class BenchMachine {
   virtual std::string MissingForStart() const { return {}; }
 
   /// What speaks against a campaign on this bench, a line each: what `refuses` must be mended first.
-  struct Doubt {
+  struct Finding {
     bool refuses{};
     std::string words;
   };
-  virtual std::vector<Doubt> Doubts() const { return {}; }
+  virtual std::vector<Finding> Findings() const { return {}; }
 
   /// Whether a hand is on the bench's own start key, which then lets a drive be turned by hand.
   virtual bool StartKeyHeld() const { return false; }

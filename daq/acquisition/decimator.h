@@ -18,8 +18,7 @@ struct DecimatorSettings {
 /// Kaiser (1974), pass band up to pass_band / (2 factor), stop band from (2 - pass_band) / (2 factor) of the
 /// old rate, whatever lies between folds only into what lies above the pass band.
 /// @throws std::invalid_argument for a factor of zero, a pass band not within (0, 1), or an attenuation
-/// outside
-///   21 to 140 dB.
+///   outside 21 to 140 dB.
 std::vector<double> DecimationTaps(const DecimatorSettings& settings);
 
 /// Lowers the rate of a stream of blocks. The delay of the filter is taken off: output n, counted by
@@ -40,8 +39,7 @@ class Decimator {
   /// Takes a block that a `GapLedger` has seen and writes the outputs it completes; `out` has room for
   /// `description().most_samples_a_block`, and has no samples where none is complete.
   /// @throws std::invalid_argument if the block has other channels than the source; std::length_error if it
-  /// is
-  ///   longer than the source said.
+  ///   is longer than the source said.
   void Decimate(const SampleBlock& block, SampleBlock& out);
 
  private:

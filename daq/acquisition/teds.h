@@ -37,10 +37,9 @@ std::array<std::uint8_t, kBasicTeds_bytes> BytesOf(const BasicTeds& teds);
 /// transducers (25), in its order, "%Sens@Ref", "%TF_HP_S", "%Direction", "%Weight", "%Sign", the transfer
 /// function "%TF_SP", "%TF_KPr", "%TF_KPq", "%TF_SL" and "%TempCoef", "%RefFreq", "%RefTemp"; of the template
 /// for bridges (33), as torque transducers are, "%ElecSigType", "%PhysMeasType", "%MinPhysVal",
-/// "%MaxPhysVal",
-/// "%MinElecVal", "%MaxElecVal", "%MapMeth", "%BridgeType", "%SensorImped", "%RespTime", "%ExciteAmplNom",
-/// "%ExciteAmplMin", "%ExciteAmplMax"; and of both the calibration part "%CalDate", "%CalInitials",
-/// "%CalPeriod" (days), "%MeasID".
+/// "%MaxPhysVal", "%MinElecVal", "%MaxElecVal", "%MapMeth", "%BridgeType", "%SensorImped", "%RespTime",
+/// "%ExciteAmplNom", "%ExciteAmplMin", "%ExciteAmplMax"; and of both the calibration part "%CalDate",
+/// "%CalInitials", "%CalPeriod" (days), "%MeasID".
 ///
 /// Held against National Instruments, "IEEE 1451.4 Sensor Templates Overview" (basic part: widths and
 /// ranges), the fields that the open reader of SDL-MCI/SDLMA-Core takes from template 25, and those that the
@@ -55,8 +54,7 @@ std::vector<std::string_view> TedsTemplateFields();
 /// included.
 /// @param raw_per_volt  of the converter; of a bridge raw per V/V.
 /// @throws std::invalid_argument for a field with an unknown name, a number that is none, a "%MapMeth" that
-/// is
-///   not linear ("0"), or where there is neither "%Sens@Ref" nor such a line.
+///   is not linear ("0"), or where there is neither "%Sens@Ref" nor such a line.
 Calibration CalibrationFromTeds(const BasicTeds& basic, const Attributes& fields, double raw_per_volt);
 
 }  // namespace strainwave::daq::acquisition

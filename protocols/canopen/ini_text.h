@@ -33,9 +33,8 @@ struct IniSection {
 std::string LowerCase(std::string_view text);
 
 /// Sections by name in lower case, as an EDS file has them (CiA 306, 4.2): `[Name]`, `key=value`, comments
-/// from
-/// `;` at the beginning of a line, either end of line. Of a key or section that comes twice the first counts,
-/// a line that is neither is passed over; both are noted.
+/// from `;` at the beginning of a line, either end of line. Of a key or section that comes twice the first
+/// counts, a line that is neither is passed over; both are noted.
 std::map<std::string, IniSection> ParseIni(std::string_view text, std::vector<FileNote>& notes);
 
 }  // namespace strainwave::protocols::canopen

@@ -13,7 +13,8 @@ namespace strainwave::schedules {
 
 enum class Severity { kError, kWarning };
 
-/// One thing that is wrong, or doubtful, in a file. Lines and columns count from 1; line 0 is the whole file.
+/// One thing that is wrong, or questionable, in a file. Lines and columns count from 1; line 0 is the whole
+/// file.
 struct Finding {
   int line{};
   int column{};

@@ -104,7 +104,7 @@ class YamlMap {
   YamlMap(const YamlNode* node, std::string path, int line, int column, bool quiet, ReadContext& context);
 
   const Entry* Find(std::string_view key) const;
-  /// Remembers that `key` is known, and the expectation for the message when it is missing.
+  /// Notes that `key` is known, and the expectation for the message when it is missing.
   const Entry* Ask(std::string_view key, std::string expectation, bool required);
   std::size_t ChoiceIndex(std::string_view key, std::span<const std::string_view> words,
                           std::optional<std::string_view> default_text);

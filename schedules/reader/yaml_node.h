@@ -38,8 +38,7 @@ std::optional<std::string> ReadInputFile(const std::filesystem::path& path, cons
 /// 16 levels and the number of values to 100 000: neither kind of file needs more, and what expands without
 /// bound must not.
 /// @return nothing, with findings added, if the text is empty or too large, is not UTF-8 text, has tabs in
-/// its
-///   indentation, or is not such a document.
+///   its indentation, or is not such a document.
 std::optional<YamlNode> ParseYaml(const std::string& text, const FileKind& kind, FindingList& findings);
 
 }  // namespace strainwave::schedules

@@ -14,17 +14,18 @@ namespace strainwave::analysis::diagnosis::diagnosis_bearing_test {
 namespace {
 
 // Outer race of 21 balls, d/D = 0.1: 9.45 an input turn, twice modulated a turn by the ellipse.
-Effect Bearing(double height, double order = 9.45, double ring_Hz = 1230.0, double damping = 0.03) {
+Effect Bearing(double height, double order = 9.45, double resonance_Hz = 1230.0, double damping = 0.03) {
   return [=](const Turning& run) {
     Signal signal = Silence(run);
     std::size_t i = 0;
-    for (int blow = -5; i + 1 < run.angle_rad.size(); ++blow) {
-      const double angle = (blow - 0.4) * kTwoPi / order;
+    for (int impact = -5; i + 1 < run.angle_rad.size(); ++impact) {
+      const double angle = (impact - 0.4) * kTwoPi / order;
       while (i + 1 < run.angle_rad.size() && run.angle_rad[i + 1] < angle) ++i;
       if (i + 1 == run.angle_rad.size()) break;
       const double share = (angle - run.angle_rad[i]) / (run.angle_rad[i + 1] - run.angle_rad[i]);
       const double zones = 1.0 + 0.6 * std::cos(2.0 * angle + 0.3);
-      AddRing(run, (static_cast<double>(i) + share) / kRate_Hz, height * zones, ring_Hz, damping, signal);
+      AddRinging(run, (static_cast<double>(i) + share) / kRate_Hz, height * zones, resonance_Hz, damping,
+                 signal);
     }
     return signal;
   };
@@ -86,7 +87,8 @@ TEST(BearingSearch, NamesBearingsNextToWholeAndHalfOrders) {
   }
 }
 
-// Half a period of the ring to either side the impulses explain nearly as much with a ring that is too long.
+// Half a period of the resonance to either side the impulses explain nearly as much with a resonance that is
+// too long.
 TEST(BearingSearch, KnowsHowABearingRings) {
   for (const double speed_rpm : {1300.0, 1420.0, 1480.0, 1540.0, 1600.0}) {
     const Diagnosed answer = Ask({Record(Turning(speed_rpm, 0.5, 0.0), 52, Bearing(0.3), {1.0, 0.7})});
@@ -96,7 +98,7 @@ TEST(BearingSearch, KnowsHowABearingRings) {
   }
 }
 
-// Most of the noise is far below the ring; beside what is about it the weaker harmonics are clear.
+// Most of the noise is far below the resonance; beside what is about it the weaker harmonics are clear.
 TEST(BearingSearch, NamesABearingAboveTheNoise) {
   for (const unsigned seed : {61U, 63U, 64U}) {
     const Effect defect = [=](const Turning& run) {
@@ -107,8 +109,8 @@ TEST(BearingSearch, NamesABearingAboveTheNoise) {
   }
 }
 
-// The first look has the impulses half a period of the ring too early or late, where a fit leads nowhere.
-TEST(BearingSearch, NamesBearingsThatTheFirstLookMisplaces) {
+// The first fit has the impulses half a period of the resonance too early or late, where a fit leads nowhere.
+TEST(BearingSearch, NamesBearingsThatTheFirstFitMisplaces) {
   const struct {
     double height;
     unsigned seed;
@@ -156,19 +158,19 @@ TEST(BearingSearch, JoinsRecordsThatDoNotShowABearingAlone) {
   EXPECT_NEAR(joint.value("defect_order").value, 9.45, 0.01);
 }
 
-// Half of a ring is left where the next begins: a ring that never dies away fits the strongest harmonic a
+// Half of a response is left where the next begins: one that never dies away fits the strongest harmonic a
 // little better, but such a thing is a line.
 TEST(BearingSearch, NamesABearingWhoseImpulsesRingIntoEachOther) {
   constexpr double kSpeed_rpm = 2700.0;
   constexpr double kOrder = 10.4;
-  constexpr double kRing_Hz = 3.05 * kOrder * kSpeed_rpm / 60.0;
+  constexpr double kResonance_Hz = 3.05 * kOrder * kSpeed_rpm / 60.0;
   const struct {
     double height;
     unsigned seed;
   } records[] = {{0.05, 1}, {0.04, 3}};
   for (const auto& [height, seed] : records) {
     const VibrationData record = Record(Turning(kSpeed_rpm, 0.95, 0.0), seed,
-                                        Bearing(height, kOrder, kRing_Hz, 0.016), {0.9, 1.0, 0.9});
+                                        Bearing(height, kOrder, kResonance_Hz, 0.016), {0.9, 1.0, 0.9});
     EXPECT_EQ(Ask({record}).names(), Names{"bearing_defect"}) << seed;
   }
 }
@@ -186,10 +188,10 @@ bool IsBearingIn(const Effect& effect, const VibrationTerm& term) {
   return IsBearing(residual, term);
 }
 
-bool IsBearingIn(const Effect& effect, double order, double ring_order, double decay) {
-  return IsBearingIn(effect, {.form = VibrationForm::kRing,
+bool IsBearingIn(const Effect& effect, double order, double resonance_order, double decay) {
+  return IsBearingIn(effect, {.form = VibrationForm::kImpulseTrain,
                               .lines = {},
-                              .nonlinear_parameters = {order, ring_order * kTurn_Hz, decay},
+                              .nonlinear_parameters = {order, resonance_order * kTurn_Hz, decay},
                               .observable = {}});
 }
 
@@ -207,15 +209,15 @@ TEST(BearingSearch, NamesABearingByItsFirstLineAndTheLoadZonesSidebands) {
   EXPECT_NEAR(answer.value("defect_order").value, 13.43, 0.002);
 }
 
-// Of a record at 10 kHz. Chance finds trains with the density f² / (order² ζ); over orders, octaves of rings
-// and octaves of dampings its mean is what the rule counts.
+// Of a record at 10 kHz. Chance finds trains with the density f² / (order² ζ); over orders, octaves of
+// resonances and octaves of dampings its mean is what the rule counts.
 TEST(LogSearchLocationsOfTrain, SharesWhatChanceMayFindEvenlyAmongOrdersAndOctaves) {
   VibrationSamples samples;
   samples.runs.emplace_back().period_s = 1e-4;
-  const auto log_search_locations = [&](double order, double ring_Hz, double damping) {
+  const auto log_search_locations = [&](double order, double resonance_Hz, double damping) {
     VibrationTerm train;
-    train.form = VibrationForm::kRing;
-    train.nonlinear_parameters = {order, ring_Hz, damping, 0.0};
+    train.form = VibrationForm::kImpulseTrain;
+    train.nonlinear_parameters = {order, resonance_Hz, damping, 0.0};
     return LogSearchLocationsOfTrain(samples, train);
   };
   constexpr int kSteps = 60;
@@ -225,9 +227,9 @@ TEST(LogSearchLocationsOfTrain, SharesWhatChanceMayFindEvenlyAmongOrdersAndOctav
       for (int k = 0; k < kSteps; ++k) {
         const auto at = [](int step) { return (step + 0.5) / kSteps; };
         const double order = kLowestBearingOrder + at(i) * (kHighestBearingOrder - kLowestBearingOrder);
-        const double ring_Hz = 300.0 * std::pow(4800.0 / 300.0, at(j));
+        const double resonance_Hz = 300.0 * std::pow(4800.0 / 300.0, at(j));
         const double damping = 0.008 * std::pow(0.6 / 0.008, at(k));
-        mean += std::exp(log_search_locations(order, ring_Hz, damping)) / (kSteps * kSteps * kSteps);
+        mean += std::exp(log_search_locations(order, resonance_Hz, damping)) / (kSteps * kSteps * kSteps);
       }
     }
   }

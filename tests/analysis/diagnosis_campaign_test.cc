@@ -12,7 +12,7 @@
 namespace strainwave::analysis::diagnosis::diagnosis_campaign_test {
 namespace {
 
-TEST(MakeCampaignStudy, NamesAStepWithItsCycleSizeAndPlace) {
+TEST(MakeCampaignStudy, NamesAStepWithItsSizeAndCycle) {
   const Case result = DiagnosedCampaign(
       1, 100, [](CampaignDrawing& drawing, double, std::size_t, Random&) { drawing.AddStep(1, 41.0, -6.0); });
   ASSERT_EQ(result.Names(), std::vector<std::string>{"step_change"});

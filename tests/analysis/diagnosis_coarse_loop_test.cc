@@ -19,7 +19,7 @@ HysteresisData EveryFew(const HysteresisData& fine, std::size_t first, std::size
 }
 
 // Samples are further apart than the friction yields, and each peak lies between two of them: what the
-// friction remembers of it is on the same side at each turn, and nobody hid it.
+// friction keeps of it is on the same side at each turn, and nobody hid it.
 TEST(CoarseLoop, HidesNothingWhereThePeaksLieBetweenSamples) {
   const std::vector<PathLeg> path = Loops(5, {{33.0, 1.0}, {34.0, 0.6}, {33.2, 0.6}});
   for (const std::size_t every : {40U, 47U, 53U, 59U}) {

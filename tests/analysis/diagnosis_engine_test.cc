@@ -27,8 +27,8 @@ SeparableTerm Column(std::vector<double> values, std::string name) {
   return term;
 }
 
-// A constant and a ramp as the nominal model; a square wave, a bump of unknown place and a second square wave
-// that is hidden behind the first one as candidates.
+// A constant and a ramp as the nominal model; a square wave, a bump of unknown position and a second square
+// wave that is hidden behind the first one as candidates.
 struct ToyRecord {
   std::vector<double> x;
   std::vector<double> square;
@@ -57,7 +57,7 @@ SeparableModel ToyModel(const ToyRecord& record, std::vector<double> measured) {
   };
   bump.starts = [x = record.x](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const WindowPeak& peak : FindWindows(x, residual.residual, residual.weights, 0.02, 0.08, 3)) {
+    for (const WindowPeak& peak : FindWindows(x, residual.values, residual.weights, 0.02, 0.08, 3)) {
       starts.push_back({peak.centre});
     }
     return starts;
@@ -76,7 +76,7 @@ SeparableModel ToyModel(const ToyRecord& record, std::vector<double> measured) {
   return model;
 }
 
-TEST(FitNoise, FindsTheMemoryOfAutoregressiveNoiseAndNoneInWhiteNoise) {
+TEST(FitNoise, FindsTheCoefficientOfAutoregressiveNoiseAndNoneInWhiteNoise) {
   std::vector<double> x = WhiteNoise(4000, 1.0, 7);
   const std::vector<double> weights(4000, 1.0);
   const std::vector<std::size_t> one{0};
@@ -144,8 +144,8 @@ TEST(SeparableStudy, PredictsWhatItsOwnParametersDescribe) {
 }
 
 // Two causes share three quarters of the error allowed, one nuisance term has the last quarter: 2 / 0.75 and
-// 1 / 0.25 looks.
-TEST(Judge, ChargesNuisanceTermsMoreForTheirLooksThanCauses) {
+// 1 / 0.25 trials.
+TEST(Judge, ChargesNuisanceTermsMoreForTheirTrialsThanCauses) {
   const ToyRecord record(400);
   SeparableModel model = ToyModel(record, WhiteNoise(400, 0.1, 17));
   model.causes.push_back(Column(record.x, "curve"));
@@ -157,7 +157,7 @@ TEST(Judge, ChargesNuisanceTermsMoreForTheirLooksThanCauses) {
   EXPECT_NEAR(judge.Corrected(1e-6, study.causes()[2]), 3.0 * 1e-6 * 1.0 / 0.25, 1e-9);
 }
 
-TEST(Judge, MultipliesChanceByThePlacesThatAFitChoseFrom) {
+TEST(Judge, MultipliesChanceByTheSearchLocationsThatAFitChoseFrom) {
   const ToyRecord record(600);
   const SeparableStudy study(ToyModel(record, WhiteNoise(600, 0.1, 3)));
   const Judge judge(study, std::vector<double>(600, 1.0), {});
@@ -189,7 +189,7 @@ TEST(Judge, ChargesACauseAtLeastOneNumberWhereTheModelWithoutItNeedsMore) {
 }
 
 // Two ends that the search chooses cost the same whether the fit moves them or leaves them alone.
-TEST(Judge, ChargesPlacesThatNoFitMoves) {
+TEST(Judge, ChargesLocationsThatNoFitMoves) {
   const ToyRecord record(400);
   const SeparableStudy study(ToyModel(record, WhiteNoise(400, 0.1, 3)));
   const Judge judge(study, std::vector<double>(400, 1.0), {});
@@ -199,8 +199,9 @@ TEST(Judge, ChargesPlacesThatNoFitMoves) {
   EXPECT_NEAR(judge.Score({.likelihood_ratio = 40.0, .more_parameters = 1.0}, window), expected, 1e-9);
 }
 
-// When a further impact came is one of so many places: charged as such, and not by the samples as well.
-TEST(Judge, ChargesAPlaceOfItsOwnOnce) {
+// When a further impact came is one of so many search locations: charged as such, and not by the samples as
+// well.
+TEST(Judge, ChargesALocationOfItsOwnOnce) {
   const ToyRecord record(400);
   const SeparableStudy study(ToyModel(record, WhiteNoise(400, 0.1, 3)));
   const Judge judge(study, std::vector<double>(400, 1.0), {});

@@ -28,8 +28,8 @@ SeparableTerm Waves(int first_periods, int count) {
   return TermOf(std::move(basis_functions));
 }
 
-// What was found of eight numbers among many places has less than nothing left by BIC, and so has what is not
-// there at all, of one number and one place, only less so.
+// What was found of eight numbers among many search locations has less than nothing left by BIC, and so has
+// what is not there at all, of one number and one location, only less so.
 TEST(Exchange, PutsNothingThatChanceMakesInThePlaceOfWhatItDoesNot) {
   SeparableModel model;
   model.nominal.push_back(Waves(0, 1));

@@ -58,7 +58,7 @@ TEST(FindHolds, TakesNoSlowRampAndNoSettlingForAHold) {
   EXPECT_TRUE(FindHolds(std::vector<double>(200, 34.0), 0.0).empty());
 }
 
-// A sine that turns within the noise of a few samples is no plateau: friction remembers its peak.
+// A sine that turns within the noise of a few samples is no plateau: friction keeps its peak.
 TEST(FindHolds, TakesNoSlowTurnForAHold) {
   std::vector<double> turn(200);
   for (std::size_t i = 0; i < turn.size(); ++i) {
@@ -102,7 +102,7 @@ TEST(FindStairs, TakesNoSharpTurnForAStair) {
   EXPECT_LE(taken, 3U);
 }
 
-// Friction remembers the furthest that the torque went: by a ramp that is smoothed past its end, the twist
+// Friction keeps the furthest that the torque went: by a ramp that is smoothed past its end, the twist
 // of the whole hold would be wrong.
 TEST(KeepStill, EndsARampAtTheHold) {
   std::vector<double> time_s(2400);

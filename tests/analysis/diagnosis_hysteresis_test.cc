@@ -75,8 +75,8 @@ TEST(HysteresisStudy, LeavesTheTorquesNoiseWhite) {
   EXPECT_NEAR(square_sum_of_means / square_sum, 1.0, 3.0 * std::sqrt(2.0 / means));
 }
 
-// Noise with a memory moves the measured angle, and a line over that angle moves with it.
-TEST(HysteresisStudy, FindsNoLineOverTheAngleInNoiseWithAMemory) {
+// Autoregressive noise moves the measured angle, and a line over that angle moves with it.
+TEST(HysteresisStudy, FindsNoLineOverTheAngleInAutoregressiveNoise) {
   const std::vector<PathLeg> path{{34.0, 1.0}, {-34.0, 1.0}, {0.0, 1.0}};
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     const Diagnosed clean = Ask(

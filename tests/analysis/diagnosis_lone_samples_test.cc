@@ -59,7 +59,7 @@ TEST(LoneSamples, TakeTwoSideBySideForRealWhereNoOtherStandsOff) {
 }
 
 // Something that rings moves more samples than two: of those no more are lone than without the spikes.
-TEST(LoneSamples, LeaveWhatRings) {
+TEST(LoneSamples, LeaveResonances) {
   std::vector<double> signal = WhiteNoise(4000, 1.0, 7);
   for (std::size_t i = 0; i < 60; ++i) {
     const double since = static_cast<double>(i);

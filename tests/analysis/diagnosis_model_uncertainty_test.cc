@@ -111,7 +111,7 @@ TEST(ModelUncertainty, LeavesNothingOfWhatOneImpactTells) {
   EXPECT_TRUE(IsElseUncertain(Toy(std::move(measured), OneImpact())));
 }
 
-// An axis with a light load in a gap so wide that the load strikes several times on its way; when hangs on
+// An axis with a light load in a gap so wide that the load strikes several times on its way; when depends on
 // when it struck before.
 const LedAxis kWideGap{.path = {{1.5, kTwoPi * 0.07}, {0.4, kTwoPi * 0.33}, {0.15, kTwoPi * 0.9}},
                        .duration_s = 27.0,

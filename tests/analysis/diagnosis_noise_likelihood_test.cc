@@ -14,8 +14,9 @@ namespace {
 
 const std::vector<std::size_t> kOneSegment{0};
 
-// What is left is largest where an effect is that the model lacks, often next to a gap: that is no memory.
-TEST(NoiseLikelihood, DoesNotTakeLoudSamplesNextToGapsForMemory) {
+// What is left is largest where an effect is that the model lacks, often next to a gap: that is no
+// autocorrelation.
+TEST(NoiseLikelihood, DoesNotTakeLargeSamplesNextToGapsForAutocorrelation) {
   std::vector<double> noise = WhiteNoise(1000, 0.1, 4);
   std::vector<double> weights(noise.size(), 1.0);
   for (std::size_t i = 0; i < noise.size(); ++i) {
@@ -25,19 +26,19 @@ TEST(NoiseLikelihood, DoesNotTakeLoudSamplesNextToGapsForMemory) {
   EXPECT_EQ(FitNoise(noise, weights, kOneSegment, 4, 1.0).order, 0);
 }
 
-// Between gaps that leave six samples each, noise that remembers looks like a level: it brings no more than
+// Between gaps that leave six samples each, autoregressive noise looks like a level: it brings no more than
 // chance does where each sample is predicted by as many as there are before it.
-TEST(NoiseLikelihood, KnowsTheMemoryOfSamplesNextToGaps) {
+TEST(NoiseLikelihood, KnowsTheAutocorrelationOfSamplesNextToGaps) {
   constexpr std::size_t kRuns = 100;
   constexpr std::size_t kRun = 6;
-  constexpr double kMemory = 0.8;
+  constexpr double kLagOne = 0.8;
   constexpr unsigned kRecords = 50;
   std::vector<double> weights;
   for (std::size_t i = 0; i < kRuns * (kRun + 1); ++i) weights.push_back(i % (kRun + 1) == kRun ? 0.0 : 1.0);
   double mean_ratio = 0.0;
   for (unsigned record = 0; record < kRecords; ++record) {
     std::vector<double> noise = WhiteNoise(weights.size(), 1.0, record);
-    for (std::size_t i = 1; i < noise.size(); ++i) noise[i] += kMemory * noise[i - 1];
+    for (std::size_t i = 1; i < noise.size(); ++i) noise[i] += kLagOne * noise[i - 1];
     // A level that goes up and down every few runs, by least squares.
     const auto level = [](std::size_t i) { return i / (kRun + 1) % 6 < 3 ? 1.0 : -1.0; };
     double along = 0.0;
@@ -51,7 +52,7 @@ TEST(NoiseLikelihood, KnowsTheMemoryOfSamplesNextToGaps) {
   EXPECT_LT(mean_ratio, 2.0);
 }
 
-// Two channels, of which one remembers and is louder.
+// Two channels, of which one is autoregressive and larger.
 TEST(NoiseLikelihood, IsOfEachSeriesWhatItIsAlone) {
   constexpr std::size_t kOne = 4000;
   std::vector<double> both = WhiteNoise(2 * kOne, 1.0, 11);

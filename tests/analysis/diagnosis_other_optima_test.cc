@@ -16,7 +16,7 @@ constexpr std::size_t kSamples = 200;
 constexpr double kOrder = 30.0;
 constexpr double kAlias = 170.0;  // the same on so many even samples a turn
 
-// A wave of unknown order, which is looked for in two places.
+// A wave of unknown order, which is searched at two orders.
 SeparableStudy Wave(double second_start, std::size_t most_starts) {
   SeparableTerm offset;
   offset.fill = [](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) { design.setOnes(); };

@@ -79,7 +79,7 @@ TEST(LjungBoxP, IsUniformWithGapsAndManySegments) {
   }));
 }
 
-TEST(LjungBoxP, SeesAWeakMemoryThatASegmentStartInterrupts) {
+TEST(LjungBoxP, SeesAWeakAutocorrelationThatASegmentStartInterrupts) {
   const Shares shares = Shares::Of(200, [](unsigned seed) {
     const auto x = Noise(seed).Autoregressive(600, 0.3);
     const std::size_t segments[] = {0, 300};

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "analysis/diagnosis/vibration/bands.h"
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/impulse_train.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/units.h"
@@ -61,7 +61,7 @@ TEST(VibrationResonance, NamesWhatSwingsInAShortRecord) {
   }
 }
 
-// No band shows them, the loudest bursts are chance, and so is what a line takes of them.
+// No band shows them, the largest bursts are chance, and so is what a line takes of them.
 TEST(VibrationResonance, NamesAFewImpacts) {
   const Effect impacts = Ringing(211.9, 0.0157, {{0.313, 0.09}, {0.952, -0.08}});
   for (const unsigned seed : {1U, 2U, 3U, 17U, 18U, 22U}) {
@@ -115,12 +115,12 @@ TEST(VibrationResonance, NamesImpactsThatOverlap) {
 TEST(OneOf, RingsAsTwoDoOnceBothHaveBegun) {
   const Turning run(1500.0, 0.2, 0.0);
   Signal two = Silence(run);
-  AddRing(run, 0.0101, 1.0, kFrequency_Hz, kDamping, two);
-  AddRing(run, 0.0112, -0.8, kFrequency_Hz, kDamping, two);
+  AddRinging(run, 0.0101, 1.0, kFrequency_Hz, kDamping, two);
+  AddRinging(run, 0.0112, -0.8, kFrequency_Hz, kDamping, two);
   const Impact impact = OneOf({0.0101, 1.0}, {0.0112, -0.8}, kFrequency_Hz, kDamping);
   EXPECT_NEAR(impact.start_s, 0.0101, 0.25 / kFrequency_Hz);
   Signal one = Silence(run);
-  AddRing(run, impact.start_s, impact.height, kFrequency_Hz, kDamping, one);
+  AddRinging(run, impact.start_s, impact.height, kFrequency_Hz, kDamping, one);
   for (std::size_t i = 70; i < one.size(); ++i) ASSERT_NEAR(one[i], two[i], 1e-3) << i;
 }
 

@@ -74,7 +74,7 @@ TEST(FindLines, TakesEvenSamplesForTheirOwnBins) {
 TEST(LogSearchLocationsOfLine, SpreadsWhatChanceMayFindEvenlyOverOctaves) {
   constexpr double kLowest = 0.5;
   constexpr double kHighest = 128.0;
-  // Shares of the error that small ranges of orders get, which are one over their places.
+  // Shares of the error that small ranges of orders get, which are one over their search locations.
   const auto share = [&](double from, double to) {
     constexpr int kParts = 20000;
     const double step = (to - from) / kParts;
@@ -93,7 +93,7 @@ TEST(LogSearchLocationsOfLine, SpreadsWhatChanceMayFindEvenlyOverOctaves) {
             LogSearchLocationsOfLine(kHighest, kLowest, kHighest));
 }
 
-TEST(LogSearchLocationsOfWidth, AWideWindowHasFewPlacesAndTheNarrowestPayForTheOctaves) {
+TEST(LogSearchLocationsOfWidth, AWideWindowHasFewLocationsAndTheNarrowestPayForTheOctaves) {
   // Five octaves from 1 to 32: the narrowest have half of these times their own, and 32 times fewer are as
   // wide.
   EXPECT_NEAR(LogSearchLocationsOfWidth(1.0, 1.0, 32.0), std::log(2.5), 1e-12);
@@ -104,13 +104,13 @@ TEST(LogSearchLocationsOfWidth, AWideWindowHasFewPlacesAndTheNarrowestPayForTheO
 }
 
 TEST(FindWindows, FindsWhereTheMeanIsRaised) {
-  std::vector<double> place;
+  std::vector<double> abscissa;
   std::vector<double> residual = WhiteNoise(500, 0.2, 6);
   for (std::size_t i = 0; i < 500; ++i) {
-    place.push_back(static_cast<double>(i));
+    abscissa.push_back(static_cast<double>(i));
     if (i >= 210 && i < 240) residual[i] += 0.4;
   }
-  const auto windows = FindWindows(place, residual, std::vector<double>(500, 1.0), 5.0, 100.0, 1);
+  const auto windows = FindWindows(abscissa, residual, std::vector<double>(500, 1.0), 5.0, 100.0, 1);
   ASSERT_EQ(windows.size(), 1u);
   EXPECT_NEAR(windows[0].centre, 225.0, 5.0);
   EXPECT_NEAR(windows[0].width, 30.0, 10.0);

@@ -44,14 +44,14 @@ TEST(SearchLimits, AreFourNuisanceTermsAndAnyCauseBesideThem) {
   EXPECT_EQ(study.causes()[diagnosis.causes[0].index].name, "cause");
 }
 
-// A nuisance term for two small causes, beside a loud effect of which its formula may leave as much.
-SeparableModel TwoBesideALoudOne(double misfit_share) {
-  const BasisFunction loud = BellAt(0.4, 0.1);
+// A nuisance term for two small causes, beside a strong effect of which its formula may leave as much.
+SeparableModel TwoBesideAStrongOne(double misfit_share) {
+  const BasisFunction strong = BellAt(0.4, 0.1);
   const BasisFunction one = BellAt(0.7, 0.02);
   const BasisFunction other = BellAt(0.85, 0.02);
   SeparableModel model =
-      NoiseAnd([=](std::size_t i) { return 3.0 * loud(i) + 0.7 * one(i) + 0.3 * other(i); });
-  Add(model, {.name = "loud", .misfit_share = misfit_share}, {loud});
+      NoiseAnd([=](std::size_t i) { return 3.0 * strong(i) + 0.7 * one(i) + 0.3 * other(i); });
+  Add(model, {.name = "loud", .misfit_share = misfit_share}, {strong});
   Add(model, {.name = "both", .named = false}, {[=](std::size_t i) { return one(i) + other(i); }});
   Add(model, {.name = "one"}, {one});
   Add(model, {.name = "other"}, {other});
@@ -59,11 +59,11 @@ SeparableModel TwoBesideALoudOne(double misfit_share) {
 }
 
 bool FindsAPair(double misfit_share) {
-  const SeparableStudy study(TwoBesideALoudOne(misfit_share));
+  const SeparableStudy study(TwoBesideAStrongOne(misfit_share));
   const Judge judge(study, EqualWeights(study), {});
-  const std::vector<std::size_t> loud_and_both{0, 1};
+  const std::vector<std::size_t> strong_and_both{0, 1};
   PairRivals rivals;
-  return FindPair(judge, {}, judge.Fit(loud_and_both, nullptr), {}, kError, {}, rivals).has_value();
+  return FindPair(judge, {}, judge.Fit(strong_and_both, nullptr), {}, kError, {}, rivals).has_value();
 }
 
 TEST(SearchLimits, ExcludePairsThatWouldBeDroppedAsAMisfit) {

@@ -36,7 +36,7 @@ TEST(DecorrelationOf, IsARootOfTheInverseOfTheChannelsCorrelation) {
   EXPECT_LT(((root.transpose() * root).inverse() - expected).cwiseAbs().maxCoeff(), kOfMedians);
 }
 
-TEST(DecorrelationOf, PassesOverLinesThatAllChannelsHear) {
+TEST(DecorrelationOf, PassesOverLinesThatAreObservableInAllChannels) {
   Series series = Sharing(2, 20000, 0.0, 2);
   for (std::vector<double>& channel : series) {
     for (std::size_t i = 0; i < channel.size(); ++i)
@@ -48,7 +48,7 @@ TEST(DecorrelationOf, PassesOverLinesThatAllChannelsHear) {
             kOfMedians);
 }
 
-// What all sensors share remembers the sample before, what each has alone does not: no one spectrum fits
+// What all sensors share is autoregressive, what each has alone is white: no one spectrum fits
 // both.
 TEST(SharedNoise, AccusesNoHealthyMachineWhoseSharedNoiseHasAColourOfItsOwn) {
   const Turning run(1500.0, 2.0, 0.0);

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/impulse_train.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/units.h"
 #include "tests/analysis/vibration_record.h"
@@ -15,7 +15,7 @@ namespace strainwave::analysis::diagnosis::diagnosis_slipping_test {
 namespace {
 
 constexpr double kOrder = 7.63;
-constexpr double kRing_Hz = 1130.0;
+constexpr double kResonance_Hz = 1130.0;
 constexpr double kDamping = 0.06;
 
 Effect SlippingBearing(unsigned seed, double slip, double height, double change = 0.0) {
@@ -24,12 +24,13 @@ Effect SlippingBearing(unsigned seed, double slip, double height, double change 
     std::normal_distribution<double> slips(0.0, slip);
     Signal signal = Silence(run);
     std::size_t i = 0;
-    for (double blow = 0.4; blow < run.turns() * kOrder; blow += 1.0 + slips(random)) {
-      const double angle = blow * kTwoPi / kOrder;
+    for (double impact = 0.4; impact < run.turns() * kOrder; impact += 1.0 + slips(random)) {
+      const double angle = impact * kTwoPi / kOrder;
       while (i + 2 < run.angle_rad.size() && run.angle_rad[i + 1] < angle) ++i;
       const double share = (angle - run.angle_rad[i]) / (run.angle_rad[i + 1] - run.angle_rad[i]);
       const double zones = 1.0 + change * std::cos(angle + 0.3);
-      AddRing(run, (static_cast<double>(i) + share) / kRate_Hz, height * zones, kRing_Hz, kDamping, signal);
+      AddRinging(run, (static_cast<double>(i) + share) / kRate_Hz, height * zones, kResonance_Hz, kDamping,
+                 signal);
     }
     return signal;
   };
@@ -45,7 +46,7 @@ TEST(SlippingBearing, IsNamedWithItsOrderAndNoResonanceBesideIt) {
       const ParameterValue order = answer.value("defect_order");
       EXPECT_NEAR(order.value, kOrder, 4.0 * order.standard_error);
       EXPECT_LT(order.standard_error, 0.02);
-      EXPECT_NEAR(answer.value("ring_Hz").value, kRing_Hz, 40.0);
+      EXPECT_NEAR(answer.value("ring_Hz").value, kResonance_Hz, 40.0);
       EXPECT_NEAR(answer.value("slip_share").value, slip, 0.5 * slip);
     }
   }
@@ -73,7 +74,7 @@ TEST(SlippingBearing, IsNamedWhereItsImpulsesChangeWithTheLoad) {
   EXPECT_EQ(answer.value("modulated_per_turn").value, 1.0);
 }
 
-// The ring that noise drives is loud now and then, but not so many times a turn.
+// The resonance that noise drives is large now and then, but not so many times a turn.
 TEST(SlippingBearing, IsNoneWhereNoiseDrivesAResonance) {
   for (const unsigned seed : {85U, 86U}) {
     const Effect resonance = [seed](const Turning& run) {
@@ -81,7 +82,7 @@ TEST(SlippingBearing, IsNoneWhereNoiseDrivesAResonance) {
       std::normal_distribution<double> height(0.0, 0.05);
       Signal signal = Silence(run);
       for (double start_s = 0.0; start_s < run.time_s.back(); start_s += 0.0002)
-        AddRing(run, start_s, height(random), kRing_Hz, 0.02, signal);
+        AddRinging(run, start_s, height(random), kResonance_Hz, 0.02, signal);
       return signal;
     };
     const Diagnosed answer = Ask({Record(Turning(1500.0, 1.0, 0.0), seed, resonance)});
@@ -92,15 +93,15 @@ TEST(SlippingBearing, IsNoneWhereNoiseDrivesAResonance) {
   }
 }
 
-TEST(RingColumn, BeginsEachRingWhereItsImpulseSlippedTo) {
+TEST(ImpulseTrainColumn, BeginsEachResponseWhereItsImpulseSlippedTo) {
   const Turning turning(1500.0, 0.2, 0.1);
   const VibrationData record = Record(turning, 87, Silence);
   const VibrationRun run = PrepareVibration({&record, 1}).runs.front();
-  RingTrain train{3.0, 400.0, 0.1, 0.25, {}, {}};
+  ImpulseTrain train{3.0, 400.0, 0.1, 0.25, {}, {}};
   std::mt19937 random(88);
   std::uniform_real_distribution<double> slip(-0.1, 0.1);
   for (int j = -10; j <= 10; ++j) train.slips.push_back(slip(random));
-  const Eigen::VectorXd column = RingColumn(run, train);
+  const Eigen::VectorXd column = ImpulseTrainColumn(run, train);
   Eigen::VectorXd expected = Eigen::VectorXd::Zero(column.size());
   for (int j = -10; j <= 10; ++j) {
     const double place = j + train.phase + train.slips[static_cast<std::size_t>(j + 10)];
@@ -109,7 +110,7 @@ TEST(RingColumn, BeginsEachRingWhereItsImpulseSlippedTo) {
     if (after == 0 || after == column.size()) continue;
     const auto i = static_cast<std::size_t>(after);
     const double share = (angle_rad - run.angle_rad[i - 1]) / (run.angle_rad[i] - run.angle_rad[i - 1]);
-    AddTransient(run, train.ring_Hz, train.damping_ratio,
+    AddTransient(run, train.resonance_Hz, train.damping_ratio,
                  run.time_s[i - 1] + share * (run.time_s[i] - run.time_s[i - 1]), 1.0, expected);
   }
   // What rang before the record began has died away.
@@ -125,8 +126,8 @@ TEST(AddTransient, RingsOnOverTimeStampsOfFewDigits) {
     run.time_s.push_back(1e-6 * std::round(1e6 * (i < 200 ? i : i + 30) * run.period_s));
   constexpr double kStart_s = 0.01013;
   Eigen::VectorXd column = Eigen::VectorXd::Zero(400);
-  AddTransient(run, kRing_Hz, 0.01, kStart_s, 2.0, column);
-  const std::complex<double> pole = RingPole(kRing_Hz, 0.01);
+  AddTransient(run, kResonance_Hz, 0.01, kStart_s, 2.0, column);
+  const std::complex<double> pole = ResonancePole(kResonance_Hz, 0.01);
   for (int i = 0; i < 400; ++i) {
     const double since_s = run.time_s[static_cast<std::size_t>(i)] - kStart_s;
     const double expected =

@@ -58,20 +58,23 @@ TEST(FillSlopes, AreThoseOfABurst) {
   EXPECT_LT(FarthestFromDifferences({0, VibrationForm::kBurst, {}, {433.0, 0.31, 0.02}, {1, 1}, {}}), 1e-4);
 }
 
-// A ring begins with a kink: a difference across one sees part of it.
-TEST(FillSlopes, AreThoseOfATrainOfRings) {
-  EXPECT_LT(
-      FarthestFromDifferences({0, VibrationForm::kRing, {}, {4.61, 870.0, 0.07, 0.21, -0.34}, {1, 1}, {}}),
-      0.01);
-  EXPECT_LT(
-      FarthestFromDifferences(
-          {0, VibrationForm::kRing, {{0.0, 1.0}}, {4.61, 870.0, 0.07, 0.4, -0.3, 0.21, -0.34}, {1, 1}, {}}),
-      0.01);
+// A response begins with a kink: a difference across one sees part of it.
+TEST(FillSlopes, AreThoseOfAnImpulseTrain) {
+  EXPECT_LT(FarthestFromDifferences(
+                {0, VibrationForm::kImpulseTrain, {}, {4.61, 870.0, 0.07, 0.21, -0.34}, {1, 1}, {}}),
+            0.01);
+  EXPECT_LT(FarthestFromDifferences({0,
+                                     VibrationForm::kImpulseTrain,
+                                     {{0.0, 1.0}},
+                                     {4.61, 870.0, 0.07, 0.4, -0.3, 0.21, -0.34},
+                                     {1, 1},
+                                     {}}),
+            0.01);
   std::vector<double> slips(41);
   for (std::size_t j = 0; j < slips.size(); ++j) slips[j] = 0.03 * std::sin(1.7 * static_cast<double>(j));
-  EXPECT_LT(
-      FarthestFromDifferences({0, VibrationForm::kRing, {}, {4.61, 870.0, 0.07, 0.21, -0.34}, {1, 1}, slips}),
-      0.01);
+  EXPECT_LT(FarthestFromDifferences(
+                {0, VibrationForm::kImpulseTrain, {}, {4.61, 870.0, 0.07, 0.21, -0.34}, {1, 1}, slips}),
+            0.01);
 }
 
 TEST(LineSumsNear, HaveTheDropsOfLinesAtTheirOrders) {

@@ -15,7 +15,7 @@ namespace {
 Signal Hidden(const Turning& run) {
   Signal signal = ColouredNoise(run, 7, 0.1, 0.5);
   for (double start_s = 0.004; start_s < run.time_s.back(); start_s += kTwoPi / 9.45 / run.speed_rad_per_s[0])
-    AddRing(run, start_s, 0.3, 1230.0, 0.03, signal);
+    AddRinging(run, start_s, 0.3, 1230.0, 0.03, signal);
   for (std::size_t i = 0; i < signal.size(); ++i) signal[i] += 0.2 * std::cos(kTwoPi * 333.3 * run.time_s[i]);
   return signal;
 }

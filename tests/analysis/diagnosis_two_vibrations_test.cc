@@ -13,7 +13,7 @@ namespace {
 
 // Each line is as weak in each channel as noise may be; the weakest brings less than its numbers are charged,
 // and no name.
-TEST(VibrationPair, NamesAMeshThatFourChannelsHearWeaklyBesideImpacts) {
+TEST(VibrationPair, NamesAMeshThatIsWeakInFourChannelsBesideImpacts) {
   const struct {
     double amplitude;
     unsigned seed;
@@ -23,7 +23,7 @@ TEST(VibrationPair, NamesAMeshThatFourChannelsHearWeaklyBesideImpacts) {
   for (const auto& [amplitude, seed, mesh] : records) {
     const Effect both = [amplitude = amplitude](const Turning& run) {
       Signal signal = Line(run, 160.0, amplitude) + Line(run, 162.0, amplitude);
-      for (const double start_s : {0.2, 0.61}) AddRing(run, start_s, 1.0, 94.0, 0.01, signal);
+      for (const double start_s : {0.2, 0.61}) AddRinging(run, start_s, 1.0, 94.0, 0.01, signal);
       return signal;
     };
     const Diagnosed answer = Ask({Record(Turning(700.0, 1.5, 0.0), seed, both, {1.0, 0.9, 0.6, 0.8})});
@@ -41,9 +41,9 @@ TEST(VibrationPair, TakesWhatATrainLeavesForNoResonance) {
       constexpr double kOrder = 11.36;
       Signal signal = Silence(run);
       const double turn_s = run.time_s.back() / run.turns();
-      for (double blow = 0.75; blow < run.turns() * kOrder; ++blow) {
-        const double zones = 1.0 + 0.6 * std::cos(2.0 * kTwoPi * blow / kOrder + 0.3);
-        AddRing(run, blow / kOrder * turn_s, 0.6 * zones, 1265.0, 0.03, signal);
+      for (double impact = 0.75; impact < run.turns() * kOrder; ++impact) {
+        const double zones = 1.0 + 0.6 * std::cos(2.0 * kTwoPi * impact / kOrder + 0.3);
+        AddRinging(run, impact / kOrder * turn_s, 0.6 * zones, 1265.0, 0.03, signal);
       }
       return signal;
     };
@@ -51,7 +51,7 @@ TEST(VibrationPair, TakesWhatATrainLeavesForNoResonance) {
   }
 }
 
-// In no channel alone: all four hear it.
+// In no channel alone: it takes all four.
 TEST(WeakVibration, NamesACrackThatNoChannelShowsAlone) {
   const struct {
     double height;

@@ -32,8 +32,8 @@ TEST(VibrationShaft, NamesABearingInARunUpFromStandstill) {
     for (std::size_t i = 1; i < turning.time_s.size(); ++i) {
       if (turning.angle_rad[i] * kOrder / kTwoPi < next) continue;
       const double since = turning.angle_rad[i] - next * kTwoPi / kOrder;
-      AddRing(turning, turning.time_s[i] - since / std::max(1.0, turning.speed_rad_per_s[i]), 0.5, 1100.0,
-              0.04, signal);
+      AddRinging(turning, turning.time_s[i] - since / std::max(1.0, turning.speed_rad_per_s[i]), 0.5, 1100.0,
+                 0.04, signal);
       ++next;
     }
     return signal;
@@ -97,8 +97,8 @@ TEST(VibrationShaft, FollowsNoLinesOfACrack) {
     EXPECT_FALSE(SaysThatItWanders(Record(Turning(3000.0, duration_s, 0.0), 72, Crack(0.3)))) << duration_s;
 }
 
-// Where the speed was measured, a lag and another scale would meet a loud crack somewhere.
-TEST(VibrationShaft, KeepsTheMeasuredAngleBesideALoudCrack) {
+// Where the speed was measured, a lag and another scale would meet a strong crack somewhere.
+TEST(VibrationShaft, KeepsTheMeasuredAngleBesideAStrongCrack) {
   for (unsigned seed = 73; seed < 79; ++seed) {
     const Turning turning(1950.0, 2.8 + 0.1 * (seed - 73), 0.08);
     EXPECT_NEAR(RunOf(Record(turning, seed, Crack(3.0))).turns, turning.turns(), 1e-3) << seed;
@@ -144,18 +144,18 @@ TEST(VibrationShaft, TakesALateColumnOfSpeedsForNoEffect) {
   EXPECT_NE(answer.study->warnings().back().find(" ms behind"), std::string::npos);
 }
 
-// A loud line has sidelobes where a weak line of half its frequency, or of twice, would stand.
-TEST(VibrationShaft, ReadsTheSpeedOffAPairOfWhichOneLineIsMuchLouder) {
-  for (const double louder : {1.0, 2.0}) {
+// A strong line has sidelobes where a weak line of half its frequency, or of twice, would stand.
+TEST(VibrationShaft, ReadsTheSpeedOffAPairOfWhichOneLineIsMuchStronger) {
+  for (const double stronger : {1.0, 2.0}) {
     const Turning turning(1609.0, 0.3, 0.0);
     VibrationData record = Record(turning, 67, Silence);
-    record.channels.front().values = record.channels.front().values + Line(turning, louder, 2.0);
+    record.channels.front().values = record.channels.front().values + Line(turning, stronger, 2.0);
     record.input_speed_rad_per_s.clear();
-    EXPECT_NEAR(RpmFromRadPerS(RunOf(record).mean_speed_rad_per_s), 1609.0, 1.0) << louder;
+    EXPECT_NEAR(RpmFromRadPerS(RunOf(record).mean_speed_rad_per_s), 1609.0, 1.0) << stronger;
   }
 }
 
-// Nothing is stated that could speak against the best fit: its turns are as sure as the loud line says, to
+// Nothing is stated that could speak against the best fit: its turns are as sure as the strong line says, to
 // 0.15 thousandths.
 TEST(VibrationShaft, TakesASpeedThatNobodyStatesAsTheLinesSayIt) {
   for (unsigned seed = 70; seed < 90; ++seed) {

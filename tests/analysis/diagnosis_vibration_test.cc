@@ -86,7 +86,7 @@ TEST(VibrationStudy, NamesAResonanceThatImpactsRing) {
   EXPECT_NEAR(answer.value("damping_ratio").value, 0.015, 0.005);
   EXPECT_NEAR(answer.value("knock_1_s").value, 0.2111, 0.001);
   EXPECT_NEAR(answer.value("knock_2_s").value, 0.7037, 0.001);
-  // Twenty kinds of ring in each cell; and one of the impacts may be in any half period of 1.2 s.
+  // Twenty kinds of resonance in each cell; and one of the impacts may be in any half period of 1.2 s.
   EXPECT_NEAR(answer.diagnosis.extended.log_search_locations, std::log(20.0 * 2.0 * 140.0 * 1.2), 0.01);
 }
 
@@ -124,7 +124,7 @@ TEST(VibrationStudy, NamesWeakFlexsplineCracks) {
   EXPECT_GE(named, 6);
 }
 
-// The same order, but nothing of a pulse: loud enough for its third harmonic to be missed.
+// The same order, but nothing of a pulse: large enough for its third harmonic to be missed.
 TEST(VibrationStudy, TellsTeethThatMeetFromACrack) {
   const Effect teeth = [](const Turning& run) {
     Signal signal = Line(run, 2.025, 0.06);
@@ -230,7 +230,8 @@ TEST(VibrationStudy, TakesAWrongSpeedFromTheLinesOfAFewTurns) {
   }
 }
 
-// Twenty spikes of thirty standard deviations a second: with them the channel would seem to be twice as loud.
+// Twenty spikes of thirty standard deviations a second: with them the channel would seem to be twice as
+// large.
 TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverSpikesThereAre) {
   VibrationData record = Record(Turning(1500.0, 1.0, 0.0), 31, Silence, {1.0, 1.0});
   for (std::size_t i = 100; i < record.time_s.size(); i += 256) record.channels[0].values[i] += 3.0;
@@ -245,8 +246,8 @@ TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverSpikesThereAre) {
 TEST(PrepareVibration, ScalesChannelsToEqualNoiseWhateverLinesTheSpeedSpreads) {
   const Turning run(3000.0, 1.0, 1.4);
   VibrationData record = Record(run, 32, Silence, {1.0, 1.0});
-  Signal& loud = record.channels[0].values;
-  loud = loud + Line(run, 2.0, 80.0 * kNoise_m_per_s2);
+  Signal& strong = record.channels[0].values;
+  strong = strong + Line(run, 2.0, 80.0 * kNoise_m_per_s2);
   const VibrationSamples samples = PrepareVibration({&record, 1});
   const auto& channels = samples.runs.front().channels;
   EXPECT_NEAR(channels[0].scale / channels[1].scale, 1.0, 0.1);

@@ -19,17 +19,17 @@ constexpr std::size_t kSamples = 1000;
 constexpr double kNoise = 0.1;
 constexpr double kTimes = 6.0;  // as large is the noise of every other five samples
 
-bool IsLoud(std::size_t sample) { return sample % 10 < 5; }
+bool IsNoisy(std::size_t sample) { return sample % 10 < 5; }
 
 std::vector<double> Weights() {
   std::vector<double> weights;
-  for (std::size_t i = 0; i < kSamples; ++i) weights.push_back(IsLoud(i) ? 1.0 / (kTimes * kTimes) : 1.0);
+  for (std::size_t i = 0; i < kSamples; ++i) weights.push_back(IsNoisy(i) ? 1.0 / (kTimes * kTimes) : 1.0);
   return weights;
 }
 
 std::vector<double> Noise(unsigned seed) {
   std::vector<double> noise = WhiteNoise(kSamples, kNoise, seed);
-  for (std::size_t i = 0; i < kSamples; ++i) noise[i] *= IsLoud(i) ? kTimes : 1.0;
+  for (std::size_t i = 0; i < kSamples; ++i) noise[i] *= IsNoisy(i) ? kTimes : 1.0;
   return noise;
 }
 
@@ -82,16 +82,16 @@ TEST(Weights, OfTheStudyHoldInItsDiagnosis) {
 TEST(Weights, CountInWhatIsHeldOut) {
   SeparableModel model;
   model.nominal.push_back(Constant());
-  SeparableTerm loud;
-  loud.fill = [](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
+  SeparableTerm strong;
+  strong.fill = [](std::span<const double>, Eigen::Ref<Eigen::MatrixXd> design) {
     for (std::size_t i = 0; i < kSamples; ++i)
-      design(static_cast<Eigen::Index>(i), 0) = IsLoud(i) ? 1.0 : 0.0;
+      design(static_cast<Eigen::Index>(i), 0) = IsNoisy(i) ? 1.0 : 0.0;
   };
-  DescribeEach(loud, {{"size", "1", 1.0}});
-  model.causes.push_back(std::move(loud));
+  DescribeEach(strong, {{"size", "1", 1.0}});
+  model.causes.push_back(std::move(strong));
   model.rules.push_back({.name = "loud"});
   model.measured = Noise(4);
-  for (std::size_t i = 0; i < kSamples; ++i) model.measured[i] += IsLoud(i) ? 1.0 : 0.0;
+  for (std::size_t i = 0; i < kSamples; ++i) model.measured[i] += IsNoisy(i) ? 1.0 : 0.0;
   model.block_length = 50;
   const SeparableStudy study(std::move(model));
   const Judge judge(study, Weights(), {});
@@ -107,14 +107,14 @@ TEST(Weights, CountInWhatIsHeldOut) {
   const std::vector<double> after = left(richer);
   double expected = 0.0;  // halved squares, in standard deviations of what each sample is known to
   for (std::size_t i = 0; i < kSamples; ++i) {
-    const double sd = richer.noise.innovation_sd * (IsLoud(i) ? kTimes : 1.0);
+    const double sd = richer.noise.innovation_sd * (IsNoisy(i) ? kTimes : 1.0);
     expected += 0.5 * (std::pow(before[i] / sd, 2) - std::pow(after[i] / sd, 2));
   }
   EXPECT_NEAR(judge.HeldOutGain(richer.fit, poorer.fit, richer.noise, false), expected, 1e-6 * expected);
 }
 
 // Two lines of a mesh in each of four channels, clearly beyond chance.
-TEST(IsBeyondChance, ChargesWhatIsAsSharpAsItIsLoudByThat) {
+TEST(IsBeyondChance, ChargesWhatIsAsSharpAsItIsLargeByThat) {
   CauseRule rule{.degrees_of_freedom = 2};
   const Comparison comparison{.likelihood_ratio = 119.0,
                               .delta_bic = 119.0 - 16.0 * 11.0,

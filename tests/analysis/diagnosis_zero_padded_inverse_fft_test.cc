@@ -14,14 +14,14 @@ namespace {
 
 // Term by term, as the header has it; one list is longer than the next, and the object is used for other
 // sizes.
-TEST(ZeroPaddedInverseFft, AreTheSumsOfLinesTurnedToEachPlace) {
+TEST(ZeroPaddedInverseFft, AreTheSumsOfLinesTurnedToEachPoint) {
   std::mt19937_64 generator(5);
   std::normal_distribution<float> normal;
   ZeroPaddedInverseFft sums;
-  for (const std::size_t places : {std::size_t{1}, std::size_t{2}, std::size_t{16}, std::size_t{256}}) {
-    const std::size_t most = places == 1 ? 1 : places / 2;
+  for (const std::size_t points : {std::size_t{1}, std::size_t{2}, std::size_t{16}, std::size_t{256}}) {
+    const std::size_t most = points == 1 ? 1 : points / 2;
     std::vector<std::vector<std::complex<float>>> lines(ZeroPaddedInverseFft::kLists);
-    sums.Clear(places);
+    sums.Clear(points);
     for (std::size_t list = 0; list < ZeroPaddedInverseFft::kLists; ++list) {
       for (std::size_t k = 0; k < most - most * list / 16; ++k) {
         lines[list].emplace_back(normal(generator), normal(generator));
@@ -29,18 +29,18 @@ TEST(ZeroPaddedInverseFft, AreTheSumsOfLinesTurnedToEachPlace) {
       }
     }
     sums.Sum();
-    for (std::size_t p = 0; p < places; ++p) {
+    for (std::size_t p = 0; p < points; ++p) {
       for (std::size_t list = 0; list < ZeroPaddedInverseFft::kLists; ++list) {
         std::complex<double> expected;
         for (std::size_t k = 0; k < lines[list].size(); ++k) {
-          const double turns = static_cast<double>(k * p) / static_cast<double>(places);
+          const double turns = static_cast<double>(k * p) / static_cast<double>(points);
           expected += std::complex<double>(lines[list][k]) * std::polar(1.0, kTwoPi * turns);
         }
         const std::size_t at = p * ZeroPaddedInverseFft::kLists + list;
         constexpr double kRoundings = 1e-4;  // of single precision, over a hundred numbers of one
-        EXPECT_NEAR(static_cast<double>(sums.real()[at]), expected.real(), kRoundings) << places << ' ' << p;
+        EXPECT_NEAR(static_cast<double>(sums.real()[at]), expected.real(), kRoundings) << points << ' ' << p;
         EXPECT_NEAR(static_cast<double>(sums.imaginary()[at]), expected.imag(), kRoundings)
-            << places << ' ' << p;
+            << points << ' ' << p;
       }
     }
   }

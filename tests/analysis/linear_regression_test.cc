@@ -96,15 +96,15 @@ TEST(FitLinear, RefusesMoreColumnsThanRows) {
 
 TEST(LongRunCovariance, IsTheBartlettSumOfAutocovariances) {
   const Eigen::VectorXd x = AutoregressiveNoise(50, 0.6, 3);
-  constexpr Eigen::Index kMemory = 7;
+  constexpr Eigen::Index kBandwidth = 7;
   double expected = 0.0;
-  for (Eigen::Index lag = -(kMemory - 1); lag < kMemory; ++lag) {
-    const double weight = 1.0 - std::abs(static_cast<double>(lag)) / kMemory;
+  for (Eigen::Index lag = -(kBandwidth - 1); lag < kBandwidth; ++lag) {
+    const double weight = 1.0 - std::abs(static_cast<double>(lag)) / kBandwidth;
     for (Eigen::Index i = 0; i < 50; ++i) {
       expected += i + lag >= 0 && i + lag < 50 ? weight * x(i) * x(i + lag) : 0.0;
     }
   }
-  EXPECT_NEAR(LongRunCovariance(x, kMemory)(0, 0), expected, 1e-10);
+  EXPECT_NEAR(LongRunCovariance(x, kBandwidth)(0, 0), expected, 1e-10);
 }
 
 TEST(VarianceInflation, IsThatOfAFirstOrderAutoregression) {

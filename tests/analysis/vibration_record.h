@@ -48,8 +48,8 @@ inline Signal Line(const Turning& run, double order, double amplitude) {
 }
 
 /// A sine that dies away, from a time between two samples on.
-inline void AddRing(const Turning& run, double start_s, double height, double frequency_Hz, double damping,
-                    Signal& signal) {
+inline void AddRinging(const Turning& run, double start_s, double height, double frequency_Hz, double damping,
+                       Signal& signal) {
   for (std::size_t i = 0; i < signal.size(); ++i) {
     const double since = kTwoPi * frequency_Hz * (run.time_s[i] - start_s);
     if (since >= 0.0 && damping * since < 9.0)
@@ -57,17 +57,18 @@ inline void AddRing(const Turning& run, double start_s, double height, double fr
   }
 }
 
-/// A start of a ring and its height.
-struct Blow {
+/// A start of a response and its height.
+struct TestImpact {
   double start_s{};
   double height{};
 };
 
-/// A resonance that a few blows let ring.
-inline Effect Ringing(double frequency_Hz, double damping, std::vector<Blow> blows) {
-  return [=, blows = std::move(blows)](const Turning& run) {
+/// A resonance that a few impacts excite.
+inline Effect Ringing(double frequency_Hz, double damping, std::vector<TestImpact> impacts) {
+  return [=, impacts = std::move(impacts)](const Turning& run) {
     Signal signal = Silence(run);
-    for (const Blow& blow : blows) AddRing(run, blow.start_s, blow.height, frequency_Hz, damping, signal);
+    for (const TestImpact& impact : impacts)
+      AddRinging(run, impact.start_s, impact.height, frequency_Hz, damping, signal);
     return signal;
   };
 }
@@ -102,14 +103,14 @@ inline Diagnosed Ask(const std::vector<VibrationData>& records) {
   return DiagnoseRecords(&MakeVibrationStudy, records);
 }
 
-/// Noise that remembers the sample before.
-inline Signal ColouredNoise(const Turning& run, unsigned seed, double deviation, double memory) {
+/// First-order autoregressive noise.
+inline Signal ColouredNoise(const Turning& run, unsigned seed, double deviation, double lag_one) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0.0, deviation * std::sqrt(1.0 - memory * memory));
+  std::normal_distribution<double> noise(0.0, deviation * std::sqrt(1.0 - lag_one * lag_one));
   Signal signal;
   double before = 0.0;
   for (std::size_t i = 0; i < run.time_s.size(); ++i)
-    signal.push_back(before = memory * before + noise(random));
+    signal.push_back(before = lag_one * before + noise(random));
   return signal;
 }
 

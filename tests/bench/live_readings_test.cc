@@ -84,9 +84,10 @@ TEST(LiveValues, AreNoneWhenStaleBadOrNotMeasured) {
   EXPECT_TRUE(values[0].value);
   EXPECT_EQ(values[2].value, std::nullopt);
   EXPECT_EQ(values[2].missing, "the channel is bad");
-  BenchDescription deaf = EmbeddedBench();
-  deaf.accelerometers.clear();
-  EXPECT_EQ(LiveValues(SomeLive(), 0.5, SomeLimits(), deaf)[3].missing, "the bench has no accelerometers");
+  BenchDescription no_accelerometers = EmbeddedBench();
+  no_accelerometers.accelerometers.clear();
+  EXPECT_EQ(LiveValues(SomeLive(), 0.5, SomeLimits(), no_accelerometers)[3].missing,
+            "the bench has no accelerometers");
 }
 
 }  // namespace

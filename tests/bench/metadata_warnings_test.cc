@@ -7,10 +7,10 @@
 namespace strainwave::bench::metadata_warnings_test {
 namespace {
 
-using Doubts = std::vector<std::string>;
+using Warnings = std::vector<std::string>;
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
-Doubts Of(const std::string& kind, const Metadata& metadata) {
+Warnings Of(const std::string& kind, const Metadata& metadata) {
   daq::Record record;
   record.kind = daq::RecordKind::Named(kind);
   record.metadata = metadata;
@@ -19,17 +19,18 @@ Doubts Of(const std::string& kind, const Metadata& metadata) {
 
 TEST(MetadataWarnings, AreNoneOfARecordThatSaysAll) {
   EXPECT_EQ(Of("hysteresis", {{"t1_Nm", "14"}, {"t2_Nm", "48"}, {"t3_Nm", "92"}, {"lock_angle_deg", "90"}}),
-            Doubts());
-  EXPECT_EQ(Of("transmission_error", {{"ratio", "100"}, {"absolute", "true"}, {"step_deg", "1"}}), Doubts());
-  EXPECT_EQ(Of("motion", {{"kt_Nm_per_A", "0.11"}}), Doubts());
-  EXPECT_EQ(Of("vibration", {{"sample_rate_hz", "12800"}, {"class", "worn"}}), Doubts());
+            Warnings());
+  EXPECT_EQ(Of("transmission_error", {{"ratio", "100"}, {"absolute", "true"}, {"step_deg", "1"}}),
+            Warnings());
+  EXPECT_EQ(Of("motion", {{"kt_Nm_per_A", "0.11"}}), Warnings());
+  EXPECT_EQ(Of("vibration", {{"sample_rate_hz", "12800"}, {"class", "worn"}}), Warnings());
 }
 
 TEST(MetadataWarnings, NameEachDefaultThatIsTaken) {
-  EXPECT_EQ(Of("transmission_error", {}), Doubts{"metadata ratio is missing: the default of 80 is taken"});
+  EXPECT_EQ(Of("transmission_error", {}), Warnings{"metadata ratio is missing: the default of 80 is taken"});
   EXPECT_EQ(Of("hysteresis", {{"t2_Nm", "20"}}),
-            (Doubts{"metadata t1_Nm is missing: the default of 7 Nm is taken",
-                    "metadata t3_Nm is missing: the default of 34 Nm is taken"}));
+            (Warnings{"metadata t1_Nm is missing: the default of 7 Nm is taken",
+                      "metadata t3_Nm is missing: the default of 34 Nm is taken"}));
 }
 
 TEST(MetadataWarnings, SayWhichKeyWasMeant) {
@@ -37,24 +38,24 @@ TEST(MetadataWarnings, SayWhichKeyWasMeant) {
                                                         {"T3 (Nm)", "t3_Nm"}, {"t3_NM", "t3_Nm"},
                                                         {"t3_kNm", "t3_Nm"},  {"t3-nm", "t3_Nm"}};
   for (const auto& [written, meant] : kMeant) {
-    EXPECT_EQ(
-        Of("hysteresis", {{"t1_Nm", "5"}, {"t2_Nm", "20"}, {written, "50"}}),
-        (Doubts{"metadata t3_Nm is missing: the default of 34 Nm is taken",
-                fmt::format("metadata '{}' is not known and not read; did you mean '{}'?", written, meant)}));
+    EXPECT_EQ(Of("hysteresis", {{"t1_Nm", "5"}, {"t2_Nm", "20"}, {written, "50"}}),
+              (Warnings{"metadata t3_Nm is missing: the default of 34 Nm is taken",
+                        fmt::format("metadata '{}' is not known and not read; did you mean '{}'?", written,
+                                    meant)}));
   }
   for (const char* written : {"Ratio", "gear_ratio", "ratio_1", "ration"}) {
     EXPECT_EQ(Of("transmission_error", {{written, "100"}}).back(),
               fmt::format("metadata '{}' is not known and not read; did you mean 'ratio'?", written));
   }
   EXPECT_EQ(Of("motion", {{"inertia", "0.02"}}),
-            Doubts{"metadata 'inertia' is not known and not read; did you mean 'inertia_kgm2'?"});
+            Warnings{"metadata 'inertia' is not known and not read; did you mean 'inertia_kgm2'?"});
   EXPECT_EQ(Of("vibration", {{"samplerate_hz", "12800"}}),
-            Doubts{"metadata 'samplerate_hz' is not known and not read; did you mean 'sample_rate_hz'?"});
+            Warnings{"metadata 'samplerate_hz' is not known and not read; did you mean 'sample_rate_hz'?"});
 }
 
 TEST(MetadataWarnings, NameAKeyThatNothingReadsButOfAVibrationWhereItMayBeALabel) {
-  EXPECT_EQ(Of("motion", {{"operator", "AB"}}), Doubts{"metadata 'operator' is not known and not read"});
-  EXPECT_EQ(Of("vibration", {{"wear_um", "3"}}), Doubts());
+  EXPECT_EQ(Of("motion", {{"operator", "AB"}}), Warnings{"metadata 'operator' is not known and not read"});
+  EXPECT_EQ(Of("vibration", {{"wear_um", "3"}}), Warnings());
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ TEST_F(Opening, SaysThatAStateOfTheCheckpointIsDamaged) {
     file.seekp(16384 + 40);
     file << "damage";
   }
-  EXPECT_EQ(DoubtsAbout(folder_, journal_),
+  EXPECT_EQ(WarningsAbout(folder_, journal_),
             std::vector<std::string>{folder_.Checkpoint().string() +
                                      ": warning: 1 of its 3 states is damaged; the newest whole one counts"});
 }

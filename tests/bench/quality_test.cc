@@ -64,13 +64,13 @@ TEST_F(Quality, LetsASlowDeclinePass) {
   }
 }
 
-TEST_F(Quality, DoubtsAValueFarOffAndTakesItForAStepWhenItStays) {
+TEST_F(Quality, WarnsOfAValueFarOffAndTakesItForAStepWhenItStays) {
   QualityControl quality(schedule_, journal_);
   for (int cycle = 1; cycle <= 40; ++cycle) quality.Accept(cycle, K2(Declining(cycle)));
   const double broken = Declining(41) - 2000.0;
-  const auto doubts = quality.Outliers(K2(broken));
-  ASSERT_EQ(doubts.size(), 1u);
-  EXPECT_TRUE(doubts[0].starts_with("k2_Nm_per_rad = 22")) << doubts[0];
+  const auto outliers = quality.Outliers(K2(broken));
+  ASSERT_EQ(outliers.size(), 1u);
+  EXPECT_TRUE(outliers[0].starts_with("k2_Nm_per_rad = 22")) << outliers[0];
   quality.Accept(41, K2(broken));  // measured again, and still there
   for (int cycle = 42; cycle <= 80; ++cycle) {
     const double value = Declining(cycle) - 2000.0;

@@ -156,7 +156,7 @@ class Contract : public testing::TestWithParam<const char*> {
   std::unique_ptr<DriveWatch> watch_;
 };
 
-TEST_P(Contract, IsOffAndBrakedAndDeafUntilItIsEnabled) {
+TEST_P(Contract, IsOffAndBrakedAndMovesNothingUntilItIsEnabled) {
   adapter_->drive().CommandTorque(1.0);
   const nanoseconds end = adapter_->Now() + milliseconds(200);
   ASSERT_TRUE(adapter_->Until([&] { return adapter_->Now() > end; }));

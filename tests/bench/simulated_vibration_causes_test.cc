@@ -108,7 +108,7 @@ TEST(SimulatedFlexsplineCrack, LetsAModeRingAtEachPassing) {
   causes.crack.ringing = {1.0, 2400.0, 0.05};
   causes.crack.modulation = 0.0;
   const std::vector<float> samples = Record(causes);
-  // 2.025 · 40 blows a second of r²/(4ζω) each.
+  // 2.025 · 40 impacts a second of r²/(4ζω) each.
   const double square = 2.025 * 40.0 / (4.0 * 0.05 * kTwoPi * 2400.0);
   EXPECT_NEAR(MeanSquare(samples), square, 0.1 * square);
   const double harmonic = std::round(2400.0 / (2.025 * 40.0));

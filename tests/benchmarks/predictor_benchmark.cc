@@ -78,10 +78,7 @@ void TrainsAnEpoch(benchmark::State& state, const char* model, const ParallelFor
   networks::Vector<float> parameters = networks::InitialParameters<float>(network, 1);
   for (auto _ : state) networks::Train(network, samples, {}, options, parameters);
 }
-BENCHMARK_CAPTURE(TrainsAnEpoch, ann, "ann", InTurn)
-    ->Arg(32)
-    ->Arg(2500)
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(TrainsAnEpoch, ann, "ann", InTurn)->Arg(32)->Arg(2500)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(TrainsAnEpoch, cnn, "cnn", InTurn)->Arg(32)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(TrainsAnEpoch, ann_threads, "ann", bench::OnAllProcessors)
     ->Arg(32)

@@ -4,9 +4,9 @@
 
 The best analyst knows the generator's formulae, but not its draws: it compares likelihoods and finds something in one of
 200 clean records. By cause: the mean probability that the effect's gain in log-likelihood, with its scatter, pays for the
-places of vibration at which it might have been and for that caution, and that it is ahead of its nearest rival (which may
+search locations of vibration at which it might have been and for that caution, and that it is ahead of its nearest rival (which may
 be named beside it; a bearing has to be clearly ahead of the line that its strongest harmonic is). An estimate to half a
-sigma or so; places of other kinds (windows, times of a jump) are not charged, and rivals are at most so far away.
+sigma or so; search locations of other kinds (windows, times of a jump) are not charged, and rivals are at most so far away.
 """
 import argparse
 import collections
@@ -19,7 +19,7 @@ import draw
 from effect import predicted_sigma
 
 FOUND_BY_CHANCE, WRONG_NAMES = 0.005, 0.01
-# A train may have the line that is seen as any of its harmonics, with any ring and change that leaves the others as weak.
+# A train may have the line that is seen as any of its harmonics, with any resonance and change that leaves the others as weak.
 LN_TRAINS_OF_A_LINE = math.log(200.0)
 
 
@@ -43,7 +43,7 @@ def strongest_line(signal, angle_rad):
 def probability_of_name(attempt, causes):
     effect, signal, experiment = attempt.effects[0], attempt.signals[0], attempt.experiment
     nats = 0.5 * predicted_sigma(attempt, effect, signal) ** 2
-    found = probability(nats, effect.ln_places + math.log(causes / FOUND_BY_CHANCE))
+    found = probability(nats, effect.ln_search_locations + math.log(causes / FOUND_BY_CHANCE))
     if effect.predicted:
         line = strongest_line(signal, experiment.angle_rad[attempt.keep])
         return found * probability(nats - line, LN_TRAINS_OF_A_LINE + math.log(1.0 / WRONG_NAMES))

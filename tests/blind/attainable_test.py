@@ -8,7 +8,7 @@ import numpy
 
 import draw
 from attainable import probability, probability_of_name, strongest_line
-from effect import nats_of_swing
+from effect import nats_of_driven_mode
 
 
 class Attainable(unittest.TestCase):
@@ -24,15 +24,15 @@ class Attainable(unittest.TestCase):
 
     def test_what_noise_drives_says_less_than_the_same_power_that_is_known(self):
         rng = numpy.random.default_rng(1)
-        swing, rate_hz = numpy.zeros(8192), 1000.0
+        response, rate_hz = numpy.zeros(8192), 1000.0
         radius, turn = math.exp(-0.02 * 2.0 * math.pi * 0.1), 2.0 * math.pi * 0.1
-        for k in range(2, len(swing)):
-            swing[k] = 2.0 * radius * math.cos(turn) * swing[k - 1] - radius ** 2 * swing[k - 2] + rng.standard_normal()
-        swing *= 10.0 / numpy.linalg.norm(swing)
-        nats = nats_of_swing(swing, rate_hz, 100.0, 0.02)
+        for k in range(2, len(response)):
+            response[k] = 2.0 * radius * math.cos(turn) * response[k - 1] - radius ** 2 * response[k - 2] + rng.standard_normal()
+        response *= 10.0 / numpy.linalg.norm(response)
+        nats = nats_of_driven_mode(response, rate_hz, 100.0, 0.02)
         self.assertLess(nats, 0.5 * 50.0)
         self.assertGreater(nats, 1.0)
-        self.assertGreater(nats_of_swing(10.0 * swing, rate_hz, 100.0, 0.02), 20.0 * nats)
+        self.assertGreater(nats_of_driven_mode(10.0 * response, rate_hz, 100.0, 0.02), 20.0 * nats)
 
     def test_bearings_of_little_more_than_a_line_are_not_asked_for(self):
         request = draw.Request("vibration", "bearing_defect", "one", True)

@@ -50,14 +50,14 @@ def backlash_reaction(path, duration_s, contact_hz, damping_ratio, load_friction
     motor, motor_speed, _ = path.at(grid_s)
     stiff = (2.0 * math.pi * contact_hz) ** 2
     drag = 2.0 * damping_ratio * 2.0 * math.pi * contact_hz
-    places, speeds = motor.tolist(), motor_speed.tolist()
+    positions, speeds = motor.tolist(), motor_speed.tolist()
 
     def contact(gap):
         half = 0.5 * gap
-        load, speed = places[0] - half * math.copysign(1.0, speeds[0]), speeds[0]
-        transmitted = [0.0] * len(places)
-        for k in range(len(places)):
-            lead, closing = places[k] - load, speeds[k] - speed
+        load, speed = positions[0] - half * math.copysign(1.0, speeds[0]), speeds[0]
+        transmitted = [0.0] * len(positions)
+        for k in range(len(positions)):
+            lead, closing = positions[k] - load, speeds[k] - speed
             push = 0.0
             if lead > half:
                 push = max(stiff * (lead - half) + drag * closing, 0.0)

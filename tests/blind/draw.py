@@ -129,7 +129,7 @@ class Attempt:
             signal = self.respond([(effect, scale)]) - nominal
             self.possible = self.possible and self.ruler.share_left(signal) > LEAST_SHARE_LEFT
             self.scales.append(scale)
-            self.signals.append(self.ruler.left_over(signal))
+            self.signals.append(self.ruler.residual_of(signal))
         if len(self.signals) == 2:
             first, second = self.signals
             self.likeness = float(abs((first * second).sum()) / numpy.linalg.norm(first) / numpy.linalg.norm(second))

@@ -18,11 +18,11 @@ class Effect:
     signature: typing.Optional[dict] = None  # only effects outside the list: how a good program would point at them
     tolerance: float = 0.005  # of the size that is asked for
     least_scale: float = 0.0  # below it the effect is not physically plausible either
-    # Independent places (orders, times, resonances) of which it may have any, for attainable.py alone.
-    ln_places: float = 0.0
+    # Independent search locations (orders, times, resonances) of which it may have any, for attainable.py alone.
+    ln_search_locations: float = 0.0
     # What of it is no chance, and has a size to a matched filter.
     predicted: typing.Optional[typing.Callable] = None  # act() without what is chance, where not all of it can be predicted
-    swing: typing.Optional[tuple] = None  # (Hz, damping ratio) of what noise drives: its spectrum is all that is known
+    driven_mode: typing.Optional[tuple] = None  # (Hz, damping ratio) of what noise drives: its spectrum is all that is known
 
 
 def recursion(push, keep):
@@ -56,13 +56,13 @@ class Ruler:
         left, singular, _ = numpy.linalg.svd(columns.T, full_matrices=False)
         self.basis = left[:, singular > 1e-9 * singular[0]]
 
-    def left_over(self, signal):
+    def residual_of(self, signal):
         """Whitened `signal` (channels x samples, response units) in noise sigmas, off the nominal columns."""
         scaled = whiten(signal, self.rho) / self.noise_sd
         return scaled - (scaled @ self.basis) @ self.basis.T
 
     def sigma(self, signal):
-        return float(numpy.linalg.norm(self.left_over(signal)))
+        return float(numpy.linalg.norm(self.residual_of(signal)))
 
     def share_left(self, signal):
         """0: the nominal model mimics the signal fully; 1: not at all."""
@@ -70,7 +70,7 @@ class Ruler:
         return self.sigma(signal) / raw if raw > 0.0 else 0.0
 
 
-def nats_of_swing(values, rate_hz, natural_hz, damping_ratio):
+def nats_of_driven_mode(values, rate_hz, natural_hz, damping_ratio):
     """Gain by the best level of a resonance's spectrum; `values` in sigmas of white noise, which is added on average."""
     power = numpy.abs(numpy.fft.rfft(values)) ** 2 / len(values)
     hertz = numpy.fft.rfftfreq(len(values), 1.0 / rate_hz)
@@ -83,11 +83,11 @@ def predicted_sigma(attempt, effect, signal):
     """Size of a whitened `signal` to a filter that is matched to all of the effect that is no chance: its even impulses,
     its spectrum, or (most effects) all of it."""
     if effect.predicted:
-        template = attempt.ruler.left_over(effect.predicted(1.0)[:, attempt.keep])
+        template = attempt.ruler.residual_of(effect.predicted(1.0)[:, attempt.keep])
         return abs(float((signal * template).sum())) / float(numpy.linalg.norm(template))
-    if effect.swing:
+    if effect.driven_mode:
         gains = attempt.experiment.gains
-        nats = nats_of_swing(gains @ signal / numpy.linalg.norm(gains), attempt.experiment.rate_hz, *effect.swing)
+        nats = nats_of_driven_mode(gains @ signal / numpy.linalg.norm(gains), attempt.experiment.rate_hz, *effect.driven_mode)
         return math.sqrt(max(0.0, 2.0 * nats))
     return float(numpy.linalg.norm(signal))
 
@@ -97,7 +97,7 @@ def scale_for(attempt, effect, wanted_sigma):
     nominal = attempt.respond([])
 
     def sigma_at(scale):
-        return predicted_sigma(attempt, effect, attempt.ruler.left_over(attempt.respond([(effect, scale)]) - nominal))
+        return predicted_sigma(attempt, effect, attempt.ruler.residual_of(attempt.respond([(effect, scale)]) - nominal))
 
     low, high = 0.0, effect.most_scale
     scale = min(effect.first_scale, effect.most_scale)

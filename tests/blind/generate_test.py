@@ -117,7 +117,7 @@ class Size(unittest.TestCase):
             plain.append(0.97 * plain[-1] + value if plain else value)
         self.assertTrue(numpy.allclose(recursion(push, 0.97), plain, rtol=0.0, atol=1e-12))
 
-    def test_slow_signals_shrink_in_noise_with_memory(self):
+    def test_slow_signals_shrink_in_autoregressive_noise(self):
         # At frequency zero AR(1) noise of variance 1 has the density (1 + rho) / (1 - rho).
         step = (numpy.arange(4000) >= 2000).astype(float)[numpy.newaxis]
         white, coloured = (Ruler(numpy.ones((4000, 1)), 1.0, rho).sigma(step) for rho in (0.0, 0.6))

@@ -40,8 +40,8 @@ class Motion:
         self.coulomb = inertial * (rng.uniform(0.02, 0.1) if "time_delay" in wants else rng.uniform(0.15, 0.6))
         self.viscous = inertial * rng.uniform(0.05, 0.5) / float(numpy.std(speed))
         self.offset = inertial * rng.uniform(-0.1, 0.1)
-        # Between stick and slide lies a narrow, smooth passage.
-        self.passage_speed = self.top_speed * 10.0 ** (rng.uniform(-3.7, -2.8) + (0.8 if "time_delay" in wants else 0.0))
+        # The sign of friction changes over a small speed instead of at once.
+        self.smoothing_speed = self.top_speed * 10.0 ** (rng.uniform(-3.7, -2.8) + (0.8 if "time_delay" in wants else 0.0))
         self.span = float(numpy.ptp(self._nominal(self.time_s)))
         self.noise_sd = self.span * 10.0 ** rng.uniform(math.log10(0.0025), math.log10(0.015))
         counts_per_turn = 2.0 ** rng.integers(22, 27)
@@ -88,7 +88,7 @@ class Motion:
         return self._at_samples
 
     def direction(self, speed):
-        return numpy.tanh(speed / self.passage_speed)
+        return numpy.tanh(speed / self.smoothing_speed)
 
     def _nominal(self, time_s):
         _, speed, acceleration = self._motion(time_s)
@@ -98,7 +98,7 @@ class Motion:
         torque, angle = self.unit, ("m" if self.linear else "rad")
         return {"inertia": (self.inertia, "kg" if self.linear else "kgm2"), "coulomb": (self.coulomb, torque),
                 "viscous": (self.viscous, "%s*s/%s" % (torque, angle)), "offset": (self.offset, torque),
-                "passage_speed": (self.passage_speed, angle + "/s")}
+                "passage_speed": (self.smoothing_speed, angle + "/s")}
 
     def sample_count(self):
         return len(self.time_s)
@@ -205,10 +205,10 @@ class Motion:
 
     def make_outside(self, rng):
         which = rng.choice(["force_at_a_place", "wavy_in_speed", "tone_in_time"])
-        places, _, _ = self._motion(self.time_s)
+        positions, _, _ = self._motion(self.time_s)
         if which == "force_at_a_place":
             # A cable that drags over one segment of the way, always to the same side, whichever way the axis goes.
-            low, high = float(places.min()), float(places.max())
+            low, high = float(positions.min()), float(positions.max())
             centre, half = low + (high - low) * rng.uniform(0.25, 0.75), (high - low) * rng.uniform(0.04, 0.1)
             hump = lambda t: numpy.cos(0.5 * math.pi * ((self._motion(t)[0] - centre) / half).clip(-1.0, 1.0)) ** 2
             return self._force(which, hump, "peak", {"what": "window", "regressor": "position",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What makes a record awkward without being an effect: noise with memory, spikes, gaps, rounding."""
+"""What makes a record awkward without being an effect: autoregressive noise, spikes, gaps, rounding."""
 import math
 
 import numpy

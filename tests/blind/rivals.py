@@ -2,7 +2,7 @@
 """How far the nearest other cause of the list is from the hidden one, in sigmas: what no analyst could tell apart.
 
 Each rival is drawn a few times and scaled to fit; a rival with a free phase is two columns. A rival whose details nobody could
-hit by chance (windows, places, orders) is left out, so the distance is an upper bound.
+hit by chance (windows, positions, orders) is left out, so the distance is an upper bound.
 """
 import numpy
 
@@ -35,7 +35,7 @@ def nearest(attempt, causes):
         columns = []
         for _ in range(2 if name in FREE_PHASE else DRAWS):
             rival = attempt.experiment.make_effect(name, rng)
-            column = attempt.ruler.left_over(attempt.respond([(rival, rival.first_scale)]) - nominal).ravel()
+            column = attempt.ruler.residual_of(attempt.respond([(rival, rival.first_scale)]) - nominal).ravel()
             columns.append(column)
         trials = [numpy.stack(columns, axis=1)] if name in FREE_PHASE else [column[:, numpy.newaxis] for column in columns]
         for trial in trials:

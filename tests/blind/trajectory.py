@@ -28,12 +28,12 @@ class Moves:
 
     def __init__(self, rng, duration_s, travel):
         self.parts = []  # (start_s, ramp_s, speed change)
-        at_s, place = rng.uniform(0.0, 0.3), 0.0
+        at_s, position = rng.uniform(0.0, 0.3), 0.0
         pace_s = rng.uniform(0.8, 3.0)
         self.shortest_ramp_s = math.inf
         while at_s < duration_s:
             target = rng.uniform(-1.0, 1.0) * travel
-            distance = target - place
+            distance = target - position
             if abs(distance) < 0.25 * travel:
                 continue
             move_s = pace_s * rng.uniform(0.6, 1.8)
@@ -42,7 +42,7 @@ class Moves:
             self.parts += [(at_s, ramp_s, speed), (at_s + move_s - ramp_s, ramp_s, -speed)]
             self.shortest_ramp_s = min(self.shortest_ramp_s, ramp_s)
             at_s += move_s + (rng.uniform(0.05, 0.3) if rng.random() < 0.3 else 0.0)
-            place = target
+            position = target
         self.highest_hz = 0.8 / self.shortest_ramp_s
 
     def at(self, time_s):

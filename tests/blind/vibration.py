@@ -99,7 +99,7 @@ class Vibration:
         return response
 
     def _shaped(self, name, shape, describe, signature=None):
-        """`shape`: channels x samples, at scale 1 of the order of 1 m/s^2 in the loudest channel."""
+        """`shape`: channels x samples, at scale 1 of the order of 1 m/s^2 in the strongest channel."""
         return Effect(name, lambda scale: scale * shape, describe, self.noise_sd, MOST_M_PER_S2, signature)
 
     def _line(self, order, rng, rotate=True):
@@ -110,7 +110,7 @@ class Vibration:
         return self.gains[:, numpy.newaxis] * numpy.sin(order * self.angle_rad + phase[:, numpy.newaxis])
 
     def _ringing(self, onset_s, heights, natural_hz, damping_ratio):
-        """Sum of decaying rings, each from its own onset between the samples."""
+        """Sum of free responses of a mode, each from its own onset between the samples."""
         out = numpy.zeros(len(self.time_s))
         omega = 2.0 * math.pi * natural_hz
         length = int(min(8.0 / (damping_ratio * omega), 2.0) * self.rate_hz) + 2
@@ -149,7 +149,7 @@ class Vibration:
         if name == "torsional_resonance":
             return self._resonance(rng)
         order = 2.0 * (1.0 + 1.0 / RATIO)
-        # Each pass of the crack by the major axis is a short pulse; the crack's place under load changes once per output turn.
+        # Each pass of the crack by the major axis is a short pulse; the crack's position under load changes once per output turn.
         width, depth = rng.uniform(0.04, 0.09), rng.uniform(0.4, 0.9)
         phase, turn = rng.uniform(-math.pi, math.pi, 2)
         pulses = sum(math.exp(-0.5 * (2.0 * math.pi * width * k) ** 2) * numpy.cos(k * (order * self.angle_rad + phase))
@@ -167,20 +167,20 @@ class Vibration:
 
     def _bearing(self, rng):
         balls, ratio = int(rng.integers(19, 26)), rng.uniform(0.07, 0.13)
-        ring = rng.choice([-1.0, 1.0])  # outer, inner
-        order = 0.5 * balls * (1.0 + ring * ratio)
+        race = rng.choice([-1.0, 1.0])  # outer, inner
+        order = 0.5 * balls * (1.0 + race * ratio)
         onset_s, angle, even_onset_s = self._onsets(order, rng, 0.003)
         heights = 1.0 + rng.uniform(0.3, 0.8) * numpy.cos(2.0 * angle + rng.uniform(-math.pi, math.pi))
         natural_hz = self.rate_hz * rng.uniform(0.12, 0.32)
         damping_ratio = rng.uniform(0.015, 0.05)
-        rings, even = (self._ringing(onsets_s, heights, natural_hz, damping_ratio) for onsets_s in (onset_s, even_onset_s))
-        effect = self._shaped("bearing_defect", self.gains[:, numpy.newaxis] * rings, lambda scale: {"order": (order, "1/rev")})
-        # Orders as sharp as the ringing harmonics say, resonances a width apart, where in its period the ring begins, and
+        responses, even = (self._ringing(onsets_s, heights, natural_hz, damping_ratio) for onsets_s in (onset_s, even_onset_s))
+        effect = self._shaped("bearing_defect", self.gains[:, numpy.newaxis] * responses, lambda scale: {"order": (order, "1/rev")})
+        # Orders as sharp as the ringing harmonics say, resonances a width apart, the phase at which the response begins, and
         # even impulses or a change once or twice a turn with its phase.
         turns = self.mean_rpm / 60.0 * self.time_s[-1]
         harmonic = natural_hz / (self.mean_rpm / 60.0 * order)
         return dataclasses.replace(effect, predicted=lambda scale: scale * self.gains[:, numpy.newaxis] * even,
-                                   ln_places=math.log(18.0 * turns * harmonic * 45.0 * 2.0 * 6.0))
+                                   ln_search_locations=math.log(18.0 * turns * harmonic * 45.0 * 2.0 * 6.0))
 
     def _resonance(self, rng):
         span_s = self.time_s[-1]
@@ -195,18 +195,19 @@ class Vibration:
         if impacts:  # a few from outside
             onset_s = numpy.sort(rng.uniform(0.02, 0.85, int(rng.integers(1, 5)))) * span_s
             heights = rng.choice([-1.0, 1.0], len(onset_s)) * rng.uniform(0.5, 1.0, len(onset_s))
-        else:  # the load's unrest keeps it swinging
+        else:  # driven by noise of the load
             onset_s = numpy.arange(-int(0.2 * self.rate_hz), len(self.time_s), 16) / self.rate_hz
             onset_s = onset_s[onset_s >= 0.0]
             heights = rng.standard_normal(len(onset_s)) * math.sqrt(damping_ratio * natural_hz * 32.0 / self.rate_hz)
-        ring = self._ringing(onset_s, heights, natural_hz, damping_ratio)
-        effect = self._shaped("torsional_resonance", self.gains[:, numpy.newaxis] * ring,
+        response = self._ringing(onset_s, heights, natural_hz, damping_ratio)
+        effect = self._shaped("torsional_resonance", self.gains[:, numpy.newaxis] * response,
                               lambda scale: {"frequency": (natural_hz, "Hz"), "damping": (damping_ratio, "")})
         # Resonances a width apart with three dampings; each impact in any half period.
-        ln_places = math.log(650.0)
+        ln_search_locations = math.log(650.0)
         if impacts:
-            ln_places += len(onset_s) * math.log(2.0 * natural_hz * span_s) - math.lgamma(len(onset_s) + 1.0)
-        return dataclasses.replace(effect, ln_places=ln_places, swing=None if impacts else (natural_hz, damping_ratio))
+            ln_search_locations += len(onset_s) * math.log(2.0 * natural_hz * span_s) - math.lgamma(len(onset_s) + 1.0)
+        return dataclasses.replace(effect, ln_search_locations=ln_search_locations,
+                                   driven_mode=None if impacts else (natural_hz, damping_ratio))
 
     def make_outside(self, rng):
         turn_hz = self.mean_rpm / 60.0

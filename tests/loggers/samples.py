@@ -172,7 +172,7 @@ def jittering_stamps(record, rng):
 
 
 def shared_noise(record, rng):
-    """Two accelerometers on one housing hear the same hall."""
+    """Two accelerometers on one housing share background noise."""
     if record.kind != "vibration" or len(record.channels()) < 2:
         return None
     record.shared_noise = rng.uniform(0.2, 0.9)

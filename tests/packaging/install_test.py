@@ -35,7 +35,7 @@ class Installed(unittest.TestCase):
         cls.addClassCleanup(cls.folder.cleanup)
         root = pathlib.Path(cls.folder.name)
         subprocess.run([CMAKE, "--install", BUILD, "--prefix", root / "first"], check=True, stdout=subprocess.DEVNULL)
-        # Moved as a whole: nothing remembers where it was installed.
+        # Moved as a whole: nothing keeps where it was installed.
         cls.prefix = (root / "first").rename(root / "moved")
         cls.program = cls.prefix / "bin/strainwave"
         cls.data = cls.prefix / "share/strainwave"

@@ -135,7 +135,7 @@ TEST(ValidateSchedule, WantsTolerancesThatTellALoadFromAnother) {
   }
 }
 
-TEST(ValidateSchedule, DoubtsThatAGearCoolsBelowTheRoom) {
+TEST(ValidateSchedule, WarnsThatAGearCoolsBelowTheRoom) {
   EXPECT_EQ(
       WarningsOf(GoodWith("cycles: 3", "suspend:\n  resume_temperature: 15 degC\ncycles: 3")),
       "small.yaml:24:23: warning: resume_temperature = 15 degC may be below the room's own temperature, so "

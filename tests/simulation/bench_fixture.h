@@ -19,7 +19,7 @@ class SpyDrive final : public ServoDrive {
 
   void Enable(DriveMode mode) noexcept override {
     enabled_at = clock_.Now();
-    if (!deaf) drive_.Enable(mode);
+    if (!ignores_enable) drive_.Enable(mode);
   }
   void Disable() noexcept override { drive_.Disable(); }
   void QuickStop() noexcept override {
@@ -55,10 +55,10 @@ class SpyDrive final : public ServoDrive {
   std::chrono::nanoseconds quick_stop_at{-1};  // the first since it was enabled
   std::chrono::nanoseconds last_quick_stop_at{-1};
   int set_points_after_stop{};
-  bool deaf{};         // never gets enabled
-  bool dropped_out{};  // says so, without a fault
-  bool silent{};       // says what it said last
-  double share{1.0};   // that it gives of the speed or torque asked for
+  bool ignores_enable{};  // never gets enabled
+  bool dropped_out{};     // says so, without a fault
+  bool silent{};          // says what it said last
+  double share{1.0};      // that it gives of the speed or torque asked for
   std::atomic<int> quick_stops{};
 
  private:

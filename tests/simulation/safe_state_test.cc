@@ -153,7 +153,7 @@ TEST(SafeStateAfterAPhase, HoldsWhenItEndedWell) {
 TEST(BringUp, GivesUpOnADriveThatNeverGetsEnabled) {
   for (const PhaseCase& phase : PhaseCases()) {
     SpiedBench bench;
-    bench.load.deaf = true;
+    bench.load.ignores_enable = true;
     const auto program = MakeProgram(phase.parameters, TestSpecimen(), 0.0, 0.01);
     const PhaseOutcome outcome = bench.runner.Run(*program, NoHeartbeat);
     EXPECT_EQ(Describe(outcome.reason),

@@ -32,11 +32,11 @@ void FillStep(double row, Eigen::MatrixXd& course, Index column) {
   for (Index c = 0; c < course.rows(); ++c) course(c, column) = c >= from ? 1.0 : 0.0;
 }
 
-// The place of a step is known the better the larger it is beside the scatter of a cycle. For a small step
-// the error of the best place has variance 26 (scatter / step)⁴ (Yao, Ann. Statist. 15 (1987) 1321); a large
-// one is known to the cycle.
-double StepPlaceError(const CampaignLayout& layout, const SeriesChoice& choice, std::span<const double> sizes,
-                      double row) {
+// The location of a step is known the better the larger it is beside the scatter of a cycle. For a small step
+// the error of the best location has variance 26 (scatter / step)⁴ (Yao, Ann. Statist. 15 (1987) 1321); a
+// large one is known to the cycle.
+double StepPositionError(const CampaignLayout& layout, const SeriesChoice& choice,
+                         std::span<const double> sizes, double row) {
   constexpr double kWithinACycle = 0.3;
   const auto at =
       static_cast<std::size_t>(std::clamp(std::lround(row), 0L, static_cast<long>(layout.cycles()) - 1));
@@ -70,7 +70,8 @@ void AddStepChange(const LayoutPointer& layout, SeparableModel& model) {
                                                                const Eigen::MatrixXd& covariance) {
       std::vector<ParameterValue> values = describe(numbers, covariance);
       values.back().value = layout->CycleAtRow(std::round(numbers[choice.series.size()]));
-      values.back().standard_error = StepPlaceError(*layout, choice, numbers, numbers[choice.series.size()]);
+      values.back().standard_error =
+          StepPositionError(*layout, choice, numbers, numbers[choice.series.size()]);
       return values;
     };
     term.starts = [layout, range, term](const WeightedResidual& residual) {

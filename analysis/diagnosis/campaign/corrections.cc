@@ -111,7 +111,7 @@ void AddLine(const LayoutPointer& layout, SeparableModel& model) {
         std::vector<double> at;
         for (std::size_t i = first; i < last; ++i) at.push_back(time[layout->cycle_of[i]] - time.front());
         for (const LinePeak& peak :
-             FindLines(at, residual.residual.subspan(first, last - first),
+             FindLines(at, residual.values.subspan(first, last - first),
                        residual.weights.subspan(first, last - first), range.low, range.high, 2)) {
           rates.push_back({std::clamp(peak.order, range.low, range.high)});
         }
@@ -130,16 +130,16 @@ void AddPassing(const LayoutPointer& layout, SeparableModel& model) {
   const double cycles = static_cast<double>(layout->cycles());
   constexpr double kNarrowest = 2.0;
   const double widest = 0.5 * cycles;
-  std::vector<std::vector<double>> places;
+  std::vector<std::vector<double>> locations;
   for (double width = 3.0; width <= 0.4 * cycles; width *= 1.6) {
     for (double centre = 0.5 * width; centre <= cycles - 0.5 * width; centre += std::max(1.0, 0.3 * width)) {
-      places.push_back({centre, width});
+      locations.push_back({centre, width});
     }
   }
-  const double trials_factor = static_cast<double>(places.size());
+  const double trials_factor = static_cast<double>(locations.size());
   // Long campaigns: the search is coarser than the count that the p-value pays for, and the fit moves it.
   constexpr std::size_t kSearched = 300;
-  const std::size_t stride = places.size() / kSearched + 1;
+  const std::size_t stride = locations.size() / kSearched + 1;
   for (const SeriesChoice& choice : ChoicesOf(*layout)) {
     SeparableTerm term = SeriesTerm(
         layout, choice, 1, [](std::span<const double> nonlinear_parameters, Eigen::MatrixXd& course) {
@@ -152,9 +152,9 @@ void AddPassing(const LayoutPointer& layout, SeparableModel& model) {
     term.nonlinear_parameters = {{0.0, cycles, 1.0}, {kNarrowest, widest, 1.0}};
     DescribeSeries(term, layout, choice, Numbered(1),
                    {{"centre_cycle", "1", 1.0, true}, {"width_cycles", "1", 1.0, false}});
-    term.starts = [layout, term, places, stride](const WeightedResidual& residual) {
+    term.starts = [layout, term, locations, stride](const WeightedResidual& residual) {
       std::vector<std::vector<double>> coarse;
-      for (std::size_t i = 0; i < places.size(); i += stride) coarse.push_back(places[i]);
+      for (std::size_t i = 0; i < locations.size(); i += stride) coarse.push_back(locations[i]);
       return BestCandidates(*layout, term, residual, coarse, 2);
     };
     model.causes.push_back(std::move(term));

@@ -21,8 +21,8 @@ std::string SeriesChoice::Suffix(const CampaignLayout& layout) const {
   return single ? " of " + layout.series[series.front()].full : std::string{};
 }
 
-double SeriesChoice::TrialsFactor(const CampaignLayout& layout, double places) const {
-  return places * (single ? layout.single_tail : 1.0);
+double SeriesChoice::TrialsFactor(const CampaignLayout& layout, double search_locations) const {
+  return search_locations * (single ? layout.single_tail : 1.0);
 }
 
 std::vector<SeriesChoice> ChoicesOf(const CampaignLayout& layout) {
@@ -156,7 +156,7 @@ std::vector<std::vector<double>> BestCandidates(const CampaignLayout& layout, co
   const Eigen::VectorXd root_weight =
       Eigen::Map<const Eigen::VectorXd>(residual.weights.data(), n).cwiseSqrt();
   Eigen::VectorXd weighted =
-      root_weight.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(residual.residual.data(), n));
+      root_weight.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(residual.values.data(), n));
   // Every mixture has its own wear model, so that one mixture's columns are enough to project on.
   const Eigen::MatrixXd wear = WearColumns(layout.load_share, layout.run_in_share);
   std::vector<Eigen::MatrixXd> bases;

@@ -27,7 +27,7 @@ struct SeriesChoice {
   /// " of k2_Nm_per_rad" for a single one, else empty.
   std::string Suffix(const CampaignLayout& layout) const;
   /// Search locations, more for a single series whose scatter is known from few cycles.
-  double TrialsFactor(const CampaignLayout& layout, double places) const;
+  double TrialsFactor(const CampaignLayout& layout, double search_locations) const;
 };
 
 /// All series together, then each one alone; only the one where there is only one.

@@ -111,11 +111,11 @@ class CreepEffect final : public FormedEffect {
     std::vector<std::vector<double>> starts;
     for (const CreepForm form : {kLogOfTwist, kOneOfTwist, kLogOfTorque, kOneOfTorque}) {
       // One time constant alone is sharper than a whole ladder of them.
-      const int places = IsLogarithmic(form) ? 5 : 15;
-      for (int k = 0; k < places; ++k) {
-        const double place = (k + 0.5) / places;
+      const int starts_of_form = IsLogarithmic(form) ? 5 : 15;
+      for (int k = 0; k < starts_of_form; ++k) {
+        const double share = (k + 0.5) / starts_of_form;
         starts.push_back({static_cast<double>(form), 0.0,
-                          std::log(shortest_s_) + place * std::log(longest_s_ / shortest_s_), longest()});
+                          std::log(shortest_s_) + share * std::log(longest_s_ / shortest_s_), longest()});
       }
     }
     return starts;

@@ -49,6 +49,6 @@ void AppendKneeNuisanceTerm(const LoopRecords& records, LoopEffects& effects);
 /// Appends a jump and a window in time.
 void AppendTimeNuisanceTerms(const LoopRecords& records, LoopEffects& effects);
 /// Appends windows over torque and over output angle.
-void AppendPlaceNuisanceTerms(const LoopRecords& records, LoopEffects& effects);
+void AppendPositionNuisanceTerms(const LoopRecords& records, LoopEffects& effects);
 
 }  // namespace strainwave::analysis::diagnosis

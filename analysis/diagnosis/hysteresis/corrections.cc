@@ -130,10 +130,10 @@ class Line final : public NuisanceTerm {
     lowest_ = abscissa_.fewest_periods / span;
     const auto records_there = static_cast<double>(records.samples.records());
     const double samples = static_cast<double>(records.samples.size()) / records_there;
-    // Faster than a few samples a period it cannot be told from noise, nor where the noise of the place is a
-    // part of the period.
+    // Faster than a few samples a period it cannot be told from noise, nor where the noise of the position is
+    // a part of the period.
     double fastest = over == Over::kTime ? 0.4 / records.step_s : 0.2 * samples / records.passes() / span;
-    if (over == Over::kAngle) fastest = std::min(fastest, 0.3 / std::max(records.place_noise_rad, 1e-12));
+    if (over == Over::kAngle) fastest = std::min(fastest, 0.3 / std::max(records.position_noise_rad, 1e-12));
     highest_ = std::max(2.0 * lowest_, std::min(fastest, 2000.0 / span));
     needs_all_samples = true;
     Number("cosine_arcmin", "arcmin", {-most, most, 1e-6 * most, false, true});
@@ -150,13 +150,13 @@ class Line final : public NuisanceTerm {
 
   void Add(std::span<const double> v, const LoopGrid& grid, const Eigen::VectorXd&,
            Eigen::VectorXd& total_rad) const override {
-    const std::vector<double>& place = PlaceIn(grid);
-    const double per_place = abscissa_.per_number * v[2];
+    const std::vector<double>& abscissa = AbscissaIn(grid);
+    const double per_abscissa = abscissa_.per_number * v[2];
     // One sine a sample, not two functions: fits spend their time here.
     const double height = RadFromArcmin(std::hypot(v[0], v[1]));
     const double first = std::atan2(v[0], v[1]);
     for (std::size_t i = 0; i < grid.size(); ++i)
-      total_rad(static_cast<Eigen::Index>(i)) += height * std::sin(per_place * place[i] + first);
+      total_rad(static_cast<Eigen::Index>(i)) += height * std::sin(per_abscissa * abscissa[i] + first);
   }
 
   double LogSearchLocations(std::span<const double> v) const override {
@@ -167,7 +167,7 @@ class Line final : public NuisanceTerm {
     const LoopGrid& grid = residual.grid;
     const double per_number = abscissa_.per_number;
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(PlaceIn(grid), residual.residual_rad, grid.weight,
+    for (const LinePeak& peak : FindLines(AbscissaIn(grid), residual.residual_rad, grid.weight,
                                           lowest_ * per_number, highest_ * per_number, 3)) {
       starts.push_back({0.0, 0.0, std::clamp(peak.order / per_number, lowest_, highest_)});
     }
@@ -175,8 +175,8 @@ class Line final : public NuisanceTerm {
   }
 
  private:
-  const std::vector<double>& PlaceIn(const LoopGrid& grid) const {
-    return over_ == Over::kTime ? grid.time_s : over_ == Over::kTorque ? grid.torque_Nm : grid.place_rad;
+  const std::vector<double>& AbscissaIn(const LoopGrid& grid) const {
+    return over_ == Over::kTime ? grid.time_s : over_ == Over::kTorque ? grid.torque_Nm : grid.position_rad;
   }
 
   Over over_;
@@ -194,7 +194,7 @@ void AppendNuisanceTerms(const LoopRecords& records, LoopEffects& effects) {
   for (const Over over : {Over::kAngle, Over::kTime, Over::kTorque}) {
     effects.push_back(std::make_unique<Line>(records, over));
   }
-  AppendPlaceNuisanceTerms(records, effects);
+  AppendPositionNuisanceTerms(records, effects);
   AppendTimeNuisanceTerms(records, effects);
 }
 

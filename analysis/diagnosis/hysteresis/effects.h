@@ -17,7 +17,7 @@ struct FitNumber {
   double low{};
   double high{};
   double step{};            // for derivatives
-  bool held{};              // chosen with the start and left there: which form of a cause, a place in time
+  bool held{};              // chosen with the start and left there: which form of a cause, a time
   bool amount{};            // nothing is added where it is zero
   int state_of_record{-1};  // of a friction element at this record's first sample
 };
@@ -47,7 +47,7 @@ class LoopEffect {
                    const Eigen::VectorXd& /*gear_rad*/, Eigen::VectorXd& /*total_rad*/) const {}
   /// True where a fit leaves a number alone in the form that these numbers have.
   virtual bool IsHeld(std::span<const double> /*numbers*/, std::size_t k) const { return numbers[k].held; }
-  /// Place of a number on which the effect depends in a way of its own (a level, a time constant) and which a
+  /// Index of a number on which the effect depends in a way of its own (a level, a time constant) and which a
   /// record may leave open over a wide range; −1 for none.
   virtual int NonlinearParameter() const { return -1; }
   /// As ModelFit::log_search_locations, of these numbers.

@@ -27,7 +27,7 @@ std::vector<Hold> FindHolds(std::span<const double> signal, double noise);
 std::vector<Hold> FindStairs(std::span<const double> signal, double noise);
 
 /// Puts the signal at each hold's level there, and takes off what the ramps beside it go past that level by
-/// noise: friction would remember it for as long as the hold lasts.
+/// noise: friction would keep it for as long as the hold lasts.
 void KeepStill(std::span<const Hold> holds, double noise, CleanSignal& clean);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -49,8 +49,8 @@ void PlaceAt(const InterSampleExtremum& peak, double share, LoopGrid& samples) {
 
 }  // namespace
 
-bool PlaceInterSampleExtrema(const GearLaw& law, const Eigen::VectorXd& predicted_rad, double noise_rad,
-                             LoopGrid& samples) {
+bool SetInterSampleExtrema(const GearLaw& law, const Eigen::VectorXd& predicted_rad, double noise_rad,
+                           LoopGrid& samples) {
   constexpr double kShows = 0.5;  // of the noise
   const std::vector<InterSampleExtremum> peaks = FindInterSampleExtrema(samples);
   LoopGrid further = samples;

@@ -34,11 +34,11 @@ std::vector<std::size_t> BestJumps(std::span<const double> weights, std::span<co
   }
   std::sort(jumps.rbegin(), jumps.rend());
   std::vector<std::size_t> best;
-  for (const auto& [drop, place] : jumps) {
-    const bool close = std::any_of(best.begin(), best.end(), [&, at = place](std::size_t other) {
+  for (const auto& [drop, sample] : jumps) {
+    const bool close = std::any_of(best.begin(), best.end(), [&, at = sample](std::size_t other) {
       return (at > other ? at - other : other - at) < n / 50;
     });
-    if (!close) best.push_back(place);
+    if (!close) best.push_back(sample);
     if (best.size() == count) break;
   }
   return best;

@@ -71,7 +71,7 @@ int LoopModel::FreeParameters(const Eigen::VectorXd& x) const {
     const auto first = held.begin() + first_of_effect_[e];
     const auto own = static_cast<int>(
         std::count(first, first + static_cast<std::ptrdiff_t>(effects_[e]->numbers.size()), false));
-    // A place that was searched for counts though no step moves it.
+    // A location that was searched for counts though no step moves it.
     free += std::max(own, effects_[e]->rule.degrees_of_freedom);
   }
   return free;

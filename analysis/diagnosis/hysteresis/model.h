@@ -10,7 +10,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// Places of the nominal model's numbers; behind them the numbers of the effects, one after the other.
+/// Indices of the nominal model's numbers; behind them the numbers of the effects, one after the other.
 enum LoopNumber : int { kLnK1, kLnK2, kLnK3, kLnFriction, kLnYield, kFirstOfRecord };
 /// Of each record: its offset in arcmin about the record's centre, the element's state at its start.
 inline constexpr int kNumbersOfRecord = 2;

@@ -10,7 +10,7 @@ namespace strainwave::analysis::diagnosis {
 
 /// A signal without the small reversals that are left of its noise: on each branch isotonic regression,
 /// weighted by the values' errors, wherever that moves none of them by more than the noise of one sample. A
-/// held load then stays where it is; what goes to and fro would wind up friction, which remembers the
+/// held load then stays where it is; what goes to and fro would wind up friction, which keeps the
 /// furthest of it.
 ///
 /// @param errors    standard errors of the values, > 0.

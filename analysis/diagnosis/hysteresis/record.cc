@@ -204,7 +204,7 @@ void AppendTurns(std::span<const double> time_s, std::span<const double> torque_
 }
 
 // Between neighbouring samples the rate has the noise that smoothing of the torque leaves, a good deal of a
-// slow ramp's, and what hangs on the rate would follow it.
+// slow ramp's, and what depends on the rate would follow it.
 void AppendStepRates(std::span<const double> times_s, std::span<const double> torque_Nm,
                      std::span<const double> taken_off_Nm, double noise_Nm, LoopGrid& grid) {
   const std::size_t base = grid.rate_Nm_per_s.size();
@@ -283,14 +283,14 @@ LoopRecords PrepareLoopRecords(std::span<const HysteresisData> records) {
     AppendRate(times_s, torque_Nm, prepared.torque_rate_Nm_per_s);
     grid.starts.push_back(grid.size());
     const double centre_rad = 0.5 * (*low + *high);
-    prepared.place_noise_rad =
-        std::max(prepared.place_noise_rad, SampleNoise(times_s, record.output_angle_rad));
+    prepared.position_noise_rad =
+        std::max(prepared.position_noise_rad, SampleNoise(times_s, record.output_angle_rad));
     prepared.centre_rad.push_back(centre_rad);
     for (std::size_t i = 0; i < torque_Nm.size(); ++i) {
       grid.time_s.push_back(times_s[i] - times_s[0]);
       grid.torque_Nm.push_back(torque_Nm[i]);
       grid.twist_rad.push_back(record.output_angle_rad[i] - centre_rad);
-      grid.place_rad.push_back(grid.twist_rad.back());
+      grid.position_rad.push_back(grid.twist_rad.back());
       grid.weight.push_back(1.0);
       prepared.measured_rad.push_back(record.output_angle_rad[i]);
       prepared.measured_torque_Nm.push_back(turned.torque_Nm[i]);
@@ -337,7 +337,7 @@ LoopGrid Condense(const LoopRecords& records, std::span<const double> weights, s
     grid.time_s.push_back(mean(all.time_s));
     grid.torque_Nm.push_back(mean(all.torque_Nm));
     grid.twist_rad.push_back(mean(all.twist_rad));
-    grid.place_rad.push_back(mean(all.place_rad));
+    grid.position_rad.push_back(mean(all.position_rad));
     grid.weight.push_back(weight);
     if (!all.temperature_K.empty()) grid.temperature_K.push_back(mean(all.temperature_K));
     grid.direction.push_back(all.direction[first]);

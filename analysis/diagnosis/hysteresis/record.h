@@ -13,10 +13,10 @@ namespace strainwave::analysis::diagnosis {
 /// What a hysteresis fit is made on: samples, or means of a few neighbouring ones; several records one after
 /// the other.
 struct LoopGrid {
-  std::vector<double> time_s;     // each record from its own start
-  std::vector<double> torque_Nm;  // what drives the model
-  std::vector<double> twist_rad;  // measured, each record about its own centre
-  std::vector<double> place_rad;  // where on its way the output was; of PrepareLoopRecords with its noise
+  std::vector<double> time_s;        // each record from its own start
+  std::vector<double> torque_Nm;     // what drives the model
+  std::vector<double> twist_rad;     // measured, each record about its own centre
+  std::vector<double> position_rad;  // of the output on its path; of PrepareLoopRecords with its noise
   std::vector<double> weight;
   std::vector<double> temperature_K;  // from the mean of all; empty where no record has it or it stands still
   std::vector<double> direction;      // +1 on rising branches of the torque, −1 on falling
@@ -49,8 +49,8 @@ struct LoopRecords {
   double duration_s{};       // of the longest record
   double step_s{};           // median between samples
   double noise_floor_rad{};
-  double rounding_rad{};     // standard deviation by the steps of angle and torque; 0: there are none
-  double place_noise_rad{};  // of the angle, from sample to sample
+  double rounding_rad{};        // standard deviation by the steps of angle and torque; 0: there are none
+  double position_noise_rad{};  // of the angle, from sample to sample
   std::size_t block_length{};
   std::vector<std::string> warnings;
 

@@ -9,7 +9,7 @@ namespace strainwave::analysis::diagnosis {
 
 std::vector<Regressor> RegressorsOf(const LoopRecords& records) {
   const LoopGrid& samples = records.samples;
-  std::vector<double> output_angle_rad(samples.place_rad);
+  std::vector<double> output_angle_rad(samples.position_rad);
   for (std::size_t r = 0; r < samples.records(); ++r) {
     for (std::size_t i = samples.starts[r]; i < samples.starts[r + 1]; ++i)
       output_angle_rad[i] += records.centre_rad[r];

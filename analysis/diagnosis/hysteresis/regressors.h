@@ -9,8 +9,8 @@
 namespace strainwave::analysis::diagnosis {
 
 /// What a loop's residual is looked at over. The output angle is where the nominal model puts the output
-/// (`records.samples.place_rad`): over the measured angle its own noise would pass for a shape wherever the
-/// gear stands still, as in a hold the highest readings come last.
+/// (`records.samples.position_rad`): over the measured angle its own noise would pass for a shape wherever
+/// the gear stands still, as in a hold the highest readings come last.
 std::vector<Regressor> RegressorsOf(const LoopRecords& records);
 
 }  // namespace strainwave::analysis::diagnosis

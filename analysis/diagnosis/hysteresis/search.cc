@@ -197,7 +197,7 @@ Eigen::VectorXd SettleTurns(LoopRecords& records, const LoopModel& model, const 
   return there.numbers;
 }
 
-// Peaks that no sample saw and the friction remembers.
+// Peaks that no sample saw but whose effect on the friction remains.
 // @returns the nominal numbers with them.
 Eigen::VectorXd SettlePeaks(LoopRecords& records, const LoopModel& model, const Eigen::VectorXd& x) {
   constexpr int kRounds = 3;
@@ -207,8 +207,7 @@ Eigen::VectorXd SettlePeaks(LoopRecords& records, const LoopModel& model, const 
     LoopGrid samples = records.samples;
     samples.turn_Nm = turns_Nm;
     const Eigen::VectorXd predicted_rad = model.Predict(numbers, samples);
-    if (!PlaceInterSampleExtrema(model.LawOf(numbers), predicted_rad, records.noise_floor_rad, samples))
-      break;
+    if (!SetInterSampleExtrema(model.LawOf(numbers), predicted_rad, records.noise_floor_rad, samples)) break;
     numbers = SolveLoop(model, samples, numbers, kMostIterations).numbers;
     records.samples = std::move(samples);
   }

@@ -27,8 +27,8 @@ NominalLocalMinima FindNominal(LoopRecords& records);
 LoopSolution FitWithNewEffect(const LoopRecords& records, const LoopModel& model, std::size_t effect,
                               const LoopGrid& grid, const Eigen::VectorXd& x);
 
-/// n ln(cost) + k ln(n) + 2 ln(places): what a better fit has to pay for further numbers, or for a form that
-/// is less likely.
+/// n ln(cost) + k ln(n) + 2 ln(search locations): what a better fit has to pay for further numbers, or for a
+/// form that is less likely.
 double PenalisedCost(const LoopModel& model, const LoopGrid& grid, const LoopSolution& solution);
 
 /// A fit of a model that a record may not be able to tell from the best one.

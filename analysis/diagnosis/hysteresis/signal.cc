@@ -11,7 +11,7 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Parabola through samples of a growing segment, seen from one place.
+// Parabola through samples of a growing segment, seen from one point.
 class GrowingParabola {
  public:
   void Add(double x, double y) {
@@ -146,15 +146,15 @@ std::vector<std::size_t> Corners(std::span<const double> t, std::span<const doub
   return corners;
 }
 
-// Corners and breaks in their order; of both at one place the break.
+// Corners and breaks in their order; of both at one sample the break.
 std::vector<std::size_t> WithBreaks(std::span<const std::size_t> corners,
                                     std::span<const std::size_t> breaks) {
-  constexpr std::size_t kOnePlace = 4;
+  constexpr std::size_t kSameSample = 4;
   std::vector<std::size_t> all(breaks.begin(), breaks.end());
   for (const std::size_t corner : corners) {
     const auto next = std::ranges::lower_bound(breaks, corner);
-    const bool by_next = next != breaks.end() && *next - corner < kOnePlace;
-    const bool by_last = next != breaks.begin() && corner - *std::prev(next) < kOnePlace;
+    const bool by_next = next != breaks.end() && *next - corner < kSameSample;
+    const bool by_last = next != breaks.begin() && corner - *std::prev(next) < kSameSample;
     if (!by_next && !by_last) all.push_back(corner);
   }
   std::ranges::sort(all);

@@ -58,7 +58,7 @@ std::vector<std::size_t> LoneSpikes(std::span<const double> time_s, std::span<co
 double FollowedShare(std::span<const double> time_s, std::span<const double> drive,
                      std::span<const double> clean_drive, std::span<const double> response, double slope);
 
-/// A place between two samples at which a signal turns from one straight line into another.
+/// A time between two samples at which a signal turns from one straight line into another.
 struct Turn {
   std::size_t before{};  // sample that it comes after
   double share{};        // of the time to the next sample, 0 to 1
@@ -69,8 +69,8 @@ struct Turn {
 std::vector<Turn> FindTurns(std::span<const double> time_s, std::span<const double> signal, double noise);
 
 /// Standard deviation of the noise on a signal of straight pieces, first-order autoregressive noise included:
-/// from its second differences over 1, 2, 4, 8 and 16 samples, which grow with the distance as far as noise
-/// remembers itself. 0 below 40 values.
+/// from its second differences over 1, 2, 4, 8 and 16 samples, which grow with the distance as far as the
+/// noise is autocorrelated. 0 below 40 values.
 double LastingNoise(std::span<const double> time_s, std::span<const double> signal);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -160,22 +160,24 @@ double LastingNoise(std::span<const double> time_s, std::span<const double> sign
     if (!(deviation > 0.0)) return 0.0;
     levels.push_back({static_cast<double>(lag), deviation * deviation / 6.0, 1.0 / static_cast<double>(lag)});
   }
-  // Of noise with lag-1 correlation ρ: 6 − 8 ρ^lag + 2 ρ^(2 lag), over 6. White unless memory explains
-  // clearly more.
+  // Of noise with lag-1 correlation ρ: 6 − 8 ρ^lag + 2 ρ^(2 lag), over 6. White unless autocorrelation
+  // explains clearly more.
   const auto misfit_of = [&](double rho, double& variance) {
     double sum = 0.0;
     double weights = 0.0;
     for (const Level& level : levels) {
-      const double memory = std::pow(rho, level.lag);
-      sum += level.weight * std::log(level.variance * 6.0 / (6.0 - 8.0 * memory + 2.0 * memory * memory));
+      const double correlation = std::pow(rho, level.lag);
+      sum += level.weight *
+             std::log(level.variance * 6.0 / (6.0 - 8.0 * correlation + 2.0 * correlation * correlation));
       weights += level.weight;
     }
     const double mean = sum / weights;
     variance = std::exp(mean);
     double misfit = 0.0;
     for (const Level& level : levels) {
-      const double memory = std::pow(rho, level.lag);
-      const double off = std::log(level.variance * 6.0 / (6.0 - 8.0 * memory + 2.0 * memory * memory)) - mean;
+      const double correlation = std::pow(rho, level.lag);
+      const double off =
+          std::log(level.variance * 6.0 / (6.0 - 8.0 * correlation + 2.0 * correlation * correlation)) - mean;
       misfit += level.weight * off * off;
     }
     return misfit;
@@ -192,10 +194,10 @@ double LastingNoise(std::span<const double> time_s, std::span<const double> sign
       variance = there;
     }
   }
-  // Curvature grows with the distance, too, but without end: memory has to make the levels agree.
+  // Curvature grows with the distance, too, but without end: autocorrelation has to make the levels agree.
   const double chance = 20.0 / static_cast<double>(signal.size());
-  const bool remembers = without > chance && best < 0.2 * without;
-  return std::sqrt(remembers ? variance : levels.front().variance);
+  const bool autocorrelated = without > chance && best < 0.2 * without;
+  return std::sqrt(autocorrelated ? variance : levels.front().variance);
 }
 
 }  // namespace strainwave::analysis::diagnosis

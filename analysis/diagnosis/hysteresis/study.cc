@@ -105,12 +105,13 @@ class HysteresisStudy final : public Study {
 };
 
 // What the nominal model says of the record itself: where the output was on its way, without the angle's own
-// noise, which a line over the measured angle follows where the noise has a memory; and the torque's noise.
+// noise, which a line over the measured angle follows where the noise is autocorrelated; and the torque's
+// noise.
 void HysteresisStudy::TakeFromNominal() {
   LoopGrid& samples = records_.samples;
   const LoopModel nominal(records_, {});
-  const Eigen::VectorXd place = nominal.Predict(nominal_start_, samples);
-  samples.place_rad.assign(place.begin(), place.end());
+  const Eigen::VectorXd position_rad = nominal.Predict(nominal_start_, samples);
+  samples.position_rad.assign(position_rad.begin(), position_rad.end());
   Eigen::VectorXd gear;
   FillTwist(nominal.LawOf(nominal_start_), samples, gear);
   noise_response_rad_ = ResponseToTorqueNoise(records_, gear);
@@ -128,7 +129,7 @@ LoopGrid HysteresisStudy::GridOf(const LoopModel& model, std::span<const double>
   return Condense(records_, weights, model.NeedsAllSamples() ? 0 : kComparisonPoints);
 }
 
-// Records whose first sample has no weight: of those behind it, few if any hang on the state that their
+// Records whose first sample has no weight: of those behind it, few if any depend on the state that their
 // friction starts in. It is a condition of the record and not of the model: a fit that does not see it keeps
 // what it was given.
 std::vector<bool> HysteresisStudy::UnseenStarts(std::span<const double> weights) const {

@@ -44,8 +44,8 @@ class Jump final : public NuisanceTerm {
 
   std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override {
     std::vector<std::vector<double>> starts;
-    for (const std::size_t place : BestJumps(residual.grid.weight, residual.residual_rad, 3)) {
-      starts.push_back({0.0, residual.grid.time_s[place] - 1e-3 * step_s_});
+    for (const std::size_t sample : BestJumps(residual.grid.weight, residual.residual_rad, 3)) {
+      starts.push_back({0.0, residual.grid.time_s[sample] - 1e-3 * step_s_});
     }
     return starts;
   }
@@ -135,10 +135,10 @@ class Window final : public LoopEffect {
     const double height_rad = RadFromArcmin(v[1]);
     const bool bell = v[0] > 0.5;
     for (std::size_t i = 0; i < grid.size(); ++i) {
-      const double place = 2.0 * (grid.time_s[i] - v[2]) / v[3];
+      const double x = 2.0 * (grid.time_s[i] - v[2]) / v[3];
       if (bell) {
-        total_rad(static_cast<Eigen::Index>(i)) += height_rad * Bell(place);
-      } else if (std::abs(place) <= 1.0) {
+        total_rad(static_cast<Eigen::Index>(i)) += height_rad * Bell(x);
+      } else if (std::abs(x) <= 1.0) {
         total_rad(static_cast<Eigen::Index>(i)) += height_rad;
       }
     }

@@ -9,8 +9,8 @@ namespace strainwave::analysis::diagnosis {
 
 /// The twist that the noise taken off the torque would have brought: straight, with the compliance that the
 /// nominal gear has there. What smoothing leaves of that noise is slow, and too small to be seen in the
-/// memory of what is left, but all slow effects are judged beside it; with the response to the rest of it the
-/// noise is white again.
+/// autocorrelation of the residual, but all slow effects are judged beside it; with the response to the rest
+/// of it the noise is white again.
 ///
 /// @param gear_rad  twist of the nominal gear, a sample each.
 Eigen::VectorXd ResponseToTorqueNoise(const LoopRecords& records, const Eigen::VectorXd& gear_rad);

@@ -17,11 +17,11 @@ constexpr double kStandsOutAlone = 6.0;    // the same of a band that no other b
 constexpr double kFast = 0.5;      // of the 95 % quantile of the speed: where noise that goes with it shows
 constexpr double kCalm = 0.5;      // of the time that an axis is fast, from which on it is calm then
 constexpr double kNoMore = 1.2;    // times the noise expected, which is no more than that
-constexpr double kAround = 2.0;    // σ to either side, over which a band's size at a place is taken
+constexpr double kAround = 2.0;    // σ to either side, over which a band's size at a point is taken
 constexpr double kFollowed = 0.3;  // of the inertia, from which on the torque follows a calm band
 constexpr double kBeyond = 0.3;    // of the last band: what lies beyond it and folds back into the torque
-// A band over the one half an octave lower: of a fast swing, and the most of a jump.
-constexpr double kFastSwing = 1.5;
+// A band over the one half an octave lower: of a fast oscillation, and the most of a jump.
+constexpr double kFastOscillation = 1.5;
 constexpr double kUneven = 1.15;
 // Shares of the acceleration transients that are jumps.
 constexpr double kFewJumps = 0.35;
@@ -164,9 +164,9 @@ struct Trace {
   double sharp{};  // 0: a kink of the acceleration, or gentler; 1: a jump
 };
 
-// By what a band has over the one before. A fast swing has more.
+// By what a band has over the one before. A fast oscillation has more.
 double SharpnessOf(double decay) {
-  if (decay > 1.0) return std::clamp((kFastSwing - decay) / (kFastSwing - kUneven), 0.0, 1.0);
+  if (decay > 1.0) return std::clamp((kFastOscillation - decay) / (kFastOscillation - kUneven), 0.0, 1.0);
   return std::clamp((decay - kSlowestDecay) / (1.0 - kSlowestDecay), 0.0, 1.0);
 }
 

@@ -12,7 +12,7 @@ namespace strainwave::analysis::diagnosis {
 /// Gives the points' acceleration back what smoothing of the path took from short acceleration transients of
 /// it: from a ramp of a few samples, which is nothing beside the noise of a whole record and all there is
 /// while it lasts. Half an octave at a time from the smoothing up to the low-pass; each as far as it stands
-/// above its noise around a place (positive-part shrinkage; James & Stein, Berkeley Symposium 4 (1961) 361),
+/// above its noise around a point (positive-part shrinkage; James & Stein, Berkeley Symposium 4 (1961) 361),
 /// unless that would be noise in the torque. Only what shows in the bands that the smoothing left goes on
 /// into those above.
 /// @return how wrong the acceleration may still be at each point (standard deviation): by what an

@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Index;
 
-// Turns of a contact's swing in a step of the points: a faster one leaves transients and no course.
+// Turns of a contact's oscillation in a step of the points: a faster one leaves transients and no course.
 constexpr double kFastestContact = 0.5;
 // Part of a contact's deflection by which the width of a gap is not known.
 constexpr double kContactEdge = 0.1;
@@ -32,7 +32,7 @@ constexpr std::size_t kStarts = 2;
 // Longer than an impact lasts: where the near side is light it jumps, and what a gap does otherwise drowns in
 // when exactly; added up over that time it is the momentum that counts.
 constexpr double kImpact_s = 0.03;
-constexpr double kPlaces = 40.0;
+constexpr double kSearchLocations = 40.0;
 constexpr double kRagged = 2.0;
 constexpr double kCertain = 4.0;  // standard deviations
 // Of a simplex: ln gap, friction, ln contact frequency, damping, start.
@@ -43,7 +43,7 @@ constexpr int kWider = 20;           // times the step to either side
 constexpr double kWiderStep = 0.01;  // in ln gap
 constexpr double kFrictions[] = {0.0, 0.15, 0.3, 0.5, 0.8, 1.2, 1.8};
 constexpr int kBegins = 10;             // to either side of the middle
-constexpr double kContactStep = 0.125;  // radians of the contact's own swing that a step may be
+constexpr double kContactStep = 0.125;  // radians of the contact's own oscillation that a step may be
 // In ln gap, to see how far impacts may go astray.
 constexpr double kAstray[] = {-0.15, -0.06, -0.02, 0.02, 0.06, 0.15};
 constexpr std::size_t kRecentModelUncertainties = 8;
@@ -115,40 +115,40 @@ std::vector<std::vector<double>> Apart(const NonlinearParameterMap& map, const W
   return apart;
 }
 
-// The best of some places, the given one among them.
+// The best of some candidates, the given one among them.
 std::vector<double> BestOf(StartSearch& search, const std::vector<double>& nonlinear_parameters,
-                           const std::vector<std::vector<double>>& places) {
+                           const std::vector<std::vector<double>>& candidates) {
   std::vector<double> best = nonlinear_parameters;
   double most = search.Drop(nonlinear_parameters);
-  for (const std::vector<double>& place : places) {
-    const double drop = search.Drop(place);
+  for (const std::vector<double>& candidate : candidates) {
+    const double drop = search.Drop(candidate);
     if (!(drop > most)) continue;
     most = drop;
-    best = place;
+    best = candidate;
   }
   return best;
 }
 
 // Where in the gap the load begins moves the first impact alone, which is too sharp to be found downhill.
 std::vector<double> BestBegin(StartSearch& search, const std::vector<double>& nonlinear_parameters) {
-  std::vector<std::vector<double>> places;
+  std::vector<std::vector<double>> candidates;
   for (int k = -kBegins; k <= kBegins; ++k) {
-    places.push_back(nonlinear_parameters);
-    places.back()[4] = static_cast<double>(k) / kBegins;
+    candidates.push_back(nonlinear_parameters);
+    candidates.back()[4] = static_cast<double>(k) / kBegins;
   }
-  return BestOf(search, nonlinear_parameters, places);
+  return BestOf(search, nonlinear_parameters, candidates);
 }
 
 // The best nearby. A gap that is crossed in the same time is wider with less friction: along that the ground
 // is too ragged to be walked.
 std::vector<double> Nearby(StartSearch& search, const std::vector<double>& nonlinear_parameters) {
-  std::vector<std::vector<double>> places;
+  std::vector<std::vector<double>> candidates;
   for (const double friction : kFrictions) {
     for (int wider = -kWider; wider <= kWider; ++wider)
-      places.push_back({nonlinear_parameters[0] + wider * kWiderStep, friction, nonlinear_parameters[2],
-                        nonlinear_parameters[3], nonlinear_parameters[4]});
+      candidates.push_back({nonlinear_parameters[0] + wider * kWiderStep, friction, nonlinear_parameters[2],
+                            nonlinear_parameters[3], nonlinear_parameters[4]});
   }
-  return BestBegin(search, BestOf(search, nonlinear_parameters, places));
+  return BestBegin(search, BestOf(search, nonlinear_parameters, candidates));
 }
 
 // Polished once more from a new simplex: on ragged ground the first one shrinks before its time. From the
@@ -161,7 +161,7 @@ std::vector<double> PolishedAgain(StartSearch& search, const std::vector<double>
 }
 
 // How far the load's push goes astray, row by row, if the gap and what happens in it are a little different:
-// each impact comes at another time, and what comes after an impact hangs on when and how hard that was.
+// each impact comes at another time, and what comes after an impact depends on when and how hard that was.
 Eigen::VectorXd SpreadOfImpacts(
     const std::function<void(std::span<const double>, Eigen::Ref<Eigen::MatrixXd>)>& fill,
     const std::vector<double>& nonlinear_parameters, Index rows) {
@@ -214,7 +214,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   const double high = 0.1 * (*last - *first);
   const double braking = BrakingOf(*grid);
   const double acceleration = QuantileOfMagnitude(grid->passed_acceleration, 0.68);
-  // A contact swings faster than the motion, else it is a resonance, and slower than the points tell.
+  // A contact oscillates faster than the motion, else it is a resonance, and slower than the points tell.
   const double low_Hz = 4.0;
   const double high_Hz = kFastestContact / grid->segments.front().step_s;
   if (!(high > 4.0 * low) || !(high_Hz > 2.0 * low_Hz)) return;
@@ -275,8 +275,8 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   term.starts = [search_for,
                  recent = std::make_shared<Searched>(kRecentSearches)](const WeightedResidual& residual) {
     Left left{.same = kSame * std::sqrt(residual.MeanSquare())};
-    for (std::size_t i = 0; i < residual.residual.size(); ++i)
-      left.weighted.push_back(std::sqrt(residual.weights[i]) * residual.residual[i]);
+    for (std::size_t i = 0; i < residual.values.size(); ++i)
+      left.weighted.push_back(std::sqrt(residual.weights[i]) * residual.values[i]);
     return recent->Get(left, [&] { return search_for(residual); });
   };
   term.model_uncertainty =
@@ -328,7 +328,7 @@ void AddBacklash(const SharedGrid& grid, const MotionUnits& units, SeparableMode
                       {inertia_name, units.inertia(), 0.0, kUnlimited}},
        .degrees_of_freedom = 6,
        .known_by_size = true,
-       .trials_factor = kPlaces,
+       .trials_factor = kSearchLocations,
        .misfit_share = kContactMisfit,
        .to_settle =
            units.linear

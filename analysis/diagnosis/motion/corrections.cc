@@ -18,7 +18,7 @@ using Eigen::Index;
 
 // A curve's ordinates are taken for normal about zero, with this part of the noise's variance for precision
 // (a standard deviation of three times the noise's): where held-out rows are the only ones at a speed or a
-// place, a curve that has not seen them stays near zero there.
+// position, a curve that has not seen them stays near zero there.
 constexpr double kCurveRidge = 0.1;
 
 // Uniform cubic B-spline of `count` functions over [low, high].
@@ -118,7 +118,7 @@ void AddTimeLine(const SharedGrid& grid, const MotionUnits& units, SeparableMode
   term.nonlinear_parameters = {{low / kTwoPi, high / kTwoPi, 0.2 / duration_s}};
   term.starts = [time_s, low, high](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(time_s, residual.residual, residual.weights, low, high, 2)) {
+    for (const LinePeak& peak : FindLines(time_s, residual.values, residual.weights, low, high, 2)) {
       starts.push_back({peak.order / kTwoPi});
     }
     return starts;
@@ -158,7 +158,7 @@ void AddPositionWindow(const SharedGrid& grid, const MotionUnits& units, Separab
   term.starts = [position, narrowest, widest](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindWindows(position, residual.residual, residual.weights, narrowest, widest, 2)) {
+         FindWindows(position, residual.values, residual.weights, narrowest, widest, 2)) {
       starts.push_back({peak.centre, std::log(peak.width)});
     }
     return starts;

@@ -121,7 +121,7 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
   term.nonlinear_parameters.push_back({0.0, 0.5, 0.05, true});
   term.starts = [grid, term, scan, windows](const WeightedResidual& residual) {
     const std::vector<WindowPeak> peaks =
-        FindWindows(scan.time_s, residual.residual, residual.weights, scan.shortest_s, scan.widest_s,
+        FindWindows(scan.time_s, residual.values, residual.weights, scan.shortest_s, scan.widest_s,
                     windows == 1 ? 3 : windows);
     if (windows > 1 && peaks.size() < windows) return std::vector<std::vector<double>>{};
     // One start a window, or one of all windows.
@@ -213,8 +213,8 @@ void AddWindows(const SharedGrid& grid, const MotionUnits& units, const Scan& sc
               : "a torque from outside for a limited time: something touched, braked or drove the axis",
       .where = Where::kBench,
       .degrees_of_freedom = static_cast<int>(3 * windows + 1),
-      // Places of the shortest window, each half over the next, whatever the order of several; where exactly
-      // and how long is fitted.
+      // Locations of the shortest window, each half over the next, whatever the order of several; where
+      // exactly and how long is fitted.
       .trials_factor = std::pow(2.0 * longest_s / scan.shortest_s, static_cast<double>(windows)) /
                        std::tgamma(static_cast<double>(windows) + 1.0),
       .least_share = kLeastShare,

@@ -20,21 +20,21 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-constexpr double kMisfitOfSwing = 0.001;  // of squares; more than one inertia may swing
+constexpr double kMisfitOfOscillation = 0.001;  // of squares; more than one inertia may oscillate
 
 using Eigen::Index;
 
 // Below that it is a tone in time and not a structure.
 constexpr double kLeastDamping = 0.004;
-constexpr double kMostShare = 1.5;  // of the inertia, that may swing
+constexpr double kMostShare = 1.5;  // of the inertia, that may oscillate
 constexpr std::size_t kMostBeginnings = 4;
-constexpr double kApart = 0.15;          // of ln frequency, that tells two starts apart
-constexpr double kMostSwing = 10.0;      // times the usual acceleration, where a segment begins
-constexpr double kShortestShare = 0.02;  // of all points, that a segment with a beginning of its own has
-constexpr double kDiedAway = 1e-20;      // of a swing's square
-constexpr std::size_t kFirstSwing = 2;   // of the nonlinear parameters
-constexpr std::size_t kSwingsRemembered = 8;
-constexpr std::ptrdiff_t kFirstSwingValue = 5;
+constexpr double kApart = 0.15;            // of ln frequency, that tells two starts apart
+constexpr double kMostOscillation = 10.0;  // times the usual acceleration, where a segment begins
+constexpr double kShortestShare = 0.02;    // of all points, that a segment with a beginning of its own has
+constexpr double kDiedAway = 1e-20;        // of an oscillation's square
+constexpr std::size_t kFirstFreeAmplitude = 2;  // of the nonlinear parameters
+constexpr std::size_t kCachedOscillations = 8;
+constexpr std::ptrdiff_t kFirstFreeValue = 5;
 
 // Damping ratios of which a search starts, and their spacing in ln frequency.
 constexpr std::array kDampings{std::pair{0.02, 0.03}, std::pair{0.07, 0.08}, std::pair{0.3, 0.25}};
@@ -47,7 +47,8 @@ double DurationOf(const MotionGrid& grid) {
   return duration_s;
 }
 
-// Segments, in order, that may begin with a swing: what moved it before, or within a gap, nobody recorded.
+// Segments, in order, that may begin with an oscillation: what moved it before, or within a gap, nobody
+// recorded.
 std::vector<std::size_t> Beginnings(const MotionGrid& grid) {
   std::vector<std::size_t> longest(grid.segments.size());
   std::iota(longest.begin(), longest.end(), std::size_t{0});
@@ -64,36 +65,36 @@ std::string OfBeginning(std::string_view name, std::size_t number) {
   return number == 0 ? std::string(name) : fmt::format("{}_{}", name, number + 1);
 }
 
-// What swings of one frequency that begin with the segments, in whatever phase, take from the residual's
-// weighted sum of squares, about.
-double FreeSwingDrop(const MotionGrid& grid, const WeightedResidual& residual,
-                     std::span<const std::size_t> beginnings, double natural, double damping) {
+// What oscillations of one frequency that begin with the segments, in whatever phase, take from the
+// residual's weighted sum of squares, about.
+double FreeOscillationDrop(const MotionGrid& grid, const WeightedResidual& residual,
+                           std::span<const std::size_t> beginnings, double natural, double damping) {
   const std::complex<double> exponent = natural * std::complex<double>(-damping, 1.0);
   const std::complex<double> usual_turn = std::exp(exponent * grid.row_spacing_s);
   double drop = 0.0;
   for (const std::size_t segment : beginnings) {
     const auto rows = std::ranges::equal_range(grid.segment_of_row, segment);
     double before_s = grid.time_s[grid.segments[segment].first];
-    std::complex<double> swing = 1.0;
+    std::complex<double> oscillation = 1.0;
     std::complex<double> along = 0.0;
     double squares = 0.0;
     for (auto it = rows.begin(); it != rows.end(); ++it) {
       const auto row = static_cast<std::size_t>(it - grid.segment_of_row.begin());
       const double step_s = grid.RowTime_s(row) - before_s;
       before_s += step_s;
-      swing *= std::abs(step_s - grid.row_spacing_s) < 1e-9 * grid.row_spacing_s
-                   ? usual_turn
-                   : std::exp(exponent * step_s);
-      along += residual.weights[row] * residual.residual[row] * swing;
-      squares += residual.weights[row] * std::norm(swing);
+      oscillation *= std::abs(step_s - grid.row_spacing_s) < 1e-9 * grid.row_spacing_s
+                         ? usual_turn
+                         : std::exp(exponent * step_s);
+      along += residual.weights[row] * residual.values[row] * oscillation;
+      squares += residual.weights[row] * std::norm(oscillation);
     }
     if (squares > 0.0) drop += 2.0 * std::norm(along) / squares;
   }
   return drop;
 }
 
-// What swings as the motion drives it, at the points.
-std::vector<double> DrivenSwing(const MotionGrid& grid, double natural, double damping) {
+// What oscillates as the motion drives it, at the points.
+std::vector<double> DrivenOscillation(const MotionGrid& grid, double natural, double damping) {
   std::vector<double> points(grid.time_s.size());
   for (const MotionGrid::Segment& segment : grid.segments) {
     model::SecondInertia inertia(natural, damping, segment.step_s);
@@ -103,22 +104,22 @@ std::vector<double> DrivenSwing(const MotionGrid& grid, double natural, double d
   return points;
 }
 
-// What swings freely from a segment's beginning until it has died away, at the rows: in phase, and a quarter
-// of a turn later.
-Eigen::MatrixX2d FreeSwing(const MotionGrid& grid, const MotionGrid::Segment& segment, double natural,
-                           double damping) {
+// What oscillates freely from a segment's beginning until it has died away, at the rows: in phase, and a
+// quarter of a turn later.
+Eigen::MatrixX2d FreeOscillation(const MotionGrid& grid, const MotionGrid::Segment& segment, double natural,
+                                 double damping) {
   std::vector<double> in_phase(grid.time_s.size());
   std::vector<double> late(grid.time_s.size());
   // Turned on from point to point, which are at even steps.
   const double damped = natural * std::sqrt(1.0 - damping * damping);
   const std::complex<double> turn =
       std::polar(std::exp(-damping * natural * segment.step_s), damped * segment.step_s);
-  std::complex<double> swing = 1.0;
+  std::complex<double> oscillation = 1.0;
   const std::size_t end = segment.first + segment.count;
-  for (std::size_t i = segment.first; i < end && std::norm(swing) > kDiedAway; ++i) {
-    in_phase[i] = swing.real();
-    late[i] = swing.imag();
-    swing *= turn;
+  for (std::size_t i = segment.first; i < end && std::norm(oscillation) > kDiedAway; ++i) {
+    in_phase[i] = oscillation.real();
+    late[i] = oscillation.imag();
+    oscillation *= turn;
   }
   Eigen::MatrixX2d columns(static_cast<Index>(grid.rows()), 2);
   columns << grid.ProjectPassed(in_phase), grid.ProjectPassed(late);
@@ -127,7 +128,7 @@ Eigen::MatrixX2d FreeSwing(const MotionGrid& grid, const MotionGrid::Segment& se
 
 void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableModel& model) {
   const double low_Hz = std::max(4.0 / DurationOf(*grid), 1e-3);
-  // A ring that an acceleration transient started may be faster than the motion.
+  // An oscillation that an acceleration transient started may be faster than the motion.
   const double high_Hz =
       std::min(1.2 * grid->cutoff_rad_per_s(), 4.0 * grid->path_cutoff_rad_per_s()) / kTwoPi;
   if (!(high_Hz > 3.0 * low_Hz)) return;
@@ -135,33 +136,34 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   const double usual = UsualSize(grid->passed_acceleration);
   SeparableTerm term;
   // Slopes by what a segment begins with are taken at one frequency and damping, in which it is straight.
-  const auto driven_swings =
-      std::make_shared<Recent<std::array<double, 2>, Eigen::VectorXd>>(kSwingsRemembered);
-  const auto free_swings = std::make_shared<Recent<std::array<double, 3>, Eigen::MatrixX2d>>(
-      kSwingsRemembered * beginnings.size());
+  const auto driven_oscillations =
+      std::make_shared<Recent<std::array<double, 2>, Eigen::VectorXd>>(kCachedOscillations);
+  const auto free_oscillations = std::make_shared<Recent<std::array<double, 3>, Eigen::MatrixX2d>>(
+      kCachedOscillations * beginnings.size());
   term.fill = [=](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     const double natural = kTwoPi * std::exp(nonlinear_parameters[0]);
     const double damping = std::exp(nonlinear_parameters[1]);
-    design.col(0) = driven_swings->Get({nonlinear_parameters[0], nonlinear_parameters[1]}, [&] {
-      return grid->ProjectPassed(DrivenSwing(*grid, natural, damping));
+    design.col(0) = driven_oscillations->Get({nonlinear_parameters[0], nonlinear_parameters[1]}, [&] {
+      return grid->ProjectPassed(DrivenOscillation(*grid, natural, damping));
     });
     for (std::size_t b = 0; b < beginnings.size(); ++b) {
-      const Eigen::Map<const Eigen::Vector2d> sizes(nonlinear_parameters.data() + kFirstSwing + 2 * b);
+      const Eigen::Map<const Eigen::Vector2d> sizes(nonlinear_parameters.data() + kFirstFreeAmplitude +
+                                                    2 * b);
       if (sizes.isZero(0.0)) continue;
       design.col(0) +=
-          free_swings->Get(
+          free_oscillations->Get(
               {static_cast<double>(b), nonlinear_parameters[0], nonlinear_parameters[1]},
-              [&] { return FreeSwing(*grid, grid->segments[beginnings[b]], natural, damping); }) *
+              [&] { return FreeOscillation(*grid, grid->segments[beginnings[b]], natural, damping); }) *
           (usual * sizes);
     }
   };
   term.nonlinear_parameters = {{std::log(low_Hz), std::log(high_Hz), 0.03},
                                {std::log(kLeastDamping), std::log(0.8), 0.3, true}};
-  // It may swing already where a segment begins: over the usual acceleration of the motion, in phase and a
-  // quarter of a turn later.
-  const std::size_t nonlinear_parameters = kFirstSwing + 2 * beginnings.size();
+  // It may oscillate already where a segment begins: over the usual acceleration of the motion, in phase and
+  // a quarter of a turn later.
+  const std::size_t nonlinear_parameters = kFirstFreeAmplitude + 2 * beginnings.size();
   term.nonlinear_parameters.resize(nonlinear_parameters,
-                                   {-kMostSwing, kMostSwing, 0.1, true, Moved::kWhereItPays});
+                                   {-kMostOscillation, kMostOscillation, 0.1, true, Moved::kWhereItPays});
 
   std::vector<std::vector<double>> tried;  // ln frequency in Hz, ln damping ratio
   for (const auto& [damping, spacing] : kDampings) {
@@ -178,11 +180,11 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   term.starts = [grid, beginnings, map, reference](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
     Eigen::VectorXf left = map->Roots(residual);
-    // Far above the motion a swing of any inertia looks alike, up to what no axis carries.
+    // Far above the motion an oscillation of any inertia looks alike, up to what no axis carries.
     for (Index k = 0; k < left.size(); ++k) {
       if (map->Coefficient(k, static_cast<double>(left(k))) > kMostShare * reference) left(k) = 0.0F;
     }
-    // One of each damping: a blunt one fits half of everything that swings, and would leave no other.
+    // One of each damping: a blunt one fits half of everything that oscillates, and would leave no other.
     for (Index best = 0; left.maxCoeff(&best) > 0.0F;) {
       starts.push_back(map->nonlinear_parameters()[static_cast<std::size_t>(best)]);
       for (Index k = 0; k < left.size(); ++k) {
@@ -190,14 +192,14 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
         if (other[1] == starts.back()[1] || std::abs(other[0] - starts.back()[0]) < kApart) left(k) = 0.0F;
       }
     }
-    // What a segment begins with may be most of the swing, and in any phase to what the motion drives.
+    // What a segment begins with may be most of the oscillation, and in any phase to what the motion drives.
     if (starts.empty()) return starts;
     std::vector<double> free = starts.front();
     double most = 0.0;
     for (const std::vector<double>& sharp : map->nonlinear_parameters()) {
       if (sharp[1] != map->nonlinear_parameters().front()[1]) break;
       const double drop =
-          FreeSwingDrop(*grid, residual, beginnings, kTwoPi * std::exp(sharp[0]), std::exp(sharp[1]));
+          FreeOscillationDrop(*grid, residual, beginnings, kTwoPi * std::exp(sharp[0]), std::exp(sharp[1]));
       if (drop > most) free = sharp;
       most = std::max(most, drop);
     }
@@ -212,10 +214,11 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
     const double frequency_Hz = std::exp(numbers[1]);
     const double damping = std::exp(numbers[2]);
     const double error = StandardErrorOf(covariance(0, 0));
-    // How much swings is known even where inertia and frequency are not, or inertia and a swing that the
-    // record begins with: J₂ √(w² + s²), w = (Ω / ω)² what a motion of frequency Ω drives below its own.
+    // How much oscillates is known even where inertia and frequency are not, or inertia and an oscillation
+    // that the record begins with: J₂ √(w² + s²), w = (Ω / ω)² what a motion of frequency Ω drives below its
+    // own.
     const double driven = std::pow(usual_rad_per_s / (kTwoPi * frequency_Hz), 2);
-    const Eigen::Map<const Eigen::VectorXd> begun(numbers.data() + 1 + kFirstSwing,
+    const Eigen::Map<const Eigen::VectorXd> begun(numbers.data() + 1 + kFirstFreeAmplitude,
                                                   static_cast<Index>(2 * count));
     const double root = std::hypot(driven, begun.norm());
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(covariance.rows());
@@ -229,7 +232,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
         {inertia, units.inertia(), numbers[0], error},
         {swinging, units.inertia(), numbers[0] * root, StandardErrorOf(slope.dot(covariance * slope))}};
     for (std::size_t b = 0; b < count; ++b) {
-      const std::size_t at = 1 + kFirstSwing + 2 * b;
+      const std::size_t at = 1 + kFirstFreeAmplitude + 2 * b;
       const auto error_of = [&](std::size_t k) {
         return StandardErrorOf(covariance(static_cast<Index>(k), static_cast<Index>(k)));
       };
@@ -241,7 +244,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
   term.restore = [](std::span<const double> values) {
     std::vector<double> numbers{values[3], std::log(std::max(values[0], 1e-9)),
                                 std::log(std::max(values[1], 1e-9))};
-    numbers.insert(numbers.end(), values.begin() + kFirstSwingValue, values.end());
+    numbers.insert(numbers.end(), values.begin() + kFirstFreeValue, values.end());
     return numbers;
   };
   model.causes.push_back(std::move(term));
@@ -256,7 +259,7 @@ void AddResonance(const SharedGrid& grid, const MotionUnits& units, SeparableMod
                                         {"damping_ratio", "1", 1.1 * kLeastDamping, 0.4, false}},
                          .degrees_of_freedom = 3,
                          .trials_factor = std::max(10.0, 10.0 * std::log(high_Hz / low_Hz)),
-                         .misfit_share = kMisfitOfSwing,
+                         .misfit_share = kMisfitOfOscillation,
                          // What tells its frequency may be one short acceleration transient.
                          .local = true,
                          .to_settle = units.linear ? ""

@@ -29,8 +29,8 @@ constexpr double kMuchSmoother = 1.9;  // than the low-pass: an octave
 // rate, and so lies in all that is below it.
 constexpr double kFoldedBack = 0.3;
 
-// Goes on beyond both ends as the cubic through what is next to them does, so that what remembers the motion
-// (a second inertia that swings) knows it from the record's first sample.
+// Goes on beyond both ends as the cubic through what is next to them does, so that what depends on the past
+// motion (a second inertia that oscillates) knows it from the record's first sample.
 std::vector<double> Extended(const std::vector<double>& values, std::size_t count) {
   const std::size_t used = std::min(values.size(), count + 4);
   Eigen::MatrixXd powers(static_cast<Index>(used), 4);
@@ -62,11 +62,11 @@ void AddPoints(const EvenSegment& samples, const MotionBandwidth& bandwidth, con
                MotionGrid& grid) {
   const double step_s = samples.step_s;
   const int from_velocity = bandwidth.by_velocity ? 1 : 0;
-  const std::vector<double> places = Extended(samples.position, layout.margin);
+  const std::vector<double> positions = Extended(samples.position, layout.margin);
   const std::vector<double> speeds =
       bandwidth.by_velocity ? Extended(samples.velocity, layout.margin) : std::vector<double>{};
   const std::vector<double> torque = Extended(samples.torque, layout.margin);
-  const std::vector<double>& moved = bandwidth.by_velocity ? speeds : places;
+  const std::vector<double>& moved = bandwidth.by_velocity ? speeds : positions;
   const KernelTaps position = MakeKernel(bandwidth.path_sigma_s, step_s, 0);
   const KernelTaps velocity = MakeKernel(bandwidth.path_sigma_s, step_s, 1 - from_velocity);
   const KernelTaps passed_acceleration = MakeKernel(bandwidth.path_sigma_s, step_s, 2 - from_velocity);
@@ -76,7 +76,7 @@ void AddPoints(const EvenSegment& samples, const MotionBandwidth& bandwidth, con
   for (std::size_t i = 0; i < samples.position.size(); i += layout.stride) {
     const std::size_t at = layout.margin + i;
     grid.time_s.push_back(samples.start_s + static_cast<double>(i) * step_s);
-    grid.position.push_back(position.At(places, at));
+    grid.position.push_back(position.At(positions, at));
     grid.velocity.push_back(velocity.At(moved, at));
     grid.passed_acceleration.push_back(passed_acceleration.At(moved, at));
     grid.passed_torque.push_back(passed_torque.At(torque, at));
@@ -353,7 +353,8 @@ MotionGrid MakeMotionGrid(const MotionSamples& samples, const MotionBandwidth& b
   grid.prefit = LeastSquares(grid.Weighted(grid.nominal), grid.Weighted(torque));
   grid.inertia_error = InertiaError(grid);
   if (std::abs(grid.prefit(0)) < kUnknownInertia * grid.inertia_error) {
-    // What is left of the acceleration is noise: a number for it would only blow up where it is not fitted.
+    // What is left of the acceleration is noise: a number for it would only grow large where it is not
+    // fitted.
     grid.nominal.col(0).setZero();
     grid.prefit = ShortestLeastSquares(grid.Weighted(grid.nominal), grid.Weighted(torque));
   }

@@ -62,7 +62,8 @@ struct MotionGrid {
   // the acceleration in the last half octave.
   std::vector<double> acceleration_error;
   std::vector<double> last_band;
-  std::vector<double> jump_error;  // the same where it jumps: of the torque's samples, that fold it
+  std::vector<double>
+      jump_error;  // standard error where it jumps: when, between two samples of the torque, is unknown
 
   // Rows.
   std::vector<std::size_t> point_of_row;

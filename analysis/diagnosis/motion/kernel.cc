@@ -59,10 +59,10 @@ void MakeExactForParabolas(std::span<double> taps, std::span<const double> offse
 
 }  // namespace
 
-double KernelTaps::At(std::span<const double> samples, std::size_t place) const {
+double KernelTaps::At(std::span<const double> samples, std::size_t sample) const {
   const auto count = static_cast<Eigen::Index>(taps.size());
   return Eigen::Map<const Eigen::VectorXd>(taps.data(), count)
-      .dot(Eigen::Map<const Eigen::VectorXd>(samples.data() + (place - reach), count));
+      .dot(Eigen::Map<const Eigen::VectorXd>(samples.data() + (sample - reach), count));
 }
 
 KernelTaps MakeKernel(double sigma_s, double step_s, int derivative, double shift_s) {

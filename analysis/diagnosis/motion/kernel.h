@@ -7,12 +7,12 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A filter of even samples without delay: its output at place p is Σₖ taps[k + reach]·x[p + k].
+/// A filter of even samples without delay: its output at sample p is Σₖ taps[k + reach]·x[p + k].
 struct KernelTaps {
   std::vector<double> taps;
   std::size_t reach{};  // taps to either side of the middle
 
-  double At(std::span<const double> samples, std::size_t place) const;
+  double At(std::span<const double> samples, std::size_t sample) const;
 };
 
 /// The low-pass that torque and terms pass: frequency response e⁻ˣ(1 + x + … + x⁵/5!), x = 1.19 (ωσ)², within

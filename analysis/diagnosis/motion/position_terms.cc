@@ -66,7 +66,7 @@ void AddRipple(const SharedGrid& grid, const MotionUnits& units, SeparableModel&
   const auto is_gravity = [=](double order) { return !units.linear && std::abs(order - 1.0) < 0.1 * cell; };
   term.starts = [=](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(angle_at_rows, residual.residual, residual.weights, low, high, 5)) {
+    for (const LinePeak& peak : FindLines(angle_at_rows, residual.values, residual.weights, low, high, 5)) {
       if (!is_gravity(peak.order) && starts.size() < 3) starts.push_back({peak.order});
     }
     return starts;

@@ -25,8 +25,7 @@ struct ReversalSmoothing {
 /// at that time
 ///   counts
 /// @returns the reversal smoothings that the rows leave open, the chosen one among them; empty where an axis
-/// never
-///   turns.
+///   never turns.
 std::vector<ReversalSmoothing> ChooseReversalSmoothing(MotionGrid& grid, const Eigen::VectorXd& torque,
                                                        double delay_s);
 

@@ -28,7 +28,7 @@ constexpr double kFoldedOfVelocity = 2.0 * 2.0 / 12.0;
 constexpr double kFoldedOfPosition = 2.0 * 4.0 * 0.008;
 
 // Adds the rests that are shorter than the smoothing of the path, which lets the motion beside them in: the
-// samples themselves stay in one place for longer than a reversal takes.
+// samples themselves stay at one position for longer than a reversal takes.
 void AddShortRests(const MotionSamples& samples, std::span<const PointLayout> layouts, const MotionGrid& grid,
                    double slow, std::vector<double>& rests) {
   const double reversal_s = slow / std::max(QuantileOfMagnitude(grid.passed_acceleration, 0.95), 1e-300);
@@ -86,14 +86,14 @@ std::vector<double> RestsOf(const MotionSamples& samples, std::span<const PointL
   return rests;
 }
 
-double ShareUnderKernel(const KernelTaps& kernel, std::span<const double> marks, std::size_t place) {
+double ShareUnderKernel(const KernelTaps& kernel, std::span<const double> marks, std::size_t sample) {
   double marked = 0.0;
   double all = 0.0;
   for (std::size_t k = 0; k < kernel.taps.size(); ++k) {
-    if (place + k < kernel.reach || place + k >= kernel.reach + marks.size()) continue;
+    if (sample + k < kernel.reach || sample + k >= kernel.reach + marks.size()) continue;
     const double weight = std::abs(kernel.taps[k]);
     all += weight;
-    marked += weight * marks[place + k - kernel.reach];
+    marked += weight * marks[sample + k - kernel.reach];
   }
   return marked / all;
 }
@@ -198,10 +198,10 @@ std::vector<double> ReversalErrors(const MotionSamples& samples, const MotionBan
 // The error that is tolerated: a part of the noise, or more where that would leave too little.
 double ToleratedError(double noise, const std::vector<double>& errors) {
   std::vector<double> sorted = errors;
-  const auto place =
+  const auto quantile =
       sorted.begin() + static_cast<std::ptrdiff_t>((1.0 - kMostLeftOut) * static_cast<double>(sorted.size()));
-  std::nth_element(sorted.begin(), place, sorted.end());
-  return std::max(kTolerated * noise, *place);
+  std::nth_element(sorted.begin(), quantile, sorted.end());
+  return std::max(kTolerated * noise, *quantile);
 }
 
 }  // namespace

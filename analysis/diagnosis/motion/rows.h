@@ -21,7 +21,7 @@ struct PointLayout {
 /// more of that than noise are left out, too, unless reversals are so frequent that little would be left.
 /// @param bandwidth  its Coulomb friction, about, is compared with `grid.noise_floor`
 /// @param reversal_smoothing_error  of the friction at each point, where nobody knows over which speed it
-/// turns round
+///   turns round
 void ChooseMotionRows(const MotionSamples& samples, std::span<const PointLayout> layouts,
                       const MotionBandwidth& bandwidth, double expected_delay_s,
                       std::span<const double> reversal_smoothing_error, MotionGrid& grid);

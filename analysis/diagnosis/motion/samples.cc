@@ -161,10 +161,10 @@ double QuantileOfMagnitude(std::span<const double> values, double share) {
   if (values.empty()) return 0.0;
   std::vector<double> magnitudes;
   for (const double value : values) magnitudes.push_back(std::abs(value));
-  const auto place =
+  const auto quantile =
       magnitudes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(magnitudes.begin(), place, magnitudes.end());
-  return *place;
+  std::nth_element(magnitudes.begin(), quantile, magnitudes.end());
+  return *quantile;
 }
 
 double UsualSize(std::span<const double> values) {

@@ -50,7 +50,7 @@ struct MotionSamples {
 /// @param kept  samples of the torque that are known not to be spikes, one ascending list a record; empty:
 ///   none.
 /// @throws std::invalid_argument for a technician: too short, nothing moves, torque constant or mostly
-/// clipped.
+///   clipped.
 MotionSamples PrepareMotion(std::span<const MotionData> records,
                             std::span<const std::vector<std::size_t>> kept = {});
 

@@ -21,8 +21,9 @@ namespace {
 
 // Standard errors of the inertia from which on causes that live of the acceleration can be judged.
 constexpr double kAccelerates = 10.0;
-// Held out are parts of a move, longer than noise remembers: a speed that comes in one move only, or the one
-// impact that tells a gap's width, is not predicted by the rest of the record, which says nothing of it.
+// Held out are parts of a move, longer than the autocorrelation of noise: a speed that comes in one move
+// only, or the one impact that tells a gap's width, is not predicted by the rest of the record, which says
+// nothing of it.
 constexpr std::size_t kBlocks = 60;
 constexpr std::size_t kFewestInBlock = 12;
 void AddRegressors(const MotionGrid& grid, const MotionUnits& units, SeparableModel& model) {

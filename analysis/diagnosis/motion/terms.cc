@@ -103,8 +103,8 @@ Eigen::MatrixXd RowSums::BesideNominal(const Eigen::MatrixXd& sums) const {
 }
 
 Eigen::VectorXd RowSums::ResidualOf(const WeightedResidual& residual) const {
-  const Eigen::Map<const Eigen::VectorXd> values(residual.residual.data(),
-                                                 static_cast<Index>(residual.residual.size()));
+  const Eigen::Map<const Eigen::VectorXd> values(residual.values.data(),
+                                                 static_cast<Index>(residual.values.size()));
   return each_ ? Eigen::VectorXd(values) : Eigen::VectorXd(BesideNominal(Of(values)));
 }
 
@@ -126,7 +126,8 @@ void NonlinearParameterMap::Take(Index nonlinear_parameter, const Eigen::MatrixX
   const Eigen::MatrixXd sums = sums_.Of(rows);
   const Eigen::MatrixXd column = sums_.BesideNominal(sums);
   const double norm = column.norm();
-  // What is one with the nominal model, as a swing far above the motion is with the inertia, stays zero.
+  // What is one with the nominal model, as an oscillation far above the motion is with the inertia, stays
+  // zero.
   if (!(norm > 1e-3 * sums.norm())) return;
   columns_.col(nonlinear_parameter) = (column / norm).cast<float>();
   lengths_(nonlinear_parameter) = norm;

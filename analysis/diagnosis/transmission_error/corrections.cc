@@ -58,7 +58,7 @@ void AddFreeLine(const Samples& samples, SeparableModel& model, const std::strin
   SeparableTerm term = LineTerm(angle, {0.5 * lowest, top, 0.3 * cell});
   term.starts = [angle, lowest, top](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const LinePeak& peak : FindLines(*angle, residual.residual, residual.weights, lowest, top, 1)) {
+    for (const LinePeak& peak : FindLines(*angle, residual.values, residual.weights, lowest, top, 1)) {
       starts.push_back({std::clamp(peak.order, 0.5 * lowest, top)});
     }
     return starts;
@@ -77,7 +77,7 @@ void AddFreeLine(const Samples& samples, SeparableModel& model, const std::strin
                          .named = false});
 }
 
-// A line at one of the whole orders that mechanics makes, beyond the named ones: fewer places to look at, so
+// A line at one of the whole orders that mechanics makes, beyond the named ones: fewer search locations, so
 // that a weaker one is seen.
 void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
   const double top = HighestOrder(samples);
@@ -100,7 +100,7 @@ void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
     double best_drop = 0.0;
     double best = 0.0;
     for (const double order : orders) {
-      const double drop = LineDrop(*angle, residual.residual, residual.weights, order);
+      const double drop = LineDrop(*angle, residual.values, residual.weights, order);
       if (drop > best_drop) best = order;
       best_drop = std::max(best_drop, drop);
     }
@@ -114,8 +114,8 @@ void AddWholeOrderLine(const Samples& samples, SeparableModel& model) {
                          .named = false});
 }
 
-// Places in window and order at which a ripple may be, of all widths an octave apart: windows of a turn times
-// orders that one of them tells apart.
+// Search locations in window and order at which a ripple may be, of all widths an octave apart: windows of a
+// turn times orders that one of them tells apart.
 double CellsOfTurn(double narrowest_rad, double widest_rad, double top) {
   return std::max(1.0, (std::log2(widest_rad / narrowest_rad) + 1.0) * (top - 3.0));
 }
@@ -130,7 +130,7 @@ struct LocalRipple {
 
 // The strongest of all windows (widths an octave apart, centres a quarter of a width) and orders (half of
 // what a window tells apart), a few that differ.
-std::vector<LocalRipple> FindRipples(std::span<const double> place, const WeightedResidual& residual,
+std::vector<LocalRipple> FindRipples(std::span<const double> turn_angle, const WeightedResidual& residual,
                                      double narrowest_rad, double widest_rad, double top) {
   constexpr double kFewest = 4.0;  // samples' weight in a window
   constexpr std::size_t kKept = 3;
@@ -140,12 +140,12 @@ std::vector<LocalRipple> FindRipples(std::span<const double> place, const Weight
   std::vector<double> sum(bins, 0.0);
   double all = 0.0;
   double mean = 0.0;
-  for (std::size_t i = 0; i < place.size(); ++i) {
-    const auto bin = std::min(bins - 1, static_cast<std::size_t>(place[i] / bin_rad));
+  for (std::size_t i = 0; i < turn_angle.size(); ++i) {
+    const auto bin = std::min(bins - 1, static_cast<std::size_t>(turn_angle[i] / bin_rad));
     weight[bin] += residual.weights[i];
-    sum[bin] += residual.weights[i] * residual.residual[i];
+    sum[bin] += residual.weights[i] * residual.values[i];
     all += residual.weights[i];
-    mean += residual.weights[i] * residual.residual[i];
+    mean += residual.weights[i] * residual.values[i];
   }
   mean /= std::max(all, 1e-300);
   std::vector<LocalRipple> found;
@@ -190,8 +190,8 @@ double OrderOfRipple(double order, double width_rad) { return std::max(order, 0.
 
 // A line that is there in one segment of the turn only.
 void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
-  std::vector<double> place(samples.output_rad);
-  for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi);
+  std::vector<double> turn_angle(samples.output_rad);
+  for (double& angle : turn_angle) angle -= kTwoPi * std::floor(angle / kTwoPi);
   const double narrowest = RadFromDeg(8.0);
   const double widest = RadFromDeg(120.0);
   const double top = HighestOrderInSegment(samples);
@@ -200,18 +200,18 @@ void AddRippleInWindow(const Samples& samples, SeparableModel& model) {
   term.nonlinear_parameters = {{-0.5, kTwoPi + 0.5, RadFromDeg(4.0)},
                                {0.5 * narrowest, 1.5 * widest, RadFromDeg(4.0)},
                                {3.0, top, 1.0}};
-  term.fill = [place](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
+  term.fill = [turn_angle](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
     const double order = OrderOfRipple(nonlinear_parameters[2], nonlinear_parameters[1]);
-    for (std::size_t i = 0; i < place.size(); ++i) {
+    for (std::size_t i = 0; i < turn_angle.size(); ++i) {
       const double inside =
-          model::LocalToothDamageShape(place[i], nonlinear_parameters[0], nonlinear_parameters[1]);
-      design(static_cast<Eigen::Index>(i), 0) = inside * std::cos(order * place[i]);
-      design(static_cast<Eigen::Index>(i), 1) = inside * std::sin(order * place[i]);
+          model::LocalToothDamageShape(turn_angle[i], nonlinear_parameters[0], nonlinear_parameters[1]);
+      design(static_cast<Eigen::Index>(i), 0) = inside * std::cos(order * turn_angle[i]);
+      design(static_cast<Eigen::Index>(i), 1) = inside * std::sin(order * turn_angle[i]);
     }
   };
-  term.starts = [place, narrowest, widest, top](const WeightedResidual& residual) {
+  term.starts = [turn_angle, narrowest, widest, top](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
-    for (const LocalRipple& ripple : FindRipples(place, residual, narrowest, widest, top)) {
+    for (const LocalRipple& ripple : FindRipples(turn_angle, residual, narrowest, widest, top)) {
       starts.push_back({ripple.centre_rad, ripple.width_rad, ripple.order});
     }
     return starts;
@@ -256,7 +256,7 @@ void AddLevelInWindow(SeparableModel& model, const std::vector<double>& values, 
   term.starts = [values, narrowest, span](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindSharpWindows(values, residual.residual, residual.weights, narrowest, kWidest * span, 3))
+         FindSharpWindows(values, residual.values, residual.weights, narrowest, kWidest * span, 3))
       starts.push_back({peak.centre - 0.5 * peak.width, peak.centre + 0.5 * peak.width});
     return starts;
   };
@@ -307,9 +307,9 @@ void AddTransmissionErrorNuisanceTerms(const TransmissionErrorSamples& samples, 
   AddFreeLine(samples, model, "second line over output angle");
   AddWholeOrderLine(samples, model);
   AddRippleInWindow(samples, model);
-  std::vector<double> place(samples.output_rad);
-  for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi);
-  AddLevelInWindow(model, place, RadFromDeg(15.0), {"from_deg", "deg", DegFromRad(1.0)},
+  std::vector<double> turn_angle(samples.output_rad);
+  for (double& angle : turn_angle) angle -= kTwoPi * std::floor(angle / kTwoPi);
+  AddLevelInWindow(model, turn_angle, RadFromDeg(15.0), {"from_deg", "deg", DegFromRad(1.0)},
                    {"to_deg", "deg", DegFromRad(1.0)}, "level in a window of output angle");
   const char* const unit = samples.has_time ? "s" : "samples";
   AddLevelInWindow(model, samples.time_s, SpanOf(samples.time_s) / 40.0,

@@ -53,16 +53,17 @@ double TransmissionErrorFloor_rad(const TransmissionErrorSamples& samples) {
   // a quarter step apart, and far apart in the record.
   std::vector<std::size_t> order(left.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::vector<double> place(samples.output_rad);
-  for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi + 1e-4);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
+  std::vector<double> turn_angle(samples.output_rad);
+  for (double& angle : turn_angle) angle -= kTwoPi * std::floor(angle / kTwoPi + 1e-4);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return turn_angle[a] < turn_angle[b]; });
   const double step = samples.samples_per_turn > 0.0 ? kTwoPi / samples.samples_per_turn : 0.0;
   std::vector<double> differences;
   for (std::size_t i = 0; i + 1 < order.size(); ++i) {
     const std::size_t a = order[i];
     const std::size_t b = order[i + 1];
     const std::size_t apart = a > b ? a - b : b - a;
-    if (!(place[b] - place[a] < 0.25 * step) || apart < 4) continue;
+    if (!(turn_angle[b] - turn_angle[a] < 0.25 * step) || apart < 4) continue;
     differences.push_back((left[a] - left[b]) / std::sqrt(2.0));
     ++i;
   }

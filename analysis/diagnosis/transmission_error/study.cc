@@ -201,7 +201,7 @@ std::unique_ptr<Study> MakeTransmissionErrorStudy(std::span<const TransmissionEr
   LeaveOpenWhatIsNotSeen(samples, model);
   AddTransmissionErrorCauses(samples, model);
   model.regressors = RegressorsOf(samples);
-  model.places_rad = samples.output_rad;
+  model.turn_angles_rad = samples.output_rad;
   model.unit = "arcmin";
   model.unit_per_si = ArcminFromRad(1.0);
   model.noise_floor = TransmissionErrorFloor_rad(samples);

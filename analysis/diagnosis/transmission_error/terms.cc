@@ -236,13 +236,13 @@ void AddDrift(const Samples& samples, SeparableModel& model) {
 
 // What the sample that has most of a damage has of it: of a bump as narrow as the steps nobody knows how high
 // it is in between, yet this is known well. Numbers: height, centre, width, skew.
-ParameterValue SeenOfDamage(std::span<const double> place, std::span<const double> numbers,
+ParameterValue SeenOfDamage(std::span<const double> turn_angle, std::span<const double> numbers,
                             const Eigen::MatrixXd& covariance) {
   const auto nonlinear_parameter = [&](double at_rad, std::span<const double> v) {
     return v[0] * model::LocalToothDamageShape(at_rad, v[1], v[2], v[3]);
   };
   const double at_rad = *std::ranges::max_element(
-      place, {}, [&](double here_rad) { return std::abs(nonlinear_parameter(here_rad, numbers)); });
+      turn_angle, {}, [&](double here_rad) { return std::abs(nonlinear_parameter(here_rad, numbers)); });
   Eigen::Vector4d slope;
   for (std::size_t k = 0; k < 4; ++k) {
     const double step = k == 0 ? 1e-3 * std::abs(numbers[0]) : 1e-3 * std::max(numbers[2], 1e-6);
@@ -259,10 +259,10 @@ ParameterValue SeenOfDamage(std::span<const double> place, std::span<const doubl
 }
 
 void AddLocalDamage(const Samples& samples, SeparableModel& model) {
-  std::vector<double> place(samples.output_rad);
-  for (double& angle : place) angle -= kTwoPi * std::floor(angle / kTwoPi);
+  std::vector<double> turn_angle(samples.output_rad);
+  for (double& angle : turn_angle) angle -= kTwoPi * std::floor(angle / kTwoPi);
   const double density =
-      static_cast<double>(place.size()) / std::min(kTwoPi, std::max(SpanOf(samples.output_rad), 1e-9));
+      static_cast<double>(turn_angle.size()) / std::min(kTwoPi, std::max(SpanOf(samples.output_rad), 1e-9));
   const double narrowest = std::max(RadFromDeg(0.5), 2.5 / density);
   const double widest = RadFromDeg(12.0);
   // What one sample shows may be an outlier, but not where other passes show it again.
@@ -273,16 +273,16 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
       {-0.5, kTwoPi + 0.5, RadFromDeg(1.0)},
       {0.5 * narrowest, 1.5 * widest, RadFromDeg(1.0)},
       {.low = -kMostSkew, .high = kMostSkew, .step = 0.2, .moved = Moved::kForErrors}};
-  term.fill = [place](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
-    for (std::size_t i = 0; i < place.size(); ++i) {
+  term.fill = [turn_angle](std::span<const double> nonlinear_parameters, Eigen::Ref<Eigen::MatrixXd> design) {
+    for (std::size_t i = 0; i < turn_angle.size(); ++i) {
       design(static_cast<Eigen::Index>(i), 0) = model::LocalToothDamageShape(
-          place[i], nonlinear_parameters[0], nonlinear_parameters[1], nonlinear_parameters[2]);
+          turn_angle[i], nonlinear_parameters[0], nonlinear_parameters[1], nonlinear_parameters[2]);
     }
   };
-  term.starts = [place, narrowest, widest](const WeightedResidual& residual) {
+  term.starts = [turn_angle, narrowest, widest](const WeightedResidual& residual) {
     std::vector<std::vector<double>> starts;
     for (const WindowPeak& peak :
-         FindWindows(place, residual.residual, residual.weights, narrowest, widest, 4)) {
+         FindWindows(turn_angle, residual.values, residual.weights, narrowest, widest, 4)) {
       starts.push_back({peak.centre, std::clamp(0.8 * peak.width, 0.6 * narrowest, widest), 0.0});
     }
     return starts;
@@ -291,10 +291,10 @@ void AddLocalDamage(const Samples& samples, SeparableModel& model) {
                       {"centre_deg", "deg", DegFromRad(1.0)},
                       {"width_deg", "deg", DegFromRad(1.0)},
                       {"skew_share", "1", 1.0}});
-  term.describe = [place, as_they_are = term.describe](std::span<const double> numbers,
-                                                       const Eigen::MatrixXd& covariance) {
+  term.describe = [turn_angle, as_they_are = term.describe](std::span<const double> numbers,
+                                                            const Eigen::MatrixXd& covariance) {
     std::vector<ParameterValue> values = as_they_are(numbers, covariance);
-    values.push_back(SeenOfDamage(place, numbers, covariance));
+    values.push_back(SeenOfDamage(turn_angle, numbers, covariance));
     return values;
   };
   model.causes.push_back(std::move(term));

@@ -46,9 +46,9 @@ class InStep {
     const Index channels = amplitudes_.rows();
     const VectorXd sum = sums_.col(static_cast<Index>(first + length)) - sums_.col(static_cast<Index>(first));
     const auto products = sum.reshaped(channels, channels);
-    Index loudest = 0;
-    products.diagonal().maxCoeff(&loudest);
-    VectorXd unit = products.col(loudest).normalized();
+    Index largest = 0;
+    products.diagonal().maxCoeff(&largest);
+    VectorXd unit = products.col(largest).normalized();
     for (int turning = 0; turning < kTurnings && channels > 1; ++turning)
       unit = (products * unit).normalized();
     return {unit.dot(products * unit), unit};
@@ -95,13 +95,13 @@ std::vector<NoiseBand> FindBands(const VibrationResidual& residual, double lowes
       }
       const double excess = ExcessOf(sum, noise + 0.5 * directions);
       if (!(excess > kLeastBandExcess)) continue;
-      double loudest = 0.0;
+      double largest = 0.0;
       for (std::size_t k = i; k < i + length; ++k) {
         double power = 0.0;
         for (std::size_t r = 0; r < runs.size(); ++r) power += in_step[r].PowerAlong(along[r].unit, k);
-        loudest = std::max(loudest, power);
+        largest = std::max(largest, power);
       }
-      if (loudest - static_cast<double>(runs.size()) > kToneShare * (sum - noise)) continue;
+      if (largest - static_cast<double>(runs.size()) > kToneShare * (sum - noise)) continue;
       NoiseBand band{excess, centre, width, {}};
       for (std::size_t r = 0; r < runs.size(); ++r) {
         // Twice the power per cell, over all samples.

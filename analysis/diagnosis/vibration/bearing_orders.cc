@@ -15,9 +15,9 @@ namespace {
 constexpr double kFarthestSideband = 6.0;  // orders from a line that is none of the shaft's to its last one
 constexpr double kPartOfCell = 0.6;        // that tells two orders apart
 constexpr double kSlipRange = 2.5;         // standard errors
-constexpr double kLinePartOfCell = 0.3;    // that tells a strong line's place
+constexpr double kLinePartOfCell = 0.3;    // that tells a strong line's order
 // Of what stands at the harmonics beside a line: −ln p that nobody takes for noise, and beyond the part of
-// the line's power that a ring lets through there.
+// the line's power that a resonance lets through there.
 constexpr double kPlainlyObservable = 10.0;
 constexpr double kPartBesideLine = 0.01;
 
@@ -27,29 +27,29 @@ std::array<double, 2> OtherOrders(double order, double crack_order) {
   return {0.5 * std::round(2.0 * order), crack_order * std::round(order / crack_order)};
 }
 
-// Harmonics that a ring makes observable: those within `reach` of `centre`.
+// Harmonics that a resonance makes observable: those within `reach` of `centre`.
 struct Observable {
   double centre{};
   double half_width{};
 
-  double reach() const { return kRingReach * half_width; }
-  // Of the ring, from one impulse to the next: exponent of its envelope.
+  double reach() const { return kResonanceReach * half_width; }
+  // Of the response, from one impulse to the next: exponent of its envelope.
   double decay() const { return kTwoPi * half_width; }
 };
-Observable ObservableOf(const VibrationResidual& residual, const VibrationTerm& ring) {
+Observable ObservableOf(const VibrationResidual& residual, const VibrationTerm& train) {
   const double turn_Hz = residual.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
-  const double centre = ring.nonlinear_parameters[1] / (ring.nonlinear_parameters[0] * turn_Hz);
-  return {centre, ring.nonlinear_parameters[2] * centre};
+  const double centre = train.nonlinear_parameters[1] / (train.nonlinear_parameters[0] * turn_Hz);
+  return {centre, train.nonlinear_parameters[2] * centre};
 }
 
 // One harmonic alone, at a whole order: any order that divides it may be meant, and teeth make such lines.
-// But they have none at the harmonics beside it, which stand at no whole orders: a ring that is narrow lets
-// little of these through, and where the impulses are loud enough they are seen all the same.
+// But they have none at the harmonics beside it, which stand at no whole orders: a resonance that is narrow
+// lets little of these through, and where the impulses are large enough they are seen all the same.
 bool IsALineOfTeeth(const VibrationResidual& residual, const Observable& observable, double order) {
-  const double loudest = std::max(1.0, std::round(observable.centre));
-  if (std::abs(observable.centre - loudest) + observable.reach() >= 1.0) return false;
+  const double largest = std::max(1.0, std::round(observable.centre));
+  if (std::abs(observable.centre - largest) + observable.reach() >= 1.0) return false;
   const VibrationSpectrum& spectrum = residual.over_turns();
-  const double line = loudest * order;
+  const double line = largest * order;
   if (std::abs(line - std::round(line)) >= kLinePartOfCell * spectrum.cell()) return false;
   const double beside = spectrum.At(line - order) + spectrum.At(line + order);
   const double cells = 2.0 * static_cast<double>(spectrum.channels());
@@ -60,7 +60,7 @@ bool IsALineOfTeeth(const VibrationResidual& residual, const Observable& observa
 // impacts.
 bool AreOfTheShaft(const VibrationResidual& residual, const VibrationTerm& lines) {
   const double sharpness = kLinePartOfCell * residual.over_turns().cell();
-  return std::ranges::all_of(lines.lines, [&](const LinePlace& line) {
+  return std::ranges::all_of(lines.lines, [&](const LineOrder& line) {
     const double order = line.harmonic * lines.nonlinear_parameters[0] + line.offset;
     return std::abs(order - std::round(order)) < sharpness;
   });
@@ -70,16 +70,16 @@ bool AreOfTheShaft(const VibrationResidual& residual, const VibrationTerm& lines
 // orders say by what they span how far apart they are, and by where they stand nothing: sidebands stand
 // anywhere. Those farther apart are harmonics, counted from zero.
 double HarmonicsOf(const VibrationResidual& residual, const VibrationTerm& term) {
-  if (term.form == VibrationForm::kRing) {
+  if (term.form == VibrationForm::kImpulseTrain) {
     const Observable observable = ObservableOf(residual, term);
     const double lowest = term.nonlinear_parameters[0] > kFarthestSideband
                               ? 0.0
                               : std::max(0.0, observable.centre - observable.reach());
     return std::max(1.0, observable.centre + observable.reach() - lowest);
   }
-  const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LinePlace::harmonic);
+  const auto [lowest, highest] = std::ranges::minmax(term.lines, {}, &LineOrder::harmonic);
   // The order itself counts from zero.
-  const auto is_first = [](const LinePlace& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
+  const auto is_first = [](const LineOrder& line) { return line.harmonic == 1.0 && line.offset == 0.0; };
   const double from = std::ranges::any_of(term.lines, is_first) ? 0.0 : lowest.harmonic;
   return std::max(1.0, highest.harmonic - from);
 }
@@ -95,7 +95,7 @@ bool IsBearingOrder(const VibrationResidual& residual, double order, double harm
 
 bool IsBearing(const VibrationResidual& residual, const VibrationTerm& term) {
   if (term.form == VibrationForm::kLines && AreOfTheShaft(residual, term)) return false;
-  if (term.form == VibrationForm::kRing) {
+  if (term.form == VibrationForm::kImpulseTrain) {
     const Observable observable = ObservableOf(residual, term);
     if (observable.decay() < 0.9 * kLeastDecay ||
         IsALineOfTeeth(residual, observable, term.nonlinear_parameters[0]))

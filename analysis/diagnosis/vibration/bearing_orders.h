@@ -10,7 +10,7 @@ namespace strainwave::analysis::diagnosis {
 inline constexpr double kScaleRange = 3.0;
 
 /// Half-widths of a resonance in which harmonics of impulses are observable.
-inline constexpr double kRingReach = 2.0;
+inline constexpr double kResonanceReach = 2.0;
 
 /// Of the envelope of a train that slips, as many as are always observable.
 inline constexpr double kHarmonicsOfSlipping = 2.0;
@@ -20,7 +20,7 @@ inline constexpr double kHarmonicsOfSlipping = 2.0;
 bool IsBearingOrder(const VibrationResidual& residual, double order, double harmonics, double slip = 0.0);
 
 /// Whether the order of a train or of a family of lines is a bearing's: none that others have, impulses that
-/// die away, and more to hear than one line at a whole order.
+/// die away, and more that is observable than one line at a whole order.
 bool IsBearing(const VibrationResidual& residual, const VibrationTerm& term);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -16,7 +16,7 @@ namespace {
 constexpr double kLeastPower = 12.0;
 
 // Frequency (in cycles a sample) and drop of the sum of squares of the strongest tone in a short segment.
-SpectrumPeak LoudestTone(std::span<const double> values) {
+SpectrumPeak StrongestTone(std::span<const double> values) {
   Eigen::FFT<double> transform;
   transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   std::vector<double> padded(2 * values.size(), 0.0);
@@ -41,12 +41,12 @@ std::vector<BurstSpot> FindBursts(const VibrationResidual& residual, std::size_t
     for (const VibrationSegment& channel : run.channels) {
       const double* values = residual.residual().data() + channel.first;
       for (std::size_t from = 0; from + length <= run.size(); from += length / 2) {
-        // Loud segments alone are worth a spectrum.
+        // Large segments alone are worth a spectrum.
         double energy = 0.0;
         for (std::size_t i = from; i < from + length; ++i) energy += values[i] * values[i];
         const double excess = energy / variance - static_cast<double>(length);
         if (excess < kLeastPower + 1.5 * std::sqrt(2.0 * static_cast<double>(length))) continue;
-        const SpectrumPeak peak = LoudestTone({values + from, length});
+        const SpectrumPeak peak = StrongestTone({values + from, length});
         if (peak.power / variance < kLeastPower) continue;
         spots.push_back({peak.power / variance, peak.order / run.period_s,
                          run.time_s[from] + 0.5 * static_cast<double>(length) * run.period_s,

@@ -8,7 +8,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// A place in time and frequency where a residual is loud for a while.
+/// A time and frequency at which a residual is large for a while.
 struct BurstSpot {
   double power{};  // drop of the sum of squares, in variances of the noise
   double frequency_Hz{};
@@ -16,7 +16,7 @@ struct BurstSpot {
   double width_s{};
 };
 
-/// The loudest spots of the first record, strongest first; at least two widths or a fifth of the frequency
+/// The strongest spots of the first record, strongest first; at least two widths or a fifth of the frequency
 /// apart.
 std::vector<BurstSpot> FindBursts(const VibrationResidual& residual, std::size_t count);
 

@@ -39,9 +39,9 @@ void LeastLikelyChance::Take(TermFit fit, double log_search_locations) {
   best_ = std::move(fit);
 }
 
-void LeastLikelyChance::TakeWithAndWithoutDeaf(TermFit fit, double log_search_locations) {
+void LeastLikelyChance::TakeWithAndWithoutUnobservable(TermFit fit, double log_search_locations) {
   Take(fit, log_search_locations);
-  if (fit.channels.size() > 1) Take(residual_.WithoutDeaf(std::move(fit)), log_search_locations);
+  if (fit.channels.size() > 1) Take(residual_.WithoutUnobservable(std::move(fit)), log_search_locations);
 }
 
 }  // namespace strainwave::analysis::diagnosis

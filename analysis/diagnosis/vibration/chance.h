@@ -13,15 +13,15 @@ double ImprobabilityOf(double likelihood_ratio, double numbers);
 
 /// The same of what a term explains beside a model, by its numbers. BIC charges all of them by the length of
 /// the record, and would rather have a train without its change, or another one, than what is least likely to
-/// be chance. The likelihood knows the noise's colour all over a broad ring, not only at its centre.
+/// be chance. The likelihood knows the noise's colour all over a broad resonance, not only at its centre.
 double ImprobabilityOf(const VibrationResidual& residual, const TermFit& fit);
 
 /// Logarithm of how many choices of so many out of so many there are.
 double LogChoices(std::size_t chosen, std::size_t of);
 
-/// Of forms of one cause with different numbers of numbers: the one that the judge will find least likely to
-/// be chance. BIC charges each number by the length of the record, and would rather have the loudest channel
-/// alone than a line that all of them hear.
+/// Of forms of one cause with different numbers of numbers: the one that is least likely to be chance. BIC
+/// charges each number by the length of the record, and would rather have the strongest channel alone than a
+/// line that is observable in all of them.
 class LeastLikelyChance {
  public:
   explicit LeastLikelyChance(const VibrationResidual& residual) : residual_(residual) {}
@@ -29,8 +29,8 @@ class LeastLikelyChance {
   /// @param log_search_locations  logarithm of how many such forms there were to choose from
   void Take(TermFit fit, double log_search_locations);
 
-  /// The fit as it is, and without the channels that do not hear its term.
-  void TakeWithAndWithoutDeaf(TermFit fit, double log_search_locations);
+  /// The fit as it is, and without the channels in which its term is not observable.
+  void TakeWithAndWithoutUnobservable(TermFit fit, double log_search_locations);
 
   const std::optional<TermFit>& fit() const& { return best_; }
   std::optional<TermFit> fit() && { return std::move(best_); }

@@ -31,13 +31,13 @@ struct Harmonics {
   void Take(const VibrationSpectrum& spectrum, double order) {
     count = static_cast<int>(std::min<double>(kMostHarmonics, spectrum.highest() / order));
     for (int k = 1; k <= count; ++k) {
-      const auto place = static_cast<std::size_t>(k);
-      strongest[place] = with_sidebands[place] = spectrum.At(k * order);
+      const auto index = static_cast<std::size_t>(k);
+      strongest[index] = with_sidebands[index] = spectrum.At(k * order);
       if (!(sideband > 0.0)) continue;
       for (const double side : {-sideband, sideband}) {
         const double power = spectrum.At(k * order + side);
-        strongest[place] = std::max(strongest[place], power);
-        with_sidebands[place] += power;
+        strongest[index] = std::max(strongest[index], power);
+        with_sidebands[index] += power;
       }
     }
   }

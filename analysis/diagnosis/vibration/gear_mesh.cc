@@ -54,11 +54,11 @@ MeshOrders OrdersOf(const VibrationSamples& samples) {
   return orders;
 }
 
-double OrderOf(const LinePlace& line) { return line.harmonic + line.offset; }
+double OrderOf(const LineOrder& line) { return line.harmonic + line.offset; }
 
 // A mesh without either of its own orders is none.
 bool HasItsOwn(const MeshOrders& orders, const VibrationTerm& mesh) {
-  return std::ranges::any_of(mesh.lines, [&](const LinePlace& line) {
+  return std::ranges::any_of(mesh.lines, [&](const LineOrder& line) {
     return std::ranges::any_of(orders.first_two, [&](double first) {
       const double multiple = OrderOf(line) / first;
       return std::abs(multiple - std::round(multiple)) < 1e-9;
@@ -122,25 +122,25 @@ std::optional<TermFit> SearchGearMesh(const VibrationResidual& residual, std::si
     if (open && !ScaleIsOpen(samples, orders.first_two[0])) break;
     VibrationTerm term = LinesTerm(residual, index);
     if (open) term.nonlinear_parameters = {BestScale(residual, {orders.first_two[0], orders.first_two[1]})};
-    const auto places_of = [&](const std::vector<double>& chosen) {
-      std::vector<LinePlace> places;
-      std::ranges::transform(chosen, std::back_inserter(places), [&](double order) {
-        return open ? LinePlace{order, 0.0} : LinePlace{0.0, order};
+    const auto lines_of = [&](const std::vector<double>& chosen) {
+      std::vector<LineOrder> lines;
+      std::ranges::transform(chosen, std::back_inserter(lines), [&](double order) {
+        return open ? LineOrder{order, 0.0} : LineOrder{0.0, order};
       });
-      return places;
+      return lines;
     };
     // Lines that stand out each for itself; or a few weak ones that do together, in all channels.
-    if (std::optional<TermFit> own = FitPayingLines(residual, term, places_of(orders.all()), 1))
+    if (std::optional<TermFit> own = FitPayingLines(residual, term, lines_of(orders.all()), 1))
       take(std::move(*own));
     const std::vector<double> first_two(orders.first_two.begin(), orders.first_two.end());
     for (const std::vector<double>& chosen :
          {LikeliestSet(residual, orders, open ? term.nonlinear_parameters[0] : 1.0), first_two}) {
       if (chosen.empty()) break;
-      term.lines = places_of(chosen);
+      term.lines = lines_of(chosen);
       const int rounds = open ? 5 : 0;
       TermFit fit = residual.WithAllChannels(term, rounds);
       take(fit);
-      if (samples.channels() > 1) take(residual.WithoutDeaf(std::move(fit)));
+      if (samples.channels() > 1) take(residual.WithoutUnobservable(std::move(fit)));
     }
   }
   return std::move(best).fit();
@@ -148,13 +148,13 @@ std::optional<TermFit> SearchGearMesh(const VibrationResidual& residual, std::si
 
 double LogChoicesOfMesh(const VibrationSamples& samples, const VibrationTerm& mesh) {
   const MeshOrders orders = OrdersOf(samples);
-  const auto is_further = [&](const LinePlace& line) {
+  const auto is_further = [&](const LineOrder& line) {
     return std::ranges::none_of(orders.first_two,
                                 [&](double first) { return std::abs(first - OrderOf(line)) < 1e-9; });
   };
   const auto further = static_cast<std::size_t>(std::ranges::count_if(mesh.lines, is_further));
-  const auto hearing = static_cast<std::size_t>(std::ranges::count(mesh.observable, 1));
-  return LogChoices(further, orders.others.size()) + LogChoices(hearing, samples.channels()) +
+  const auto observable = static_cast<std::size_t>(std::ranges::count(mesh.observable, 1));
+  return LogChoices(further, orders.others.size()) + LogChoices(observable, samples.channels()) +
          (mesh.nonlinear_parameters.empty() ? 0.0 : LogScales(samples));
 }
 

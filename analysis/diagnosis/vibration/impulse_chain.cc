@@ -89,7 +89,7 @@ bool TakeImpulses(const VibrationRun& run, const std::vector<double>& angles_rad
   const double order = kTwoPi * squares / both;
   const double at_middle = (mean - 0.5 * run.angle_rad.back()) * order / kTwoPi;
   const double first = std::round(at_middle - middle);
-  const double place = at_middle - middle - first;
+  const double phase = at_middle - middle - first;
   const double last = first + numbers.back();
   const auto half = static_cast<std::size_t>(std::max(std::abs(first), std::abs(last) + 1.0)) + 1;
   term.slips.assign(2 * half + 1, 0.0);
@@ -99,10 +99,10 @@ bool TakeImpulses(const VibrationRun& run, const std::vector<double>& angles_rad
     const double number = static_cast<double>(s) - static_cast<double>(half) - first;
     while (j + 1 < count && numbers[j + 1] <= number) ++j;
     const double at = (angles_rad[j] - 0.5 * run.angle_rad.back()) * order / kTwoPi;
-    term.slips[s] = at - (first + numbers[j] + place);
+    term.slips[s] = at - (first + numbers[j] + phase);
   }
   term.nonlinear_parameters[0] = order;
-  term.nonlinear_parameters[3 + 2 * term.lines.size()] = place;
+  term.nonlinear_parameters[3 + 2 * term.lines.size()] = phase;
   return true;
 }
 

@@ -14,7 +14,7 @@ namespace strainwave::analysis::diagnosis {
 /// @param score  of an impulse at a sample, in ln of likelihood
 std::vector<std::size_t> BestChain(const VibrationRun& run, double order, const std::vector<double>& score);
 
-/// Order, place and slips of a train of impulses from the shaft's angles at them; those that a gap holds are
+/// Order, phase and slips of a train of impulses from the shaft's angles at them; those that a gap holds are
 /// counted, and slip as the last one before them.
 /// @param term  a train with its order, by which the impulses are counted
 /// @returns false where there are too few

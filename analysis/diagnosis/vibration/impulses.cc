@@ -8,8 +8,8 @@
 
 #include "analysis/diagnosis/vibration/chance.h"
 #include "analysis/diagnosis/vibration/families.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 #include "analysis/diagnosis/vibration/pulses.h"
-#include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -24,11 +24,11 @@ constexpr double kFirstDamping = 0.03;
 constexpr int kClimbs = 4;
 // −ln p of what a train has to explain beyond its strongest line: one in a hundred lines may pass for one of
 // some two hundred trains that have it among their harmonics. And more than a line that is no pure sine
-// leaves: where the speed breathes with the shaft, it has lines of its own at one order to either side.
+// leaves: where the speed modulated with the shaft, it has lines of its own at one order to either side.
 constexpr double kBeyondLine = 7.0;
 constexpr double kBeyondLineShare = 0.01;
 constexpr double kBesideLineShare = 0.05;
-constexpr double kPartOfFirst = 0.3;  // of that, for a first look
+constexpr double kPartOfFirst = 0.3;  // of that, for a first fit
 // Depth of a change: an impulse does not pull. With what noise adds to it.
 constexpr double kDeepest = 1.3;
 
@@ -36,35 +36,37 @@ double TurnHz(const VibrationResidual& residual) {
   return residual.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
 }
 
-// A train while it is looked for, in the first record.
-struct Look {
-  RingTrain train;
+// A train while it is searched for, in the first record.
+struct TrainCandidate {
+  ImpulseTrain train;
   double sideband{};
-  double loudness{1.0};
+  double relative_noise{1.0};
   TrainMatch match;
   double excess{};
 };
 
-Look LookAt(const VibrationResidual& residual, RingTrain train, double sideband, double loudness) {
+TrainCandidate CandidateOf(const VibrationResidual& residual, ImpulseTrain train, double sideband,
+                           double relative_noise) {
   const VibrationRun& run = residual.samples().runs.front();
   const TrainMatch match =
-      MatchTrain(residual.side_by_side(0), train, sideband, loudness * residual.base().variance());
+      MatchTrain(residual.side_by_side(0), train, sideband, relative_noise * residual.base().variance());
   // An amplitude a channel and their phase; two more of a change.
   const double cells = 0.5 * (static_cast<double>(run.channels.size()) + 1.0) + (sideband > 0.0 ? 1.0 : 0.0);
-  return {std::move(train), sideband, loudness, match, ExcessOf(match.power, cells)};
+  return {std::move(train), sideband, relative_noise, match, ExcessOf(match.power, cells)};
 }
 
-// The best train about a start: order, ring and damping in turn, by steps that become smaller.
-Look Climb(const VibrationResidual& residual, const TrainStart& start,
-           const std::vector<double>& modulations) {
+// The best train about a start: order, resonance and damping in turn, by steps that become smaller.
+TrainCandidate Climb(const VibrationResidual& residual, const TrainStart& start,
+                     const std::vector<double>& modulations) {
   const VibrationRun& run = residual.samples().runs.front();
   const double top_Hz = 0.97 * residual.samples().highest_Hz();
-  Look best = LookAt(residual, {start.order, start.ring_Hz, kFirstDamping, 0.0, {}, {}}, 0.0, start.loudness);
-  const auto take = [&](RingTrain train, double sideband) {
-    if (train.ring_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
+  TrainCandidate best = CandidateOf(residual, {start.order, start.resonance_Hz, kFirstDamping, 0.0, {}, {}},
+                                    0.0, start.relative_noise);
+  const auto take = [&](ImpulseTrain train, double sideband) {
+    if (train.resonance_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
         train.damping_ratio > kMostTrainDamping)
       return false;
-    Look next = LookAt(residual, std::move(train), sideband, start.loudness);
+    TrainCandidate next = CandidateOf(residual, std::move(train), sideband, start.relative_noise);
     if (next.excess <= best.excess) return false;
     best = std::move(next);
     return true;
@@ -77,15 +79,15 @@ Look Climb(const VibrationResidual& residual, const TrainStart& start,
     bool moved = false;
     const auto both_ways = [&](const auto& change) {
       for (const double sense : {-1.0, 1.0}) {
-        RingTrain train = best.train;
+        ImpulseTrain train = best.train;
         change(train, sense * size);
         moved = take(train, best.sideband) || moved;
       }
     };
-    both_ways([](RingTrain& train, double by) { train.ring_Hz *= 1.0 + by * train.damping_ratio; });
-    both_ways([](RingTrain& train, double by) { train.damping_ratio *= std::exp2(by); });
-    both_ways([&](RingTrain& train, double by) {
-      const double cell = train.order * TurnHz(residual) / (run.turns * train.ring_Hz);
+    both_ways([](ImpulseTrain& train, double by) { train.resonance_Hz *= 1.0 + by * train.damping_ratio; });
+    both_ways([](ImpulseTrain& train, double by) { train.damping_ratio *= std::exp2(by); });
+    both_ways([&](ImpulseTrain& train, double by) {
+      const double cell = train.order * TurnHz(residual) / (run.turns * train.resonance_Hz);
       train.order += 0.4 * by * cell;
     });
     if (!moved) size *= 0.5;
@@ -94,13 +96,13 @@ Look Climb(const VibrationResidual& residual, const TrainStart& start,
 }
 
 // Of the noise that a train has to stand out of.
-double VarianceAbout(const VibrationResidual& residual, const TermFit& ring) {
-  return ring.variance() * residual.LoudnessAt(ring.term.nonlinear_parameters[1]);
+double VarianceAbout(const VibrationResidual& residual, const TermFit& train) {
+  return train.variance() * residual.RelativeNoiseAt(train.term.nonlinear_parameters[1]);
 }
 
-bool IsTooDeep(const VibrationTerm& ring) {
-  for (std::size_t m = 0; m < ring.lines.size(); ++m) {
-    if (std::hypot(ring.nonlinear_parameters[3 + 2 * m], ring.nonlinear_parameters[4 + 2 * m]) > kDeepest)
+bool IsTooDeep(const VibrationTerm& train) {
+  for (std::size_t m = 0; m < train.lines.size(); ++m) {
+    if (std::hypot(train.nonlinear_parameters[3 + 2 * m], train.nonlinear_parameters[4 + 2 * m]) > kDeepest)
       return true;
   }
   return false;
@@ -110,30 +112,33 @@ void Take(LeastLikelyChance& best, TermFit fit) {
   if (!IsTooDeep(fit.term)) best.Take(std::move(fit), 0.0);
 }
 
-// The same train with impulses that come so many periods of its ring later.
-VibrationTerm Later(const VibrationResidual& residual, VibrationTerm ring, double periods) {
-  for (std::size_t r = 3 + 2 * ring.lines.size(); r < ring.nonlinear_parameters.size(); ++r)
-    ring.nonlinear_parameters[r] +=
-        periods * ring.nonlinear_parameters[0] * TurnHz(residual) / ring.nonlinear_parameters[1];
-  return ring;
+// The same train with impulses that come so many periods of its resonance later.
+VibrationTerm Later(const VibrationResidual& residual, VibrationTerm train, double periods) {
+  for (std::size_t r = 3 + 2 * train.lines.size(); r < train.nonlinear_parameters.size(); ++r)
+    train.nonlinear_parameters[r] +=
+        periods * train.nonlinear_parameters[0] * TurnHz(residual) / train.nonlinear_parameters[1];
+  return train;
 }
 
-// The steps of a look's ring and damping leave open in which half period of the ring the impulses begin.
-TermFit FitLook(const VibrationResidual& residual, std::size_t index, const Look& look) {
+// The steps of a candidate's resonance and damping leave open in which half period of the resonance the
+// impulses begin.
+TermFit FitCandidate(const VibrationResidual& residual, std::size_t index, const TrainCandidate& candidate) {
   const VibrationSamples& samples = residual.samples();
   VibrationTerm term;
   term.cause = index;
-  term.form = VibrationForm::kRing;
+  term.form = VibrationForm::kImpulseTrain;
   term.observable.assign(samples.channels(), 1);
-  term.nonlinear_parameters = {look.train.order, look.train.ring_Hz, look.train.damping_ratio};
-  if (look.sideband > 0.0) {
-    term.lines = {{0.0, look.sideband}};
-    term.nonlinear_parameters.insert(term.nonlinear_parameters.end(), {look.match.cosine, look.match.sine});
+  term.nonlinear_parameters = {candidate.train.order, candidate.train.resonance_Hz,
+                               candidate.train.damping_ratio};
+  if (candidate.sideband > 0.0) {
+    term.lines = {{0.0, candidate.sideband}};
+    term.nonlinear_parameters.insert(term.nonlinear_parameters.end(),
+                                     {candidate.match.cosine, candidate.match.sine});
   }
-  term.nonlinear_parameters.push_back(look.match.phase);
+  term.nonlinear_parameters.push_back(candidate.match.phase);
   for (std::size_t r = 1; r < samples.runs.size(); ++r) {
     term.nonlinear_parameters.push_back(
-        MatchTrain(residual.side_by_side(r), look.train, 0.0, residual.base().variance()).phase);
+        MatchTrain(residual.side_by_side(r), candidate.train, 0.0, residual.base().variance()).phase);
   }
   LeastLikelyChance best(residual);
   for (const double periods : {0.0, -1.0, -0.5, 0.5, 1.0})
@@ -141,22 +146,22 @@ TermFit FitLook(const VibrationResidual& residual, std::size_t index, const Look
   return best.fit() ? *std::move(best).fit() : residual.With(std::move(term), 0);
 }
 
-// A train that lets one of its harmonics ring is a line with too many numbers.
+// A train whose resonance passes one of its harmonics alone is a line with too many numbers.
 // @param part  of what it has to explain beyond the line that counts yet
 bool IsOneLine(const VibrationResidual& residual, const TermFit& solution, double part) {
-  const VibrationTerm& ring = solution.term;
+  const VibrationTerm& train = solution.term;
   VibrationTerm line;
-  line.cause = ring.cause;
+  line.cause = train.cause;
   line.form = VibrationForm::kLines;
-  line.observable = ring.observable;
+  line.observable = train.observable;
   line.lines = {{1.0, 0.0}};
-  line.nonlinear_parameters = {ring.nonlinear_parameters[0] *
-                               StrongestHarmonic(residual, ring.nonlinear_parameters[0])};
+  line.nonlinear_parameters = {train.nonlinear_parameters[0] *
+                               StrongestHarmonic(residual, train.nonlinear_parameters[0])};
   const TermFit alone = residual.With(std::move(line), 3);
   const double variance = VarianceAbout(residual, solution);
   const double by_line = (residual.base().square_sum - alone.square_sum) / variance;
-  const bool breathes = !ring.lines.empty() && ring.lines[0].offset == 1.0;
-  const double share = breathes ? kBesideLineShare : kBeyondLineShare;
+  const bool modulated = !train.lines.empty() && train.lines[0].offset == 1.0;
+  const double share = modulated ? kBesideLineShare : kBeyondLineShare;
   const double beyond = (alone.square_sum - solution.square_sum) / variance - part * share * by_line;
   // A line has a phase in each channel: it may have more numbers, each of which takes its part of the noise.
   const double more = solution.free_parameters - alone.free_parameters;
@@ -164,11 +169,11 @@ bool IsOneLine(const VibrationResidual& residual, const TermFit& solution, doubl
   return ExcessOf(0.5 * (beyond + numbers - more), 0.5 * numbers) < part * kBeyondLine;
 }
 
-// Refines a first look, half a period of the ring and a whole one to both sides; without a modulation and
-// with each: the look's may be the wrong one.
-void Improve(const VibrationResidual& residual, TermFit look, const std::vector<double>& modulations,
+// Refines a first fit, half a period of the resonance and a whole one to both sides; without a modulation and
+// with each: the fit's may be the wrong one.
+void Improve(const VibrationResidual& residual, TermFit candidate, const std::vector<double>& modulations,
              LeastLikelyChance& best) {
-  Best own = residual.Refine(std::move(look), 12);
+  Best own = residual.Refine(std::move(candidate), 12);
   Best beside;
   for (const double periods : {-1.0, -0.5, 0.5, 1.0})
     Keep(residual.With(Later(residual, own->term, periods), 2), beside);
@@ -210,17 +215,19 @@ Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
   std::vector<TrainStart> below_half_the_rate;
   for (const TrainStart& start : starts) {
     if (below_half_the_rate.size() == kMostStarts) break;
-    if (start.ring_Hz < 0.97 * residual.samples().highest_Hz()) below_half_the_rate.push_back(start);
+    if (start.resonance_Hz < 0.97 * residual.samples().highest_Hz()) below_half_the_rate.push_back(start);
   }
-  std::vector<Look> looks(below_half_the_rate.size());
-  residual.parallel()(
-      looks.size(), [&](std::size_t i) { looks[i] = Climb(residual, below_half_the_rate[i], modulations); });
-  std::sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.excess > b.excess; });
-  looks.resize(std::min(looks.size(), kMostFitted));
-  std::vector<std::pair<double, TermFit>> fits(looks.size());  // by improbability
-  residual.parallel()(looks.size(), [&](std::size_t i) {
+  std::vector<TrainCandidate> candidates(below_half_the_rate.size());
+  residual.parallel()(candidates.size(), [&](std::size_t i) {
+    candidates[i] = Climb(residual, below_half_the_rate[i], modulations);
+  });
+  std::sort(candidates.begin(), candidates.end(),
+            [](const TrainCandidate& a, const TrainCandidate& b) { return a.excess > b.excess; });
+  candidates.resize(std::min(candidates.size(), kMostFitted));
+  std::vector<std::pair<double, TermFit>> fits(candidates.size());  // by improbability
+  residual.parallel()(candidates.size(), [&](std::size_t i) {
     auto& [improbability, fit] = fits[i];
-    fit = residual.Refine(FitLook(residual, index, looks[i]), 3);
+    fit = residual.Refine(FitCandidate(residual, index, candidates[i]), 3);
     improbability = ImprobabilityOf(residual, fit);
   });
   std::ranges::sort(fits, std::greater<>(), &std::pair<double, TermFit>::first);
@@ -241,9 +248,9 @@ Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
   for (const double multiple : {0.5, 2.0, 3.0}) {
     const double order = multiple * found.nonlinear_parameters[0];
     if (!allowed(order)) continue;
-    TermFit fit = FitLook(
+    TermFit fit = FitCandidate(
         residual, index, Climb(residual, {order, found.nonlinear_parameters[1], 0.0, 0.0, 1.0}, modulations));
-    // A look that is dominated by does not catch up.
+    // A candidate that is dominated does not catch up.
     if (fit.bic() < best.fit()->bic() + 60.0) Improve(residual, std::move(fit), modulations, best);
   }
   if (IsOneLine(residual, *best.fit(), 1.0)) return std::nullopt;
@@ -261,13 +268,13 @@ TermFit SearchPulses(const VibrationResidual& residual, std::size_t index, doubl
     VibrationTerm term{index, VibrationForm::kPulses, {{width, order}}, {}, all};
     const int harmonics = PulseHarmonics(width, order, samples.highest_order());
     for (const PulseLines& of_run : lines)
-      term.nonlinear_parameters.push_back(of_run.BestPlace(width, harmonics));
+      term.nonlinear_parameters.push_back(of_run.BestPhase(width, harmonics));
     Keep(residual.WithAllChannels(std::move(term), 0), start);
   }
   LeastLikelyChance best(residual);
   const auto take = [&](VibrationTerm term, int rounds) {
     term.observable = all;
-    best.TakeWithAndWithoutDeaf(residual.WithAllChannels(std::move(term), rounds), 0.0);
+    best.TakeWithAndWithoutUnobservable(residual.WithAllChannels(std::move(term), rounds), 0.0);
   };
   take(start->term, 6);
   if (slow_order != 0.0) {

@@ -14,7 +14,7 @@ namespace strainwave::analysis::diagnosis {
 inline constexpr double kLeastTrainDamping = 0.008;
 inline constexpr double kMostTrainDamping = 0.6;
 
-/// The harmonic of an order that is the loudest line.
+/// The harmonic of an order that is the strongest line.
 int StrongestHarmonic(const VibrationResidual& residual, double order);
 
 /// The best train of ringing impulses that one of the starts leads to, plain or with one of the modulations

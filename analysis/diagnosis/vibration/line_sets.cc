@@ -66,24 +66,24 @@ std::vector<double> LineGains(const TermFit& fit) {
 }
 
 std::optional<TermFit> FitPayingLines(const VibrationResidual& residual, VibrationTerm term,
-                                      const std::vector<LinePlace>& places, std::size_t fewest,
-                                      const std::function<bool(std::span<const LinePlace>)>& may_be) {
+                                      const std::vector<LineOrder>& candidates, std::size_t fewest,
+                                      const std::function<bool(std::span<const LineOrder>)>& may_be) {
   const double base = term.nonlinear_parameters.empty() ? 1.0 : term.nonlinear_parameters[0];
   const double threshold = 0.8 * std::log(residual.base().weight_sum);
-  std::vector<std::pair<double, LinePlace>> found;
-  for (const LinePlace& place : places) {
-    const double order = place.harmonic * base + place.offset;
+  std::vector<std::pair<double, LineOrder>> found;
+  for (const LineOrder& line : candidates) {
+    const double order = line.harmonic * base + line.offset;
     const double excess = ExcessAt(residual, order);
     const bool taken = std::any_of(found.begin(), found.end(), [&](const auto& other) {
       return std::abs(other.second.harmonic * base + other.second.offset - order) <
              0.3 * residual.over_turns().cell();
     });
-    if (excess > threshold && !taken) found.emplace_back(excess, place);
+    if (excess > threshold && !taken) found.emplace_back(excess, line);
   }
   if (found.size() < fewest) return std::nullopt;
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   found.resize(std::min(found.size(), kMostLines));
-  for (const auto& [excess, place] : found) term.lines.push_back(place);
+  for (const auto& [excess, line] : found) term.lines.push_back(line);
   if (!may_be(term.lines)) return std::nullopt;
   TermFit solution = residual.With(term, term.nonlinear_parameters.empty() ? 0 : 5);
   while (solution.term.lines.size() >= fewest) {

@@ -23,13 +23,13 @@ double PowerAt(const VibrationResidual& residual, double order);
 /// Drop that each line of a term brings, of all channels, over what its coefficients cost there.
 std::vector<double> LineGains(const TermFit& fit);
 
-/// Fits the lines of `places` that stand out in the spectrum, then drops those that do not pay; nothing where
-/// fewer than `fewest` do.
+/// Fits those of the `candidates` that stand out in the spectrum, then drops those that do not pay; nothing
+/// where fewer than `fewest` do.
 /// @param may_be  whether some of these lines would be the cause: if not, none is fitted
 std::optional<TermFit> FitPayingLines(
-    const VibrationResidual& residual, VibrationTerm term, const std::vector<LinePlace>& places,
+    const VibrationResidual& residual, VibrationTerm term, const std::vector<LineOrder>& candidates,
     std::size_t fewest,
-    const std::function<bool(std::span<const LinePlace>)>& may_be = [](std::span<const LinePlace>) {
+    const std::function<bool(std::span<const LineOrder>)>& may_be = [](std::span<const LineOrder>) {
       return true;
     });
 

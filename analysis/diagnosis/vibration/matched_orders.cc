@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "analysis/diagnosis/vibration/ring_match.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -15,16 +15,16 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kDamping = 0.03;  // of the rings that are tried; a match to twice or half of it is good
+constexpr double kDamping = 0.03;  // of the resonances that are tried; a match to twice or half of it is good
 constexpr double kEdge = 4.0;      // half-widths of the resonance that count
 constexpr std::size_t kPadding = 4;
 constexpr std::size_t kSpeeds = 48;
 constexpr std::size_t kFewestRatios = 24;
-constexpr double kLeastNoise = 0.3;  // of the resonance's peak: bins that tell how loud the noise is there
+constexpr double kLeastNoise = 0.3;  // of the resonance's peak: bins that tell how large the noise is there
 
 }  // namespace
 
-RingMatcher::RingMatcher(const VibrationResidual& residual, const SpeedBand& band)
+ResonanceMatcher::ResonanceMatcher(const VibrationResidual& residual, const SpeedBand& band)
     : residual_(residual),
       run_(residual.samples().runs.front()),
       band_(band),
@@ -43,9 +43,9 @@ RingMatcher::RingMatcher(const VibrationResidual& residual, const SpeedBand& ban
   }
 }
 
-OrderRange RingMatcher::Range(const VibrationRun& run, const SpeedBand& band, double ring_Hz, double reach,
-                              double widest) {
-  const double natural = kTwoPi * ring_Hz;
+OrderRange ResonanceMatcher::Range(const VibrationRun& run, const SpeedBand& band, double resonance_Hz,
+                                   double reach, double widest) {
+  const double natural = kTwoPi * resonance_Hz;
   const double to_next = 0.55 * widest * run.mean_speed_rad_per_s;
   const double edge = std::max(kEdge * kDamping * natural, to_next);
   const double first = std::max(0.5, (natural - edge) / band.fastest_rad_per_s - reach);
@@ -53,17 +53,17 @@ OrderRange RingMatcher::Range(const VibrationRun& run, const SpeedBand& band, do
   return {first, std::max(first + 1.0, std::min(highest, (natural + edge) / band.slowest_rad_per_s + reach))};
 }
 
-MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
-  const double natural = kTwoPi * ring_Hz;
+MatchedOrders ResonanceMatcher::Match(double resonance_Hz, double reach, double widest) {
+  const double natural = kTwoPi * resonance_Hz;
   const Complex step =
       std::exp(Complex(-kDamping * natural, natural * std::sqrt(1.0 - kDamping * kDamping)) * run_.period_s);
   const double half_width = kDamping * natural;
-  const auto [first, last] = Range(run_, band_, ring_Hz, reach, widest);
+  const auto [first, last] = Range(run_, band_, resonance_Hz, reach, widest);
   const double centre = 0.5 * (first + last);
-  // What is matched to a narrow ring changes slowly beside it: a few samples a bandwidth are enough.
-  const auto places = static_cast<std::size_t>(1.3 * (last - first) * run_.turns) + 8;
-  const std::size_t size = std::bit_ceil(kPadding * places);
-  const double angle_step = run_.angle_rad.back() / static_cast<double>(places);
+  // What is matched to a narrow resonance changes slowly beside it: a few samples a bandwidth are enough.
+  const auto points = static_cast<std::size_t>(1.3 * (last - first) * run_.turns) + 8;
+  const std::size_t size = std::bit_ceil(kPadding * points);
+  const double angle_step = run_.angle_rad.back() / static_cast<double>(points);
   const Directions& directions = Directions::Table();
   std::vector<Complex> turns(run_.size());
   for (std::size_t i = 0; i < run_.size(); ++i) {
@@ -92,7 +92,7 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
   for (const std::vector<Complex>& filtered : filtered_) {
     values_.assign(size, Complex{});
     std::size_t i = 0;
-    for (std::size_t p = 0; p < places; ++p) {
+    for (std::size_t p = 0; p < points; ++p) {
       const double angle = angle_step * static_cast<double>(p);
       while (i + 2 < run_.size() && run_.angle_rad[i + 1] <= angle) ++i;
       const double gap = run_.angle_rad[i + 1] - run_.angle_rad[i];
@@ -109,19 +109,19 @@ MatchedOrders RingMatcher::Match(double ring_Hz, double reach, double widest) {
       lines[k] = Product(spectrum_[(size + k - below) % size], back);
       back = Product(back, further);
     }
-    const double loudness = Loudness(lines, matched);
-    const double louder = std::sqrt(loudness);
-    matched.loudness += loudness / static_cast<double>(run_.channels.size());
+    const double relative_noise = RelativeNoise(lines, matched);
+    const double noise_amplitude = std::sqrt(relative_noise);
+    matched.relative_noise += relative_noise / static_cast<double>(run_.channels.size());
     std::vector<std::complex<float>>& own = matched.of_channel.emplace_back(lines.size());
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      own[k] = lines[k] / louder;
+      own[k] = lines[k] / noise_amplitude;
       matched.power[k] += std::norm(own[k]);
     }
   }
   return matched;
 }
 
-void RingMatcher::Predict(double natural, double half_width, MatchedOrders& matched) const {
+void ResonanceMatcher::Predict(double natural, double half_width, MatchedOrders& matched) const {
   matched.noise.assign(matched.power.size(), 0.0F);
   constexpr std::size_t kEvery = 8;  // bins; the noise is smooth
   const auto speeds = static_cast<double>(speeds_rad_per_s_.size());
@@ -136,7 +136,7 @@ void RingMatcher::Predict(double natural, double half_width, MatchedOrders& matc
     matched.noise[k] = matched.noise[k / kEvery * kEvery];
 }
 
-double RingMatcher::Loudness(const std::vector<Complex>& lines, const MatchedOrders& matched) {
+double ResonanceMatcher::RelativeNoise(const std::vector<Complex>& lines, const MatchedOrders& matched) {
   const float least = static_cast<float>(kLeastNoise) * std::ranges::max(matched.noise);
   ratios_.clear();
   for (std::size_t k = 0; k < lines.size(); k += kPadding) {

@@ -11,23 +11,23 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// The residual of the first record, matched to a ring, over orders of the input angle.
+/// The residual of the first record, matched to a resonance, over orders of the input angle.
 struct MatchedOrders {
   double first{};
   double step{};
-  double per_order{};  // places
+  double per_order{};  // bins
   std::vector<std::vector<std::complex<float>>> of_channel;
   std::vector<float> power;  // of all channels
-  double loudness{};         // of the channels on average, beside white noise
+  double relative_noise{};   // of the channels on average, beside white noise
   std::vector<float> noise;  // power that a channel has without impulses; its integral over the orders is one
 
   double last() const { return first + step * static_cast<double>(power.size() - 1); }
-  std::size_t PlaceOf(double order) const {
+  std::size_t BinOf(double order) const {
     return static_cast<std::size_t>((order - first) * per_order + 0.5);
   }
   std::complex<double> At(std::size_t channel, double order) const {
-    const std::size_t place = PlaceOf(order);
-    return place < power.size() ? std::complex<double>(of_channel[channel][place]) : std::complex<double>{};
+    const std::size_t bin = BinOf(order);
+    return bin < power.size() ? std::complex<double>(of_channel[channel][bin]) : std::complex<double>{};
   }
 };
 
@@ -37,24 +37,25 @@ struct OrderRange {
   double last{};
 };
 
-/// Matches what a model leaves to rings of one damping, at the speeds of a band.
-class RingMatcher {
+/// Matches what a model leaves to resonances of one damping, at the speeds of a band.
+class ResonanceMatcher {
  public:
-  RingMatcher(const VibrationResidual& residual, const SpeedBand& band);
+  ResonanceMatcher(const VibrationResidual& residual, const SpeedBand& band);
 
-  /// Where a ring may be observable at the speeds of a band.
+  /// Where a resonance may be observable at the speeds of a band.
   /// @param reach   of sidebands, in orders
-  /// @param widest  distance of harmonics in orders: between two of them is a ring that both are far from
-  static OrderRange Range(const VibrationRun& run, const SpeedBand& band, double ring_Hz, double reach,
+  /// @param widest  distance of harmonics in orders: between two of them is a resonance that both are far
+  ///   from
+  static OrderRange Range(const VibrationRun& run, const SpeedBand& band, double resonance_Hz, double reach,
                           double widest);
 
-  MatchedOrders Match(double ring_Hz, double reach, double widest);
+  MatchedOrders Match(double resonance_Hz, double reach, double widest);
 
  private:
   /// The resonance is a Lorentz line over frequency; over orders it is smeared by the speeds.
   void Predict(double natural, double half_width, MatchedOrders& matched) const;
-  /// Noise of any colour is as loud here as the lines between those of a train say.
-  double Loudness(const std::vector<std::complex<double>>& lines, const MatchedOrders& matched);
+  /// Noise of any colour is as large here as the lines between those of a train say.
+  double RelativeNoise(const std::vector<std::complex<double>>& lines, const MatchedOrders& matched);
 
   const VibrationResidual& residual_;
   const VibrationRun& run_;

@@ -14,8 +14,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Less than BIC has it for a coefficient: the judge, too, believes what is beyond chance before it pays in
-// full.
+// Less than BIC has it for a coefficient: the comparison, too, accepts what is beyond chance before it pays
+// in full.
 constexpr double kChargeLess = 5.0;
 constexpr double kFilterStep = 0.1;  // of a shape's step
 
@@ -52,19 +52,19 @@ OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSol
       const auto n = static_cast<Index>(samples.runs[r].size());
       const VectorXd root =
           Eigen::Map<const VectorXd>(solver.weights().data() + channel.first, n).cwiseSqrt();
-      std::size_t place = first_group;
-      // A term that some channels do not hear leaves them other columns.
+      std::size_t group_index = first_group;
+      // A term that is not observable in some channels leaves them other columns.
       const auto same = [&](const Group& group) {
         return group.root_weights == root &&
                base.channels[group.channels.front()].first == base.channels[c].first;
       };
-      while (place < groups_.size() && !same(groups_[place])) ++place;
+      while (group_index < groups_.size() && !same(groups_[group_index])) ++group_index;
       const MatrixXd all = solver.Assemble(base, c);
-      if (place == groups_.size()) {
+      if (group_index == groups_.size()) {
         groups_.push_back({r, {}, {}, (root.array() != 1.0).any(), root, {}, MatrixXd(n, 0)});
         groups_.back().basis = BasisOf(root.asDiagonal() * all.leftCols(all.cols() - 1));
       }
-      Group& group = groups_[place];
+      Group& group = groups_[group_index];
       group.channels.push_back(c);
       group.firsts.push_back(channel.first);
       group.residuals.conservativeResize(Eigen::NoChange, group.residuals.cols() + 1);
@@ -263,10 +263,10 @@ void OneTermSolver::Prune(TermFit& fit) const {
   const Index width = ColumnsOf(fit.term);
   if (width == 0 || fit.channels.size() < 2) return;
   const double cost = static_cast<double>(width) * (std::log(fit.weight_sum) - kChargeLess) * fit.variance();
-  const auto loudest = std::ranges::max_element(fit.channels, {}, &TermFit::Channel::drop);
+  const auto largest = std::ranges::max_element(fit.channels, {}, &TermFit::Channel::drop);
   for (auto channel = fit.channels.begin(); channel != fit.channels.end(); ++channel) {
     char& observable = fit.term.observable[static_cast<std::size_t>(channel - fit.channels.begin())];
-    if (observable == 0 || channel == loudest || channel->drop > cost) continue;
+    if (observable == 0 || channel == largest || channel->drop > cost) continue;
     fit.square_sum += channel->drop;
     fit.free_parameters -= static_cast<int>(width);
     *channel = {};

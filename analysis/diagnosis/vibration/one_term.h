@@ -42,8 +42,8 @@ class OneTermSolver {
   /// Levenberg–Marquardt on the term's nonlinear parameters.
   TermFit Refine(TermFit fit, int rounds) const;
 
-  /// Leaves the term out of channels where it does not pay for its coefficients; the channel that hears it
-  /// best keeps it.
+  /// Leaves the term out of channels where it does not pay for its coefficients; the channel in which it is
+  /// largest keeps it.
   void Prune(TermFit& fit) const;
 
   /// What the model with the term leaves, times the roots of the weights, all samples.

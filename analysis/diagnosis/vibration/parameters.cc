@@ -56,15 +56,16 @@ Polar PolarAt(const VibrationSamples& samples, const VibrationSolution& solution
 }
 
 // Channel and pair of a term whose amplitude is largest.
-struct Loudest {
+struct LargestAmplitude {
   std::size_t channel{};
   std::size_t pair{};
   Polar polar;
 };
-Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& solution, std::size_t term,
-                    std::size_t from, std::size_t to, const MatrixXd& nonlinear_parameters) {
-  Loudest loudest;
-  loudest.polar.amplitude = -1.0;
+LargestAmplitude LargestPair(const VibrationSamples& samples, const VibrationSolution& solution,
+                             std::size_t term, std::size_t from, std::size_t to,
+                             const MatrixXd& nonlinear_parameters) {
+  LargestAmplitude largest;
+  largest.polar.amplitude = -1.0;
   const Index width = HasPairs(solution.terms[term].form) ? 2 : 1;
   for (std::size_t c = 0; c < solution.channels.size(); ++c) {
     if (solution.channels[c].first[term] < 0) continue;
@@ -72,13 +73,13 @@ Loudest LoudestPair(const VibrationSamples& samples, const VibrationSolution& so
       const Polar polar =
           PolarAt(samples, solution, c, solution.channels[c].first[term] + static_cast<Index>(2 * pair),
                   nonlinear_parameters, width);
-      if (polar.amplitude > loudest.polar.amplitude) loudest = {c, pair, polar};
+      if (polar.amplitude > largest.polar.amplitude) largest = {c, pair, polar};
     }
   }
-  return loudest;
+  return largest;
 }
 
-// Standard deviation of a narrow-band process in the channel where it is loudest, times √2.
+// Standard deviation of a narrow-band process in the channel where it is largest, times √2.
 ParameterValue NarrowAmplitude(const VibrationSamples& samples, const VibrationSolution& solution,
                                std::size_t term, const MatrixXd& nonlinear_parameters,
                                Index first_nonlinear_parameter) {
@@ -91,9 +92,9 @@ ParameterValue NarrowAmplitude(const VibrationSamples& samples, const VibrationS
     const double amplitude = unit * std::abs(narrow.nonlinear_parameters[2 + c]);
     if (amplitude <= best.value) continue;
     best.value = amplitude;
-    const Index place = first_nonlinear_parameter + 2 + static_cast<Index>(c);
+    const Index parameter = first_nonlinear_parameter + 2 + static_cast<Index>(c);
     if (nonlinear_parameters.size() > 0)
-      best.standard_error = unit * StandardErrorOf(nonlinear_parameters(place, place));
+      best.standard_error = unit * StandardErrorOf(nonlinear_parameters(parameter, parameter));
   }
   return best;
 }
@@ -105,11 +106,11 @@ void AddCoefficients(const VibrationSamples& samples, const VibrationSolution& s
     for (std::size_t c = 0; c < solution.channels.size(); ++c) {
       const VibrationSolution::Channel& channel = solution.channels[c];
       if (channel.first[term] < 0) continue;
-      const VibrationSegment& place = ChannelAt(samples, c);
+      const VibrationSegment& segment = ChannelAt(samples, c);
       const Index at = channel.first[term] + column;
-      values.push_back({CoefficientName(solution.terms[term], column, place.name), UnitOfChannel(place.name),
-                        channel.fit.coefficients(at) / place.scale,
-                        StandardErrorOf(solution.variance() * channel.fit.inverse(at, at)) / place.scale});
+      values.push_back({CoefficientName(solution.terms[term], column, segment.name),
+                        UnitOfChannel(segment.name), channel.fit.coefficients(at) / segment.scale,
+                        StandardErrorOf(solution.variance() * channel.fit.inverse(at, at)) / segment.scale});
     }
   }
 }
@@ -149,13 +150,14 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
       !term.nonlinear_parameters.empty() && nonlinear_parameters.size() > 0
           ? StandardErrorOf(nonlinear_parameters(first_nonlinear_parameter, first_nonlinear_parameter))
           : 0.0;
-  const Loudest loudest = LoudestPair(samples, solution, t, 0, term.lines.size(), nonlinear_parameters);
+  const LargestAmplitude largest =
+      LargestPair(samples, solution, t, 0, term.lines.size(), nonlinear_parameters);
   double named = base;
   double named_error = error;
   if (cause == VibrationCause::kGearMesh) {
     // The stronger one of the two mesh orders.
     const double flexspline = model::FlexsplineMeshOrder(samples.ratio);
-    const LinePlace& line = term.lines[loudest.pair];
+    const LineOrder& line = term.lines[largest.pair];
     const double order = line.harmonic * base + line.offset;
     const double teeth =
         std::abs(order - flexspline) < 1.5 ? flexspline : model::CircularSplineMeshOrder(samples.ratio);
@@ -171,8 +173,8 @@ void AddLineNumbers(const VibrationSamples& samples, const VibrationSolution& so
     const double turn_Hz = samples.runs.front().mean_speed_rad_per_s / kTwoPi;
     values.push_back({"mean_frequency_Hz", "Hz", named * turn_Hz, named_error * turn_Hz});
   }
-  values.push_back({AmplitudeName(samples), UnitOfChannel(ChannelAt(samples, loudest.channel).name),
-                    loudest.polar.amplitude, loudest.polar.amplitude_error});
+  values.push_back({AmplitudeName(samples), UnitOfChannel(ChannelAt(samples, largest.channel).name),
+                    largest.polar.amplitude, largest.polar.amplitude_error});
   if (term.lines.size() < 2 && cause == VibrationCause::kLineOverAngle) return;
   for (std::size_t l = 0; l < term.lines.size(); ++l) {
     values.push_back({fmt::format("line_{}", l + 1), "1/turn",
@@ -197,9 +199,9 @@ std::string UnitOfChannel(const std::string& channel) {
   constexpr Ending kEndings[] = {{"_m_per_s2", "m/s^2"}, {"_rad_per_s", "rad/s"}, {"_mm_per_s", "mm/s"},
                                  {"_m_per_s", "m/s"},    {"_Nm", "Nm"},           {"_A", "A"}};
   for (const Ending& ending : kEndings) {
-    const std::size_t place = channel.rfind(ending.ending);
+    const std::size_t suffix = channel.rfind(ending.ending);
     // The number of the record may stand behind the unit.
-    if (place != std::string::npos && place + std::string(ending.ending).size() + 4 >= channel.size())
+    if (suffix != std::string::npos && suffix + std::string(ending.ending).size() + 4 >= channel.size())
       return ending.unit;
   }
   return {};
@@ -214,18 +216,18 @@ std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
                                             const VibrationSolution& solution) {
   std::vector<ParameterValue> values;
   for (std::size_t c = 0; c < solution.channels.size(); ++c) {
-    const VibrationSegment& place = ChannelAt(samples, c);
-    const std::string unit = UnitOfChannel(place.name);
+    const VibrationSegment& segment = ChannelAt(samples, c);
+    const std::string unit = UnitOfChannel(segment.name);
     const ChannelFit& fit = solution.channels[c].fit;
-    values.push_back({"mean_" + place.name, unit, fit.coefficients(0) / place.scale,
-                      StandardErrorOf(solution.variance() * fit.inverse(0, 0)) / place.scale});
+    values.push_back({"mean_" + segment.name, unit, fit.coefficients(0) / segment.scale,
+                      StandardErrorOf(solution.variance() * fit.inverse(0, 0)) / segment.scale});
     if (!samples.angle_known()) continue;
     for (const char* which : {"first", "second"}) {
       const Polar polar = PolarAt(samples, solution, c, which[0] == 'f' ? 1 : 3, {});
-      values.push_back(
-          {fmt::format("{}_amplitude_{}", which, place.name), unit, polar.amplitude, polar.amplitude_error});
-      values.push_back({fmt::format("{}_phase_deg_{}", which, place.name), "deg", DegFromRad(polar.phase_rad),
-                        DegFromRad(polar.phase_error_rad)});
+      values.push_back({fmt::format("{}_amplitude_{}", which, segment.name), unit, polar.amplitude,
+                        polar.amplitude_error});
+      values.push_back({fmt::format("{}_phase_deg_{}", which, segment.name), "deg",
+                        DegFromRad(polar.phase_rad), DegFromRad(polar.phase_error_rad)});
     }
   }
   return values;
@@ -241,16 +243,17 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
   }
   std::vector<ParameterValue> values;
   const auto add_nonlinear_parameter = [&](std::size_t s, const std::string& name, const std::string& unit) {
-    const Index place = first_nonlinear_parameter + static_cast<Index>(s);
-    values.push_back(
-        {name, unit, term.nonlinear_parameters[s],
-         nonlinear_parameters.size() > 0 ? StandardErrorOf(nonlinear_parameters(place, place)) : 0.0});
+    const Index parameter = first_nonlinear_parameter + static_cast<Index>(s);
+    values.push_back({name, unit, term.nonlinear_parameters[s],
+                      nonlinear_parameters.size() > 0
+                          ? StandardErrorOf(nonlinear_parameters(parameter, parameter))
+                          : 0.0});
   };
   const auto add_amplitude = [&](std::size_t pairs, const std::string& name) {
-    const Loudest loudest = LoudestPair(samples, solution, t, 0, pairs, nonlinear_parameters);
-    values.push_back({name, UnitOfChannel(ChannelAt(samples, loudest.channel).name), loudest.polar.amplitude,
-                      loudest.polar.amplitude_error});
-    return loudest;
+    const LargestAmplitude largest = LargestPair(samples, solution, t, 0, pairs, nonlinear_parameters);
+    values.push_back({name, UnitOfChannel(ChannelAt(samples, largest.channel).name), largest.polar.amplitude,
+                      largest.polar.amplitude_error});
+    return largest;
   };
   switch (term.form) {
     case VibrationForm::kLines:
@@ -260,7 +263,7 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       add_nonlinear_parameter(0, "frequency_Hz", "Hz");
       add_amplitude(1, AmplitudeName(samples));
       break;
-    case VibrationForm::kRing:
+    case VibrationForm::kImpulseTrain:
       add_nonlinear_parameter(0, OrderName(cause), "1/turn");
       values.back().standard_error = std::hypot(WithAngle(values.back().value, values.back().standard_error),
                                                 OrderErrorOfSlips(samples, term));
@@ -296,11 +299,11 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
       break;
     }
     case VibrationForm::kGrowth: {
-      const Loudest loudest = add_amplitude(1, AmplitudeName(samples));
+      const LargestAmplitude largest = add_amplitude(1, AmplitudeName(samples));
       values.back().name =
           "amplitude_at_1000_rpm" + values.back().name.substr(std::string("amplitude").size());
-      values.push_back({"phase_deg", "deg", DegFromRad(loudest.polar.phase_rad),
-                        DegFromRad(loudest.polar.phase_error_rad)});
+      values.push_back({"phase_deg", "deg", DegFromRad(largest.polar.phase_rad),
+                        DegFromRad(largest.polar.phase_error_rad)});
       break;
     }
     case VibrationForm::kDriven:
@@ -318,9 +321,9 @@ std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const 
           NarrowAmplitude(samples, solution, t, nonlinear_parameters, first_nonlinear_parameter));
       for (std::size_t c = 0; c < term.observable.size(); ++c) {
         if (term.observable[c] == 0) continue;
-        const VibrationSegment& place = ChannelAt(samples, c);
-        values.push_back({"deviation_" + place.name, UnitOfChannel(place.name),
-                          term.nonlinear_parameters[2 + c] * samples.noise_floor / place.scale, 0.0});
+        const VibrationSegment& segment = ChannelAt(samples, c);
+        values.push_back({"deviation_" + segment.name, UnitOfChannel(segment.name),
+                          term.nonlinear_parameters[2 + c] * samples.noise_floor / segment.scale, 0.0});
       }
       return values;
     case VibrationForm::kTransients:

@@ -11,7 +11,7 @@
 #include "analysis/diagnosis/vibration/starts.h"
 
 /// Names and numbers of vibration models as people and files read them. First what a reader looks for (order,
-/// frequency, amplitude in the loudest channel), then all that is needed to run the model again:
+/// frequency, amplitude in the strongest channel), then all that is needed to run the model again:
 /// `cosine_1_accel_x` and `sine_1_accel_x` of every pair of columns in every channel. Amplitudes are those of
 /// the channel itself.
 namespace strainwave::analysis::diagnosis {
@@ -27,7 +27,7 @@ std::vector<ParameterValue> DescribeNominal(const VibrationSamples& samples,
                                             const VibrationSolution& solution);
 
 /// @param nonlinear_parameters  covariance of all nonlinear parameters of the solution; empty where no errors
-/// are wanted.
+///   are wanted.
 std::vector<ParameterValue> DescribeTerm(const VibrationSamples& samples, const VibrationSolution& solution,
                                          std::size_t term, VibrationCause cause,
                                          const Eigen::MatrixXd& nonlinear_parameters);

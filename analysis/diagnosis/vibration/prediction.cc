@@ -81,7 +81,7 @@ VibrationTerm TermOf(const VibrationSamples& samples, VibrationCause cause, cons
       term.nonlinear_parameters.push_back(need(fmt::format("place_{}_turns", r + 1)));
   };
   if (Find(parameters, "ring_Hz")) {
-    term.form = VibrationForm::kRing;
+    term.form = VibrationForm::kImpulseTrain;
     term.nonlinear_parameters = {
         need(cause == VibrationCause::kBearingDefect ? "defect_order" : "crack_order"), need("ring_Hz"),
         need("ring_decay_ratio")};
@@ -104,7 +104,7 @@ VibrationTerm TermOf(const VibrationSamples& samples, VibrationCause cause, cons
   } else if (Find(parameters, "damping_ratio")) {
     term.form = term.lines.empty() ? VibrationForm::kNarrowband : VibrationForm::kDriven;
     term.nonlinear_parameters = {need("frequency_Hz"), need("damping_ratio")};
-    for (LinePlace& line : term.lines) line = {line.offset, 0.0};
+    for (LineOrder& line : term.lines) line = {line.offset, 0.0};
   } else if (Find(parameters, "centre_s")) {
     term.form = VibrationForm::kBurst;
     term.nonlinear_parameters = {need("frequency_Hz"), need("centre_s"), need("width_s")};
@@ -162,7 +162,7 @@ VectorXd PredictTerm(const VibrationSamples& samples, VibrationCause cause, cons
         continue;
       }
       for (Index k = 0; k < columns.cols(); ++k) {
-        // A channel that does not hear the term has no coefficients.
+        // A channel in which the term is not observable has no coefficients.
         own += Find(parameters, CoefficientName(term, k, channel.name)).value_or(0.0) * columns.col(k);
       }
     }

@@ -32,7 +32,7 @@ Eigen::VectorXd PulseColumn(const VibrationRun& run, const PulseTrain& train, do
   std::array<double, kPulseHarmonics + 1> falls{};
   for (int k = 1; k <= harmonics; ++k) falls[static_cast<std::size_t>(k)] = Fall(train.width, k);
   Eigen::VectorXd column(static_cast<Eigen::Index>(run.size()));
-  const double turned_rad = 0.5 * train.order * run.angle_rad.back() + kTwoPi * train.place;
+  const double turned_rad = 0.5 * train.order * run.angle_rad.back() + kTwoPi * train.phase;
   const std::complex<double> start = std::polar(1.0, -turned_rad);
   ForEachPhasor(run.angle_rad, train.order, [&](std::size_t i, std::complex<double> phasor) {
     // Clenshaw's sum of cosines.
@@ -58,28 +58,28 @@ PulseLines::PulseLines(const VibrationRun& run, double order, std::span<const do
     Lines turns{1.0};
     for (std::size_t k = 1; k < turns.size(); ++k) turns[k] = Product(turns[k - 1], Product(phasor, start));
     for (std::size_t c = 0; c < of_channel_.size(); ++c) {
-      const std::size_t place = run.channels[c].first + i;
-      if (!(weights[place] > 0.0)) continue;
-      for (std::size_t k = 1; k < turns.size(); ++k) of_channel_[c][k] += residual[place] * turns[k];
+      const std::size_t sample = run.channels[c].first + i;
+      if (!(weights[sample] > 0.0)) continue;
+      for (std::size_t k = 1; k < turns.size(); ++k) of_channel_[c][k] += residual[sample] * turns[k];
     }
   });
 }
 
-double PulseLines::BestPlace(double width, int harmonics) const {
-  constexpr std::size_t kPlaces = 4 * kPulseHarmonics;
-  std::array<double, kPlaces> power{};
+double PulseLines::BestPhase(double width, int harmonics) const {
+  constexpr std::size_t kPhases = 4 * kPulseHarmonics;
+  std::array<double, kPhases> power{};
   for (const Lines& lines : of_channel_) {
-    for (std::size_t p = 0; p < kPlaces; ++p) {
+    for (std::size_t p = 0; p < kPhases; ++p) {
       double sum = 0.0;
       for (int k = 1; k <= harmonics; ++k) {
-        const double angle = kTwoPi * k * static_cast<double>(p) / kPlaces;
+        const double angle = kTwoPi * k * static_cast<double>(p) / kPhases;
         sum += Fall(width, k) * (lines[static_cast<std::size_t>(k)] * std::polar(1.0, -angle)).real();
       }
       power[p] += sum * sum;
     }
   }
   const auto best = std::max_element(power.begin(), power.end());
-  return static_cast<double>(best - power.begin()) / kPlaces;
+  return static_cast<double>(best - power.begin()) / kPhases;
 }
 
 }  // namespace strainwave::analysis::diagnosis

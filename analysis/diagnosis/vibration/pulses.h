@@ -16,7 +16,7 @@ namespace strainwave::analysis::diagnosis {
 struct PulseTrain {
   double order{};  // pulses per input turn
   double width{};  // standard deviation of a bell, in distances of two pulses
-  double place{};  // pulse where angle from mid-record · order / 2π = integer + place
+  double phase{};  // pulse where angle from mid-record · order / 2π = integer + phase
   double slow_order{};
   double cosine{};
   double sine{};
@@ -36,8 +36,8 @@ class PulseLines {
   PulseLines(const VibrationRun& run, double order, std::span<const double> residual,
              std::span<const double> weights);
 
-  /// Place of a train of this width and so many harmonics, over the channels together.
-  double BestPlace(double width, int harmonics) const;
+  /// Phase of a train of this width and so many harmonics, over the channels together.
+  double BestPhase(double width, int harmonics) const;
 
  private:
   using Lines = std::array<std::complex<double>, kPulseHarmonics + 1>;

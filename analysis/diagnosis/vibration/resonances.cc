@@ -36,8 +36,8 @@ VibrationTerm NarrowTerm(const VibrationResidual& residual, std::size_t index, c
   return term;
 }
 
-// Channels in which the band is not louder than a few standard errors drop out.
-TermFit DropDeaf(const VibrationResidual& residual, TermFit solution) {
+// Channels in which the band is no larger than a few standard errors drop out.
+TermFit DropUnobservable(const VibrationResidual& residual, TermFit solution) {
   bool changed = false;
   for (std::size_t c = 0; c < solution.channels.size() && solution.channels.size() > 1; ++c) {
     VibrationTerm fewer = solution.term;
@@ -54,14 +54,14 @@ TermFit DropDeaf(const VibrationResidual& residual, TermFit solution) {
 
 // Lines at whole orders or halfway between.
 bool AreOfShaft(const VibrationTerm& lines, double cell) {
-  return std::ranges::all_of(lines.lines, [&](const LinePlace& line) {
+  return std::ranges::all_of(lines.lines, [&](const LineOrder& line) {
     const double doubled = 2.0 * (line.harmonic * lines.nonlinear_parameters[0] + line.offset);
     return std::abs(doubled - std::round(doubled)) < 2.0 * cell;
   });
 }
 
-// −ln p of what a term explains, by its numbers, less what a choice of places costs. BIC charges each
-// channel's share of a band by the length of all, and would rather have a chance line in one channel.
+// −ln p of what a term explains, by its numbers, less what a choice of search locations costs. BIC charges
+// each channel's share of a band by the length of all, and would rather have a chance line in one channel.
 double UnlikelinessOf(double likelihood_ratio, double numbers, double log_search_locations) {
   return ExcessOf(0.5 * likelihood_ratio, 0.5 * numbers) - log_search_locations;
 }
@@ -72,7 +72,8 @@ double NumbersOf(const VibrationResidual& residual, const TermFit& fit) {
 
 // Lines of the shaft or of the current that stand together look like a band that noise drives, or beat like
 // impacts; and a line alone is an impact that does not die away. They are lines where so few of them explain
-// as much, as the judge takes the noise: a band has something of its colour, too, and a line has not.
+// as much, under the noise that candidates are compared with: a band has something of its colour, too, and a
+// line has not.
 bool AreLines(const VibrationResidual& residual, const TermFit& band, SpectrumAxis axis) {
   const VibrationSamples& samples = residual.samples();
   const bool over_turns = axis == SpectrumAxis::kTurns;
@@ -80,7 +81,7 @@ bool AreLines(const VibrationResidual& residual, const TermFit& band, SpectrumAx
   const double turn_Hz = over_turns ? samples.runs.front().mean_speed_rad_per_s / kTwoPi : 1.0;
   const double centre = band.term.nonlinear_parameters[0] / turn_Hz;
   const double reach = kBandReach * band.term.nonlinear_parameters[1] * centre + 2.0 * spectrum.cell();
-  const double log_all_places =
+  const double log_all_locations =
       std::log(2.0 * samples.runs.front().span_s() * std::min(samples.highest_Hz(), kHighestTorsional_Hz));
   const double of_band = residual.RatioOf(band);
   const double numbers_of_band = NumbersOf(residual, band);
@@ -111,7 +112,7 @@ bool AreLines(const VibrationResidual& residual, const TermFit& band, SpectrumAx
     // One line is the simpler thing, unless it is chance itself; several are where the shaft makes them, or
     // have to be the better one.
     const bool of_shaft = over_turns && AreOfShaft(lines, spectrum.cell());
-    const bool is_there = UnlikelinessOf(ratio, numbers, log_all_places) > kIsThere;
+    const bool is_there = UnlikelinessOf(ratio, numbers, log_all_locations) > kIsThere;
     const bool simpler = of_shaft || (count == 1 && is_there);
     if (ahead > (simpler ? -kAsGood : 0.0)) return true;
   }
@@ -170,17 +171,17 @@ void TryDriven(const VibrationResidual& residual, std::size_t index, const Reson
 
 bool IsOfATrain(std::span<const VibrationTerm> terms, double frequency_Hz, double half_width_Hz) {
   return std::ranges::any_of(terms, [&](const VibrationTerm& term) {
-    if (term.form != VibrationForm::kRing) return false;
-    const double half_width_of_ring_Hz = term.nonlinear_parameters[1] * term.nonlinear_parameters[2];
+    if (term.form != VibrationForm::kImpulseTrain) return false;
+    const double half_width_of_resonance_Hz = term.nonlinear_parameters[1] * term.nonlinear_parameters[2];
     return std::abs(frequency_Hz - term.nonlinear_parameters[1]) <
-           kRingReach * (half_width_of_ring_Hz + half_width_Hz);
+           kResonanceReach * (half_width_of_resonance_Hz + half_width_Hz);
   });
 }
 
 bool HasResonanceOfATrain(std::span<const VibrationTerm> terms) {
   return std::ranges::any_of(terms, [&](const VibrationTerm& term) {
-    const bool rings = term.form == VibrationForm::kNarrowband || term.form == VibrationForm::kTransients;
-    return rings && IsOfATrain(terms, term.nonlinear_parameters[0], HalfWidthOf(term));
+    const bool resonates = term.form == VibrationForm::kNarrowband || term.form == VibrationForm::kTransients;
+    return resonates && IsOfATrain(terms, term.nonlinear_parameters[0], HalfWidthOf(term));
   });
 }
 
@@ -194,7 +195,8 @@ Best SearchResonance(const VibrationResidual& residual, std::size_t index, const
     if (is_of_a_train(band.centre_Hz)) continue;
     frequencies_Hz.push_back(band.centre_Hz);
     const double damping = std::clamp(band.width_Hz / (4.0 * band.centre_Hz), 0.002, 0.3);
-    TermFit solution = DropDeaf(residual, residual.With(NarrowTerm(residual, index, band, damping), 12));
+    TermFit solution =
+        DropUnobservable(residual, residual.With(NarrowTerm(residual, index, band, damping), 12));
     KeepDamped(std::move(solution), range, best);
   }
   for (const BurstSpot& spot : FindBursts(residual, 2)) {

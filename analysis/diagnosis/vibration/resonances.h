@@ -21,12 +21,12 @@ struct ResonanceRange {
 std::optional<TermFit> SearchResonance(const VibrationResidual& residual, std::size_t index,
                                        const ResonanceRange& range);
 
-/// Whether something at this frequency, with this half of its width, is the ring of a train among these
-/// terms: what a train leaves about its ring, since its impulses are neither quite even nor quite alike, is
-/// that ring again.
+/// Whether something at this frequency, with this half of its width, is the resonance of a train among these
+/// terms: what a train leaves about its resonance, since its impulses are neither quite even nor quite alike,
+/// is that resonance again.
 bool IsOfATrain(std::span<const VibrationTerm> terms, double frequency_Hz, double half_width_Hz);
 
-/// Whether a resonance among these terms is but the ring of a train that is there, too.
+/// Whether a resonance among these terms is but the resonance of a train that is there, too.
 bool HasResonanceOfATrain(std::span<const VibrationTerm> terms);
 
 }  // namespace strainwave::analysis::diagnosis

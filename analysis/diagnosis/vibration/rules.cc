@@ -15,13 +15,13 @@
 namespace strainwave::analysis::diagnosis {
 namespace {
 
-// Lines have phases and places, for which BIC charges as if all samples spoke of each: in four channels they
+// Lines have phases and orders, for which BIC charges as if all samples spoke of each: in four channels they
 // had to be twice as strong as what no chance makes. Under noise their likelihood ratio is χ² but for the
-// places that are counted: the p-value alone says whether a nuisance term is there.
+// search locations that are counted: the p-value alone says whether a nuisance term is there.
 constexpr double kAnyBic = -1e9;
 constexpr int kAllNumbers = 1000;
-constexpr double kLargest = 1e6;       // an accelerometer's range is far below
-constexpr double kRingMisfit = 0.005;  // of squares; a structure rings in more than one way
+constexpr double kLargest = 1e6;            // an accelerometer's range is far below
+constexpr double kResonanceMisfit = 0.005;  // of squares; a structure rings in more than one way
 
 constexpr char kOtherSpeed[] =
     "# the same load at another speed: a line of the shaft moves with the speed, a resonance stays where it "
@@ -56,7 +56,7 @@ void AddGearMesh(Table& table) {
       .degrees_of_freedom = 2,
       .known_by_size = true,
       .location_parameters =
-          kAllNumbers,        // of each line a phase and a share of the amplitude, as sharp as it is loud
+          kAllNumbers,        // of each line a phase and a share of the amplitude, as sharp as it is large
       .trials_factor = 4.0};  // either line or both; which further ones, the fit says
   const double folded = FoldedVibrationOrder(samples, order);
   if (std::abs(folded - order) > 1e-9) {
@@ -102,12 +102,12 @@ void AddBearing(Table& table) {
                       table.amplitude},
        .degrees_of_freedom = 5,
        .known_by_size = true,
-       .location_parameters = 4,  // order, ring, its decay, where the impulses stand
+       .location_parameters = 4,  // order, resonance, its decay, where the impulses stand
        // Orders, at each some tens of resonances that may ring, with each change of the impulses, in any of
        // the channels; how many of them a train might have had, the fit says. Of 235 clean records 7 had
        // p < 0.2, where 6 should.
        .trials_factor = 1300.0 * table.cells,
-       .misfit_share = kRingMisfit,
+       .misfit_share = kResonanceMisfit,
        .to_settle = "# the motor alone, uncoupled: a defect that is still heard is in the motor's bearings\n"
                     "- {kind: measurement_rotation, turns: 1, direction: cw, output_torque: 40 Nm, "
                     "input_speed: 1500 rpm, vibration_rate: 25.6 kHz}\n"});
@@ -132,8 +132,8 @@ void AddCrack(Table& table) {
                       table.amplitude},
        .degrees_of_freedom = 2,
        .known_by_size = true,
-       // Widths and places of a pulse, changes, rings and lines, in any of the channels. A seventeenth of 136
-       // clean records had p < 0.05 with a tenth of these, where a two-hundred-and-fortieth should.
+       // Widths and phases of a pulse, changes, resonances and lines, in any of the channels. A seventeenth
+       // of 136 clean records had p < 0.05 with a tenth of these, where a two-hundred-and-fortieth should.
        .trials_factor = 100.0,
        .to_settle = "# a whole turn of the output or more: the impulses come back once per output turn\n"
                     "- {kind: measurement_rotation, turns: 4, direction: cw, output_torque: 40 Nm, "

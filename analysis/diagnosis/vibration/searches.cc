@@ -80,9 +80,9 @@ std::optional<VibrationSolution> Beside(const VibrationResidual& residual, Vibra
 }
 
 VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
-                             const std::vector<VibrationTerm>& terms, VibrationSearched& remembered,
+                             const std::vector<VibrationTerm>& terms, VibrationSearched& cached,
                              const ParallelFor& parallel)
-    : searched(remembered),
+    : searched(cached),
       solver(samples, weights),
       solution(FitTerms(solver, terms)),
       residual(samples, solver, solution, parallel) {

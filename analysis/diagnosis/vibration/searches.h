@@ -40,7 +40,7 @@ struct VibrationBase {
   VibrationResidual residual;
 
   VibrationBase(const VibrationSamples& samples, std::span<const double> weights,
-                const std::vector<VibrationTerm>& terms, VibrationSearched& remembered,
+                const std::vector<VibrationTerm>& terms, VibrationSearched& cached,
                 const ParallelFor& parallel);
   VibrationBase(const VibrationBase&) = delete;
   VibrationBase& operator=(const VibrationBase&) = delete;
@@ -51,9 +51,9 @@ struct VibrationBase {
 std::optional<VibrationSolution> Beside(const VibrationResidual& residual, VibrationCause kind,
                                         std::size_t cause);
 
-/// Remembers searches: selecting, exchanging and naming of rivals ask for the same cause beside the same
+/// Caches searches: selecting, exchanging and naming of rivals ask for the same cause beside the same
 /// model several times, or beside one that differs only by what its fit was started from. Several threads may
-/// search beside one base; what they find does not hang on who is first.
+/// search beside one base; what they find does not depend on who is first.
 class VibrationSearches {
  public:
   /// @param parallel  over parts of one search

@@ -12,7 +12,7 @@
 #include "analysis/diagnosis/vibration/bearing_orders.h"
 #include "analysis/diagnosis/vibration/combs.h"
 #include "analysis/diagnosis/vibration/impulse_chain.h"
-#include "analysis/diagnosis/vibration/ring_match.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/units.h"
 
@@ -23,13 +23,13 @@ using Best = std::optional<TermFit>;
 using Complex = std::complex<double>;
 using Series = std::vector<Complex>;
 
-constexpr double kLowestRing = 0.04;  // of the sampling rate
-constexpr double kHighestSlipRing = 0.45;
-constexpr double kNextSlipRing = 1.25;    // within a width of what rings
-constexpr double kHousingDamping = 0.08;  // as a bearing's housing has it; what is found is refined
-constexpr double kHarmonics = 4.0;        // of the highest order, in the spectrum of an envelope
-constexpr double kClearExcess = 7.0;      // −ln p of a comb beyond all that were looked at
-constexpr double kLooksPerCell = 30.0;    // ranges of harmonics, and steps finer than a cell
+constexpr double kLowestResonance = 0.04;  // of the sampling rate
+constexpr double kHighestSlipResonance = 0.45;
+constexpr double kNextSlipResonance = 1.25;  // within a width of what rings
+constexpr double kHousingDamping = 0.08;     // as a bearing's housing has it; what is found is refined
+constexpr double kHarmonics = 4.0;           // of the highest order, in the spectrum of an envelope
+constexpr double kClearExcess = 7.0;         // −ln p of a comb beyond all that were looked at
+constexpr double kTrialsPerCell = 30.0;      // ranges of harmonics, and steps finer than a cell
 constexpr std::size_t kMostTried = 3;
 constexpr int kTracks = 3;
 constexpr std::size_t kMostLinesThatBeat = 5;
@@ -38,10 +38,10 @@ constexpr double kLeastSlip = 1e-3;
 constexpr double kLeastDecayOfEnvelope = 1.0;  // exponent, from one impulse to the next
 constexpr double kHighest = 2.0;               // impulse, of the usual one: the load on the balls changes
 
-// What a ring that starts at a sample has in common with the residual behind it, each channel for itself.
-std::vector<Series> Matched(const VibrationResidual& residual, double ring_Hz, double damping) {
+// What a response that starts at a sample has in common with the residual behind it, each channel for itself.
+std::vector<Series> Matched(const VibrationResidual& residual, double resonance_Hz, double damping) {
   const VibrationRun& run = residual.samples().runs.front();
-  const Complex step = std::exp(RingPole(ring_Hz, damping) * run.period_s);
+  const Complex step = std::exp(ResonancePole(resonance_Hz, damping) * run.period_s);
   std::vector<Series> matched(run.channels.size(), Series(run.size()));
   MatchBackwards(residual.side_by_side(0), step,
                  [&](std::size_t first, std::size_t i, const InCommon& common) {
@@ -52,12 +52,12 @@ std::vector<Series> Matched(const VibrationResidual& residual, double ring_Hz, d
   return matched;
 }
 
-// Energy of a ring of height one, which is a sine that dies away.
-double EnergyOf(const VibrationRun& run, double ring_Hz, double damping) {
-  return 0.5 / -std::expm1(-2.0 * damping * kTwoPi * ring_Hz * run.period_s);
+// Energy of a response of height one, which is a sine that dies away.
+double EnergyOf(const VibrationRun& run, double resonance_Hz, double damping) {
+  return 0.5 / -std::expm1(-2.0 * damping * kTwoPi * resonance_Hz * run.period_s);
 }
 
-// How loud the ring is, over turns, in as few samples as the highest order needs.
+// Size of the response over turns, in as few samples as the highest order needs.
 struct Envelope {
   VibrationSamples samples;
   std::vector<double> values;
@@ -86,28 +86,29 @@ Envelope EnvelopeOf(const VibrationRun& run, const std::vector<Series>& matched,
   return envelope;
 }
 
-// An order, and the ring that is observable with it.
+// An order, and the resonance that is observable with it.
 struct ObservableTrain {
   double order{};
-  double ring_Hz{};
+  double resonance_Hz{};
   double excess{};
 };
 
 std::vector<ObservableTrain> FindObservable(const VibrationResidual& residual, double lowest, double highest,
                                             const std::function<bool(double order)>& allowed) {
   const VibrationRun& run = residual.samples().runs.front();
-  const double looks = std::log(kHighestSlipRing / kLowestRing) / std::log(kNextSlipRing) * kLooksPerCell *
-                       (highest - lowest) * run.turns;
+  const double trials = std::log(kHighestSlipResonance / kLowestResonance) / std::log(kNextSlipResonance) *
+                        kTrialsPerCell * (highest - lowest) * run.turns;
   std::vector<ObservableTrain> found;
-  for (double ring = kLowestRing; ring < kHighestSlipRing; ring *= kNextSlipRing) {
-    const double ring_Hz = ring / run.period_s;
-    const Envelope envelope = EnvelopeOf(run, Matched(residual, ring_Hz, kHousingDamping), highest);
+  for (double resonance = kLowestResonance; resonance < kHighestSlipResonance;
+       resonance *= kNextSlipResonance) {
+    const double resonance_Hz = resonance / run.period_s;
+    const Envelope envelope = EnvelopeOf(run, Matched(residual, resonance_Hz, kHousingDamping), highest);
     const std::vector<double> ones(envelope.values.size(), 1.0);
     const VibrationSpectrum spectrum(envelope.samples, envelope.values, ones, SpectrumAxis::kTurns);
     for (const Comb& comb :
          FindCombs(spectrum, lowest, std::min(highest, 0.45 * spectrum.highest()), 0.0, 1, allowed)) {
-      if (comb.excess > std::log(looks) + kClearExcess)
-        found.push_back({Refined(spectrum, comb).order, ring_Hz, comb.excess});
+      if (comb.excess > std::log(trials) + kClearExcess)
+        found.push_back({Refined(spectrum, comb).order, resonance_Hz, comb.excess});
     }
   }
   std::ranges::sort(found, std::greater<>(), &ObservableTrain::excess);
@@ -117,21 +118,21 @@ std::vector<ObservableTrain> FindObservable(const VibrationResidual& residual, d
 
 // The channels as one: in the proportion in which they ring at these samples.
 Series SlipInStep(const std::vector<Series>& matched, const std::vector<std::size_t>& at) {
-  const auto loudness = [&](const Series& channel) {
+  const auto energy_of = [&](const Series& channel) {
     double sum = 0.0;
     for (const std::size_t i : at) sum += std::norm(channel[i]);
     return sum;
   };
-  const Series& loudest = *std::ranges::max_element(matched, {}, loudness);
+  const Series& largest = *std::ranges::max_element(matched, {}, energy_of);
   std::vector<double> gains;
   double square = 0.0;
   for (const Series& channel : matched) {
     double gain = 0.0;
-    for (const std::size_t i : at) gain += (std::conj(loudest[i]) * channel[i]).real();
+    for (const std::size_t i : at) gain += (std::conj(largest[i]) * channel[i]).real();
     gains.push_back(gain);
     square += gain * gain;
   }
-  Series together(loudest.size());
+  Series together(largest.size());
   for (std::size_t c = 0; c < matched.size(); ++c) {
     const double gain = gains[c] / std::sqrt(std::max(square, 1e-300));
     for (std::size_t i = 0; i < together.size(); ++i) together[i] += gain * matched[c][i];
@@ -141,11 +142,11 @@ Series SlipInStep(const std::vector<Series>& matched, const std::vector<std::siz
 
 // Impulses of one sign, none much higher than the usual one, as the matched residual shows them.
 // @param height  of the usual one
-// @param sign  of the rings
+// @param sign  of the responses
 VibrationTerm Tracked(const VibrationRun& run, const Series& together, double height, double variance,
                       double sign, VibrationTerm term) {
   const double energy = EnergyOf(run, term.nonlinear_parameters[1], term.nonlinear_parameters[2]);
-  const double turn = kTwoPi * term.nonlinear_parameters[1] * run.period_s;  // of the ring, in a sample
+  const double turn = kTwoPi * term.nonlinear_parameters[1] * run.period_s;  // of the resonance, in a sample
   const auto off_phase = [&](std::size_t i) { return std::arg(sign * together[i] * Complex{0.0, -1.0}); };
   std::vector<double> score;
   for (std::size_t i = 0; i < together.size(); ++i) {
@@ -164,7 +165,7 @@ VibrationTerm Tracked(const VibrationRun& run, const Series& together, double he
   return term;
 }
 
-// The impulses of a term, found anew with each better ring.
+// The impulses of a term, found anew with each better resonance.
 Best Follow(const VibrationResidual& residual, VibrationTerm term) {
   const VibrationRun& run = residual.samples().runs.front();
   const double variance = residual.base().variance();
@@ -173,12 +174,12 @@ Best Follow(const VibrationResidual& residual, VibrationTerm term) {
     const std::vector<Series> matched =
         Matched(residual, term.nonlinear_parameters[1], term.nonlinear_parameters[2]);
     const double energy = EnergyOf(run, term.nonlinear_parameters[1], term.nonlinear_parameters[2]);
-    std::vector<double> loud(run.size(), 0.0);
+    std::vector<double> score(run.size(), 0.0);
     for (const Series& channel : matched) {
-      for (std::size_t i = 0; i < loud.size(); ++i)
-        loud[i] += 0.5 * std::norm(channel[i]) / (energy * variance);
+      for (std::size_t i = 0; i < score.size(); ++i)
+        score[i] += 0.5 * std::norm(channel[i]) / (energy * variance);
     }
-    const std::vector<std::size_t> chain = BestChain(run, term.nonlinear_parameters[0], loud);
+    const std::vector<std::size_t> chain = BestChain(run, term.nonlinear_parameters[0], score);
     if (chain.size() < 8) return best;
     const Series together = SlipInStep(matched, chain);
     std::vector<double> heights;
@@ -205,10 +206,10 @@ Best Follow(const VibrationResidual& residual, VibrationTerm term) {
 
 // What still rings when the next impulse comes is no train of impulses to an envelope: to follow its phase is
 // to follow any resonance that noise drives.
-bool DiesAway(const VibrationResidual& residual, const VibrationTerm& ring) {
+bool DiesAway(const VibrationResidual& residual, const VibrationTerm& train) {
   const VibrationRun& run = residual.samples().runs.front();
-  const double apart_s = kTwoPi / (ring.nonlinear_parameters[0] * run.mean_speed_rad_per_s);
-  return ring.nonlinear_parameters[2] * kTwoPi * ring.nonlinear_parameters[1] * apart_s >
+  const double apart_s = kTwoPi / (train.nonlinear_parameters[0] * run.mean_speed_rad_per_s);
+  return train.nonlinear_parameters[2] * kTwoPi * train.nonlinear_parameters[1] * apart_s >
          kLeastDecayOfEnvelope;
 }
 
@@ -216,9 +217,9 @@ VibrationTerm TermOf(const VibrationResidual& residual, std::size_t index,
                      const ObservableTrain& observable) {
   VibrationTerm term;
   term.cause = index;
-  term.form = VibrationForm::kRing;
+  term.form = VibrationForm::kImpulseTrain;
   term.observable.assign(residual.samples().channels(), 1);
-  term.nonlinear_parameters = {observable.order, observable.ring_Hz, kHousingDamping, 0.0};
+  term.nonlinear_parameters = {observable.order, observable.resonance_Hz, kHousingDamping, 0.0};
   return term;
 }
 
@@ -235,7 +236,7 @@ Best WithChange(const VibrationResidual& residual, TermFit even) {
   return best;
 }
 
-// Lines a few orders apart beat, so that together they are loud so many times a turn: a few of them explain
+// Lines a few orders apart beat, so that together they are large so many times a turn: a few of them explain
 // as much. What slips has no lines.
 bool IsAFamilyOfLines(const VibrationResidual& residual, const TermFit& train, SpectrumAxis axis) {
   const bool over_turns = axis == SpectrumAxis::kTurns;
@@ -243,7 +244,7 @@ bool IsAFamilyOfLines(const VibrationResidual& residual, const TermFit& train, S
   const double turn_Hz = residual.samples().runs.front().mean_speed_rad_per_s / kTwoPi;
   const double unit_Hz = over_turns ? turn_Hz : 1.0;
   const double centre_Hz = train.term.nonlinear_parameters[1];
-  const double reach_Hz = kRingReach * train.term.nonlinear_parameters[2] * centre_Hz +
+  const double reach_Hz = kResonanceReach * train.term.nonlinear_parameters[2] * centre_Hz +
                           train.term.nonlinear_parameters[0] * turn_Hz;
   VibrationTerm lines;
   lines.cause = train.term.cause;
@@ -272,20 +273,20 @@ double SlipShareOf(std::span<const double> slips) {
   return std::sqrt(square / std::max(1.0, count));
 }
 
-double OrderErrorOfSlips(const VibrationSamples& samples, const VibrationTerm& ring) {
-  if (ring.slips.empty()) return 0.0;
-  const double impulses = ring.nonlinear_parameters[0] * samples.runs.front().turns;
-  return SlipShareOf(ring.slips) * ring.nonlinear_parameters[0] / std::sqrt(std::max(1.0, impulses));
+double OrderErrorOfSlips(const VibrationSamples& samples, const VibrationTerm& train) {
+  if (train.slips.empty()) return 0.0;
+  const double impulses = train.nonlinear_parameters[0] * samples.runs.front().turns;
+  return SlipShareOf(train.slips) * train.nonlinear_parameters[0] / std::sqrt(std::max(1.0, impulses));
 }
 
-double LogSearchLocationsOfSlips(const VibrationSamples& samples, const VibrationTerm& ring) {
-  if (ring.slips.empty()) return 0.0;
+double LogSearchLocationsOfSlips(const VibrationSamples& samples, const VibrationTerm& train) {
+  if (train.slips.empty()) return 0.0;
   const VibrationRun& run = samples.runs.front();
   const double harmonic =
-      kTwoPi * ring.nonlinear_parameters[1] / (ring.nonlinear_parameters[0] * run.mean_speed_rad_per_s);
+      kTwoPi * train.nonlinear_parameters[1] / (train.nonlinear_parameters[0] * run.mean_speed_rad_per_s);
   // A normal spread is as wide as √(2πe) of its deviation.
-  const double spread = std::sqrt(kTwoPi * std::numbers::e) * std::max(kLeastSlip, SlipShareOf(ring.slips));
-  return ring.nonlinear_parameters[0] * run.turns * std::log1p(spread * 2.0 * harmonic);
+  const double spread = std::sqrt(kTwoPi * std::numbers::e) * std::max(kLeastSlip, SlipShareOf(train.slips));
+  return train.nonlinear_parameters[0] * run.turns * std::log1p(spread * 2.0 * harmonic);
 }
 
 double BicWithSlips(const VibrationSamples& samples, const TermFit& train) {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/impulse_train.h"
 #include "analysis/diagnosis/vibration/terms.h"
 #include "analysis/units.h"
 
@@ -57,10 +57,10 @@ void FillSlopeOfImpact(const VibrationRun& run, const VibrationTerm& term, std::
 }
 
 // The phases of other records are none of its numbers.
-void FillSlopesOfRing(const VibrationRun& run, std::size_t which, const VibrationTerm& term,
-                      MatrixXd& slopes) {
+void FillSlopesOfImpulseTrain(const VibrationRun& run, std::size_t which, const VibrationTerm& term,
+                              MatrixXd& slopes) {
   const auto phases = static_cast<Index>(3 + 2 * term.lines.size());
-  const MatrixXd own = RingSlopes(run, TrainOf(term, which));
+  const MatrixXd own = ImpulseTrainSlopes(run, TrainOf(term, which));
   slopes.setZero();
   slopes.leftCols(phases) = own.leftCols(phases);
   slopes.col(phases + static_cast<Index>(which)) = own.col(phases);
@@ -84,8 +84,8 @@ MatrixXd FillSlopes(const VibrationSamples& samples, std::size_t which, const Vi
     case VibrationForm::kBurst:
       FillSlopesOfBurst(run, term, columns, slopes);
       return slopes;
-    case VibrationForm::kRing:
-      FillSlopesOfRing(run, which, term, slopes);
+    case VibrationForm::kImpulseTrain:
+      FillSlopesOfImpulseTrain(run, which, term, slopes);
       return slopes;
     default:
       break;

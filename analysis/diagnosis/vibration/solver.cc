@@ -46,7 +46,7 @@ std::vector<VibrationNonlinearParameter> BoundsFrom(const VibrationSamples& samp
 }
 
 bool SameColumns(const VibrationTerm& a, const VibrationTerm& b) {
-  const auto same_line = [](const LinePlace& x, const LinePlace& y) {
+  const auto same_line = [](const LineOrder& x, const LineOrder& y) {
     return x.harmonic == y.harmonic && x.offset == y.offset;
   };
   return a.form == b.form && a.nonlinear_parameters == b.nonlinear_parameters &&
@@ -81,7 +81,7 @@ std::vector<double> MovedNonlinearParameters(std::vector<double> nonlinear_param
 VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<const double> weights)
     : samples_(samples), weights_(weights.begin(), weights.end()) {
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
-    for (const VibrationSegment& channel : samples_.runs[r].channels) places_.push_back({r, &channel});
+    for (const VibrationSegment& channel : samples_.runs[r].channels) run_channels_.push_back({r, &channel});
   }
   breaks_.assign(weights_.size(), 0);
   missing_.assign(weights_.size(), 0);
@@ -96,29 +96,29 @@ VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<cons
   }
 }
 
-VibrationSolver::Listening VibrationSolver::ListeningOf(const VibrationTerm& narrowband,
-                                                        std::size_t run) const {
+VibrationSolver::ChannelCombination VibrationSolver::CombinationOf(const VibrationTerm& narrowband,
+                                                                   std::size_t run) const {
   const std::vector<VibrationSegment>& channels = samples_.runs[run].channels;
   std::size_t first = 0;
   for (std::size_t r = 0; r < run; ++r) first += samples_.runs[r].channels.size();
-  Listening listening{VectorXd::Zero(static_cast<Index>(channels.size())),
-                      {},
-                      std::vector<char>(samples_.runs[run].size(), 0)};
-  std::vector<char>& missing = listening.missing;
+  ChannelCombination combined{VectorXd::Zero(static_cast<Index>(channels.size())),
+                              {},
+                              std::vector<char>(samples_.runs[run].size(), 0)};
+  std::vector<char>& missing = combined.missing;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     if (narrowband.observable[first + c] == 0 || narrowband.nonlinear_parameters[2 + first + c] == 0.0)
       continue;
-    listening.unit(static_cast<Index>(c)) = narrowband.nonlinear_parameters[2 + first + c];
+    combined.unit(static_cast<Index>(c)) = narrowband.nonlinear_parameters[2 + first + c];
     const auto own = missing_.begin() + static_cast<std::ptrdiff_t>(channels[c].first);
     std::transform(missing.begin(), missing.end(), own, missing.begin(), std::bit_or<>());
   }
-  const double size = listening.unit.norm();
-  if (!(size > 0.0)) return listening;
-  listening.unit /= size;
-  listening.filter =
+  const double size = combined.unit.norm();
+  if (!(size > 0.0)) return combined;
+  combined.unit /= size;
+  combined.filter =
       FilterOf({narrowband.nonlinear_parameters[0], narrowband.nonlinear_parameters[1], 2.0 * std::log(size)},
                samples_.runs[run].period_s);
-  return listening;
+  return combined;
 }
 
 Predicted VibrationSolver::PredictedOf(std::span<const VibrationTerm> narrowband, std::size_t run,
@@ -131,10 +131,10 @@ Predicted VibrationSolver::PredictedOf(std::span<const VibrationTerm> narrowband
   std::vector<InnovationFilter> filters;
   std::vector<char> missing;
   for (const VibrationTerm& term : narrowband) {
-    Listening listening = ListeningOf(term, run);
-    predicted.units.col(static_cast<Index>(filters.size())) = listening.unit;
-    filters.push_back(listening.filter);
-    if (missing.empty()) missing = std::move(listening.missing);
+    ChannelCombination combined = CombinationOf(term, run);
+    predicted.units.col(static_cast<Index>(filters.size())) = combined.unit;
+    filters.push_back(combined.filter);
+    if (missing.empty()) missing = std::move(combined.missing);
   }
   // The channels of a record stand one after the other.
   predicted.along = Eigen::Map<const MatrixXd>(left.data() + first, n, channels) * predicted.units;
@@ -150,18 +150,18 @@ void VibrationSolver::TakeOffPredicted(std::span<const VibrationTerm> terms,
     for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
       const VibrationRun& run = samples_.runs[r];
       const auto n = static_cast<Index>(run.size());
-      const Listening listening = ListeningOf(term, r);
-      if (listening.unit.isZero(0.0)) continue;
+      const ChannelCombination combined = CombinationOf(term, r);
+      if (combined.unit.isZero(0.0)) continue;
       const auto of_channel = [&](std::size_t c) {
         return left.middleRows(static_cast<Index>(run.channels[c].first), n);
       };
       MatrixXd together = MatrixXd::Zero(n, left.cols());
       for (std::size_t c = 0; c < run.channels.size(); ++c)
-        together += listening.unit(static_cast<Index>(c)) * of_channel(c);
-      Predict({&listening.filter, 1}, std::span(breaks_).subspan(run.channels.front().first, run.size()),
-              listening.missing, together);
+        together += combined.unit(static_cast<Index>(c)) * of_channel(c);
+      Predict({&combined.filter, 1}, std::span(breaks_).subspan(run.channels.front().first, run.size()),
+              combined.missing, together);
       for (std::size_t c = 0; c < run.channels.size(); ++c) {
-        const double unit = listening.unit(static_cast<Index>(c));
+        const double unit = combined.unit(static_cast<Index>(c));
         if (unit != 0.0) of_channel(c) -= unit * together;
       }
     }
@@ -169,18 +169,18 @@ void VibrationSolver::TakeOffPredicted(std::span<const VibrationTerm> terms,
 }
 
 MatrixXd VibrationSolver::Assemble(const VibrationSolution& solution, std::size_t channel) const {
-  const Place& place = places_[channel];
-  const VibrationRun& run = samples_.runs[place.run];
+  const RunChannel& run_channel = run_channels_[channel];
+  const VibrationRun& run = samples_.runs[run_channel.run];
   Index width = run.nominal.cols();
   for (std::size_t t = 0; t < solution.terms.size(); ++t) {
-    if (solution.terms[t].observable[channel] != 0) width += solution.columns[place.run][t]->cols();
+    if (solution.terms[t].observable[channel] != 0) width += solution.columns[run_channel.run][t]->cols();
   }
   MatrixXd all(static_cast<Index>(run.size()), width + 1);
   all.leftCols(run.nominal.cols()) = run.nominal;
   Index column = run.nominal.cols();
   for (std::size_t t = 0; t < solution.terms.size(); ++t) {
     if (solution.terms[t].observable[channel] == 0) continue;
-    const MatrixXd& own = *solution.columns[place.run][t];
+    const MatrixXd& own = *solution.columns[run_channel.run][t];
     all.middleCols(column, own.cols()) = own;
     column += own.cols();
   }
@@ -189,21 +189,22 @@ MatrixXd VibrationSolver::Assemble(const VibrationSolution& solution, std::size_
 }
 
 bool VibrationSolver::RepeatsColumns(std::span<const VibrationTerm> terms, std::size_t channel) const {
-  return channel > 0 && places_[channel].run == places_[channel - 1].run &&
+  return channel > 0 && run_channels_[channel].run == run_channels_[channel - 1].run &&
          std::ranges::all_of(terms, [&](const VibrationTerm& term) {
            return term.observable[channel] == term.observable[channel - 1];
          });
 }
 
 Eigen::Map<const VectorXd> VibrationSolver::WeightsOf(std::size_t channel) const {
-  const Place& place = places_[channel];
-  return {weights_.data() + place.channel->first, static_cast<Index>(samples_.runs[place.run].size())};
+  const RunChannel& run_channel = run_channels_[channel];
+  return {weights_.data() + run_channel.channel->first,
+          static_cast<Index>(samples_.runs[run_channel.run].size())};
 }
 
 Eigen::Map<const VectorXd> VibrationSolver::ResponseOf(std::size_t channel) const {
-  const Place& place = places_[channel];
-  return {samples_.measured.data() + place.channel->first,
-          static_cast<Index>(samples_.runs[place.run].size())};
+  const RunChannel& run_channel = run_channels_[channel];
+  return {samples_.measured.data() + run_channel.channel->first,
+          static_cast<Index>(samples_.runs[run_channel.run].size())};
 }
 
 VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
@@ -230,7 +231,7 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
           std::count_if(term.observable.begin(), term.observable.end(), [](char h) { return h != 0; }));
   }
   MatrixXd all;
-  for (std::size_t c = 0; c < places_.size(); ++c) {
+  for (std::size_t c = 0; c < run_channels_.size(); ++c) {
     const bool repeated = RepeatsColumns(solution.terms, c);
     if (!repeated) all = Assemble(solution, c);
     const Index width = all.cols() - 1;
@@ -239,11 +240,11 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
     channel.fit = repeated && WeightsOf(c) == WeightsOf(c - 1)
                       ? FitChannel(columns, ResponseOf(c), WeightsOf(c), solution.channels[c - 1].fit.inverse)
                       : FitChannel(columns, ResponseOf(c), WeightsOf(c));
-    Index column = samples_.runs[places_[c].run].nominal.cols();
+    Index column = samples_.runs[run_channels_[c].run].nominal.cols();
     for (std::size_t t = 0; t < solution.terms.size(); ++t) {
       const bool observable = solution.terms[t].observable[c] != 0;
       channel.first.push_back(observable ? column : -1);
-      if (observable) column += solution.columns[places_[c].run][t]->cols();
+      if (observable) column += solution.columns[run_channels_[c].run][t]->cols();
     }
     solution.square_sum += channel.fit.square_sum;
     solution.free_parameters += static_cast<int>(width);
@@ -254,9 +255,9 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
   VectorXd left = solution.unexplained;
   TakeOffPredicted(solution.terms, left);
   solution.square_sum = 0.0;
-  for (std::size_t c = 0; c < places_.size(); ++c) {
+  for (std::size_t c = 0; c < run_channels_.size(); ++c) {
     ChannelFit& fit = solution.channels[c].fit;
-    const auto first = static_cast<Index>(places_[c].channel->first);
+    const auto first = static_cast<Index>(run_channels_[c].channel->first);
     fit.residual = left.segment(first, fit.residual.size());
     fit.square_sum = Eigen::Map<const VectorXd>(weights_.data() + first, fit.residual.size())
                          .dot(fit.residual.cwiseAbs2());
@@ -267,9 +268,9 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
 
 VectorXd VibrationSolver::Residual(const VibrationSolution& solution) const {
   VectorXd residual(static_cast<Index>(weights_.size()));
-  for (std::size_t c = 0; c < places_.size(); ++c) {
+  for (std::size_t c = 0; c < run_channels_.size(); ++c) {
     const VectorXd& own = solution.channels[c].fit.residual;
-    residual.segment(static_cast<Index>(places_[c].channel->first), own.size()) = own;
+    residual.segment(static_cast<Index>(run_channels_[c].channel->first), own.size()) = own;
   }
   return residual;
 }
@@ -277,9 +278,9 @@ VectorXd VibrationSolver::Residual(const VibrationSolution& solution) const {
 MatrixXd VibrationSolver::Derivatives(const VibrationSolution& solution, std::size_t channel,
                                       std::size_t from, std::size_t nonlinear_parameters,
                                       const std::vector<std::vector<MatrixXd>>& slopes) const {
-  const Place& place = places_[channel];
+  const RunChannel& run_channel = run_channels_[channel];
   const VibrationSolution::Channel& fitted = solution.channels[channel];
-  MatrixXd derivatives = MatrixXd::Zero(static_cast<Index>(samples_.runs[place.run].size()),
+  MatrixXd derivatives = MatrixXd::Zero(static_cast<Index>(samples_.runs[run_channel.run].size()),
                                         static_cast<Index>(nonlinear_parameters));
   Index s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
@@ -287,7 +288,7 @@ MatrixXd VibrationSolver::Derivatives(const VibrationSolution& solution, std::si
     const Index width = ColumnsOf(term);
     for (Index k = 0; k < static_cast<Index>(term.nonlinear_parameters.size()); ++k, ++s) {
       if (term.observable[channel] == 0 || IsNarrowband(term)) continue;
-      derivatives.col(s).noalias() = slopes[place.run][t - from].middleCols(k * width, width) *
+      derivatives.col(s).noalias() = slopes[run_channel.run][t - from].middleCols(k * width, width) *
                                      fitted.fit.coefficients.segment(fitted.first[t], width);
     }
   }
@@ -336,14 +337,14 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
     across.resize(static_cast<Index>(weights_.size()), static_cast<Index>(nonlinear_parameters.size()));
   SharedStep step(static_cast<Index>(nonlinear_parameters.size()));
   MatrixXd all;
-  for (std::size_t c = 0; c < places_.size(); ++c) {
+  for (std::size_t c = 0; c < run_channels_.size(); ++c) {
     if (!RepeatsColumns(solution.terms, c)) all = Assemble(solution, c);
     const auto columns = all.leftCols(all.cols() - 1);
     const MatrixXd derivatives = Derivatives(solution, c, from, nonlinear_parameters.size(), slopes);
     MatrixXd& follows = solution.channels[c].follows_nonlinear_parameters;
     follows = step.Add(columns, derivatives, solution.channels[c].fit, WeightsOf(c));
     if (predicts) {
-      const auto first = static_cast<Index>(places_[c].channel->first);
+      const auto first = static_cast<Index>(run_channels_[c].channel->first);
       across.middleRows(first, all.rows()) = derivatives + columns * follows;
     }
   }

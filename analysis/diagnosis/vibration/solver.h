@@ -91,7 +91,7 @@ class VibrationSolver {
   /// Columns of one channel; the last one is the response.
   Eigen::MatrixXd Assemble(const VibrationSolution& solution, std::size_t channel) const;
 
-  /// @param narrowband  terms that the same channels hear
+  /// @param narrowband  terms that are observable in the same channels
   /// @param left  all samples
   Predicted PredictedOf(std::span<const VibrationTerm> narrowband, std::size_t run,
                         const Eigen::VectorXd& left) const;
@@ -103,18 +103,18 @@ class VibrationSolver {
   std::span<const double> weights() const { return weights_; }
 
  private:
-  struct Place {
+  struct RunChannel {
     std::size_t run;
     const VibrationSegment* channel;
   };
-  /// How a narrow-band term listens to the channels of a run: together along a unit vector, zero where none
-  /// hears it, but for samples that one of them misses.
-  struct Listening {
+  /// How a narrow-band term combines the channels of a run: along a unit vector, zero where it is observable
+  /// in none, but for samples that one of them misses.
+  struct ChannelCombination {
     Eigen::VectorXd unit;
     InnovationFilter filter;
     std::vector<char> missing;
   };
-  Listening ListeningOf(const VibrationTerm& narrowband, std::size_t run) const;
+  ChannelCombination CombinationOf(const VibrationTerm& narrowband, std::size_t run) const;
   /// Whether a channel has the columns of the one before it.
   bool RepeatsColumns(std::span<const VibrationTerm> terms, std::size_t channel) const;
   Eigen::Map<const Eigen::VectorXd> WeightsOf(std::size_t channel) const;
@@ -130,7 +130,7 @@ class VibrationSolver {
 
   const VibrationSamples& samples_;
   std::vector<double> weights_;
-  std::vector<Place> places_;
+  std::vector<RunChannel> run_channels_;
   std::vector<char> breaks_;   // one a sample of the response
   std::vector<char> missing_;  // single samples without weight; a block held out is not missing, it is unseen
 };

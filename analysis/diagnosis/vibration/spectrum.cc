@@ -16,21 +16,21 @@ namespace {
 constexpr std::size_t kSpectrumPadding = 4;
 
 // Residual times weight, at even steps of the axis.
-std::vector<double> AtEvenSteps(std::span<const double> place, std::span<const double> residual,
+std::vector<double> AtEvenSteps(std::span<const double> abscissa, std::span<const double> residual,
                                 std::span<const double> weights, double step, bool even) {
-  const std::size_t n = place.size();
+  const std::size_t n = abscissa.size();
   std::vector<double> values(n);
   for (std::size_t i = 0; i < n; ++i) values[i] = weights[i] > 0.0 ? residual[i] : 0.0;
   if (even) return values;
-  const auto count = static_cast<std::size_t>((place.back() - place.front()) / step) + 1;
+  const auto count = static_cast<std::size_t>((abscissa.back() - abscissa.front()) / step) + 1;
   std::vector<double> grid(count, 0.0);
   std::size_t i = 0;
   for (std::size_t g = 0; g < count; ++g) {
-    const double x = place.front() + step * static_cast<double>(g);
-    while (i + 2 < n && place[i + 1] <= x) ++i;
-    const double gap = place[i + 1] - place[i];
+    const double x = abscissa.front() + step * static_cast<double>(g);
+    while (i + 2 < n && abscissa[i + 1] <= x) ++i;
+    const double gap = abscissa[i + 1] - abscissa[i];
     if (!(gap > 0.0) || gap > 2.5 * step) continue;
-    const double u = (x - place[i]) / gap;
+    const double u = (x - abscissa[i]) / gap;
     if (i == 0 || i + 2 >= n) {
       grid[g] = (1.0 - u) * values[i] + u * values[i + 1];
       continue;
@@ -61,9 +61,9 @@ std::vector<double> BackgroundOf(const std::vector<double>& power, std::size_t p
   }
   std::vector<double> background(power.size());
   for (std::size_t j = 0; j < power.size(); ++j) {
-    const double place =
+    const double block_position =
         (static_cast<double>(j) / static_cast<double>(padding) + 0.5) / static_cast<double>(block) - 0.5;
-    const double clamped = std::clamp(place, 0.0, static_cast<double>(blocks - 1));
+    const double clamped = std::clamp(block_position, 0.0, static_cast<double>(blocks - 1));
     const auto below = std::min(static_cast<std::size_t>(clamped), blocks - 1);
     const std::size_t above = std::min(below + 1, blocks - 1);
     const double u = clamped - static_cast<double>(below);
@@ -152,16 +152,16 @@ VibrationSpectrum::VibrationSpectrum(const VibrationSamples& samples, std::span<
   step_ = 1e300;
   for (const VibrationRun& run : samples.runs) {
     const bool turns = axis == SpectrumAxis::kTurns;
-    const std::vector<double>& place = turns ? run.angle_rad : run.time_s;
-    const double length = turns ? place.back() / kTwoPi : place.back();
-    const double step = place.back() / static_cast<double>(place.size() - 1);
+    const std::vector<double>& abscissa = turns ? run.angle_rad : run.time_s;
+    const double length = turns ? abscissa.back() / kTwoPi : abscissa.back();
+    const double step = abscissa.back() / static_cast<double>(abscissa.size() - 1);
     bool even = true;
-    for (std::size_t i = 0; i < place.size() && even; ++i) {
-      even = std::abs(place[i] - step * static_cast<double>(i)) < 0.02 * step;
+    for (std::size_t i = 0; i < abscissa.size() && even; ++i) {
+      even = std::abs(abscissa[i] - step * static_cast<double>(i)) < 0.02 * step;
     }
     Run own;
     for (const VibrationSegment& channel : run.channels) {
-      std::vector<double> values = AtEvenSteps(place, residual.subspan(channel.first, run.size()),
+      std::vector<double> values = AtEvenSteps(abscissa, residual.subspan(channel.first, run.size()),
                                                weights.subspan(channel.first, run.size()), step, even);
       const std::size_t size = std::bit_ceil(kSpectrumPadding * values.size());
       values.resize(size, 0.0);
@@ -192,8 +192,8 @@ double VibrationSpectrum::At(double order) const noexcept {
   if (!(order > 0.0)) return 0.0;
   double sum = 0.0;
   for (const Run& run : runs_) {
-    const auto place = static_cast<std::size_t>(order * run.per_step + 0.5);
-    if (place < run.power.size()) sum += static_cast<double>(run.power[place]);
+    const auto bin = static_cast<std::size_t>(order * run.per_step + 0.5);
+    if (bin < run.power.size()) sum += static_cast<double>(run.power[bin]);
   }
   return sum;
 }
@@ -201,10 +201,10 @@ double VibrationSpectrum::At(double order) const noexcept {
 void VibrationSpectrum::AmplitudesAt(std::size_t run, double order,
                                      std::span<std::complex<float>> amplitudes) const noexcept {
   const Run& own = runs_[run];
-  const auto place = static_cast<std::size_t>(std::max(0.0, order) * own.per_step + 0.5);
+  const auto bin = static_cast<std::size_t>(std::max(0.0, order) * own.per_step + 0.5);
   for (std::size_t c = 0; c < amplitudes.size(); ++c) {
-    const bool known = c < own.of_channel.size() && place < own.power.size();
-    amplitudes[c] = known ? own.of_channel[c][place] : std::complex<float>();
+    const bool known = c < own.of_channel.size() && bin < own.power.size();
+    amplitudes[c] = known ? own.of_channel[c][bin] : std::complex<float>();
   }
 }
 

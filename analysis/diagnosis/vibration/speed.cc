@@ -26,7 +26,7 @@ constexpr double kMostLag_s = 0.1;          // of a drive's filters and its bus
 constexpr double kLeastSpreadOfLag = 0.02;  // of the mean speed
 constexpr double kClearly = 3.0;            // standard errors
 constexpr std::size_t kMostPairs = 6;
-constexpr double kClearLine = 9.0;  // −ln p of one line at a known place, beyond what a channel gives
+constexpr double kClearLine = 9.0;  // −ln p of one line at a known order, beyond what a channel gives
 
 Eigen::Map<const VectorXd> Response(const VibrationSamples& samples, const VibrationRun& run,
                                     const VibrationSegment& channel) {
@@ -64,7 +64,7 @@ double BestPair(const VibrationSpectrum& spectrum, double centre, double share) 
   return best;
 }
 
-// Turns the angle and everything that hangs on it into another one.
+// Turns the angle and everything that depends on it into another one.
 void TakeAngle(VibrationRun& run, const VectorXd& angle) {
   for (std::size_t i = 0; i < run.size(); ++i) run.angle_rad[i] = angle(static_cast<Index>(i)) - angle(0);
   FindSpeeds(run);
@@ -138,11 +138,11 @@ MatrixXd BasisOf(const VibrationRun& run, const Change& change) {
   const auto n = static_cast<Index>(run.size());
   MatrixXd basis(n, 1 + change.waves + (change.lag ? 1 : 0));
   for (Index i = 0; i < n; ++i) {
-    const auto place = static_cast<std::size_t>(i);
-    basis(i, 0) = run.angle_rad[place] - 0.5 * run.angle_rad.back();
-    const double x = run.time_s[place] / run.span_s();
+    const auto sample = static_cast<std::size_t>(i);
+    basis(i, 0) = run.angle_rad[sample] - 0.5 * run.angle_rad.back();
+    const double x = run.time_s[sample] / run.span_s();
     for (Index j = 1; j <= change.waves; ++j) basis(i, j) = std::cos(kPi * static_cast<double>(j) * x);
-    if (change.lag) basis(i, basis.cols() - 1) = run.speed_rad_per_s[place] - run.mean_speed_rad_per_s;
+    if (change.lag) basis(i, basis.cols() - 1) = run.speed_rad_per_s[sample] - run.mean_speed_rad_per_s;
   }
   return basis;
 }
@@ -253,7 +253,7 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source)
   }
   if (measured && run.speed_spread > kLeastSpreadOfLag && LinesAgreeOnLag(samples, run)) {
     PhaseFit late = FitPhase(samples, run, BasisOf(run, {0, true}));
-    // A loud line beside one of the shaft's is met somewhere if the angle may go far enough.
+    // A strong line beside one of the shaft's is met somewhere if the angle may go far enough.
     if (std::abs(late.phase(1)) < kMostLag_s) take(std::move(late), {0, true}, 2.0);
   }
   // A foreign line nearby pulls at the scale a little, and an imbalance turns the phase of the first line
@@ -285,7 +285,7 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source)
   }
 }
 
-// Whether one of the shaft's lines stands out where the other was taken out: over few turns a loud line is
+// Whether one of the shaft's lines stands out where the other was taken out: over few turns a strong line is
 // seen in the spectrum where a weak one would be.
 bool StandsOutAlone(const VibrationSamples& one, Index line) {
   const VibrationRun& run = one.runs.front();

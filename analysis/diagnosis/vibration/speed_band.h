@@ -7,7 +7,7 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// The speeds at which a search listens to a record, and what the shaft turns at them.
+/// The speeds at which a search takes the samples of a record, and what the shaft turns at them.
 struct SpeedBand {
   double slowest_rad_per_s{};
   double fastest_rad_per_s{};
@@ -20,10 +20,9 @@ struct SpeedBand {
 };
 
 /// What a frequency stands at in orders spreads with one over the speed: the slowest turns of a run-up cost a
-/// search most of its places and hold few of the impulses, and at standstill there is no order at all.
+/// search most of its locations and hold few of the impulses, and at standstill there is no order at all.
 /// @returns the band with most of the turns whose work is no more than this; without turns where none with
-/// half
-///          of them is.
+///          half of them is.
 SpeedBand BandWithin(const VibrationRun& run, double most_work,
                      const std::function<double(const SpeedBand& band)>& work);
 

@@ -33,7 +33,7 @@ Best SearchLine(const VibrationResidual& residual, std::size_t index, bool over_
     VibrationTerm term = TermOf(residual, index, over_time ? VibrationForm::kTones : VibrationForm::kLines);
     term.lines = {{1.0, 0.0}};
     term.nonlinear_parameters = {peak.order};
-    best.TakeWithAndWithoutDeaf(residual.WithAllChannels(std::move(term), 6), 0.0);
+    best.TakeWithAndWithoutUnobservable(residual.WithAllChannels(std::move(term), 6), 0.0);
   }
   return std::move(best).fit();
 }
@@ -87,17 +87,17 @@ double VibrationResidual::RatioOf(const TermFit& fit) const {
   return LikelihoodRatio(NoiseOf({left.begin(), left.end()}), noise());
 }
 
-double VibrationResidual::LoudnessAt(double frequency_Hz) const {
+double VibrationResidual::RelativeNoiseAt(double frequency_Hz) const {
   if (noise().order == 0) return 1.0;
   const double turned = std::cos(kTwoPi * frequency_Hz * samples_.runs.front().period_s);
   double density = 0.0;
   double variance = 0.0;
   for (const Autoregression& series : noise().series) {
-    const double memory = series.coefficients.empty() ? 0.0 : series.coefficients.front();
+    const double lag_one = series.coefficients.empty() ? 0.0 : series.coefficients.front();
     const double innovations =
         static_cast<double>(series.samples) * series.innovation_sd * series.innovation_sd;
-    density += innovations / (1.0 + memory * memory - 2.0 * memory * turned);
-    variance += innovations / (1.0 - memory * memory);
+    density += innovations / (1.0 + lag_one * lag_one - 2.0 * lag_one * turned);
+    variance += innovations / (1.0 - lag_one * lag_one);
   }
   return density / variance;
 }
@@ -111,13 +111,13 @@ TermFit VibrationResidual::WithAllChannels(VibrationTerm term, int rounds) const
   return rounds > 0 ? Refine(std::move(fit), rounds) : fit;
 }
 
-TermFit VibrationResidual::WithoutDeaf(TermFit fit) const {
+TermFit VibrationResidual::WithoutUnobservable(TermFit fit) const {
   one_term().Prune(fit);
   return fit;
 }
 
 TermFit VibrationResidual::With(VibrationTerm term, int rounds) const {
-  return WithoutDeaf(WithAllChannels(std::move(term), rounds));
+  return WithoutUnobservable(WithAllChannels(std::move(term), rounds));
 }
 
 void Keep(TermFit fit, std::optional<TermFit>& best) {

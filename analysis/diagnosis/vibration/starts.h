@@ -9,8 +9,8 @@
 
 #include "analysis/diagnosis/noise_likelihood.h"
 #include "analysis/diagnosis/on_first_use.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 #include "analysis/diagnosis/vibration/one_term.h"
-#include "analysis/diagnosis/vibration/ring_match.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/solver.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
@@ -63,23 +63,23 @@ class VibrationResidual {
   const VibrationSpectrum& over_turns() const;
   const VibrationSpectrum& over_seconds() const;
 
-  /// What the model leaves, as the judge takes it: white, or with a memory of one sample.
+  /// Noise of the model's residual, as candidates are compared: white, or first-order autoregressive.
   const NoiseFit& noise() const;
 
-  /// Likelihood ratio of the model with a term, as the judge takes it.
+  /// Likelihood ratio of the model with a term under this noise.
   double RatioOf(const TermFit& fit) const;
 
   /// Noise about a frequency beside white noise of the same variance.
-  double LoudnessAt(double frequency_Hz) const;
+  double RelativeNoiseAt(double frequency_Hz) const;
 
-  /// One more term, refined; channels that do not hear it are left out.
+  /// One more term, refined; channels in which it is not observable are left out.
   TermFit With(VibrationTerm term, int rounds) const;
 
   /// The same in all channels that the term says.
   TermFit WithAllChannels(VibrationTerm term, int rounds) const;
 
-  /// The fit without channels that do not hear its term.
-  TermFit WithoutDeaf(TermFit fit) const;
+  /// The fit without channels in which its term is not observable.
+  TermFit WithoutUnobservable(TermFit fit) const;
 
   TermFit Refine(TermFit fit, int rounds) const { return one_term().Refine(std::move(fit), rounds); }
 

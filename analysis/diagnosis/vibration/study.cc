@@ -50,7 +50,7 @@ class VibrationStudy final : public Study {
   double unit_per_si() const override { return 1.0; }
   double NoiseFloor() const override { return samples_.noise_floor; }
   std::size_t BlockLength() const override { return block_length_; }
-  // More memory would be a resonance.
+  // A higher order would be a resonance.
   int LargestNoiseOrder() const override { return 1; }
   std::span<const std::size_t> NoiseSeries() const override { return samples_.channel_starts; }
   std::vector<double> Decorrelated(std::vector<double> residual,
@@ -59,7 +59,7 @@ class VibrationStudy final : public Study {
     return residual;
   }
   bool SpikesAreOutliers() const override { return spikes_are_outliers_; }
-  bool RemembersSearches() const override { return true; }
+  bool CachesSearches() const override { return true; }
   const std::vector<std::string>& warnings() const override { return samples_.warnings; }
 
   std::vector<UserQuantity> Quantities(const Eigen::VectorXd& predicted) const override {

@@ -6,8 +6,8 @@
 #include <complex>
 
 #include "analysis/diagnosis/phasors.h"
+#include "analysis/diagnosis/vibration/impulse_train.h"
 #include "analysis/diagnosis/vibration/pulses.h"
-#include "analysis/diagnosis/vibration/ring.h"
 #include "analysis/model/vibration_orders.h"
 #include "analysis/units.h"
 
@@ -73,7 +73,7 @@ std::vector<VibrationNonlinearParameter> NonlinearParametersOf(const VibrationSa
     case VibrationForm::kLines: {
       if (term.nonlinear_parameters.empty()) break;
       double harmonic = 1.0;
-      for (const LinePlace& line : term.lines) harmonic = std::max(harmonic, std::abs(line.harmonic));
+      for (const LineOrder& line : term.lines) harmonic = std::max(harmonic, std::abs(line.harmonic));
       // A search has found the cell; a fit does not leave it.
       const double cell = 1.0 / (turns * harmonic);
       nonlinear_parameters.push_back(
@@ -86,7 +86,7 @@ std::vector<VibrationNonlinearParameter> NonlinearParametersOf(const VibrationSa
           {term.nonlinear_parameters[0] - cell, term.nonlinear_parameters[0] + cell, 0.05 * cell});
       break;
     }
-    case VibrationForm::kRing: {
+    case VibrationForm::kImpulseTrain: {
       const double lines =
           std::max(1.0, term.nonlinear_parameters[1] * span_s / turns / term.nonlinear_parameters[0]);
       const double cell = 1.0 / (turns * lines);
@@ -95,7 +95,7 @@ std::vector<VibrationNonlinearParameter> NonlinearParametersOf(const VibrationSa
       nonlinear_parameters.push_back({0.7 * term.nonlinear_parameters[1],
                                       std::min(top_Hz, 1.4 * term.nonlinear_parameters[1]),
                                       0.005 * term.nonlinear_parameters[1]});
-      // Towards one the ring becomes a single smooth bump; and it dies away before the next begins.
+      // Towards one the response becomes a single smooth bump; and it dies away before the next begins.
       nonlinear_parameters.push_back(
           {std::max(0.006, kLeastDecay / (kTwoPi * lines)), 0.95, 0.05 * term.nonlinear_parameters[2]});
       for (std::size_t m = 0; m < 2 * term.lines.size(); ++m)
@@ -168,7 +168,7 @@ Index ColumnsOf(const VibrationTerm& term) {
     case VibrationForm::kTones:
     case VibrationForm::kDriven:
       return static_cast<Index>(2 * term.lines.size());
-    case VibrationForm::kRing:
+    case VibrationForm::kImpulseTrain:
     case VibrationForm::kPulses:
     case VibrationForm::kTransients:
       return 1;
@@ -183,25 +183,25 @@ Index ColumnsOf(const VibrationTerm& term) {
   return 0;
 }
 
-RingTrain TrainOf(const VibrationTerm& ring, std::size_t run) {
-  RingTrain train{ring.nonlinear_parameters[0],
-                  ring.nonlinear_parameters[1],
-                  ring.nonlinear_parameters[2],
-                  0.0,
-                  {},
-                  ring.slips};
+ImpulseTrain TrainOf(const VibrationTerm& term, std::size_t run) {
+  ImpulseTrain train{term.nonlinear_parameters[0],
+                     term.nonlinear_parameters[1],
+                     term.nonlinear_parameters[2],
+                     0.0,
+                     {},
+                     term.slips};
   std::size_t s = 3;
-  for (const LinePlace& line : ring.lines) {
+  for (const LineOrder& line : term.lines) {
     train.modulations.push_back(
-        {line.offset, ring.nonlinear_parameters[s], ring.nonlinear_parameters[s + 1]});
+        {line.offset, term.nonlinear_parameters[s], term.nonlinear_parameters[s + 1]});
     s += 2;
   }
-  train.phase = ring.nonlinear_parameters[s + run];
+  train.phase = term.nonlinear_parameters[s + run];
   return train;
 }
 
 bool HasPairs(VibrationForm form) {
-  return form != VibrationForm::kRing && form != VibrationForm::kPulses &&
+  return form != VibrationForm::kImpulseTrain && form != VibrationForm::kPulses &&
          form != VibrationForm::kTransients && form != VibrationForm::kLevels;
 }
 
@@ -216,8 +216,8 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
     case VibrationForm::kTones:
       FillLines(run.time_2pi, term, columns);
       break;
-    case VibrationForm::kRing:
-      columns = RingColumn(run, TrainOf(term, which));
+    case VibrationForm::kImpulseTrain:
+      columns = ImpulseTrainColumn(run, TrainOf(term, which));
       break;
     case VibrationForm::kPulses: {
       std::size_t s = WidthIsNonlinearParameter(term) ? 1 : 0;
@@ -233,7 +233,7 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
         train.sine = term.nonlinear_parameters[s + 1];
         s += 2;
       }
-      train.place = term.nonlinear_parameters[s + which];
+      train.phase = term.nonlinear_parameters[s + which];
       columns = PulseColumn(run, train, samples.highest_order());
       break;
     }
@@ -248,8 +248,8 @@ MatrixXd FillTerm(const VibrationSamples& samples, std::size_t which, const Vibr
       break;
     case VibrationForm::kGrowth:
       for (Index i = 0; i < n; ++i) {
-        const auto place = static_cast<std::size_t>(i);
-        const double growth = model::ImbalanceGrowth(run.speed_rad_per_s[place], RadPerSFromRpm(1000.0));
+        const auto sample = static_cast<std::size_t>(i);
+        const double growth = model::ImbalanceGrowth(run.speed_rad_per_s[sample], RadPerSFromRpm(1000.0));
         columns(i, 0) = growth * run.nominal(i, 1);
         columns(i, 1) = growth * run.nominal(i, 2);
       }
@@ -280,7 +280,7 @@ std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {
     state.push_back(static_cast<double>(term.cause));
     state.push_back(static_cast<double>(term.form));
     state.push_back(static_cast<double>(term.lines.size()));
-    for (const LinePlace& line : term.lines) state.insert(state.end(), {line.harmonic, line.offset});
+    for (const LineOrder& line : term.lines) state.insert(state.end(), {line.harmonic, line.offset});
     state.push_back(static_cast<double>(term.nonlinear_parameters.size()));
     state.insert(state.end(), term.nonlinear_parameters.begin(), term.nonlinear_parameters.end());
     state.push_back(static_cast<double>(term.observable.size()));
@@ -292,14 +292,14 @@ std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms) {
 }
 
 std::vector<VibrationTerm> UnpackTerms(const std::vector<double>& state) {
-  std::size_t place = 0;
-  const auto next = [&] { return place < state.size() ? state[place++] : 0.0; };
+  std::size_t next_number = 0;
+  const auto next = [&] { return next_number < state.size() ? state[next_number++] : 0.0; };
   std::vector<VibrationTerm> terms(static_cast<std::size_t>(next()));
   for (VibrationTerm& term : terms) {
     term.cause = static_cast<std::size_t>(next());
     term.form = static_cast<VibrationForm>(static_cast<int>(next()));
     term.lines.resize(static_cast<std::size_t>(next()));
-    for (LinePlace& line : term.lines) {
+    for (LineOrder& line : term.lines) {
       line.harmonic = next();
       line.offset = next();
     }

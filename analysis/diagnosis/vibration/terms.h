@@ -6,20 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/impulse_train.h"
 #include "analysis/diagnosis/vibration/samples.h"
 
 namespace strainwave::analysis::diagnosis {
 
-/// What a vibration term is made of. Columns come in pairs (a cosine and a sine part), except for `kRing`,
-/// `kPulses`, `kTransients` and `kLevels`: a mode moves all places of a housing in step, or against each
-/// other.
+/// What a vibration term is made of. Columns come in pairs (a cosine and a sine part), except for
+/// `kImpulseTrain`, `kPulses`, `kTransients` and `kLevels`: a mode moves all points of a housing in step, or
+/// against each other.
 enum class VibrationForm {
-  kLines,   // lines at orders of the input angle; nonlinear parameters: a base order, or none
-  kTones,   // lines at frequencies; nonlinear parameters: Hz
-  kRing,    // impulses at even angles that ring; nonlinear parameters: order, Hz, damping, two a modulation,
-            // phase a run
-  kPulses,  // smooth pulses at even angles; nonlinear parameters: width or none, two a modulation, place a
+  kLines,         // lines at orders of the input angle; nonlinear parameters: a base order, or none
+  kTones,         // lines at frequencies; nonlinear parameters: Hz
+  kImpulseTrain,  // impulses at even angles that excite a resonance; nonlinear parameters: order, Hz,
+                  // damping, two a modulation, phase a run
+  kPulses,  // smooth pulses at even angles; nonlinear parameters: width or none, two a modulation, phase a
             // run
   kGrowth,  // 1 per turn, growing with the square of the speed; no nonlinear parameters
   kDriven,  // lines of the shaft across a resonance; nonlinear parameters: Hz, damping
@@ -31,27 +31,27 @@ enum class VibrationForm {
 };
 
 /// Order of a line: harmonic · base + offset, in lines per input turn (or Hz).
-struct LinePlace {
+struct LineOrder {
   double harmonic{};
   double offset{};
-  bool operator==(const LinePlace&) const = default;
+  bool operator==(const LineOrder&) const = default;
 };
 
-/// Exponent by which a ring's envelope falls from one impulse to the next, at least: what rings on through
-/// several is a line.
+/// Exponent by which a response's envelope falls from one impulse to the next, at least: what rings on
+/// through several is a line.
 inline constexpr double kLeastDecay = 0.3;
 
 /// A term with its curved numbers; its coefficients are the solver's.
 struct VibrationTerm {
   std::size_t cause{};
   VibrationForm form{VibrationForm::kLines};
-  /// kDriven: `harmonic` alone; kRing: order of a modulation in `offset`; kPulses: the order, then that of a
-  /// modulation, in `offset`, with the width in the first one's `harmonic` where that is no shape.
-  std::vector<LinePlace> lines;
+  /// kDriven: `harmonic` alone; kImpulseTrain: order of a modulation in `offset`; kPulses: the order, then
+  /// that of a modulation, in `offset`, with the width in the first one's `harmonic` where that is no shape.
+  std::vector<LineOrder> lines;
   std::vector<double> nonlinear_parameters;
   std::vector<char> observable;  // one a channel of all runs: 0 where the term is left out
   std::vector<double>
-      slips{};  // kRing: of its impulses, as RingTrain has them; found by a search, not fitted
+      slips{};  // kImpulseTrain: of its impulses, as ImpulseTrain has them; found by a search, not fitted
 };
 
 /// Width of the pulses of a term: few records tell it, and a number that is not fitted costs nothing.
@@ -82,8 +82,8 @@ Eigen::MatrixXd FillTerm(const VibrationSamples& samples, std::size_t run, const
 Eigen::MatrixXd FillSlopes(const VibrationSamples& samples, std::size_t run, const VibrationTerm& term,
                            const Eigen::Ref<const Eigen::MatrixXd>& columns);
 
-/// The train of a term of form `kRing` in one run.
-RingTrain TrainOf(const VibrationTerm& ring, std::size_t run);
+/// The train of a term of form `kImpulseTrain` in one run.
+ImpulseTrain TrainOf(const VibrationTerm& term, std::size_t run);
 
 /// A fit's terms as numbers, and back.
 std::vector<double> PackTerms(const std::vector<VibrationTerm>& terms);

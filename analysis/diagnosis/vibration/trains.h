@@ -13,21 +13,21 @@ namespace strainwave::analysis::diagnosis {
 inline constexpr double kLargestSideband = 0.45;
 
 /// Of the sampling rate: the lowest resonance that trains are looked for with.
-inline constexpr double kLowestTrainRing = 0.03;
+inline constexpr double kLowestTrainResonance = 0.03;
 
-/// Where a train of impulses may be: an order, and the resonance that it rings.
+/// Where a train of impulses may be: an order, and the resonance that it excites.
 struct TrainStart {
   double order{};
-  double ring_Hz{};
-  double excess{};       // −ln p of one look
-  double sideband{};     // order of the change of the impulses that says so; 0 for even ones
-  double loudness{1.0};  // power of the noise about the ring, beside white noise of its variance
+  double resonance_Hz{};
+  double excess{};             // −ln p without the trials factor
+  double sideband{};           // order of the change of the impulses that says so; 0 for even ones
+  double relative_noise{1.0};  // power of the noise about the resonance, beside white noise of its variance
 };
 
-/// Trains of impulses that ring a resonance, coherently, for resonances all over the spectrum: the residual
-/// is matched to the ring, and what it holds at even angles is added up with its phase, for every order and
-/// place of the impulses. Works while the speed changes, when a resonance wanders through the harmonics and
-/// no spectrum over angle shows them. First record only.
+/// Trains of impulses that excite a resonance a resonance, coherently, for resonances all over the spectrum:
+/// the residual is matched to the resonance, and what it holds at even angles is added up with its phase, for
+/// every order and phase of the impulses. Works while the speed changes, when a resonance wanders through the
+/// harmonics and no spectrum over angle shows them. First record only.
 /// @param sidebands  impulses that change so many times a turn count with what they change by; 0 for even
 ///                   ones.
 /// @param allowed    says which orders count.

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "analysis/diagnosis/vibration/families.h"
-#include "analysis/diagnosis/vibration/ring_match.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -43,7 +43,7 @@ VibrationTerm WithImpacts(VibrationTerm term, const std::vector<Impact>& impacts
   return term;
 }
 
-// Adds impacts, loudest first, as long as they pay; refines for so many rounds after each.
+// Adds impacts, largest first, as long as they pay; refines for so many rounds after each.
 TermFit AddTransients(const VibrationResidual& residual, TermFit solution, int rounds) {
   const VibrationRun& run = residual.samples().runs.front();
   while (ImpactCount(solution.term) < kMostTransients) {
@@ -55,7 +55,7 @@ TermFit AddTransients(const VibrationResidual& residual, TermFit solution, int r
     for (const TermFit::Channel& channel : solution.channels) {
       gains.push_back(channel.coefficients.size() == 0 ? 0.0 : channel.coefficients(0));
     }
-    const Transient transient = LoudestTransient(
+    const Transient transient = LargestTransient(
         SideBySide(run, {left.data(), static_cast<std::size_t>(left.size())}, residual.solver().weights()),
         frequency_Hz, damping, gains);
     if (!(transient.drop > kLeastTransient * solution.variance())) break;
@@ -112,7 +112,7 @@ std::vector<double> FindExcitedFrequencies(const VibrationResidual& residual, do
   const double variance = residual.base().variance();
   const double highest = std::min(highest_Hz, 0.97 * samples.highest_Hz());
   std::vector<std::pair<double, double>> excited;  // power, frequency
-  // A ring has to die away within the record.
+  // A response has to die away within the record.
   for (double frequency_Hz = std::max(lowest_Hz, 1.0 / (kScanDamping * run.span_s())); frequency_Hz < highest;
        frequency_Hz *= kNextFrequency) {
     const double power =
@@ -143,7 +143,7 @@ std::optional<TermFit> SearchTransients(const VibrationResidual& residual, std::
       term.cause = index;
       term.form = VibrationForm::kTransients;
       term.observable.assign(samples.channels(), 1);
-      const Transient transient = LoudestTransient(residual.side_by_side(0), share * frequency_Hz, damping);
+      const Transient transient = LargestTransient(residual.side_by_side(0), share * frequency_Hz, damping);
       if (transient.drop < kLeastTransient * residual.base().variance()) continue;
       term.nonlinear_parameters = {share * frequency_Hz, damping, run.time_s[transient.sample]};
       firsts.emplace_back(transient.drop, std::move(term));

@@ -13,12 +13,12 @@ namespace strainwave::analysis::diagnosis {
 /// 0 for a term that is no impacts.
 std::size_t ImpactCount(const VibrationTerm& term);
 
-/// Frequencies between two at which impacts ring loudest, all that there are in a record together; the
-/// loudest first. One record only.
+/// Frequencies between two at which the responses to impacts are largest, all that there are in a record
+/// together; the largest first. One record only.
 std::vector<double> FindExcitedFrequencies(const VibrationResidual& residual, double lowest_Hz,
                                            double highest_Hz, std::size_t count);
 
-/// Impacts that let a resonance about a frequency ring; nothing where none is loud enough.
+/// Impacts that excite a resonance about a frequency; nothing where none is large enough.
 std::optional<TermFit> SearchTransients(const VibrationResidual& residual, std::size_t index,
                                         double frequency_Hz);
 

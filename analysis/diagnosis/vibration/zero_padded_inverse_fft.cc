@@ -60,23 +60,23 @@ void FirstPass(const float* __restrict real, const float* __restrict imaginary, 
 
 }  // namespace
 
-void ZeroPaddedInverseFft::Clear(std::size_t places) {
-  places_ = places;
-  real_.assign(places * kLists, 0.0F);
-  imaginary_.assign(places * kLists, 0.0F);
-  next_real_.resize(places * kLists);
-  next_imaginary_.resize(places * kLists);
-  if (turned_ == places) return;
-  turned_ = places;
+void ZeroPaddedInverseFft::Clear(std::size_t points) {
+  points_ = points;
+  real_.assign(points * kLists, 0.0F);
+  imaginary_.assign(points * kLists, 0.0F);
+  next_real_.resize(points * kLists);
+  next_imaginary_.resize(points * kLists);
+  if (turned_ == points) return;
+  turned_ = points;
   directions_.clear();
-  for (std::size_t p = 0; p < std::max<std::size_t>(1, places / 2); ++p) {
-    directions_.emplace_back(std::polar(1.0, kTwoPi * static_cast<double>(p) / static_cast<double>(places)));
+  for (std::size_t p = 0; p < std::max<std::size_t>(1, points / 2); ++p) {
+    directions_.emplace_back(std::polar(1.0, kTwoPi * static_cast<double>(p) / static_cast<double>(points)));
   }
 }
 
 void ZeroPaddedInverseFft::Sum() {
   std::size_t block = kLists;
-  for (std::size_t half = places_ / 2; half > 0; half /= 2, block *= 2) {
+  for (std::size_t half = points_ / 2; half > 0; half /= 2, block *= 2) {
     if (block == kLists) {
       FirstPass(real_.data(), imaginary_.data(), next_real_.data(), next_imaginary_.data(),
                 directions_.data(), half);

@@ -7,18 +7,18 @@
 
 namespace strainwave::analysis::diagnosis {
 
-/// Several lists of lines, each summed with the phases of even places: ∑ₖ lineₖ exp(2πi k p / places) for
-/// every place p, by a fast transform that has the lists side by side in vectors.
+/// Several lists of lines, each summed with the phases of even points: ∑ₖ lineₖ exp(2πi k p / points) for
+/// every point p, by a fast transform that has the lists side by side in vectors.
 class ZeroPaddedInverseFft {
  public:
   static constexpr std::size_t kLists = 8;
 
   /// All lines zero.
-  /// @param places  a power of two
-  void Clear(std::size_t places);
-  std::size_t places() const { return places_; }
+  /// @param points  a power of two
+  void Clear(std::size_t points);
+  std::size_t points() const { return points_; }
 
-  /// @param k  below half the places, or zero
+  /// @param k  below half the points, or zero
   void Set(std::size_t list, std::size_t k, std::complex<float> line) {
     real_[k * kLists + list] = line.real();
     imaginary_[k * kLists + list] = line.imag();
@@ -27,13 +27,13 @@ class ZeroPaddedInverseFft {
   /// The sums take the place of the lines.
   void Sum();
 
-  /// By place, then by list.
+  /// By point, then by list.
   const std::vector<float>& real() const { return real_; }
   const std::vector<float>& imaginary() const { return imaginary_; }
 
  private:
-  std::size_t places_{};
-  std::size_t turned_{};  // places that the directions are for
+  std::size_t points_{};
+  std::size_t turned_{};  // points that the directions are for
   std::vector<std::complex<float>> directions_;
   std::vector<float> real_;
   std::vector<float> imaginary_;

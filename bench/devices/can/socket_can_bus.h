@@ -49,8 +49,8 @@ struct SocketCanSettings {
 class SocketCanBus final : public CanBus {
  public:
   /// @throws std::system_error when the kernel has no CAN, when there is no such interface, when it is down,
-  /// and
-  ///   when it is none of CAN, each with words on what to do; std::invalid_argument for queues of no frame.
+  ///   and when it is none of CAN, each with words on what to do; std::invalid_argument for queues of no
+  ///   frame.
   explicit SocketCanBus(const SocketCanSettings& settings);
   ~SocketCanBus() override;
 

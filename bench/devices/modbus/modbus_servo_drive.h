@@ -29,8 +29,8 @@ struct ModbusServoCommand {
 /// A servo drive on Modbus, in speed or torque mode. What is written is the newest command and never a queue:
 /// after a stop there is no older set point that could still be sent.
 ///
-/// Off is the state at the start, after every connection, after a fault and whenever this program is in
-/// doubt; only a new `Enable` leads out of it, and only after one the brake can be released. The drive is
+/// Off is the state at the start, after every connection, after a fault and whenever its state is
+/// uncertain; only a new `Enable` leads out of it, and only after one the brake can be released. The drive is
 /// stopped (torque off, then brake on)
 /// - when it is asked to be, at once;
 /// - when nobody has called this object for `patience`: the control loop hangs;

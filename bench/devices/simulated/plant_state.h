@@ -9,7 +9,7 @@
 
 namespace strainwave::bench {
 
-/// Everything that the plant remembers. Trivially copyable: it is what a power cut leaves behind.
+/// The whole state of the plant. Trivially copyable: it is what a power cut leaves behind.
 struct PlantState {
   double time_s{};  // simulated, since the bench was new
   // Motion. Positive is clockwise seen from the output; input angle / ratio runs with the output angle.

@@ -11,9 +11,9 @@ namespace strainwave::bench {
 struct Resonator {
   double a1{}, a2{}, gain{};
   double y1{}, y2{};
-  double strike{};  // for which a blow of one rings as e^(−ζωt) sin ωt
+  double strike{};  // for which an impulse of one rings as e^(−ζωt) sin ωt
 
-  /// A mode above the band is not heard.
+  /// A mode above the band is not observable.
   void Tune(double frequency_Hz, double damping, double sample_rate_hz) noexcept {
     if (frequency_Hz >= 0.45 * sample_rate_hz) {
       gain = strike = 0.0;
@@ -30,8 +30,8 @@ struct Resonator {
 
   /// The next sample under white noise of variance one: of variance one, too.
   double Driven(double noise) noexcept { return Step(gain * noise); }
-  /// The next sample after a blow; a blow of one rings as e^(−ζωt) sin ωt.
-  double Struck(double blow) noexcept { return Step(strike * blow); }
+  /// The next sample after an impulse; an impulse of one rings as e^(−ζωt) sin ωt.
+  double Struck(double impulse) noexcept { return Step(strike * impulse); }
 
  private:
   double Step(double push) noexcept {

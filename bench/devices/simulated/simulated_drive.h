@@ -12,8 +12,7 @@ namespace strainwave::bench {
 class SimulatedDrive final : public ServoDrive {
  public:
   /// @param has_position_mode  without it, as the load servo is: asked for a position, it stays below
-  /// operation
-  ///   enabled.
+  ///   operation enabled.
   explicit SimulatedDrive(bool has_position_mode) : has_position_mode_(has_position_mode) {}
 
   void Enable(DriveMode mode) noexcept override;

@@ -29,7 +29,7 @@ class VibrationCauseSynthesis {
   Sample Next(double input_rad, double speed_rad_per_s) noexcept;
 
  private:
-  // A mode that gets a blow at each passing.
+  // A mode that gets an impulse at each passing.
   struct Passings {
     Resonator mode;
     bool started{};

@@ -47,8 +47,7 @@ class DeviceSide {
  public:
   /// @param buses  an end for each drive of a CAN device, in the order driving, load.
   /// @throws std::system_error for an address that cannot be had, BenchFileError for files that cannot be
-  /// used,
-  ///   std::invalid_argument for a device that this side cannot be.
+  ///   used, std::invalid_argument for a device that this side cannot be.
   DeviceSide(const BenchDescription& bench, const analysis::model::PlantModel& model, DeviceSideBuses buses);
   DeviceSide(const DeviceSide&) = delete;
   DeviceSide& operator=(const DeviceSide&) = delete;

@@ -40,7 +40,7 @@ class ModbusServoModel {
 
   /// Has `motor` do what was written, and takes what that does for what is actual: once a step of the motor.
   /// @param reducer_ratio  turns of the shaft that the registers speak of for one of the motor's
-  /// `ServoDrive`.
+  ///   `ServoDrive`.
   void Turn(ServoDrive& motor, double reducer_ratio, std::chrono::nanoseconds now);
 
   void set_watchdog(Watchdog watchdog);

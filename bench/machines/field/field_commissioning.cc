@@ -86,23 +86,23 @@ const MeasuredStop* FieldMachine::StopOf(const std::string& servo) const {
   return found == stops_.end() ? nullptr : &*found;
 }
 
-std::vector<BenchMachine::Doubt> FieldMachine::Doubts() const {
-  std::vector<Doubt> doubts;
+std::vector<BenchMachine::Finding> FieldMachine::Findings() const {
+  std::vector<Finding> findings;
   for (const auto& [name, key] : kServos) {
     const auto identity = identities_.find(name);
     const StopTimeFinding finding = JudgeStopTime(
         key, StopOf(key), identity == identities_.end() ? "" : identity->second, bench_.longest_stop_s);
-    if (!finding.words.empty()) doubts.push_back({finding.refuses, finding.words});
+    if (!finding.words.empty()) findings.push_back({finding.refuses, finding.words});
   }
   for (const auto& [profile, notes] : eds_notes_) {
     const std::size_t shown = std::min(notes.size(), kMostEdsNotes);
-    for (std::size_t i = 0; i < shown; ++i) doubts.push_back({false, notes[i]});
+    for (std::size_t i = 0; i < shown; ++i) findings.push_back({false, notes[i]});
     if (notes.size() > shown) {
-      doubts.push_back({false, fmt::format("{}: and {} more notes about its EDS file", profile.string(),
-                                           notes.size() - shown)});
+      findings.push_back({false, fmt::format("{}: and {} more notes about its EDS file", profile.string(),
+                                             notes.size() - shown)});
     }
   }
-  return doubts;
+  return findings;
 }
 
 std::vector<MeasuredStop> FieldMachine::MeasureStopTime(double input_speed_rad_per_s,

@@ -69,7 +69,7 @@ class FieldMachine final : public BenchMachine {
   std::string AwaitValues(const std::function<bool()>& given_up) override;
   std::string MissingForStart() const override;
   bool StartKeyHeld() const override;
-  std::vector<Doubt> Doubts() const override;
+  std::vector<Finding> Findings() const override;
   std::vector<std::string> TakeNotes() override;
   void TakePicture(const std::filesystem::path& file) override;
   void LogBuses(const std::filesystem::path& folder) override;

@@ -43,8 +43,7 @@ class IioSource : public SampleSource {
   ~IioSource() override;
 
   /// @throws std::system_error if there is no such context, device or channel, a channel has no counts of at
-  /// most
-  ///   32 bits, no rate can be read, or no buffer can be made; `what()` says which.
+  ///   most 32 bits, no rate can be read, or no buffer can be made; `what()` says which.
   void Start() override;
   void Stop() noexcept override;
   NextResult Next(SampleBlock& block, std::chrono::nanoseconds patience) override;

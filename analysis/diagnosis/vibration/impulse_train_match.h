@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "analysis/diagnosis/phasors.h"
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/impulse_train.h"
 #include "analysis/diagnosis/vibration/samples.h"
 
-/// Where rings, and trains of them, explain most of a residual.
+/// Where decaying responses, and trains of them, explain most of a residual.
 namespace strainwave::analysis::diagnosis {
 
 /// The largest whole number that is not above one: the library's is a call for every sample, where the
@@ -61,13 +61,13 @@ using InCommon = std::array<double, 2 * SideBySide::kTogether>;
 
 /// A segment of samples, from the last one to the first: common = common · step + value.
 /// @param common  gets what each sample has; the last one's goes on from `state`, which becomes the first
-/// one's
+///   one's
 void FilterBackwards(const double* values, std::size_t samples, std::complex<double> step, InCommon& state,
                      InCommon* common);
 
-/// What a ring that begins at a sample has in common with the residual from there on, for every sample from
-/// the last to the first.
-/// @param step  what the ring is turned and damped by from sample to sample
+/// What a response that begins at a sample has in common with the residual from there on, for every sample
+/// from the last to the first.
+/// @param step  what the response is turned and damped by from sample to sample
 /// @param take  (first of the channels, sample, in common)
 template <typename Take>
 void MatchBackwards(const SideBySide& residual, std::complex<double> step, const Take& take) {
@@ -85,33 +85,34 @@ void MatchBackwards(const SideBySide& residual, std::complex<double> step, const
   }
 }
 
-/// Sample of one run at which a ring of this frequency and damping explains most of a residual, all channels
-/// together, the drop of the sum of squares that it brings, and its height in units of the gains.
+/// Sample of one run at which a response of this frequency and damping explains most of a residual, all
+/// channels together, the drop of the sum of squares that it brings, and its height in units of the gains.
 struct Transient {
   std::size_t sample{};
   double drop{};
   double height{1.0};
 };
 /// @param gains  of the channels, where they are known; each has its own where this is empty.
-Transient LoudestTransient(const SideBySide& residual, double ring_Hz, double damping_ratio,
+Transient LargestTransient(const SideBySide& residual, double resonance_Hz, double damping_ratio,
                            std::span<const double> gains = {});
 
-/// How far the drops that rings of this frequency and damping bring exceed one, added up: the largest in each
-/// time in which a ring dies away.
-double TransientPower(const SideBySide& residual, double ring_Hz, double damping_ratio, double least);
+/// How far the drops that responses of this frequency and damping bring exceed one, added up: the largest in
+/// each time in which a response dies away.
+double TransientPower(const SideBySide& residual, double resonance_Hz, double damping_ratio, double least);
 
-/// A train at its best place.
+/// A train at its best phase.
 struct TrainMatch {
   double power{};   // half the drop of the sum of squares that it brings, in variances of the noise
-  double phase{};   // as RingTrain has it
+  double phase{};   // as ImpulseTrain has it
   double cosine{};  // of the modulation
   double sine{};
 };
 
-/// The place at which a train of this order, ring and damping explains most of a residual of one run, over
-/// its channels together, with the size of a change of its impulses.
+/// The phase at which a train of this order, resonance and damping explains most of a residual of one run,
+/// over its channels together, with the size of a change of its impulses.
 /// @param sideband  order of the change; 0 for even impulses
 /// @param variance  of the noise
-TrainMatch MatchTrain(const SideBySide& residual, const RingTrain& train, double sideband, double variance);
+TrainMatch MatchTrain(const SideBySide& residual, const ImpulseTrain& train, double sideband,
+                      double variance);
 
 }  // namespace strainwave::analysis::diagnosis

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/vibration/ring.h"
+#include "analysis/diagnosis/vibration/impulse_train.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,13 +15,13 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-Complex PoleOf(const RingTrain& train) { return RingPole(train.ring_Hz, train.damping_ratio); }
+Complex PoleOf(const ImpulseTrain& train) { return ResonancePole(train.resonance_Hz, train.damping_ratio); }
 
-// What a ring is turned and damped by from sample to sample. Steps are even but for the last digit of their
-// time stamps, for which a few powers do.
-class RingStep {
+// What a response is turned and damped by from sample to sample. Steps are even but for the last digit of
+// their time stamps, for which a few powers do.
+class PoleStep {
  public:
-  RingStep(Complex pole, double period_s)
+  PoleStep(Complex pole, double period_s)
       : pole_(pole), period_s_(period_s), even_(std::exp(pole * period_s)) {}
 
   Complex operator()(double step_s) const {
@@ -41,18 +41,18 @@ class RingStep {
   Complex even_;
 };
 
-double Impulses(const VibrationRun& run, const RingTrain& train, std::size_t sample) {
+double Impulses(const VibrationRun& run, const ImpulseTrain& train, std::size_t sample) {
   return (run.angle_rad[sample] - 0.5 * run.angle_rad.back()) * train.order / kTwoPi - train.phase;
 }
 
 }  // namespace
 
-Complex RingPole(double ring_Hz, double damping_ratio) {
-  const double natural = kTwoPi * ring_Hz;
+Complex ResonancePole(double resonance_Hz, double damping_ratio) {
+  const double natural = kTwoPi * resonance_Hz;
   return {-damping_ratio * natural, natural * std::sqrt(std::max(0.0, 1.0 - damping_ratio * damping_ratio))};
 }
 
-double RingTrain::SlipOf(double impulse) const {
+double ImpulseTrain::SlipOf(double impulse) const {
   if (slips.empty()) return 0.0;
   const auto last = static_cast<double>(slips.size() - 1);
   return slips[static_cast<std::size_t>(std::clamp(impulse + std::floor(0.5 * last), 0.0, last))];
@@ -60,33 +60,34 @@ double RingTrain::SlipOf(double impulse) const {
 
 namespace {
 
-// An impulse as a sample behind it hears it.
+// An impulse as it is observable at a sample behind it.
 struct ObservableImpulse {
   double angle_rad{};
   double speed_rad_per_s{};
   double since_s{};
-  Complex left{};  // of its ring
+  Complex left{};  // of its response
 };
 
 // Goes through a run with the impulses of a train.
 // @param add      takes the impulses that came since the last sample, or before the record
-// @param advance  takes a step of time from sample to sample, and what a ring is turned and damped by in it
+// @param advance  takes a step of time from sample to sample, and by what a response is turned and damped in
+//   it
 // @param take     takes the sample
 template <typename Add, typename Advance, typename Take>
-void GoThrough(const VibrationRun& run, const RingTrain& train, const Add& add, const Advance& advance,
+void GoThrough(const VibrationRun& run, const ImpulseTrain& train, const Add& add, const Advance& advance,
                const Take& take) {
   const Complex pole = PoleOf(train);
-  const RingStep step(pole, run.period_s);
+  const PoleStep step(pole, run.period_s);
   // What rang before the record began: the train goes on backwards at the first speed until it has died away.
   const double first_speed = std::max(run.speed_rad_per_s.front(), 1e-9);
   const double apart_s = kTwoPi / (train.order * first_speed);
   const double begin = Impulses(run, train, 0);
-  const auto place_of = [&train](double impulse) { return impulse + train.SlipOf(impulse); };
+  const auto position_of = [&train](double impulse) { return impulse + train.SlipOf(impulse); };
   double next = std::floor(begin) + 1.0;
-  while (place_of(next) <= begin) next += 1.0;
-  while (place_of(next - 1.0) > begin) next -= 1.0;
+  while (position_of(next) <= begin) next += 1.0;
+  while (position_of(next - 1.0) > begin) next -= 1.0;
   for (int back = 1; back <= 200; ++back) {
-    const double since_s = (begin - place_of(next - back)) * apart_s;
+    const double since_s = (begin - position_of(next - back)) * apart_s;
     const Complex left = std::exp(pole * since_s);
     if (std::norm(left) < 1e-8) break;
     add(ObservableImpulse{run.angle_rad.front() - since_s * first_speed, first_speed, since_s, left});
@@ -98,10 +99,10 @@ void GoThrough(const VibrationRun& run, const RingTrain& train, const Add& add, 
     const double step_s = run.time_s[i] - run.time_s[i - 1];
     advance(step_s, step(step_s));
     const double here = per_angle * run.angle_rad[i] - offset;
-    for (; place_of(next) <= here; next += 1.0) {
+    for (; position_of(next) <= here; next += 1.0) {
       const double turned_rad = run.angle_rad[i] - run.angle_rad[i - 1];
       const double before = per_angle * run.angle_rad[i - 1] - offset;
-      const double share = (place_of(next) - before) / (here - before);
+      const double share = (position_of(next) - before) / (here - before);
       const double since_s = (1.0 - share) * step_s;
       add(ObservableImpulse{run.angle_rad[i - 1] + share * turned_rad, turned_rad / std::max(step_s, 1e-300),
                             since_s, std::exp(pole * since_s)});
@@ -115,7 +116,7 @@ struct ImpulseHeight {
   double height{1.0};
   double slope_per_rad{};
 };
-ImpulseHeight HeightAt(const RingTrain& train, double angle_rad) {
+ImpulseHeight HeightAt(const ImpulseTrain& train, double angle_rad) {
   ImpulseHeight at;
   for (const auto& [order, cosine, sine] : train.modulations) {
     const double c = std::cos(order * angle_rad);
@@ -128,7 +129,7 @@ ImpulseHeight HeightAt(const RingTrain& train, double angle_rad) {
 
 }  // namespace
 
-Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
+Eigen::VectorXd ImpulseTrainColumn(const VibrationRun& run, const ImpulseTrain& train) {
   Eigen::VectorXd column(static_cast<Index>(run.size()));
   Complex state;
   GoThrough(
@@ -141,15 +142,15 @@ Eigen::VectorXd RingColumn(const VibrationRun& run, const RingTrain& train) {
   return column;
 }
 
-Eigen::MatrixXd RingSlopes(const VibrationRun& run, const RingTrain& train) {
+Eigen::MatrixXd ImpulseTrainSlopes(const VibrationRun& run, const ImpulseTrain& train) {
   const std::size_t changes = train.modulations.size();
   const Complex pole = PoleOf(train);
-  const double natural = kTwoPi * train.ring_Hz;
+  const double natural = kTwoPi * train.resonance_Hz;
   const double root = std::sqrt(std::max(1e-12, 1.0 - train.damping_ratio * train.damping_ratio));
   const Complex pole_by_damping{-natural, -natural * train.damping_ratio / root};
   const double middle_rad = 0.5 * run.angle_rad.back();
-  // The rings, and the rings times their age: those turn and damp by another pole.
-  Complex rings;
+  // The responses, and the responses times their age: those turn and damp by another pole.
+  Complex responses;
   Complex aged;
   // Impulses that come at another time, by order and by phase, then their changes.
   std::vector<Complex> states(2 + 2 * changes);
@@ -158,7 +159,7 @@ Eigen::MatrixXd RingSlopes(const VibrationRun& run, const RingTrain& train) {
       run, train,
       [&](const ObservableImpulse& impulse) {
         const ImpulseHeight at = HeightAt(train, impulse.angle_rad);
-        rings += at.height * impulse.left;
+        responses += at.height * impulse.left;
         aged += at.height * impulse.since_s * impulse.left;
         const Complex by_angle =
             (at.slope_per_rad - pole * at.height / impulse.speed_rad_per_s) * impulse.left;
@@ -171,14 +172,14 @@ Eigen::MatrixXd RingSlopes(const VibrationRun& run, const RingTrain& train) {
         }
       },
       [&](double step_s, Complex step) {
-        aged = Product(aged + step_s * rings, step);
-        rings = Product(rings, step);
+        aged = Product(aged + step_s * responses, step);
+        responses = Product(responses, step);
         for (Complex& state : states) state = Product(state, step);
       },
       [&](std::size_t i) {
         auto row = slopes.row(static_cast<Index>(i));
         row(0) = states[0].imag();
-        row(1) = Product(pole / train.ring_Hz, aged).imag();
+        row(1) = Product(pole / train.resonance_Hz, aged).imag();
         row(2) = Product(pole_by_damping, aged).imag();
         for (std::size_t m = 0; m < 2 * changes; ++m) row(static_cast<Index>(3 + m)) = states[2 + m].imag();
         row(static_cast<Index>(3 + 2 * changes)) = states[1].imag();
@@ -186,11 +187,11 @@ Eigen::MatrixXd RingSlopes(const VibrationRun& run, const RingTrain& train) {
   return slopes;
 }
 
-void AddTransient(const VibrationRun& run, double ring_Hz, double damping_ratio, double start_s,
+void AddTransient(const VibrationRun& run, double resonance_Hz, double damping_ratio, double start_s,
                   double height, Eigen::Ref<Eigen::VectorXd> column) {
-  const Complex pole = RingPole(ring_Hz, damping_ratio);
+  const Complex pole = ResonancePole(resonance_Hz, damping_ratio);
   const auto first = std::lower_bound(run.time_s.begin(), run.time_s.end(), start_s) - run.time_s.begin();
-  const RingStep step(pole, run.period_s);
+  const PoleStep step(pole, run.period_s);
   Complex state = 1.0;
   double before_s = start_s;
   for (auto i = static_cast<std::size_t>(first); i < run.size() && std::norm(state) > 1e-8; ++i) {
@@ -200,8 +201,8 @@ void AddTransient(const VibrationRun& run, double ring_Hz, double damping_ratio,
   }
 }
 
-Impact OneOf(const Impact& first, const Impact& second, double ring_Hz, double damping_ratio) {
-  const Complex pole = RingPole(ring_Hz, damping_ratio);
+Impact OneOf(const Impact& first, const Impact& second, double resonance_Hz, double damping_ratio) {
+  const Complex pole = ResonancePole(resonance_Hz, damping_ratio);
   // Size and phase at the start of the first; the sign makes up for half a turn of the phase.
   const Complex sum = first.height + second.height * std::exp(pole * (first.start_s - second.start_s));
   const double sign = sum.real() < 0.0 ? -1.0 : 1.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/diagnosis/vibration/ring_match.h"
+#include "analysis/diagnosis/vibration/impulse_train_match.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,9 +18,9 @@ constexpr double kLeastOverlap = 0.05;
 using Few = double __attribute__((vector_size(32), aligned(8), may_alias));
 static_assert(sizeof(Few) == sizeof(double[SideBySide::kTogether]));
 
-// What a ring that starts at each sample has in common with a residual: squares, summed over the channels, or
-// where their gains are known the common amplitude.
-std::vector<double> MatchRing(const SideBySide& residual, Complex step, std::span<const double> gains) {
+// What a response that starts at each sample has in common with a residual: squares, summed over the
+// channels, or where their gains are known the common amplitude.
+std::vector<double> MatchRinging(const SideBySide& residual, Complex step, std::span<const double> gains) {
   std::vector<double> matched(residual.run().size(), 0.0);
   if (gains.empty()) {
     MatchBackwards(residual, step, [&](std::size_t, std::size_t i, const InCommon& common) {
@@ -37,8 +37,8 @@ std::vector<double> MatchRing(const SideBySide& residual, Complex step, std::spa
   return matched;
 }
 
-// A ring's sine has half of the energy 1 / (1 − |step|²).
-double RingEnergy(Complex step) { return 0.5 / (1.0 - std::norm(step)); }
+// A response's sine has half of the energy 1 / (1 − |step|²).
+double RingingEnergy(Complex step) { return 0.5 / (1.0 - std::norm(step)); }
 
 }  // namespace
 
@@ -72,11 +72,11 @@ void FilterBackwards(const double* values, std::size_t samples, Complex step, In
   ends[1] = imaginary;
 }
 
-Transient LoudestTransient(const SideBySide& residual, double ring_Hz, double damping_ratio,
+Transient LargestTransient(const SideBySide& residual, double resonance_Hz, double damping_ratio,
                            std::span<const double> gains) {
-  const Complex step = std::exp(RingPole(ring_Hz, damping_ratio) * residual.run().period_s);
-  const std::vector<double> matched = MatchRing(residual, step, gains);
-  const double energy = RingEnergy(step);
+  const Complex step = std::exp(ResonancePole(resonance_Hz, damping_ratio) * residual.run().period_s);
+  const std::vector<double> matched = MatchRinging(residual, step, gains);
+  const double energy = RingingEnergy(step);
   const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
   const auto best = std::max_element(matched.begin(), matched.end(), size);
   const auto sample = static_cast<std::size_t>(best - matched.begin());
@@ -87,12 +87,12 @@ Transient LoudestTransient(const SideBySide& residual, double ring_Hz, double da
   return {sample, height * *best, height};
 }
 
-double TransientPower(const SideBySide& residual, double ring_Hz, double damping_ratio, double least) {
-  const Complex pole = RingPole(ring_Hz, damping_ratio);
+double TransientPower(const SideBySide& residual, double resonance_Hz, double damping_ratio, double least) {
+  const Complex pole = ResonancePole(resonance_Hz, damping_ratio);
   const double period_s = residual.run().period_s;
   const Complex step = std::exp(pole * period_s);
-  const std::vector<double> matched = MatchRing(residual, step, {});
-  const double energy = RingEnergy(step);
+  const std::vector<double> matched = MatchRinging(residual, step, {});
+  const double energy = RingingEnergy(step);
   const auto window = static_cast<std::size_t>(std::max(1.0, -1.0 / (pole.real() * period_s)));
   double power = 0.0;
   for (std::size_t from = 0; from < matched.size(); from += window) {
@@ -129,41 +129,42 @@ void Add(const InCommon& values, InCommon& sum) {
   for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += values[c];
 }
 
-// Power of what noise leaves in the sum over a train's impulses, beside that of as many which do not ring
-// into one another, each turned by where it stands on `side` turns of the angle.
-double OverlapOf(const VibrationRun& run, const RingTrain& train, double side) {
-  constexpr int kPlaces = 16;
+// Power of what noise leaves in the sum over a train's impulses, beside that of as many whose responses do
+// not overlap, each turned by where it stands on `side` turns of the angle.
+double OverlapOf(const VibrationRun& run, const ImpulseTrain& train, double side) {
+  constexpr int kPoints = 16;
   const Complex turn = std::polar(1.0, kTwoPi * side / train.order);
   double sum = 0.0;
-  for (int p = 0; p < kPlaces; ++p) {
-    const std::size_t i = (2 * static_cast<std::size_t>(p) + 1) * run.size() / (2 * kPlaces);
+  for (int p = 0; p < kPoints; ++p) {
+    const std::size_t i = (2 * static_cast<std::size_t>(p) + 1) * run.size() / (2 * kPoints);
     const double apart_s = kTwoPi / (train.order * std::max(run.speed_rad_per_s[i], 1e-9));
-    const Complex left = turn * std::exp(RingPole(train.ring_Hz, train.damping_ratio) * apart_s);
-    sum += ((1.0 + left) / (1.0 - left)).real() / kPlaces;
+    const Complex left = turn * std::exp(ResonancePole(train.resonance_Hz, train.damping_ratio) * apart_s);
+    sum += ((1.0 + left) / (1.0 - left)).real() / kPoints;
   }
   return std::max(kLeastOverlap, sum);
 }
 
 }  // namespace
 
-TrainMatch MatchTrain(const SideBySide& residual, const RingTrain& train, double sideband, double variance) {
+TrainMatch MatchTrain(const SideBySide& residual, const ImpulseTrain& train, double sideband,
+                      double variance) {
   const VibrationRun& run = residual.run();
-  // What a ring that starts at a sample has in common with the residual behind it: a filter that runs
-  // backwards. Turned to where the ring would be in the middle of a bin of the impulse's period, the samples
-  // of one bin add up.
+  // What a response that starts at a sample has in common with the residual behind it: a filter that runs
+  // backwards. Turned to where the response would be in the middle of a bin of the impulse's period, the
+  // samples of one bin add up.
   const std::size_t n = run.size();
   const std::size_t channels = run.channels.size();
-  const Complex pole = RingPole(train.ring_Hz, train.damping_ratio);
+  const Complex pole = ResonancePole(train.resonance_Hz, train.damping_ratio);
   const Complex step = std::exp(pole * run.period_s);
   const double impulses = train.order * run.turns;
-  const double ring_turns = train.ring_Hz * run.span_s() / impulses;
+  const double resonance_turns = train.resonance_Hz * run.span_s() / impulses;
   const auto most = static_cast<std::size_t>(std::max(4.0, static_cast<double>(n) / impulses));
   const auto bins = std::clamp<std::size_t>(
-      static_cast<std::size_t>(kBinsPerDecay * kTwoPi * train.damping_ratio * ring_turns), 4, most);
+      static_cast<std::size_t>(kBinsPerDecay * kTwoPi * train.damping_ratio * resonance_turns), 4, most);
   const Directions& directions = Directions::Table();
   const double per_angle = train.order / kTwoPi;
   const double middle = 0.5 * run.angle_rad.back();
-  const double ring_turns_per_s = pole.imag() / kTwoPi;
+  const double resonance_turns_per_s = pole.imag() / kTwoPi;
   const double share_of_bin = 1.0 / static_cast<double>(bins);
   // By group of channels, then by bin.
   std::vector<InCommon> plain(bins * residual.groups());
@@ -176,7 +177,7 @@ TrainMatch MatchTrain(const SideBySide& residual, const RingTrain& train, double
     const double off = (share - static_cast<double>(own) - 0.5) * share_of_bin;
     const double since_s = off / (per_angle * std::max(run.speed_rad_per_s[i], 1e-9));
     const std::size_t bin = first / SideBySide::kTogether * bins + own;
-    const InCommon value = Turned(common, directions.After(ring_turns_per_s * since_s - 0.25));
+    const InCommon value = Turned(common, directions.After(resonance_turns_per_s * since_s - 0.25));
     Add(value, plain[bin]);
     if (!(sideband > 0.0)) return;
     const Complex slow = directions.After(-sideband / kTwoPi * run.angle_rad[i]);
@@ -206,7 +207,8 @@ TrainMatch MatchTrain(const SideBySide& residual, const RingTrain& train, double
     if (sideband <= 0.0 && power <= best.power) continue;
     const double phase = 0.5 * std::arg(square);
     TrainMatch match{power, 0.0, 0.0, 0.0};
-    match.phase = (static_cast<double>(b) + 0.5) / static_cast<double>(bins) + phase / (kTwoPi * ring_turns);
+    match.phase =
+        (static_cast<double>(b) + 0.5) / static_cast<double>(bins) + phase / (kTwoPi * resonance_turns);
     if (sideband > 0.0) {
       const Complex back = std::polar(1.0, -phase);
       Complex above{};

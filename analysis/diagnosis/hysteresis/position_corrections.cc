@@ -16,13 +16,13 @@ constexpr std::size_t kStarts = 3;        // of either form
 constexpr double kNarrowest = 1 / 150.0;  // of the way from end to end
 constexpr double kWidest = 0.3;
 
-// Something that the twist does at one place of its way, each time it comes by: a bell, or a step to another
-// level beyond it. Over the torque, or over the output angle, where both branches have it as they are and not
-// friction apart. Numbers: 0 for a bell, 1 for a step; height; centre; full width, of the bell at half its
-// height, of the step from a twentieth to nineteen of them.
-class Place final : public LoopEffect {
+// Something that the twist does at one position of its path, each time it comes by: a bell, or a step to
+// another level beyond it. Over the torque, or over the output angle, where both branches have it as they are
+// and not friction apart. Numbers: 0 for a bell, 1 for a step; height; centre; full width, of the bell at
+// half its height, of the step from a twentieth to nineteen of them.
+class PositionWindow final : public LoopEffect {
  public:
-  Place(const LoopRecords& records, bool over_torque) : over_torque_(over_torque) {
+  PositionWindow(const LoopRecords& records, bool over_torque) : over_torque_(over_torque) {
     const double most = ArcminFromRad(records.twist_range_rad);
     const double half = over_torque ? records.peak_torque_Nm : records.twist_range_rad;
     span_ = over_torque ? 2.0 * half : half;
@@ -48,9 +48,9 @@ class Place final : public LoopEffect {
            Eigen::VectorXd& total_rad) const override {
     const double height_rad = RadFromArcmin(v[1]);
     const bool step = v[0] > 0.5;
-    const std::vector<double>& places = PlacesOf(grid);
+    const std::vector<double>& positions = PositionsOf(grid);
     for (std::size_t i = 0; i < grid.size(); ++i) {
-      const double x = 2.0 * (places[i] - v[2]) / v[3];
+      const double x = 2.0 * (positions[i] - v[2]) / v[3];
       total_rad(static_cast<Eigen::Index>(i)) += height_rad * (step ? Step(x) : Bell(x));
     }
   }
@@ -84,14 +84,14 @@ class Place final : public LoopEffect {
   }
 
   std::vector<std::vector<double>> Starts(const LoopResidual& residual) const override {
-    const std::vector<double>& places = PlacesOf(residual.grid);
+    const std::vector<double>& positions = PositionsOf(residual.grid);
     std::vector<std::vector<double>> starts;
-    for (const WindowPeak& peak : FindWindows(places, residual.residual_rad, residual.grid.weight,
+    for (const WindowPeak& peak : FindWindows(positions, residual.residual_rad, residual.grid.weight,
                                               kNarrowest * span_, kWidest * span_, kStarts))
       starts.push_back({0.0, 0.0, peak.centre, peak.width});
-    std::vector<std::size_t> order(places.size());
+    std::vector<std::size_t> order(positions.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return places[i]; });
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return positions[i]; });
     std::vector<double> weights;
     std::vector<double> in_order_rad;
     for (const std::size_t i : order) {
@@ -99,7 +99,7 @@ class Place final : public LoopEffect {
       in_order_rad.push_back(residual.residual_rad[i]);
     }
     for (const std::size_t jump : BestJumps(weights, in_order_rad, kStarts))
-      starts.push_back({1.0, 0.0, places[order[jump]], 3.0 * kNarrowest * span_});
+      starts.push_back({1.0, 0.0, positions[order[jump]], 3.0 * kNarrowest * span_});
     return starts;
   }
 
@@ -111,8 +111,8 @@ class Place final : public LoopEffect {
     return std::abs(x) < kStepEnds ? 0.5 + 0.5 * std::tanh(kStepSlope * x) : (x > 0.0 ? 1.0 : 0.0);
   }
 
-  const std::vector<double>& PlacesOf(const LoopGrid& grid) const {
-    return over_torque_ ? grid.torque_Nm : grid.place_rad;
+  const std::vector<double>& PositionsOf(const LoopGrid& grid) const {
+    return over_torque_ ? grid.torque_Nm : grid.position_rad;
   }
 
   bool over_torque_;
@@ -121,9 +121,9 @@ class Place final : public LoopEffect {
 
 }  // namespace
 
-void AppendPlaceNuisanceTerms(const LoopRecords& records, LoopEffects& effects) {
-  effects.push_back(std::make_unique<Place>(records, true));
-  effects.push_back(std::make_unique<Place>(records, false));
+void AppendPositionNuisanceTerms(const LoopRecords& records, LoopEffects& effects) {
+  effects.push_back(std::make_unique<PositionWindow>(records, true));
+  effects.push_back(std::make_unique<PositionWindow>(records, false));
 }
 
 }  // namespace strainwave::analysis::diagnosis
