@@ -39,7 +39,7 @@ TEST_PACKAGES=(
 )
 # Of those, what would begin to serve as soon as it is installed, and at every start of the machine.
 SERVICES=(mosquitto)
-PROGRAMS=(strainwave strainwave-devices strainwave_camera_module strainwave_predictor predictor_example)
+PROGRAMS=(strainwave strainwave-devices strainwave_manual strainwave_camera_module strainwave_predictor predictor_example)
 
 fail() {
   echo "setup.sh: error: $*" >&2

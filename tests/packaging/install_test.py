@@ -138,8 +138,53 @@ class Installed(unittest.TestCase):
         self.assertEqual(re.findall(r"^\.TP\n\.B (.*)$", section, re.M), self.commands())
         of_bench = re.findall(r"^\.B[R]? ([a-z]+) ?[,.]$", section, re.M)
         self.assertEqual(of_bench, self.commands("bench"))
-        if shutil.which("man"):
-            self.assertEqual(self.run_it("man", "--warnings", "-l", page).stderr, "")
+
+    def called(self, *of):
+        """Every command, with those of commands, as its words."""
+        for command in self.commands(*of):
+            words = (*of, command)
+            yield words
+            if "\nSubcommands:\n" in self.run_it(self.program, *words, "--help").stdout:
+                yield from self.called(*words)
+
+    def helps(self):
+        """What each page was made of: file, and the help of its command or program."""
+        for words in self.called():
+            yield self.page("strainwave", *words), self.run_it(self.program, *words, "--help").stdout
+        yield self.page("strainwave-devices"), self.run_it(self.prefix / "bin/strainwave-devices", "--help").stdout
+
+    def page(self, *words):
+        return self.prefix / "share/man/man1" / ("-".join(words) + ".1")
+
+    def test_every_command_has_a_page(self):
+        pages = {self.page("strainwave", *words).stem for words in self.called()}
+        self.assertIn("strainwave-bench-jog", pages)
+        self.assertEqual({file.stem for file in self.page().parent.iterdir()}, {"strainwave", *pages})
+        seen = self.page("strainwave").read_text(encoding="utf-8").split("\n.SH SEE ALSO\n")[1].replace("\\", "")
+        self.assertEqual(seen, ",\n".join(f".BR {page} (1)" for page in sorted(pages)) + "\n")
+
+    def test_every_option_stands_in_its_page(self):
+        for page, said in self.helps():
+            names = re.findall(r"^  ((?:-\w,)?--[a-z-]+|[A-Z]+)", said, re.M)
+            self.assertIn("-h,--help", names)
+            set_bold = re.findall(r"^\\fB(.*)\\fR", page.read_text(encoding="utf-8").replace("\\-", "-"), re.M)
+            self.assertEqual(set(names) - set(set_bold), set(), page)
+
+    @unittest.skipUnless(shutil.which("man") and shutil.which("groff"), "needs man and groff, to show the pages")
+    def test_man_shows_every_page_as_help_says_it_and_without_a_warning(self):
+        shown = {}
+        for page in sorted(self.page().parent.iterdir()):
+            for locale in ("C", "C.UTF-8"):
+                done = self.run_it("man", "--warnings", "-l", page, LC_ALL=locale, MANWIDTH="80")
+                self.assertEqual(done.stderr, "", page)
+            shown[page] = done.stdout.split()
+        for page, said in self.helps():
+            about, _, parts = said.replace("…", "...").partition("\nUsage: ")
+            # A command's page has the examples of that command, not those of the commands below it.
+            parts = re.sub(r"^ *Example: .*\n", "", parts.partition("\n\n")[2], flags=re.M)
+            for row in re.sub("^Example: ", "", about, flags=re.M).splitlines() + parts.splitlines():
+                if not re.fullmatch("([A-Z][a-z]+:)?", row):  # headings are others
+                    self.assertIn(f" {' '.join(row.split())} ", f" {' '.join(shown[page])} ", page)
 
     def complete(self, *words):
         """What bash offers for the last of the words."""

@@ -42,6 +42,7 @@ class Packages(unittest.TestCase):
         libraries = "/usr/lib/" + said_by("dpkg-architecture", "-qDEB_HOST_MULTIARCH").strip()
         belongs = {
             "strainwave": ["/usr/bin/strainwave", "/usr/bin/strainwave-devices", "/usr/share/man/man1/strainwave.1",
+                           "/usr/share/man/man1/strainwave-run.1", "/usr/share/man/man1/strainwave-bench-jog.1",
                            "/usr/share/strainwave/schedules/quick.yaml",
                            "/usr/share/bash-completion/completions/strainwave"],
             "strainwave-camera": [f"{libraries}/strainwave/strainwave_camera.so"],
