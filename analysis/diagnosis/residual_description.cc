@@ -42,7 +42,7 @@ std::string DescribeResidual(const Study& study, const Eigen::VectorXd& residual
                              std::span<const double> weights, const ParallelFor& parallel) {
   constexpr double kReported = 1e-3;
   constexpr std::size_t kMost = 3;
-  // A view further down the list has to be clearly better: over time a line searches as over an evenly run
+  // A view further down the list has to be clearly better: over time a line appears as over an evenly run
   // angle.
   constexpr double kMoreThanAnother = 6.0;
   Eigen::VectorXd left = residual;

@@ -190,6 +190,7 @@ void TellLosses(const char* stream, const Stream::Losses& lost) {
 }  // namespace
 
 void Write(Output output, std::string_view text) {
+  if (output == Output::kResults && StreamOf(output).is_terminal()) ShowLine({});
   // What goes to one terminal comes in the order in which it was written.
   const Output other = output == Output::kResults ? Output::kWords : Output::kResults;
   if (!StreamOf(output).drops()) StreamOf(other).Drain();

@@ -103,6 +103,27 @@ class OnATerminal(unittest.TestCase):
         self.expect_stopped(self.campaign.end())
 
 
+class ProgressOnATerminal(unittest.TestCase):
+    def test_stands_in_no_line_of_the_results(self):
+        FOLDER.mkdir(parents=True, exist_ok=True)
+        record = FOLDER / "sweep.csv"
+        subprocess.run([PROGRAM, "simulate", "transmission_error", "--out", str(record)], check=True, capture_output=True)
+        master, slave = pty.openpty()
+        process = subprocess.Popen([PROGRAM, "recompute", str(record)], stdin=slave, stdout=slave, stderr=slave)
+        os.close(slave)
+        written = b""
+        while True:
+            try:
+                written += os.read(master, 65536)
+            except OSError:  # nobody writes any more
+                break
+        os.close(master)
+        self.assertEqual(process.wait(), 0)
+        lines = written.decode().replace("\r\n", "\n").split("\n")
+        self.assertIn("reading sweep.csv", lines[0])
+        self.assertIn(f"{record}: transmission_error", [line.split("\r\033[K")[-1] for line in lines])
+
+
 class ThatCannotBeWritten(unittest.TestCase):
     def complete(self, name, **streams):
         campaign = of_two_cycles(Campaign(PROGRAM, FOLDER / name, bench=None, pace="max"))

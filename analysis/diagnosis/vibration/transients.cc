@@ -86,7 +86,7 @@ TermFit DropTransients(const VibrationResidual& residual, TermFit solution) {
     std::vector<Impact> fewer = ImpactsOf(solution.term);
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
     TermFit without = residual.With(WithImpacts(solution.term, fewer), 0);
-    // What is dominated by does not catch up.
+    // What is dominated does not catch up.
     if (without.bic() < solution.bic() + 40.0) without = residual.Refine(std::move(without), 4);
     if (without.bic() > solution.bic() + 2.0) {
       ++k;
