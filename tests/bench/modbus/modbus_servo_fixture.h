@@ -64,7 +64,7 @@ class Servo : public testing::Test {
   SteadyBenchClock clock_;
   ModbusProfile profile_ =
       ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
-  std::atomic<int> heard_{0};
+  std::atomic<bool> silent_from_next_request_{false};
   std::atomic<bool> others_supervised_{true};
   const std::size_t position_at_ = *protocols::modbus::Find(profile_.map, "actual_position");
   std::atomic<double> position_rad_{0.0};  // not counted on: as the drive's register holds it
@@ -89,7 +89,10 @@ class Servo : public testing::Test {
                             model_.Fault();
                           return taken;
                         },
-                        [this] { ++heard_, model_.Hear(clock_.Now()); }},
+                        [this] {
+                          if (silent_from_next_request_.exchange(false)) device_.Set({Kind::kSilence, -1});
+                          model_.Hear(clock_.Now());
+                        }},
                        ModbusDevice::Tcp{}};
   ModbusSettings settings_;
 };
