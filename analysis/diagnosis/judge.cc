@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "analysis/autocorrelation.h"
+#include "analysis/diagnosis/cause_sets.h"
 #include "analysis/diagnosis/residuals.h"
 #include "analysis/diagnosis/selection.h"
 
@@ -75,7 +76,11 @@ ScoredModel Judge::Fit(std::span<const std::size_t> causes, const ModelFit* star
     }
     return model;
   };
-  if (purpose == FitPurpose::kCompare && study_.CachesSearches()) return make();
+  // What the start lacks is searched for, which the study itself keeps.
+  const bool searches = start == nullptr || std::ranges::any_of(causes, [&](std::size_t cause) {
+                          return !Contains(start->causes, cause);
+                        });
+  if (purpose == FitPurpose::kCompare && searches && study_.CachesSearches()) return make();
   FitRequest request{{causes.begin(), causes.end()}, {}, {}, purpose};
   if (start != nullptr && start->usable) {
     request.start_causes = start->causes;

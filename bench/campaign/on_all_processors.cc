@@ -1,38 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/on_all_processors.h"
 
-#include <algorithm>
-#include <atomic>
-#include <exception>
-#include <mutex>
-#include <thread>
-#include <vector>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace strainwave::bench {
 
 void OnAllProcessors(std::size_t count, const std::function<void(std::size_t)>& task) {
-  std::atomic<std::size_t> next{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        task(i);
-      } catch (...) {
-        const std::lock_guard noting(mutex);
-        if (!failure) failure = std::current_exception();
-        next = count;
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    const std::size_t wanted =
-        std::min<std::size_t>(count, std::max(1U, std::thread::hardware_concurrency()));
-    for (std::size_t k = 1; k < wanted; ++k) threads.emplace_back(work);
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
+  // A thread that waits here for others takes on no task of another call: that one might wait for this
+  // thread.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, count, 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t i = range.begin(); i < range.end(); ++i) task(i);
+        },
+        tbb::simple_partitioner());
+  });
 }
 
 }  // namespace strainwave::bench

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "analysis/decompositions.h"
+#include "analysis/diagnosis/vibration/channel_fits.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -59,10 +60,9 @@ OneTermSolver::OneTermSolver(const VibrationSamples& samples, const VibrationSol
                base.channels[group.channels.front()].first == base.channels[c].first;
       };
       while (group_index < groups_.size() && !same(groups_[group_index])) ++group_index;
-      const MatrixXd all = solver.Assemble(base, c);
       if (group_index == groups_.size()) {
         groups_.push_back({r, {}, {}, (root.array() != 1.0).any(), root, {}, MatrixXd(n, 0)});
-        groups_.back().basis = BasisOf(root.asDiagonal() * all.leftCols(all.cols() - 1));
+        groups_.back().basis = BasisOf(root.asDiagonal() * solver.ColumnsOfChannel(base, c).Rows(0, n));
       }
       Group& group = groups_[group_index];
       group.channels.push_back(c);
@@ -88,12 +88,8 @@ std::vector<OneTermSolver::Products> OneTermSolver::ProductsOf(const VibrationTe
         columns.rightCols(width * nonlinear_parameters) =
             FillSlopes(samples_, group.run, term, columns.leftCols(width));
     }
-    MatrixXd weighted;
-    if (group.weighted) weighted = group.root_weights.asDiagonal() * columns;
-    const MatrixXd& own = group.weighted ? weighted : columns;
-    const MatrixXd along = ProductsOfColumns(group.basis, own);
-    products.push_back(
-        {SquaresOfColumns(own) - along.transpose() * along, ProductsOfColumns(own, group.residuals)});
+    const ProductsOfFurther own = ProductsBeside(columns, group.basis, group.residuals, group.root_weights);
+    products.push_back({own.squares - own.with_others.transpose() * own.with_others, own.with_residuals});
   }
   return products;
 }

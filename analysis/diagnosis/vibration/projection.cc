@@ -19,8 +19,6 @@ namespace {
 // Rows of two dozen columns that the second cache holds.
 constexpr Index kRowsTogether = 2048;
 
-bool AllOne(const Eigen::Ref<const VectorXd>& weights) { return (weights.array() == 1.0).all(); }
-
 }  // namespace
 
 MatrixXd ProductsOfColumns(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>& b) {
@@ -44,11 +42,6 @@ MatrixXd SquaresOfColumns(const Eigen::Ref<const MatrixXd>& a) {
   return products.selfadjointView<Eigen::Lower>();
 }
 
-MatrixXd NormalInverse(const Eigen::Ref<const MatrixXd>& columns, const Eigen::Ref<const VectorXd>& weights) {
-  if (AllOne(weights)) return PseudoInverse(SquaresOfColumns(columns));
-  return PseudoInverse(SquaresOfColumns(weights.cwiseSqrt().asDiagonal() * columns));
-}
-
 MatrixXd PseudoInverse(const MatrixXd& symmetric) {
   if (symmetric.rows() == 0) return symmetric;
   // To unit diagonal first: columns differ in size by their units.
@@ -61,35 +54,11 @@ MatrixXd PseudoInverse(const MatrixXd& symmetric) {
          scale.asDiagonal();
 }
 
-ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const Eigen::Ref<const VectorXd>& response,
-                      const Eigen::Ref<const VectorXd>& weights, MatrixXd inverse) {
-  ChannelFit fit;
-  fit.inverse = std::move(inverse);
-  fit.coefficients = fit.inverse * ProductsOfColumns(columns, weights.cwiseProduct(response));
-  fit.residual = response - columns * fit.coefficients;
-  // Once more on what is left: the normal equations lose half of the digits.
-  const VectorXd nuisance_term = fit.inverse * ProductsOfColumns(columns, weights.cwiseProduct(fit.residual));
-  fit.coefficients += nuisance_term;
-  fit.residual -= columns * nuisance_term;
-  fit.square_sum = weights.dot(fit.residual.cwiseAbs2());
-  return fit;
-}
-
-ChannelFit FitChannel(const Eigen::Ref<const MatrixXd>& columns, const Eigen::Ref<const VectorXd>& response,
-                      const Eigen::Ref<const VectorXd>& weights) {
-  return FitChannel(columns, response, weights, NormalInverse(columns, weights));
-}
-
-MatrixXd SharedStep::Add(const Eigen::Ref<const MatrixXd>& columns, const MatrixXd& derivatives,
-                         const ChannelFit& fit, const Eigen::Ref<const VectorXd>& weights) {
-  MatrixXd weighted;
-  if (!AllOne(weights)) weighted = weights.asDiagonal() * derivatives;
-  const MatrixXd& own = weighted.size() > 0 ? weighted : derivatives;
-  const MatrixXd common = ProductsOfColumns(columns, own);
-  const MatrixXd coupling = fit.inverse * common;
-  normal += ProductsOfColumns(own, derivatives) - coupling.transpose() * common;
-  gradient += ProductsOfColumns(own, fit.residual);
-  return -coupling;
+void SharedStep::Add(const Eigen::Ref<const MatrixXd>& columns, const MatrixXd& derivatives,
+                     const ChannelFit& fit) {
+  const MatrixXd common = ProductsOfColumns(columns, derivatives);
+  normal += SquaresOfColumns(derivatives) - common.transpose() * fit.inverse * common;
+  gradient += ProductsOfColumns(derivatives, fit.residual);
 }
 
 }  // namespace strainwave::analysis::diagnosis

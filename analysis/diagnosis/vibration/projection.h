@@ -17,16 +17,6 @@ struct ChannelFit {
   Eigen::VectorXd residual;  // all samples
   double square_sum{};       // weighted
 };
-/// Inverse of the columns' weighted normal matrix.
-Eigen::MatrixXd NormalInverse(const Eigen::Ref<const Eigen::MatrixXd>& columns,
-                              const Eigen::Ref<const Eigen::VectorXd>& weights);
-/// @param inverse  NormalInverse; channels with equal columns and weights share it
-ChannelFit FitChannel(const Eigen::Ref<const Eigen::MatrixXd>& columns,
-                      const Eigen::Ref<const Eigen::VectorXd>& response,
-                      const Eigen::Ref<const Eigen::VectorXd>& weights, Eigen::MatrixXd inverse);
-ChannelFit FitChannel(const Eigen::Ref<const Eigen::MatrixXd>& columns,
-                      const Eigen::Ref<const Eigen::VectorXd>& response,
-                      const Eigen::Ref<const Eigen::VectorXd>& weights);
 
 /// Gauss–Newton step for numbers that all channels share, the channels' own coefficients projected out.
 struct SharedStep {
@@ -36,10 +26,10 @@ struct SharedStep {
   explicit SharedStep(Eigen::Index numbers)
       : normal(Eigen::MatrixXd::Zero(numbers, numbers)), gradient(Eigen::VectorXd::Zero(numbers)) {}
 
-  /// @param derivatives  of this channel's model by the shared numbers.
-  /// @returns what a change of the shared numbers does to the channel's coefficients (columns × numbers).
-  Eigen::MatrixXd Add(const Eigen::Ref<const Eigen::MatrixXd>& columns, const Eigen::MatrixXd& derivatives,
-                      const ChannelFit& fit, const Eigen::Ref<const Eigen::VectorXd>& weights);
+  /// A channel without weights.
+  /// @param derivatives  of its model by the shared numbers.
+  void Add(const Eigen::Ref<const Eigen::MatrixXd>& columns, const Eigen::MatrixXd& derivatives,
+           const ChannelFit& fit);
 };
 
 /// Pseudo-inverse of a symmetric, positive semidefinite matrix.

@@ -83,7 +83,7 @@ VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const do
                              const std::vector<VibrationTerm>& terms, VibrationSearched& cached,
                              const ParallelFor& parallel)
     : searched(cached),
-      solver(samples, weights),
+      solver(samples, weights, parallel),
       solution(FitTerms(solver, terms)),
       residual(samples, solver, solution, parallel) {
   searched.bic = solution.bic();

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <utility>
 
+#include "analysis/diagnosis/vibration/channel_fits.h"
 #include "analysis/diagnosis/vibration/narrowband.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -78,8 +80,9 @@ std::vector<double> MovedNonlinearParameters(std::vector<double> nonlinear_param
   return nonlinear_parameters;
 }
 
-VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<const double> weights)
-    : samples_(samples), weights_(weights.begin(), weights.end()) {
+VibrationSolver::VibrationSolver(const VibrationSamples& samples, std::span<const double> weights,
+                                 ParallelFor parallel)
+    : samples_(samples), parallel_(std::move(parallel)), weights_(weights.begin(), weights.end()) {
   for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
     for (const VibrationSegment& channel : samples_.runs[r].channels) run_channels_.push_back({r, &channel});
   }
@@ -168,60 +171,52 @@ void VibrationSolver::TakeOffPredicted(std::span<const VibrationTerm> terms,
   }
 }
 
-MatrixXd VibrationSolver::Assemble(const VibrationSolution& solution, std::size_t channel) const {
-  const RunChannel& run_channel = run_channels_[channel];
-  const VibrationRun& run = samples_.runs[run_channel.run];
-  Index width = run.nominal.cols();
+SharedColumns VibrationSolver::ColumnsOfChannel(const VibrationSolution& solution,
+                                                std::size_t channel) const {
+  const std::size_t run = run_channels_[channel].run;
+  SharedColumns columns;
+  columns.Add(samples_.runs[run].nominal);
   for (std::size_t t = 0; t < solution.terms.size(); ++t) {
-    if (solution.terms[t].observable[channel] != 0) width += solution.columns[run_channel.run][t]->cols();
+    if (solution.terms[t].observable[channel] != 0) columns.Add(*solution.columns[run][t]);
   }
-  MatrixXd all(static_cast<Index>(run.size()), width + 1);
-  all.leftCols(run.nominal.cols()) = run.nominal;
-  Index column = run.nominal.cols();
-  for (std::size_t t = 0; t < solution.terms.size(); ++t) {
-    if (solution.terms[t].observable[channel] == 0) continue;
-    const MatrixXd& own = *solution.columns[run_channel.run][t];
-    all.middleCols(column, own.cols()) = own;
-    column += own.cols();
+  return columns;
+}
+
+std::vector<VibrationSolver::Group> VibrationSolver::GroupsOf(std::span<const VibrationTerm> terms) const {
+  std::vector<Group> groups;
+  for (std::size_t c = 0; c < run_channels_.size(); ++c) {
+    const bool repeats = c > 0 && run_channels_[c].run == run_channels_[c - 1].run &&
+                         std::ranges::all_of(terms, [&](const VibrationTerm& term) {
+                           return term.observable[c] == term.observable[c - 1];
+                         });
+    if (!repeats) groups.push_back({c, 0});
+    ++groups.back().count;
   }
-  all.col(width) = ResponseOf(channel);
-  return all;
+  return groups;
 }
 
-bool VibrationSolver::RepeatsColumns(std::span<const VibrationTerm> terms, std::size_t channel) const {
-  return channel > 0 && run_channels_[channel].run == run_channels_[channel - 1].run &&
-         std::ranges::all_of(terms, [&](const VibrationTerm& term) {
-           return term.observable[channel] == term.observable[channel - 1];
-         });
-}
-
-Eigen::Map<const VectorXd> VibrationSolver::WeightsOf(std::size_t channel) const {
-  const RunChannel& run_channel = run_channels_[channel];
-  return {weights_.data() + run_channel.channel->first,
-          static_cast<Index>(samples_.runs[run_channel.run].size())};
-}
-
-Eigen::Map<const VectorXd> VibrationSolver::ResponseOf(std::size_t channel) const {
-  const RunChannel& run_channel = run_channels_[channel];
-  return {samples_.measured.data() + run_channel.channel->first,
-          static_cast<Index>(samples_.runs[run_channel.run].size())};
+// The channels of a record stand one after the other.
+Eigen::Map<const MatrixXd> VibrationSolver::SamplesOf(const Group& group, const double* all) const {
+  const RunChannel& first = run_channels_[group.first];
+  return {all + first.channel->first, static_cast<Index>(samples_.runs[first.run].size()),
+          static_cast<Index>(group.count)};
 }
 
 VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
                                          const VibrationSolution* previous) const {
   VibrationSolution solution;
   solution.terms = std::move(terms);
-  solution.columns.resize(samples_.runs.size());
-  for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
-    for (const VibrationTerm& term : solution.terms) {
-      std::shared_ptr<const MatrixXd> found;
-      for (std::size_t p = 0; previous != nullptr && p < previous->terms.size() && !found; ++p) {
-        if (SameColumns(previous->terms[p], term)) found = previous->columns[r][p];
-      }
-      solution.columns[r].push_back(found ? found
-                                          : std::make_shared<const MatrixXd>(FillTerm(samples_, r, term)));
+  const std::size_t runs = samples_.runs.size();
+  solution.columns.assign(runs, std::vector<std::shared_ptr<const MatrixXd>>(solution.terms.size()));
+  parallel_(runs * solution.terms.size(), [&](std::size_t i) {
+    const std::size_t r = i % runs;
+    const VibrationTerm& term = solution.terms[i / runs];
+    std::shared_ptr<const MatrixXd>& columns = solution.columns[r][i / runs];
+    for (std::size_t p = 0; previous != nullptr && p < previous->terms.size() && !columns; ++p) {
+      if (SameColumns(previous->terms[p], term)) columns = previous->columns[r][p];
     }
-  }
+    if (!columns) columns = std::make_shared<const MatrixXd>(FillTerm(samples_, r, term));
+  });
   solution.weight_sum = std::accumulate(weights_.begin(), weights_.end(), 0.0);
   for (const VibrationTerm& term : solution.terms) {
     const bool narrow = IsNarrowband(term);
@@ -230,25 +225,24 @@ VibrationSolution VibrationSolver::Solve(std::vector<VibrationTerm> terms,
       solution.free_parameters += static_cast<int>(
           std::count_if(term.observable.begin(), term.observable.end(), [](char h) { return h != 0; }));
   }
-  MatrixXd all;
-  for (std::size_t c = 0; c < run_channels_.size(); ++c) {
-    const bool repeated = RepeatsColumns(solution.terms, c);
-    if (!repeated) all = Assemble(solution, c);
-    const Index width = all.cols() - 1;
-    const auto columns = all.leftCols(width);
-    VibrationSolution::Channel channel;
-    channel.fit = repeated && WeightsOf(c) == WeightsOf(c - 1)
-                      ? FitChannel(columns, ResponseOf(c), WeightsOf(c), solution.channels[c - 1].fit.inverse)
-                      : FitChannel(columns, ResponseOf(c), WeightsOf(c));
-    Index column = samples_.runs[run_channels_[c].run].nominal.cols();
-    for (std::size_t t = 0; t < solution.terms.size(); ++t) {
-      const bool observable = solution.terms[t].observable[c] != 0;
-      channel.first.push_back(observable ? column : -1);
-      if (observable) column += solution.columns[run_channels_[c].run][t]->cols();
+  for (const Group& group : GroupsOf(solution.terms)) {
+    const SharedColumns columns = ColumnsOfChannel(solution, group.first);
+    std::vector<ChannelFit> fits = FitChannels(columns, SamplesOf(group, samples_.measured.data()),
+                                               SamplesOf(group, weights_.data()), parallel_);
+    for (std::size_t k = 0; k < group.count; ++k) {
+      VibrationSolution::Channel channel;
+      channel.fit = std::move(fits[k]);
+      const RunChannel& own = run_channels_[group.first + k];
+      Index column = samples_.runs[own.run].nominal.cols();
+      for (std::size_t t = 0; t < solution.terms.size(); ++t) {
+        const bool observable = solution.terms[t].observable[group.first + k] != 0;
+        channel.first.push_back(observable ? column : -1);
+        if (observable) column += solution.columns[own.run][t]->cols();
+      }
+      solution.square_sum += channel.fit.square_sum;
+      solution.free_parameters += static_cast<int>(columns.cols());
+      solution.channels.push_back(std::move(channel));
     }
-    solution.square_sum += channel.fit.square_sum;
-    solution.free_parameters += static_cast<int>(width);
-    solution.channels.push_back(std::move(channel));
   }
   if (std::ranges::none_of(solution.terms, IsNarrowband)) return solution;
   solution.unexplained = Residual(solution);
@@ -275,80 +269,75 @@ VectorXd VibrationSolver::Residual(const VibrationSolution& solution) const {
   return residual;
 }
 
-MatrixXd VibrationSolver::Derivatives(const VibrationSolution& solution, std::size_t channel,
-                                      std::size_t from, std::size_t nonlinear_parameters,
-                                      const std::vector<std::vector<MatrixXd>>& slopes) const {
-  const RunChannel& run_channel = run_channels_[channel];
-  const VibrationSolution::Channel& fitted = solution.channels[channel];
-  MatrixXd derivatives = MatrixXd::Zero(static_cast<Index>(samples_.runs[run_channel.run].size()),
-                                        static_cast<Index>(nonlinear_parameters));
-  Index s = 0;
-  for (std::size_t t = from; t < solution.terms.size(); ++t) {
-    const VibrationTerm& term = solution.terms[t];
-    const Index width = ColumnsOf(term);
-    for (Index k = 0; k < static_cast<Index>(term.nonlinear_parameters.size()); ++k, ++s) {
-      if (term.observable[channel] == 0 || IsNarrowband(term)) continue;
-      derivatives.col(s).noalias() = slopes[run_channel.run][t - from].middleCols(k * width, width) *
-                                     fitted.fit.coefficients.segment(fitted.first[t], width);
-    }
-  }
-  return derivatives;
-}
-
 SharedStep VibrationSolver::StepOfPredicted(
     const VibrationSolution& solution, std::size_t from,
     const std::vector<VibrationNonlinearParameter>& nonlinear_parameters, MatrixXd derivatives) const {
-  TakeOffPredicted(solution.terms, derivatives);
+  constexpr Index kSideBySide = 4;  // columns, which Predict works on together
   const VectorXd left = Residual(solution);
-  std::size_t s = 0;
+  std::vector<std::function<void()>> tasks;
+  Index s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
-    for (std::size_t k = 0; k < solution.terms[t].nonlinear_parameters.size(); ++k, ++s) {
-      if (!IsNarrowband(solution.terms[t])) continue;
-      std::vector<VibrationTerm> moved = solution.terms;
-      const double by = 0.1 * nonlinear_parameters[s].step;
-      moved[t].nonlinear_parameters[k] += by;
-      VectorXd there = solution.unexplained;
-      TakeOffPredicted(moved, there);
-      derivatives.col(static_cast<Index>(s)) = (left - there) / by;
+    const auto parameters = static_cast<Index>(solution.terms[t].nonlinear_parameters.size());
+    for (Index k = 0; k < parameters; k += IsNarrowband(solution.terms[t]) ? 1 : kSideBySide) {
+      if (IsNarrowband(solution.terms[t])) {
+        tasks.push_back([&, t, k, s] {
+          std::vector<VibrationTerm> moved = solution.terms;
+          const double by = 0.1 * nonlinear_parameters[static_cast<std::size_t>(s + k)].step;
+          moved[t].nonlinear_parameters[static_cast<std::size_t>(k)] += by;
+          VectorXd there = solution.unexplained;
+          TakeOffPredicted(moved, there);
+          derivatives.col(s + k) = (left - there) / by;
+        });
+      } else {
+        tasks.push_back([&, count = std::min(kSideBySide, parameters - k), first = s + k] {
+          TakeOffPredicted(solution.terms, derivatives.middleCols(first, count));
+        });
+      }
     }
+    s += parameters;
   }
-  const Eigen::Map<const VectorXd> weights(weights_.data(), derivatives.rows());
-  const MatrixXd weighted = weights.asDiagonal() * derivatives;
-  SharedStep step(derivatives.cols());
-  step.normal = ProductsOfColumns(weighted, derivatives);
-  step.gradient = ProductsOfColumns(weighted, left);
-  return step;
+  parallel_(tasks.size(), [&](std::size_t i) { tasks[i](); });
+  return StepOfDerivatives(derivatives, left, Eigen::Map<const VectorXd>(weights_.data(), derivatives.rows()),
+                           parallel_);
 }
 
 SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
                                  const std::vector<VibrationNonlinearParameter>& nonlinear_parameters) const {
-  // Slopes of the columns by each shape, once a run: the channels share them.
-  std::vector<std::vector<MatrixXd>> slopes(samples_.runs.size());
-  for (std::size_t r = 0; r < samples_.runs.size(); ++r) {
-    for (std::size_t t = from; t < solution.terms.size(); ++t) {
-      const VibrationTerm& term = solution.terms[t];
-      slopes[r].push_back(IsNarrowband(term) ? MatrixXd()
-                                             : FillSlopes(samples_, r, term, *solution.columns[r][t]));
-    }
-  }
+  // Slopes of the columns, once a run: the channels share them.
+  const std::size_t terms = solution.terms.size() - from;
+  std::vector<std::vector<MatrixXd>> slopes(samples_.runs.size(), std::vector<MatrixXd>(terms));
+  parallel_(slopes.size() * terms, [&](std::size_t i) {
+    const std::size_t r = i % slopes.size();
+    const std::size_t t = i / slopes.size();
+    const VibrationTerm& term = solution.terms[from + t];
+    if (!IsNarrowband(term)) slopes[r][t] = FillSlopes(samples_, r, term, *solution.columns[r][from + t]);
+  });
   const bool predicts = std::ranges::any_of(solution.terms, IsNarrowband);
-  MatrixXd across;  // derivatives with what the coefficients make of them
+  MatrixXd derivatives;  // of all channels; where narrow-band terms go on from them
   if (predicts)
-    across.resize(static_cast<Index>(weights_.size()), static_cast<Index>(nonlinear_parameters.size()));
+    derivatives.resize(static_cast<Index>(weights_.size()), static_cast<Index>(nonlinear_parameters.size()));
   SharedStep step(static_cast<Index>(nonlinear_parameters.size()));
-  MatrixXd all;
-  for (std::size_t c = 0; c < run_channels_.size(); ++c) {
-    if (!RepeatsColumns(solution.terms, c)) all = Assemble(solution, c);
-    const auto columns = all.leftCols(all.cols() - 1);
-    const MatrixXd derivatives = Derivatives(solution, c, from, nonlinear_parameters.size(), slopes);
-    MatrixXd& follows = solution.channels[c].follows_nonlinear_parameters;
-    follows = step.Add(columns, derivatives, solution.channels[c].fit, WeightsOf(c));
-    if (predicts) {
-      const auto first = static_cast<Index>(run_channels_[c].channel->first);
-      across.middleRows(first, all.rows()) = derivatives + columns * follows;
+  for (const Group& group : GroupsOf(solution.terms)) {
+    const std::size_t run = run_channels_[group.first].run;
+    const SharedColumns columns = ColumnsOfChannel(solution, group.first);
+    ChannelSlopes own{columns, SamplesOf(group, weights_.data()), {}, {}};
+    for (std::size_t k = 0; k < group.count; ++k) own.fits.push_back(&solution.channels[group.first + k].fit);
+    for (std::size_t t = 0; t < terms; ++t) {
+      const VibrationTerm& term = solution.terms[from + t];
+      const bool moves = term.observable[group.first] != 0 && !IsNarrowband(term);
+      own.terms.push_back({moves ? &slopes[run][t] : nullptr, solution.channels[group.first].first[from + t],
+                           ColumnsOf(term), static_cast<Index>(term.nonlinear_parameters.size())});
     }
+    std::vector<MatrixXd> follows =
+        predicts ? FollowedDerivatives(
+                       own, parallel_,
+                       derivatives.middleRows(static_cast<Index>(run_channels_[group.first].channel->first),
+                                              columns.rows() * static_cast<Index>(group.count)))
+                 : AddChannels(own, parallel_, step);
+    for (std::size_t k = 0; k < group.count; ++k)
+      solution.channels[group.first + k].follows_nonlinear_parameters = std::move(follows[k]);
   }
-  if (predicts) return StepOfPredicted(solution, from, nonlinear_parameters, std::move(across));
+  if (predicts) return StepOfPredicted(solution, from, nonlinear_parameters, std::move(derivatives));
   return step;
 }
 
@@ -371,6 +360,7 @@ VibrationSolution VibrationSolver::Refine(VibrationSolution solution, int rounds
 MatrixXd VibrationSolver::NonlinearParameterCovariance(VibrationSolution& solution) const {
   const std::vector<VibrationNonlinearParameter> nonlinear_parameters =
       BoundsFrom(samples_, solution.terms, 0);
+  if (nonlinear_parameters.empty()) return {};
   return solution.variance() * PseudoInverse(Step(solution, 0, nonlinear_parameters).normal);
 }
 

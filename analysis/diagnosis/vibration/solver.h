@@ -6,10 +6,12 @@
 #include <span>
 #include <vector>
 
+#include "analysis/diagnosis/vibration/channel_fits.h"
 #include "analysis/diagnosis/vibration/narrowband.h"
 #include "analysis/diagnosis/vibration/projection.h"
 #include "analysis/diagnosis/vibration/samples.h"
 #include "analysis/diagnosis/vibration/terms.h"
+#include "analysis/parallel_for.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -73,7 +75,10 @@ struct Predicted {
 /// beside the band.
 class VibrationSolver {
  public:
-  VibrationSolver(const VibrationSamples& samples, std::span<const double> weights);
+  /// @param samples  outlive the solver
+  /// @param parallel  over terms and samples of one fit; changes no bit
+  VibrationSolver(const VibrationSamples& samples, std::span<const double> weights,
+                  ParallelFor parallel = InTurn);
 
   VibrationSolution Solve(std::vector<VibrationTerm> terms,
                           const VibrationSolution* previous = nullptr) const;
@@ -88,8 +93,8 @@ class VibrationSolver {
   /// What the model does not explain (innovations, where there are narrow-band terms), all samples.
   Eigen::VectorXd Residual(const VibrationSolution& solution) const;
 
-  /// Columns of one channel; the last one is the response.
-  Eigen::MatrixXd Assemble(const VibrationSolution& solution, std::size_t channel) const;
+  /// Columns of one channel, in the solution.
+  SharedColumns ColumnsOfChannel(const VibrationSolution& solution, std::size_t channel) const;
 
   /// @param narrowband  terms that are observable in the same channels
   /// @param left  all samples
@@ -115,13 +120,13 @@ class VibrationSolver {
     std::vector<char> missing;
   };
   ChannelCombination CombinationOf(const VibrationTerm& narrowband, std::size_t run) const;
-  /// Whether a channel has the columns of the one before it.
-  bool RepeatsColumns(std::span<const VibrationTerm> terms, std::size_t channel) const;
-  Eigen::Map<const Eigen::VectorXd> WeightsOf(std::size_t channel) const;
-  Eigen::Map<const Eigen::VectorXd> ResponseOf(std::size_t channel) const;
-  Eigen::MatrixXd Derivatives(const VibrationSolution& solution, std::size_t channel, std::size_t from,
-                              std::size_t nonlinear_parameters,
-                              const std::vector<std::vector<Eigen::MatrixXd>>& slopes) const;
+  /// Channels of one run, one after the other, that have the same columns.
+  struct Group {
+    std::size_t first;  // channel
+    std::size_t count;
+  };
+  std::vector<Group> GroupsOf(std::span<const VibrationTerm> terms) const;
+  Eigen::Map<const Eigen::MatrixXd> SamplesOf(const Group& group, const double* all) const;
   SharedStep StepOfPredicted(const VibrationSolution& solution, std::size_t from,
                              const std::vector<VibrationNonlinearParameter>& nonlinear_parameters,
                              Eigen::MatrixXd derivatives) const;
@@ -129,6 +134,7 @@ class VibrationSolver {
                   const std::vector<VibrationNonlinearParameter>& nonlinear_parameters) const;
 
   const VibrationSamples& samples_;
+  ParallelFor parallel_;
   std::vector<double> weights_;
   std::vector<RunChannel> run_channels_;
   std::vector<char> breaks_;   // one a sample of the response

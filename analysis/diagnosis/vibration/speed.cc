@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "analysis/diagnosis/vibration/projection.h"
+#include "analysis/diagnosis/vibration/channel_fits.h"
 #include "analysis/diagnosis/vibration/shaft.h"
 #include "analysis/diagnosis/vibration/spectrum.h"
 #include "analysis/units.h"
@@ -94,29 +94,33 @@ MatrixXd NominalAt(const VibrationRun& run, const VectorXd& angle) {
   return std::move(changed.nominal);
 }
 
+// All channels of a record on the same columns. They stand one after the other.
+std::vector<ChannelFit> FitAll(const VibrationSamples& samples, const VibrationRun& run, const MatrixXd& on) {
+  const double* const first = samples.measured.data() + run.channels.front().first;
+  const auto channels = static_cast<Index>(run.channels.size());
+  return FitChannels(on, Eigen::Map<const MatrixXd>(first, on.rows(), channels));
+}
+
 // One record with its angle changed by basis · phase: Gauss–Newton from zero.
 PhaseFit FitPhase(const VibrationSamples& samples, const VibrationRun& run, const MatrixXd& basis) {
   const auto n = static_cast<Index>(run.size());
-  const VectorXd weights = VectorXd::Ones(n);
   const auto angle = Eigen::Map<const VectorXd>(run.angle_rad.data(), n);
   PhaseFit best;
   best.phase = VectorXd::Zero(basis.cols());
   VectorXd phase = best.phase;
   for (int round = 0; round < 8; ++round) {
     const MatrixXd columns = NominalAt(run, angle + basis * phase);
-    const MatrixXd inverse = NormalInverse(columns, weights);
     PhaseFit now;
     now.phase = phase;
     SharedStep step(basis.cols());
-    for (const VibrationSegment& channel : run.channels) {
-      const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights, inverse);
+    for (const ChannelFit& fit : FitAll(samples, run, columns)) {
       now.square_sum += fit.square_sum;
       for (Index k = 0; k < 2; ++k) {
         now.line_energy[k] +=
             fit.coefficients.segment(1 + 2 * k, 2).squaredNorm() * 0.5 * static_cast<double>(n);
       }
       const VectorXd slope = SlopeOf(columns, fit, 1) + SlopeOf(columns, fit, 2);
-      if (basis.cols() > 0) step.Add(columns, slope.asDiagonal() * basis, fit, weights);
+      if (basis.cols() > 0) step.Add(columns, slope.asDiagonal() * basis, fit);
     }
     now.normal = step.normal;
     if (round > 0 && !(now.square_sum < best.square_sum)) break;
@@ -158,14 +162,11 @@ struct Step {
 template <typename Derivatives>
 Step StepOf(const VibrationSamples& samples, const VibrationRun& run, const MatrixXd& columns, Index numbers,
             const Derivatives& derivatives) {
-  const VectorXd weights = VectorXd::Ones(columns.rows());
-  const MatrixXd normal_inverse = NormalInverse(columns, weights);
   SharedStep step(numbers);
   double square_sum = 0.0;
-  for (const VibrationSegment& channel : run.channels) {
-    const ChannelFit fit = FitChannel(columns, Response(samples, run, channel), weights, normal_inverse);
+  for (const ChannelFit& fit : FitAll(samples, run, columns)) {
     const VectorXd slopes[] = {SlopeOf(columns, fit, 1), SlopeOf(columns, fit, 2)};
-    step.Add(columns, derivatives(slopes), fit, weights);
+    step.Add(columns, derivatives(slopes), fit);
     square_sum += fit.square_sum;
   }
   const MatrixXd inverse = PseudoInverse(step.normal);
@@ -290,13 +291,14 @@ void RefineRun(VibrationSamples& samples, VibrationRun& run, SpeedSource source)
 bool StandsOutAlone(const VibrationSamples& one, Index line) {
   const VibrationRun& run = one.runs.front();
   const auto n = static_cast<Index>(run.size());
-  const VectorXd weights = VectorXd::Ones(n);
+  const std::vector<ChannelFit> fits = FitAll(one, run, run.nominal);
   std::vector<double> left(one.measured.size(), 0.0);
-  for (const VibrationSegment& channel : run.channels) {
-    const auto response = Response(one, run, channel);
-    ChannelFit fit = FitChannel(run.nominal, response, weights);
-    fit.coefficients.segment(2 * line - 1, 2).setZero();
-    Eigen::Map<VectorXd>(left.data() + channel.first, n) = response - run.nominal * fit.coefficients;
+  for (std::size_t c = 0; c < fits.size(); ++c) {
+    const VibrationSegment& channel = run.channels[c];
+    VectorXd coefficients = fits[c].coefficients;
+    coefficients.segment(2 * line - 1, 2).setZero();
+    Eigen::Map<VectorXd>(left.data() + channel.first, n) =
+        Response(one, run, channel) - run.nominal * coefficients;
   }
   const VibrationSpectrum spectrum(one, left, std::vector<double>(left.size(), 1.0), SpectrumAxis::kTurns);
   return ExcessOf(spectrum.At(static_cast<double>(line)), static_cast<double>(spectrum.channels())) >

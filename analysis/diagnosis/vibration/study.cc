@@ -91,7 +91,7 @@ class VibrationStudy final : public Study {
       if (std::ranges::find(known, cause, &VibrationTerm::cause) == known.end()) missing.push_back(cause);
     }
     if (missing.empty()) {
-      const VibrationSolver solver(samples_, weights);
+      const VibrationSolver solver(samples_, weights, parallel_);
       VibrationSolution solution = solver.Solve(std::move(known));
       // The fit of the same terms was at its best but for the weights.
       const int rounds = start != nullptr && start->causes.size() == cause_indices.size() ? 1 : 4;
@@ -166,7 +166,7 @@ class VibrationStudy final : public Study {
   // record.
   void LookAtNominal() {
     const std::vector<double> ones(samples_.measured.size(), 1.0);
-    const VibrationSolver solver(samples_, ones);
+    const VibrationSolver solver(samples_, ones, parallel_);
     const Eigen::VectorXd residual = solver.Residual(solver.Solve({}));
     std::size_t alone = 0;
     std::size_t in_company = 0;

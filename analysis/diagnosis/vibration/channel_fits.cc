@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/diagnosis/vibration/channel_fits.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "analysis/products.h"
+
+namespace strainwave::analysis::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using ConstColumns = Eigen::Ref<const MatrixXd>;
+
+constexpr Index kRowsTogether = 1024;  // of a few dozen columns, that the second cache holds
+constexpr Index kRowsOfPart = 16384;   // some milliseconds of work for a thread
+
+// The sum of what `add(first, rows, sums)` adds for blocks of rows.
+template <typename Sums, typename Add>
+Sums SumOverRows(Index rows, const Sums& zero, const ParallelFor& parallel, Add add) {
+  std::vector<Sums> parts(
+      static_cast<std::size_t>(std::max<Index>(1, (rows + kRowsOfPart - 1) / kRowsOfPart)), zero);
+  parallel(parts.size(), [&](std::size_t p) {
+    const Index begin = static_cast<Index>(p) * kRowsOfPart;
+    const Index end = std::min(rows, begin + kRowsOfPart);
+    for (Index first = begin; first < end; first += kRowsTogether)
+      add(first, std::min(kRowsTogether, end - first), parts[p]);
+  });
+  for (std::size_t p = 1; p < parts.size(); ++p) parts.front() += parts[p];
+  return std::move(parts.front());
+}
+
+struct Matrices {
+  std::vector<MatrixXd> each;
+
+  Matrices& operator+=(const Matrices& other) {
+    for (std::size_t i = 0; i < each.size(); ++i) each[i] += other.each[i];
+    return *this;
+  }
+};
+
+// Columns that lie a stride apart.
+struct Block {
+  const double* data;
+  Index stride;
+  Index columns;
+};
+
+Block BlockOf(const ConstColumns& matrix, Index first_row) {
+  return {matrix.data() + first_row, matrix.outerStride(), matrix.cols()};
+}
+
+void AddProducts(const Block& a, const Block& b, Index rows, MatrixXd& sum) {
+  MultiplyRows<double>({a.data, a.stride}, {b.data, b.stride}, {sum.data(), 1, sum.outerStride()}, a.columns,
+                       b.columns, rows, Sum::kAdd);
+}
+
+// Of aᵀ b, which is symmetric, the lower half, and a little more.
+void AddSymmetric(const Block& a, const Block& b, Index rows, MatrixXd& sum) {
+  constexpr Index kTogether = 6;
+  for (Index first = 0; first < a.columns; first += kTogether) {
+    const Index width = std::min(kTogether, a.columns - first);
+    MultiplyRows<double>({a.data + first * a.stride, a.stride}, {b.data, b.stride},
+                         {sum.data() + first, 1, sum.outerStride()}, width, first + width, rows, Sum::kAdd);
+  }
+}
+
+MatrixXd WithUpperHalf(const MatrixXd& lower) { return lower.selfadjointView<Eigen::Lower>(); }
+
+// Columns under weights: themselves where all weights are one.
+class Weighted {
+ public:
+  Weighted(const Block& columns, const Eigen::Ref<const VectorXd>& weights) : block_(columns) {
+    if ((weights.array() == 1.0).all()) return;
+    const Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<>> own(
+        columns.data, weights.size(), columns.columns, Eigen::OuterStride<>(columns.stride));
+    copy_ = weights.asDiagonal() * own;
+    block_ = {copy_.data(), copy_.outerStride(), copy_.cols()};
+  }
+  const Block& block() const { return block_; }
+
+ private:
+  MatrixXd copy_;
+  Block block_;
+};
+
+// values += columns · factors, of a block of rows.
+void AddCombinations(const Block& columns, const MatrixXd& factors, Index rows, double* values,
+                     Index stride) {
+  CombineRows<double>({factors.data(), factors.outerStride(), 1}, {columns.data, columns.stride},
+                      {values, stride}, factors.cols(), columns.columns, rows, Sum::kAdd);
+}
+
+bool HaveEqualColumns(const ConstColumns& matrix) {
+  for (Index c = 1; c < matrix.cols(); ++c) {
+    if (matrix.col(c) != matrix.col(0)) return false;
+  }
+  return true;
+}
+
+// Derivatives of the channels' models, of a block of rows: of channel c by parameter s
+// at values + c · channel_stride + s · stride.
+void FillDerivatives(const ChannelSlopes& slopes, Index first, Index rows, double* values,
+                     Index channel_stride, Index stride) {
+  const auto channels = static_cast<Index>(slopes.fits.size());
+  Index s = 0;
+  for (const TermSlopes& term : slopes.terms) {
+    if (term.slopes == nullptr) {
+      for (const Index end = s + term.parameters; s < end; ++s) {
+        for (Index c = 0; c < channels; ++c) std::fill_n(values + c * channel_stride + s * stride, rows, 0.0);
+      }
+      continue;
+    }
+    MatrixXd coefficients(term.width, channels);
+    for (Index c = 0; c < channels; ++c)
+      coefficients.col(c) =
+          slopes.fits[static_cast<std::size_t>(c)]->coefficients.segment(term.first, term.width);
+    for (Index k = 0; k < term.parameters; ++k, ++s) {
+      CombineRows<double>({coefficients.data(), coefficients.outerStride(), 1},
+                          {term.slopes->col(k * term.width).data() + first, term.slopes->outerStride()},
+                          {values + s * stride, channel_stride}, channels, term.width, rows, Sum::kOverwrite);
+    }
+  }
+}
+
+}  // namespace
+
+MatrixXd SharedColumns::Rows(Index first, Index count) const {
+  MatrixXd rows(count, columns_);
+  Index column = 0;
+  for (const MatrixXd* part : parts_) {
+    rows.middleCols(column, part->cols()) = part->middleRows(first, count);
+    column += part->cols();
+  }
+  return rows;
+}
+
+std::vector<ChannelFit> FitChannels(const SharedColumns& columns, const ConstColumns& responses,
+                                    const ConstColumns& weights, const ParallelFor& parallel) {
+  const Index width = columns.cols();
+  const Index channels = responses.cols();
+  const auto squares = static_cast<std::size_t>(HaveEqualColumns(weights) ? 1 : channels);
+  // The columns' products with the channels, then with themselves.
+  Matrices zero{std::vector<MatrixXd>(squares, MatrixXd::Zero(width, width))};
+  zero.each.push_back(MatrixXd::Zero(width, channels));
+  const Matrices products =
+      SumOverRows(columns.rows(), zero, parallel, [&](Index first, Index rows, Matrices& sums) {
+        const MatrixXd block = columns.Rows(first, rows);
+        const Block own = BlockOf(block, 0);
+        for (std::size_t c = 0; c < squares; ++c) {
+          const Weighted weighted(own, weights.col(static_cast<Index>(c)).segment(first, rows));
+          AddSymmetric(weighted.block(), own, rows, sums.each[c]);
+        }
+        const MatrixXd values =
+            weights.middleRows(first, rows).cwiseProduct(responses.middleRows(first, rows));
+        AddProducts(own, BlockOf(values, 0), rows, sums.each.back());
+      });
+  std::vector<ChannelFit> fits(static_cast<std::size_t>(channels));
+  for (std::size_t c = 0; c < fits.size(); ++c)
+    fits[c].inverse = c < squares ? PseudoInverse(WithUpperHalf(products.each[c])) : fits[0].inverse;
+  MatrixXd left = responses;
+  const auto take_off = [&](const MatrixXd& common) {
+    MatrixXd change(width, channels);
+    for (Index c = 0; c < channels; ++c) {
+      ChannelFit& fit = fits[static_cast<std::size_t>(c)];
+      change.col(c) = fit.inverse * common.col(c);
+      fit.coefficients =
+          fit.coefficients.size() == 0 ? VectorXd(change.col(c)) : fit.coefficients + change.col(c);
+    }
+    return MatrixXd(-change);
+  };
+  // Once more on what is left: the normal equations lose half of the digits.
+  const MatrixXd first_change = take_off(products.each.back());
+  const MatrixXd again = SumOverRows(
+      columns.rows(), MatrixXd(MatrixXd::Zero(width, channels)), parallel,
+      [&](Index first, Index rows, MatrixXd& sum) {
+        const MatrixXd block = columns.Rows(first, rows);
+        const Block own = BlockOf(block, 0);
+        AddCombinations(own, first_change, rows, left.data() + first, left.outerStride());
+        const MatrixXd values = weights.middleRows(first, rows).cwiseProduct(left.middleRows(first, rows));
+        AddProducts(own, BlockOf(values, 0), rows, sum);
+      });
+  const MatrixXd second_change = take_off(again);
+  const VectorXd square_sums = SumOverRows(
+      columns.rows(), VectorXd(VectorXd::Zero(channels)), parallel,
+      [&](Index first, Index rows, VectorXd& sum) {
+        const MatrixXd block = columns.Rows(first, rows);
+        AddCombinations(BlockOf(block, 0), second_change, rows, left.data() + first, left.outerStride());
+        for (Index c = 0; c < channels; ++c)
+          sum(c) += weights.col(c).segment(first, rows).dot(left.col(c).segment(first, rows).cwiseAbs2());
+      });
+  for (Index c = 0; c < channels; ++c) {
+    fits[static_cast<std::size_t>(c)].residual = left.col(c);
+    fits[static_cast<std::size_t>(c)].square_sum = square_sums(c);
+  }
+  return fits;
+}
+
+std::vector<ChannelFit> FitChannels(const MatrixXd& columns, const ConstColumns& responses) {
+  SharedColumns shared;
+  shared.Add(columns);
+  return FitChannels(shared, responses, MatrixXd::Ones(responses.rows(), responses.cols()), InTurn);
+}
+
+Index ChannelSlopes::parameters() const {
+  Index sum = 0;
+  for (const TermSlopes& term : terms) sum += term.parameters;
+  return sum;
+}
+
+std::vector<MatrixXd> AddChannels(const ChannelSlopes& slopes, const ParallelFor& parallel,
+                                  SharedStep& step) {
+  const Index parameters = slopes.parameters();
+  const Index width = slopes.columns.cols();
+  const std::size_t channels = slopes.fits.size();
+  // Of each channel: columns · derivatives, then derivatives · derivatives, then derivatives · what is left.
+  Matrices zero;
+  for (std::size_t c = 0; c < channels; ++c) {
+    for (const auto& [rows, cols] :
+         {std::pair{width, parameters}, {parameters, parameters}, {parameters, Index{1}}})
+      zero.each.push_back(MatrixXd::Zero(rows, cols));
+  }
+  const Matrices sums =
+      SumOverRows(slopes.columns.rows(), zero, parallel, [&](Index first, Index rows, Matrices& sum) {
+        MatrixXd derivatives(rows, parameters * static_cast<Index>(channels));
+        FillDerivatives(slopes, first, rows, derivatives.data(), rows * parameters, rows);
+        const MatrixXd columns = slopes.columns.Rows(first, rows);
+        for (std::size_t c = 0; c < channels; ++c) {
+          const auto channel = static_cast<Index>(c);
+          const Block own{derivatives.data() + channel * rows * parameters, rows, parameters};
+          const Weighted weighted(own, slopes.weights.col(channel).segment(first, rows));
+          AddProducts(BlockOf(columns, 0), weighted.block(), rows, sum.each[3 * c]);
+          AddSymmetric(weighted.block(), own, rows, sum.each[3 * c + 1]);
+          AddProducts(weighted.block(), {slopes.fits[c]->residual.data() + first, rows, 1}, rows,
+                      sum.each[3 * c + 2]);
+        }
+      });
+  std::vector<MatrixXd> follows;
+  for (std::size_t c = 0; c < channels; ++c) {
+    const MatrixXd& common = sums.each[3 * c];
+    const MatrixXd coupling = slopes.fits[c]->inverse * common;
+    step.normal += WithUpperHalf(sums.each[3 * c + 1]) - coupling.transpose() * common;
+    step.gradient += sums.each[3 * c + 2];
+    follows.push_back(-coupling);
+  }
+  return follows;
+}
+
+std::vector<MatrixXd> FollowedDerivatives(const ChannelSlopes& slopes, const ParallelFor& parallel,
+                                          Eigen::Ref<MatrixXd> derivatives) {
+  const Index parameters = slopes.parameters();
+  const Index samples = slopes.columns.rows();
+  const std::size_t channels = slopes.fits.size();
+  const auto at = [&](std::size_t channel, Index row) {
+    return derivatives.data() + static_cast<Index>(channel) * samples + row;
+  };
+  const Matrices common = SumOverRows(
+      samples, Matrices{std::vector<MatrixXd>(channels, MatrixXd::Zero(slopes.columns.cols(), parameters))},
+      parallel, [&](Index first, Index rows, Matrices& sum) {
+        FillDerivatives(slopes, first, rows, at(0, first), samples, derivatives.outerStride());
+        const MatrixXd columns = slopes.columns.Rows(first, rows);
+        for (std::size_t c = 0; c < channels; ++c) {
+          const Weighted weighted({at(c, first), derivatives.outerStride(), parameters},
+                                  slopes.weights.col(static_cast<Index>(c)).segment(first, rows));
+          AddProducts(BlockOf(columns, 0), weighted.block(), rows, sum.each[c]);
+        }
+      });
+  std::vector<MatrixXd> follows;
+  for (std::size_t c = 0; c < channels; ++c) follows.push_back(-slopes.fits[c]->inverse * common.each[c]);
+  SumOverRows(samples, 0, parallel, [&](Index first, Index rows, int&) {
+    const MatrixXd columns = slopes.columns.Rows(first, rows);
+    for (std::size_t c = 0; c < channels; ++c)
+      AddCombinations(BlockOf(columns, 0), follows[c], rows, at(c, first), derivatives.outerStride());
+  });
+  return follows;
+}
+
+SharedStep StepOfDerivatives(const ConstColumns& derivatives, const Eigen::Ref<const VectorXd>& left,
+                             const Eigen::Ref<const VectorXd>& weights, const ParallelFor& parallel) {
+  const Index parameters = derivatives.cols();
+  const Matrices sums = SumOverRows(
+      derivatives.rows(), Matrices{{MatrixXd::Zero(parameters, parameters), MatrixXd::Zero(parameters, 1)}},
+      parallel, [&](Index first, Index rows, Matrices& sum) {
+        const Block own = BlockOf(derivatives, first);
+        const Weighted weighted(own, weights.segment(first, rows));
+        AddSymmetric(weighted.block(), own, rows, sum.each[0]);
+        AddProducts(weighted.block(), {left.data() + first, rows, 1}, rows, sum.each[1]);
+      });
+  SharedStep step(parameters);
+  step.normal = WithUpperHalf(sums.each[0]);
+  step.gradient = sums.each[1];
+  return step;
+}
+
+ProductsOfFurther ProductsBeside(const ConstColumns& columns, const ConstColumns& others,
+                                 const ConstColumns& residuals,
+                                 const Eigen::Ref<const VectorXd>& root_weights) {
+  const Index width = columns.cols();
+  Matrices sums =
+      SumOverRows(columns.rows(),
+                  Matrices{{MatrixXd::Zero(width, width), MatrixXd::Zero(others.cols(), width),
+                            MatrixXd::Zero(width, residuals.cols())}},
+                  InTurn, [&](Index first, Index rows, Matrices& sum) {
+                    const Weighted weighted(BlockOf(columns, first), root_weights.segment(first, rows));
+                    const Block& own = weighted.block();
+                    AddSymmetric(own, own, rows, sum.each[0]);
+                    AddProducts(BlockOf(others, first), own, rows, sum.each[1]);
+                    AddProducts(own, BlockOf(residuals, first), rows, sum.each[2]);
+                  });
+  return {WithUpperHalf(sums.each[0]), std::move(sums.each[1]), std::move(sums.each[2])};
+}
+
+}  // namespace strainwave::analysis::diagnosis
