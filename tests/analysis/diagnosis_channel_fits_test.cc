@@ -90,7 +90,7 @@ TEST_F(ChannelFits, GaussNewtonStepIsThatOfTheDerivativesWithCoefficientsThatFol
   SharedStep step(6);
   const std::vector<MatrixXd> follows = AddChannels(slopes, InTurn, step);
   MatrixXd derivatives(kSamples * kChannels, 6);
-  const std::vector<MatrixXd> follows_too = FollowedDerivatives(slopes, InTurn, derivatives);
+  const std::vector<MatrixXd> follows_too = ProjectedDerivatives(slopes, InTurn, derivatives);
 
   MatrixXd normal = MatrixXd::Zero(6, 6);
   VectorXd gradient = VectorXd::Zero(6);

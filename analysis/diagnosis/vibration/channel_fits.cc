@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "analysis/diagnosis/vibration/column_blocks.h"
 #include "analysis/products.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -41,53 +42,25 @@ struct Matrices {
   }
 };
 
-// Columns that lie a stride apart.
-struct Block {
-  const double* data;
-  Index stride;
-  Index columns;
-};
-
-Block BlockOf(const ConstColumns& matrix, Index first_row) {
-  return {matrix.data() + first_row, matrix.outerStride(), matrix.cols()};
-}
-
-void AddProducts(const Block& a, const Block& b, Index rows, MatrixXd& sum) {
-  MultiplyRows<double>({a.data, a.stride}, {b.data, b.stride}, {sum.data(), 1, sum.outerStride()}, a.columns,
-                       b.columns, rows, Sum::kAdd);
-}
-
-// Of aᵀ b, which is symmetric, the lower half, and a little more.
-void AddSymmetric(const Block& a, const Block& b, Index rows, MatrixXd& sum) {
-  constexpr Index kTogether = 6;
-  for (Index first = 0; first < a.columns; first += kTogether) {
-    const Index width = std::min(kTogether, a.columns - first);
-    MultiplyRows<double>({a.data + first * a.stride, a.stride}, {b.data, b.stride},
-                         {sum.data() + first, 1, sum.outerStride()}, width, first + width, rows, Sum::kAdd);
-  }
-}
-
-MatrixXd WithUpperHalf(const MatrixXd& lower) { return lower.selfadjointView<Eigen::Lower>(); }
-
 // Columns under weights: themselves where all weights are one.
 class Weighted {
  public:
-  Weighted(const Block& columns, const Eigen::Ref<const VectorXd>& weights) : block_(columns) {
+  Weighted(const ColumnBlock& columns, const Eigen::Ref<const VectorXd>& weights) : block_(columns) {
     if ((weights.array() == 1.0).all()) return;
     const Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<>> own(
         columns.data, weights.size(), columns.columns, Eigen::OuterStride<>(columns.stride));
     copy_ = weights.asDiagonal() * own;
     block_ = {copy_.data(), copy_.outerStride(), copy_.cols()};
   }
-  const Block& block() const { return block_; }
+  const ColumnBlock& block() const { return block_; }
 
  private:
   MatrixXd copy_;
-  Block block_;
+  ColumnBlock block_;
 };
 
 // values += columns · factors, of a block of rows.
-void AddCombinations(const Block& columns, const MatrixXd& factors, Index rows, double* values,
+void AddCombinations(const ColumnBlock& columns, const MatrixXd& factors, Index rows, double* values,
                      Index stride) {
   CombineRows<double>({factors.data(), factors.outerStride(), 1}, {columns.data, columns.stride},
                       {values, stride}, factors.cols(), columns.columns, rows, Sum::kAdd);
@@ -148,7 +121,7 @@ std::vector<ChannelFit> FitChannels(const SharedColumns& columns, const ConstCol
   const Matrices products =
       SumOverRows(columns.rows(), zero, parallel, [&](Index first, Index rows, Matrices& sums) {
         const MatrixXd block = columns.Rows(first, rows);
-        const Block own = BlockOf(block, 0);
+        const ColumnBlock own = BlockOf(block, 0);
         for (std::size_t c = 0; c < squares; ++c) {
           const Weighted weighted(own, weights.col(static_cast<Index>(c)).segment(first, rows));
           AddSymmetric(weighted.block(), own, rows, sums.each[c]);
@@ -177,7 +150,7 @@ std::vector<ChannelFit> FitChannels(const SharedColumns& columns, const ConstCol
       columns.rows(), MatrixXd(MatrixXd::Zero(width, channels)), parallel,
       [&](Index first, Index rows, MatrixXd& sum) {
         const MatrixXd block = columns.Rows(first, rows);
-        const Block own = BlockOf(block, 0);
+        const ColumnBlock own = BlockOf(block, 0);
         AddCombinations(own, first_change, rows, left.data() + first, left.outerStride());
         const MatrixXd values = weights.middleRows(first, rows).cwiseProduct(left.middleRows(first, rows));
         AddProducts(own, BlockOf(values, 0), rows, sum);
@@ -229,7 +202,7 @@ std::vector<MatrixXd> AddChannels(const ChannelSlopes& slopes, const ParallelFor
         const MatrixXd columns = slopes.columns.Rows(first, rows);
         for (std::size_t c = 0; c < channels; ++c) {
           const auto channel = static_cast<Index>(c);
-          const Block own{derivatives.data() + channel * rows * parameters, rows, parameters};
+          const ColumnBlock own{derivatives.data() + channel * rows * parameters, rows, parameters};
           const Weighted weighted(own, slopes.weights.col(channel).segment(first, rows));
           AddProducts(BlockOf(columns, 0), weighted.block(), rows, sum.each[3 * c]);
           AddSymmetric(weighted.block(), own, rows, sum.each[3 * c + 1]);
@@ -248,8 +221,8 @@ std::vector<MatrixXd> AddChannels(const ChannelSlopes& slopes, const ParallelFor
   return follows;
 }
 
-std::vector<MatrixXd> FollowedDerivatives(const ChannelSlopes& slopes, const ParallelFor& parallel,
-                                          Eigen::Ref<MatrixXd> derivatives) {
+std::vector<MatrixXd> ProjectedDerivatives(const ChannelSlopes& slopes, const ParallelFor& parallel,
+                                           Eigen::Ref<MatrixXd> derivatives) {
   const Index parameters = slopes.parameters();
   const Index samples = slopes.columns.rows();
   const std::size_t channels = slopes.fits.size();
@@ -283,7 +256,7 @@ SharedStep StepOfDerivatives(const ConstColumns& derivatives, const Eigen::Ref<c
   const Matrices sums = SumOverRows(
       derivatives.rows(), Matrices{{MatrixXd::Zero(parameters, parameters), MatrixXd::Zero(parameters, 1)}},
       parallel, [&](Index first, Index rows, Matrices& sum) {
-        const Block own = BlockOf(derivatives, first);
+        const ColumnBlock own = BlockOf(derivatives, first);
         const Weighted weighted(own, weights.segment(first, rows));
         AddSymmetric(weighted.block(), own, rows, sum.each[0]);
         AddProducts(weighted.block(), {left.data() + first, rows, 1}, rows, sum.each[1]);
@@ -304,7 +277,7 @@ ProductsOfFurther ProductsBeside(const ConstColumns& columns, const ConstColumns
                             MatrixXd::Zero(width, residuals.cols())}},
                   InTurn, [&](Index first, Index rows, Matrices& sum) {
                     const Weighted weighted(BlockOf(columns, first), root_weights.segment(first, rows));
-                    const Block& own = weighted.block();
+                    const ColumnBlock& own = weighted.block();
                     AddSymmetric(own, own, rows, sum.each[0]);
                     AddProducts(BlockOf(others, first), own, rows, sum.each[1]);
                     AddProducts(own, BlockOf(residuals, first), rows, sum.each[2]);

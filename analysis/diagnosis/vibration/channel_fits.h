@@ -62,11 +62,12 @@ struct ChannelSlopes {
 std::vector<Eigen::MatrixXd> AddChannels(const ChannelSlopes& slopes, const ParallelFor& parallel,
                                          SharedStep& step);
 
-/// Derivatives of the channels' models by the parameters, with what the coefficients make of a change.
+/// Derivatives of the channels' models by the parameters, the columns projected out (variable projection;
+/// Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, as Kaufman, BIT 15 (1975) 49, simplifies it).
 /// @param derivatives  samples of the first channel, then of the next × parameters
 /// @returns as AddChannels
-std::vector<Eigen::MatrixXd> FollowedDerivatives(const ChannelSlopes& slopes, const ParallelFor& parallel,
-                                                 Eigen::Ref<Eigen::MatrixXd> derivatives);
+std::vector<Eigen::MatrixXd> ProjectedDerivatives(const ChannelSlopes& slopes, const ParallelFor& parallel,
+                                                  Eigen::Ref<Eigen::MatrixXd> derivatives);
 
 /// Gauss–Newton step from derivatives by the parameters and what is left.
 SharedStep StepOfDerivatives(const Eigen::Ref<const Eigen::MatrixXd>& derivatives,

@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "analysis/decompositions.h"
-#include "analysis/products.h"
+#include "analysis/diagnosis/vibration/column_blocks.h"
 
 namespace strainwave::analysis::diagnosis {
 
@@ -23,23 +22,16 @@ constexpr Index kRowsTogether = 2048;
 
 MatrixXd ProductsOfColumns(const Eigen::Ref<const MatrixXd>& a, const Eigen::Ref<const MatrixXd>& b) {
   MatrixXd products = MatrixXd::Zero(a.cols(), b.cols());
-  for (Index first = 0; first < a.rows(); first += kRowsTogether) {
-    MultiplyRows<double>({a.data() + first, a.outerStride()}, {b.data() + first, b.outerStride()},
-                         {products.data(), 1, products.outerStride()}, a.cols(), b.cols(),
-                         std::min(kRowsTogether, a.rows() - first), Sum::kAdd);
-  }
+  for (Index first = 0; first < a.rows(); first += kRowsTogether)
+    AddProducts(BlockOf(a, first), BlockOf(b, first), std::min(kRowsTogether, a.rows() - first), products);
   return products;
 }
 
 MatrixXd SquaresOfColumns(const Eigen::Ref<const MatrixXd>& a) {
-  constexpr Index kTogether = 6;  // columns; right of the diagonal is computed for them alone
-  MatrixXd products(a.cols(), a.cols());
-  for (Index first = 0; first < a.cols(); first += kTogether) {
-    const Index width = std::min(kTogether, a.cols() - first);
-    products.middleRows(first, width).leftCols(first + width) =
-        ProductsOfColumns(a.middleCols(first, width), a.leftCols(first + width));
-  }
-  return products.selfadjointView<Eigen::Lower>();
+  MatrixXd products = MatrixXd::Zero(a.cols(), a.cols());
+  for (Index first = 0; first < a.rows(); first += kRowsTogether)
+    AddSymmetric(BlockOf(a, first), BlockOf(a, first), std::min(kRowsTogether, a.rows() - first), products);
+  return WithUpperHalf(products);
 }
 
 MatrixXd PseudoInverse(const MatrixXd& symmetric) {

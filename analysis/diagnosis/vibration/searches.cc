@@ -85,7 +85,7 @@ VibrationBase::VibrationBase(const VibrationSamples& samples, std::span<const do
     : searched(cached),
       solver(samples, weights, parallel),
       solution(FitTerms(solver, terms)),
-      residual(samples, solver, solution, parallel) {
+      residual(samples, solver, solution) {
   searched.bic = solution.bic();
 }
 

@@ -277,24 +277,23 @@ SharedStep VibrationSolver::StepOfPredicted(
   std::vector<std::function<void()>> tasks;
   Index s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
-    const auto parameters = static_cast<Index>(solution.terms[t].nonlinear_parameters.size());
-    for (Index k = 0; k < parameters; k += IsNarrowband(solution.terms[t]) ? 1 : kSideBySide) {
-      if (IsNarrowband(solution.terms[t])) {
-        tasks.push_back([&, t, k, s] {
-          std::vector<VibrationTerm> moved = solution.terms;
-          const double by = 0.1 * nonlinear_parameters[static_cast<std::size_t>(s + k)].step;
-          moved[t].nonlinear_parameters[static_cast<std::size_t>(k)] += by;
-          VectorXd there = solution.unexplained;
-          TakeOffPredicted(moved, there);
-          derivatives.col(s + k) = (left - there) / by;
-        });
-      } else {
-        tasks.push_back([&, count = std::min(kSideBySide, parameters - k), first = s + k] {
-          TakeOffPredicted(solution.terms, derivatives.middleCols(first, count));
-        });
-      }
+    const bool narrowband = IsNarrowband(solution.terms[t]);
+    const Index end = s + static_cast<Index>(solution.terms[t].nonlinear_parameters.size());
+    for (Index k = 0; narrowband && s < end; ++k, ++s) {
+      tasks.push_back([&, t, k, s] {
+        std::vector<VibrationTerm> moved = solution.terms;
+        const double by = 0.1 * nonlinear_parameters[static_cast<std::size_t>(s)].step;
+        moved[t].nonlinear_parameters[static_cast<std::size_t>(k)] += by;
+        VectorXd there = solution.unexplained;
+        TakeOffPredicted(moved, there);
+        derivatives.col(s) = (left - there) / by;
+      });
     }
-    s += parameters;
+    for (; s < end; s = std::min(end, s + kSideBySide)) {
+      tasks.push_back([&, s, count = std::min(kSideBySide, end - s)] {
+        TakeOffPredicted(solution.terms, derivatives.middleCols(s, count));
+      });
+    }
   }
   parallel_(tasks.size(), [&](std::size_t i) { tasks[i](); });
   return StepOfDerivatives(derivatives, left, Eigen::Map<const VectorXd>(weights_.data(), derivatives.rows()),
@@ -329,7 +328,7 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
                            ColumnsOf(term), static_cast<Index>(term.nonlinear_parameters.size())});
     }
     std::vector<MatrixXd> follows =
-        predicts ? FollowedDerivatives(
+        predicts ? ProjectedDerivatives(
                        own, parallel_,
                        derivatives.middleRows(static_cast<Index>(run_channels_[group.first].channel->first),
                                               columns.rows() * static_cast<Index>(group.count)))

@@ -106,6 +106,7 @@ class VibrationSolver {
   void TakeOffPredicted(std::span<const VibrationTerm> terms, Eigen::Ref<Eigen::MatrixXd> left) const;
 
   std::span<const double> weights() const { return weights_; }
+  const ParallelFor& parallel() const { return parallel_; }
 
  private:
   struct RunChannel {

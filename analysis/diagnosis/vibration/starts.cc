@@ -47,8 +47,8 @@ Best SearchGrowth(const VibrationResidual& residual, std::size_t index) {
 }  // namespace
 
 VibrationResidual::VibrationResidual(const VibrationSamples& samples, const VibrationSolver& solver,
-                                     const VibrationSolution& base, ParallelFor parallel)
-    : samples_(samples), solver_(solver), base_(base), parallel_(std::move(parallel)) {
+                                     const VibrationSolution& base)
+    : samples_(samples), solver_(solver), base_(base) {
   const Eigen::VectorXd left = solver.Residual(base);
   residual_.assign(left.data(), left.data() + left.size());
 }

@@ -51,9 +51,9 @@ inline constexpr double kLeastSpeedSpread =
 class VibrationResidual {
  public:
   VibrationResidual(const VibrationSamples& samples, const VibrationSolver& solver,
-                    const VibrationSolution& base, ParallelFor parallel = InTurn);
+                    const VibrationSolution& base);
 
-  const ParallelFor& parallel() const { return parallel_; }
+  const ParallelFor& parallel() const { return solver_.parallel(); }
   const VibrationSamples& samples() const { return samples_; }
   const VibrationSolver& solver() const { return solver_; }
   const VibrationSolution& base() const { return base_; }
@@ -90,7 +90,6 @@ class VibrationResidual {
   const VibrationSamples& samples_;
   const VibrationSolver& solver_;
   const VibrationSolution& base_;
-  ParallelFor parallel_;
   std::vector<double> residual_;
   const OneTermSolver& one_term() const;
   NoiseFit NoiseOf(std::vector<double> residual) const;

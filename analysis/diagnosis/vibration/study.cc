@@ -101,7 +101,7 @@ class VibrationStudy final : public Study {
     const std::shared_ptr<VibrationBase> base = searches_.BaseOf(samples_, weights, known);
     std::optional<VibrationSolution> solution = searches_.Find(*base, rules_.kinds[missing[0]], missing[0]);
     for (std::size_t m = 1; m < missing.size() && solution; ++m) {
-      const VibrationResidual residual(samples_, base->solver, *solution, parallel_);
+      const VibrationResidual residual(samples_, base->solver, *solution);
       std::optional<VibrationSolution> more = Beside(residual, rules_.kinds[missing[m]], missing[m]);
       solution = std::move(more);
     }
