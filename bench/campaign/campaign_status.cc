@@ -28,8 +28,7 @@ double CreditedInStep_s(const std::vector<PhaseRow>& rows) {
 }
 
 // Bench time a second of the world's, since the program that runs has begun.
-std::optional<double> PaceOf(const Journal& journal, const Checkpoint& checkpoint) {
-  const auto begun = journal.Property(kRunBegun);
+std::optional<double> PaceOf(const std::optional<std::string>& begun, const Checkpoint& checkpoint) {
   std::int64_t utc_ms{};
   double time_s{};
   if (!begun || std::sscanf(begun->c_str(), "%" SCNd64 " %lf", &utc_ms, &time_s) != 2) return std::nullopt;
@@ -41,9 +40,9 @@ std::optional<double> PaceOf(const Journal& journal, const Checkpoint& checkpoin
 
 // What the phases of the cycle that is under way tell, with the checkpoint that may know more of the last
 // one.
-void TakePhases(const CampaignFolder& folder, const Journal& journal, const CampaignInputs& inputs,
+void TakePhases(const CampaignFolder& folder, const JournalProgress& journal, const CampaignInputs& inputs,
                 CampaignProgress& progress) {
-  const auto rows = journal.Phases(progress.cycle);
+  const std::vector<PhaseRow>& rows = journal.phases;
   progress.measured_again =
       static_cast<int>(std::ranges::count_if(rows, [](const PhaseRow& row) { return row.repeat > 0; }));
   if (!rows.empty()) {
@@ -51,7 +50,7 @@ void TakePhases(const CampaignFolder& folder, const Journal& journal, const Camp
     progress.phase_outcome = rows.back().outcome;
     for (const PhaseRow& row : rows) progress.credited_load_s += row.credited_load_s;
   }
-  progress.bench_time_s = journal.LatestTime_s();
+  progress.bench_time_s = journal.latest_s;
   double credited_in_step_s = rows.empty() ? 0.0 : CreditedInStep_s(rows);
   if (const auto checkpoint = ReadCheckpoint(folder.Checkpoint())) {
     progress.checkpoint_written = checkpoint->written;
@@ -65,7 +64,7 @@ void TakePhases(const CampaignFolder& folder, const Journal& journal, const Camp
       progress.credited_load_s += checkpoint->credited_load_s - credited_in_step_s;
       credited_in_step_s = checkpoint->credited_load_s;
     }
-    if (progress.process > 0) progress.pace = PaceOf(journal, *checkpoint);
+    if (progress.process > 0) progress.pace = PaceOf(journal.run_begun, *checkpoint);
   }
   progress.remaining_s =
       TimeToGo_s(inputs.schedule, progress.cycle, rows, credited_in_step_s, progress.bench_time_s);
@@ -83,38 +82,51 @@ void TakeReadings(const CampaignFolder& folder, const CampaignInputs& inputs, Ca
   progress.live = LiveValues(*progress.readings, progress.live_age_s, inputs.schedule.limits, inputs.bench);
 }
 
-void TakeResults(const Journal& journal, const CampaignInputs& inputs, CampaignProgress& progress) {
-  if (progress.complete == 0) return;
-  progress.last_results = journal.Results(progress.complete, 0);
-  progress.stops = StopDistances(inputs.schedule.stop, FirstK2_Nm_per_rad(journal), progress.last_results);
-  const auto plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
-  progress.life_share = LifeShare(inputs.schedule.specimen, plan.once_load_blocks) +
-                        LifeShare(inputs.schedule.specimen, plan.cycle_load_blocks) * progress.complete;
-}
-
 }  // namespace
 
-CampaignProgress ProgressOf(const CampaignFolder& folder, const Journal& journal,
-                            const CampaignInputs& inputs) {
-  CampaignProgress progress;
-  progress.process = CampaignLock::Holder(folder);
-  const int last = journal.LastCompleteCycle();
-  progress.complete = std::max(0, last);
-  progress.cycles = inputs.schedule.cycles;
-  progress.cycle = last + 1;
-  progress.longest_pause_s = inputs.schedule.resume.longest_pause_s;
-  TakePhases(folder, journal, inputs, progress);
-  TakeReadings(folder, inputs, progress);
-  TakeResults(journal, inputs, progress);
-  progress.room = DiskRoomOf(folder, inputs.schedule, progress.complete);
+JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& inputs) {
+  JournalProgress progress;
+  progress.last_complete = journal.LastCompleteCycle();
+  progress.phases = journal.Phases(progress.last_complete + 1);
+  progress.latest_s = journal.LatestTime_s();
+  progress.run_begun = journal.Property(kRunBegun);
   progress.events = journal.Events(kEventsShown);
   progress.alarms = journal.OpenAlarms();
   progress.bad_channels = journal.ChannelTroubles();
+  if (progress.last_complete <= 0) return progress;
+  progress.last_results = journal.Results(progress.last_complete, 0);
+  progress.stops = StopDistances(inputs.schedule.stop, FirstK2_Nm_per_rad(journal), progress.last_results);
+  const auto plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
+  progress.life_share = LifeShare(inputs.schedule.specimen, plan.once_load_blocks) +
+                        LifeShare(inputs.schedule.specimen, plan.cycle_load_blocks) * progress.last_complete;
+  return progress;
+}
+
+CampaignProgress ProgressOf(const CampaignFolder& folder, const JournalProgress& journal,
+                            const CampaignInputs& inputs) {
+  CampaignProgress progress;
+  progress.process = CampaignLock::Holder(folder);
+  progress.complete = std::max(0, journal.last_complete);
+  progress.cycles = inputs.schedule.cycles;
+  progress.cycle = journal.last_complete + 1;
+  progress.longest_pause_s = inputs.schedule.resume.longest_pause_s;
+  TakePhases(folder, journal, inputs, progress);
+  TakeReadings(folder, inputs, progress);
+  progress.last_results = journal.last_results;
+  progress.stops = journal.stops;
+  progress.life_share = journal.life_share;
+  progress.room = DiskRoomOf(folder, inputs.schedule, progress.complete);
+  progress.events = journal.events;
+  progress.alarms = journal.alarms;
+  progress.bad_channels = journal.bad_channels;
   return progress;
 }
 
 CampaignStatus StatusOf(const CampaignFolder& folder, const Journal& journal, const CampaignInputs& inputs) {
-  CampaignStatus status{ProgressOf(folder, journal, inputs), journal.Holes(), {}, SamplesOf(journal)};
+  CampaignStatus status{ProgressOf(folder, JournalProgressOf(journal, inputs), inputs),
+                        journal.Holes(),
+                        {},
+                        SamplesOf(journal)};
   status.checks = CheckHistories(inputs.schedule, CheckResultsIn(journal, inputs.schedule));
   return status;
 }

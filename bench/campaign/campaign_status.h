@@ -53,8 +53,24 @@ struct CampaignStatus : CampaignProgress {
   std::map<std::string, SampleCount> samples;  // of the complete cycles, by source
 };
 
-/// @param journal  of that folder, from OpenCampaign; @param inputs  frozen in it.
-CampaignProgress ProgressOf(const CampaignFolder& folder, const Journal& journal,
+/// The part of it that the journal has, which changes a few times a cycle.
+struct JournalProgress {
+  int last_complete{};           // cycle; −1: none
+  std::vector<PhaseRow> phases;  // of the next one
+  double latest_s{};
+  std::optional<std::string> run_begun;
+  std::vector<Result> last_results;
+  std::vector<StopDistance> stops;
+  std::optional<double> life_share;
+  std::vector<Event> alarms;
+  std::vector<Event> events;
+  std::vector<ChannelTrouble> bad_channels;
+};
+
+/// @param journal  from OpenCampaign; @param inputs  frozen in its folder.
+JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& inputs);
+/// With what the checkpoint, the readings, the lock and the disk say now.
+CampaignProgress ProgressOf(const CampaignFolder& folder, const JournalProgress& journal,
                             const CampaignInputs& inputs);
 CampaignStatus StatusOf(const CampaignFolder& folder, const Journal& journal, const CampaignInputs& inputs);
 

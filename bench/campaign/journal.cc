@@ -310,21 +310,23 @@ void Journal::ForEachResult(std::string_view prefix, const std::function<bool(co
   }
 }
 
-// A statement a quantity: the cycles of each come in their order, by one place of the index a cycle.
+// Cycle by cycle: what belongs to one lies together in the results, so that each page is read once.
 void Journal::ForEachResultOf(std::span<const std::string> quantities, int first_cycle, int last_cycle,
                               const std::function<void(const CycleResult&)>& take) const {
-  for (const std::string& quantity : quantities) {
-    Statement statement = database_.Prepare(
-        "SELECT c.cycle, IFNULL(c.ended_s, c.started_s), r.value, r.standard_error, r.flag FROM cycles c "
-        "CROSS JOIN results r ON r.cycle = c.cycle AND r.repeat = 0 AND r.quantity = ? "
-        "WHERE c.cycle BETWEEN ? AND ? AND c.outcome = 'complete' AND r.value IS NOT NULL ORDER BY c.cycle");
-    statement.Bind(std::string_view(quantity)).Bind(first_cycle).Bind(last_cycle);
-    while (statement.Step()) {
-      const double error = statement.IsNull(3) ? std::numeric_limits<double>::quiet_NaN() : statement.Real(3);
-      take({static_cast<int>(statement.Integer(0)),
-            statement.Real(1),
-            {quantity, statement.Real(2), error, statement.Text(4)}});
-    }
+  std::string places;
+  for (std::size_t i = 0; i < quantities.size(); ++i) places += i == 0 ? "?" : ", ?";
+  Statement statement = database_.Prepare(fmt::format(
+      "SELECT c.cycle, IFNULL(c.ended_s, c.started_s), r.quantity, r.value, r.standard_error, r.flag FROM "
+      "cycles c CROSS JOIN results r ON r.cycle = c.cycle AND r.repeat = 0 AND r.quantity IN ({}) "
+      "WHERE c.cycle BETWEEN ? AND ? AND c.outcome = 'complete' AND r.value IS NOT NULL ORDER BY c.cycle",
+      places));
+  for (const std::string& quantity : quantities) statement.Bind(std::string_view(quantity));
+  statement.Bind(first_cycle).Bind(last_cycle);
+  while (statement.Step()) {
+    const double error = statement.IsNull(4) ? std::numeric_limits<double>::quiet_NaN() : statement.Real(4);
+    take({static_cast<int>(statement.Integer(0)),
+          statement.Real(1),
+          {statement.Text(2), statement.Real(3), error, statement.Text(5)}});
   }
 }
 

@@ -131,11 +131,12 @@ void TcpServer::Deliver(Time now) {
   for (RequestProtocol::Delivery& delivery : protocol_.Deliveries(now)) {
     const auto client = std::ranges::find(clients_, delivery.client, &Client::id);
     if (client == clients_.end()) continue;
+    const bool keeps_up = client->unsent.size() <= limits_.most_unsent_bytes;
     client->unsent += delivery.bytes;
     client->closes = client->closes || delivery.closes;
     client->waits = !delivery.closes;
     client->served = now;
-    const bool stays = client->unsent.size() <= limits_.most_unsent_bytes && Proceed(*client, now);
+    const bool stays = keeps_up && Proceed(*client, now);
     if (stays) continue;
     client->waits = true;  // so that it is told of
     Close(*client);

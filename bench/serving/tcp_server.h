@@ -64,7 +64,7 @@ struct ServerLimits {
   std::size_t longest_request_bytes{4096};
   std::chrono::seconds request_within{1};  // of its first byte
   std::chrono::seconds answer_within{1};   // a client that has not taken its bytes by then is closed
-  std::size_t most_unsent_bytes{1 << 20};  // for one client
+  std::size_t most_unsent_bytes{1 << 20};  // that one client has not taken when it is to be given more
   /// After the last bytes the client closes first, within `request_within`: what it still sends is not read,
   /// and does not take the answer from it.
   bool lingers{};
