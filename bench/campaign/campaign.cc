@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/campaign_alarms.h"
 #include "bench/configuration/commissioning_file.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/errors/bench_error.h"
@@ -222,6 +223,9 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
     // Killed before the first phase began: there is nothing to go on from, and nothing to lose.
     // Its first phase is of the preparation, or of cycle 1 where there is none.
     if (journal.Phases(0).empty() && journal.Phases(1).empty()) {
+      Transaction transaction(journal.database());
+      ReturnAlarmsOfLastRun(journal, journal.LatestTime_s());
+      transaction.Commit();
       ResumePoint from_the_start;
       from_the_start.time_s = journal.LatestTime_s();
       return from_the_start;
@@ -264,6 +268,7 @@ std::optional<ResumePoint> PrepareResume(const CampaignFolder& folder, const Cam
   const std::string cause =
       cut_phase.empty() ? "stopped between two phases or on request" : "the program was cut off";
   const std::string now_utc = UtcText(now.utc_ms);
+  ReturnAlarmsOfLastRun(journal, point.time_s);
   journal.AddHole(
       {cycle, cut_phase, point.time_s, UtcText(checkpoint->written.utc_ms), now_utc, cause,
        fmt::format("{}{}; bench time stood still", pause_s ? "" : "length not known: ", point.pause.clock)});

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/campaign_alarms.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/sensor_stamps.h"
 #include "bench/configuration/sensors_of.h"
@@ -26,15 +27,37 @@ std::string CampaignRunner::InWords(const StopReason& reason) const {
   return fmt::format("{} [{}]", Describe(reason), SensorOf(*channel, bench_));
 }
 
+// A line of the journal and an alarm of it, both or none.
+void CampaignRunner::NoteAlarm(std::string_view severity, std::string_view phase, std::string_view code,
+                               const std::string& text, double time_s) {
+  held_.DemandInPlace();
+  Transaction transaction(journal_.database());
+  RaiseAlarm(journal_, bench_.alarms,
+             {.code = std::string(code),
+              .text = text,
+              .cycle = cycle_,
+              .phase = std::string(phase),
+              .time_s = time_s},
+             Now());
+  Note(severity, phase, code, text);
+  transaction.Commit();
+}
+
+// In the loop's own time, which tells the first of several; the journal's, where a reason carries none.
+double CampaignRunner::TimeOf_s(const StopReason& reason) const {
+  const double time_s = time_base_s_ + std::chrono::duration<double>(reason.time - clock_base_).count();
+  return time_s < time_base_s_ || time_s > Time_s() ? Time_s() : time_s;
+}
+
 CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome, std::string_view phase) {
   Transition(BenchEvent::kFault);
   checkpoint_.Sync();
   std::string text = InWords(outcome.reason);
   if (!outcome.words.empty()) text += ": " + outcome.words;
   if (const std::string troubles = machine_.Troubles(); !troubles.empty()) text += "\n" + troubles;
-  Note("alarm", phase, Code(outcome.reason.cause), text);
+  NoteAlarm("alarm", phase, Code(outcome.reason.cause), text, TimeOf_s(outcome.reason));
   for (const StopReason& followed : outcome.followed) {
-    Note("info", phase, Code(followed.cause), "followed: " + Describe(followed));
+    NoteAlarm("info", phase, Code(followed.cause), "followed: " + Describe(followed), TimeOf_s(followed));
   }
   held_.DemandInPlace();
   const auto file = folder_.Faults() / fmt::format("{:06d}-{:.0f}s.h5", cycle_, Time_s());

@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/campaign_alarms.h"
 #include "bench/campaign/cycle_context.h"
 #include "bench/campaign/runner_settings.h"
 #include "bench/campaign/sensor_stamps.h"
@@ -342,7 +343,11 @@ CampaignRunner::MaybeEnd CampaignRunner::StoreCycle(const std::vector<CycleStep>
 
 CampaignRunner::MaybeEnd CampaignRunner::AfterCycle(const std::vector<Result>& results) {
   if (const auto met = quality_.StopCriterion(results)) {
-    Note("alarm", "", "stop_criterion", *met);
+    NoteAlarm("alarm", "", kStopCriterionAlarm, *met, Time_s());
+    // Nothing lasts that could return later.
+    Transaction transaction(journal_.database());
+    ReturnAlarmsOf(journal_, kStopCriterionAlarm, Time_s());
+    transaction.Commit();
     return CampaignEnd{CampaignEnd::Kind::kStopCriterion, {}, *met, false};
   }
   if (request_.load() != StopRequest::kFinishCycle || cycle_ == schedule_.cycles) return std::nullopt;

@@ -84,6 +84,9 @@ class CampaignRunner {
   }
   void Note(std::string_view severity, std::string_view phase, std::string_view code,
             const std::string& text);
+  void NoteAlarm(std::string_view severity, std::string_view phase, std::string_view code,
+                 const std::string& text, double time_s);
+  double TimeOf_s(const StopReason& reason) const;
   double Time_s() const;
   /// Share of the campaign that is done when this share of a step is.
   double ShareDone(const CycleStep& step, double share_of_step) const;

@@ -36,7 +36,7 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
   if (!missing.empty()) {
     WatchChannels("referencing");
     Transition(BenchEvent::kFault);
-    Note("alarm", "referencing", "no_values", missing);
+    NoteAlarm("alarm", "referencing", "no_values", missing, Time_s());
     return CampaignEnd{CampaignEnd::Kind::kFault, {}, missing, true};
   }
   const ReferencingProgram::Tolerances tolerances{kTorqueZeroShareOfRange * bench_.transducer.range_Nm,

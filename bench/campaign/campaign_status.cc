@@ -6,7 +6,9 @@
 #include <cinttypes>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
+#include "bench/campaign/campaign_alarms.h"
 #include "bench/campaign/checkpoint.h"
 #include "bench/campaign/life_share.h"
 #include "bench/campaign/time_to_go.h"
@@ -17,6 +19,7 @@ namespace strainwave::bench {
 namespace {
 
 constexpr int kEventsShown = 8;
+constexpr int kNotesShown = 3;
 
 // Of the step of the newest row, all attempts together.
 double CreditedInStep_s(const std::vector<PhaseRow>& rows) {
@@ -92,6 +95,8 @@ JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& 
   progress.run_begun = journal.Property(kRunBegun);
   progress.events = journal.Events(kEventsShown);
   progress.alarms = journal.OpenAlarms();
+  progress.open_alarms = journal.Alarms(std::numeric_limits<double>::infinity());
+  progress.notes = journal.OperatorNotes(kNotesShown);
   progress.bad_channels = journal.ChannelTroubles();
   if (progress.last_complete <= 0) return progress;
   progress.last_results = journal.Results(progress.last_complete, 0);
@@ -118,6 +123,11 @@ CampaignProgress ProgressOf(const CampaignFolder& folder, const JournalProgress&
   progress.room = DiskRoomOf(folder, inputs.schedule, progress.complete);
   progress.events = journal.events;
   progress.alarms = journal.alarms;
+  progress.open_alarms = journal.open_alarms;
+  TakeOffShelves(progress.open_alarms, Now());
+  std::erase_if(progress.open_alarms, [](const AlarmInstance& alarm) { return !IsOpen(alarm.state); });
+  progress.alarm_rules = inputs.bench.alarms;
+  progress.notes = journal.notes;
   progress.bad_channels = journal.bad_channels;
   return progress;
 }

@@ -40,7 +40,10 @@ struct CampaignProgress {
   std::optional<DiskRoom> room;
   int measured_again{};  // in the cycle that is under way
   std::vector<Result> last_results;
-  std::vector<Event> alarms;
+  std::vector<Event> alarms;               // why the last run has ended; newest first
+  std::vector<AlarmInstance> open_alarms;  // of all runs, oldest first
+  std::vector<AlarmRule> alarm_rules;      // the bench file's
+  std::vector<OperatorNote> notes;         // newest first
   std::vector<Event> events;
   std::vector<ChannelTrouble> bad_channels;
   double longest_pause_s{};
@@ -63,6 +66,8 @@ struct JournalProgress {
   std::vector<StopDistance> stops;
   std::optional<double> life_share;
   std::vector<Event> alarms;
+  std::vector<AlarmInstance> open_alarms;
+  std::vector<OperatorNote> notes;
   std::vector<Event> events;
   std::vector<ChannelTrouble> bad_channels;
 };

@@ -87,7 +87,9 @@ Journal Journal::Create(const std::filesystem::path& file) {
   database.Execute(fmt::format("PRAGMA user_version={}", kSchemaVersion));
   database.Execute(kSchema);
   transaction.Commit();
-  return Journal(std::move(database), kSchemaVersion, 0);
+  Journal journal(std::move(database), kSchemaVersion, 0);
+  journal.AddAlarmTables();
+  return journal;
 }
 
 Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
@@ -116,7 +118,9 @@ Journal Journal::OfFile(const std::filesystem::path& file, Database::Mode mode,
                         fmt::format("journal version {} (expected {} or {})", version,
                                     kVersionWithoutChecksums, kSchemaVersion));
   }
-  return Journal(std::move(database), version, unsealed_pages);
+  Journal journal(std::move(database), version, unsealed_pages);
+  if (mode != Database::Mode::kReadOnly) journal.AddAlarmTables();
+  return journal;
 }
 
 std::string Journal::Unchecked() const {

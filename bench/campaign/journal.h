@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/alarms/alarm_list.h"
 #include "bench/campaign/database.h"
 
 namespace strainwave::bench {
@@ -82,6 +83,21 @@ struct ChannelTrouble {
   std::string since_utc;
 
   bool operator==(const ChannelTrouble&) const = default;
+};
+
+/// What was done about an alarm instance, when and by whom; nobody: by itself.
+struct AlarmAction {
+  std::int64_t number{};  // of the instance
+  std::string utc;
+  std::string by;
+  std::string action;  // acknowledge, confirm, comment, shelve, unshelve, shelf_over
+  std::string text;
+};
+
+struct OperatorNote {
+  std::string utc;
+  std::string author;
+  std::string text;
 };
 
 /// Time in which the bench was not under the program's eye (docs/requirements.md R11).
@@ -163,6 +179,17 @@ class Journal {
   std::vector<Event> EventsAfter(std::int64_t id, int most) const;
   /// Since the campaign was last resumed or complete, however many events ago that is; newest first.
   std::vector<Event> OpenAlarms() const;
+  /// Those that are open, and those raised or returned since then; oldest first. A journal of an earlier
+  /// version, opened to be read, gives its open alarms.
+  std::vector<AlarmInstance> Alarms(double since_s) const;
+  /// A new one gets its number.
+  void StoreAlarm(AlarmInstance& instance);
+  void AddAlarmAction(const AlarmAction& action);
+  /// Of all instances, in the order of time.
+  std::vector<AlarmAction> AlarmActions() const;
+  void AddOperatorNote(const OperatorNote& note);
+  /// Newest first.
+  std::vector<OperatorNote> OperatorNotes(int newest) const;
   /// All that are bad by now, or were when the program ended.
   void SetChannelTroubles(const std::vector<ChannelTrouble>& troubles);
   std::vector<ChannelTrouble> ChannelTroubles() const;
@@ -175,6 +202,10 @@ class Journal {
 
  private:
   Journal(Database database, int version, std::uint32_t unsealed_pages);
+  bool HasAlarms() const;
+  /// For journals of earlier versions; what is open in them becomes instances.
+  void AddAlarmTables();
+  std::vector<AlarmInstance> AlarmsOfEvents() const;
   static Journal OfFile(const std::filesystem::path& file, Database::Mode mode, std::uint32_t unsealed_pages);
 
   Database database_;

@@ -68,6 +68,8 @@ int main(int argc, char** argv) {
   strainwave::bench::AddStatus(app, action);
   strainwave::bench::AddServe(app, action);
   strainwave::bench::AddStop(app, action);
+  strainwave::bench::AddAlarms(app, action);
+  strainwave::bench::AddNote(app, action);
   strainwave::bench::AddRecompute(app, action);
   strainwave::bench::AddDiagnose(app, action);
   strainwave::bench::AddSimulate(app, action);

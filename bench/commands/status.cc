@@ -8,6 +8,7 @@
 
 #include "bench/campaign/campaign_status.h"
 #include "bench/campaign/cycle_results.h"
+#include "bench/commands/alarm_report.h"
 #include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/error_text.h"
@@ -15,6 +16,7 @@
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
+#include "bench/escaped.h"
 #include "bench/utc.h"
 
 namespace strainwave::bench {
@@ -100,7 +102,10 @@ void Print(const CampaignStatus& status, const CampaignFolder& folder) {
     ToStdout("  LITTLE ROOM  {} are free, and the raw data of the cycles to come may take {}\n",
              BytesText(status.room->free_bytes), BytesText(status.room->needed_bytes));
   }
-  for (const Event& alarm : status.alarms) ToStdout("  ALARM {}: {}\n", alarm.utc, alarm.text);
+  ToStdout("{}", AlarmText(status.open_alarms, status.alarm_rules, {}));
+  for (const OperatorNote& note : status.notes) {
+    ToStdout("  note         {} {}: {}\n", note.utc, Escaped(note.author), Escaped(note.text));
+  }
   ToStdout("  interrupted  {} time(s){}; after a pause of up to {} it counts as the same test\n",
            status.holes.size(),
            status.holes.empty()
@@ -113,10 +118,9 @@ void Print(const CampaignStatus& status, const CampaignFolder& folder) {
 }
 
 nlohmann::json Json(const CampaignStatus& status) {
-  nlohmann::json alarms = nlohmann::json::array();
-  for (const Event& alarm : status.alarms) {
-    alarms.push_back(
-        {{"utc", alarm.utc}, {"code", alarm.code}, {"text", alarm.text}, {"cycle", alarm.cycle}});
+  nlohmann::json notes = nlohmann::json::array();
+  for (const OperatorNote& note : status.notes) {
+    notes.push_back({{"utc", note.utc}, {"author", note.author}, {"text", note.text}});
   }
   nlohmann::json holes = nlohmann::json::array();
   for (const Hole& hole : status.holes) {
@@ -176,7 +180,8 @@ nlohmann::json Json(const CampaignStatus& status) {
           {"samples", std::move(samples)},
           {"sensor_checks", CheckJson(status.checks)},
           {"bad_channels", std::move(bad_channels)},
-          {"alarms", std::move(alarms)},
+          {"alarms", AlarmsJson(status.open_alarms, status.alarm_rules, {})},
+          {"notes", std::move(notes)},
           {"holes", std::move(holes)},
           {"longest_pause_s", status.longest_pause_s}};
 }
@@ -195,7 +200,7 @@ void AddStatus(CLI::App& app, Action& action) {
     action = [options] {
       const CampaignFolder folder{options->folder};
       const CampaignStatus status = ReadStatus(folder);
-      options->json ? ToStdout("{}\n", Json(status).dump(2)) : Print(status, folder);
+      options->json ? ToStdout("{}\n", DocumentOf(Json(status))) : Print(status, folder);
       return static_cast<int>(ExitCode::kDone);
     };
   });

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/alarms/alarm_rules.h"
 #include "bench/configuration/device_descriptions.h"
 #include "daq/acquisition/calibration.h"
 #include "schedules/reader/findings.h"
@@ -98,6 +99,7 @@ struct BenchDescription {
   std::vector<DeviceDescription> devices;  // none where the bench is simulated
   std::vector<ChannelLink> channels;
   SimulationDescription simulation;
+  std::vector<AlarmRule> alarms;  // what the bench file says of kinds of alarms
 
   std::string file_name;  // as given to the reader
   schedules::Origins origins;

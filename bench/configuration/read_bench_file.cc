@@ -176,6 +176,39 @@ std::vector<TermDescription> ReadTerms(std::vector<YamlMap> maps, ReadContext& c
   return terms;
 }
 
+std::vector<AlarmRule> ReadAlarms(std::vector<YamlMap> maps) {
+  std::vector<std::string_view> codes;
+  for (const AlarmKind& kind : kAlarmKinds) codes.push_back(kind.code);
+  std::vector<AlarmRule> rules;
+  std::map<std::string, int> lines;
+  for (YamlMap& map : maps) {
+    AlarmRule rule;
+    rule.code = map.Identifier("interlock");
+    // What the file leaves out is the kind's own, which has no one default.
+    const auto priority = map.Choice<AlarmPriority>(
+        "priority",
+        {{"low", AlarmPriority::kLow}, {"medium", AlarmPriority::kMedium}, {"high", AlarmPriority::kHigh}},
+        "medium");
+    if (map.has("priority")) rule.priority = priority;
+    const bool latching = map.Flag("latching", "false");
+    if (map.has("latching")) rule.latching = latching;
+    rule.guidance = fmt::format("{}", fmt::join(map.TextList("guidance"), "\n"));
+    map.Finish();
+    if (!map.is_wrong("interlock") && std::ranges::find(codes, rule.code) == codes.end()) {
+      map.AddError("interlock", fmt::format("interlock = {} is no kind of alarm (expected one of {})",
+                                            rule.code, fmt::join(codes, ", ")));
+    }
+    const auto [first, is_new] = lines.emplace(rule.code, map.line());
+    if (!is_new && !map.is_wrong("interlock")) {
+      map.AddError("interlock",
+                   fmt::format("interlock '{}' is there twice (expected once; it is already on line {})",
+                               rule.code, first->second));
+    }
+    rules.push_back(std::move(rule));
+  }
+  return rules;
+}
+
 SimulationDescription ReadSimulation(YamlMap map, const std::filesystem::path& folder, ReadContext& context) {
   constexpr int kLargestSeed = 2'000'000'000;
   SimulationDescription simulation;
@@ -235,6 +268,7 @@ BenchDescription ReadTop(const YamlNode& root, const std::filesystem::path& fold
   const bool has_devices = map.has("devices");
   bench.devices = ReadDevices(map.MapList("devices", Presence::kOptional), folder, context);
   bench.channels = ReadChannelLinks(map.MapList("channels", Presence::kOptional), context);
+  bench.alarms = ReadAlarms(map.MapList("alarms", Presence::kOptional));
   const bool has_simulation = map.has("simulation");
   bench.simulation = ReadSimulation(map.Map("simulation", Presence::kOptional), folder, context);
   map.Finish();

@@ -179,7 +179,10 @@ TEST_F(JournalPages, OfEarlierVersionsAreReadAndSaidToBeUnchecked) {
           "CREATE TABLE campaign(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
           "CREATE TABLE cycles(cycle INTEGER PRIMARY KEY, outcome TEXT NOT NULL, started_s REAL NOT NULL, "
           "ended_s REAL)",
-          "CREATE TABLE phases(id INTEGER PRIMARY KEY)", "CREATE TABLE events(id INTEGER PRIMARY KEY)",
+          "CREATE TABLE phases(id INTEGER PRIMARY KEY)",
+          "CREATE TABLE events(id INTEGER PRIMARY KEY, time_s REAL NOT NULL, utc TEXT NOT NULL, cycle "
+          "INTEGER "
+          "NOT NULL, phase TEXT NOT NULL, severity TEXT NOT NULL, code TEXT NOT NULL, text TEXT NOT NULL)",
           "CREATE TABLE results(cycle INTEGER NOT NULL, repeat INTEGER NOT NULL, quantity TEXT NOT NULL, "
           "value REAL, "
           "standard_error REAL, flag TEXT NOT NULL, PRIMARY KEY(cycle, repeat, quantity)) WITHOUT ROWID"}) {

@@ -30,6 +30,7 @@ bool IsDeviceCode(std::string_view path) {
 // layer but itself.
 const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"},
                                                          {"realtime"},
+                                                         {"alarms"},
                                                          {"roles"},
                                                          {"devices"},
                                                          {"configuration", "controller", "serving"},
@@ -141,6 +142,7 @@ TEST(IncludeGraph, AllowsWhatThePictureShows) {
   EXPECT_EQ(BrokenRule("bench/devices/simulated/plant.cc", "analysis/model/spring.h"), std::nullopt);
   EXPECT_EQ(BrokenRule("bench/controller/motion.h", "bench/roles/sampler.h"), std::nullopt);
   EXPECT_EQ(BrokenRule("bench/controller/motion.h", "bench/text.h"), std::nullopt);
+  EXPECT_EQ(BrokenRule("bench/configuration/read_bench_file.cc", "bench/alarms/alarm_rules.h"), std::nullopt);
   EXPECT_EQ(BrokenRule("bench/devices/can/wire_bits.cc", "bench/devices/wake.h"), std::nullopt);
   EXPECT_EQ(BrokenRule("tests/daq/record_test.cc", "daq/record.h"), std::nullopt);
 }
@@ -163,6 +165,8 @@ TEST(IncludeGraph, NamesTheRuleThatAnEdgeBreaks) {
             "bench/configuration does not include bench/controller, which lies above or beside it");
   EXPECT_EQ(BrokenRule("bench/campaign/journal.cc", "bench/page/page_state.h"),
             "bench/campaign does not include bench/page, which lies above or beside it");
+  EXPECT_EQ(BrokenRule("bench/alarms/alarm_list.h", "bench/roles/sampler.h"),
+            "bench/alarms does not include bench/roles, which lies above or beside it");
   EXPECT_EQ(BrokenRule("bench/text.h", "bench/attic/any.h"),
             "bench/ does not include bench/attic, which lies above or beside it");
   EXPECT_EQ(BrokenRule("analysis/units.h", "analysis/angles.h"),
