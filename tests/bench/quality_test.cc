@@ -164,5 +164,17 @@ TEST(Repeatability, IsTheSpreadOfTheRepeatsWidenedForTheirNumber) {
   EXPECT_NEAR(gauge[1].value, 10.0 * 4.303 * std::sqrt(2.0), 0.01);
 }
 
+TEST(Repeatability, HasTheUnitOfItsQuantity) {
+  const std::vector<Result> repeat{{"k2_Nm_per_rad", 1.0, 0.0, ""},
+                                   {"starting_torque_Nm", 1.0, 0.0, ""},
+                                   {"efficiency_percent", 1.0, 0.0, ""},
+                                   {"vibration_rms_accel_x_m_per_s2", 1.0, 0.0, ""},
+                                   {"samples_received_rack", 1.0, 0.0, ""}};
+  std::vector<std::string> units;
+  for (const Calibration& gauge : RepeatabilityOf({repeat, repeat})) units.push_back(gauge.unit);
+  EXPECT_EQ(units,
+            (std::vector<std::string>{"Nm/rad", "Nm/rad", "Nm", "Nm", "%", "%", "m/s2", "m/s2", "", ""}));
+}
+
 }  // namespace
 }  // namespace strainwave::bench::quality_test
