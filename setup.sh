@@ -36,7 +36,10 @@ TEST_PACKAGES=(
   sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
   python3-pymodbus python3-serial-asyncio socat
   can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
+  chromium nodejs
 )
+# In Debian a package of its own; nodejs from elsewhere brings it along.
+command -v npm >/dev/null || TEST_PACKAGES+=(npm)
 # Of those, what would begin to serve as soon as it is installed, and at every start of the machine.
 SERVICES=(mosquitto)
 PROGRAMS=(strainwave strainwave-devices strainwave_manual strainwave_camera_module strainwave_predictor predictor_example)
@@ -106,6 +109,20 @@ install_missing() {
   # A foreign source that does not answer need not matter: what counts is whether the packages come.
   apt-get -qq update || echo "setup.sh: apt-get update had trouble; going on with the lists that there are" >&2
   install_with_apt "${wanted[@]}"
+}
+
+# The browser test's one package of npm, as tests/page/package-lock.json has it. Without it that test alone is skipped.
+install_node_packages() {
+  local folder=build/node
+  if [[ -d $folder/node_modules ]] && cmp -s {tests/page,$folder}/package-lock.json; then
+    return
+  fi
+  mkdir -p "$folder"
+  cp tests/page/package{,-lock}.json "$folder"
+  if ! npm ci --ignore-scripts --no-audit --no-fund --prefix "$folder" >"$folder/npm.txt" 2>&1; then
+    rm -rf "$folder/node_modules"
+    echo "setup.sh: npm could not fetch playwright-core, see $folder/npm.txt; the test of the page in a browser is skipped" >&2
+  fi
 }
 
 # build TARGET...: configures with the preset 'release' and builds.
@@ -257,11 +274,13 @@ case $1 in
     ;;
   test)
     install_missing "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
+    install_node_packages
     build all
     run_tests
     ;;
   check)
     install_missing "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}" clang-format-14 clang-tidy-14
+    install_node_packages
     check
     ;;
   -h | --help)

@@ -13,6 +13,10 @@ struct DiskRoom {
   double needed_bytes{};  // by the raw data of the cycles to come, uncompressed
 };
 
+/// Nothing where the disk does not say how much room it has.
+std::optional<DiskRoom> DiskRoomOf(const CampaignFolder& folder, const schedules::Schedule& schedule,
+                                   int complete_cycles);
+
 /// Nothing where the disk has room enough, or does not say how much it has.
 std::optional<DiskRoom> LittleRoom(const CampaignFolder& folder, const schedules::Schedule& schedule,
                                    int complete_cycles);

@@ -2,6 +2,7 @@
 #include "bench/campaign/journal.h"
 
 #include <algorithm>
+#include <limits>
 #include <system_error>
 
 #include <fmt/core.h>
@@ -95,6 +96,15 @@ Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
   }
   const auto report = CheckPages(file, kApplicationId, kSchemaVersion);
   if (report) Demand(*report, file, mode);
+  return OfFile(file, mode, report ? report->unsealed : 0);
+}
+
+Journal Journal::OpenChecked(const std::filesystem::path& file) {
+  return OfFile(file, Database::Mode::kReadOnly, 0);
+}
+
+Journal Journal::OfFile(const std::filesystem::path& file, Database::Mode mode,
+                        std::uint32_t unsealed_pages) {
   Database database(file, mode);
   if (Pragma(database, "application_id") != kApplicationId) {
     throw DatabaseError(file, SQLITE_MISMATCH,
@@ -106,7 +116,7 @@ Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
                         fmt::format("journal version {} (expected {} or {})", version,
                                     kVersionWithoutChecksums, kSchemaVersion));
   }
-  return Journal(std::move(database), version, report ? report->unsealed : 0);
+  return Journal(std::move(database), version, unsealed_pages);
 }
 
 std::string Journal::Unchecked() const {
@@ -241,6 +251,14 @@ std::vector<PhaseRow> Journal::Phases(int cycle) const {
   return rows;
 }
 
+double Journal::CreditedLoad_s(int first_cycle) const {
+  Statement statement =
+      database_.Prepare("SELECT IFNULL(SUM(credited_load_s), 0.0) FROM phases WHERE cycle >= ?");
+  statement.Bind(first_cycle);
+  statement.Step();
+  return statement.Real(0);
+}
+
 void Journal::AddResults(int cycle, int repeat, const std::vector<Result>& results) {
   Statement statement = database_.Prepare(
       "INSERT OR REPLACE INTO results(cycle, repeat, quantity, value, standard_error, flag) VALUES(?, ?, ?, "
@@ -289,6 +307,26 @@ void Journal::ForEachResult(std::string_view prefix, const std::function<bool(co
                {statement.Text(2), statement.Real(3), statement.Real(4), statement.Text(5)}})) {
       return;
     }
+  }
+}
+
+// Cycle by cycle: what belongs to one lies together in the results, so that each page is read once.
+void Journal::ForEachResultOf(std::span<const std::string> quantities, int first_cycle, int last_cycle,
+                              const std::function<void(const CycleResult&)>& take) const {
+  std::string places;
+  for (std::size_t i = 0; i < quantities.size(); ++i) places += i == 0 ? "?" : ", ?";
+  Statement statement = database_.Prepare(fmt::format(
+      "SELECT c.cycle, IFNULL(c.ended_s, c.started_s), r.quantity, r.value, r.standard_error, r.flag FROM "
+      "cycles c CROSS JOIN results r ON r.cycle = c.cycle AND r.repeat = 0 AND r.quantity IN ({}) "
+      "WHERE c.cycle BETWEEN ? AND ? AND c.outcome = 'complete' AND r.value IS NOT NULL ORDER BY c.cycle",
+      places));
+  for (const std::string& quantity : quantities) statement.Bind(std::string_view(quantity));
+  statement.Bind(first_cycle).Bind(last_cycle);
+  while (statement.Step()) {
+    const double error = statement.IsNull(4) ? std::numeric_limits<double>::quiet_NaN() : statement.Real(4);
+    take({static_cast<int>(statement.Integer(0)),
+          statement.Real(1),
+          {statement.Text(2), statement.Real(3), error, statement.Text(5)}});
   }
 }
 

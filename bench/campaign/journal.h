@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -63,6 +64,7 @@ struct Event {
   std::string severity;  // info, warning, alarm
   std::string code;
   std::string text;
+  std::int64_t id{};  // as the journal has numbered it; it gives one itself to those that are added
 };
 
 struct Calibration {
@@ -110,6 +112,9 @@ class Journal {
   /// @throws DatabaseError when the file is missing, damaged, or not a journal of this program.
   static Journal Open(const std::filesystem::path& file, Database::Mode mode);
 
+  /// To read one that was opened before: its pages are looked at as they are read, and not all at first.
+  static Journal OpenChecked(const std::filesystem::path& file);
+
   const Database& database() const { return database_; }
   /// What of the file no checksum covers, in words; empty: nothing.
   std::string Unchecked() const;
@@ -133,6 +138,8 @@ class Journal {
   std::int64_t BeginPhase(const PhaseRow& row);
   void EndPhase(std::int64_t id, double time_s, std::string_view outcome, double credited_load_s);
   std::vector<PhaseRow> Phases(int cycle) const;
+  /// Credited in all phases from one cycle on.
+  double CreditedLoad_s(int first_cycle) const;
 
   void AddResults(int cycle, int repeat, const std::vector<Result>& results);
   /// Replaces what the cycle's earlier attempt at storing has left.
@@ -142,12 +149,18 @@ class Journal {
   /// cycles, until it returns false.
   void ForEachResult(std::string_view prefix, const std::function<bool(const CycleResult&)>& take,
                      int first_cycle = 1) const;
+  /// The same for some quantities by their whole names, from one complete cycle to another. A result without
+  /// a value is left out.
+  void ForEachResultOf(std::span<const std::string> quantities, int first_cycle, int last_cycle,
+                       const std::function<void(const CycleResult&)>& take) const;
   /// One quantity in the last complete cycles from 1 on that have it, at most `count`, newest last.
   std::vector<Result> NewestResults(std::string_view quantity, std::size_t count) const;
   std::vector<int> RepeatsOf(int cycle) const;
 
   void AddEvent(const Event& event);
   std::vector<Event> Events(int newest) const;
+  /// The newest of those that came after the one with that number, at most `most`; oldest first.
+  std::vector<Event> EventsAfter(std::int64_t id, int most) const;
   /// Since the campaign was last resumed or complete, however many events ago that is; newest first.
   std::vector<Event> OpenAlarms() const;
   /// All that are bad by now, or were when the program ended.
@@ -162,6 +175,7 @@ class Journal {
 
  private:
   Journal(Database database, int version, std::uint32_t unsealed_pages);
+  static Journal OfFile(const std::filesystem::path& file, Database::Mode mode, std::uint32_t unsealed_pages);
 
   Database database_;
   int version_;

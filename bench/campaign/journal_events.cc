@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Of the journal: events, channels in trouble, holes and calibrations.
+#include <algorithm>
+
 #include <fmt/core.h>
 
 #include "bench/campaign/journal.h"
@@ -14,7 +16,8 @@ std::vector<Event> EventsOf(Statement& statement) {
   std::vector<Event> events;
   while (statement.Step()) {
     events.push_back({statement.Real(0), statement.Text(1), static_cast<int>(statement.Integer(2)),
-                      statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6)});
+                      statement.Text(3), statement.Text(4), statement.Text(5), statement.Text(6),
+                      statement.Integer(7)});
   }
   return events;
 }
@@ -38,14 +41,25 @@ void Journal::AddEvent(const Event& event) {
 
 std::vector<Event> Journal::Events(int newest) const {
   Statement statement = database_.Prepare(
-      "SELECT time_s, utc, cycle, phase, severity, code, text FROM events ORDER BY id DESC LIMIT ?");
+      "SELECT time_s, utc, cycle, phase, severity, code, text, id FROM events ORDER BY id DESC LIMIT ?");
   statement.Bind(newest);
   return EventsOf(statement);
 }
 
+std::vector<Event> Journal::EventsAfter(std::int64_t id, int most) const {
+  Statement statement = database_.Prepare(
+      "SELECT time_s, utc, cycle, phase, severity, code, text, id FROM events WHERE id > ? ORDER BY id DESC "
+      "LIMIT ?");
+  statement.Bind(id).Bind(most);
+  std::vector<Event> events = EventsOf(statement);
+  std::ranges::reverse(events);
+  return events;
+}
+
 std::vector<Event> Journal::OpenAlarms() const {
   Statement statement = database_.Prepare(
-      "SELECT time_s, utc, cycle, phase, severity, code, text FROM events WHERE severity = 'alarm' AND id > "
+      "SELECT time_s, utc, cycle, phase, severity, code, text, id FROM events WHERE severity = 'alarm' AND "
+      "id > "
       "(SELECT COALESCE(MAX(id), 0) FROM events WHERE code IN ('resume', 'completed')) ORDER BY id DESC");
   return EventsOf(statement);
 }

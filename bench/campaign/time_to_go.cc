@@ -36,4 +36,14 @@ double TimeToGo_s(const schedules::Schedule& schedule, int cycle, std::span<cons
   return PlannedDuration_s(steps) - done_s + cycles_s;
 }
 
+std::optional<double> PhaseShare(const schedules::Schedule& schedule, int cycle,
+                                 std::span<const PhaseRow> rows, double credited_load_s,
+                                 double bench_time_s) {
+  if (rows.empty()) return std::nullopt;
+  const std::vector<CycleStep> steps = StepsOf(schedule, cycle);
+  const auto step = std::ranges::find(steps, rows.back().step, &CycleStep::index);
+  if (step == steps.end() || step->planned_s <= 0.0) return std::nullopt;
+  return Done_s(*step, rows.back(), credited_load_s, bench_time_s) / step->planned_s;
+}
+
 }  // namespace strainwave::bench

@@ -18,6 +18,7 @@ void AddRun(CLI::App& app, Action& action);
 void AddDevices(CLI::App& app, Action& action);
 void AddBench(CLI::App& app, Action& action);
 void AddStatus(CLI::App& app, Action& action);
+void AddServe(CLI::App& app, Action& action);
 void AddStop(CLI::App& app, Action& action);
 void AddRecompute(CLI::App& app, Action& action);
 void AddDiagnose(CLI::App& app, Action& action);

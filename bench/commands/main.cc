@@ -66,6 +66,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddDevices(app, action);
   strainwave::bench::AddBench(app, action);
   strainwave::bench::AddStatus(app, action);
+  strainwave::bench::AddServe(app, action);
   strainwave::bench::AddStop(app, action);
   strainwave::bench::AddRecompute(app, action);
   strainwave::bench::AddDiagnose(app, action);

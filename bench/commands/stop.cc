@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <csignal>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
-#include <system_error>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
+#include "bench/campaign/end_request.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
@@ -22,15 +21,17 @@ struct StopOptions {
   std::string verb{"pause"};
 };
 
-const std::map<std::string, int>& Signals() {
-  static const std::map<std::string, int> signals{
-      {"pause", SIGUSR1}, {"finish-cycle", SIGUSR2}, {"quick-stop", SIGINT}, {"shutdown", SIGTERM}};
-  return signals;
+const std::map<std::string, EndRequest>& Requests() {
+  static const std::map<std::string, EndRequest> requests{{"pause", EndRequest::kPause},
+                                                          {"finish-cycle", EndRequest::kFinishCycle},
+                                                          {"quick-stop", EndRequest::kQuickStop},
+                                                          {"shutdown", EndRequest::kShutdown}};
+  return requests;
 }
 
 int Stop(const StopOptions& options) {
   const CampaignFolder folder{options.folder};
-  const int process = CampaignLock::Holder(folder);
+  const int process = AskToEnd(folder, Requests().at(options.verb));
   if (process <= 0 && std::filesystem::exists(folder.Journal())) {
     ToStdout("{}: nobody runs this campaign, and nothing moves: there is nothing to stop\n",
              folder.root.string());
@@ -41,9 +42,6 @@ int Stop(const StopOptions& options) {
         ExitCode::kWrongInput,
         fmt::format("{}: error: nobody runs this campaign (expected the folder of a running one)",
                     folder.root.string()));
-  }
-  if (::kill(process, Signals().at(options.verb)) != 0) {
-    throw std::system_error(errno, std::generic_category(), fmt::format("process {}", process));
   }
   ToStdout("asked process {} for: {}\n", process, options.verb);
   return static_cast<int>(ExitCode::kDone);

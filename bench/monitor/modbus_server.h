@@ -3,7 +3,7 @@
 
 #include "bench/monitor/board.h"
 #include "bench/monitor/settings.h"
-#include "bench/monitor/tcp_server.h"
+#include "bench/serving/tcp_server.h"
 
 namespace strainwave::bench {
 
@@ -12,7 +12,7 @@ class ModbusProtocol : public RequestProtocol {
  public:
   explicit ModbusProtocol(const Board& board) : board_(board) {}
   std::optional<std::size_t> LengthOf(std::string_view received) override;
-  Reply Answer(std::string_view request) override;
+  Reply Answer(std::string_view request, ClientId client) override;
 
  private:
   const Board& board_;

@@ -1,44 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/monitor/prometheus_server.h"
 
-#include <algorithm>
 #include <exception>
 
 #include <httplib.h>
 
 #include "bench/monitor/prometheus_text.h"
+#include "bench/serving/http_exchange.h"
 
 namespace strainwave::bench {
-namespace {
-
-// A request that is there already, and the answer to it.
-class Exchange : public httplib::Stream {
- public:
-  explicit Exchange(std::string_view request) : request_(request) {}
-
-  const std::string& answer() const { return answer_; }
-
-  bool is_readable() const override { return !request_.empty(); }
-  bool is_writable() const override { return true; }
-  ssize_t read(char* bytes, std::size_t most) override {
-    const std::size_t count = request_.copy(bytes, most);
-    request_.remove_prefix(count);
-    return static_cast<ssize_t>(count);
-  }
-  ssize_t write(const char* bytes, std::size_t count) override {
-    answer_.append(bytes, count);
-    return static_cast<ssize_t>(count);
-  }
-  void get_remote_ip_and_port(std::string&, int&) const override {}
-  void get_local_ip_and_port(std::string&, int&) const override {}
-  socket_t socket() const override { return INVALID_SOCKET; }
-
- private:
-  std::string_view request_;
-  std::string answer_;
-};
-
-}  // namespace
 
 // The library reads requests and makes answers. It does not listen: it would give every client a thread for
 // as long as that one says nothing.
@@ -57,8 +27,8 @@ class PrometheusServer::Pages : public httplib::Server, public RequestProtocol {
     return end == std::string_view::npos ? std::nullopt : std::optional(end + kEnd.size());
   }
 
-  Reply Answer(std::string_view request) override {
-    Exchange exchange(request);
+  Reply Answer(std::string_view request, ClientId) override {
+    HttpExchange exchange(request);
     bool closed = false;
     try {
       process_request(exchange, true, closed, nullptr);

@@ -5,7 +5,7 @@
 
 #include "bench/monitor/board.h"
 #include "bench/monitor/settings.h"
-#include "bench/monitor/tcp_server.h"
+#include "bench/serving/tcp_server.h"
 
 namespace strainwave::bench {
 

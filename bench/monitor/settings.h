@@ -12,6 +12,7 @@
 #include "bench/monitor/stream_address.h"
 #include "bench/monitor/window.h"
 #include "bench/monitor/window_judge.h"
+#include "bench/serving/tcp_server.h"
 #include "schedules/reader/findings.h"
 
 namespace strainwave::bench {
@@ -45,14 +46,6 @@ struct StreamSettings {
   OperatingPoint operating;  // where no channel tells it
   std::vector<std::pair<std::string, std::string>>
       renamed;  // the source's name of a channel, the predictor's
-};
-
-/// Where a server listens, and whom it bears.
-struct ListenSettings {
-  std::string address;
-  int port{};                   // 0: any free one
-  std::size_t connections{32};  // at a time; one more takes the place of the longest idle
-  std::int64_t idle_after_ms{60'000};
 };
 
 /// All of a monitor that is not in the predictor's folder.

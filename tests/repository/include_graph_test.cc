@@ -32,9 +32,10 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"realtime"},
                                                          {"roles"},
                                                          {"devices"},
-                                                         {"configuration", "controller"},
+                                                         {"configuration", "controller", "serving"},
                                                          {"machines"},
                                                          {"campaign"},
+                                                         {"page"},
                                                          {"records"},
                                                          {"diagnosis"},
                                                          {"prediction"},
@@ -160,6 +161,8 @@ TEST(IncludeGraph, NamesTheRuleThatAnEdgeBreaks) {
             "bench/roles does not include bench/controller, which lies above or beside it");
   EXPECT_EQ(BrokenRule("bench/configuration/read_teds.h", "bench/controller/motion.h"),
             "bench/configuration does not include bench/controller, which lies above or beside it");
+  EXPECT_EQ(BrokenRule("bench/campaign/journal.cc", "bench/page/page_state.h"),
+            "bench/campaign does not include bench/page, which lies above or beside it");
   EXPECT_EQ(BrokenRule("bench/text.h", "bench/attic/any.h"),
             "bench/ does not include bench/attic, which lies above or beside it");
   EXPECT_EQ(BrokenRule("analysis/units.h", "analysis/angles.h"),

@@ -4,16 +4,18 @@
 
   tests/repository/readme_table_test.py build/strainwave
 
-The campaign is run in the background until it has been looked at and stopped, as people do; everything else one after the
-other. Each command must end well, and never say 'nan'.
+The campaign is run in the background until it has been looked at and stopped, as people do, and its page until it was
+fetched; everything else one after the other. Each command must end well, and never say 'nan'.
 """
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 
 CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
@@ -36,11 +38,20 @@ class TableOfUse(unittest.TestCase):
         self.assertIsNone(NOT_A_NUMBER.search(done.stdout + done.stderr), f"{command}\n{done.stdout}{done.stderr}")
         return done.stdout
 
+    def serve(self, folder, command):
+        # At any port: the one of the table may be somebody's already.
+        with subprocess.Popen(f"exec {command} --port 0", shell=True, cwd=folder, stdout=subprocess.PIPE, text=True) as page:
+            address = re.search(r"http://\S+", page.stdout.readline())[0]
+            with urllib.request.urlopen(address) as answer:
+                self.assertIn(b"Quick stop", answer.read())
+            page.send_signal(signal.SIGINT)
+            self.assertEqual(page.wait(), 0)
+
     def test_runs_as_it_stands(self):
         listed = commands()
         self.assertGreater(len(listed), 20)
-        run, status, stop = listed[1:4]
-        for command, verb in ((run, " run "), (status, " status "), (stop, " stop ")):
+        run, status, serve, stop = listed[1:5]
+        for command, verb in ((run, " run "), (status, " status "), (serve, " serve "), (stop, " stop ")):
             self.assertIn(verb, command)
         with tempfile.TemporaryDirectory() as folder:
             home = pathlib.Path(folder)
@@ -54,10 +65,11 @@ class TableOfUse(unittest.TestCase):
                 while not (home / "campaigns/first/campaign.db").exists() and campaign.poll() is None:
                     time.sleep(0.01)  # polling another process: nothing to wait on
                 self.assertIn("running in process", self.run_in(home, status))
+                self.serve(home, serve)
                 self.run_in(home, stop)
                 said = campaign.communicate()[1]
                 self.assertEqual(campaign.returncode, INTERRUPTED, said)
-            for command in listed[4:]:
+            for command in listed[5:]:
                 self.run_in(home, command)
             self.assertIn("14 of 14 complete", self.run_in(home, status))
             self.assertTrue((home / "campaigns/in_process.commissioned.yaml").exists())

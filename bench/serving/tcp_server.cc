@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/monitor/tcp_server.h"
+#include "bench/serving/tcp_server.h"
 
 #include <netdb.h>
 #include <netinet/in.h>
@@ -21,6 +21,7 @@ namespace strainwave::bench {
 namespace {
 
 constexpr int kPatience_ms = 100;  // in which a stop is seen, and a client that is due
+constexpr std::size_t kBuffer_bytes = 4096;
 
 int ListenAt(const addrinfo& place) {
   const int listener =
@@ -67,8 +68,10 @@ bool WouldWait() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == EI
 
 }  // namespace
 
-TcpServer::TcpServer(std::string_view name, const ListenSettings& settings, RequestProtocol& protocol)
+TcpServer::TcpServer(std::string_view name, const ListenSettings& settings, RequestProtocol& protocol,
+                     const ServerLimits& limits)
     : protocol_(protocol),
+      limits_(limits),
       most_clients_(settings.connections),
       idle_after_(settings.idle_after_ms),
       listener_(Listen(settings)) {
@@ -83,6 +86,7 @@ TcpServer::TcpServer(std::string_view name, const ListenSettings& settings, Requ
 
 TcpServer::~TcpServer() {
   stop_ = true;
+  wake_.Call();
   thread_.join();
   for (const Client& client : clients_) ::close(client.socket);
   ::close(listener_);
@@ -91,21 +95,52 @@ TcpServer::~TcpServer() {
 void TcpServer::Serve() {
   std::vector<pollfd> sockets;
   while (!stop_) {
-    sockets.assign(1, {listener_, POLLIN, 0});
+    sockets.assign({{listener_, POLLIN, 0}, {wake_.descriptor(), POLLIN, 0}});
     for (const Client& client : clients_) {
       sockets.push_back({client.socket, static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT), 0});
     }
     if (::poll(sockets.data(), sockets.size(), kPatience_ms) < 0) continue;
+    wake_.Take();
     const Time now = std::chrono::steady_clock::now();
-    auto polled = sockets.begin();
+    auto polled = sockets.begin() + 1;
     for (auto client = clients_.begin(); client != clients_.end();) {
       const bool ready = (++polled)->revents != 0;
-      const bool stays = (!ready || (Receive(*client) && Proceed(*client, now))) &&
-                         (!client->due || now < *client->due) && now - client->served < idle_after_;
-      if (!stays) ::close(client->socket);
+      const bool stays = (!ready || (Receive(*client) && Proceed(*client, now))) && IsWelcome(*client, now);
+      if (!stays) Close(*client);
       client = stays ? std::next(client) : clients_.erase(client);
     }
+    Deliver(now);
     if (sockets[0].revents != 0) LetIn(now);
+  }
+}
+
+void TcpServer::Close(const Client& client) {
+  ::close(client.socket);
+  if (client.waits) protocol_.Left(client.id);
+}
+
+bool TcpServer::IsWelcome(Client& client, Time now) {
+  if (client.due && now >= *client.due) {
+    const bool half_a_request = !client.received.empty() && client.unsent.empty() && !client.waits;
+    return half_a_request && Refuse(client, RequestProtocol::Refusal::kTooSlow, now);
+  }
+  return client.waits || now - client.served < idle_after_;
+}
+
+void TcpServer::Deliver(Time now) {
+  for (RequestProtocol::Delivery& delivery : protocol_.Deliveries(now)) {
+    const auto client = std::ranges::find(clients_, delivery.client, &Client::id);
+    if (client == clients_.end()) continue;
+    const bool keeps_up = client->unsent.size() <= limits_.most_unsent_bytes;
+    client->unsent += delivery.bytes;
+    client->closes = client->closes || delivery.closes;
+    client->waits = !delivery.closes;
+    client->served = now;
+    const bool stays = keeps_up && Proceed(*client, now);
+    if (stays) continue;
+    client->waits = true;  // so that it is told of
+    Close(*client);
+    clients_.erase(client);
   }
 }
 
@@ -119,54 +154,91 @@ void TcpServer::LetIn(Time now) {
     }
     if (socket < 0) return;
     if (clients_.size() >= most_clients_) CloseLongestIdle();
-    clients_.push_back({.socket = socket, .served = now});
+    clients_.push_back({.socket = socket, .id = ++last_id_, .served = now});
   }
 }
 
 void TcpServer::CloseLongestIdle() {
   const auto idle = std::ranges::min_element(clients_, {}, &Client::served);
-  ::close(idle->socket);
+  Close(*idle);
   clients_.erase(idle);
 }
 
 bool TcpServer::Receive(Client& client) {
   if (!client.unsent.empty()) return true;
-  std::array<char, kLongestRequest_bytes> buffer{};
-  // What is not a whole request yet is shorter than the longest one, or the client would have been closed.
-  const ssize_t count = ::recv(client.socket, buffer.data(), buffer.size() - client.received.size(), 0);
+  std::array<char, kBuffer_bytes> buffer{};
+  if (client.leaves) {
+    const ssize_t count = ::recv(client.socket, buffer.data(), buffer.size(), 0);
+    return count > 0 || (count < 0 && WouldWait());
+  }
+  // What is not a whole request yet is shorter than the longest one, or the client would have been closed;
+  // one that waits has nothing more to say.
+  const std::size_t room = limits_.longest_request_bytes - client.received.size();
+  if (room == 0) return false;
+  const ssize_t count = ::recv(client.socket, buffer.data(), std::min(buffer.size(), room), 0);
   if (count < 0) return WouldWait();
   client.received.append(buffer.data(), static_cast<std::size_t>(count));
-  client.closes = client.closes || count == 0;  // what it has asked for before is answered
+  if (client.waits && count == 0) return false;  // nobody is there to wait
+  client.closes = client.closes || count == 0;   // what it has asked for before is answered
   return true;
 }
 
+bool TcpServer::SendUnsent(Client& client) {
+  const ssize_t count = ::send(client.socket, client.unsent.data(), client.unsent.size(), MSG_NOSIGNAL);
+  if (count < 0 && !WouldWait()) return false;
+  client.unsent.erase(0, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  if (client.unsent.empty()) client.due.reset();
+  return true;
+}
+
+bool TcpServer::Linger(Client& client, Time now) {
+  if (!limits_.lingers) return false;
+  ::shutdown(client.socket, SHUT_WR);
+  client.leaves = true;
+  client.due = now + limits_.request_within;
+  client.received.clear();
+  return true;
+}
+
+bool TcpServer::Refuse(Client& client, RequestProtocol::Refusal why, Time now) {
+  client.unsent = protocol_.LastWords(why);
+  if (client.unsent.empty()) return false;
+  client.closes = true;
+  client.received.clear();
+  client.due.reset();
+  return Proceed(client, now);
+}
+
 bool TcpServer::Proceed(Client& client, Time now) {
+  if (client.leaves) return true;
   while (true) {
     if (!client.unsent.empty()) {
-      const ssize_t count = ::send(client.socket, client.unsent.data(), client.unsent.size(), MSG_NOSIGNAL);
-      if (count < 0 && !WouldWait()) return false;
-      client.unsent.erase(0, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+      if (!SendUnsent(client)) return false;
       if (!client.unsent.empty()) break;
-      client.due.reset();
     }
+    if (client.waits) return true;
     const std::optional<std::size_t> length = protocol_.LengthOf(client.received);
-    if (!length) {
-      if (client.closes || client.received.size() >= kLongestRequest_bytes) return false;
-      break;
+    if (!length && client.closes) return client.received.empty() && Linger(client, now);
+    if (!length && client.received.size() >= limits_.longest_request_bytes) {
+      return Refuse(client, RequestProtocol::Refusal::kTooLong, now);
     }
-    RequestProtocol::Reply reply = protocol_.Answer(std::string_view(client.received).substr(0, *length));
+    if (!length) break;
+    RequestProtocol::Reply reply =
+        protocol_.Answer(std::string_view(client.received).substr(0, *length), client.id);
     client.received.erase(0, *length);
     client.unsent = std::move(reply.bytes);
     client.served = now;
     client.due.reset();
+    client.waits = reply.waits;
     if (reply.closes) {
       client.closes = true;
       client.received.clear();
     }
-    if (client.unsent.empty() && client.closes) return false;
+    if (client.unsent.empty() && client.closes && !client.waits) return false;
   }
   const bool waits = !client.received.empty() || !client.unsent.empty();
-  if (waits && !client.due) client.due = now + kRequestWithin;
+  const auto within = client.unsent.empty() ? limits_.request_within : limits_.answer_within;
+  if (waits && !client.due) client.due = now + within;
   return true;
 }
 

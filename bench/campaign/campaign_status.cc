@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/campaign/campaign_status.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+
+#include "bench/campaign/checkpoint.h"
+#include "bench/campaign/life_share.h"
+#include "bench/campaign/time_to_go.h"
+#include "bench/utc.h"
+#include "schedules/reader/plan.h"
+
+namespace strainwave::bench {
+namespace {
+
+constexpr int kEventsShown = 8;
+
+// Of the step of the newest row, all attempts together.
+double CreditedInStep_s(const std::vector<PhaseRow>& rows) {
+  double credited_s = 0.0;
+  for (const PhaseRow& row : rows) {
+    if (row.step == rows.back().step && row.repeat == rows.back().repeat) credited_s += row.credited_load_s;
+  }
+  return credited_s;
+}
+
+// Bench time a second of the world's, since the program that runs has begun.
+std::optional<double> PaceOf(const std::optional<std::string>& begun, const Checkpoint& checkpoint) {
+  std::int64_t utc_ms{};
+  double time_s{};
+  if (!begun || std::sscanf(begun->c_str(), "%" SCNd64 " %lf", &utc_ms, &time_s) != 2) return std::nullopt;
+  const double world_s = 1e-3 * static_cast<double>(checkpoint.written.utc_ms - utc_ms);
+  constexpr double kLongEnough_s = 2.0;
+  if (world_s < kLongEnough_s || checkpoint.time_s <= time_s) return std::nullopt;
+  return (checkpoint.time_s - time_s) / world_s;
+}
+
+// What the phases of the cycle that is under way tell, with the checkpoint that may know more of the last
+// one.
+void TakePhases(const CampaignFolder& folder, const JournalProgress& journal, const CampaignInputs& inputs,
+                CampaignProgress& progress) {
+  const std::vector<PhaseRow>& rows = journal.phases;
+  progress.measured_again =
+      static_cast<int>(std::ranges::count_if(rows, [](const PhaseRow& row) { return row.repeat > 0; }));
+  if (!rows.empty()) {
+    progress.phase = rows.back().name;
+    progress.phase_outcome = rows.back().outcome;
+    for (const PhaseRow& row : rows) progress.credited_load_s += row.credited_load_s;
+  }
+  progress.bench_time_s = journal.latest_s;
+  double credited_in_step_s = rows.empty() ? 0.0 : CreditedInStep_s(rows);
+  if (const auto checkpoint = ReadCheckpoint(folder.Checkpoint())) {
+    progress.checkpoint_written = checkpoint->written;
+    progress.bench_time_s = std::max(progress.bench_time_s, checkpoint->time_s);
+    // A checkpoint that is older than the phase says nothing of it.
+    const bool of_this_phase = !rows.empty() && checkpoint->cycle == rows.back().cycle &&
+                               checkpoint->step == rows.back().step &&
+                               checkpoint->repeat == rows.back().repeat;
+    if (progress.phase_outcome == "running" && of_this_phase) {
+      // What other load runs of the cycle have is in the rows; of this one the checkpoint knows more.
+      progress.credited_load_s += checkpoint->credited_load_s - credited_in_step_s;
+      credited_in_step_s = checkpoint->credited_load_s;
+    }
+    if (progress.process > 0) progress.pace = PaceOf(journal.run_begun, *checkpoint);
+  }
+  progress.remaining_s =
+      TimeToGo_s(inputs.schedule, progress.cycle, rows, credited_in_step_s, progress.bench_time_s);
+  progress.planned_s = TimeToGo_s(inputs.schedule, 0, {}, 0.0, 0.0);
+  progress.phase_share =
+      PhaseShare(inputs.schedule, progress.cycle, rows, credited_in_step_s, progress.bench_time_s);
+}
+
+void TakeReadings(const CampaignFolder& folder, const CampaignInputs& inputs, CampaignProgress& progress) {
+  if (progress.process == 0) return;
+  progress.readings = ReadLiveReadings(folder.Readings());
+  if (!progress.readings) return;
+  progress.live_taken = progress.readings->taken;
+  progress.live_age_s = PauseBetween(*progress.live_taken, Now()).length_s;
+  progress.live = LiveValues(*progress.readings, progress.live_age_s, inputs.schedule.limits, inputs.bench);
+}
+
+}  // namespace
+
+JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& inputs) {
+  JournalProgress progress;
+  progress.last_complete = journal.LastCompleteCycle();
+  progress.phases = journal.Phases(progress.last_complete + 1);
+  progress.latest_s = journal.LatestTime_s();
+  progress.run_begun = journal.Property(kRunBegun);
+  progress.events = journal.Events(kEventsShown);
+  progress.alarms = journal.OpenAlarms();
+  progress.bad_channels = journal.ChannelTroubles();
+  if (progress.last_complete <= 0) return progress;
+  progress.last_results = journal.Results(progress.last_complete, 0);
+  progress.stops = StopDistances(inputs.schedule.stop, FirstK2_Nm_per_rad(journal), progress.last_results);
+  const auto plan = schedules::MakePlan(inputs.schedule, std::chrono::system_clock::now());
+  progress.life_share = LifeShare(inputs.schedule.specimen, plan.once_load_blocks) +
+                        LifeShare(inputs.schedule.specimen, plan.cycle_load_blocks) * progress.last_complete;
+  return progress;
+}
+
+CampaignProgress ProgressOf(const CampaignFolder& folder, const JournalProgress& journal,
+                            const CampaignInputs& inputs) {
+  CampaignProgress progress;
+  progress.process = CampaignLock::Holder(folder);
+  progress.complete = std::max(0, journal.last_complete);
+  progress.cycles = inputs.schedule.cycles;
+  progress.cycle = journal.last_complete + 1;
+  progress.longest_pause_s = inputs.schedule.resume.longest_pause_s;
+  TakePhases(folder, journal, inputs, progress);
+  TakeReadings(folder, inputs, progress);
+  progress.last_results = journal.last_results;
+  progress.stops = journal.stops;
+  progress.life_share = journal.life_share;
+  progress.room = DiskRoomOf(folder, inputs.schedule, progress.complete);
+  progress.events = journal.events;
+  progress.alarms = journal.alarms;
+  progress.bad_channels = journal.bad_channels;
+  return progress;
+}
+
+CampaignStatus StatusOf(const CampaignFolder& folder, const Journal& journal, const CampaignInputs& inputs) {
+  CampaignStatus status{ProgressOf(folder, JournalProgressOf(journal, inputs), inputs),
+                        journal.Holes(),
+                        {},
+                        SamplesOf(journal)};
+  status.checks = CheckHistories(inputs.schedule, CheckResultsIn(journal, inputs.schedule));
+  return status;
+}
+
+std::optional<double> TimeToEnd_s(const CampaignProgress& progress) {
+  if (!progress.pace) return std::nullopt;
+  return progress.remaining_s / *progress.pace;
+}
+
+std::string EndUtc(const CampaignProgress& progress) {
+  const auto to_end_s = TimeToEnd_s(progress);
+  return to_end_s ? UtcText(UtcMilliseconds() + std::llround(1e3 * *to_end_s)) : std::string();
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <thread>
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+
+#include "bench/campaign/folder.h"
+#include "bench/commands/commands.h"
+#include "bench/commands/output.h"
+#include "bench/commands/person.h"
+#include "bench/errors/bench_error.h"
+#include "bench/page/page_server.h"
+
+namespace strainwave::bench {
+namespace {
+
+struct ServeOptions {
+  std::string folder;
+  int port{8080};
+};
+
+std::unique_ptr<PageServer> Serve(const CampaignFolder& folder, int port) {
+  try {
+    return std::make_unique<PageServer>(folder, port);
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::address_in_use) {
+      throw BenchError(ExitCode::kMachineFailed,
+                       fmt::format("error: port {} is taken by another program, perhaps another page "
+                                   "(expected a free one: --port {}, or --port 0 for any)",
+                                   port, port < 65535 ? port + 1 : 8080));
+    }
+    if (error.code() == std::errc::permission_denied && port > 0 && port < 1024) {
+      throw BenchError(ExitCode::kMachineFailed,
+                       fmt::format("error: port {} is for root alone (expected 1024 or higher)", port));
+    }
+    throw;
+  }
+}
+
+int Run(const ServeOptions& options) {
+  ListenForQuickStop();
+  const CampaignFolder folder{options.folder};
+  if (!std::filesystem::is_directory(folder.root)) {
+    throw BenchError(ExitCode::kWrongInput,
+                     fmt::format("{}: error: there is no such folder (expected that of a campaign, which "
+                                 "strainwave run SCHEDULE --out {} makes)",
+                                 options.folder, options.folder));
+  }
+  const auto server = Serve(folder, options.port);
+  ToStdout("{}: http://127.0.0.1:{}/   (Ctrl-C ends the page, not the campaign)\n", options.folder,
+           server->port());
+  while (Requested() == StopRequest::kNone) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  return static_cast<int>(ExitCode::kDone);
+}
+
+}  // namespace
+
+void AddServe(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "serve",
+      "The live page of a campaign, running or not, for browsers on this machine: progress, readings, "
+      "trends, "
+      "and the quick stop.\n"
+      "It is a program of its own that only reads the folder: whatever becomes of it, the campaign goes on. "
+      "Over a network: ssh -L 8080:127.0.0.1:8080 HOST.\n"
+      "Example: strainwave serve campaigns/first --port 8080");
+  auto options = std::make_shared<ServeOptions>();
+  command->add_option("DIR", options->folder, "the campaign's folder")->required();
+  command->add_option("--port", options->port, "of 127.0.0.1; 0: any free one")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 65535));
+  command->callback([options, &action] { action = [options] { return Run(*options); }; });
+}
+
+}  // namespace strainwave::bench

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/page/page_server.h"
+
+#include <exception>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/core.h>
+#include <httplib.h>
+
+#include "bench/page/actions.h"
+#include "bench/page/campaign_watch.h"
+#include "bench/page/cycles_reader.h"
+#include "bench/page/event_stream.h"
+#include "bench/page/http_text.h"
+#include "bench/page/page_state.h"
+#include "bench/page/static_files.h"
+#include "bench/page/time_zone.h"
+#include "bench/page/tokens.h"
+#include "bench/serving/http_exchange.h"
+#include "bench/utc.h"
+
+namespace strainwave::bench {
+namespace {
+
+constexpr std::size_t kLongestHead_bytes = 8192;
+constexpr std::size_t kLongestBody_bytes = 4096;
+constexpr std::size_t kMostStreams = 100;
+constexpr std::size_t kMostConnections = 300;
+constexpr std::int64_t kIdleAfter_ms = 10'000;
+constexpr std::chrono::seconds kHeartbeat{1};
+constexpr const char* kJson = "application/json";
+constexpr const char* kActionsPath = "/api/v1/actions";
+
+// A viewer on a slow network has time for a frame; one that takes none is closed, and comes back by itself.
+constexpr ServerLimits kLimits{.longest_request_bytes = kLongestHead_bytes + kLongestBody_bytes,
+                               .request_within = std::chrono::seconds(2),
+                               .answer_within = std::chrono::seconds(10),
+                               .most_unsent_bytes = 256 * 1024,
+                               .lingers = true};
+
+std::string Dump(const nlohmann::json& document) {
+  return document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+// Called from the server's thread alone, but for `Finish` and `Wake`.
+class PageServer::Pages : public httplib::Server, public RequestProtocol {
+ public:
+  explicit Pages(const CampaignFolder& folder)
+      : folder_(folder), tokens_(RandomKey()), watch_(folder), cycles_(folder) {
+    set_default_headers({AnswerHeaders().begin(), AnswerHeaders().end()});
+    set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+      return Route(request, response) ? HandlerResponse::Handled : HandlerResponse::Unhandled;
+    });
+    Post(kActionsPath, [this](const httplib::Request& request, httplib::Response& response) {
+      TakeAction(request, response);
+    });
+    set_error_handler([](const httplib::Request&, httplib::Response& response) {
+      if (!response.body.empty()) return;
+      response.set_content(ErrorJson("the request cannot be read (expected HTTP/1.1)"), kJson);
+    });
+  }
+
+  void Begin(TcpServer& server) {
+    {
+      const std::lock_guard lock(mutex_);
+      server_ = &server;
+    }
+    watch_.Begin([this] { Wake(); });
+  }
+
+  // From now on nobody wakes the server.
+  void End() {
+    const std::lock_guard lock(mutex_);
+    server_ = nullptr;
+  }
+
+  std::optional<std::size_t> LengthOf(std::string_view received) override {
+    const auto head = HeadOf(received);
+    if (!head) return std::nullopt;
+    // A body that is too long is not waited for.
+    if (head->is_chunked || head->is_ambiguous || head->body_bytes > kLongestBody_bytes) return head->bytes;
+    const std::size_t length = head->bytes + head->body_bytes;
+    return length <= received.size() ? std::optional(length) : std::nullopt;
+  }
+
+  Reply Answer(std::string_view request, ClientId client) override {
+    const auto head = HeadOf(request);
+    if (head->is_ambiguous) return Refused(400, "Content-Length (expected one whole number)");
+    if (head->is_chunked)
+      return Refused(411, "the length of the body is not given (expected Content-Length)");
+    if (head->bytes > kLongestHead_bytes) return {LastWords(Refusal::kTooLong), true};
+    if (head->body_bytes > kLongestBody_bytes) {
+      return Refused(413, fmt::format("the body has {} bytes (expected at most {})", head->body_bytes,
+                                      kLongestBody_bytes));
+    }
+    client_ = client;
+    waits_.reset();
+    HttpExchange exchange(request);
+    bool closed = false;
+    try {
+      // Packed as browsers like it, a file would keep this thread for half a second: Debian's library packs
+      // with Brotli as tightly as it can.
+      process_request(exchange, true, closed,
+                      [](httplib::Request& asked) { asked.headers.erase("Accept-Encoding"); });
+    } catch (const std::exception&) {
+      return Refused(400, "the request cannot be read (expected HTTP/1.1)");
+    }
+    if (waits_) return {.bytes = std::move(*waits_), .waits = true};
+    return {.bytes = exchange.answer(), .closes = true};
+  }
+
+  std::vector<Delivery> Deliveries(Time now) override {
+    std::vector<Delivery> deliveries;
+    {
+      const std::lock_guard lock(mutex_);
+      deliveries.swap(finished_);
+    }
+    const bool changed = watch_.version() != version_;
+    if (streams_.empty() || (!changed && now < heartbeat_due_)) return deliveries;
+    heartbeat_due_ = now + kHeartbeat;
+    if (!changed) {
+      const std::string alive = EventFrame("alive", fmt::format("{{\"now_ms\":{}}}", UtcMilliseconds()));
+      for (const auto& [client, seen] : streams_) deliveries.push_back({client, alive});
+      return deliveries;
+    }
+    const WatchedCampaign newest = watch_.Newest();
+    version_ = newest.version;
+    const std::string state = EventFrame("state", Dump(StateJson(newest.snapshot, Now())));
+    for (auto& [client, seen] : streams_) {
+      deliveries.push_back({client, JournalFrames(newest.events, seen) + state});
+      seen = newest.snapshot.last_event;
+    }
+    return deliveries;
+  }
+
+  void Left(ClientId client) override { streams_.erase(client); }
+
+  std::string LastWords(Refusal why) override {
+    switch (why) {
+      case Refusal::kTooLong:
+        return HttpAnswer(
+            431, kJson,
+            ErrorJson(fmt::format("the head of the request is too long (expected at most {} bytes)",
+                                  kLongestHead_bytes)));
+      case Refusal::kTooSlow:
+        return HttpAnswer(408, kJson,
+                          ErrorJson(fmt::format("the request was not whole in time (expected: within {} s)",
+                                                kLimits.request_within.count())));
+    }
+    return {};
+  }
+
+ private:
+  static Reply Refused(int status, std::string_view sentence) {
+    return {HttpAnswer(status, kJson, ErrorJson(sentence)), true};
+  }
+
+  static void Refuse(httplib::Response& response, int status, std::string_view sentence) {
+    response.status = status;
+    response.set_content(ErrorJson(sentence), kJson);
+  }
+
+  // Of all requests but actions, whose bodies are not read yet.
+  bool Route(const httplib::Request& request, httplib::Response& response) {
+    if (!IsLoopbackHost(request.get_header_value("Host"))) {
+      Refuse(response, 403, "the page is not served under this name (expected localhost or 127.0.0.1)");
+    } else if (request.path == kActionsPath) {
+      if (request.method == "POST") return false;
+      Refuse(response, 405, "actions are sent by POST");
+    } else if (request.method != "GET" && request.method != "HEAD") {
+      Refuse(response, 405, fmt::format("{:.20} is not done here (expected GET)", request.method));
+    } else if (request.path == "/api/v1/state") {
+      SendState(response);
+    } else if (request.path == "/api/v1/cycles") {
+      SendCycles(request, response);
+    } else if (request.path == "/api/v1/events") {
+      OpenStream(request, response);
+    } else if (const StaticFile* file = FindStaticFile(request.path)) {
+      response.status = 200;
+      response.set_content(file->bytes.data(), file->bytes.size(), std::string(file->type));
+    } else {
+      Refuse(response, 404,
+             fmt::format("there is no {:.80} here (expected / or /api/v1/state, cycles, events, actions)",
+                         request.path));
+    }
+    return true;
+  }
+
+  void SendState(httplib::Response& response) {
+    const CampaignSnapshot snapshot = watch_.Snapshot();
+    nlohmann::json state = StateJson(snapshot, Now());
+    state["token"] = tokens_.Issue(snapshot.run);
+    state["zone"] = zone_;
+    state["events"] = nlohmann::json::array();
+    for (const Event& event : snapshot.progress.events) state["events"].push_back(EventJson(event));
+    response.status = 200;
+    response.set_content(Dump(state) + "\n", kJson);
+  }
+
+  void SendCycles(const httplib::Request& request, httplib::Response& response) {
+    CyclesQuery query;
+    try {
+      query = ParseCyclesQuery(request.params);
+    } catch (const std::invalid_argument& error) {
+      return Refuse(response, 400, error.what());
+    }
+    const bool waits =
+        cycles_.Ask(query, watch_.Snapshot().progress.complete,
+                    [this, client = client_](int status, std::string json) { Finish(client, status, json); });
+    if (!waits) return Refuse(response, 503, "too many ask for cycles at once (expected: ask again later)");
+    waits_.emplace();
+  }
+
+  // From the reader's thread.
+  void Finish(ClientId client, int status, const std::string& json) {
+    {
+      const std::lock_guard lock(mutex_);
+      finished_.push_back({client, HttpAnswer(status, kJson, json), true});
+    }
+    Wake();
+  }
+
+  void Wake() {
+    const std::lock_guard lock(mutex_);
+    if (server_ != nullptr) server_->Wake();
+  }
+
+  void OpenStream(const httplib::Request& request, httplib::Response& response) {
+    if (streams_.size() >= kMostStreams) {
+      return Refuse(response, 503,
+                    fmt::format("{} viewers look on already (expected: one that closes the page; quick stop "
+                                "works without a stream)",
+                                kMostStreams));
+    }
+    const WatchedCampaign newest = watch_.Newest();
+    const std::int64_t last_seen = LastEventId(request.get_header_value("Last-Event-ID"));
+    streams_[client_] = newest.snapshot.last_event;
+    waits_ = EventStreamHead() + "retry: 1000\n\n" + JournalFrames(newest.events, last_seen) +
+             EventFrame("state", Dump(StateJson(newest.snapshot, Now())));
+  }
+
+  void TakeAction(const httplib::Request& request, httplib::Response& response) {
+    const std::string host = request.get_header_value("Host");
+    if (!IsOwnOrigin(request.get_header_value("Origin"), host)) {
+      return Refuse(response, 403, "actions of another page are not taken (expected this page's own)");
+    }
+    if (!request.get_header_value("Content-Type").starts_with(kJson)) {
+      return Refuse(response, 400, "the Content-Type is not application/json (expected that of JSON)");
+    }
+    const CampaignSnapshot snapshot = watch_.Snapshot();
+    const int process = CampaignLock::Holder(folder_);
+    if (process > 0 && process != snapshot.progress.process) {
+      return Refuse(
+          response, 409,
+          "the campaign has just been started again; nothing was done, look at the page again before "
+          "you act");
+    }
+    const ActionAnswer answer = Act(
+        request.body, snapshot, tokens_, [this](EndRequest what) { return AskToEnd(folder_, what); },
+        UtcNow());
+    response.status = answer.status;
+    response.set_content(Dump(answer.body) + "\n", kJson);
+  }
+
+  const CampaignFolder folder_;
+  const std::string zone_{TimeZone()};
+  Tokens tokens_;
+  ClientId client_{};                         // whose request is answered
+  std::optional<std::string> waits_;          // what that one gets at once, where more will follow
+  std::map<ClientId, std::int64_t> streams_;  // and the last line of the journal that each has
+  std::uint64_t version_{};
+  Time heartbeat_due_{};
+  std::mutex mutex_;  // of the two below
+  TcpServer* server_{};
+  std::vector<Delivery> finished_;
+  // Their threads call this object: they end before the rest of it does.
+  CampaignWatch watch_;
+  CyclesReader cycles_;
+};
+
+PageServer::PageServer(const CampaignFolder& folder, int port)
+    : pages_(std::make_unique<Pages>(folder)),
+      server_(std::make_unique<TcpServer>("the page",
+                                          ListenSettings{.address = "127.0.0.1",
+                                                         .port = port,
+                                                         .connections = kMostConnections,
+                                                         .idle_after_ms = kIdleAfter_ms},
+                                          *pages_, kLimits)) {
+  pages_->Begin(*server_);
+}
+
+PageServer::~PageServer() {
+  pages_->End();
+  server_.reset();
+}
+
+int PageServer::port() const { return server_->port(); }
+
+}  // namespace strainwave::bench

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "bench/campaign/folder.h"
+#include "bench/serving/tcp_server.h"
+
+namespace strainwave::bench {
+
+/// The live page of a campaign: serves it from threads of its own, as long as it lives, and only reads the
+/// campaign's folder. One thread carries all connections and answers whatever needs no disk; one watches the
+/// campaign; one reads cycles. So nothing that viewers do keeps a quick stop waiting
+/// (docs/decisions/0017-live-page.md).
+class PageServer {
+ public:
+  /// @throws std::system_error when it cannot listen there; as OpenCampaign, when the folder is no campaign.
+  PageServer(const CampaignFolder& folder, int port);
+  ~PageServer();
+
+  int port() const;
+
+ private:
+  class Pages;
+  std::unique_ptr<Pages> pages_;
+  std::unique_ptr<TcpServer> server_;
+};
+
+}  // namespace strainwave::bench

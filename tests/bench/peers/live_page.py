@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A campaign and the page of it, each a process, and a client that speaks HTTP by itself."""
+import contextlib
+import http.client
+import json
+import pathlib
+import socket
+import subprocess
+import urllib.error
+import urllib.request
+
+from waiting import until
+
+SMALL = pathlib.Path(__file__).resolve().parents[2] / "simulation" / "small.yaml"
+PATIENCE_s = 60  # against hanging: no measure of anything
+
+
+def ended(process):
+    """What is left of a process when a test is over."""
+    process.kill()
+    process.wait()
+
+
+@contextlib.contextmanager
+def campaign(program, folder, pace="20", *more):
+    """A campaign that runs, until the end of the block."""
+    with open(folder.with_suffix(".txt"), "w") as said:
+        process = subprocess.Popen([program, "run", str(SMALL), "--out", str(folder), "--pace", pace, *more], stdout=said,
+                                   stderr=said)
+    try:
+        # After the signals are listened to and the run has its id.
+        until(lambda: (folder / "readings").exists() or process.poll() is not None)
+        yield process
+    finally:
+        ended(process)
+
+
+@contextlib.contextmanager
+def page(program, folder, port=0):
+    """The page of a campaign; gives it as a Page."""
+    process = subprocess.Popen([program, "serve", str(folder), "--port", str(port)], stdout=subprocess.PIPE, text=True)
+    try:
+        line = process.stdout.readline()
+        assert "http://127.0.0.1:" in line, line
+        yield Page(int(line.split("http://127.0.0.1:")[1].split("/")[0]), process)
+    finally:
+        ended(process)
+        process.stdout.close()
+
+
+class Page:
+    def __init__(self, port, process):
+        self.port, self.process = port, process
+        self.root = f"http://127.0.0.1:{port}"
+
+    def get(self, path, headers=None):
+        """Status, headers, body."""
+        request = urllib.request.Request(self.root + path, headers=headers or {})
+        try:
+            with urllib.request.urlopen(request, timeout=PATIENCE_s) as answer:
+                return answer.status, answer.headers, answer.read()
+        except urllib.error.HTTPError as error:
+            with error:
+                return error.code, error.headers, error.read()
+
+    def json(self, path):
+        return json.loads(self.get(path)[2])
+
+    def state(self):
+        return self.json("/api/v1/state")
+
+    def act(self, action, run, token, headers=None):
+        """Status and answer."""
+        body = json.dumps({"action": action, "run": run, "token": token}).encode()
+        return self.post(body, {"Content-Type": "application/json", **(headers or {})})
+
+    def post(self, body, headers):
+        request = urllib.request.Request(self.root + "/api/v1/actions", body, headers, method="POST")
+        try:
+            with urllib.request.urlopen(request, timeout=PATIENCE_s) as answer:
+                return answer.status, json.load(answer)
+        except urllib.error.HTTPError as error:
+            with error:
+                return error.code, json.load(error)
+
+    def raw(self, text, more=None):
+        """What comes for these bytes, until the server closes; `more` is sent after them, as far as it is taken."""
+        with socket.create_connection(("127.0.0.1", self.port), PATIENCE_s) as client:
+            client.sendall(text)
+            if more:
+                with contextlib.suppress(OSError):
+                    client.sendall(more)
+            got = b""
+            with contextlib.suppress(ConnectionError):
+                while part := client.recv(65536):
+                    got += part
+            return got
+
+    def stream(self, last_event_id=None):
+        return Stream(self.port, last_event_id)
+
+
+class Stream:
+    """Server-sent events, one after the other."""
+
+    def __init__(self, port, last_event_id=None):
+        self.connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_s)
+        self.connection.request("GET", "/api/v1/events", headers={"Last-Event-ID": last_event_id} if last_event_id else {})
+        self.answer = self.connection.getresponse()
+
+    def next(self, *names):
+        """The next event of one of these names, as {"event", "id", "data"}."""
+        event = {}
+        while True:
+            line = self.answer.readline().decode()
+            assert line, "the stream has ended"
+            name, _, value = line.rstrip("\n").partition(": ")
+            if name:
+                event[name] = value
+            elif event.get("event") in names:
+                return {**event, "data": json.loads(event["data"])}
+            else:
+                event = {}
+
+    def close(self):
+        self.answer.close()
+        self.connection.close()
