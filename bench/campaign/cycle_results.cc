@@ -191,8 +191,8 @@ CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleCont
 }
 
 bool IsSound(const Result& result) {
-  return result.flag.empty() || result.flag.starts_with(kThermalFlag) ||
-         result.flag.starts_with(kNoBlankFlag);
+  return std::isfinite(result.value) && (result.flag.empty() || result.flag.starts_with(kThermalFlag) ||
+                                         result.flag.starts_with(kNoBlankFlag));
 }
 
 std::vector<Result> SensorCheckResults(std::span<const NamedRecord> records) {

@@ -2,6 +2,7 @@
 #include "bench/campaign/pictures.h"
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <optional>
 
@@ -94,7 +95,7 @@ std::optional<std::filesystem::path> DrawTrendPicture(const Journal& journal, co
   std::array<Series, kDrawn.size()> series;
   for (std::size_t k = 0; k < kDrawn.size(); ++k) {
     journal.ForEachResult(kDrawn[k].name, [&](const CycleResult& row) {
-      if (row.result.quantity != kDrawn[k].name) return true;
+      if (row.result.quantity != kDrawn[k].name || !std::isfinite(row.result.value)) return true;
       Series& one = series[k];
       one.cycle.push_back(row.cycle);
       one.value.push_back(row.result.value);

@@ -135,8 +135,8 @@ void PrintCampaignText(const CampaignReport& campaign) {
     for (const analysis::Quantity& column : kColumns) {
       const auto value = row.find(column.name);
       const bool known = value != row.end() && value->is_number();
-      ToStdout(" {:>{}.{}f}", known ? value->get<double>() : std::nan(""), width(column),
-               column.units().decimals + 1);
+      ToStdout(" {}", ValueCell(known ? value->get<double>() : std::nan(""), width(column),
+                                column.units().decimals + 1));
     }
     ToStdout("{}\n", row["equals_stored"].get<bool>() ? "" : "  differs from what is stored");
   }

@@ -56,8 +56,8 @@ void PrintTable(const Journal& journal, const std::vector<int>& cycles) {
     std::string flags;
     for (const auto& column : kColumns) {
       const auto result = FindResult(results, column.name);
-      ToStdout(" {:>{}.{}f}", result ? result->value : std::nan(""), column.units().width,
-               column.units().decimals);
+      ToStdout(" {}", ValueCell(result ? result->value : std::nan(""), column.units().width,
+                                column.units().decimals));
       if (result && !result->flag.empty() && flags.find(result->flag) == std::string::npos)
         flags += "  " + result->flag;
     }
@@ -121,6 +121,11 @@ nlohmann::json CampaignJson(const CampaignFolder& folder, const Journal& journal
 }
 
 }  // namespace
+
+std::string ValueCell(double value, int width, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:>{}.{}f}", value, width, decimals)
+                              : fmt::format("{:>{}}", "–", width);
+}
 
 std::string ColumnTitle(const analysis::Quantity& quantity) {
   const std::string_view unit = quantity.unit() == "arcmin" ? "'" : quantity.unit();

@@ -17,6 +17,9 @@ namespace strainwave::bench {
 /// @return exit code 0.
 int PrintCampaign(const CampaignFolder& folder, const Journal& journal, bool json);
 
+/// A number of a table; "–" for what was not measured.
+std::string ValueCell(double value, int width, int decimals);
+
 /// "K1 Nm/rad", "e_max '": what stands above a column of its values.
 std::string ColumnTitle(const analysis::Quantity& quantity);
 

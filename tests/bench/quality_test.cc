@@ -50,6 +50,28 @@ TEST(OpenAlarms, AreThoseSinceTheLastResumeHoweverLongAgo) {
   EXPECT_EQ(alarms[0].code, "output_torque_limit");
 }
 
+// SQLite has no not-a-number: it keeps NULL, and would give back zero, a value that was never measured.
+TEST(JournalResults, ThatAreNoNumbersComeBackAsNone) {
+  Journal journal = Journal::Create(":memory:");
+  const double none = std::nan("");
+  journal.BeginCycle(1, 0.0);
+  journal.AddResults(
+      1, 0, {{"k3_Nm_per_rad", none, none, "the loop does not reach T2"}, {"k2_Nm_per_rad", 2e4, none, ""}});
+  journal.EndCycle(1, 1.0, "complete");
+  const std::vector<Result> results = journal.Results(1, 0);
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_EQ(results[0].value, 2e4);
+  EXPECT_TRUE(std::isnan(results[0].standard_error));
+  EXPECT_TRUE(std::isnan(results[1].value));
+  EXPECT_FALSE(IsSound({"k3_Nm_per_rad", none, none, ""}));
+  ASSERT_EQ(journal.NewestResults("k3_Nm_per_rad", 1).size(), 1U);
+  EXPECT_TRUE(std::isnan(journal.NewestResults("k3_Nm_per_rad", 1).front().value));
+  journal.ForEachResult("k3", [](const CycleResult& row) {
+    EXPECT_TRUE(std::isnan(row.result.value));
+    return true;
+  });
+}
+
 // A slow decline with scatter of ±15 that has no memory: the fraction of a fast sine.
 double Declining(int cycle) {
   const double fast = 43758.5453 * std::sin(12.9898 * cycle);
