@@ -15,6 +15,15 @@ namespace {
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 constexpr double kAmongTheFirst = 0.5;  // of the largest expected, of those that are fitted first
 
+// For white noise; of a model that is not usable there is none.
+double LogLikelihoodOf(const ScoredModel& model) {
+  return model.noise.log_likelihood.empty() ? 0.0 : model.noise.log_likelihood.front();
+}
+
+double RatioTo(const ScoredModel& model, const Candidate& candidate) {
+  return model.noise.log_likelihood.empty() ? 0.0 : WhiteRatio(candidate.model, model);
+}
+
 }  // namespace
 
 double LazyCandidates::Expected(std::size_t cause, const ScoredModel& model) const {
@@ -22,7 +31,7 @@ double LazyCandidates::Expected(std::size_t cause, const ScoredModel& model) con
   if (last == last_.end() || !judge_.study().CachesSearches()) return kNoLimit;
   const auto& [likelihood_ratio, log_likelihood] = last->second;
   const double samples = judge_.samples();
-  const double shrunk = 2.0 * (model.noise.log_likelihood.front() - log_likelihood) / samples;
+  const double shrunk = 2.0 * (LogLikelihoodOf(model) - log_likelihood) / samples;
   const double share = -std::expm1(-likelihood_ratio / samples) * std::exp(std::clamp(shrunk, 0.0, 700.0));
   return share < 1.0 ? -samples * std::log1p(-share) : kNoLimit;
 }
@@ -34,11 +43,11 @@ void LazyCandidates::Fit(const ScoredModel& model, double least, std::vector<Can
   };
   std::vector<Candidate> fitted = FitCandidates(judge_, model, is_out, begins_);
   for (const auto& [cause, likelihood_ratio] : expected_) {
-    if (likelihood_ratio >= least) last_[cause] = {0.0, model.noise.log_likelihood.front()};
+    if (likelihood_ratio >= least) last_[cause] = {0.0, LogLikelihoodOf(model)};
   }
   std::erase_if(expected_, [&](const auto& cause) { return !is_out(cause.first); });
   for (Candidate& candidate : fitted) {
-    last_[candidate.cause].likelihood_ratio = WhiteRatio(candidate.model, model);
+    last_[candidate.cause].likelihood_ratio = RatioTo(model, candidate);
     candidates.push_back(std::move(candidate));
   }
 }
@@ -54,14 +63,14 @@ std::vector<Candidate> LazyCandidates::Strongest(const ScoredModel& model) {
   std::vector<Candidate> candidates;
   Fit(model, kAmongTheFirst * largest, candidates);
   double best = 0.0;
-  for (const Candidate& candidate : candidates) best = std::max(best, WhiteRatio(candidate.model, model));
+  for (const Candidate& candidate : candidates) best = std::max(best, RatioTo(model, candidate));
   Fit(model, kNowhereNear * best, candidates);
   return candidates;
 }
 
 bool LazyCandidates::AddOthers(const ScoredModel& model, const Candidate* chosen,
                                std::vector<Candidate>& candidates) {
-  const double least = chosen == nullptr ? 0.0 : kNowhereNear * WhiteRatio(chosen->model, model);
+  const double least = chosen == nullptr ? 0.0 : kNowhereNear * RatioTo(model, *chosen);
   const auto may_come_near = [&](const auto& cause) { return cause.second >= least; };
   if (std::ranges::none_of(expected_, may_come_near)) return false;
   Fit(model, least, candidates);

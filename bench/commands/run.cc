@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -160,7 +162,7 @@ int Run(const RunOptions& options) {
     const double begins_s = resume ? resume->time_s : 0.0;
     journal.AddEvent({begins_s, UtcNow(), journal.LastCompleteCycle() + 1, "", "info", "software",
                       std::string(daq::Software())});
-    journal.SetProperty(kRunBegun, fmt::format("{} {:.3f}", UtcMilliseconds(), begins_s));
+    journal.SetProperty(kRunBegun, fmt::format("{} {:.3f} {}", UtcMilliseconds(), begins_s, ::getpid()));
     try {
       end = runner.Run(resume.value_or(ResumePoint{}));
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));

@@ -115,8 +115,8 @@ WatchedCampaign CampaignWatch::Read() {
   CampaignSnapshot& snapshot = read.snapshot;
   snapshot.campaign = std::filesystem::weakly_canonical(folder_.root).filename().string();
   snapshot.specimen = opened.inputs.schedule.specimen.identity;
-  snapshot.run = RunId(opened.campaign, opened.progress.run_begun);
   snapshot.progress = ProgressOf(folder_, opened.progress, opened.inputs);
+  snapshot.run = RunId(opened.campaign, opened.progress.run_begun, snapshot.progress.process);
   snapshot.view = ViewOf(snapshot.progress, opened.progress.run_begun.has_value());
   // Of a phase under way the checkpoint knows more than the journal; that is in the progress.
   snapshot.credited_load_s = opened.credited_s + snapshot.progress.credited_load_s;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 
 #include <fmt/core.h>
 
@@ -125,9 +126,15 @@ std::optional<bool> IsSafe(BenchView view) {
   return std::nullopt;
 }
 
-std::string RunId(std::uint64_t campaign, const std::optional<std::string>& begun) {
-  const std::string since = begun ? begun->substr(0, begun->find(' ')) : "0";
-  return fmt::format("{:016x}-{}", campaign, since);
+std::string RunId(std::uint64_t campaign, const std::optional<std::string>& begun, int process) {
+  std::istringstream words(begun.value_or(""));
+  std::string utc_ms = "0";
+  double time_s{};
+  int began_by{};  // earlier versions did not say
+  words >> utc_ms >> time_s >> began_by;
+  const bool is_another = process > 0 && began_by > 0 && began_by != process;
+  return is_another ? fmt::format("{:016x}-of-{}", campaign, process)
+                    : fmt::format("{:016x}-{}", campaign, utc_ms);
 }
 
 std::string Sentence(const CampaignSnapshot& snapshot) {

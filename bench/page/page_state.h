@@ -44,9 +44,11 @@ struct CampaignSnapshot {
   std::int64_t last_event{};
 };
 
-/// The id of a run: the campaign's, and when that run began.
-/// @param begun  the journal's property kRunBegun.
-std::string RunId(std::uint64_t campaign, const std::optional<std::string>& begun);
+/// The id of a run: the campaign's, and when that run began. A process that has the campaign and has not
+/// begun its run yet has an id of its own: what was meant for the run before must not reach it.
+/// @param begun    the journal's property kRunBegun
+/// @param process  that has the campaign now, or 0
+std::string RunId(std::uint64_t campaign, const std::optional<std::string>& begun, int process);
 
 /// One sentence: what the bench does, or why it stands.
 std::string Sentence(const CampaignSnapshot& snapshot);

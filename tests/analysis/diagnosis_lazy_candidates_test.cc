@@ -117,6 +117,16 @@ TEST(LazyCandidates, ExpectsMoreOfAnEffectBesideAModelThatLeavesLess) {
   EXPECT_EQ(CausesOf(lazy.Strongest(judge.Fit(first, nullptr))), (Causes{1, 2}));
 }
 
+// A record of zeros, which no model fits: there is no likelihood to compare with.
+TEST(LazyCandidates, FitsAllBesideAModelThatIsNotUsable) {
+  const LongSearches study(Waves({2.0, 1.0, 0.05}));
+  const Judge judge(study, std::vector<double>(kSamples, 1.0), {});
+  LazyCandidates lazy(judge, [](std::size_t) {});
+  std::vector<Candidate> candidates = lazy.Strongest(ScoredModel{});
+  EXPECT_EQ(CausesOf(candidates), (Causes{0, 1, 2}));
+  EXPECT_FALSE(lazy.AddOthers(ScoredModel{}, &candidates.front(), candidates));
+}
+
 TEST(LazyCandidates, FitsAllAtOnceWhereSearchesAreShort) {
   const SeparableStudy study(Waves({2.0, 1.0, 0.05}));
   const Judge judge(study, std::vector<double>(kSamples, 1.0), {});
