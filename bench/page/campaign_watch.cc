@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign.h"
+#include "bench/page/http_text.h"
 
 namespace strainwave::bench {
 namespace {
@@ -147,8 +148,7 @@ void CampaignWatch::Watch() {
       read.snapshot.progress.live_taken.reset();
     }
     // By what is told at one fixed moment: ages alone are no change.
-    std::string state =
-        StateJson(read.snapshot, Moment{}).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    std::string state = JsonText(StateJson(read.snapshot, Moment{}));
     const auto taken = read.snapshot.progress.live_taken;
     state += fmt::format(" {} {}", taken ? taken->utc_ms : 0, read.snapshot.last_event);
     const bool changed = state != told;

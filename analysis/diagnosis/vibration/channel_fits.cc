@@ -152,7 +152,7 @@ std::vector<ChannelFit> FitChannels(const SharedColumns& columns, const ConstCol
     return weights.col(channel).segment(first, rows).dot(left.col(channel).segment(first, rows).cwiseAbs2());
   };
   const MatrixXd first_change = take_off(products.each.back());
-  Matrices again = SumOverRows(
+  const Matrices again = SumOverRows(
       columns.rows(), Matrices{{MatrixXd::Zero(width, channels), MatrixXd::Zero(channels, 1)}}, parallel,
       [&](Index first, Index rows, Matrices& sums) {
         const MatrixXd block = columns.Rows(first, rows);
@@ -163,20 +163,21 @@ std::vector<ChannelFit> FitChannels(const SharedColumns& columns, const ConstCol
         for (Index c = 0; c < channels; ++c) sums.each[1](c) += square_sum(c, first, rows);
       });
   const MatrixXd second_change = take_off(again.each[0]);
+  VectorXd square_sums = again.each[1];
   // Squares that the second change takes off, beside those that are left.
   const VectorXd taken = -second_change.cwiseProduct(again.each[0]).colwise().sum();
-  if ((taken.array() > kNegligibleSquares * again.each[1].col(0).array()).any()) {
-    again = SumOverRows(columns.rows(), Matrices{{MatrixXd(), MatrixXd::Zero(channels, 1)}}, parallel,
-                        [&](Index first, Index rows, Matrices& sums) {
-                          const MatrixXd block = columns.Rows(first, rows);
-                          AddCombinations(BlockOf(block, 0), second_change, rows, left.data() + first,
-                                          left.outerStride());
-                          for (Index c = 0; c < channels; ++c) sums.each[1](c) += square_sum(c, first, rows);
-                        });
+  if ((taken.array() > kNegligibleSquares * square_sums.array()).any()) {
+    square_sums = SumOverRows(columns.rows(), VectorXd(VectorXd::Zero(channels)), parallel,
+                              [&](Index first, Index rows, VectorXd& sums) {
+                                const MatrixXd block = columns.Rows(first, rows);
+                                AddCombinations(BlockOf(block, 0), second_change, rows, left.data() + first,
+                                                left.outerStride());
+                                for (Index c = 0; c < channels; ++c) sums(c) += square_sum(c, first, rows);
+                              });
   }
   for (Index c = 0; c < channels; ++c) {
     fits[static_cast<std::size_t>(c)].residual = left.col(c);
-    fits[static_cast<std::size_t>(c)].square_sum = again.each[1](c);
+    fits[static_cast<std::size_t>(c)].square_sum = square_sums(c);
   }
   return fits;
 }
