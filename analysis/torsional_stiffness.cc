@@ -79,6 +79,18 @@ TorsionalStiffness FitWithout(const TorsionLoop& loop, const TestTorques& torque
 
 }  // namespace
 
+std::string_view NameOf(StiffnessMethod method) {
+  switch (method) {
+    case StiffnessMethod::kModel:
+      return "model";
+    case StiffnessMethod::kLoading:
+      return "loading";
+    case StiffnessMethod::kBackbone:
+      return "backbone";
+  }
+  return {};
+}
+
 TorsionalStiffness MeasureStiffness(const TorsionLoop& loop, const TestTorques& torques,
                                     StiffnessMethod method, const SeriesCompliance& bench,
                                     double torque_gain_relative_se) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/transmission_error.h"
@@ -27,6 +29,10 @@ struct TorsionLoop {
 
 /// The three ways of docs/contract.md#stiffness.
 enum class StiffnessMethod { kModel, kLoading, kBackbone };
+inline constexpr std::array kStiffnessMethods{StiffnessMethod::kModel, StiffnessMethod::kLoading,
+                                              StiffnessMethod::kBackbone};
+/// "model", "loading", "backbone".
+std::string_view NameOf(StiffnessMethod method);
 
 /// Bench compliance in series with the gear (docs/effects.md E17): output twist that the couplings and the
 /// sensor add per newton-metre, measured by a blank test. Zero when the encoder sees the gear alone.

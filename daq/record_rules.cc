@@ -61,6 +61,7 @@ constexpr NumberRule kNumberRules[] = {
     {RecordKind::kMotion, "mass_kg", Need::kPositive},
     {RecordKind::kVibration, "sample_rate_hz", Need::kPositive},
     {RecordKind::kVibration, "input_speed_rpm", Need::kFinite},
+    {RecordKind::kVibration, "k1_Nm_per_rad", Need::kFinite},
     {RecordKind::kVibration, "k2_Nm_per_rad", Need::kFinite},
     {RecordKind::kVibration, "k3_Nm_per_rad", Need::kFinite},
     {RecordKind::kVibration, "e_avg_arcmin", Need::kFinite},

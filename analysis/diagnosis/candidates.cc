@@ -19,8 +19,6 @@ namespace {
 // (Hauck & Donner, J. Am. Stat. Assoc. 72 (1977) 851).
 constexpr double kDecisive = 20.0;
 
-// Share of the likelihood ratio of a cause below which another one is no rival.
-constexpr double kNowhereNear = 0.2;
 // Blocks over which an effect has to lie for what the others show of it to predict each.
 constexpr double kBlocksToPredict = 4.0;
 // Of the likelihood ratio, that an effect in fewer blocks may lose on held-out data: they were predicted

@@ -23,6 +23,8 @@ struct Candidate {
 inline constexpr std::size_t kFewEffects = 3;
 /// Of BIC, within which two are as good: odds of 20 to 1.
 inline constexpr double kAsGood = 6.0;
+/// Share of the likelihood ratio of a cause below which another one is no rival.
+inline constexpr double kNowhereNear = 0.2;
 /// Standard errors from zero: a rival need not be proven, only not be excluded.
 inline constexpr double kNotExcluded = 2.0;
 

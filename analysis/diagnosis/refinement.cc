@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,16 @@ constexpr double kManyNumbers = 6.0;  // of a cause that comes again and again, 
 constexpr double kMisfitOfNuisanceTerm = 0.02;
 
 constexpr std::ptrdiff_t kMostNuisanceTerms = 4;
+
+// Fits a model without each of its causes in turn, several at once: the judge keeps the fits, and those who
+// go through them one after the other find them made.
+void FitWithoutEach(const Judge& judge, std::span<const std::size_t> given, const ScoredModel& model) {
+  std::vector<std::size_t> causes;
+  std::ranges::copy_if(model.fit.causes, std::back_inserter(causes),
+                       [&](std::size_t cause) { return !Contains(given, cause); });
+  judge.parallel()(causes.size(),
+                   [&](std::size_t i) { judge.Fit(Without(model.fit.causes, causes[i]), &model.fit); });
+}
 
 double MisfitShareOf(const CauseRule& rule) {
   return rule.misfit_share.value_or(rule.named ? 0.0 : kMisfitOfNuisanceTerm);
@@ -91,6 +102,7 @@ bool FindDeeper(const Judge& judge, const ScoredModel& with_more, ScoredModel& m
 
 bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
                   ScoredModel& model) {
+  if (model.fit.causes.size() > 1) FitWithoutEach(judge, given, model);
   for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
     if (Contains(given, cause) || model.fit.causes.size() < 2) continue;
     ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);
@@ -111,6 +123,7 @@ bool DropNeedless(const Judge& judge, std::span<const std::size_t> given, const 
 bool Exchange(const Judge& judge, std::span<const std::size_t> given, const DiagnoseOptions& options,
               DominatedBy& dominated, ScoredModel& model, double explained) {
   const auto& rules = judge.study().causes();
+  FitWithoutEach(judge, given, model);
   for (const std::size_t cause : std::vector<std::size_t>(model.fit.causes)) {
     if (Contains(given, cause)) continue;
     const ScoredModel without = judge.Fit(Without(model.fit.causes, cause), &model.fit);

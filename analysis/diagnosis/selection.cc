@@ -12,6 +12,7 @@
 #include "analysis/diagnosis/candidates.h"
 #include "analysis/diagnosis/cause_sets.h"
 #include "analysis/diagnosis/combinations.h"
+#include "analysis/diagnosis/lazy_candidates.h"
 #include "analysis/diagnosis/refinement.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -107,6 +108,9 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
   std::map<std::size_t, CandidateResult> judged;
   std::set<std::vector<std::size_t>> seen;
   bool circling = false;
+  LazyCandidates lazy(judge, [&](std::size_t cause) {
+    TellProgress(options, rules[cause].name, seen.size(), cause, rules.size());
+  });
   bool reconsidered = false;  // what stands in a nuisance term's place
   while (true) {
     // What was found and dropped again would be found again: of a set that comes again only what passes
@@ -120,15 +124,16 @@ Selection Select(const Judge& judge, std::span<const std::size_t> given, const D
     const bool full = model.fit.causes.size() >= given.size() + options.max_effects;
     // In a round that goes in circles they are asked for beside a nuisance term alone.
     std::vector<Candidate> candidates;
-    const auto looking = [&](std::size_t cause) {
-      TellProgress(options, rules[cause].name, seen.size(), cause, rules.size());
-    };
-    const auto none_out = [](std::size_t) { return false; };
-    if (!circling || HasNuisanceTerm(judge, model))
-      candidates = FitCandidates(judge, model, none_out, looking);
-    Rank(judge.study(), candidates);
     const Candidate* chosen = nullptr;
-    if (!circling) chosen = ChooseNext(judge, given, model, candidates, explained, full, error, judged);
+    const auto choose = [&] {
+      Rank(judge.study(), candidates);
+      if (!circling) chosen = ChooseNext(judge, given, model, candidates, explained, full, error, judged);
+    };
+    if (!circling || HasNuisanceTerm(judge, model)) {
+      candidates = lazy.Strongest(model);
+      choose();
+      if (lazy.AddOthers(model, chosen, candidates)) choose();
+    }
     if (chosen != nullptr && FindDeeper(judge, chosen->model, selection.model)) {
       seen.erase(selection.model.fit.causes);
       continue;

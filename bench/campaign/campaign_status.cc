@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cinttypes>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "bench/campaign/campaign_alarms.h"
 #include "bench/campaign/checkpoint.h"
@@ -31,21 +30,17 @@ double CreditedInStep_s(const std::vector<PhaseRow>& rows) {
 }
 
 // Bench time a second of the world's, since the program that runs has begun.
-std::optional<double> PaceOf(const std::optional<std::string>& begun, const Checkpoint& checkpoint) {
-  std::int64_t utc_ms{};
-  double time_s{};
-  if (!begun || std::sscanf(begun->c_str(), "%" SCNd64 " %lf", &utc_ms, &time_s) != 2) return std::nullopt;
-  const double world_s = 1e-3 * static_cast<double>(checkpoint.written.utc_ms - utc_ms);
+std::optional<double> PaceOf(const RunBegun& begun, const Checkpoint& checkpoint) {
+  const double world_s = 1e-3 * static_cast<double>(checkpoint.written.utc_ms - begun.utc_ms);
   constexpr double kLongEnough_s = 2.0;
-  if (world_s < kLongEnough_s || checkpoint.time_s <= time_s) return std::nullopt;
-  return (checkpoint.time_s - time_s) / world_s;
+  if (world_s < kLongEnough_s || checkpoint.time_s <= begun.time_s) return std::nullopt;
+  return (checkpoint.time_s - begun.time_s) / world_s;
 }
 
 // What the phases of the cycle that is under way tell, with the checkpoint that may know more of the last
 // one.
-void TakePhases(const CampaignFolder& folder, const JournalProgress& journal, const CampaignInputs& inputs,
-                CampaignProgress& progress) {
-  const std::vector<PhaseRow>& rows = journal.phases;
+void TakePhases(const CampaignFolder& folder, const CampaignInputs& inputs, CampaignProgress& progress) {
+  const std::vector<PhaseRow>& rows = progress.phases;
   progress.measured_again =
       static_cast<int>(std::ranges::count_if(rows, [](const PhaseRow& row) { return row.repeat > 0; }));
   if (!rows.empty()) {
@@ -53,7 +48,7 @@ void TakePhases(const CampaignFolder& folder, const JournalProgress& journal, co
     progress.phase_outcome = rows.back().outcome;
     for (const PhaseRow& row : rows) progress.credited_load_s += row.credited_load_s;
   }
-  progress.bench_time_s = journal.latest_s;
+  progress.bench_time_s = progress.latest_s;
   double credited_in_step_s = rows.empty() ? 0.0 : CreditedInStep_s(rows);
   if (const auto checkpoint = ReadCheckpoint(folder.Checkpoint())) {
     progress.checkpoint_written = checkpoint->written;
@@ -67,11 +62,10 @@ void TakePhases(const CampaignFolder& folder, const JournalProgress& journal, co
       progress.credited_load_s += checkpoint->credited_load_s - credited_in_step_s;
       credited_in_step_s = checkpoint->credited_load_s;
     }
-    if (progress.process > 0) progress.pace = PaceOf(journal.run_begun, *checkpoint);
+    if (progress.process > 0 && progress.run_begun) progress.pace = PaceOf(*progress.run_begun, *checkpoint);
   }
   progress.remaining_s =
       TimeToGo_s(inputs.schedule, progress.cycle, rows, credited_in_step_s, progress.bench_time_s);
-  progress.planned_s = TimeToGo_s(inputs.schedule, 0, {}, 0.0, 0.0);
   progress.phase_share =
       PhaseShare(inputs.schedule, progress.cycle, rows, credited_in_step_s, progress.bench_time_s);
 }
@@ -92,7 +86,9 @@ JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& 
   progress.last_complete = journal.LastCompleteCycle();
   progress.phases = journal.Phases(progress.last_complete + 1);
   progress.latest_s = journal.LatestTime_s();
-  progress.run_begun = journal.Property(kRunBegun);
+  if (const auto begun = journal.Property(kRunBegun)) progress.run_begun = ParseRunBegun(*begun);
+  progress.planned_s = TimeToGo_s(inputs.schedule, 0, {}, 0.0, 0.0);
+  progress.needed_room_bytes = NeededRoom_bytes(inputs.schedule, std::max(0, progress.last_complete));
   progress.events = journal.Events(kEventsShown);
   progress.alarms = journal.OpenAlarms();
   progress.open_alarms = journal.Alarms(std::numeric_limits<double>::infinity());
@@ -107,28 +103,21 @@ JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& 
   return progress;
 }
 
-CampaignProgress ProgressOf(const CampaignFolder& folder, const JournalProgress& journal,
+CampaignProgress ProgressOf(const CampaignFolder& folder, JournalProgress journal,
                             const CampaignInputs& inputs) {
   CampaignProgress progress;
+  static_cast<JournalProgress&>(progress) = std::move(journal);
   progress.process = CampaignLock::Holder(folder);
-  progress.complete = std::max(0, journal.last_complete);
+  progress.complete = std::max(0, progress.last_complete);
   progress.cycles = inputs.schedule.cycles;
-  progress.cycle = journal.last_complete + 1;
+  progress.cycle = progress.last_complete + 1;
   progress.longest_pause_s = inputs.schedule.resume.longest_pause_s;
-  TakePhases(folder, journal, inputs, progress);
+  TakePhases(folder, inputs, progress);
   TakeReadings(folder, inputs, progress);
-  progress.last_results = journal.last_results;
-  progress.stops = journal.stops;
-  progress.life_share = journal.life_share;
-  progress.room = DiskRoomOf(folder, inputs.schedule, progress.complete);
-  progress.events = journal.events;
-  progress.alarms = journal.alarms;
-  progress.open_alarms = journal.open_alarms;
+  progress.room = DiskRoomOf(folder, progress.needed_room_bytes);
   TakeOffShelves(progress.open_alarms, Now());
   std::erase_if(progress.open_alarms, [](const AlarmInstance& alarm) { return !IsOpen(alarm.state); });
   progress.alarm_rules = inputs.bench.alarms;
-  progress.notes = journal.notes;
-  progress.bad_channels = journal.bad_channels;
   return progress;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/alarms/alarm_list.h"
 #include "bench/campaign/acquisition_results.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/check_trends.h"
@@ -13,11 +14,30 @@
 #include "bench/campaign/live_readings.h"
 #include "bench/campaign/pause.h"
 #include "bench/campaign/quality.h"
+#include "bench/campaign/run_begun.h"
 
 namespace strainwave::bench {
 
-/// How far a campaign is, whether it runs or not: what costs little, however many cycles there are.
-struct CampaignProgress {
+/// What the journal says of how far a campaign is: changes a few times a cycle.
+struct JournalProgress {
+  int last_complete{};           // cycle; −1: none
+  std::vector<PhaseRow> phases;  // of the next one
+  double latest_s{};
+  double planned_s{};          // bench time of the whole campaign
+  double needed_room_bytes{};  // by the raw data of the cycles to come
+  std::optional<RunBegun> run_begun;
+  std::vector<Result> last_results;
+  std::vector<StopDistance> stops;         // how far the last cycle is from ending the campaign
+  std::optional<double> life_share;        // of the bearing's L10, used up by the complete cycles
+  std::vector<Event> alarms;               // why the last run has ended; newest first
+  std::vector<AlarmInstance> open_alarms;  // of all runs, oldest first
+  std::vector<OperatorNote> notes;         // newest first
+  std::vector<Event> events;
+  std::vector<ChannelTrouble> bad_channels;
+};
+
+/// With what checkpoint, readings, lock and disk say now: what costs little, however many cycles there are.
+struct CampaignProgress : JournalProgress {
   int process{};  // that runs it; 0: nobody does
   int complete{};
   int cycles{};
@@ -28,24 +48,15 @@ struct CampaignProgress {
   double credited_load_s{};           // in the cycle that is under way
   double bench_time_s{};
   double remaining_s{};                      // bench time, as planned
-  double planned_s{};                        // the same for the whole campaign
   std::optional<double> pace;                // of bench time, against the world's, while it runs
   std::optional<Moment> checkpoint_written;  // nothing: there is none
   std::optional<Moment> live_taken;          // the newest readings, while it runs
   std::optional<double> live_age_s;          // nothing: not known
   std::optional<LiveReadings> readings;      // those
   std::vector<LiveValue> live;               // the same beside their limits
-  std::vector<StopDistance> stops;           // how far the last cycle is from ending the campaign
-  std::optional<double> life_share;          // of the bearing's L10, used up by the complete cycles
   std::optional<DiskRoom> room;
-  int measured_again{};  // in the cycle that is under way
-  std::vector<Result> last_results;
-  std::vector<Event> alarms;               // why the last run has ended; newest first
-  std::vector<AlarmInstance> open_alarms;  // of all runs, oldest first
-  std::vector<AlarmRule> alarm_rules;      // the bench file's
-  std::vector<OperatorNote> notes;         // newest first
-  std::vector<Event> events;
-  std::vector<ChannelTrouble> bad_channels;
+  int measured_again{};                // in the cycle that is under way
+  std::vector<AlarmRule> alarm_rules;  // the bench file's
   double longest_pause_s{};
 };
 
@@ -56,26 +67,9 @@ struct CampaignStatus : CampaignProgress {
   std::map<std::string, SampleCount> samples;  // of the complete cycles, by source
 };
 
-/// The part of it that the journal has, which changes a few times a cycle.
-struct JournalProgress {
-  int last_complete{};           // cycle; −1: none
-  std::vector<PhaseRow> phases;  // of the next one
-  double latest_s{};
-  std::optional<std::string> run_begun;
-  std::vector<Result> last_results;
-  std::vector<StopDistance> stops;
-  std::optional<double> life_share;
-  std::vector<Event> alarms;
-  std::vector<AlarmInstance> open_alarms;
-  std::vector<OperatorNote> notes;
-  std::vector<Event> events;
-  std::vector<ChannelTrouble> bad_channels;
-};
-
 /// @param journal  from OpenCampaign; @param inputs  frozen in its folder.
 JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& inputs);
-/// With what the checkpoint, the readings, the lock and the disk say now.
-CampaignProgress ProgressOf(const CampaignFolder& folder, const JournalProgress& journal,
+CampaignProgress ProgressOf(const CampaignFolder& folder, JournalProgress journal,
                             const CampaignInputs& inputs);
 CampaignStatus StatusOf(const CampaignFolder& folder, const Journal& journal, const CampaignInputs& inputs);
 

@@ -17,7 +17,9 @@ namespace strainwave::bench {
 namespace {
 
 using analysis::Estimate;
+using analysis::Quantity;
 using analysis::StiffnessMethod;
+namespace quantities = analysis::quantities;
 
 struct Place {
   std::string phase;
@@ -57,13 +59,13 @@ class Results {
  public:
   explicit Results(CycleAnalysis& analysis) : analysis_(analysis) {}
 
-  void Add(std::string quantity, const Estimate& estimate, const std::string& flag) {
-    analysis_.results.push_back({std::move(quantity), estimate.value, estimate.standard_error, flag});
+  void Add(std::string_view quantity, const Estimate& estimate, const std::string& flag) {
+    analysis_.results.push_back({std::string(quantity), estimate.value, estimate.standard_error, flag});
   }
-  void AddArcmin(const std::string& quantity, const Estimate& angle_rad, const CycleContext& context,
-                 AngleKind kind, const std::string& flag) {
+  void AddArcmin(const Quantity& quantity, const Estimate& angle_rad, const CycleContext& context,
+                 const std::string& flag) {
     const Estimate arcmin{ArcminFromRad(angle_rad.value), ArcminFromRad(angle_rad.standard_error)};
-    Add(quantity, WithEncoderUncertainty(arcmin, quantity, context.corrections, kind), flag);
+    Add(quantity.name, WithEncoderUncertainty(arcmin, quantity, context.corrections), flag);
   }
   // Why the numbers of a measurement are not good; empty when they are.
   std::string Flag(const std::vector<std::string>& failed_checks, const std::string& measurement) {
@@ -101,19 +103,19 @@ void AddTransmissionError(const daq::Record& record, const CycleContext& context
   const std::string flag =
       WithThermalFlag(results.Flag(error.failed_checks, "transmission error"), record, context);
   if (error.cw) {
-    results.AddArcmin("e_avg_arcmin", error.cw->e_avg_rad, context, AngleKind::kZeroed, flag);
-    results.AddArcmin("e_max_arcmin", error.cw->e_max_rad, context, AngleKind::kRange, flag);
+    results.AddArcmin(quantities::kEAvg, error.cw->e_avg_rad, context, flag);
+    results.AddArcmin(quantities::kEMax, error.cw->e_max_rad, context, flag);
   }
   if (error.ccw) {
-    results.AddArcmin("e_avg_ccw_arcmin", error.ccw->e_avg_rad, context, AngleKind::kZeroed, flag);
-    results.AddArcmin("e_max_ccw_arcmin", error.ccw->e_max_rad, context, AngleKind::kRange, flag);
+    results.AddArcmin(quantities::kEAvgCcw, error.ccw->e_avg_rad, context, flag);
+    results.AddArcmin(quantities::kEMaxCcw, error.ccw->e_max_rad, context, flag);
   }
   if (const auto skew_us = daq::NumberFromText(record.Metadata("encoder_skew_us").value_or(""))) {
     const auto se_us = daq::NumberFromText(record.Metadata("encoder_skew_se_us").value_or(""));
-    results.Add("encoder_skew_us", {*skew_us, se_us.value_or(0.0)}, "");
+    results.Add(quantities::kEncoderSkew.name, {*skew_us, se_us.value_or(0.0)}, "");
   }
   if (error.lost_motion_rad)
-    results.AddArcmin("lost_motion_arcmin", *error.lost_motion_rad, context, AngleKind::kMean, flag);
+    results.AddArcmin(quantities::kLostMotion, *error.lost_motion_rad, context, flag);
 }
 
 // Mean of independent estimates.
@@ -129,7 +131,7 @@ Estimate MeanOf(std::span<const analysis::TorsionalStiffness> loops,
 }
 
 void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod method,
-                  const std::string& suffix, const CycleContext& context, CycleAnalysis& analysis) {
+                  const CycleContext& context, CycleAnalysis& analysis) {
   std::vector<analysis::TorsionalStiffness> fits;
   Results results(analysis);
   std::string flag;
@@ -143,19 +145,19 @@ void AddStiffness(std::span<const daq::Record* const> loops, StiffnessMethod met
   std::string k_flag = flag;
   if (main_method && !KnowsCompliance(context.corrections))
     k_flag += fmt::format("{}{}", flag.empty() ? "" : "; ", kNoBlankFlag);
-  const auto add = [&](const char* name, Estimate analysis::TorsionalStiffness::*field) {
-    const std::string quantity = fmt::format("{}{}_Nm_per_rad", name, suffix);
+  const auto add = [&](const Quantity& of_main, Estimate analysis::TorsionalStiffness::*field) {
+    const std::string quantity =
+        main_method ? std::string(of_main.name) : NameByMethod(of_main, NameOf(method));
     results.Add(quantity, WithBenchUncertainty(MeanOf(fits, field), quantity, context.corrections), k_flag);
   };
-  add("k1", &analysis::TorsionalStiffness::k1_Nm_per_rad);
-  add("k2", &analysis::TorsionalStiffness::k2_Nm_per_rad);
-  add("k3", &analysis::TorsionalStiffness::k3_Nm_per_rad);
+  add(quantities::kK1, &analysis::TorsionalStiffness::k1_Nm_per_rad);
+  add(quantities::kK2, &analysis::TorsionalStiffness::k2_Nm_per_rad);
+  add(quantities::kK3, &analysis::TorsionalStiffness::k3_Nm_per_rad);
   if (!main_method) return;
-  results.AddArcmin("hysteresis_arcmin", MeanOf(fits, &analysis::TorsionalStiffness::hysteresis_rad), context,
-                    AngleKind::kMean, flag);
-  results.AddArcmin("hysteresis_lost_motion_arcmin",
-                    MeanOf(fits, &analysis::TorsionalStiffness::lost_motion_rad), context, AngleKind::kMean,
-                    flag);
+  results.AddArcmin(quantities::kHysteresis, MeanOf(fits, &analysis::TorsionalStiffness::hysteresis_rad),
+                    context, flag);
+  results.AddArcmin(quantities::kHysteresisLostMotion,
+                    MeanOf(fits, &analysis::TorsionalStiffness::lost_motion_rad), context, flag);
   analysis.stiffness = std::move(fits.front());
   analysis.loop = loops.front();
 }
@@ -168,14 +170,12 @@ CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleCont
     AddTransmissionError(*record, context, analysis);
   }
   if (const auto loops = Counting(records, daq::RecordKind::kHysteresis); !loops.empty()) {
-    AddStiffness(loops, context.method, "", context, analysis);
-    for (const auto& [method, suffix] :
-         {std::pair{StiffnessMethod::kModel, "_model"}, std::pair{StiffnessMethod::kLoading, "_loading"},
-          std::pair{StiffnessMethod::kBackbone, "_backbone"}}) {
-      if (method != context.method) AddStiffness(loops, method, suffix, context, analysis);
+    AddStiffness(loops, context.method, context, analysis);
+    for (const StiffnessMethod method : analysis::kStiffnessMethods) {
+      if (method != context.method) AddStiffness(loops, method, context, analysis);
     }
-    analysis.results.push_back(
-        {"gear_temperature_degC", Mean(loops.front()->Doubles("temperature_degC")), 0.0, ""});
+    analysis.results.push_back({std::string(quantities::kGearTemperature.name),
+                                Mean(loops.front()->Doubles("temperature_degC")), 0.0, ""});
   }
   for (const daq::Record* record : Counting(records, daq::RecordKind::kMotion)) {
     for (Result& result : RotationResults(*record, context.ratio))
@@ -191,8 +191,8 @@ CycleAnalysis AnalyzeCycle(std::span<const NamedRecord> records, const CycleCont
 }
 
 bool IsSound(const Result& result) {
-  return result.flag.empty() || result.flag.starts_with(kThermalFlag) ||
-         result.flag.starts_with(kNoBlankFlag);
+  return std::isfinite(result.value) && (result.flag.empty() || result.flag.starts_with(kThermalFlag) ||
+                                         result.flag.starts_with(kNoBlankFlag));
 }
 
 std::vector<Result> SensorCheckResults(std::span<const NamedRecord> records) {

@@ -9,20 +9,23 @@
 
 namespace strainwave::bench {
 
-std::optional<DiskRoom> DiskRoomOf(const CampaignFolder& folder, const schedules::Schedule& schedule,
-                                   int complete_cycles) {
+double NeededRoom_bytes(const schedules::Schedule& schedule, int complete_cycles) {
   const auto plan = schedules::MakePlan(schedule, std::chrono::system_clock::now());
+  return static_cast<double>(plan.disk_bytes) * static_cast<double>(schedule.cycles - complete_cycles) /
+         schedule.cycles;
+}
+
+std::optional<DiskRoom> DiskRoomOf(const CampaignFolder& folder, double needed_bytes) {
   std::error_code error;
   const auto space = std::filesystem::space(folder.root, error);
   if (error) return std::nullopt;
-  const double left = static_cast<double>(schedule.cycles - complete_cycles) / schedule.cycles;
-  return DiskRoom{static_cast<double>(space.available), static_cast<double>(plan.disk_bytes) * left};
+  return DiskRoom{static_cast<double>(space.available), needed_bytes};
 }
 
 std::optional<DiskRoom> LittleRoom(const CampaignFolder& folder, const schedules::Schedule& schedule,
                                    int complete_cycles) {
-  const auto room = DiskRoomOf(folder, schedule, complete_cycles);
-  return room && room->free_bytes < room->needed_bytes ? room : std::nullopt;
+  const auto room = DiskRoomOf(folder, NeededRoom_bytes(schedule, complete_cycles));
+  return room && IsLittle(*room) ? room : std::nullopt;
 }
 
 }  // namespace strainwave::bench

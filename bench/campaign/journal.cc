@@ -68,6 +68,17 @@ void Demand(const PageReport& report, const std::filesystem::path& file, Databas
                                       : fmt::format("it is cut, {} pages are left", report.pages)));
 }
 
+// SQLite keeps a not-a-number as NULL, and gives that back as zero.
+double RealOrNaN(const Statement& statement, int column) {
+  return statement.IsNull(column) ? std::numeric_limits<double>::quiet_NaN() : statement.Real(column);
+}
+
+// Quantity, value, standard error, flag: four columns from this one on.
+Result ResultAt(const Statement& statement, int first) {
+  return {statement.Text(first), RealOrNaN(statement, first + 1), RealOrNaN(statement, first + 2),
+          statement.Text(first + 3)};
+}
+
 }  // namespace
 
 Journal::Journal(Database database, int version, std::uint32_t unsealed_pages)
@@ -289,7 +300,7 @@ std::vector<Result> Journal::Results(int cycle, int repeat) const {
   statement.Bind(cycle).Bind(repeat);
   std::vector<Result> results;
   while (statement.Step()) {
-    results.push_back({statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3)});
+    results.push_back(ResultAt(statement, 0));
   }
   return results;
 }
@@ -306,11 +317,7 @@ void Journal::ForEachResult(std::string_view prefix, const std::function<bool(co
   ++past_all.back();
   statement.Bind(prefix).Bind(std::string_view(past_all)).Bind(first_cycle);
   while (statement.Step()) {
-    if (!take({static_cast<int>(statement.Integer(0)),
-               statement.Real(1),
-               {statement.Text(2), statement.Real(3), statement.Real(4), statement.Text(5)}})) {
-      return;
-    }
+    if (!take({static_cast<int>(statement.Integer(0)), statement.Real(1), ResultAt(statement, 2)})) return;
   }
 }
 
@@ -327,10 +334,7 @@ void Journal::ForEachResultOf(std::span<const std::string> quantities, int first
   for (const std::string& quantity : quantities) statement.Bind(std::string_view(quantity));
   statement.Bind(first_cycle).Bind(last_cycle);
   while (statement.Step()) {
-    const double error = statement.IsNull(4) ? std::numeric_limits<double>::quiet_NaN() : statement.Real(4);
-    take({static_cast<int>(statement.Integer(0)),
-          statement.Real(1),
-          {statement.Text(2), statement.Real(3), error, statement.Text(5)}});
+    take({static_cast<int>(statement.Integer(0)), statement.Real(1), ResultAt(statement, 2)});
   }
 }
 
@@ -343,7 +347,7 @@ std::vector<Result> Journal::NewestResults(std::string_view quantity, std::size_
   statement.Bind(quantity).Bind(static_cast<std::int64_t>(count));
   std::vector<Result> results;
   while (statement.Step()) {
-    results.push_back({statement.Text(0), statement.Real(1), statement.Real(2), statement.Text(3)});
+    results.push_back(ResultAt(statement, 0));
   }
   std::ranges::reverse(results);
   return results;

@@ -111,9 +111,6 @@ struct Hole {
   std::string clock;
 };
 
-/// Property: when the last run of the campaign began, "MILLISECONDS_UTC BENCH_SECONDS".
-inline constexpr const char* kRunBegun = "run_begun";
-
 /// Property: the campaign's cycles, those that it was extended by among them.
 inline constexpr const char* kCycles = "cycles";
 

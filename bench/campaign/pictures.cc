@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/campaign/pictures.h"
 
+#include <array>
+#include <cmath>
 #include <cstdlib>
-#include <map>
 #include <optional>
 
 #include <fmt/core.h>
 
+#include "analysis/quantities.h"
 #include "analysis/units.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/cycle_context.h"
@@ -17,6 +19,8 @@
 
 namespace strainwave::bench {
 namespace {
+
+namespace quantities = analysis::quantities;
 
 // Keeps what the curves' spans look at.
 struct DrawnCycle {
@@ -39,15 +43,15 @@ std::vector<double> TwistOf(const daq::Record& record, double compliance_rad_per
 
 // With the errors that the tables give.
 void AddUncertainty(const BenchCorrections& corrections, analysis::TransmissionError& error) {
-  const auto add = [&](std::optional<analysis::SweepError>& sweep, const char* quantity) {
+  const auto add = [&](std::optional<analysis::SweepError>& sweep, const analysis::Quantity& quantity) {
     if (!sweep) return;
     const analysis::Estimate arcmin{ArcminFromRad(sweep->e_max_rad.value),
                                     ArcminFromRad(sweep->e_max_rad.standard_error)};
-    sweep->e_max_rad.standard_error = RadFromArcmin(
-        WithEncoderUncertainty(arcmin, quantity, corrections, AngleKind::kRange).standard_error);
+    sweep->e_max_rad.standard_error =
+        RadFromArcmin(WithEncoderUncertainty(arcmin, quantity, corrections).standard_error);
   };
-  add(error.cw, "e_max_arcmin");
-  add(error.ccw, "e_max_ccw_arcmin");
+  add(error.cw, quantities::kEMax);
+  add(error.ccw, quantities::kEMaxCcw);
 }
 
 HysteresisCurve CurveOf(std::string label, const analysis::TorsionalStiffness& stiffness,
@@ -59,9 +63,9 @@ HysteresisCurve CurveOf(std::string label, const analysis::TorsionalStiffness& s
   curve.torque_Nm = torque_Nm;
   curve.fitted_torque_Nm = stiffness.fitted_torque_Nm;
   curve.torques = torques;
-  curve.k1_Nm_per_rad = WithBenchUncertainty(stiffness.k1_Nm_per_rad, "k1_Nm_per_rad", corrections);
-  curve.k2_Nm_per_rad = WithBenchUncertainty(stiffness.k2_Nm_per_rad, "k2_Nm_per_rad", corrections);
-  curve.k3_Nm_per_rad = WithBenchUncertainty(stiffness.k3_Nm_per_rad, "k3_Nm_per_rad", corrections);
+  curve.k1_Nm_per_rad = WithBenchUncertainty(stiffness.k1_Nm_per_rad, quantities::kK1.name, corrections);
+  curve.k2_Nm_per_rad = WithBenchUncertainty(stiffness.k2_Nm_per_rad, quantities::kK2.name, corrections);
+  curve.k3_Nm_per_rad = WithBenchUncertainty(stiffness.k3_Nm_per_rad, quantities::kK3.name, corrections);
   curve.friction_torque_Nm = stiffness.friction_torque_Nm;
   return curve;
 }
@@ -87,16 +91,12 @@ std::optional<std::filesystem::path> DrawTrendPicture(const Journal& journal, co
   struct Series {
     std::vector<double> cycle, value, standard_error;
   };
-  const std::vector<std::tuple<const char*, const char*, const char*>> wanted{
-      {"k1_Nm_per_rad", "K₁", "Nm/rad"},
-      {"k2_Nm_per_rad", "K₂", "Nm/rad"},
-      {"k3_Nm_per_rad", "K₃", "Nm/rad"},
-      {"e_max_arcmin", "e_max", "arcmin"}};
-  std::map<std::string, Series> series;
-  for (const auto& [quantity, label, unit] : wanted) {
-    journal.ForEachResult(quantity, [&, name = std::string_view(quantity)](const CycleResult& row) {
-      if (row.result.quantity != name) return true;
-      Series& one = series[row.result.quantity];
+  constexpr std::array kDrawn{quantities::kK1, quantities::kK2, quantities::kK3, quantities::kEMax};
+  std::array<Series, kDrawn.size()> series;
+  for (std::size_t k = 0; k < kDrawn.size(); ++k) {
+    journal.ForEachResult(kDrawn[k].name, [&](const CycleResult& row) {
+      if (row.result.quantity != kDrawn[k].name || !std::isfinite(row.result.value)) return true;
+      Series& one = series[k];
       one.cycle.push_back(row.cycle);
       one.value.push_back(row.result.value);
       one.standard_error.push_back(row.result.standard_error);
@@ -104,10 +104,11 @@ std::optional<std::filesystem::path> DrawTrendPicture(const Journal& journal, co
     });
   }
   std::vector<Trend> trends;
-  for (const auto& [quantity, label, unit] : wanted) {
-    const auto found = series.find(quantity);
-    if (found == series.end() || found->second.cycle.size() < 2) continue;
-    trends.push_back({label, unit, found->second.cycle, found->second.value, found->second.standard_error});
+  for (std::size_t k = 0; k < kDrawn.size(); ++k) {
+    const Series& one = series[k];
+    if (one.cycle.size() < 2) continue;
+    trends.push_back({std::string(kDrawn[k].title), std::string(kDrawn[k].unit()), one.cycle, one.value,
+                      one.standard_error});
   }
   if (trends.empty()) return std::nullopt;
   return DrawTrends(title, trends, stem);

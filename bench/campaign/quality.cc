@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "analysis/quantities.h"
 #include "analysis/repeatability.h"
 #include "analysis/units.h"
 #include "bench/campaign/cycle_results.h"
@@ -17,31 +18,27 @@
 namespace strainwave::bench {
 namespace {
 
+namespace quantities = analysis::quantities;
+using analysis::Quantity;
+
 // Quantities that are kept under control limits.
-constexpr std::array kControlled{"k1_Nm_per_rad", "k2_Nm_per_rad",      "k3_Nm_per_rad",
-                                 "e_max_arcmin",  "lost_motion_arcmin", "hysteresis_arcmin"};
+constexpr std::array kControlled{quantities::kK1,   quantities::kK2,         quantities::kK3,
+                                 quantities::kEMax, quantities::kLostMotion, quantities::kHysteresis};
 constexpr std::size_t kHistory = analysis::ControlChartOptions{}.window;
 constexpr std::size_t kFewest = 12;
 constexpr double kControlWidth = 5.0;
 // Looked at in the journal at first; values without a step among them are decided by 2 histories.
 constexpr std::size_t kFirstLook = 8 * kHistory;
 
-// The unit that a quantity's name ends in.
-std::string UnitOf(const std::string& quantity) {
-  for (const auto& [ending, unit] :
-       {std::pair{"arcmin", "arcmin"}, std::pair{"Nm_per_rad", "Nm/rad"}, std::pair{"percent", "%"},
-        std::pair{"degC", "degC"}, std::pair{"m_per_s2", "m/s2"}}) {
-    if (quantity.ends_with(ending)) return unit;
-  }
-  return "";
-}
-
 }  // namespace
 
 QualityControl::QualityControl(const schedules::Schedule& schedule, const Journal& journal)
     : schedule_(schedule) {
   TakeGauge(journal);
-  for (const char* quantity : kControlled) history_[quantity] = HistoryIn(journal, quantity);
+  for (const Quantity& quantity : kControlled) {
+    const std::string name(quantity.name);
+    history_[name] = HistoryIn(journal, name);
+  }
   first_k2_Nm_per_rad_ = FirstK2_Nm_per_rad(journal);
 }
 
@@ -101,18 +98,18 @@ bool QualityControl::IsOutlier(const std::string& quantity, std::span<const doub
 
 std::vector<std::string> QualityControl::Outliers(const std::vector<Result>& results) const {
   std::vector<std::string> outliers;
-  for (const char* quantity : kControlled) {
-    const auto result = FindResult(results, quantity);
+  for (const Quantity& quantity : kControlled) {
+    const auto result = FindResult(results, quantity.name);
     if (!result || !IsSound(*result)) continue;
-    const auto history = history_.find(quantity);
+    const auto history = history_.find(result->quantity);
     if (history == history_.end()) continue;
-    const auto limits = LimitsAfter(quantity, history->second);
+    const auto limits = LimitsAfter(result->quantity, history->second);
     if (!limits || !limits->IsOutlier(result->value)) continue;
-    const int decimals = std::string_view(quantity).ends_with("_Nm_per_rad") ? 0 : 4;
+    const int decimals = quantity.unit() == quantities::kK1.unit() ? 0 : 4;
     const std::vector<std::string> texts =
         TextsApart(result->value, {limits->lower, limits->upper}, decimals);
-    outliers.push_back(fmt::format("{} = {} is outside of its control limits {} to {}", quantity, texts[0],
-                                   texts[1], texts[2]));
+    outliers.push_back(fmt::format("{} = {} is outside of its control limits {} to {}", quantity.name,
+                                   texts[0], texts[1], texts[2]));
   }
   return outliers;
 }
@@ -135,15 +132,15 @@ std::optional<std::string> QualityControl::StopCriterion(const std::vector<Resul
 
 void QualityControl::Accept(int cycle, const std::vector<Result>& results) {
   if (cycle == 0) return;
-  for (const char* quantity : kControlled) {
-    const auto result = FindResult(results, quantity);
+  for (const Quantity& quantity : kControlled) {
+    const auto result = FindResult(results, quantity.name);
     if (!result || !IsSound(*result)) continue;
-    auto& values = history_[quantity];
-    if (IsOutlier(quantity, values, result->value)) values.clear();
+    auto& values = history_[result->quantity];
+    if (IsOutlier(result->quantity, values, result->value)) values.clear();
     values.push_back(result->value);
     if (values.size() > kHistory) values.erase(values.begin());
   }
-  const auto k2 = FindResult(results, "k2_Nm_per_rad");
+  const auto k2 = FindResult(results, quantities::kK2.name);
   if (!first_k2_Nm_per_rad_ && k2 && IsSound(*k2)) first_k2_Nm_per_rad_ = k2->value;
 }
 
@@ -160,19 +157,18 @@ std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>&
     const auto gauge = analysis::EstimateRepeatability(values);
     const double widened = gauge.limit_95 / (1.96 * std::numbers::sqrt2);
     const std::string source = fmt::format("{} repeats before the first cycle", values.size());
+    const std::string unit(analysis::UnitOf(first.quantity));
     const auto name = [&](std::string_view prefix) { return std::string(prefix) + first.quantity; };
     calibrations.push_back({name(kRepeatabilityPrefix), widened,
-                            widened / std::sqrt(2.0 * gauge.degrees_of_freedom), UnitOf(first.quantity),
-                            source});
-    calibrations.push_back(
-        {name(kRepeatabilityLimitPrefix), gauge.limit_95, 0.0, UnitOf(first.quantity), source});
+                            widened / std::sqrt(2.0 * gauge.degrees_of_freedom), unit, source});
+    calibrations.push_back({name(kRepeatabilityLimitPrefix), gauge.limit_95, 0.0, unit, source});
   }
   return calibrations;
 }
 
 std::optional<double> FirstK2_Nm_per_rad(const Journal& journal) {
   std::optional<double> first;
-  journal.ForEachResult("k2_Nm_per_rad", [&](const CycleResult& row) {
+  journal.ForEachResult(quantities::kK2.name, [&](const CycleResult& row) {
     if (IsSound(row.result)) first = row.result.value;
     return !first;
   });
@@ -188,16 +184,20 @@ std::vector<StopDistance> StopDistances(const schedules::StopCriteria& stop,
     const bool is_known = result && IsSound(*result) && !std::isnan(result->value);
     return is_known ? std::optional(result->value) : std::nullopt;
   };
-  if (const auto k2 = good("k2_Nm_per_rad"); k2 && stop.k2_below_share_of_first && first_k2_Nm_per_rad) {
-    distances.push_back({"K2", "Nm/rad", *k2, *stop.k2_below_share_of_first * *first_k2_Nm_per_rad, true});
+  const auto add = [&](const Quantity& quantity, double value, double limit, bool is_lower) {
+    distances.push_back({std::string(quantity.symbol), std::string(quantity.unit()), value, limit, is_lower});
+  };
+  if (const auto k2 = good(quantities::kK2.name); k2 && stop.k2_below_share_of_first && first_k2_Nm_per_rad) {
+    add(quantities::kK2, *k2, *stop.k2_below_share_of_first * *first_k2_Nm_per_rad, true);
   }
-  if (const auto e_max = good("e_max_arcmin"); e_max && stop.e_max_above_rad) {
-    distances.push_back({"e_max", "arcmin", *e_max, ArcminFromRad(*stop.e_max_above_rad), false});
+  if (const auto e_max = good(quantities::kEMax.name); e_max && stop.e_max_above_rad) {
+    add(quantities::kEMax, *e_max, ArcminFromRad(*stop.e_max_above_rad), false);
   }
   if (!stop.vibration_rms_above_m_per_s2) return distances;
   for (const Result& result : results) {
-    if (!result.quantity.starts_with("vibration_rms_")) continue;
-    distances.push_back({result.quantity, "m/s2", result.value, *stop.vibration_rms_above_m_per_s2, false});
+    if (!result.quantity.starts_with(analysis::kVibrationRms)) continue;
+    distances.push_back({result.quantity, std::string(analysis::UnitOf(result.quantity)), result.value,
+                         *stop.vibration_rms_above_m_per_s2, false});
   }
   return distances;
 }

@@ -11,6 +11,8 @@
 namespace strainwave::bench {
 namespace {
 
+namespace quantities = analysis::quantities;
+
 bool AnglesAreAbsolute(const daq::Record& record) { return record.Metadata("absolute") == "true"; }
 
 // Radians, zeroed at the first sample unless the record says that its angles are absolute.
@@ -44,6 +46,19 @@ struct Sweep {
   std::vector<double> input_rad;
   std::vector<double> output_rad;
 };
+
+// What an angle is made of, as far as the encoder's errors go.
+enum class AngleKind {
+  kRange,   // difference of two readings
+  kMean,    // mean over a turn
+  kZeroed,  // depends on the angle of one sample
+};
+
+AngleKind KindOf(const analysis::Quantity& quantity) {
+  const auto is = [&](const analysis::Quantity& one) { return quantity.name == one.name; };
+  if (is(quantities::kEMax) || is(quantities::kEMaxCcw)) return AngleKind::kRange;
+  return is(quantities::kEAvg) || is(quantities::kEAvgCcw) ? AngleKind::kZeroed : AngleKind::kMean;
+}
 
 }  // namespace
 
@@ -101,8 +116,10 @@ analysis::Estimate WithBenchUncertainty(const analysis::Estimate& stiffness, std
                                           RepeatabilityOf(corrections, quantity)})};
 }
 
-analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin, std::string_view quantity,
-                                          const BenchCorrections& corrections, AngleKind kind) {
+analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin,
+                                          const analysis::Quantity& quantity,
+                                          const BenchCorrections& corrections) {
+  const AngleKind kind = KindOf(quantity);
   // Half widths are those of rectangular distributions. An error of the reference is one of the corrected
   // encoder, at worst of opposite sign at the two readings of a range.
   const EncoderCorrection& encoder = corrections.encoder;
@@ -117,7 +134,7 @@ analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin
   return {angle_arcmin.value,
           RootOfSquares({angle_arcmin.standard_error, ArcminFromRad(encoder.standard_error_rad),
                          ArcminFromRad(at_zero_rad), ArcminFromRad(of_range_rad),
-                         RepeatabilityOf(corrections, quantity)})};
+                         RepeatabilityOf(corrections, quantity.name)})};
 }
 
 }  // namespace strainwave::bench

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/quantities.h"
 #include "analysis/torsional_stiffness.h"
 #include "analysis/transmission_error.h"
 #include "daq/record.h"
@@ -62,16 +63,10 @@ analysis::TorsionalStiffness StiffnessOf(const daq::Record& record, analysis::St
 analysis::Estimate WithBenchUncertainty(const analysis::Estimate& stiffness_Nm_per_rad,
                                         std::string_view quantity, const BenchCorrections& corrections);
 
-/// What a quantity in arcmin is made of, as far as the encoder's errors go.
-enum class AngleKind {
-  kRange,   // difference of two readings, such as e_max
-  kMean,    // mean over a turn, such as lost motion
-  kZeroed,  // depends on the angle of one sample, such as e_avg
-};
-
-/// The same for an angle in arcmin: the encoder's correction, what it leaves of each reading, the accuracy of
-/// the encoder at the sample that is taken as zero, and the repeatability.
-analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin, std::string_view quantity,
-                                          const BenchCorrections& corrections, AngleKind kind);
+/// The same for an angle in arcmin: the encoder's correction, what it leaves of each reading (e_max), the
+/// accuracy of the encoder at the sample that is taken as zero (e_avg), and the repeatability.
+analysis::Estimate WithEncoderUncertainty(const analysis::Estimate& angle_arcmin,
+                                          const analysis::Quantity& quantity,
+                                          const BenchCorrections& corrections);
 
 }  // namespace strainwave::bench

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/efficiency.h"
+#include "analysis/quantities.h"
 
 namespace strainwave::bench {
 namespace {
@@ -27,6 +28,7 @@ std::vector<double> Numbers(const daq::Record& record, std::string_view name) {
 // The breakaway of the unloaded gear, at the input. The drive's own speed is too noisy near zero; the
 // encoder's travel over some samples tells presliding from motion.
 std::vector<Result> StartingTorque(const daq::Record& record, std::span<const double> torque_Nm) {
+  const std::string name(analysis::quantities::kStartingTorque.name);
   const std::vector<double> time_s = Numbers(record, "time_s");
   const std::vector<double> position_rad = Numbers(record, "position_rad");
   std::vector<double> speed(position_rad.size(), 0.0);
@@ -42,8 +44,8 @@ std::vector<Result> StartingTorque(const daq::Record& record, std::span<const do
   const std::size_t from = rest > kFewestRows ? rest - kFewestRows : 0;
   const auto starting = analysis::MeasureStartingTorque(
       torque_Nm.subspan(from), std::span<const double>(speed).subspan(from), kMovingSpeed_rad_per_s);
-  if (!starting) return {{"starting_torque_Nm", std::nan(""), 0.0, "the input did not break away"}};
-  return {{"starting_torque_Nm", starting->value, starting->standard_error, ""}};
+  if (!starting) return {{name, std::nan(""), 0.0, "the input did not break away"}};
+  return {{name, starting->value, starting->standard_error, ""}};
 }
 
 // About the mean, so that a sensor's offset is no vibration.
@@ -75,7 +77,7 @@ std::vector<Result> RotationResults(const daq::Record& record, double ratio) {
       analysis::MeasureEfficiency({input_torque_Nm, input_speed, output_torque_Nm, output_speed});
   std::string flag;
   for (const std::string& check : efficiency.failed_checks) flag += (flag.empty() ? "" : "; ") + check;
-  return {{"efficiency_percent", 100.0 * efficiency.efficiency.value,
+  return {{std::string(analysis::quantities::kEfficiency.name), 100.0 * efficiency.efficiency.value,
            100.0 * efficiency.efficiency.standard_error, flag}};
 }
 
@@ -84,7 +86,7 @@ std::vector<Result> VibrationResults(const daq::Record& record) {
   for (const daq::Column& column : record.columns) {
     const auto* samples = std::get_if<std::vector<float>>(&column.values);
     if (samples == nullptr || samples->empty()) continue;
-    results.push_back({"vibration_rms_" + column.name, Rms(*samples), 0.0, ""});
+    results.push_back({std::string(analysis::kVibrationRms) + column.name, Rms(*samples), 0.0, ""});
   }
   return results;
 }

@@ -26,7 +26,8 @@ void ToStderr(fmt::format_string<T...> format, T&&... values) {
 }
 
 /// A line of standard error that is written anew in place and gives way to words, and to results on a
-/// terminal; the newest alone counts, and an empty one takes it away. Nothing where standard error is no terminal.
+/// terminal; the newest alone counts, and an empty one takes it away. Nothing where standard error is no
+/// terminal.
 void ShowLine(std::string_view text);
 bool StderrIsTerminal();
 

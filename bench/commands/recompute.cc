@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "analysis/quantities.h"
 #include "bench/campaign/calibrations.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/cycle_context.h"
@@ -29,11 +33,19 @@
 namespace strainwave::bench {
 namespace {
 
+namespace quantities = analysis::quantities;
 using analysis::StiffnessMethod;
 
-const std::map<std::string, StiffnessMethod> kMethods{{"model", StiffnessMethod::kModel},
-                                                      {"loading", StiffnessMethod::kLoading},
-                                                      {"backbone", StiffnessMethod::kBackbone}};
+StiffnessMethod MethodNamed(const std::string& name) {
+  return *std::ranges::find(analysis::kStiffnessMethods, name,
+                            [](StiffnessMethod method) { return NameOf(method); });
+}
+
+std::vector<std::string> MethodNames() {
+  std::vector<std::string> names;
+  for (const StiffnessMethod method : analysis::kStiffnessMethods) names.emplace_back(NameOf(method));
+  return names;
+}
 
 struct RecomputeOptions {
   std::vector<std::string> paths;
@@ -54,7 +66,7 @@ std::vector<TimedResults> AgainAndWhen(const std::vector<RecomputedCycle>& cycle
 
 // Another method, or calibrations of later, are to give something else.
 bool MustEqual(const RecomputeOptions& options) {
-  return options.calibrations.empty() && kMethods.at(options.method) == CycleContext{}.method;
+  return options.calibrations.empty() && MethodNamed(options.method) == CycleContext{}.method;
 }
 
 // Standard output is the document's alone where there is one.
@@ -77,7 +89,7 @@ CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
   for (const std::string& warning : warnings) ToStderr("{}\n", warning);
   const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
-  context.method = kMethods.at(options.method);
+  context.method = MethodNamed(options.method);
   if (!options.calibrations.empty()) context.recalibrations = ReadCalibrations(options.calibrations);
   TerminalLine line;
   const auto cycles = RecomputeCampaign(folder, journal, context, [&](std::size_t done, std::size_t all) {
@@ -111,16 +123,20 @@ CampaignReport RecomputeFolder(const CampaignFolder& folder, const RecomputeOpti
 
 void PrintCampaignText(const CampaignReport& campaign) {
   const nlohmann::json& report = campaign.json;
-  ToStdout("{}\n{:>6} {:>9} {:>9} {:>9} {:>11} {:>11} {:>11}\n", report["folder"].get<std::string>(), "cycle",
-           "e_avg '", "e_max '", "lost '", "K1 Nm/rad", "K2 Nm/rad", "K3 Nm/rad");
+  constexpr std::array kColumns{quantities::kEAvg, quantities::kEMax, quantities::kLostMotion,
+                                quantities::kK1,   quantities::kK2,   quantities::kK3};
+  // One digit more than the table of a campaign has, to compare by.
+  const auto width = [](const analysis::Quantity& column) { return column.units().width + 1; };
+  ToStdout("{}\n{:>6}", report["folder"].get<std::string>(), "cycle");
+  for (const analysis::Quantity& column : kColumns) ToStdout(" {:>{}}", ColumnTitle(column), width(column));
+  ToStdout("\n");
   for (const auto& row : report["cycles"]) {
     ToStdout("{:>6}", row["cycle"].get<int>());
-    for (const auto& [key, width, decimals] :
-         {std::tuple{"e_avg_arcmin", 9, 4}, std::tuple{"e_max_arcmin", 9, 4},
-          std::tuple{"lost_motion_arcmin", 9, 4}, std::tuple{"k1_Nm_per_rad", 11, 1},
-          std::tuple{"k2_Nm_per_rad", 11, 1}, std::tuple{"k3_Nm_per_rad", 11, 1}}) {
-      const bool known = row.contains(key) && row[key].is_number();
-      ToStdout(" {:>{}.{}f}", known ? row[key].get<double>() : std::nan(""), width, decimals);
+    for (const analysis::Quantity& column : kColumns) {
+      const auto value = row.find(column.name);
+      const bool known = value != row.end() && value->is_number();
+      ToStdout(" {}", ValueCell(known ? value->get<double>() : std::nan(""), width(column),
+                                column.units().decimals + 1));
     }
     ToStdout("{}\n", row["equals_stored"].get<bool>() ? "" : "  differs from what is stored");
   }
@@ -159,7 +175,7 @@ int Recompute(const RecomputeOptions& options) {
       line.Show("computing from " + FileText(path), share);
       LookAtSamples(record);
       const RecordContext context = ContextOfRecord(record, beside);
-      nlohmann::json report = RecordJson(record, kMethods.at(options.method), context);
+      nlohmann::json report = RecordJson(record, MethodNamed(options.method), context);
       for (const std::string& warning : context.warnings) record.notes.push_back({0, warning});
       for (const auto& warning : report.value("warnings", nlohmann::json::array()))
         record.notes.push_back({0, warning.get<std::string>()});
@@ -170,7 +186,7 @@ int Recompute(const RecomputeOptions& options) {
       failed = failed || !reports.back()["failed_checks"].empty();
       if (!options.json) ToStdout("{}", RecordText(reports.back(), record.source.file));
       if (options.plots.empty()) continue;
-      ListPictures(DrawRecord(record, kMethods.at(options.method), context.corrections, options.plots),
+      ListPictures(DrawRecord(record, MethodNamed(options.method), context.corrections, options.plots),
                    options.json);
     }
   }
@@ -198,7 +214,7 @@ void AddRecompute(CLI::App& app, Action& action) {
   command->add_option("PATH", options->paths, "campaign folders and record files")->required();
   command->add_option("--method", options->method, "of the stiffness: model, loading (secants) or backbone")
       ->capture_default_str()
-      ->check(CLI::IsMember({"model", "loading", "backbone"}));
+      ->check(CLI::IsMember(MethodNames()));
   command->add_option("--plots", options->plots, "folder for pictures (SVG and PNG)");
   command->add_option("--calibrations", options->calibrations,
                       "file of later calibrations (YAML): a campaign's raw values are scaled anew with them");

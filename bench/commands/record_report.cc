@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "analysis/diagnosis/hysteresis/checks.h"
+#include "analysis/quantities.h"
 #include "analysis/units.h"
 #include "bench/campaign/record_results.h"
 #include "bench/commands/error_text.h"
@@ -17,7 +18,9 @@
 namespace strainwave::bench {
 namespace {
 
+using analysis::Quantity;
 using analysis::StiffnessMethod;
+namespace quantities = analysis::quantities;
 
 constexpr std::size_t kOrdersShown = 12;
 
@@ -42,11 +45,12 @@ void AddEstimate(nlohmann::json& report, const std::string& name, const analysis
   report[name + "_se"] = estimate.standard_error;
 }
 
-void AddAngle(nlohmann::json& report, const std::string& name, const analysis::Estimate& estimate_rad,
-              const RecordContext& context, AngleKind kind) {
+void AddAngle(nlohmann::json& report, const Quantity& quantity, const analysis::Estimate& estimate_rad,
+              const RecordContext& context) {
   const analysis::Estimate arcmin{ArcminFromRad(estimate_rad.value),
                                   ArcminFromRad(estimate_rad.standard_error)};
-  AddEstimate(report, name, WithEncoderUncertainty(arcmin, name, context.corrections, kind));
+  AddEstimate(report, std::string(quantity.name),
+              WithEncoderUncertainty(arcmin, quantity, context.corrections));
 }
 
 nlohmann::json TransmissionErrorJson(const daq::Record& record, const RecordContext& context) {
@@ -54,16 +58,15 @@ nlohmann::json TransmissionErrorJson(const daq::Record& record, const RecordCont
   nlohmann::json report{{"kind", "transmission_error"}};
   // e_avg and e_max are those of the clockwise sweep (docs/contract.md#transmission-error).
   if (error.cw) {
-    AddAngle(report, "e_avg_arcmin", error.cw->e_avg_rad, context, AngleKind::kZeroed);
-    AddAngle(report, "e_max_arcmin", error.cw->e_max_rad, context, AngleKind::kRange);
+    AddAngle(report, quantities::kEAvg, error.cw->e_avg_rad, context);
+    AddAngle(report, quantities::kEMax, error.cw->e_max_rad, context);
     report["orders"] = Orders(error.cw->orders);
   }
   if (error.ccw) {
-    AddAngle(report, "e_avg_ccw_arcmin", error.ccw->e_avg_rad, context, AngleKind::kZeroed);
-    AddAngle(report, "e_max_ccw_arcmin", error.ccw->e_max_rad, context, AngleKind::kRange);
+    AddAngle(report, quantities::kEAvgCcw, error.ccw->e_avg_rad, context);
+    AddAngle(report, quantities::kEMaxCcw, error.ccw->e_max_rad, context);
   }
-  if (error.lost_motion_rad)
-    AddAngle(report, "lost_motion_arcmin", *error.lost_motion_rad, context, AngleKind::kMean);
+  if (error.lost_motion_rad) AddAngle(report, quantities::kLostMotion, *error.lost_motion_rad, context);
   report["failed_checks"] = error.failed_checks;
   report["notes"] = error.notes;
   return report;
@@ -71,12 +74,13 @@ nlohmann::json TransmissionErrorJson(const daq::Record& record, const RecordCont
 
 void AddStiffness(nlohmann::json& report, const analysis::TorsionalStiffness& stiffness,
                   const RecordContext& context) {
-  const auto add = [&](const std::string& name, const analysis::Estimate& k) {
-    AddEstimate(report, name, WithBenchUncertainty(k, name, context.corrections));
+  const auto add = [&](const Quantity& quantity, const analysis::Estimate& k) {
+    AddEstimate(report, std::string(quantity.name),
+                WithBenchUncertainty(k, quantity.name, context.corrections));
   };
-  add("k1_Nm_per_rad", stiffness.k1_Nm_per_rad);
-  add("k2_Nm_per_rad", stiffness.k2_Nm_per_rad);
-  add("k3_Nm_per_rad", stiffness.k3_Nm_per_rad);
+  add(quantities::kK1, stiffness.k1_Nm_per_rad);
+  add(quantities::kK2, stiffness.k2_Nm_per_rad);
+  add(quantities::kK3, stiffness.k3_Nm_per_rad);
 }
 
 // What diagnose says of such a loop before it looks for causes: units mixed up, all three slopes moved alike.
@@ -100,23 +104,21 @@ nlohmann::json HysteresisJson(const daq::Record& record, StiffnessMethod method,
   const auto stiffness = StiffnessOf(record, method, context.corrections);
   nlohmann::json report{{"kind", "hysteresis"}};
   AddStiffness(report, stiffness, context);
-  AddAngle(report, "hysteresis_arcmin", stiffness.hysteresis_rad, context, AngleKind::kMean);
-  AddAngle(report, "hysteresis_lost_motion_arcmin", stiffness.lost_motion_rad, context, AngleKind::kMean);
+  AddAngle(report, quantities::kHysteresis, stiffness.hysteresis_rad, context);
+  AddAngle(report, quantities::kHysteresisLostMotion, stiffness.lost_motion_rad, context);
   if (method == StiffnessMethod::kModel) {
-    report["friction_torque_Nm"] = stiffness.friction_torque_Nm;
-    report["yield_twist_arcmin"] = ArcminFromRad(stiffness.yield_twist_rad);
-    report["rms_residual_Nm"] = stiffness.rms_residual_Nm;
+    report[quantities::kFrictionTorque.name] = stiffness.friction_torque_Nm;
+    report[quantities::kYieldTwist.name] = ArcminFromRad(stiffness.yield_twist_rad);
+    report[quantities::kStiffnessResidual.name] = stiffness.rms_residual_Nm;
   }
   report["failed_checks"] = stiffness.failed_checks;
   report["warnings"] = stiffness.warnings;
   AddWarnings(record, stiffness, context, report["warnings"]);
   nlohmann::json methods;
-  for (const auto& [name, other] :
-       {std::pair{"model", StiffnessMethod::kModel}, std::pair{"loading", StiffnessMethod::kLoading},
-        std::pair{"backbone", StiffnessMethod::kBackbone}}) {
+  for (const StiffnessMethod other : analysis::kStiffnessMethods) {
     nlohmann::json row;
     AddStiffness(row, other == method ? stiffness : StiffnessOf(record, other, context.corrections), context);
-    methods[name] = std::move(row);
+    methods[NameOf(other)] = std::move(row);
   }
   report["methods"] = std::move(methods);
   return report;
@@ -157,14 +159,16 @@ std::string RecordText(const nlohmann::json& report, const std::string& source) 
     text += Text("  {:28} {}\n", key, ValueText(report, key));
   }
   if (report.contains("methods")) {
-    text += "  methods side by side                 K1               K2               K3  Nm/rad\n";
+    text += fmt::format("  {:20}{:>19}{:>17}{:>17}  {}\n", "methods side by side", quantities::kK1.symbol,
+                        quantities::kK2.symbol, quantities::kK3.symbol, quantities::kK1.unit());
     for (const auto& [name, row] : report["methods"].items()) {
       text += fmt::format("    {:20}", name);
-      for (const char* k : {"k1_Nm_per_rad", "k2_Nm_per_rad", "k3_Nm_per_rad"}) {
+      for (const Quantity& quantity : analysis::kStiffnesses) {
+        const std::string k(quantity.name);
         const double value = row[k].get<double>();
-        text += std::isfinite(value) ? fmt::format(" {:7.0f} ± {:<6}", value,
-                                                   ErrorText(row[std::string(k) + "_se"].get<double>()))
-                                     : fmt::format(" {:>7}         ", "–");
+        text += std::isfinite(value)
+                    ? fmt::format(" {:7.0f} ± {:<6}", value, ErrorText(row[k + "_se"].get<double>()))
+                    : fmt::format(" {:>7}         ", "–");
       }
       text += "\n";
     }

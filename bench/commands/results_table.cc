@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/commands/results_table.h"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -21,19 +21,12 @@
 namespace strainwave::bench {
 namespace {
 
-struct TableColumn {
-  const char* quantity;
-  const char* title;
-  int width;
-  int decimals;
-};
+namespace quantities = analysis::quantities;
+using analysis::StiffnessMethod;
 
-constexpr TableColumn kColumns[] = {
-    {"e_avg_arcmin", "e_avg '", 8, 3},      {"e_max_arcmin", "e_max '", 8, 3},
-    {"lost_motion_arcmin", "lost '", 8, 3}, {"k1_Nm_per_rad", "K1 Nm/rad", 10, 0},
-    {"k2_Nm_per_rad", "K2 Nm/rad", 10, 0},  {"k3_Nm_per_rad", "K3 Nm/rad", 10, 0},
-    {"hysteresis_arcmin", "hyst '", 8, 3},  {"gear_temperature_degC", "degC", 7, 1},
-};
+constexpr std::array kColumns{
+    quantities::kEAvg, quantities::kEMax, quantities::kLostMotion, quantities::kK1,
+    quantities::kK2,   quantities::kK3,   quantities::kHysteresis, quantities::kGearTemperature};
 constexpr std::size_t kMostRows = 24;
 
 std::vector<int> CompleteCycles(const std::vector<CycleRow>& cycles) {
@@ -54,15 +47,17 @@ std::vector<int> CyclesShown(const std::vector<int>& all) {
 
 void PrintTable(const Journal& journal, const std::vector<int>& cycles) {
   ToStdout("{:>6}", "cycle");
-  for (const auto& column : kColumns) ToStdout(" {:>{}}", column.title, column.width);
+  for (const analysis::Quantity& column : kColumns)
+    ToStdout(" {:>{}}", ColumnTitle(column), column.units().width);
   ToStdout("\n");
   for (const int cycle : cycles) {
     const std::vector<Result> results = journal.Results(cycle, 0);
     ToStdout("{:>6}", cycle);
     std::string flags;
     for (const auto& column : kColumns) {
-      const auto result = FindResult(results, column.quantity);
-      ToStdout(" {:>{}.{}f}", result ? result->value : std::nan(""), column.width, column.decimals);
+      const auto result = FindResult(results, column.name);
+      ToStdout(" {}", ValueCell(result ? result->value : std::nan(""), column.units().width,
+                                column.units().decimals));
       if (result && !result->flag.empty() && flags.find(result->flag) == std::string::npos)
         flags += "  " + result->flag;
     }
@@ -77,10 +72,11 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
   const std::vector<Result> last = journal.Results(cycles.back(), 0);
   bool is_first = true;
   for (const auto& column : kColumns) {
-    const auto before = FindResult(first, column.quantity);
-    const auto after = FindResult(last, column.quantity);
-    const auto gauge = journal.FindCalibration(std::string(kRepeatabilityLimitPrefix) + column.quantity);
+    const auto before = FindResult(first, column.name);
+    const auto after = FindResult(last, column.name);
+    const auto gauge = journal.FindCalibration(fmt::format("{}{}", kRepeatabilityLimitPrefix, column.name));
     if (!before || !after || !gauge) continue;
+    const int decimals = column.units().decimals + 1;
     const double change = after->value - before->value;
     const double limit = gauge->value;
     if (std::isnan(change)) continue;
@@ -88,8 +84,7 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
       ToStdout("\nchange from cycle {} to {}, beside the repeatability limit of one difference (95 %)\n",
                cycles.front(), cycles.back());
     }
-    ToStdout("  {:22} {:>+12.{}f}   gauge {:>10.{}f}   {}\n", column.quantity, change, column.decimals + 1,
-             limit, column.decimals + 1,
+    ToStdout("  {:22} {:>+12.{}f}   gauge {:>10.{}f}   {}\n", column.name, change, decimals, limit, decimals,
              std::abs(change) > limit ? "larger than the gauge" : "within the gauge");
   }
 }
@@ -97,22 +92,22 @@ void PrintChanges(const Journal& journal, const std::vector<int>& cycles) {
 void PrintMethods(const Journal& journal, const std::vector<int>& cycles) {
   if (cycles.empty()) return;
   const std::vector<Result> results = journal.Results(cycles.back(), 0);
-  const bool has_loops =
-      std::ranges::any_of(results, [](const Result& result) { return result.quantity.starts_with("k1_"); });
+  const bool has_loops = FindResult(results, quantities::kK1.name).has_value();
   if (!has_loops) return;
   ToStdout("\ncycle {}, three ways to read K from the same loops\n", cycles.back());
-  for (const auto& [title, middle] : {std::pair{"model", ""}, std::pair{"loading (secants)", "_loading"},
-                                      std::pair{"backbone", "_backbone"}}) {
-    ToStdout("  {:18}", title);
-    for (const char* k : {"k1", "k2", "k3"}) {
-      const auto value = FindResult(results, fmt::format("{}{}_Nm_per_rad", k, middle));
+  for (const StiffnessMethod method : analysis::kStiffnessMethods) {
+    const std::string_view name = NameOf(method);
+    ToStdout("  {:18}", method == StiffnessMethod::kLoading ? "loading (secants)" : name);
+    for (const analysis::Quantity& k : analysis::kStiffnesses) {
+      const auto value =
+          FindResult(results, method == CycleContext{}.method ? std::string(k.name) : NameByMethod(k, name));
       if (value && !std::isnan(value->value)) {
         ToStdout(" {:>9.0f} ± {:<5}", value->value, ErrorText(value->standard_error));
       } else {
         ToStdout(" {:>9}        ", "–");
       }
     }
-    ToStdout("  Nm/rad\n");
+    ToStdout("  {}\n", quantities::kK1.unit());
   }
 }
 
@@ -126,6 +121,16 @@ nlohmann::json CampaignJson(const CampaignFolder& folder, const Journal& journal
 }
 
 }  // namespace
+
+std::string ValueCell(double value, int width, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:>{}.{}f}", value, width, decimals)
+                              : fmt::format("{:>{}}", "–", width);
+}
+
+std::string ColumnTitle(const analysis::Quantity& quantity) {
+  const std::string_view unit = quantity.unit() == "arcmin" ? "'" : quantity.unit();
+  return quantity.symbol.empty() ? std::string(unit) : fmt::format("{} {}", quantity.symbol, unit);
+}
 
 nlohmann::json CycleJson(int cycle, const std::vector<Result>& results) {
   nlohmann::json row{{"cycle", cycle}};

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/campaign/disk_room.h"
+#include "bench/campaign/run_begun.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/pace.h"
@@ -160,7 +163,7 @@ int Run(const RunOptions& options) {
     const double begins_s = resume ? resume->time_s : 0.0;
     journal.AddEvent({begins_s, UtcNow(), journal.LastCompleteCycle() + 1, "", "info", "software",
                       std::string(daq::Software())});
-    journal.SetProperty(kRunBegun, fmt::format("{} {:.3f}", UtcMilliseconds(), begins_s));
+    journal.SetProperty(kRunBegun, TextOf({UtcMilliseconds(), begins_s, ::getpid()}));
     try {
       end = runner.Run(resume.value_or(ResumePoint{}));
       journal.SetProperty("overruns_of_the_last_run", std::to_string(machine->Devices().clock.Overruns()));

@@ -8,6 +8,7 @@
 
 #include "bench/campaign/campaign_status.h"
 #include "bench/campaign/cycle_results.h"
+#include "bench/campaign/status_json.h"
 #include "bench/commands/alarm_report.h"
 #include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
@@ -38,9 +39,7 @@ std::string LiveUtc(const CampaignStatus& status) {
   return status.live_taken ? UtcText(status.live_taken->utc_ms) : std::string();
 }
 
-bool HasLittleRoom(const CampaignStatus& status) {
-  return status.room && status.room->free_bytes < status.room->needed_bytes;
-}
+bool HasLittleRoom(const CampaignStatus& status) { return status.room && IsLittle(*status.room); }
 
 void PrintLive(const CampaignStatus& status) {
   if (status.process == 0) return;
@@ -134,10 +133,6 @@ nlohmann::json Json(const CampaignStatus& status) {
   for (const auto& [source, count] : status.samples) {
     samples[source] = {{"received", count.received}, {"lost", count.lost}};
   }
-  nlohmann::json bad_channels = nlohmann::json::array();
-  for (const ChannelTrouble& bad : status.bad_channels) {
-    bad_channels.push_back({{"channel", bad.channel}, {"reason", bad.reason}, {"since_utc", bad.since_utc}});
-  }
   nlohmann::json live;
   if (status.live_taken) {
     live = {{"utc", LiveUtc(status)},
@@ -150,13 +145,6 @@ nlohmann::json Json(const CampaignStatus& status) {
                                 {"unit", value.unit},
                                 {"missing", value.missing}});
     }
-  }
-  nlohmann::json stops = nlohmann::json::array();
-  for (const StopDistance& stop : status.stops) {
-    stops.push_back({{"quantity", stop.quantity},
-                     {"value", stop.value},
-                     {stop.is_lower ? "below" : "above", stop.limit},
-                     {"unit", stop.unit}});
   }
   return {{"running", status.process > 0},
           {"process", status.process},
@@ -174,12 +162,12 @@ nlohmann::json Json(const CampaignStatus& status) {
                                                                  {"needed_bytes", status.room->needed_bytes}}
                                                 : nlohmann::json()},
           {"live", std::move(live)},
-          {"stop_criteria", std::move(stops)},
+          {"stop_criteria", StopsJson(status.stops)},
           {"life_share", status.life_share ? nlohmann::json(*status.life_share) : nlohmann::json()},
           {"last_results", CycleJson(status.complete, status.last_results)},
           {"samples", std::move(samples)},
           {"sensor_checks", CheckJson(status.checks)},
-          {"bad_channels", std::move(bad_channels)},
+          {"bad_channels", ChannelsJson(status.bad_channels)},
           {"alarms", AlarmsJson(status.open_alarms, status.alarm_rules, {})},
           {"notes", std::move(notes)},
           {"holes", std::move(holes)},

@@ -3,9 +3,11 @@
 #include <memory>
 #include <mutex>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "analysis/quantities.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
@@ -105,8 +107,8 @@ void AddTrain(CLI::App& app, Action& action) {
       "only compare, on the splits that do not flatter: no folds, no predictor, nothing written");
   command->add_option(
       "--outputs", options->sources.outputs,
-      "what to predict: quantities, or class (default: all of e_max, e_avg, K1, K2, K3 that there "
-      "are, else class)");
+      fmt::format("what to predict: quantities, or class (default: all of {} that there are, else class)",
+                  analysis::Listed(analysis::kPredictedQuantities, &analysis::Quantity::symbol)));
   command->add_option("--set", options->set, "wavelet, or orders (energies by order of the input shaft)")
       ->capture_default_str()
       ->check(CLI::IsMember({"wavelet", "orders"}));

@@ -2,20 +2,24 @@
 #include "bench/diagnosis/campaign_data.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/quantities.h"
 #include "bench/campaign/cycle_results.h"
 #include "daq/sensor_serials.h"
 
 namespace strainwave::bench {
 namespace {
 
-constexpr const char* kQuantities[] = {"k1_Nm_per_rad",    "k2_Nm_per_rad", "k3_Nm_per_rad",
-                                       "e_avg_arcmin",     "e_max_arcmin",  "lost_motion_arcmin",
-                                       "hysteresis_arcmin"};
+namespace quantities = analysis::quantities;
+
+constexpr std::array kDiagnosed{quantities::kK1,        quantities::kK2,   quantities::kK3,
+                                quantities::kEAvg,      quantities::kEMax, quantities::kLostMotion,
+                                quantities::kHysteresis};
 
 std::string SerialsOf(const CampaignFolder& folder, int cycle) {
   const auto file = folder.CycleFile(cycle);
@@ -27,7 +31,8 @@ std::string SerialsOf(const CampaignFolder& folder, int cycle) {
 
 analysis::diagnosis::CampaignData CampaignDataOf(const CampaignFolder& folder, const Journal& journal) {
   analysis::diagnosis::CampaignData data;
-  for (const char* quantity : kQuantities) data.series.push_back({quantity, {}, {}});
+  for (const analysis::Quantity& quantity : kDiagnosed)
+    data.series.push_back({std::string(quantity.name), {}, {}});
   double load_time_s = 0.0;
   for (const CycleRow& row : journal.Cycles()) {
     if (row.outcome != "complete") continue;
@@ -37,7 +42,7 @@ analysis::diagnosis::CampaignData CampaignDataOf(const CampaignFolder& folder, c
     data.cycle.push_back(row.cycle);
     data.time_s.push_back(row.ended_s);
     data.load_time_s.push_back(load_time_s);
-    const auto temperature = FindResult(results, "gear_temperature_degC");
+    const auto temperature = FindResult(results, quantities::kGearTemperature.name);
     data.temperature_degC.push_back(temperature ? temperature->value : std::nan(""));
     data.sensor_serials.push_back(SerialsOf(folder, row.cycle));
     for (auto& series : data.series) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "analysis/diagnosis/campaign_results.h"
+#include "analysis/quantities.h"
 #include "bench/diagnosis/diagnosis_pictures.h"
 #include "bench/diagnosis/picture_frame.h"
 #include "bench/plots/gnuplot.h"
@@ -27,14 +27,9 @@ constexpr double kGap_px = 26.0;
 
 // "k1_Nm_per_rad", "Nm/rad" → "K₁ (Nm/rad)"; "e_max_arcmin" → "e_max (arcmin)".
 std::string LabelOf(const ResultSeries& series) {
-  static const std::map<std::string, std::string> kStiffness{
-      {"k1_Nm_per_rad", "K₁"}, {"k2_Nm_per_rad", "K₂"}, {"k3_Nm_per_rad", "K₃"}};
-  const auto stiffness = kStiffness.find(series.name);
-  std::string name = stiffness != kStiffness.end() ? stiffness->second : series.name;
-  if (const std::string ending = "_" + series.unit; name.ends_with(ending)) {
-    name.resize(name.size() - ending.size());
-  }
-  return fmt::format("{} ({})", name, series.unit);
+  const analysis::Quantity* const quantity = analysis::FindQuantity(series.name);
+  return fmt::format("{} ({})", quantity == nullptr ? analysis::WithoutUnit(series.name) : quantity->title,
+                     series.unit);
 }
 
 // What was measured and what the models say, of the same results.

@@ -5,16 +5,20 @@
 #include <array>
 
 #include "analysis/diagnosis/study.h"
+#include "analysis/quantities.h"
 
 namespace strainwave::bench {
 namespace {
+
+namespace quantities = analysis::quantities;
 
 struct Words {
   std::string_view name;  // as it is, or how it begins
   std::string_view words;
 };
 
-// Of those that fit, the longest name counts. Units stand in the names and are not said again.
+// Beside the quantities of analysis/quantities.h. Of those that fit, the longest name counts. Units stand in
+// the names and are not said again.
 constexpr std::array kWords{
     // hysteresis
     Words{"k1_asymmetry_share", "by how much K1 is higher for positive than for negative torque"},
@@ -23,15 +27,13 @@ constexpr std::array kWords{
     Words{"k2_k3_asymmetry_share", "the same of K2 and K3 alike"},
     Words{"law_asymmetry_share", "the same of all three, each by its own"},
     Words{"asymmetry_share", "the same of all three alike"},
-    Words{"k1_", "stiffness up to T1"},
-    Words{"k2_", "stiffness from T1 to T2"},
-    Words{"k3_", "stiffness above T2"},
-    Words{"friction_torque_Nm", "friction beside the spring"},
+    Words{"k1_", quantities::kK1.meaning},
+    Words{"k2_", quantities::kK2.meaning},
+    Words{"k3_", quantities::kK3.meaning},
     Words{"second_friction_torque_Nm", "of the second friction element"},
     Words{"second_yield_twist_arcmin", "twist at which the second element slides"},
     Words{"third_friction_torque_Nm", "of the third friction element"},
     Words{"spread_friction_torque_Nm", "of elements that slide one after the other"},
-    Words{"yield_twist_arcmin", "twist at which the friction slides"},
     Words{"offset_arcmin", "where zero lies"},
     Words{"offset_Nm", "reading without torque"},
     Words{"start_share", "how far the friction was wound up at the start, -1 to 1"},
@@ -108,10 +110,6 @@ constexpr std::array kWords{
     Words{"rate_change_", "change of the slope"},
     Words{"cycle", "cycle at which it comes"},
     Words{"recovery_cycles", "cycles in which it passes"},
-    Words{"e_avg_arcmin", "mean error over a turn"},
-    Words{"e_max_arcmin", "largest less smallest error"},
-    Words{"lost_motion_arcmin", "difference between the directions"},
-    Words{"hysteresis_arcmin", "width of the loop at zero torque"},
     // whatever stands somewhere
     Words{"amplitude_", "amplitude"},
     Words{"phase_deg", "where on the turn it is highest"},
@@ -132,6 +130,7 @@ constexpr std::array kWords{
 
 std::string_view ParameterWords(std::string_view name) {
   if (name.ends_with("_per_K")) return "change with the temperature";
+  if (const analysis::Quantity* const quantity = analysis::FindQuantity(name)) return quantity->meaning;
   const Words* best = nullptr;
   for (const Words& words : kWords) {
     const bool fits = words.name.ends_with('_') ? name.starts_with(words.name) : name == words.name;

@@ -8,9 +8,16 @@
 
 #include <fmt/core.h>
 
+#include "analysis/quantities.h"
 #include "analysis/units.h"
 
 namespace strainwave::bench {
+namespace {
+
+namespace quantities = analysis::quantities;
+
+}  // namespace
+
 SimulatedMachine::SimulatedMachine(const analysis::model::PlantModel& model,
                                    const SimulatedBenchSettings& settings, const SimulatedTest& test)
     : bench_(model, settings), test_(test) {}
@@ -40,9 +47,11 @@ void SimulatedMachine::CycleMeasured(int cycle) {
   const bool fresh = !std::filesystem::exists(test_.truth);
   std::ofstream file(test_.truth, std::ios::app);
   if (fresh) {
-    file
-        << "cycle,k1_Nm_per_rad,k2_Nm_per_rad,k3_Nm_per_rad,e_avg_arcmin,e_max_arcmin,hysteresis_arcmin,"
-           "friction_torque_Nm,series_compliance_rad_per_Nm,gear_temperature_degC,input_revolutions,time_s\n";
+    file << fmt::format(
+        "cycle,{},{},{},{},{},{},{},series_compliance_rad_per_Nm,{},input_revolutions,time_s\n",
+        quantities::kK1.name, quantities::kK2.name, quantities::kK3.name, quantities::kEAvg.name,
+        quantities::kEMax.name, quantities::kHysteresis.name, quantities::kFrictionTorque.name,
+        quantities::kGearTemperature.name);
   }
   const BenchTruth truth = bench_.TruthNow(test_.sweep_step_rad, test_.sweep_steps);
   file << fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", cycle, truth.k1_Nm_per_rad,

@@ -14,9 +14,6 @@ namespace {
 constexpr double kMostJitter = 4.0;
 // In turns. An encoder at rest flickers; more than that is a shaft that turns back.
 constexpr double kFlicker = 1e-3;
-// As of records (record_features.h): over each part of a window the speed is that of the whole.
-constexpr double kSteady = 0.01;
-constexpr std::size_t kParts = 8;
 
 std::size_t SamplesOf(const VibrationChunk& chunk) {
   return chunk.samples.empty() ? 0 : chunk.samples.front().size();
@@ -24,28 +21,6 @@ std::size_t SamplesOf(const VibrationChunk& chunk) {
 
 std::int64_t TimeAt(const VibrationChunk& chunk, std::size_t sample) {
   return chunk.time_ns + std::llround(static_cast<double>(sample) * 1e9 / chunk.sample_rate_hz);
-}
-
-// Samples for one turn of the output shaft, if it turns evenly.
-std::optional<double> SamplesPerTurn(const std::vector<double>& turns) {
-  if (turns.size() <= kParts) return std::nullopt;
-  const std::size_t part = (turns.size() - 1) / kParts;
-  const double turned = turns[kParts * part] - turns.front();
-  for (std::size_t k = 0; k < kParts; ++k) {
-    const double share = turns[(k + 1) * part] - turns[k * part];
-    if (!(std::abs(share * kParts / turned - 1.0) <= kSteady)) return std::nullopt;
-  }
-  return static_cast<double>(kParts * part) / std::abs(turned);
-}
-
-// Of a window of turns training takes as many samples as fit whole.
-std::size_t WholeSamples(double samples) {
-  constexpr double kRounding = 1e-6;
-  return static_cast<std::size_t>(samples + kRounding);
-}
-
-void CutTo(std::size_t samples, VibrationWindow& window) {
-  for (auto& channel : window.samples) channel.resize(std::min(channel.size(), samples));
 }
 
 }  // namespace
@@ -85,7 +60,7 @@ std::vector<VibrationWindow> WindowCutter::Add(const VibrationChunk& chunk) {
 std::vector<VibrationWindow> WindowCutter::Finish() {
   // A stream without marks never ends at the end of a window; that is no fault.
   const bool by_training = rule_.by == WindowRule::By::kTraining && rule_.length != WindowLength{};
-  if (rule_.by == WindowRule::By::kRevolution || by_training) open_.reset();
+  if (rule_.by == WindowRule::By::kRevolution || by_training) Restart();
   CloseWith({SignalFaultKind::kGap, "the stream ended (expected the whole window)"});
   return std::exchange(done_, {});
 }
@@ -98,7 +73,7 @@ bool WindowCutter::Continues(const VibrationChunk& chunk) const {
 
 void WindowCutter::BreakOff(const std::string& why) {
   CloseWith({SignalFaultKind::kGap, why + " (expected the whole window)"});
-  turned_.reset();
+  Restart();
   above_ = true;
 }
 
@@ -110,9 +85,14 @@ void WindowCutter::BeginMeasurement() {
   if (by_trigger && !rule_.trigger_channel.empty()) {
     BreakOff("another measurement began");
   } else if (!by_trigger && !of_training) {
-    open_.reset();
-    turned_.reset();
+    Restart();
   }
+}
+
+void WindowCutter::Restart() {
+  open_.reset();
+  sequence_.reset();
+  turned_.reset();
 }
 
 std::size_t WindowCutter::SamplesAt(double rate_hz, std::size_t samples) const {
@@ -132,27 +112,42 @@ void WindowCutter::AddAsTrained(const VibrationChunk& chunk) {
     AddBySamples(chunk);
   }
   if (!chunk.ends_measurement) return;
-  if (open_ && HoldsItsTurns()) Close();
-  open_.reset();
-}
-
-// A record may end with the last sample of a window, and no further one tells that its turns are over.
-bool WindowCutter::HoldsItsTurns() const {
-  const auto samples_per_turn = SamplesPerTurn(open_turns_);
-  return samples_per_turn && rule_.length.turns > 0 &&
-         open_->samples.front().size() >=
-             WholeSamples(*samples_per_turn / std::abs(rule_.ratio) * rule_.length.turns);
+  FinishSequence();
+  Restart();
 }
 
 void WindowCutter::AddBySamples(const VibrationChunk& chunk) {
-  const std::size_t whole = SamplesAt(chunk.sample_rate_hz, rule_.length.samples);
-  for (std::size_t i = 0; i < SamplesOf(chunk);) {
-    if (!open_) Open(chunk, i);
-    const std::size_t to = std::min(SamplesOf(chunk), i + whole - open_->samples.front().size());
-    Append(chunk, i, to);
-    if (open_ && open_->samples.front().size() == whole) Close();
-    i = to;
+  const auto whole = static_cast<double>(SamplesAt(chunk.sample_rate_hz, rule_.length.samples));
+  std::size_t from = 0;
+  for (std::size_t i = 0; i < SamplesOf(chunk); ++i) AddInSequence(chunk, i, counted_++, whole, from);
+  AddRest(chunk, from);
+  // That its last sample was counted is all that a window waits for.
+  FinishSequence();
+}
+
+void WindowCutter::AddInSequence(const VibrationChunk& chunk, std::size_t sample, double position,
+                                 double length, std::size_t& from) {
+  if (!sequence_) sequence_.emplace(length);
+  if (const auto ended = sequence_->Add(position)) {
+    Append(chunk, from, sample);
+    rule_.by == WindowRule::By::kTraining ? Close(ended->count) : Close();
+    from = sample;
   }
+  if (!open_) Open(chunk, sample);
+}
+
+void WindowCutter::AddRest(const VibrationChunk& chunk, std::size_t from) {
+  Append(chunk, from, SamplesOf(chunk));
+  // A window that was given up is not gone on with in its middle.
+  if (!open_) sequence_.reset();
+}
+
+void WindowCutter::FinishSequence() {
+  if (!open_ || !sequence_) return;
+  const auto last = sequence_->Finish();
+  if (!last) return;
+  Close(last->count);
+  sequence_.reset();
 }
 
 void WindowCutter::AddByMark(const VibrationChunk& chunk) {
@@ -197,26 +192,18 @@ void WindowCutter::AddByTurn(const VibrationChunk& chunk, double turns_a_window)
   std::size_t from = 0;
   for (std::size_t i = 0; i < chunk.output_turns.size(); ++i) {
     const double turns = chunk.output_turns[i];
-    if (!turned_) window_from_turns_ = turns;
-    const bool back =
-        turned_ && std::abs(turns - window_from_turns_) < std::abs(*turned_ - window_from_turns_) - kFlicker;
-    // The sample nearest to the end of the turn, on either side, is the next one's first.
-    const double half_step = turned_ ? 0.5 * std::abs(turns - *turned_) : 0.0;
-    turned_ = turns;
-    if (back) {
+    const auto distance = [this](double of) { return std::abs(of - turned_from_); };
+    if (turned_ && distance(turns) < distance(*turned_) - kFlicker) {
       Append(chunk, from, i);
       CloseWith({SignalFaultKind::kGap, "the shaft turned back (expected a turn in one direction)"});
-      window_from_turns_ = turns;
-      from = i;
-    } else if (std::abs(turns - window_from_turns_) > turns_a_window - half_step) {
-      Append(chunk, from, i);
-      Close();
-      window_from_turns_ += std::copysign(turns_a_window, turns - window_from_turns_);
+      Restart();
       from = i;
     }
-    if (!open_) Open(chunk, i);
+    if (!turned_) turned_from_ = turns;
+    turned_ = turns;
+    AddInSequence(chunk, i, distance(turns), turns_a_window, from);
   }
-  Append(chunk, from, chunk.output_turns.size());
+  AddRest(chunk, from);
 }
 
 void WindowCutter::Open(const VibrationChunk& chunk, std::size_t at) {
@@ -248,15 +235,13 @@ void WindowCutter::Append(const VibrationChunk& chunk, std::size_t from, std::si
   }
 }
 
-void WindowCutter::Close() {
+void WindowCutter::Close(std::size_t count) {
   if (!open_) return;
   if (!open_->fault && open_turns_.size() == open_->samples.front().size()) {
-    if (const auto samples = SamplesPerTurn(open_turns_)) {
+    if (const auto samples = SamplesPerUnit(open_turns_))
       open_->samples_per_turn = *samples / std::abs(rule_.ratio);
-      if (rule_.by == WindowRule::By::kTraining && rule_.length.turns > 0)
-        CutTo(WholeSamples(*open_->samples_per_turn * rule_.length.turns), *open_);
-    }
   }
+  for (auto& channel : open_->samples) channel.resize(std::min(channel.size(), count));
   done_.push_back(*std::exchange(open_, std::nullopt));
 }
 

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/prediction/signal_inputs.h"
+#include "bench/prediction/window_sequence.h"
 #include "bench/roles/vibration_source.h"
 
 namespace strainwave::bench {
@@ -38,8 +40,8 @@ struct WindowRule {
 };
 
 /// Cuts a stream into windows. No sample is in two windows; a window that the stream breaks off comes out
-/// with a fault, never shortened in silence. By training, the windows of a measurement are those of
-/// `WindowsOf` (signal_settings.h), and what is left at its end belongs to none.
+/// with a fault, never shortened in silence. Windows that follow each other are cut as those of the training
+/// (`WindowSequence`); what is left at the end of a measurement belongs to none.
 class WindowCutter {
  public:
   explicit WindowCutter(WindowRule rule) : rule_(std::move(rule)) {}
@@ -59,12 +61,21 @@ class WindowCutter {
   void AddAsTrained(const VibrationChunk& chunk);
   void AddBySamples(const VibrationChunk& chunk);
   void AddByTurn(const VibrationChunk& chunk, double turns_a_window);
+  /// The next sample of windows of one length that follow each other.
+  /// @param from  of the chunk, what the open window has not taken yet.
+  void AddInSequence(const VibrationChunk& chunk, std::size_t sample, double position, double length,
+                     std::size_t& from);
+  void AddRest(const VibrationChunk& chunk, std::size_t from);
+  /// The open window if it is whole, though no other one has begun.
+  void FinishSequence();
   void BeginMeasurement();
-  bool HoldsItsTurns() const;
+  /// Leaves what is open.
+  void Restart();
   void BreakOff(const std::string& why);
   void Open(const VibrationChunk& chunk, std::size_t at);
   void Append(const VibrationChunk& chunk, std::size_t from, std::size_t to);
-  void Close();
+  /// @param count  of the first samples that are the window; all by default.
+  void Close(std::size_t count = std::numeric_limits<std::size_t>::max());
   void CloseWith(SignalFault fault);
   /// A finding about the stream and not about a window; once until it is mended.
   void Tell(const VibrationChunk& chunk, SignalFault fault);
@@ -74,9 +85,11 @@ class WindowCutter {
   std::optional<VibrationWindow> open_;
   std::vector<double> open_turns_;  // of the output shaft, at each sample of the open window that has them
   bool told_{};
-  bool above_{true};              // an edge needs a sample below it first
-  std::optional<double> turned_;  // of the last sample of an unbroken segment
-  double window_from_turns_{};
+  bool above_{true};                        // an edge needs a sample below it first
+  std::optional<WindowSequence> sequence_;  // of an unbroken segment
+  std::optional<double> turned_;            // of its last sample
+  double turned_from_{};                    // of its first one
+  double counted_{};                        // samples
 };
 
 }  // namespace strainwave::bench

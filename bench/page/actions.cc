@@ -97,8 +97,7 @@ ActionAnswer Act(std::string_view text, const CampaignSnapshot& snapshot, Tokens
                               error.what()));
   }
   if (process <= 0) {
-    return refuse(409, "not_running",
-                  "nobody runs this campaign, and nothing moves: there is nothing to stop");
+    return refuse(409, "not_running", "nobody runs this campaign: there is nobody to ask for a stop");
   }
   tokens.Spend(request.token, fmt::format("done already at {}: {}", now_utc, request.action->words));
   return {200,

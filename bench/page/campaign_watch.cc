@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "bench/campaign/campaign.h"
+#include "bench/page/http_text.h"
 
 namespace strainwave::bench {
 namespace {
@@ -115,8 +116,8 @@ WatchedCampaign CampaignWatch::Read() {
   CampaignSnapshot& snapshot = read.snapshot;
   snapshot.campaign = std::filesystem::weakly_canonical(folder_.root).filename().string();
   snapshot.specimen = opened.inputs.schedule.specimen.identity;
-  snapshot.run = RunId(opened.campaign, opened.progress.run_begun);
   snapshot.progress = ProgressOf(folder_, opened.progress, opened.inputs);
+  snapshot.run = RunId(opened.campaign, opened.progress.run_begun, snapshot.progress.process);
   snapshot.view = ViewOf(snapshot.progress, opened.progress.run_begun.has_value());
   // Of a phase under way the checkpoint knows more than the journal; that is in the progress.
   snapshot.credited_load_s = opened.credited_s + snapshot.progress.credited_load_s;
@@ -147,8 +148,7 @@ void CampaignWatch::Watch() {
       read.snapshot.progress.live_taken.reset();
     }
     // By what is told at one fixed moment: ages alone are no change.
-    std::string state =
-        StateJson(read.snapshot, Moment{}).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    std::string state = JsonText(StateJson(read.snapshot, Moment{}));
     const auto taken = read.snapshot.progress.live_taken;
     state += fmt::format(" {} {}", taken ? taken->utc_ms : 0, read.snapshot.last_event);
     const bool changed = state != told;

@@ -2,6 +2,7 @@
 #include "bench/page/cycles.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include <fmt/core.h>
 
+#include "analysis/quantities.h"
 #include "bench/campaign/cycle_results.h"
 
 namespace strainwave::bench {
@@ -21,8 +23,9 @@ constexpr int kMostPoints = 5000;
 constexpr int kLastCycle = 1'000'000'000;
 constexpr std::size_t kMostQuantities = 16;
 constexpr std::size_t kLongestQuantity = 64;
-constexpr const char* kTrends[] = {"k1_Nm_per_rad", "k2_Nm_per_rad", "k3_Nm_per_rad",
-                                   "e_max_arcmin",  "e_avg_arcmin",  "lost_motion_arcmin"};
+constexpr std::array kTrends{analysis::quantities::kK1,   analysis::quantities::kK2,
+                             analysis::quantities::kK3,   analysis::quantities::kEMax,
+                             analysis::quantities::kEAvg, analysis::quantities::kLostMotion};
 
 int WholeNumber(const std::string& name, const std::string& text, int least, int most) {
   int value{};
@@ -78,7 +81,7 @@ json BinsJson(const CycleBins& bins) {
 
 CyclesQuery ParseCyclesQuery(const std::multimap<std::string, std::string>& parameters) {
   CyclesQuery query;
-  query.quantities.assign(std::begin(kTrends), std::end(kTrends));
+  for (const analysis::Quantity& trend : kTrends) query.quantities.emplace_back(trend.name);
   for (const auto& [name, text] : parameters) {
     if (parameters.count(name) > 1) {
       throw std::invalid_argument(fmt::format("{:.40} stands there twice (expected once)", name));

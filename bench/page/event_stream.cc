@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/page/http_text.h"
 #include "bench/page/page_state.h"
 
 namespace strainwave::bench {
@@ -19,9 +20,7 @@ std::string JournalFrames(std::span<const Event> events, std::int64_t last_seen)
   std::string frames;
   for (const Event& event : events) {
     if (event.id <= last_seen) continue;
-    // A journal may hold any bytes; what is no UTF-8 is replaced.
-    const std::string data = EventJson(event).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    frames += EventFrame("journal", data, event.id);
+    frames += EventFrame("journal", JsonText(EventJson(event)), event.id);
   }
   return frames;
 }

@@ -103,10 +103,11 @@ std::string EventStreamHead() {
                      HeaderLines());
 }
 
-std::string ErrorJson(std::string_view sentence) {
-  return nlohmann::json{{"error", sentence}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) +
-         "\n";
+std::string JsonText(const nlohmann::json& document) {
+  return document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
+
+std::string ErrorJson(std::string_view sentence) { return JsonText({{"error", sentence}}) + "\n"; }
 
 bool IsLoopbackHost(std::string_view host) {
   constexpr std::string_view kNames[] = {"127.0.0.1", "localhost", "[::1]"};

@@ -31,6 +31,9 @@ std::string HttpAnswer(int status, std::string_view type, std::string_view body)
 /// The head of an answer without end, of server-sent events.
 std::string EventStreamHead();
 
+/// On one line; a journal may hold any bytes: what is no UTF-8 is replaced.
+std::string JsonText(const nlohmann::json& document);
+
 /// {"error": sentence}
 std::string ErrorJson(std::string_view sentence);
 

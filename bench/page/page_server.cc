@@ -41,10 +41,6 @@ constexpr ServerLimits kLimits{.longest_request_bytes = kLongestHead_bytes + kLo
                                .most_unsent_bytes = 256 * 1024,
                                .lingers = true};
 
-std::string Dump(const nlohmann::json& document) {
-  return document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 }  // namespace
 
 // Called from the server's thread alone, but for `Finish` and `Wake`.
@@ -130,7 +126,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     }
     const WatchedCampaign newest = watch_.Newest();
     version_ = newest.version;
-    const std::string state = EventFrame("state", Dump(StateJson(newest.snapshot, Now())));
+    const std::string state = EventFrame("state", JsonText(StateJson(newest.snapshot, Now())));
     for (auto& [client, seen] : streams_) {
       deliveries.push_back({client, JournalFrames(newest.events, seen) + state});
       seen = newest.snapshot.last_event;
@@ -199,7 +195,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     state["events"] = nlohmann::json::array();
     for (const Event& event : snapshot.progress.events) state["events"].push_back(EventJson(event));
     response.status = 200;
-    response.set_content(Dump(state) + "\n", kJson);
+    response.set_content(JsonText(state) + "\n", kJson);
   }
 
   void SendCycles(const httplib::Request& request, httplib::Response& response) {
@@ -241,7 +237,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     const std::int64_t last_seen = LastEventId(request.get_header_value("Last-Event-ID"));
     streams_[client_] = newest.snapshot.last_event;
     waits_ = EventStreamHead() + "retry: 1000\n\n" + JournalFrames(newest.events, last_seen) +
-             EventFrame("state", Dump(StateJson(newest.snapshot, Now())));
+             EventFrame("state", JsonText(StateJson(newest.snapshot, Now())));
   }
 
   void TakeAction(const httplib::Request& request, httplib::Response& response) {
@@ -264,7 +260,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
         request.body, snapshot, tokens_, [this](EndRequest what) { return AskToEnd(folder_, what); },
         UtcNow());
     response.status = answer.status;
-    response.set_content(Dump(answer.body) + "\n", kJson);
+    response.set_content(JsonText(answer.body) + "\n", kJson);
   }
 
   const CampaignFolder folder_;

@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/status_json.h"
 #include "bench/utc.h"
 
 namespace strainwave::bench {
@@ -49,25 +50,6 @@ json ResultsJson(const std::vector<Result>& results) {
   return all;
 }
 
-json StopsJson(const std::vector<StopDistance>& stops) {
-  json all = json::array();
-  for (const StopDistance& stop : stops) {
-    all.push_back({{"quantity", stop.quantity},
-                   {"value", stop.value},
-                   {stop.is_lower ? "below" : "above", stop.limit},
-                   {"unit", stop.unit}});
-  }
-  return all;
-}
-
-json ChannelsJson(const std::vector<ChannelTrouble>& channels) {
-  json all = json::array();
-  for (const ChannelTrouble& bad : channels) {
-    all.push_back({{"channel", bad.channel}, {"reason", bad.reason}, {"since_utc", bad.since_utc}});
-  }
-  return all;
-}
-
 std::string EtaBasis(const CampaignProgress& progress) {
   if (progress.process == 0) return "planned bench time, without pauses; nobody runs the campaign now";
   if (!progress.pace) return "planned bench time, as if it ran in real time; the pace is not known yet";
@@ -77,7 +59,7 @@ std::string EtaBasis(const CampaignProgress& progress) {
 
 }  // namespace
 
-std::string_view Name(BenchView view) {
+std::string_view NameOf(BenchView view) {
   switch (view) {
     case BenchView::kNotBegun:
       return "not_begun";
@@ -125,9 +107,10 @@ std::optional<bool> IsSafe(BenchView view) {
   return std::nullopt;
 }
 
-std::string RunId(std::uint64_t campaign, const std::optional<std::string>& begun) {
-  const std::string since = begun ? begun->substr(0, begun->find(' ')) : "0";
-  return fmt::format("{:016x}-{}", campaign, since);
+std::string RunId(std::uint64_t campaign, const std::optional<RunBegun>& begun, int process) {
+  const bool is_another = begun && process > 0 && begun->process > 0 && begun->process != process;
+  return is_another ? fmt::format("{:016x}-of-{}", campaign, process)
+                    : fmt::format("{:016x}-{}", campaign, begun ? begun->utc_ms : 0);
 }
 
 std::string Sentence(const CampaignSnapshot& snapshot) {
@@ -166,7 +149,7 @@ nlohmann::json StateJson(const CampaignSnapshot& snapshot, const Moment& now) {
       {"campaign", snapshot.campaign},
       {"specimen", snapshot.specimen},
       {"run", snapshot.run},
-      {"state", Name(snapshot.view)},
+      {"state", NameOf(snapshot.view)},
       {"sentence", Sentence(snapshot)},
       {"safe", safe ? json(*safe) : json()},
       {"process", progress.process},

@@ -24,7 +24,7 @@ enum class BenchView {
 };
 
 /// "running"; as the page and programs see it.
-std::string_view Name(BenchView view);
+std::string_view NameOf(BenchView view);
 
 /// @param begun  whether it was ever run.
 BenchView ViewOf(const CampaignProgress& progress, bool begun);
@@ -44,9 +44,11 @@ struct CampaignSnapshot {
   std::int64_t last_event{};
 };
 
-/// The id of a run: the campaign's, and when that run began.
-/// @param begun  the journal's property kRunBegun.
-std::string RunId(std::uint64_t campaign, const std::optional<std::string>& begun);
+/// The id of a run: the campaign's, and when that run began. A process that has the campaign and has not
+/// begun its run yet has an id of its own: what was meant for the run before must not reach it.
+/// @param begun    nothing: it was never run
+/// @param process  that has the campaign now, or 0
+std::string RunId(std::uint64_t campaign, const std::optional<RunBegun>& begun, int process);
 
 /// One sentence: what the bench does, or why it stands.
 std::string Sentence(const CampaignSnapshot& snapshot);

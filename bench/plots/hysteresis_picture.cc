@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/quantities.h"
 #include "analysis/units.h"
 #include "bench/plots/gnuplot.h"
 #include "bench/plots/script.h"
@@ -71,13 +72,13 @@ struct Layer {
 std::string SlopeElement(std::string_view id, const std::string& label, int piece,
                          const analysis::Estimate& k_Nm_per_rad, double from_Nm, double to_Nm,
                          double linewidth, std::string_view colour) {
-  constexpr std::array<std::string_view, 3> kNames{"K₁", "K₂", "K₃"};
+  const analysis::Quantity& quantity = analysis::kStiffnesses[static_cast<std::size_t>(piece - 1)];
   // K1 and K3, which have one colour, differ by their dashes.
   return fmt::format(
       "$spring_{}_{} using 1:2 with lines linewidth {} dashtype {} linecolor rgb '{}' title {}", id, piece,
       linewidth, piece == 3 ? "'-'" : "1", colour,
-      Quoted(fmt::format("{}, {} = {}, {:g} to {:g} Nm", label, kNames[static_cast<std::size_t>(piece - 1)],
-                         EstimateText(k_Nm_per_rad, "Nm/rad"), from_Nm, to_Nm)));
+      Quoted(fmt::format("{}, {} = {}, {:g} to {:g} Nm", label, quantity.title,
+                         EstimateText(k_Nm_per_rad, quantity.unit()), from_Nm, to_Nm)));
 }
 
 // `rim` widens the lines of a cycle that lies below another, so that it stays visible where they agree.

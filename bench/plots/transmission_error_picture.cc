@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/quantities.h"
 #include "analysis/units.h"
 #include "bench/plots/gnuplot.h"
 #include "bench/plots/order_spectrum.h"
@@ -61,7 +62,8 @@ void AddSweep(const std::string& label, std::string_view id, const std::optional
   const analysis::Estimate e_max_arcmin{ArcminFromRad(sweep->e_max_rad.value),
                                         ArcminFromRad(sweep->e_max_rad.standard_error)};
   const std::string title =
-      fmt::format("{}, {}: e_max = {}", label, panel.direction, EstimateText(e_max_arcmin, "arcmin"));
+      fmt::format("{}, {}: {} = {}", label, panel.direction, analysis::quantities::kEMax.title,
+                  EstimateText(e_max_arcmin, analysis::quantities::kEMax.unit()));
   panel.data += SweepData(name, *sweep);
   panel.elements += panel.elements.empty() ? "" : ",\\\n  ";
   panel.elements += fmt::format("${} using 1:2 with lines linewidth {} linecolor rgb '{}' title {}", name,

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/quantities.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/folder.h"
@@ -45,13 +46,14 @@ std::vector<std::string> CampaignOutputs(const std::filesystem::path& folder) {
   for (const CycleRow& row : journal.Cycles()) {
     if (row.outcome != "complete" || row.cycle < 1) continue;
     const std::vector<Result> results = journal.Results(row.cycle, 0);
-    for (const char* quantity : kPredictedQuantities) {
-      if (FindResult(results, quantity)) outputs.emplace_back(quantity);
+    for (const analysis::Quantity& quantity : analysis::kPredictedQuantities) {
+      if (FindResult(results, quantity.name)) outputs.emplace_back(quantity.name);
     }
     if (!outputs.empty()) return outputs;
   }
-  Refuse(folder, "no cycle has a result to predict",
-         fmt::format("one of {}", fmt::join(kPredictedQuantities, ", ")));
+  Refuse(
+      folder, "no cycle has a result to predict",
+      fmt::format("one of {}", analysis::Listed(analysis::kPredictedQuantities, &analysis::Quantity::name)));
 }
 
 SourceRows ReadCampaignRows(const std::filesystem::path& path, const SourceSettings& settings,

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/quantities.h"
 #include "analysis/units.h"
 #include "bench/campaign/on_all_processors.h"
 #include "bench/errors/bench_error.h"
@@ -51,8 +52,8 @@ Facts FactsOf(daq::Record record) {
               .sample_rate_hz = SampleRateOf_hz(record),
               .rows = record.rows(),
               .speed_rad_per_s = SteadyInputSpeedOf_rad_per_s(record)};
-  for (const char* quantity : kPredictedQuantities) {
-    if (LabelOf(record, quantity)) facts.labels.emplace_back(quantity);
+  for (const analysis::Quantity& quantity : analysis::kPredictedQuantities) {
+    if (LabelOf(record, std::string(quantity.name))) facts.labels.emplace_back(quantity.name);
   }
   record.columns.clear();
   facts.record = std::move(record);
@@ -88,8 +89,8 @@ std::vector<Facts> AllFacts(const std::vector<std::filesystem::path>& files, con
 
 std::vector<std::string> OutputsOf(const std::vector<Facts>& all) {
   std::vector<std::string> outputs;
-  for (const char* quantity : kPredictedQuantities) {
-    const std::string name = quantity;
+  for (const analysis::Quantity& quantity : analysis::kPredictedQuantities) {
+    const std::string name(quantity.name);
     if (std::ranges::any_of(
             all, [&](const Facts& one) { return std::ranges::find(one.labels, name) != one.labels.end(); })) {
       outputs.push_back(name);
@@ -271,7 +272,8 @@ RecordFiles SurveyRecords(const std::vector<std::filesystem::path>& files, const
       .warnings = WarningsOf(all)};
   if (records.outputs.empty()) {
     Refuse(files.front(), "no record has a label",
-           fmt::format("metadata or a column with {} or class", fmt::join(kPredictedQuantities, ", ")));
+           fmt::format("metadata or a column with {} or class",
+                       analysis::Listed(analysis::kPredictedQuantities, &analysis::Quantity::name)));
   }
   RequireAlike(all, settings, records.signals);
   records.window = WindowFor(all, settings, records.signals);

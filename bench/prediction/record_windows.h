@@ -8,6 +8,7 @@
 
 #include "bench/prediction/feature_settings.h"
 #include "bench/prediction/signal_settings.h"
+#include "bench/prediction/window_sequence.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {

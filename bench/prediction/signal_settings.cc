@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,26 +28,6 @@ int LongestRunAt(std::span<const double> signal, double value) {
 }
 
 }  // namespace
-
-std::vector<Window> WindowsOf(std::size_t rows, std::optional<double> samples_per_turn,
-                              const WindowLength& length) {
-  if (length.turns == 0 && length.samples == 0) return {{0, rows}};
-  if (length.turns > 0 && !samples_per_turn) {
-    throw std::invalid_argument("samples_per_turn is not known (expected it for windows of whole turns)");
-  }
-  const double step =
-      length.turns > 0 ? *samples_per_turn * length.turns : static_cast<double>(length.samples);
-  // A step that is whole but for its rounding counts as whole.
-  constexpr double kRounding = 1e-6;
-  if (!(step <= static_cast<double>(rows) + 1.0)) return {};
-  const auto count = static_cast<std::size_t>(step + kRounding);
-  std::vector<Window> windows;
-  for (std::size_t k = 0;; ++k) {
-    const auto begin = static_cast<std::size_t>(std::lround(static_cast<double>(k) * step));
-    if (count == 0 || begin + count > rows) return windows;
-    windows.push_back({begin, count});
-  }
-}
 
 std::string_view NameOf(SignalFaultKind kind) {
   switch (kind) {

@@ -25,17 +25,6 @@ struct WindowLength {
   bool operator==(const WindowLength&) const = default;
 };
 
-struct Window {
-  std::size_t begin{};
-  std::size_t count{};
-};
-
-/// Windows without overlap, from the first sample on; what is left at the end is not used. None where the
-/// record is shorter than one window.
-/// @param samples_per_turn  of the input shaft; needed where the length is in turns.
-std::vector<Window> WindowsOf(std::size_t rows, std::optional<double> samples_per_turn,
-                              const WindowLength& length);
-
 /// Which channels of a record are taken, and at what rate.
 struct SignalSettings {
   std::vector<std::string> channels;  // in this order

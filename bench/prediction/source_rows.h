@@ -16,16 +16,14 @@
 
 namespace strainwave::bench {
 
-/// The quantities a predictor is trained on unless told otherwise, all that the sources have of these; where
-/// there are none, the class.
-inline constexpr const char* kPredictedQuantities[] = {"e_max_arcmin", "e_avg_arcmin", "k1_Nm_per_rad",
-                                                       "k2_Nm_per_rad", "k3_Nm_per_rad"};
+/// What a predictor is trained on where none of analysis::kPredictedQuantities was measured.
 inline constexpr const char* kClassLabel = "class";
 
 /// What is asked of the sources.
 struct SourceSettings {
   FeatureSettings features;
-  std::vector<std::string> outputs;   // by name; `class` alone for classes; empty: see above
+  std::vector<std::string> outputs;   // by name; `class` alone for classes; empty: all measured of the
+                                      // predicted quantities, or else the class
   std::vector<std::string> channels;  // empty: those of the first source
   double sample_rate_hz{};         // to which whole multiples are brought down; 0: that of the first source
   std::optional<double> window_s;  // of records; 0: whole; none: by how many records there are

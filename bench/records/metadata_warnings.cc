@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/quantities.h"
 #include "daq/record_rules.h"
 #include "daq/value_bounds.h"
 #include "schedules/reader/wording.h"
@@ -22,9 +23,12 @@ using Keys = std::span<const std::string_view>;
 constexpr std::array<std::string_view, 2> kOfSweep{"ratio", "absolute"};
 constexpr std::array<std::string_view, 3> kOfLoop{"t1_Nm", "t2_Nm", "t3_Nm"};
 constexpr std::array<std::string_view, 2> kOfMotion{"inertia_kgm2", "mass_kg"};
-constexpr std::array<std::string_view, 9> kOfVibration{"sample_rate_hz", "input_speed_rpm", "ratio",
-                                                       "class",          "specimen",        "k2_Nm_per_rad",
-                                                       "k3_Nm_per_rad",  "e_avg_arcmin",    "e_max_arcmin"};
+constexpr std::array kOfVibration = [] {
+  std::array<std::string_view, 5 + analysis::kPredictedQuantities.size()> keys{
+      "sample_rate_hz", "input_speed_rpm", "ratio", "class", "specimen"};
+  std::ranges::transform(analysis::kPredictedQuantities, keys.begin() + 5, &analysis::Quantity::name);
+  return keys;
+}();
 
 // What the bench and simulate write beside it, and what says whose the record is.
 constexpr std::array<std::string_view, 23> kOfAll{"absolute",

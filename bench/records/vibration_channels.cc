@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/quantities.h"
 #include "daq/record_rules.h"
 #include "daq/value_bounds.h"
 
@@ -17,10 +18,8 @@ namespace strainwave::bench {
 namespace {
 
 constexpr std::string_view kReadElsewhere[] = {
-    "time_s", "output_torque_Nm", "torque_Nm", "temperature_degC", "gear_temperature_degC", "input_speed_rpm",
-    "input_speed_rad_per_s",
-    // What a predictor learns may stand beside the signals as a column.
-    "k1_Nm_per_rad", "k2_Nm_per_rad", "k3_Nm_per_rad", "e_avg_arcmin", "e_max_arcmin", "class"};
+    "time_s",          "output_torque_Nm",      "torque_Nm", "temperature_degC", "gear_temperature_degC",
+    "input_speed_rpm", "input_speed_rad_per_s", "class"};
 
 // Of sensors, beside those that have bounds (daq/value_bounds.h).
 constexpr std::string_view kFurtherUnits[] = {"Pa", "kPa", "MPa", "bar", "mbar", "dB",   "mV",  "uV",
@@ -42,6 +41,12 @@ constexpr std::string_view kWordsOfTimeAndLabels[] = {
 template <typename Names>
 bool Holds(const Names& names, std::string_view name) {
   return std::ranges::find(names, name) != std::end(names);
+}
+
+// What a predictor learns may stand beside the signals as a column.
+bool IsPredicted(std::string_view name) {
+  return std::ranges::find(analysis::kPredictedQuantities, name, &analysis::Quantity::name) !=
+         analysis::kPredictedQuantities.end();
 }
 
 // In small letters: "SampleNo [1]" is sample, no, 1.
@@ -134,7 +139,7 @@ VibrationColumns SortVibrationColumns(const daq::Record& record) {
   for (const daq::Column& column : record.columns) {
     const std::string& name = column.name;
     if (std::holds_alternative<std::vector<daq::Direction>>(column.values) || daq::IsShaftAngle(name) ||
-        Holds(kReadElsewhere, name)) {
+        Holds(kReadElsewhere, name) || IsPredicted(name)) {
       continue;
     }
     const bool has_unit = HasUnit(name) && !Holds(kUnitsOfTime, daq::UnitOf(name));

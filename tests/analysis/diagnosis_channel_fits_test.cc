@@ -127,7 +127,7 @@ TEST_F(ChannelFits, OfFurtherColumnsNeedTheseProducts) {
   const VectorXd root = Weights(true).col(0) * 0.7;
   const MatrixXd further = Random(kSamples, 8);
   const MatrixXd weighted = root.asDiagonal() * further;
-  const ProductsOfFurther products = ProductsBeside(further, first, responses, root);
+  const ProductsOfFurther products = ProductsBeside(further, first, responses, root, InTurn);
   EXPECT_TRUE(products.squares.isApprox(weighted.transpose() * weighted, 1e-12));
   EXPECT_TRUE(products.with_others.isApprox(first.transpose() * weighted, 1e-10));
   EXPECT_TRUE(products.with_residuals.isApprox(weighted.transpose() * responses, 1e-10));

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "analysis/quantities.h"
+
 namespace strainwave::bench::metadata_warnings_test {
 namespace {
 
@@ -24,6 +26,11 @@ TEST(MetadataWarnings, AreNoneOfARecordThatSaysAll) {
             Warnings());
   EXPECT_EQ(Of("motion", {{"kt_Nm_per_A", "0.11"}}), Warnings());
   EXPECT_EQ(Of("vibration", {{"sample_rate_hz", "12800"}, {"class", "worn"}}), Warnings());
+}
+
+TEST(MetadataWarnings, AreNoneOfWhatAPredictorMayLearn) {
+  for (const analysis::Quantity& quantity : analysis::kPredictedQuantities)
+    EXPECT_EQ(Of("vibration", {{std::string(quantity.name), "2"}}), Warnings()) << quantity.name;
 }
 
 TEST(MetadataWarnings, NameEachDefaultThatIsTaken) {

@@ -343,6 +343,20 @@ TEST(WindowCutter, AWindowThatNeverEndsDoesNotFillTheMemory) {
             "the window does not end within 100 samples (expected the next trigger, or a shaft that turns)");
 }
 
+TEST(WindowCutter, ATurnThatWasGivenUpIsNotGoneOnWithInItsMiddle) {
+  WindowRule rule = ByTurns(1.0);
+  rule.most_samples = 100;
+  WindowCutter cutter(rule);
+  VibrationChunk stops = Numbers(0, 125);
+  for (int i = 0; i < 125; ++i) stops.output_turns.push_back(0.02 * std::min(i, 25));
+  ASSERT_EQ(cutter.Add(stops).size(), 1U);
+  VibrationChunk turns = Numbers(125, 200);
+  for (int i = 0; i < 75; ++i) turns.output_turns.push_back(0.5 + 0.02 * i);
+  const auto windows = cutter.Add(turns);
+  ASSERT_EQ(windows.size(), 1U);
+  ExpectNumbers(windows[0], 125, 175);
+}
+
 TEST(WindowCutter, TheEndOfTheStreamCompletesNothing) {
   WindowCutter cutter({});
   VibrationChunk first = Numbers(0, 10);

@@ -50,6 +50,28 @@ TEST(OpenAlarms, AreThoseSinceTheLastResumeHoweverLongAgo) {
   EXPECT_EQ(alarms[0].code, "output_torque_limit");
 }
 
+// SQLite has no not-a-number: it keeps NULL, and would give back zero, a value that was never measured.
+TEST(JournalResults, ThatAreNoNumbersComeBackAsNone) {
+  Journal journal = Journal::Create(":memory:");
+  const double none = std::nan("");
+  journal.BeginCycle(1, 0.0);
+  journal.AddResults(
+      1, 0, {{"k3_Nm_per_rad", none, none, "the loop does not reach T2"}, {"k2_Nm_per_rad", 2e4, none, ""}});
+  journal.EndCycle(1, 1.0, "complete");
+  const std::vector<Result> results = journal.Results(1, 0);
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_EQ(results[0].value, 2e4);
+  EXPECT_TRUE(std::isnan(results[0].standard_error));
+  EXPECT_TRUE(std::isnan(results[1].value));
+  EXPECT_FALSE(IsSound({"k3_Nm_per_rad", none, none, ""}));
+  ASSERT_EQ(journal.NewestResults("k3_Nm_per_rad", 1).size(), 1U);
+  EXPECT_TRUE(std::isnan(journal.NewestResults("k3_Nm_per_rad", 1).front().value));
+  journal.ForEachResult("k3", [](const CycleResult& row) {
+    EXPECT_TRUE(std::isnan(row.result.value));
+    return true;
+  });
+}
+
 // A slow decline with scatter of ±15 that has no memory: the fraction of a fast sine.
 double Declining(int cycle) {
   const double fast = 43758.5453 * std::sin(12.9898 * cycle);
@@ -162,6 +184,18 @@ TEST(Repeatability, IsTheSpreadOfTheRepeatsWidenedForTheirNumber) {
   EXPECT_NEAR(gauge[0].value, 10.0 * 4.303 / 1.960, 0.01);
   EXPECT_EQ(gauge[1].name, "limit_95_k2_Nm_per_rad");
   EXPECT_NEAR(gauge[1].value, 10.0 * 4.303 * std::sqrt(2.0), 0.01);
+}
+
+TEST(Repeatability, HasTheUnitOfItsQuantity) {
+  const std::vector<Result> repeat{{"k2_Nm_per_rad", 1.0, 0.0, ""},
+                                   {"starting_torque_Nm", 1.0, 0.0, ""},
+                                   {"efficiency_percent", 1.0, 0.0, ""},
+                                   {"vibration_rms_accel_x_m_per_s2", 1.0, 0.0, ""},
+                                   {"samples_received_rack", 1.0, 0.0, ""}};
+  std::vector<std::string> units;
+  for (const Calibration& gauge : RepeatabilityOf({repeat, repeat})) units.push_back(gauge.unit);
+  EXPECT_EQ(units,
+            (std::vector<std::string>{"Nm/rad", "Nm/rad", "Nm", "Nm", "%", "%", "m/s2", "m/s2", "", ""}));
 }
 
 }  // namespace

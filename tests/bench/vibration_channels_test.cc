@@ -7,6 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/quantities.h"
+#include "daq/record_rules.h"
+
 namespace strainwave::bench::vibration_channels_test {
 namespace {
 
@@ -48,6 +51,25 @@ Names WarningsBeside(const std::string& name, const std::vector<double>& values)
     texts.push_back(text);
   }
   return texts;
+}
+
+TEST(SortVibrationColumns, TakesNothingThatAPredictorLearns) {
+  for (const analysis::Quantity& quantity : analysis::kPredictedQuantities) {
+    EXPECT_EQ(ChannelsBeside(std::string(quantity.name), Noise(2)), Names{}) << quantity.name;
+    EXPECT_EQ(WarningsBeside(std::string(quantity.name), Noise(2)), Names{}) << quantity.name;
+  }
+}
+
+// The format's own rules know no table of another module.
+TEST(CheckRecord, HoldsWhatAPredictorLearnsToBeANumber) {
+  for (const analysis::Quantity& quantity : analysis::kPredictedQuantities) {
+    daq::Record record = RecordOf({{"accel_z_m_per_s2", Noise()}});
+    record.SetMetadata("sample_rate_hz", "5000");
+    EXPECT_TRUE(daq::CheckRecord(record).empty());
+    record.SetMetadata(std::string(quantity.name), "stiff");
+    ASSERT_EQ(daq::CheckRecord(record).size(), 1U) << quantity.name;
+    EXPECT_EQ(daq::CheckRecord(record)[0].what, std::string(quantity.name) + " is 'stiff'");
+  }
 }
 
 TEST(SortVibrationColumns, TakesNoNameThatStandsForTimeAnIndexOrALabel) {

@@ -109,7 +109,7 @@ try {
     assert.equal(await text(last, 'state-shape'), '■');
     await last.bringToFront();
     await last.locator('#stop').click();
-    await says(last, 'answer', /nobody runs this campaign, and nothing moves/);
+    await says(last, 'answer', /nobody runs this campaign: there is nobody to ask/);
   });
 
   await check('a page of an earlier run stops nothing of the next', async () => {

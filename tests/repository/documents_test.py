@@ -7,9 +7,10 @@ import posixpath
 import re
 import unittest
 
-from references import LINK, Tree, outside_code
+from references import LINK, ROOT, Tree, outside_code
 
 MOST_LINES = 150
+MOST_BYTES = 256 * 1024  # ten times the largest there is
 SOURCE_FOLDERS = ("analysis", "bench", "cmake", "daq", "packaging", "protocols", "schedules")
 IS_SOURCE = re.compile(r"\.(?:h|cc|c|in|py|sh|cmake|proto|yaml)$|/run$")
 
@@ -53,6 +54,12 @@ def findings(tree):
     return found
 
 
+def too_large(sizes):
+    """What no source is: the memory of a program that crashed, a record, an archive."""
+    return [f"{path} has {size} bytes (expected at most {MOST_BYTES}: is it source?)"
+            for path, size in sorted(sizes.items()) if size > MOST_BYTES]
+
+
 GOOD = {"README.md": "# x\n", "bench/README.md": "# bench\n", "bench/a.h": "", "tests/README.md": "# tests\n",
         "tests/bench/a_test.cc": "", "docs/README.md": "[a](a.md) [b](b/README.md)\n", "docs/a.md": "",
         "docs/b/README.md": "[c](c.md)\n", "docs/b/c.md": ""}
@@ -65,6 +72,13 @@ class Documents(unittest.TestCase):
         found = findings(tree)
         if found:
             self.fail("\n" + "\n".join(found))
+
+    def test_no_file_of_this_checkout_is_too_large(self):
+        self.assertEqual(too_large({path: (ROOT / path).stat().st_size for path in Tree().all_paths()}), [])
+
+    def test_a_file_that_is_too_large_is_found(self):
+        self.assertEqual(too_large({"core": 262_145, "a.h": 262_144}),
+                         ["core has 262145 bytes (expected at most 262144: is it source?)"])
 
     def test_what_is_as_it_should_be_is_not_found_fault_with(self):
         self.assertEqual(findings(Tree(GOOD)), [])

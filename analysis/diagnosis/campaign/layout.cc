@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
 
 #include "analysis/arguments.h"
 #include "analysis/diagnosis/campaign/noise.h"
+#include "analysis/quantities.h"
 
 namespace strainwave::analysis::diagnosis {
 namespace {
@@ -18,21 +18,9 @@ namespace {
 using Eigen::Index;
 
 SeriesName Split(const std::string& full) {
-  // The longer ones first: "Nm_per_rad" ends in "rad".
-  constexpr std::array<std::string_view, 16> kSuffixes{
-      "Nm_per_rad", "m_per_s2", "arcmin", "arcsec", "percent", "degC", "Nms", "Nm",
-      "rad",        "deg",      "mm",     "rpm",    "Hz",      "W",    "s",   "K"};
-  for (const std::string_view suffix : kSuffixes) {
-    if (full.size() <= suffix.size() + 1 || !full.ends_with(suffix)) continue;
-    if (full[full.size() - suffix.size() - 1] != '_') continue;
-    SeriesName name{full, full.substr(0, full.size() - suffix.size() - 1), std::string(suffix), {}};
-    name.unit = name.suffix;
-    if (const std::size_t per = suffix.find("_per_"); per != std::string_view::npos) {
-      name.unit = fmt::format("{}/{}", suffix.substr(0, per), suffix.substr(per + 5));
-    }
-    return name;
-  }
-  return {full, full, "", "1"};
+  const QuantityUnit* const unit = FindUnit(full);
+  if (unit == nullptr) return {full, full, "", "1"};
+  return {full, std::string(WithoutUnit(full)), std::string(unit->in_names), std::string(unit->symbol)};
 }
 
 void RequireAscending(std::string_view name, std::span<const double> values) {

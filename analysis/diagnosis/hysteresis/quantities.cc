@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/quantities.h"
 #include "analysis/torsional_stiffness.h"
 #include "analysis/units.h"
 
@@ -16,7 +17,7 @@ std::string OfRecord(const std::string& name, std::size_t record) {
 }
 
 std::vector<UserQuantity> QuantitiesOfLoops(const LoopRecords& records, const Eigen::VectorXd& predicted) {
-  std::vector<UserQuantity> quantities;
+  std::vector<UserQuantity> of_loops;
   const LoopGrid& samples = records.samples;
   const TestTorques torques{
       .t1_Nm = records.t1_Nm, .t2_Nm = records.t2_Nm, .t3_Nm = std::max(records.t3_Nm, 1.01 * records.t2_Nm)};
@@ -31,16 +32,17 @@ std::vector<UserQuantity> QuantitiesOfLoops(const LoopRecords& records, const Ei
     };
     const TorsionalStiffness seen = measure(records.measured_rad.data());
     const TorsionalStiffness simulated = measure(predicted.data());
-    const auto add = [&](const char* name, double there, double here) {
-      if (std::isfinite(there) && std::isfinite(here)) quantities.push_back({OfRecord(name, r), there, here});
+    const auto add = [&](const Quantity& quantity, double there, double here) {
+      if (std::isfinite(there) && std::isfinite(here))
+        of_loops.push_back({OfRecord(std::string(quantity.name), r), there, here});
     };
-    add("k1_Nm_per_rad", seen.k1_Nm_per_rad.value, simulated.k1_Nm_per_rad.value);
-    add("k2_Nm_per_rad", seen.k2_Nm_per_rad.value, simulated.k2_Nm_per_rad.value);
-    add("k3_Nm_per_rad", seen.k3_Nm_per_rad.value, simulated.k3_Nm_per_rad.value);
-    add("hysteresis_arcmin", ArcminFromRad(seen.hysteresis_rad.value),
+    add(quantities::kK1, seen.k1_Nm_per_rad.value, simulated.k1_Nm_per_rad.value);
+    add(quantities::kK2, seen.k2_Nm_per_rad.value, simulated.k2_Nm_per_rad.value);
+    add(quantities::kK3, seen.k3_Nm_per_rad.value, simulated.k3_Nm_per_rad.value);
+    add(quantities::kHysteresis, ArcminFromRad(seen.hysteresis_rad.value),
         ArcminFromRad(simulated.hysteresis_rad.value));
   }
-  return quantities;
+  return of_loops;
 }
 
 }  // namespace strainwave::analysis::diagnosis

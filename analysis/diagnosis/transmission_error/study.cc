@@ -15,6 +15,7 @@
 #include "analysis/diagnosis/transmission_error/terms.h"
 #include "analysis/harmonic_regression.h"
 #include "analysis/noise_level.h"
+#include "analysis/quantities.h"
 #include "analysis/units.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -138,8 +139,8 @@ std::vector<UserQuantity> MeanAndRange(const TransmissionErrorSamples& samples,
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
     return *high - *low;
   };
-  return {{"e_avg_arcmin", mean(measured), mean(modelled)},
-          {"e_max_arcmin", range(measured), range(modelled)}};
+  return {{std::string(quantities::kEAvg.name), mean(measured), mean(modelled)},
+          {std::string(quantities::kEMax.name), range(measured), range(modelled)}};
 }
 
 void LeaveOpen(SeparableTerm& term) {

@@ -18,6 +18,9 @@ using ConstColumns = Eigen::Ref<const MatrixXd>;
 constexpr Index kRowsTogether = 1024;  // of a few dozen columns, that the second cache holds
 constexpr Index kRowsOfPart = 16384;   // some milliseconds of work for a thread
 
+// Of the squares that are left: a change that takes off no more moves the residual by 1e-9 of itself.
+constexpr double kNegligibleSquares = 1e-18;
+
 // The sum of what `add(first, rows, sums)` adds for blocks of rows.
 template <typename Sums, typename Add>
 Sums SumOverRows(Index rows, const Sums& zero, const ParallelFor& parallel, Add add) {
@@ -145,25 +148,33 @@ std::vector<ChannelFit> FitChannels(const SharedColumns& columns, const ConstCol
     return MatrixXd(-change);
   };
   // Once more on what is left: the normal equations lose half of the digits.
+  const auto square_sum = [&](Index channel, Index first, Index rows) {
+    return weights.col(channel).segment(first, rows).dot(left.col(channel).segment(first, rows).cwiseAbs2());
+  };
   const MatrixXd first_change = take_off(products.each.back());
-  const MatrixXd again = SumOverRows(
-      columns.rows(), MatrixXd(MatrixXd::Zero(width, channels)), parallel,
-      [&](Index first, Index rows, MatrixXd& sum) {
+  const Matrices again = SumOverRows(
+      columns.rows(), Matrices{{MatrixXd::Zero(width, channels), MatrixXd::Zero(channels, 1)}}, parallel,
+      [&](Index first, Index rows, Matrices& sums) {
         const MatrixXd block = columns.Rows(first, rows);
         const ColumnBlock own = BlockOf(block, 0);
         AddCombinations(own, first_change, rows, left.data() + first, left.outerStride());
         const MatrixXd values = weights.middleRows(first, rows).cwiseProduct(left.middleRows(first, rows));
-        AddProducts(own, BlockOf(values, 0), rows, sum);
+        AddProducts(own, BlockOf(values, 0), rows, sums.each[0]);
+        for (Index c = 0; c < channels; ++c) sums.each[1](c) += square_sum(c, first, rows);
       });
-  const MatrixXd second_change = take_off(again);
-  const VectorXd square_sums = SumOverRows(
-      columns.rows(), VectorXd(VectorXd::Zero(channels)), parallel,
-      [&](Index first, Index rows, VectorXd& sum) {
-        const MatrixXd block = columns.Rows(first, rows);
-        AddCombinations(BlockOf(block, 0), second_change, rows, left.data() + first, left.outerStride());
-        for (Index c = 0; c < channels; ++c)
-          sum(c) += weights.col(c).segment(first, rows).dot(left.col(c).segment(first, rows).cwiseAbs2());
-      });
+  const MatrixXd second_change = take_off(again.each[0]);
+  VectorXd square_sums = again.each[1];
+  // Squares that the second change takes off, beside those that are left.
+  const VectorXd taken = -second_change.cwiseProduct(again.each[0]).colwise().sum();
+  if ((taken.array() > kNegligibleSquares * square_sums.array()).any()) {
+    square_sums = SumOverRows(columns.rows(), VectorXd(VectorXd::Zero(channels)), parallel,
+                              [&](Index first, Index rows, VectorXd& sums) {
+                                const MatrixXd block = columns.Rows(first, rows);
+                                AddCombinations(BlockOf(block, 0), second_change, rows, left.data() + first,
+                                                left.outerStride());
+                                for (Index c = 0; c < channels; ++c) sums(c) += square_sum(c, first, rows);
+                              });
+  }
   for (Index c = 0; c < channels; ++c) {
     fits[static_cast<std::size_t>(c)].residual = left.col(c);
     fits[static_cast<std::size_t>(c)].square_sum = square_sums(c);
@@ -269,13 +280,14 @@ SharedStep StepOfDerivatives(const ConstColumns& derivatives, const Eigen::Ref<c
 
 ProductsOfFurther ProductsBeside(const ConstColumns& columns, const ConstColumns& others,
                                  const ConstColumns& residuals,
-                                 const Eigen::Ref<const VectorXd>& root_weights) {
+                                 const Eigen::Ref<const VectorXd>& root_weights,
+                                 const ParallelFor& parallel) {
   const Index width = columns.cols();
   Matrices sums =
       SumOverRows(columns.rows(),
                   Matrices{{MatrixXd::Zero(width, width), MatrixXd::Zero(others.cols(), width),
                             MatrixXd::Zero(width, residuals.cols())}},
-                  InTurn, [&](Index first, Index rows, Matrices& sum) {
+                  parallel, [&](Index first, Index rows, Matrices& sum) {
                     const Weighted weighted(BlockOf(columns, first), root_weights.segment(first, rows));
                     const ColumnBlock& own = weighted.block();
                     AddSymmetric(own, own, rows, sum.each[0]);

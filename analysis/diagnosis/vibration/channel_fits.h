@@ -85,6 +85,7 @@ struct ProductsOfFurther {
 ProductsOfFurther ProductsBeside(const Eigen::Ref<const Eigen::MatrixXd>& columns,
                                  const Eigen::Ref<const Eigen::MatrixXd>& others,
                                  const Eigen::Ref<const Eigen::MatrixXd>& residuals,
-                                 const Eigen::Ref<const Eigen::VectorXd>& root_weights);
+                                 const Eigen::Ref<const Eigen::VectorXd>& root_weights,
+                                 const ParallelFor& parallel);
 
 }  // namespace strainwave::analysis::diagnosis

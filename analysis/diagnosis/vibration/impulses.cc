@@ -56,43 +56,75 @@ TrainCandidate CandidateOf(const VibrationResidual& residual, ImpulseTrain train
 }
 
 // The best train about a start: order, resonance and damping in turn, by steps that become smaller.
-TrainCandidate Climb(const VibrationResidual& residual, const TrainStart& start,
-                     const std::vector<double>& modulations) {
-  const VibrationRun& run = residual.samples().runs.front();
-  const double top_Hz = 0.97 * residual.samples().highest_Hz();
-  TrainCandidate best = CandidateOf(residual, {start.order, start.resonance_Hz, kFirstDamping, 0.0, {}, {}},
-                                    0.0, start.relative_noise);
-  const auto take = [&](ImpulseTrain train, double sideband) {
-    if (train.resonance_Hz > top_Hz || train.damping_ratio < kLeastTrainDamping ||
-        train.damping_ratio > kMostTrainDamping)
-      return false;
-    TrainCandidate next = CandidateOf(residual, std::move(train), sideband, start.relative_noise);
-    if (next.excess <= best.excess) return false;
-    best = std::move(next);
-    return true;
-  };
-  for (const double sideband : modulations) {
-    if (sideband < kLargestSideband * start.order) take(best.train, sideband);
+class Climb {
+ public:
+  Climb(const VibrationResidual& residual, const TrainStart& start, const std::vector<double>& modulations)
+      : residual_(&residual),
+        best_(CandidateOf(residual, {start.order, start.resonance_Hz, kFirstDamping, 0.0, {}, {}}, 0.0,
+                          start.relative_noise)) {
+    for (const double sideband : modulations) {
+      if (sideband < kLargestSideband * start.order) Take(best_.train, sideband);
+    }
   }
-  double size = 1.0;
-  for (int round = 0; round < kClimbs; ++round) {
+
+  const TrainCandidate& best() const { return best_; }
+  double excess() const { return best_.excess; }
+
+  void Step() {
     bool moved = false;
     const auto both_ways = [&](const auto& change) {
       for (const double sense : {-1.0, 1.0}) {
-        ImpulseTrain train = best.train;
-        change(train, sense * size);
-        moved = take(train, best.sideband) || moved;
+        ImpulseTrain train = best_.train;
+        change(train, sense * size_);
+        moved = Take(std::move(train), best_.sideband) || moved;
       }
     };
     both_ways([](ImpulseTrain& train, double by) { train.resonance_Hz *= 1.0 + by * train.damping_ratio; });
     both_ways([](ImpulseTrain& train, double by) { train.damping_ratio *= std::exp2(by); });
     both_ways([&](ImpulseTrain& train, double by) {
-      const double cell = train.order * TurnHz(residual) / (run.turns * train.resonance_Hz);
+      const double cell =
+          train.order * TurnHz(*residual_) / (residual_->samples().runs.front().turns * train.resonance_Hz);
       train.order += 0.4 * by * cell;
     });
-    if (!moved) size *= 0.5;
+    if (!moved) size_ *= 0.5;
   }
-  return best;
+
+ private:
+  bool Take(ImpulseTrain train, double sideband) {
+    if (train.resonance_Hz > 0.97 * residual_->samples().highest_Hz() ||
+        train.damping_ratio < kLeastTrainDamping || train.damping_ratio > kMostTrainDamping)
+      return false;
+    TrainCandidate next = CandidateOf(*residual_, std::move(train), sideband, best_.relative_noise);
+    if (next.excess <= best_.excess) return false;
+    best_ = std::move(next);
+    return true;
+  }
+
+  const VibrationResidual* residual_;
+  TrainCandidate best_;
+  double size_{1.0};
+};
+
+// The strongest come first; with each step the weakest third of those that are more than `most` give up.
+std::vector<TrainCandidate> ClimbFrom(const VibrationResidual& residual,
+                                      const std::vector<TrainStart>& starts,
+                                      const std::vector<double>& modulations, std::size_t most) {
+  std::vector<std::optional<Climb>> made(starts.size());
+  residual.parallel()(starts.size(),
+                      [&](std::size_t i) { made[i].emplace(residual, starts[i], modulations); });
+  std::vector<Climb> climbs;
+  for (std::optional<Climb>& climb : made) climbs.push_back(*std::move(climb));
+  for (int step = 0; step < kClimbs; ++step) {
+    residual.parallel()(climbs.size(), [&](std::size_t i) { climbs[i].Step(); });
+    std::ranges::stable_sort(climbs, std::greater<>(), &Climb::excess);
+    climbs.erase(climbs.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                      climbs.size(), std::max(most, climbs.size() - climbs.size() / 3))),
+                 climbs.end());
+  }
+  std::vector<TrainCandidate> candidates;
+  for (const Climb& climb : climbs) candidates.push_back(climb.best());
+  candidates.resize(std::min(candidates.size(), most));
+  return candidates;
 }
 
 // Of the noise that a train has to stand out of.
@@ -217,13 +249,8 @@ Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
     if (below_half_the_rate.size() == kMostStarts) break;
     if (start.resonance_Hz < 0.97 * residual.samples().highest_Hz()) below_half_the_rate.push_back(start);
   }
-  std::vector<TrainCandidate> candidates(below_half_the_rate.size());
-  residual.parallel()(candidates.size(), [&](std::size_t i) {
-    candidates[i] = Climb(residual, below_half_the_rate[i], modulations);
-  });
-  std::sort(candidates.begin(), candidates.end(),
-            [](const TrainCandidate& a, const TrainCandidate& b) { return a.excess > b.excess; });
-  candidates.resize(std::min(candidates.size(), kMostFitted));
+  const std::vector<TrainCandidate> candidates =
+      ClimbFrom(residual, below_half_the_rate, modulations, kMostFitted);
   std::vector<std::pair<double, TermFit>> fits(candidates.size());  // by improbability
   residual.parallel()(candidates.size(), [&](std::size_t i) {
     auto& [improbability, fit] = fits[i];
@@ -248,8 +275,8 @@ Best SearchImpulses(const VibrationResidual& residual, std::size_t index,
   for (const double multiple : {0.5, 2.0, 3.0}) {
     const double order = multiple * found.nonlinear_parameters[0];
     if (!allowed(order)) continue;
-    TermFit fit = FitCandidate(
-        residual, index, Climb(residual, {order, found.nonlinear_parameters[1], 0.0, 0.0, 1.0}, modulations));
+    const TrainStart start{order, found.nonlinear_parameters[1], 0.0, 0.0, 1.0};
+    TermFit fit = FitCandidate(residual, index, ClimbFrom(residual, {start}, modulations, 1).front());
     // A candidate that is dominated does not catch up.
     if (fit.bic() < best.fit()->bic() + 60.0) Improve(residual, std::move(fit), modulations, best);
   }

@@ -88,7 +88,8 @@ std::vector<OneTermSolver::Products> OneTermSolver::ProductsOf(const VibrationTe
         columns.rightCols(width * nonlinear_parameters) =
             FillSlopes(samples_, group.run, term, columns.leftCols(width));
     }
-    const ProductsOfFurther own = ProductsBeside(columns, group.basis, group.residuals, group.root_weights);
+    const ProductsOfFurther own =
+        ProductsBeside(columns, group.basis, group.residuals, group.root_weights, solver_.parallel());
     products.push_back({own.squares - own.with_others.transpose() * own.with_others, own.with_residuals});
   }
   return products;

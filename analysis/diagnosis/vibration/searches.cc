@@ -120,8 +120,9 @@ std::shared_ptr<VibrationBase> VibrationSearches::BaseOf(const VibrationSamples&
   return bases_.front();
 }
 
-std::optional<VibrationFound> VibrationSearches::FoundBesideFewer(const VibrationBase& base,
-                                                                  VibrationCause kind, std::size_t cause) {
+std::optional<VibrationSearches::Searched> VibrationSearches::FoundBesideFewer(const VibrationBase& base,
+                                                                               VibrationCause kind,
+                                                                               std::size_t cause) {
   struct Fewer {
     std::vector<VibrationTerm> terms;
     double bic{};
@@ -142,25 +143,31 @@ std::optional<VibrationFound> VibrationSearches::FoundBesideFewer(const Vibratio
         !IsNearlyWithin(base.residual.samples(), fewer.terms, terms))
       continue;
     const auto& [term, gain] = fewer.found;
-    if (gain <= 0.0 && fewer.bic - base.searched.bic < kHidesNothing) return fewer.found;
+    if (gain <= 0.0 && fewer.bic - base.searched.bic < kHidesNothing)
+      return Searched{fewer.found, std::nullopt};
     if (!term || gain < kWorthSearching) continue;
-    const double gain_now = base.searched.bic - WithFound(base, *term, cause).bic();
-    if (gain_now > kAsMuch * gain) return VibrationFound{term, gain_now};
+    VibrationSolution solution = WithFound(base, *term, cause);
+    const double gain_now = base.searched.bic - solution.bic();
+    if (gain_now > kAsMuch * gain) return Searched{{term, gain_now}, std::move(solution)};
   }
   return std::nullopt;
 }
 
-VibrationFound VibrationSearches::Search(const VibrationBase& base, VibrationCause kind, std::size_t cause) {
-  if (std::optional<VibrationFound> known = FoundBesideFewer(base, kind, cause)) return std::move(*known);
-  const std::optional<VibrationSolution> solution = Beside(base.residual, kind, cause);
-  if (!solution) return {};
-  return {solution->terms.back(), base.searched.bic - solution->bic()};
+VibrationSearches::Searched VibrationSearches::Search(const VibrationBase& base, VibrationCause kind,
+                                                      std::size_t cause) {
+  if (std::optional<Searched> known = FoundBesideFewer(base, kind, cause)) return std::move(*known);
+  std::optional<TermFit> fit = SearchCause(base.residual, kind, cause);
+  if (!fit) return {};
+  VibrationSolution solution = Together(base.residual, fit->term);
+  const double gain = base.searched.bic - solution.bic();
+  return {{std::move(fit->term), gain}, std::move(solution)};
 }
 
 std::optional<VibrationSolution> VibrationSearches::Find(VibrationBase& base, VibrationCause kind,
                                                          std::size_t cause) {
   const std::pair<const VibrationSearched*, VibrationCause> own{&base.searched, kind};
-  VibrationFound found;
+  Searched now;
+  VibrationFound& found = now.found;
   bool known = false;
   {
     std::unique_lock lock(mutex_);
@@ -178,7 +185,7 @@ std::optional<VibrationSolution> VibrationSearches::Find(VibrationBase& base, Vi
       search_ended_.notify_all();
     };
     try {
-      found = Search(base, kind, cause);
+      now = Search(base, kind, cause);
       known = true;
     } catch (...) {
       end();
@@ -186,7 +193,7 @@ std::optional<VibrationSolution> VibrationSearches::Find(VibrationBase& base, Vi
     }
     end();
   }
-  if (!found.term) return std::nullopt;
+  if (now.solution || !found.term) return std::move(now.solution);
   return WithFound(base, std::move(*found.term), cause);
 }
 

@@ -20,8 +20,8 @@ namespace strainwave::analysis::diagnosis {
 
 /// What a search came to.
 struct VibrationFound {
-  std::optional<VibrationTerm> term;  // nothing where it found none
-  double gain{};                      // in BIC
+  std::optional<VibrationTerm> term;  // before it is refined beside the others; nothing where it found none
+  double gain{};                      // in BIC, of the model refined with it
 };
 
 /// A set of terms under one set of weights, and what was looked for beside it.
@@ -68,9 +68,12 @@ class VibrationSearches {
  private:
   VibrationSearched& SearchedBeside(const VibrationSamples& samples, std::size_t weights_hash,
                                     const std::vector<VibrationTerm>& terms);
-  VibrationFound Search(const VibrationBase& base, VibrationCause kind, std::size_t cause);
-  std::optional<VibrationFound> FoundBesideFewer(const VibrationBase& base, VibrationCause kind,
-                                                 std::size_t cause);
+  struct Searched {
+    VibrationFound found;
+    std::optional<VibrationSolution> solution;  // of the base with the term found, where a search came by it
+  };
+  Searched Search(const VibrationBase& base, VibrationCause kind, std::size_t cause);
+  std::optional<Searched> FoundBesideFewer(const VibrationBase& base, VibrationCause kind, std::size_t cause);
 
   ParallelFor parallel_;
   std::mutex mutex_;  // of all below, and of what was found beside a set

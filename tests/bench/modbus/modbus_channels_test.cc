@@ -35,8 +35,10 @@ struct Shipped {
 TEST(ModbusTorqueAmplifier, GivesATorqueOnlyWhileItsStatusIsGood) {
   Shipped shipped("modbus_torque_amplifier.yaml");
   shipped.values[0] = -41.5;
+  shipped.device.Set({ModbusDeviceFault::Kind::kSilence});
   ModbusTorqueAmplifier amplifier(shipped.settings, shipped.map, shipped.clock);
   EXPECT_FALSE(amplifier.Torque().good);
+  shipped.device.Set({});
   ASSERT_TRUE(Until([&] { return amplifier.Torque().good; })) << amplifier.trouble();
   EXPECT_EQ(amplifier.Torque().value, -41.5);
   EXPECT_LE(amplifier.Torque().time, shipped.clock.Now());

@@ -75,8 +75,7 @@ TEST_F(PageActions, WithAForeignTokenDoNothing) {
 TEST_F(PageActions, KeepTheirTokenWhereNobodyRuns) {
   process_ = 0;
   const std::string request = Request("stop_now", "run 2", tokens_.Issue("run 2"));
-  EXPECT_EQ(Ask(request).body["error"],
-            "nobody runs this campaign, and nothing moves: there is nothing to stop");
+  EXPECT_EQ(Ask(request).body["error"], "nobody runs this campaign: there is nobody to ask for a stop");
   process_ = 42;
   EXPECT_EQ(Ask(request).status, 200);
 }

@@ -62,8 +62,12 @@ TEST(PageSentence, NamesTheFirstOfTheAlarms) {
 }
 
 TEST(PageRunId, ChangesWithEachRunOfACampaign) {
-  EXPECT_EQ(RunId(0xabc, "1772366400250 12.500"), "0000000000000abc-1772366400250");
-  EXPECT_EQ(RunId(0xabc, std::nullopt), "0000000000000abc-0");
+  EXPECT_EQ(RunId(0xabc, ParseRunBegun("1772366400250 12.500 77"), 77), "0000000000000abc-1772366400250");
+  EXPECT_EQ(RunId(0xabc, ParseRunBegun("1772366400250 12.500 77"), 0), "0000000000000abc-1772366400250");
+  // Resumed, and not begun yet.
+  EXPECT_EQ(RunId(0xabc, ParseRunBegun("1772366400250 12.500 77"), 78), "0000000000000abc-of-78");
+  EXPECT_EQ(RunId(0xabc, ParseRunBegun("1772366400250 12.500"), 78), "0000000000000abc-1772366400250");
+  EXPECT_EQ(RunId(0xabc, std::nullopt, 0), "0000000000000abc-0");
 }
 
 TEST(PageState, GivesEveryValueItsAgeAtTheMoment) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace strainwave::bench {
+
+/// Property of a campaign's journal: when its last run began (`TextOf`).
+inline constexpr const char* kRunBegun = "run_begun";
+
+struct RunBegun {
+  std::int64_t utc_ms{};
+  double time_s{};  // of the bench
+  int process{};    // 0: an earlier version did not say which
+};
+
+/// "MILLISECONDS_UTC BENCH_SECONDS PROCESS".
+std::string TextOf(const RunBegun& begun);
+/// Nothing where the text is none of these.
+std::optional<RunBegun> ParseRunBegun(const std::string& text);
+
+}  // namespace strainwave::bench

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "bench/campaign/journal.h"
+#include "bench/campaign/quality.h"
+
+/// Parts of a campaign's status as JSON, alike for `status --json` and for the live page.
+namespace strainwave::bench {
+
+/// How far the last cycle is from ending the campaign: quantity, value, `below` or `above`, unit.
+nlohmann::json StopsJson(const std::vector<StopDistance>& stops);
+/// channel, reason, since_utc
+nlohmann::json ChannelsJson(const std::vector<ChannelTrouble>& channels);
+
+}  // namespace strainwave::bench
