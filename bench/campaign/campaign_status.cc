@@ -90,6 +90,7 @@ JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& 
   progress.planned_s = TimeToGo_s(inputs.schedule, 0, {}, 0.0, 0.0);
   progress.needed_room_bytes = NeededRoom_bytes(inputs.schedule, std::max(0, progress.last_complete));
   progress.events = journal.Events(kEventsShown);
+  progress.last_of_bench = journal.LastEventOfBench();
   progress.alarms = journal.OpenAlarms();
   progress.open_alarms = journal.Alarms(std::numeric_limits<double>::infinity());
   progress.notes = journal.OperatorNotes(kNotesShown);

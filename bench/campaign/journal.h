@@ -172,6 +172,8 @@ class Journal {
 
   void AddEvent(const Event& event);
   std::vector<Event> Events(int newest) const;
+  /// The newest that no person has asked for (severity "action"): what the bench did last.
+  std::optional<Event> LastEventOfBench() const;
   /// The newest of those that came after the one with that number, at most `most`; oldest first.
   std::vector<Event> EventsAfter(std::int64_t id, int most) const;
   /// Since the campaign was last resumed or complete, however many events ago that is; newest first.

@@ -46,6 +46,14 @@ std::vector<Event> Journal::Events(int newest) const {
   return EventsOf(statement);
 }
 
+std::optional<Event> Journal::LastEventOfBench() const {
+  Statement statement = database_.Prepare(
+      "SELECT time_s, utc, cycle, phase, severity, code, text, id FROM events WHERE severity <> 'action' ORDER "
+      "BY id DESC LIMIT 1");
+  std::vector<Event> events = EventsOf(statement);
+  return events.empty() ? std::nullopt : std::optional(std::move(events.front()));
+}
+
 std::vector<Event> Journal::EventsAfter(std::int64_t id, int most) const {
   Statement statement = database_.Prepare(
       "SELECT time_s, utc, cycle, phase, severity, code, text, id FROM events WHERE id > ? ORDER BY id DESC "

@@ -10,6 +10,9 @@ namespace strainwave::bench {
 /// Property of a campaign's journal: when its last run began (`TextOf`).
 inline constexpr const char* kRunBegun = "run_begun";
 
+/// Property: at how many times real time a simulated bench ran last, as `run --pace` has it.
+inline constexpr const char* kRunPace = "run_pace";
+
 struct RunBegun {
   std::int64_t utc_ms{};
   double time_s{};  // of the bench

@@ -26,4 +26,12 @@ json ChannelsJson(const std::vector<ChannelTrouble>& channels) {
   return all;
 }
 
+nlohmann::json NotesJson(const std::vector<OperatorNote>& notes) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const OperatorNote& note : notes) {
+    all.push_back({{"utc", note.utc}, {"author", note.author}, {"text", note.text}});
+  }
+  return all;
+}
+
 }  // namespace strainwave::bench

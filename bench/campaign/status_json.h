@@ -15,5 +15,7 @@ namespace strainwave::bench {
 nlohmann::json StopsJson(const std::vector<StopDistance>& stops);
 /// channel, reason, since_utc
 nlohmann::json ChannelsJson(const std::vector<ChannelTrouble>& channels);
+/// utc, author, text
+nlohmann::json NotesJson(const std::vector<OperatorNote>& notes);
 
 }  // namespace strainwave::bench

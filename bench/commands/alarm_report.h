@@ -18,10 +18,6 @@ std::string StateText(const AlarmInstance& instance);
 std::string AlarmText(std::span<const AlarmInstance> instances, std::span<const AlarmRule> rules,
                       std::span<const AlarmAction> actions);
 
-/// docs/bench/alarms.md#json
-nlohmann::json AlarmsJson(std::span<const AlarmInstance> instances, std::span<const AlarmRule> rules,
-                          std::span<const AlarmAction> actions);
-
 /// As one document on standard output; bytes that are no UTF-8 are replaced.
 std::string DocumentOf(const nlohmann::json& json);
 

@@ -12,12 +12,13 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/campaign/campaign.h"
+#include "bench/campaign/alarms_json.h"
 #include "bench/campaign/campaign_alarms.h"
 #include "bench/commands/alarm_report.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/moving_limits.h"
 #include "bench/commands/output.h"
-#include "bench/commands/signed_words.h"
+#include "bench/campaign/signed_words.h"
 #include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
@@ -90,16 +91,15 @@ int ActAsAsked(const AlarmsOptions& options, const CampaignFolder& folder) {
 int List(const AlarmsOptions& options, const CampaignFolder& folder) {
   const Journal journal = OpenCampaign(folder, Database::Mode::kReadOnly);
   const auto rules = ReadFrozenInputs(folder, journal).bench.alarms;
+  if (options.json) {
+    ToStdout("{}\n", DocumentOf(AlarmListJson(journal, rules, options.all, Now())));
+    return static_cast<int>(ExitCode::kDone);
+  }
   const double infinity = std::numeric_limits<double>::infinity();
   std::vector<AlarmInstance> alarms = journal.Alarms(-infinity);
   const std::size_t ever = alarms.size();
   TakeOffShelves(alarms, Now());
   if (!options.all) std::erase_if(alarms, [](const AlarmInstance& alarm) { return !IsOpen(alarm.state); });
-  if (options.json) {
-    ToStdout("{}\n", DocumentOf({{"alarms", AlarmsJson(alarms, rules, journal.AlarmActions())},
-                                 {"raised_ever", ever}}));
-    return static_cast<int>(ExitCode::kDone);
-  }
   ToStdout("{}: {} open alarm(s), {} in all\n{}", folder.root.string(),
            std::ranges::count_if(alarms, [](const AlarmInstance& alarm) { return IsOpen(alarm.state); }),
            ever, AlarmText(alarms, rules, journal.AlarmActions()));

@@ -13,6 +13,7 @@ namespace strainwave::bench {
 using Action = std::function<int()>;
 
 /// Each adds its command with options and help to `app`, and sets `action` when it was chosen.
+void AddUsers(CLI::App& app, Action& action);
 void AddValidate(CLI::App& app, Action& action);
 void AddRun(CLI::App& app, Action& action);
 void AddDevices(CLI::App& app, Action& action);

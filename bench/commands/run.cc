@@ -163,6 +163,7 @@ int Run(const RunOptions& options) {
     const double begins_s = resume ? resume->time_s : 0.0;
     journal.AddEvent({begins_s, UtcNow(), journal.LastCompleteCycle() + 1, "", "info", "software",
                       std::string(daq::Software())});
+    journal.SetProperty(kRunPace, options.pace);
     journal.SetProperty(kRunBegun, TextOf({UtcMilliseconds(), begins_s, ::getpid()}));
     try {
       end = runner.Run(resume.value_or(ResumePoint{}));

@@ -23,11 +23,16 @@ namespace {
 struct ServeOptions {
   std::string folder;
   int port{8080};
+  std::string users;
 };
 
-std::unique_ptr<PageServer> Serve(const CampaignFolder& folder, int port) {
+std::unique_ptr<PageServer> Serve(const ServeOptions& options) {
+  const int port = options.port;
+  PageSettings settings{.folder = {options.folder}, .port = port, .users_file = {}, .complain = {}};
+  if (!options.users.empty()) settings.users_file = options.users;
+  settings.complain = [](const std::string& sentence) { ToStderr("warning: {}\n", sentence); };
   try {
-    return std::make_unique<PageServer>(folder, port);
+    return std::make_unique<PageServer>(settings);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::address_in_use) {
       throw BenchError(ExitCode::kMachineFailed,
@@ -52,7 +57,7 @@ int Run(const ServeOptions& options) {
                                  "strainwave run SCHEDULE --out {} makes)",
                                  options.folder, options.folder));
   }
-  const auto server = Serve(folder, options.port);
+  const auto server = Serve(options);
   ToStdout("{}: http://127.0.0.1:{}/   (Ctrl-C ends the page, not the campaign)\n", options.folder,
            server->port());
   while (Requested() == StopRequest::kNone) std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -67,7 +72,8 @@ void AddServe(CLI::App& app, Action& action) {
       "The live page of a campaign, running or not, for browsers on this machine: progress, readings, "
       "trends, "
       "and the quick stop.\n"
-      "It is a program of its own that only reads the folder: whatever becomes of it, the campaign goes on. "
+      "It is a program of its own: whatever becomes of it, the campaign goes on. Everybody who sees the page "
+      "may stop the bench; all else needs a login, by a file of users. "
       "Over a network: ssh -L 8080:127.0.0.1:8080 HOST.\n"
       "Example: strainwave serve campaigns/first --port 8080");
   auto options = std::make_shared<ServeOptions>();
@@ -75,6 +81,8 @@ void AddServe(CLI::App& app, Action& action) {
   command->add_option("--port", options->port, "of 127.0.0.1; 0: any free one")
       ->capture_default_str()
       ->check(CLI::Range(0, 65535));
+  command->add_option("--users", options->users,
+                      "who may do more than look on and stop: a file that strainwave users keeps");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }
 

@@ -117,10 +117,6 @@ void Print(const CampaignStatus& status, const CampaignFolder& folder) {
 }
 
 nlohmann::json Json(const CampaignStatus& status) {
-  nlohmann::json notes = nlohmann::json::array();
-  for (const OperatorNote& note : status.notes) {
-    notes.push_back({{"utc", note.utc}, {"author", note.author}, {"text", note.text}});
-  }
   nlohmann::json holes = nlohmann::json::array();
   for (const Hole& hole : status.holes) {
     holes.push_back({{"cycle", hole.cycle},
@@ -169,7 +165,7 @@ nlohmann::json Json(const CampaignStatus& status) {
           {"sensor_checks", CheckJson(status.checks)},
           {"bad_channels", ChannelsJson(status.bad_channels)},
           {"alarms", AlarmsJson(status.open_alarms, status.alarm_rules, {})},
-          {"notes", std::move(notes)},
+          {"notes", NotesJson(status.notes)},
           {"holes", std::move(holes)},
           {"longest_pause_s", status.longest_pause_s}};
 }

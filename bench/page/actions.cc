@@ -3,32 +3,34 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
+#include <cmath>
 #include <system_error>
 
 #include <fmt/core.h>
+
+#include "bench/campaign/signed_words.h"
+#include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {
 namespace {
 
 using nlohmann::json;
 
-struct KnownAction {
-  std::string_view name;
-  EndRequest request;
-  std::string_view words;  // what was asked of the process
-};
+constexpr auto kEverybody = std::optional<UserRole>();
+constexpr auto kViewer = std::optional(UserRole::kViewer);
+constexpr auto kOperator = std::optional(UserRole::kOperator);
 
 constexpr std::array kActions{
-    KnownAction{"stop_now", EndRequest::kQuickStop, "quick stop"},
-    KnownAction{"finish_cycle", EndRequest::kFinishCycle, "stop at the end of the cycle"},
-    KnownAction{"pause", EndRequest::kPause, "pause"},
-};
-
-struct ActionRequest {
-  const KnownAction* action{};
-  std::string run;
-  std::string token;
+    PageAction{"stop_now", "quick stop", kEverybody, EndRequest::kQuickStop},
+    PageAction{"finish_cycle", "stop at the end of the cycle", kOperator, EndRequest::kFinishCycle},
+    PageAction{"pause", "pause", kOperator, EndRequest::kPause},
+    PageAction{"resume", "resume", kOperator, ResumeRequest{}},
+    PageAction{"acknowledge", "acknowledge an alarm", kOperator, AlarmEvent::kAcknowledge},
+    PageAction{"confirm", "confirm that the cause of an alarm is mended", kOperator, AlarmEvent::kConfirm},
+    PageAction{"shelve", "shelve an alarm", kOperator, AlarmEvent::kShelve},
+    PageAction{"unshelve", "take an alarm off its shelf", kOperator, AlarmEvent::kUnshelve},
+    PageAction{"comment", "comment on an alarm", kViewer, AlarmEvent::kComment},
+    PageAction{"note", "note", kViewer, NoteRequest{}},
 };
 
 struct Unfit {
@@ -45,67 +47,154 @@ std::string Field(const json& request, const char* name) {
   return field->get<std::string>();
 }
 
-ActionRequest Parse(std::string_view text) {
+double NumberField(const json& request, const char* name, const char* expected) {
+  const auto field = request.find(name);
+  if (field == request.end() || !field->is_number()) {
+    throw Unfit{fmt::format("'{}' is missing or no number (expected {})", name, expected)};
+  }
+  return field->get<double>();
+}
+
+std::string NamesOfActions() {
+  std::string names;
+  for (const PageAction& action : kActions) {
+    names += fmt::format("{}{}", names.empty() ? "" : &action == &kActions.back() ? " or " : ", ", action.name);
+  }
+  return names;
+}
+
+const PageAction& ActionNamed(const std::string& name) {
+  const auto known = std::ranges::find(kActions, name, &PageAction::name);
+  if (known == kActions.end()) {
+    throw Unfit{fmt::format("there is no action '{:.40}' (expected {})", name, NamesOfActions())};
+  }
+  return *known;
+}
+
+struct Asked {
+  AskedAction action;
+  std::string run;
+};
+
+Asked Parse(std::string_view text) {
   const json request = json::parse(text, nullptr, false);
   if (!request.is_object()) throw Unfit{fmt::format("the request is no JSON object ({})", kExpected)};
-  ActionRequest parsed{nullptr, Field(request, "run"), Field(request, "token")};
-  const std::string name = Field(request, "action");
-  const auto known = std::ranges::find(kActions, name, &KnownAction::name);
-  if (known == kActions.end()) {
-    throw Unfit{fmt::format("there is no action '{:.40}' (expected stop_now, finish_cycle or pause)", name)};
+  Asked asked;
+  asked.run = Field(request, "run");
+  asked.action.token = Field(request, "token");
+  const PageAction& action = ActionNamed(Field(request, "action"));
+  asked.action.action = &action;
+  const auto* event = std::get_if<AlarmEvent>(&action.what);
+  if (event != nullptr) {
+    const double number = NumberField(request, "alarm", "the number of an alarm");
+    if (!(number >= 1.0 && number <= 1e15 && number == std::floor(number))) {
+      throw Unfit{fmt::format("'alarm' is {} (expected the number of an alarm)", number)};
+    }
+    asked.action.alarm = static_cast<std::int64_t>(number);
   }
-  parsed.action = &*known;
-  return parsed;
+  if (event != nullptr && *event == AlarmEvent::kShelve) {
+    asked.action.shelf_length_s = NumberField(request, "for_s", "for how long, in seconds");
+  }
+  const bool is_its_text = std::holds_alternative<NoteRequest>(action.what) ||
+                           (event != nullptr && *event == AlarmEvent::kComment);
+  try {
+    asked.action.text = WordsOf("text", request.contains("text") ? Field(request, "text") : "", !is_its_text);
+  } catch (const BenchError& error) {
+    if (action.at_least) throw Unfit{error.what()};  // no word keeps anybody from a quick stop
+  } catch (const Unfit&) {
+    if (action.at_least) throw;
+  }
+  return asked;
+}
+
+// What speaks against it; nothing: the person may.
+std::optional<ActionAnswer> Forbidden(const PageAction& action, const Actor& actor) {
+  if (!action.at_least) return std::nullopt;
+  if (!actor.knows_users) {
+    return NotDone(401, "login",
+                   fmt::format("'{}' needs a login, and this page has no users (expected: strainwave serve "
+                               "DIR --users FILE; strainwave users FILE add NAME makes one); quick stop needs "
+                               "none",
+                               action.words));
+  }
+  if (!actor.user) {
+    return NotDone(401, "login",
+                   fmt::format("'{}' needs a login: nobody is logged in, or the login is over (expected: log "
+                               "in again); quick stop needs none",
+                               action.words));
+  }
+  if (*action.at_least == UserRole::kOperator && actor.user->role != UserRole::kOperator) {
+    return NotDone(403, "role",
+                   fmt::format("'{}' is for operators, and {} is a viewer (expected: somebody who may)",
+                               action.words, actor.user->name));
+  }
+  return std::nullopt;
+}
+
+// The run, and who: a token is of use to nobody else.
+std::string BoundTo(const CampaignSnapshot& snapshot, const Actor& actor) {
+  return fmt::format("{} {}", snapshot.run, actor.session);
 }
 
 }  // namespace
 
-ActionAnswer Act(std::string_view text, const CampaignSnapshot& snapshot, Tokens& tokens,
-                 const AskProcess& ask, const std::string& now_utc) {
-  const auto refuse = [&](int status, const char* why, const std::string& sentence) {
-    return ActionAnswer{
-        status,
-        {{"error", sentence}, {"why", why}, {"run", snapshot.run}, {"token", tokens.Issue(snapshot.run)}}};
+std::string TokenFor(const CampaignSnapshot& snapshot, const Actor& actor, Tokens& tokens) {
+  return tokens.Issue(BoundTo(snapshot, actor));
+}
+
+ActionAnswer NotDone(int status, std::string_view why, std::string_view sentence) {
+  return {status, {{"error", sentence}, {"why", why}}};
+}
+
+ActionAnswer Done(const AskedAction& asked, std::string sentence, const std::string& now_utc) {
+  return {200, {{"done", asked.action->name}, {"sentence", std::move(sentence)}, {"at_utc", now_utc}}};
+}
+
+std::variant<ActionAnswer, AskedAction> Accept(std::string_view text, const CampaignSnapshot& snapshot,
+                                               const Actor& actor, Tokens& tokens) {
+  const auto refuse = [&](ActionAnswer answer) {
+    answer.body["run"] = snapshot.run;
+    answer.body["token"] = TokenFor(snapshot, actor, tokens);
+    return answer;
   };
-  ActionRequest request;
+  Asked asked;
   try {
-    request = Parse(text);
+    asked = Parse(text);
   } catch (const Unfit& unfit) {
-    return refuse(400, "request", unfit.sentence);
+    return refuse(NotDone(400, "request", unfit.sentence));
   }
-  if (request.run != snapshot.run) {
-    return refuse(
-        409, "stale",
-        "the page is stale: it shows an earlier run of this campaign; nothing was done, look at the "
-        "page again before you act");
+  if (auto forbidden = Forbidden(*asked.action.action, actor)) return refuse(std::move(*forbidden));
+  if (asked.run != snapshot.run) {
+    return refuse(NotDone(409, "stale",
+                          "the page is stale: it shows an earlier run of this campaign; nothing was done, look "
+                          "at the page again before you act"));
   }
-  const Tokens::Use use = tokens.Look(request.token, request.run);
-  if (use.answer == Tokens::Answer::kUsed) return refuse(409, "done", use.done);
+  const Tokens::Use use = tokens.Look(asked.action.token, BoundTo(snapshot, actor));
+  if (use.answer == Tokens::Answer::kUsed) return refuse(NotDone(409, "done", use.done));
   if (use.answer == Tokens::Answer::kUnknown) {
-    return refuse(
+    return refuse(NotDone(
         409, "token",
-        "the token is not known, since the page's program was started again or the token is not for "
-        "this run; nothing was done, ask again with the new one");
+        "the token is not known, since the page's program was started again or the token is for another run "
+        "or another login; nothing was done, ask again with the new one"));
   }
+  if (actor.user) asked.action.by = actor.user->name;
+  return asked.action;
+}
+
+ActionAnswer EndRun(const AskedAction& asked, const AskProcess& ask, const std::string& now_utc) {
   int process = 0;
   try {
-    process = ask(request.action->request);
+    process = ask(std::get<EndRequest>(asked.action->what));
   } catch (const std::system_error& error) {
-    return refuse(500, "process",
-                  fmt::format("the program that runs the campaign cannot be asked: {}; use the bench's own "
-                              "quick-stop key (expected: this page served by the user who runs the campaign)",
-                              error.what()));
+    return NotDone(500, "process",
+                   fmt::format("the program that runs the campaign cannot be asked: {}; use the bench's own "
+                               "quick-stop key (expected: this page served by the user who runs the campaign)",
+                               error.what()));
   }
   if (process <= 0) {
-    return refuse(409, "not_running", "nobody runs this campaign: there is nobody to ask for a stop");
+    return NotDone(409, "not_running", "nobody runs this campaign: there is nobody to ask for a stop");
   }
-  tokens.Spend(request.token, fmt::format("done already at {}: {}", now_utc, request.action->words));
-  return {200,
-          {{"done", request.action->name},
-           {"sentence", fmt::format("asked process {} for: {}", process, request.action->words)},
-           {"at_utc", now_utc},
-           {"run", snapshot.run},
-           {"token", tokens.Issue(snapshot.run)}}};
+  return Done(asked, fmt::format("asked process {} for: {}", process, asked.action->words), now_utc);
 }
 
 }  // namespace strainwave::bench

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <string>
-#include <thread>
-#include <utility>
-#include <vector>
 
 #include "bench/campaign/folder.h"
 #include "bench/page/cycles.h"
+#include "bench/serving/worker.h"
 
 namespace strainwave::bench {
 
@@ -24,10 +20,7 @@ class CyclesReader {
 
   static constexpr std::size_t kMostWaiting = 64;
 
-  explicit CyclesReader(const CampaignFolder& folder);
-  CyclesReader(const CyclesReader&) = delete;
-  CyclesReader& operator=(const CyclesReader&) = delete;
-  ~CyclesReader();
+  explicit CyclesReader(const CampaignFolder& folder) : folder_(folder) {}
 
   /// @param cycles_complete  in the journal, as far as is known: what is older counts as old.
   /// @param done  is called from the reader's thread.
@@ -35,27 +28,17 @@ class CyclesReader {
   bool Ask(const CyclesQuery& query, int cycles_complete, Done done);
 
  private:
-  struct Question {
-    CyclesQuery query;
-    int cycles_complete{};
-    Done done;
-  };
   struct Answer {
     CyclesQuery query;
     int cycles_complete{};
     std::string json;
   };
 
-  void Work();
-  std::string Read(const Question& question);
+  std::string Read(const CyclesQuery& query, int cycles_complete);
 
   const CampaignFolder folder_;
-  std::deque<Answer> answers_;  // newest first
-  std::mutex mutex_;
-  std::condition_variable asked_;
-  std::deque<Question> questions_;
-  bool stop_{};
-  std::thread thread_;
+  std::deque<Answer> answers_;   // newest first
+  Worker worker_{kMostWaiting, Worker::AtEnd::kDrop};  // its thread reads the above, and ends before
 };
 
 }  // namespace strainwave::bench

@@ -31,14 +31,26 @@ std::string_view Reason(int status) {
       return "OK";
     case 400:
       return "Bad Request";
+    case 401:
+      return "Unauthorized";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
     case 408:
       return "Request Timeout";
+    case 409:
+      return "Conflict";
     case 411:
       return "Length Required";
     case 413:
       return "Payload Too Large";
+    case 429:
+      return "Too Many Requests";
     case 431:
       return "Request Header Fields Too Large";
+    case 500:
+      return "Internal Server Error";
     case 503:
       return "Service Unavailable";
     default:
@@ -46,9 +58,9 @@ std::string_view Reason(int status) {
   }
 }
 
-std::string HeaderLines() {
+std::string LinesOf(const HttpHeaders& headers) {
   std::string lines;
-  for (const auto& [name, value] : AnswerHeaders()) lines += fmt::format("{}: {}\r\n", name, value);
+  for (const auto& [name, value] : headers) lines += fmt::format("{}: {}\r\n", name, value);
   return lines;
 }
 
@@ -80,8 +92,8 @@ std::optional<RequestHead> HeadOf(std::string_view received) {
   return head;
 }
 
-const std::vector<std::pair<std::string, std::string>>& AnswerHeaders() {
-  static const std::vector<std::pair<std::string, std::string>> headers{
+const HttpHeaders& AnswerHeaders() {
+  static const HttpHeaders headers{
       {"Content-Security-Policy",
        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
@@ -92,15 +104,15 @@ const std::vector<std::pair<std::string, std::string>>& AnswerHeaders() {
   return headers;
 }
 
-std::string HttpAnswer(int status, std::string_view type, std::string_view body) {
+std::string HttpAnswer(int status, std::string_view type, std::string_view body, const HttpHeaders& more) {
   return fmt::format(
-      "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n{}\r\n{}", status,
-      Reason(status), type, body.size(), HeaderLines(), body);
+      "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\n{}{}\r\n{}", status,
+      Reason(status), type, body.size(), LinesOf(AnswerHeaders()), LinesOf(more), body);
 }
 
 std::string EventStreamHead() {
   return fmt::format("HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nConnection: close\r\n{}\r\n",
-                     HeaderLines());
+                     LinesOf(AnswerHeaders()));
 }
 
 std::string JsonText(const nlohmann::json& document) {

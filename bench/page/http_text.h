@@ -10,6 +10,8 @@
 
 namespace strainwave::bench {
 
+using HttpHeaders = std::vector<std::pair<std::string, std::string>>;
+
 /// Of a request, as far as its length needs it.
 struct RequestHead {
   std::size_t bytes{};       // of the head, with the empty line at its end
@@ -23,10 +25,10 @@ std::optional<RequestHead> HeadOf(std::string_view received);
 
 /// What every answer of the page carries: no script but the page's own files, nothing from elsewhere, in no
 /// other page's frame, kept in no cache.
-const std::vector<std::pair<std::string, std::string>>& AnswerHeaders();
+const HttpHeaders& AnswerHeaders();
 
-/// A whole answer that closes its connection.
-std::string HttpAnswer(int status, std::string_view type, std::string_view body);
+/// A whole answer that closes its connection. @param more  headers beside those of every answer.
+std::string HttpAnswer(int status, std::string_view type, std::string_view body, const HttpHeaders& more = {});
 
 /// The head of an answer without end, of server-sent events.
 std::string EventStreamHead();

@@ -10,16 +10,19 @@
 #include <fmt/core.h>
 #include <httplib.h>
 
-#include "bench/page/actions.h"
+#include "bench/campaign/alarms_json.h"
+#include "bench/campaign/campaign.h"
+#include "bench/page/action_desk.h"
 #include "bench/page/campaign_watch.h"
 #include "bench/page/cycles_reader.h"
 #include "bench/page/event_stream.h"
 #include "bench/page/http_text.h"
+#include "bench/page/logins.h"
 #include "bench/page/page_state.h"
 #include "bench/page/static_files.h"
 #include "bench/page/time_zone.h"
-#include "bench/page/tokens.h"
 #include "bench/serving/http_exchange.h"
+#include "bench/serving/worker.h"
 #include "bench/utc.h"
 
 namespace strainwave::bench {
@@ -33,6 +36,9 @@ constexpr std::int64_t kIdleAfter_ms = 10'000;
 constexpr std::chrono::seconds kHeartbeat{1};
 constexpr const char* kJson = "application/json";
 constexpr const char* kActionsPath = "/api/v1/actions";
+constexpr const char* kLoginPath = "/api/v1/login";
+constexpr const char* kLogoutPath = "/api/v1/logout";
+constexpr std::size_t kMostReadings = 64;  // of the journal that wait at a time
 
 // A viewer on a slow network has time for a frame; one that takes none is closed, and comes back by itself.
 constexpr ServerLimits kLimits{.longest_request_bytes = kLongestHead_bytes + kLongestBody_bytes,
@@ -46,15 +52,19 @@ constexpr ServerLimits kLimits{.longest_request_bytes = kLongestHead_bytes + kLo
 // Called from the server's thread alone, but for `Finish` and `Wake`.
 class PageServer::Pages : public httplib::Server, public RequestProtocol {
  public:
-  explicit Pages(const CampaignFolder& folder)
-      : folder_(folder), tokens_(RandomKey()), watch_(folder), cycles_(folder) {
+  explicit Pages(const PageSettings& settings)
+      : folder_(settings.folder),
+        watch_(folder_),
+        logins_(settings.users_file, fmt::format("strainwave_{:.16}", watch_.Snapshot().run), false),
+        desk_(folder_, settings.complain),
+        cycles_(folder_) {
     set_default_headers({AnswerHeaders().begin(), AnswerHeaders().end()});
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       return Route(request, response) ? HandlerResponse::Handled : HandlerResponse::Unhandled;
     });
-    Post(kActionsPath, [this](const httplib::Request& request, httplib::Response& response) {
-      TakeAction(request, response);
-    });
+    PostHere(kActionsPath, &Pages::TakeAction);
+    PostHere(kLoginPath, &Pages::LogIn);
+    PostHere(kLogoutPath, &Pages::LogOut);
     set_error_handler([](const httplib::Request&, httplib::Response& response) {
       if (!response.body.empty()) return;
       response.set_content(ErrorJson("the request cannot be read (expected HTTP/1.1)"), kJson);
@@ -161,19 +171,36 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     response.set_content(ErrorJson(sentence), kJson);
   }
 
-  // Of all requests but actions, whose bodies are not read yet.
+  using Handling = void (Pages::*)(const httplib::Request&, httplib::Response&);
+
+  // What changes something, asked for by this page itself.
+  void PostHere(const char* path, Handling handling) {
+    Post(path, [this, handling](const httplib::Request& request, httplib::Response& response) {
+      if (!IsOwnOrigin(request.get_header_value("Origin"), request.get_header_value("Host"))) {
+        return Refuse(response, 403, "actions of another page are not taken (expected this page's own)");
+      }
+      if (!request.get_header_value("Content-Type").starts_with(kJson)) {
+        return Refuse(response, 400, "the Content-Type is not application/json (expected that of JSON)");
+      }
+      (this->*handling)(request, response);
+    });
+  }
+
+  // Of all requests but those of `PostHere`, whose bodies are not read yet.
   bool Route(const httplib::Request& request, httplib::Response& response) {
     if (!IsLoopbackHost(request.get_header_value("Host"))) {
       Refuse(response, 403, "the page is not served under this name (expected localhost or 127.0.0.1)");
-    } else if (request.path == kActionsPath) {
+    } else if (request.path == kActionsPath || request.path == kLoginPath || request.path == kLogoutPath) {
       if (request.method == "POST") return false;
       Refuse(response, 405, "actions are sent by POST");
     } else if (request.method != "GET" && request.method != "HEAD") {
       Refuse(response, 405, fmt::format("{:.20} is not done here (expected GET)", request.method));
     } else if (request.path == "/api/v1/state") {
-      SendState(response);
+      SendState(request, response);
     } else if (request.path == "/api/v1/cycles") {
       SendCycles(request, response);
+    } else if (request.path == "/api/v1/alarms") {
+      SendAlarms(request, response);
     } else if (request.path == "/api/v1/events") {
       OpenStream(request, response);
     } else if (const StaticFile* file = FindStaticFile(request.path)) {
@@ -181,16 +208,20 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
       response.set_content(file->bytes.data(), file->bytes.size(), std::string(file->type));
     } else {
       Refuse(response, 404,
-             fmt::format("there is no {:.80} here (expected / or /api/v1/state, cycles, events, actions)",
+             fmt::format("there is no {:.80} here (expected / or /api/v1/state, cycles, alarms, events, actions)",
                          request.path));
     }
     return true;
   }
 
-  void SendState(httplib::Response& response) {
+  void SendState(const httplib::Request& request, httplib::Response& response) {
     const CampaignSnapshot snapshot = watch_.Snapshot();
+    const Actor actor = logins_.ActorOf(request.get_header_value("Cookie"), SteadyNow());
     nlohmann::json state = StateJson(snapshot, Now());
-    state["token"] = tokens_.Issue(snapshot.run);
+    state["token"] = desk_.Token(snapshot, actor);
+    state["has_users"] = actor.knows_users;
+    state["user"] = actor.user ? nlohmann::json{{"name", actor.user->name}, {"role", Name(actor.user->role)}}
+                               : nlohmann::json();
     state["zone"] = zone_;
     state["events"] = nlohmann::json::array();
     for (const Event& event : snapshot.progress.events) state["events"].push_back(EventJson(event));
@@ -212,11 +243,34 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     waits_.emplace();
   }
 
-  // From the reader's thread.
-  void Finish(ClientId client, int status, const std::string& json) {
+  void SendAlarms(const httplib::Request& request, httplib::Response& response) {
+    const std::string all = request.get_param_value("all");
+    if (!all.empty() && all != "0" && all != "1") {
+      return Refuse(response, 400, fmt::format("all = {:.40} (expected 0, or 1 for cleared ones, too)", all));
+    }
+    const bool waits = reader_.Post([this, client = client_, lists_all = all == "1"] {
+      int status = 200;
+      std::string json;
+      try {
+        const Journal journal = Journal::OpenChecked(folder_.Journal());
+        const auto rules = ReadFrozenInputs(folder_, journal).bench.alarms;
+        json = JsonText(AlarmListJson(journal, rules, lists_all, Now())) + "\n";
+      } catch (const std::exception& error) {
+        status = 503;
+        json = ErrorJson(fmt::format(
+            "the journal cannot be read: {} (expected the campaign's folder as it was)", error.what()));
+      }
+      Finish(client, status, json);
+    });
+    if (!waits) return Refuse(response, 503, "too many ask for alarms at once (expected: ask again later)");
+    waits_.emplace();
+  }
+
+  // From another thread.
+  void Finish(ClientId client, int status, const std::string& json, const HttpHeaders& more = {}) {
     {
       const std::lock_guard lock(mutex_);
-      finished_.push_back({client, HttpAnswer(status, kJson, json), true});
+      finished_.push_back({client, HttpAnswer(status, kJson, json, more), true});
     }
     Wake();
   }
@@ -241,13 +295,6 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   }
 
   void TakeAction(const httplib::Request& request, httplib::Response& response) {
-    const std::string host = request.get_header_value("Host");
-    if (!IsOwnOrigin(request.get_header_value("Origin"), host)) {
-      return Refuse(response, 403, "actions of another page are not taken (expected this page's own)");
-    }
-    if (!request.get_header_value("Content-Type").starts_with(kJson)) {
-      return Refuse(response, 400, "the Content-Type is not application/json (expected that of JSON)");
-    }
     const CampaignSnapshot snapshot = watch_.Snapshot();
     const int process = CampaignLock::Holder(folder_);
     if (process > 0 && process != snapshot.progress.process) {
@@ -256,16 +303,54 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
           "the campaign has just been started again; nothing was done, look at the page again before "
           "you act");
     }
-    const ActionAnswer answer = Act(
-        request.body, snapshot, tokens_, [this](EndRequest what) { return AskToEnd(folder_, what); },
-        UtcNow());
+    const Actor actor = logins_.Acting(request.get_header_value("Cookie"), SteadyNow());
+    const auto answer =
+        desk_.Take(request.body, snapshot, actor, [this, client = client_](const ActionAnswer& done) {
+          Finish(client, done.status, JsonText(done.body) + "\n");
+        });
+    if (!answer) {
+      waits_.emplace();
+      return;
+    }
+    response.status = answer->status;
+    response.set_content(JsonText(answer->body) + "\n", kJson);
+  }
+
+  void LogIn(const httplib::Request& request, httplib::Response& response) {
+    const auto answer =
+        logins_.LogIn(request.body, SteadyNow(), [this, client = client_](const LoginAnswer& done) {
+          Finish(client, done.status, JsonText(done.body) + "\n", HeadersOf(done));
+        });
+    if (!answer) {
+      waits_.emplace();
+      return;
+    }
+    Send(response, *answer);
+  }
+
+  void LogOut(const httplib::Request& request, httplib::Response& response) {
+    Send(response, logins_.LogOut(request.get_header_value("Cookie")));
+  }
+
+  static HttpHeaders HeadersOf(const LoginAnswer& answer) {
+    HttpHeaders headers;
+    if (!answer.cookie.empty()) headers.emplace_back("Set-Cookie", answer.cookie);
+    if (answer.retry_after.count() > 0) {
+      headers.emplace_back("Retry-After", std::to_string(answer.retry_after.count()));
+    }
+    return headers;
+  }
+
+  static void Send(httplib::Response& response, const LoginAnswer& answer) {
     response.status = answer.status;
+    for (const auto& [name, value] : HeadersOf(answer)) response.set_header(name, value);
     response.set_content(JsonText(answer.body) + "\n", kJson);
   }
 
+  static Time SteadyNow() { return std::chrono::steady_clock::now(); }
+
   const CampaignFolder folder_;
   const std::string zone_{TimeZone()};
-  Tokens tokens_;
   ClientId client_{};                         // whose request is answered
   std::optional<std::string> waits_;          // what that one gets at once, where more will follow
   std::map<ClientId, std::int64_t> streams_;  // and the last line of the journal that each has
@@ -276,14 +361,17 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   std::vector<Delivery> finished_;
   // Their threads call this object: they end before the rest of it does.
   CampaignWatch watch_;
+  Logins logins_;
+  ActionDesk desk_;
   CyclesReader cycles_;
+  Worker reader_{kMostReadings, Worker::AtEnd::kDrop};
 };
 
-PageServer::PageServer(const CampaignFolder& folder, int port)
-    : pages_(std::make_unique<Pages>(folder)),
+PageServer::PageServer(const PageSettings& settings)
+    : pages_(std::make_unique<Pages>(settings)),
       server_(std::make_unique<TcpServer>("the page",
                                           ListenSettings{.address = "127.0.0.1",
-                                                         .port = port,
+                                                         .port = settings.port,
                                                          .connections = kMostConnections,
                                                          .idle_after_ms = kIdleAfter_ms},
                                           *pages_, kLimits)) {

@@ -1,12 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "bench/campaign/folder.h"
 #include "bench/serving/tcp_server.h"
 
 namespace strainwave::bench {
+
+struct PageSettings {
+  CampaignFolder folder;
+  int port{};                                       // of 127.0.0.1; 0: any free one
+  std::optional<std::filesystem::path> users_file;  // who may do more than look on and stop; nothing: nobody
+  /// Takes what could not be kept and nobody waits for, a sentence each, from any thread.
+  std::function<void(const std::string&)> complain;
+};
 
 /// The live page of a campaign: serves it from threads of its own, as long as it lives, and only reads the
 /// campaign's folder. One thread carries all connections and answers whatever needs no disk; one watches the
@@ -14,8 +26,9 @@ namespace strainwave::bench {
 /// (docs/decisions/0017-live-page.md).
 class PageServer {
  public:
-  /// @throws std::system_error when it cannot listen there; as OpenCampaign, when the folder is no campaign.
-  PageServer(const CampaignFolder& folder, int port);
+  /// @throws std::system_error when it cannot listen there; as OpenCampaign, when the folder is no campaign;
+  ///   UsersFileError.
+  explicit PageServer(const PageSettings& settings);
   ~PageServer();
 
   int port() const;

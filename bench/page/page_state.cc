@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/campaign/alarms_json.h"
 #include "bench/campaign/status_json.h"
 #include "bench/utc.h"
 
@@ -87,7 +88,7 @@ BenchView ViewOf(const CampaignProgress& progress, bool begun) {
     return progress.alarms.front().code == "stop_criterion" ? BenchView::kStopped : BenchView::kFaulted;
   }
   const bool asked =
-      !progress.events.empty() && std::ranges::find(kEndings, progress.events.front().code) != kEndings.end();
+      progress.last_of_bench && std::ranges::find(kEndings, progress.last_of_bench->code) != kEndings.end();
   return asked ? BenchView::kStopped : BenchView::kInterrupted;
 }
 
@@ -115,7 +116,7 @@ std::string RunId(std::uint64_t campaign, const std::optional<RunBegun>& begun, 
 
 std::string Sentence(const CampaignSnapshot& snapshot) {
   const CampaignProgress& progress = snapshot.progress;
-  const std::string last = progress.events.empty() ? "" : progress.events.front().text;
+  const std::string last = progress.last_of_bench ? progress.last_of_bench->text : "";
   switch (snapshot.view) {
     case BenchView::kNotBegun:
       return "the campaign was made and never run";
@@ -143,8 +144,6 @@ nlohmann::json StateJson(const CampaignSnapshot& snapshot, const Moment& now) {
   const double eta_s = TimeToEnd_s(progress).value_or(progress.remaining_s);
   const double share = progress.planned_s > 0.0 ? 1.0 - progress.remaining_s / progress.planned_s : 1.0;
   const auto safe = IsSafe(snapshot.view);
-  json alarms = json::array();
-  for (const Event& alarm : progress.alarms) alarms.push_back(EventJson(alarm));
   return {
       {"campaign", snapshot.campaign},
       {"specimen", snapshot.specimen},
@@ -175,7 +174,8 @@ nlohmann::json StateJson(const CampaignSnapshot& snapshot, const Moment& now) {
       {"results", ResultsJson(progress.last_results)},
       {"stop_criteria", StopsJson(progress.stops)},
       {"bad_channels", ChannelsJson(progress.bad_channels)},
-      {"alarms", std::move(alarms)},
+      {"alarms", AlarmsJson(progress.open_alarms, progress.alarm_rules, {})},
+      {"notes", NotesJson(progress.notes)},
       {"disk", progress.room ? json{{"free_bytes", progress.room->free_bytes},
                                     {"needed_bytes", progress.room->needed_bytes}}
                              : json()},

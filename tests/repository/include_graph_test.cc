@@ -34,7 +34,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"roles"},
                                                          {"devices"},
                                                          {"configuration", "controller", "serving"},
-                                                         {"machines"},
+                                                         {"machines", "accounts"},
                                                          {"campaign"},
                                                          {"page"},
                                                          {"records"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/commands/signed_words.h"
+#include "bench/campaign/signed_words.h"
 
 #include <cstddef>
 

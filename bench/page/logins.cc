@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/page/logins.h"
+
+#include <algorithm>
+#include <exception>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bench/accounts/password_hash.h"
+#include "bench/page/tokens.h"
+
+namespace strainwave::bench {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kLongestPassword_bytes = 1000;
+
+LoginAnswer Refused(int status, std::string_view why, std::string_view sentence) {
+  return {status, {{"error", sentence}, {"why", why}}};
+}
+
+std::string NewSecret() {
+  const std::string bytes = RandomKey();
+  std::string secret;
+  for (const char byte : bytes) secret += fmt::format("{:02x}", static_cast<unsigned char>(byte));
+  return secret;
+}
+
+}  // namespace
+
+Logins::Logins(std::optional<std::filesystem::path> users_file, std::string cookie, bool is_encrypted)
+    : users_file_(std::move(users_file)),
+      cookie_(std::move(cookie)),
+      is_encrypted_(is_encrypted),
+      nobody_(users_file_ ? HashPassword(RandomKey()) : "") {
+  if (!users_file_) return;
+  users_ = ReadUsersFile(*users_file_);
+  std::error_code gone;
+  users_written_ = std::filesystem::last_write_time(*users_file_, gone);
+}
+
+// A file that cannot be used any more has no users: nobody acts by what it was.
+void Logins::ReadAgain() {
+  if (!users_file_) return;
+  std::error_code gone;
+  const auto written = std::filesystem::last_write_time(*users_file_, gone);
+  if (!gone && written == users_written_) return;
+  users_written_ = written;
+  try {
+    users_ = ReadUsersFile(*users_file_);
+  } catch (const std::exception&) {
+    users_.clear();
+  }
+  sessions_.KeepOnly(users_);
+}
+
+std::string Logins::SecretIn(std::string_view cookies) const {
+  while (!cookies.empty()) {
+    const std::size_t end = cookies.find(';');
+    std::string_view one = cookies.substr(0, end);
+    one.remove_prefix(std::min(one.find_first_not_of(' '), one.size()));
+    const std::size_t equals = one.find('=');
+    if (equals != one.npos && one.substr(0, equals) == cookie_) return std::string(one.substr(equals + 1));
+    if (end == cookies.npos) break;
+    cookies.remove_prefix(end + 1);
+  }
+  return {};
+}
+
+std::string Logins::CookieOf(const std::string& secret, std::chrono::seconds holds) const {
+  return fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict; Max-Age={}{}", cookie_, secret, holds.count(),
+                     is_encrypted_ ? "; Secure" : "");
+}
+
+Actor Logins::ActorOf(std::string_view cookies, Time now) {
+  const std::lock_guard lock(mutex_);
+  ReadAgain();
+  Actor actor{.user = {}, .session = SecretIn(cookies), .knows_users = users_file_.has_value()};
+  actor.user = sessions_.Find(actor.session, now);
+  if (!actor.user) actor.session.clear();
+  return actor;
+}
+
+Actor Logins::Acting(std::string_view cookies, Time now) {
+  Actor actor = ActorOf(cookies, now);
+  const std::lock_guard lock(mutex_);
+  sessions_.Touch(actor.session, now);
+  return actor;
+}
+
+std::optional<LoginAnswer> Logins::LogIn(std::string_view text, Time now, Answered answered) {
+  if (!users_file_) {
+    return Refused(404, "no_users",
+                   "this page has no users (expected: strainwave serve DIR --users FILE; strainwave users FILE "
+                   "add NAME makes one)");
+  }
+  const json request = json::parse(text, nullptr, false);
+  const bool is_whole = request.is_object() && request.contains("name") && request["name"].is_string() &&
+                        request.contains("password") && request["password"].is_string();
+  if (!is_whole) return Refused(400, "request", "expected {\"name\":\"...\",\"password\":\"...\"}");
+  auto name = request["name"].get<std::string>();
+  auto password = request["password"].get<std::string>();
+  if (!IsUserName(name) || password.size() > kLongestPassword_bytes) {
+    return Refused(401, "password", "no user of that name has that password");
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    const auto wait = throttle_.Wait(name, now);
+    if (wait.count() > 0) {
+      const auto seconds = std::chrono::ceil<std::chrono::seconds>(wait);
+      LoginAnswer answer = Refused(
+          429, "wait",
+          fmt::format("after a wrong password the next try waits: again in {} s (quick stop needs no login)",
+                      seconds.count()));
+      answer.retry_after = seconds;
+      return answer;
+    }
+    throttle_.Failed(name, now);  // until it is known better: no second try while this one is looked at
+  }
+  const bool taken = worker_.Post(
+      [this, name = std::move(name), password = std::move(password), answered = std::move(answered)] {
+        LoginAnswer answer;
+        try {
+          answer = Verify(name, password);
+        } catch (const std::exception& error) {
+          answer = Refused(503, "login", fmt::format("nobody can log in now: {}", error.what()));
+        }
+        answered(std::move(answer));
+      });
+  if (!taken) return Refused(503, "busy", "too many log in at once (expected: again in a moment)");
+  return std::nullopt;
+}
+
+LoginAnswer Logins::Verify(const std::string& name, const std::string& password) {
+  std::optional<User> user;
+  {
+    const std::lock_guard lock(mutex_);
+    ReadAgain();
+    const auto known = std::ranges::find(users_, name, &User::name);
+    if (known != users_.end()) user = *known;
+  }
+  if (!IsPasswordOf(password, user ? user->password : nobody_) || !user) {
+    return Refused(401, "password", "no user of that name has that password");
+  }
+  const std::string secret = NewSecret();
+  const std::lock_guard lock(mutex_);
+  throttle_.Succeeded(name);
+  sessions_.Open(secret, *user, std::chrono::steady_clock::now());
+  return {200,
+          {{"user", {{"name", user->name}, {"role", Name(user->role)}}},
+           {"holds_s", sessions_.limits().in_all.count()},
+           {"without_action_s", sessions_.limits().without_action.count()}},
+          CookieOf(secret, sessions_.limits().in_all)};
+}
+
+LoginAnswer Logins::LogOut(std::string_view cookies) {
+  const std::lock_guard lock(mutex_);
+  sessions_.Close(SecretIn(cookies));
+  return {200, {{"user", nullptr}}, CookieOf("", std::chrono::seconds(0))};
+}
+
+}  // namespace strainwave::bench
