@@ -2,7 +2,9 @@
 #include "analysis/decompositions.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <Eigen/QR>
+#include <Eigen/SVD>
 
 namespace strainwave::analysis {
 
@@ -33,6 +35,29 @@ VectorXd SymmetricEigenvalues(const MatrixXd& symmetric) {
 MatrixXd OrthonormalBasis(const MatrixXd& columns) {
   const Eigen::ColPivHouseholderQR<MatrixXd> factor(columns);
   return factor.householderQ() * MatrixXd::Identity(columns.rows(), factor.rank());
+}
+
+SymmetricFactor::SymmetricFactor(const MatrixXd& symmetric) : factor_(symmetric) {}
+
+bool SymmetricFactor::succeeded() const { return factor_.info() == Eigen::Success; }
+
+VectorXd SymmetricFactor::pivots() const { return factor_.vectorD(); }
+
+VectorXd SymmetricFactor::Solve(const VectorXd& b) const { return factor_.solve(b); }
+
+MatrixXd SymmetricFactor::Solve(const MatrixXd& b) const { return factor_.solve(b); }
+
+MatrixXd InverseCholesky(const MatrixXd& symmetric) {
+  const MatrixXd identity = MatrixXd::Identity(symmetric.rows(), symmetric.cols());
+  return Eigen::LLT<MatrixXd>(symmetric).matrixL().solve(identity);
+}
+
+MatrixXd SolveSquare(const MatrixXd& square, const MatrixXd& b) { return square.partialPivLu().solve(b); }
+
+SingularParts SquareSingular(const MatrixXd& square) {
+  // QR comes before only where there are more rows than columns, or fewer.
+  const Eigen::JacobiSVD<MatrixXd, Eigen::NoQRPreconditioner> parts(square, Eigen::ComputeFullU);
+  return {.values = parts.singularValues(), .vectors = parts.matrixU()};
 }
 
 }  // namespace strainwave::analysis

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Cholesky>
 
 namespace strainwave::analysis {
 
@@ -36,5 +36,35 @@ Eigen::VectorXd SymmetricEigenvalues(const Eigen::MatrixXd& symmetric);
 
 /// Orthonormal columns that span the same space; fewer where columns are made up of others.
 Eigen::MatrixXd OrthonormalBasis(const Eigen::MatrixXd& columns);
+
+/// P symmetric Pᵀ = L D Lᵀ with pivoting, of a positive or negative semidefinite matrix.
+class SymmetricFactor {
+ public:
+  explicit SymmetricFactor(const Eigen::MatrixXd& symmetric);
+
+  /// Whether the matrix is semidefinite as far as its numbers tell.
+  bool succeeded() const;
+  /// The diagonal of D.
+  Eigen::VectorXd pivots() const;
+  /// The x with symmetric · x = b. One x per column of b.
+  Eigen::VectorXd Solve(const Eigen::VectorXd& b) const;
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& b) const;
+
+ private:
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
+};
+
+/// The inverse of L in LLᵀ, of a positive definite matrix.
+Eigen::MatrixXd InverseCholesky(const Eigen::MatrixXd& symmetric);
+
+/// The x with square · x = b, by LU with partial pivoting. One x per column of b.
+Eigen::MatrixXd SolveSquare(const Eigen::MatrixXd& square, const Eigen::MatrixXd& b);
+
+/// A square matrix as vectors · diag(values) · Wᵀ, W orthogonal, values falling, by Jacobi's rotations.
+struct SingularParts {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;  // orthonormal columns
+};
+SingularParts SquareSingular(const Eigen::MatrixXd& square);
 
 }  // namespace strainwave::analysis

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "analysis/decompositions.h"
+
 namespace strainwave::analysis {
 namespace {
 
@@ -108,7 +110,7 @@ GridPoint FitGridPoint(const ThinnedLoop& loop, const TestTorques& torques, cons
   const Eigen::MatrixXd normal =
       scaled.transpose() * scaled + 1e-12 * Eigen::MatrixXd::Identity(kColumns, kColumns);
   const Eigen::VectorXd solution =
-      scale.asDiagonal() * normal.ldlt().solve(scaled.transpose() * torque).eval();
+      scale.asDiagonal() * SymmetricFactor(normal).Solve(Eigen::VectorXd(scaled.transpose() * torque));
   GridPoint point;
   point.cost = (design * solution - torque).squaredNorm();
   // A slope that the thin linear fit leaves undetermined or negative starts from the secant through the

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/decompositions.h"
 #include "analysis/products.h"
 #include "analysis/units.h"
 
@@ -68,7 +69,7 @@ std::vector<Predictor> PredictorsOf(std::span<const double> residual, std::span<
   if (rows < 10.0 * static_cast<double>(size) || !(products(0, 0) > 0.0)) return predictors;
   for (Index order = 1; order <= largest_order; ++order) {
     const Eigen::VectorXd cross = products.col(0).segment(1, order);
-    const Eigen::VectorXd coefficients = products.block(1, 1, order, order).ldlt().solve(cross);
+    const Eigen::VectorXd coefficients = SymmetricFactor(products.block(1, 1, order, order)).Solve(cross);
     const double share = 1.0 - coefficients.dot(cross) / products(0, 0);
     const double left = std::clamp(share, kLeastVarianceShare, 1.0);
     predictors.push_back({coefficients, left, std::log(left)});

@@ -27,10 +27,10 @@ Eigen::VectorXd SolveNormal(Eigen::MatrixXd gram, Eigen::VectorXd right, double 
   gram = scale.asDiagonal() * gram * scale.asDiagonal();
   right = scale.cwiseProduct(right);
   for (Index j = p - damped; j < p; ++j) gram(j, j) += ridge;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(gram);
-  const Eigen::VectorXd pivots = factor.vectorD();
-  if (factor.info() == Eigen::Success && pivots.minCoeff() > kUndetermined * pivots.maxCoeff()) {
-    return scale.cwiseProduct(factor.solve(right));
+  const SymmetricFactor factor(gram);
+  const Eigen::VectorXd pivots = factor.pivots();
+  if (factor.succeeded() && pivots.minCoeff() > kUndetermined * pivots.maxCoeff()) {
+    return scale.cwiseProduct(factor.Solve(right));
   }
   const SymmetricParts eigen = SymmetricEigen(gram);
   const double largest = std::max(eigen.values.maxCoeff(), 1e-300);

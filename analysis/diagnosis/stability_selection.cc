@@ -43,8 +43,8 @@ std::vector<double> TermPValues(const SparseProblem& problem, std::span<const st
   const Index p = static_cast<Index>(columns.size());
   auto [gram, right] = NormalEquations(problem, columns, blocks);
   gram.diagonal().array() += 1e-9 * gram.diagonal().maxCoeff();
-  const Eigen::LDLT<Eigen::MatrixXd> factor(gram);
-  const Eigen::VectorXd coefficients = factor.solve(right);
+  const SymmetricFactor factor(gram);
+  const Eigen::VectorXd coefficients = factor.Solve(right);
   Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(p, p);
   for (const std::size_t b : blocks) {
     const Eigen::VectorXd score =
@@ -53,7 +53,7 @@ std::vector<double> TermPValues(const SparseProblem& problem, std::span<const st
   }
   const double clusters = static_cast<double>(blocks.size());
   const Eigen::MatrixXd covariance =
-      factor.solve(factor.solve(meat).transpose().eval()) * (clusters / (clusters - 1.0));
+      factor.Solve(Eigen::MatrixXd(factor.Solve(meat).transpose())) * (clusters / (clusters - 1.0));
   std::vector<double> p_values;
   Index first = 0;
   for (const std::size_t t : terms) {

@@ -3,11 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
+
+#include "analysis/decompositions.h"
 
 namespace strainwave::analysis::prediction {
 namespace {
@@ -57,10 +58,8 @@ Novelty FitNovelty(const Eigen::MatrixXd& features, const Eigen::MatrixXd& apart
   const double share = std::max(Shrinkage(centred, covariance, mean_variance), 1e-4);
   covariance *= 1.0 - share;
   covariance.diagonal().array() += std::max(share * mean_variance, 1e-300);
-  const Eigen::LLT<Eigen::MatrixXd> root(covariance);
   // xᵀ(LLᵀ)⁻¹x = ‖L⁻¹x‖²: rows are multiplied by L⁻ᵀ.
-  novelty.whitening =
-      root.matrixL().solve(Eigen::MatrixXd::Identity(features.cols(), features.cols())).transpose();
+  novelty.whitening = InverseCholesky(covariance).transpose();
 
   novelty.limit = kMargin * DistanceKept(novelty.Distance(apart), inside);
   return novelty;

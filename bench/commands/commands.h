@@ -13,7 +13,6 @@ namespace strainwave::bench {
 using Action = std::function<int()>;
 
 /// Each adds its command with options and help to `app`, and sets `action` when it was chosen.
-void AddUsers(CLI::App& app, Action& action);
 void AddValidate(CLI::App& app, Action& action);
 void AddRun(CLI::App& app, Action& action);
 void AddDevices(CLI::App& app, Action& action);
@@ -22,6 +21,7 @@ void AddStatus(CLI::App& app, Action& action);
 void AddServe(CLI::App& app, Action& action);
 void AddAlarms(CLI::App& app, Action& action);
 void AddNote(CLI::App& app, Action& action);
+void AddUsers(CLI::App& app, Action& action);
 void AddStop(CLI::App& app, Action& action);
 void AddRecompute(CLI::App& app, Action& action);
 void AddDiagnose(CLI::App& app, Action& action);

@@ -67,6 +67,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddBench(app, action);
   strainwave::bench::AddStatus(app, action);
   strainwave::bench::AddServe(app, action);
+  strainwave::bench::AddUsers(app, action);
   strainwave::bench::AddStop(app, action);
   strainwave::bench::AddAlarms(app, action);
   strainwave::bench::AddNote(app, action);

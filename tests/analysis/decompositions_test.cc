@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace strainwave::analysis::decompositions_test {
 namespace {
 
@@ -44,6 +46,29 @@ TEST(Decompositions, EigenvaluesRise) {
   EXPECT_LT((parts.values - VectorXd{{1.0, 3.0}}).norm(), 1e-14);
   EXPECT_LT((SymmetricEigenvalues(symmetric) - parts.values).norm(), 1e-14);
   EXPECT_LT((symmetric * parts.vectors - parts.vectors * parts.values.asDiagonal()).norm(), 1e-14);
+}
+
+// What belongs to x = (1, 2) and to the columns of the identity.
+TEST(Decompositions, SolversFindWhatWasMultiplied) {
+  MatrixXd symmetric(2, 2);
+  symmetric << 4, 1, 1, 3;
+  const VectorXd x{{1.0, 2.0}};
+  const SymmetricFactor factor(symmetric);
+  ASSERT_TRUE(factor.succeeded());
+  EXPECT_NEAR(factor.pivots().prod(), 11.0, 1e-13);  // the determinant
+  EXPECT_LT((factor.Solve(VectorXd(symmetric * x)) - x).norm(), 1e-14);
+  EXPECT_LT((factor.Solve(symmetric) - MatrixXd::Identity(2, 2)).norm(), 1e-14);
+  EXPECT_LT((SolveSquare(symmetric, symmetric * x) - x).norm(), 1e-14);
+  const MatrixXd inverse = InverseCholesky(symmetric);
+  EXPECT_LT((inverse.transpose() * inverse * symmetric - MatrixXd::Identity(2, 2)).norm(), 1e-14);
+}
+
+TEST(Decompositions, SingularValuesFall) {
+  MatrixXd square(2, 2);
+  square << 1, 0, 0, -3;
+  const SingularParts parts = SquareSingular(square);
+  EXPECT_LT((parts.values - VectorXd{{3.0, 1.0}}).norm(), 1e-14);
+  EXPECT_NEAR(std::abs(parts.vectors(1, 0)), 1.0, 1e-14);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "analysis/arguments.h"
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/campaign/noise.h"
 #include "analysis/quantities.h"
 
@@ -125,10 +126,7 @@ void Stack(const std::vector<std::vector<double>>& values, const Eigen::MatrixXd
     mixing_of[c] = Eigen::MatrixXd::Zero(static_cast<Index>(count), static_cast<Index>(count));
     if (size == 0) continue;
     const Eigen::MatrixXd part = correlation(there, there);
-    const Eigen::LLT<Eigen::MatrixXd> factor(part);
-    const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(size, size);
-    const Eigen::MatrixXd inverse = factor.matrixL().solve(identity);
-    mixing_of[c](there, there) = inverse;
+    mixing_of[c](there, there) = InverseCholesky(part);
   }
   std::vector<Eigen::VectorXd> rows;
   for (std::size_t s = 0; s < count; ++s) {

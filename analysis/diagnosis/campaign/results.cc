@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/campaign_results.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -25,7 +26,7 @@ Eigen::MatrixXd InTheirUnits(const CampaignLayout& layout, const Eigen::MatrixXd
     }
     const Eigen::MatrixXd mixing = layout.mixing(samples, series);
     const Eigen::MatrixXd mixed = responses(samples, Eigen::all);
-    const Eigen::MatrixXd values = mixing.partialPivLu().solve(mixed);
+    const Eigen::MatrixXd values = SolveSquare(mixing, mixed);
     for (std::size_t k = 0; k < samples.size(); ++k) {
       results.row(samples[k]) =
           layout.scale[static_cast<std::size_t>(series[k])] * values.row(static_cast<Index>(k));

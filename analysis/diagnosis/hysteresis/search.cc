@@ -55,7 +55,7 @@ RankedStart RankStart(const LoopModel& model, std::size_t effect, const LoopGrid
   const Eigen::VectorXd drive = columns.transpose() * residual;
   const double floor = 1e-12 * normal.diagonal().maxCoeff();
   Eigen::VectorXd sizes =
-      (normal + floor * Eigen::MatrixXd::Identity(normal.rows(), normal.cols())).ldlt().solve(drive);
+      SymmetricFactor(normal + floor * Eigen::MatrixXd::Identity(normal.rows(), normal.cols())).Solve(drive);
   const std::vector<int> amounts = model.Amounts(ranked.numbers, effect);
   for (std::size_t j = 0; j < amounts.size(); ++j) {
     const FitNumber& number = model.numbers()[static_cast<std::size_t>(amounts[j])];

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/hysteresis/model.h"
 
 namespace strainwave::analysis::diagnosis {
@@ -80,7 +81,7 @@ LoopSolution SolveLoop(const LoopModel& model, const LoopGrid& grid, const Eigen
             a(i, j) = scale(i) * scale(j) * normal(row, free[static_cast<std::size_t>(j)]);
           a(i, i) += damping;
         }
-        const Eigen::VectorXd step = scale.cwiseProduct(a.ldlt().solve(b));
+        const Eigen::VectorXd step = scale.cwiseProduct(SymmetricFactor(a).Solve(b));
         if (!step.allFinite()) break;
         std::vector<Index> inside;
         for (Index i = 0; i < m; ++i) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/fit_covariance.h"
 #include "analysis/diagnosis/motion/terms.h"
 #include "analysis/diagnosis/scans.h"
@@ -51,14 +52,14 @@ void AddSmooth(const SharedGrid& grid, const MotionUnits& units, std::string nam
       points[i] = scale * times(i) * Spline(of[i], low, high, count, k);
     columns.col(static_cast<Index>(k)) = grid->BesideNominal(grid->Project(points));
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> parts(columns.transpose() * columns, Eigen::ComputeFullU);
+  const SingularParts parts = SquareSingular(columns.transpose() * columns);
   Index kept = 0;
-  while (kept < columns.cols() && parts.singularValues()(kept) > kCurveRidge) ++kept;
+  while (kept < columns.cols() && parts.values(kept) > kCurveRidge) ++kept;
   if (kept == 0) return;
   std::vector<NonlinearParameterDescription> numbers;
   for (Index k = 0; k < kept; ++k)
     numbers.push_back({fmt::format("{}{}_{}", kCurvePart, k + 1, units.torque()), units.torque(), 1.0});
-  SeparableTerm term = FixedTerm(columns * parts.matrixU().leftCols(kept));
+  SeparableTerm term = FixedTerm(columns * parts.vectors.leftCols(kept));
   term.ridge = kCurveRidge;
   DescribeEach(term, std::move(numbers));
   model.causes.push_back(std::move(term));

@@ -107,8 +107,7 @@ MatrixXd SharedColumns::Rows(Index first, Index count) const {
   MatrixXd rows(count, columns_);
   Index column = 0;
   for (const MatrixXd* part : parts_) {
-    rows.middleCols(column, part->cols()) = part->middleRows(first, count);
-    column += part->cols();
+    for (Index k = 0; k < part->cols(); ++k) std::copy_n(&(*part)(first, k), count, &rows(0, column++));
   }
   return rows;
 }

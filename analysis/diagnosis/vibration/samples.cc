@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "analysis/decompositions.h"
 #include "analysis/diagnosis/lone_samples.h"
 #include "analysis/diagnosis/scans.h"
 #include "analysis/diagnosis/vibration/shaft.h"
@@ -140,7 +141,8 @@ std::vector<double> WithoutLines(const VibrationRun& run, const std::vector<doub
   if (!run.angle_rad.empty()) {
     Eigen::Map<Eigen::VectorXd> all(values.data(), static_cast<Eigen::Index>(values.size()));
     const Eigen::MatrixXd gram = run.nominal.transpose() * run.nominal;
-    all -= run.nominal * gram.ldlt().solve(run.nominal.transpose() * all);
+    const Eigen::VectorXd right = run.nominal.transpose() * all;
+    all -= run.nominal * SymmetricFactor(gram).Solve(right);
   }
   return values;
 }
