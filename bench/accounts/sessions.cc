@@ -13,8 +13,8 @@ bool Sessions::IsOver(const Session& session, Time now) const {
 void Sessions::Open(const std::string& secret, User user, Time now) {
   std::erase_if(sessions_, [&](const auto& entry) { return IsOver(entry.second, now); });
   if (sessions_.size() >= limits_.most) {
-    sessions_.erase(std::ranges::min_element(
-        sessions_, {}, [](const auto& entry) { return entry.second.acted; }));
+    sessions_.erase(
+        std::ranges::min_element(sessions_, {}, [](const auto& entry) { return entry.second.acted; }));
   }
   sessions_.insert_or_assign(secret, Session{std::move(user), now, now});
 }

@@ -16,7 +16,7 @@ namespace strainwave::bench {
 struct SessionLimits {
   std::chrono::seconds without_action{std::chrono::hours(1)};  // a desk that somebody has left
   std::chrono::seconds in_all{std::chrono::hours(12)};         // a working day
-  std::size_t most{200};                                       // at a time; one more ends the one idle longest
+  std::size_t most{200};  // at a time; one more ends the one idle longest
 };
 
 /// Who is logged in. Kept in memory alone: a program that is started again knows nobody.

@@ -33,10 +33,11 @@ User ReadUser(schedules::YamlMap map, const std::vector<User>& before) {
     map.AddError("name", fmt::format("name = {} is no name of a user ({})", user.name, kExpectedName));
   }
   if (std::ranges::find(before, user.name, &User::name) != before.end()) {
-    map.AddError("name", fmt::format("name = {} is a second user of that name (expected another)", user.name));
+    map.AddError("name",
+                 fmt::format("name = {} is a second user of that name (expected another)", user.name));
   }
-  user.role = map.Choice<UserRole>(
-      "role", {{Name(UserRole::kViewer), UserRole::kViewer}, {Name(UserRole::kOperator), UserRole::kOperator}});
+  user.role = map.Choice<UserRole>("role", {{Name(UserRole::kViewer), UserRole::kViewer},
+                                            {Name(UserRole::kOperator), UserRole::kOperator}});
   user.password = map.Text("password");
   if (!IsPasswordHash(user.password)) {
     // Whatever stands there may be somebody's password: it is not repeated.
@@ -54,8 +55,9 @@ std::string_view Name(UserRole role) { return role == UserRole::kOperator ? "ope
 
 bool IsUserName(std::string_view name) {
   if (name.empty() || name.size() > kLongestName || name.front() == ' ' || name.back() == ' ') return false;
-  return std::ranges::all_of(
-      name, [](char c) { return IsLetter(c) || std::string_view(" ._-@").find(c) != std::string_view::npos; });
+  return std::ranges::all_of(name, [](char c) {
+    return IsLetter(c) || std::string_view(" ._-@").find(c) != std::string_view::npos;
+  });
 }
 
 std::vector<User> ParseUsersFile(const std::string& text, std::string_view file_name) {

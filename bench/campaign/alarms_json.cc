@@ -15,6 +15,16 @@ nlohmann::json TextOrNull(const std::string& text) {
   return text.empty() ? nlohmann::json() : nlohmann::json(text);
 }
 
+// What a person may do about it now.
+nlohmann::json MayBe(const AlarmInstance& instance) {
+  nlohmann::json events = nlohmann::json::array();
+  for (const AlarmEvent event : {AlarmEvent::kAcknowledge, AlarmEvent::kConfirm, AlarmEvent::kShelve,
+                                 AlarmEvent::kUnshelve, AlarmEvent::kComment}) {
+    if (Next(instance.state, event, instance.latching)) events.push_back(Name(event));
+  }
+  return events;
+}
+
 nlohmann::json SignedJson(const std::string& by, const std::string& utc) {
   return utc.empty() ? nlohmann::json() : nlohmann::json{{"by", by}, {"utc", utc}};
 }
@@ -58,6 +68,7 @@ nlohmann::json AlarmsJson(std::span<const AlarmInstance> instances, std::span<co
                    {"confirmed", SignedJson(instance.confirmed_by, instance.confirmed_utc)},
                    {"shelved", std::move(shelved)},
                    {"guidance", GuidanceOf(instance.code, rules)},
+                   {"may", MayBe(instance)},
                    {"actions", std::move(done)}});
   }
   return all;

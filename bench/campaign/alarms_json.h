@@ -8,6 +8,7 @@
 
 #include "bench/alarms/alarm_list.h"
 #include "bench/campaign/journal.h"
+#include "bench/campaign/pause.h"
 
 namespace strainwave::bench {
 

@@ -32,8 +32,8 @@ struct JournalProgress {
   std::vector<Event> alarms;               // why the last run has ended; newest first
   std::vector<AlarmInstance> open_alarms;  // of all runs, oldest first
   std::vector<OperatorNote> notes;         // newest first
-  std::vector<Event> events;            // newest first
-  std::optional<Event> last_of_bench;  // the newest that no person has asked for
+  std::vector<Event> events;               // newest first
+  std::optional<Event> last_of_bench;      // the newest that no person has asked for
   std::vector<ChannelTrouble> bad_channels;
 };
 

@@ -112,8 +112,8 @@ Journal Journal::Open(const std::filesystem::path& file, Database::Mode mode) {
   return OfFile(file, mode, report ? report->unsealed : 0);
 }
 
-Journal Journal::OpenChecked(const std::filesystem::path& file) {
-  return OfFile(file, Database::Mode::kReadOnly, 0);
+Journal Journal::OpenChecked(const std::filesystem::path& file, Database::Mode mode) {
+  return OfFile(file, mode, 0);
 }
 
 Journal Journal::OfFile(const std::filesystem::path& file, Database::Mode mode,

@@ -121,12 +121,15 @@ class Journal {
  public:
   /// A new journal. @throws DatabaseError.
   static Journal Create(const std::filesystem::path& file);
-  /// Looks at every page of the file first.
+  /// Looks at every page of the file first, by a descriptor of its own: not in a process that has the journal
+  /// open already, since closing any descriptor of a file lets go of all locks that the process has on it
+  /// (POSIX fcntl), SQLite's too.
   /// @throws DatabaseError when the file is missing, damaged, or not a journal of this program.
   static Journal Open(const std::filesystem::path& file, Database::Mode mode);
 
-  /// To read one that was opened before: its pages are looked at as they are read, and not all at first.
-  static Journal OpenChecked(const std::filesystem::path& file);
+  /// One that was opened before: its pages are looked at as they are read, and not all at first.
+  static Journal OpenChecked(const std::filesystem::path& file,
+                             Database::Mode mode = Database::Mode::kReadOnly);
 
   const Database& database() const { return database_; }
   /// What of the file no checksum covers, in words; empty: nothing.

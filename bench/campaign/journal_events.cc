@@ -48,7 +48,8 @@ std::vector<Event> Journal::Events(int newest) const {
 
 std::optional<Event> Journal::LastEventOfBench() const {
   Statement statement = database_.Prepare(
-      "SELECT time_s, utc, cycle, phase, severity, code, text, id FROM events WHERE severity <> 'action' ORDER "
+      "SELECT time_s, utc, cycle, phase, severity, code, text, id FROM events WHERE severity <> 'action' "
+      "ORDER "
       "BY id DESC LIMIT 1");
   std::vector<Event> events = EventsOf(statement);
   return events.empty() ? std::nullopt : std::optional(std::move(events.front()));

@@ -11,14 +11,14 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
-#include "bench/campaign/campaign.h"
 #include "bench/campaign/alarms_json.h"
+#include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_alarms.h"
+#include "bench/campaign/signed_words.h"
 #include "bench/commands/alarm_report.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/moving_limits.h"
 #include "bench/commands/output.h"
-#include "bench/campaign/signed_words.h"
 #include "bench/errors/bench_error.h"
 
 namespace strainwave::bench {

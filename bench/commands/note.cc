@@ -5,9 +5,9 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/campaign/campaign.h"
+#include "bench/campaign/signed_words.h"
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
-#include "bench/campaign/signed_words.h"
 #include "bench/errors/bench_error.h"
 #include "bench/escaped.h"
 #include "bench/utc.h"

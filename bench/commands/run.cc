@@ -17,6 +17,7 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/pace.h"
+#include "bench/commands/page_beside.h"
 #include "bench/commands/person.h"
 #include "bench/commands/results_table.h"
 #include "bench/commands/terminal.h"
@@ -41,6 +42,7 @@ struct RunOptions {
   bool accept_pause{};
   bool accept_expired{};
   bool json{};
+  PageOptions page;
 };
 
 // The truth of a sweep is that at its own standstills.
@@ -146,6 +148,7 @@ int Run(const RunOptions& options) {
     }
     inputs.bench = BenchToResume(folder, journal);
   }
+  ServeBeside(folder, options.page);
   WarnOfLittleRoom(folder, inputs.schedule, std::max(0, journal.LastCompleteCycle()));
   CampaignEnd end;
   {
@@ -227,6 +230,15 @@ void AddRun(CLI::App& app, Action& action) {
   command->add_option("--truth", options->truth,
                       "of a simulated bench: file for the truth that only it knows (CSV)");
   command->add_flag("--json", options->json, "results as JSON on standard output");
+  CLI::Option* const serve = command->add_flag(
+      "--serve", options->page.serves,
+      "the live page beside it, as strainwave serve DIR: a process of its own, which stays");
+  command->add_option("--port", options->page.port, "of the page, at 127.0.0.1; 0: any free one")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 65535))
+      ->needs(serve);
+  command->add_option("--users", options->page.users, "who may act on the page: a file of strainwave users")
+      ->needs(serve);
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }
 

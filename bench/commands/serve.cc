@@ -3,9 +3,12 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -24,11 +27,13 @@ struct ServeOptions {
   std::string folder;
   int port{8080};
   std::string users;
+  std::vector<std::string> tls;  // certificate and key
 };
 
-std::unique_ptr<PageServer> Serve(const ServeOptions& options) {
+std::unique_ptr<PageServer> Serve(const ServeOptions& options, const TlsIdentity* tls) {
   const int port = options.port;
-  PageSettings settings{.folder = {options.folder}, .port = port, .users_file = {}, .complain = {}};
+  PageSettings settings{
+      .folder = {options.folder}, .port = port, .users_file = {}, .tls = tls, .complain = {}};
   if (!options.users.empty()) settings.users_file = options.users;
   settings.complain = [](const std::string& sentence) { ToStderr("warning: {}\n", sentence); };
   try {
@@ -57,9 +62,15 @@ int Run(const ServeOptions& options) {
                                  "strainwave run SCHEDULE --out {} makes)",
                                  options.folder, options.folder));
   }
-  const auto server = Serve(options);
-  ToStdout("{}: http://127.0.0.1:{}/   (Ctrl-C ends the page, not the campaign)\n", options.folder,
-           server->port());
+  std::optional<TlsIdentity> tls;
+  try {
+    if (!options.tls.empty()) tls.emplace(options.tls[0], options.tls[1]);
+  } catch (const std::runtime_error& error) {
+    throw BenchError(ExitCode::kWrongInput, error.what());
+  }
+  const auto server = Serve(options, tls ? &*tls : nullptr);
+  ToStdout("{}: {}://127.0.0.1:{}/   (Ctrl-C ends the page, not the campaign)\n", options.folder,
+           tls ? "https" : "http", server->port());
   while (Requested() == StopRequest::kNone) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   return static_cast<int>(ExitCode::kDone);
 }
@@ -83,6 +94,9 @@ void AddServe(CLI::App& app, Action& action) {
       ->check(CLI::Range(0, 65535));
   command->add_option("--users", options->users,
                       "who may do more than look on and stop: a file that strainwave users keeps");
+  command->add_option("--tls", options->tls, "certificate and key (PEM): the page by https")
+      ->expected(2)
+      ->type_name("CERT KEY");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }
 

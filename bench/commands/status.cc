@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bench/campaign/alarms_json.h"
 #include "bench/campaign/campaign_status.h"
 #include "bench/campaign/cycle_results.h"
 #include "bench/campaign/status_json.h"

@@ -128,7 +128,8 @@ void AddUsers(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "users",
       "Who may act on the live page: list them, add one or give one a new password, remove one. A viewer "
-      "leaves notes and comments; an operator also pauses, resumes, and answers alarms. The password is asked "
+      "leaves notes and comments; an operator also pauses, resumes, and answers alarms. The password is "
+      "asked "
       "for, or is the first line of standard input.\n"
       "Example: strainwave users users.yaml add \"A. Meier\" --role operator");
   auto options = std::make_shared<UsersOptions>();
@@ -137,12 +138,13 @@ void AddUsers(CLI::App& app, Action& action) {
       ->capture_default_str()
       ->check(CLI::IsMember({"list", "add", "remove"}));
   command->add_option("NAME", options->name, "of the user");
-  command->add_option_function<std::string>(
-             "--role",
-             [options](const std::string& role) {
-               options->role = role == "operator" ? UserRole::kOperator : UserRole::kViewer;
-             },
-             "of add: viewer, or operator")
+  command
+      ->add_option_function<std::string>(
+          "--role",
+          [options](const std::string& role) {
+            options->role = role == "operator" ? UserRole::kOperator : UserRole::kViewer;
+          },
+          "of add: viewer, or operator")
       ->check(CLI::IsMember({"viewer", "operator"}))
       ->default_str("viewer");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });

@@ -32,7 +32,8 @@ void ActionDesk::Record(const AskedAction& asked, const CampaignSnapshot& snapsh
 // The process hears it before anything is written.
 ActionAnswer ActionDesk::End(const AskedAction& asked, const CampaignSnapshot& snapshot) {
   const std::string utc = UtcNow();
-  ActionAnswer answer = EndRun(asked, [this](EndRequest what) { return AskToEnd(folder_, what); }, utc);
+  ActionAnswer answer = EndRun(
+      asked, [this](EndRequest what) { return AskToEnd(folder_, what); }, utc);
   if (answer.status != 200) return answer;
   tokens_.Spend(asked.token, fmt::format("done already at {}: {}", utc, asked.action->words));
   if (!worker_.Post([this, asked, snapshot, utc] { Record(asked, snapshot, utc); })) {
@@ -72,7 +73,8 @@ std::optional<ActionAnswer> ActionDesk::Take(std::string_view body, const Campai
     finish(std::move(answer));
   });
   if (taken) return std::nullopt;
-  return with_next(NotDone(503, "busy", "too much waits for the journal: nothing was done (expected: ask again)"));
+  return with_next(
+      NotDone(503, "busy", "too much waits for the journal: nothing was done (expected: ask again)"));
 }
 
 }  // namespace strainwave::bench

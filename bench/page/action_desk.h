@@ -27,8 +27,8 @@ class ActionDesk {
   std::string Token(const CampaignSnapshot& snapshot, const Actor& actor);
   /// @param body  of `POST /api/v1/actions`; @param finish  is called later, from another thread.
   /// @return what is said at once; nothing: `finish` will be called.
-  std::optional<ActionAnswer> Take(std::string_view body, const CampaignSnapshot& snapshot, const Actor& actor,
-                                   Finish finish);
+  std::optional<ActionAnswer> Take(std::string_view body, const CampaignSnapshot& snapshot,
+                                   const Actor& actor, Finish finish);
 
  private:
   ActionAnswer End(const AskedAction& asked, const CampaignSnapshot& snapshot);

@@ -58,7 +58,11 @@ double NumberField(const json& request, const char* name, const char* expected) 
 std::string NamesOfActions() {
   std::string names;
   for (const PageAction& action : kActions) {
-    names += fmt::format("{}{}", names.empty() ? "" : &action == &kActions.back() ? " or " : ", ", action.name);
+    names += fmt::format("{}{}",
+                         names.empty()                 ? ""
+                         : &action == &kActions.back() ? " or "
+                                                       : ", ",
+                         action.name);
   }
   return names;
 }
@@ -111,11 +115,12 @@ Asked Parse(std::string_view text) {
 std::optional<ActionAnswer> Forbidden(const PageAction& action, const Actor& actor) {
   if (!action.at_least) return std::nullopt;
   if (!actor.knows_users) {
-    return NotDone(401, "login",
-                   fmt::format("'{}' needs a login, and this page has no users (expected: strainwave serve "
-                               "DIR --users FILE; strainwave users FILE add NAME makes one); quick stop needs "
-                               "none",
-                               action.words));
+    return NotDone(
+        401, "login",
+        fmt::format("'{}' needs a login, and this page has no users (expected: strainwave serve "
+                    "DIR --users FILE; strainwave users FILE add NAME makes one); quick stop needs "
+                    "none",
+                    action.words));
   }
   if (!actor.user) {
     return NotDone(401, "login",
@@ -165,9 +170,10 @@ std::variant<ActionAnswer, AskedAction> Accept(std::string_view text, const Camp
   }
   if (auto forbidden = Forbidden(*asked.action.action, actor)) return refuse(std::move(*forbidden));
   if (asked.run != snapshot.run) {
-    return refuse(NotDone(409, "stale",
-                          "the page is stale: it shows an earlier run of this campaign; nothing was done, look "
-                          "at the page again before you act"));
+    return refuse(
+        NotDone(409, "stale",
+                "the page is stale: it shows an earlier run of this campaign; nothing was done, look "
+                "at the page again before you act"));
   }
   const Tokens::Use use = tokens.Look(asked.action.token, BoundTo(snapshot, actor));
   if (use.answer == Tokens::Answer::kUsed) return refuse(NotDone(409, "done", use.done));
@@ -186,10 +192,11 @@ ActionAnswer EndRun(const AskedAction& asked, const AskProcess& ask, const std::
   try {
     process = ask(std::get<EndRequest>(asked.action->what));
   } catch (const std::system_error& error) {
-    return NotDone(500, "process",
-                   fmt::format("the program that runs the campaign cannot be asked: {}; use the bench's own "
-                               "quick-stop key (expected: this page served by the user who runs the campaign)",
-                               error.what()));
+    return NotDone(
+        500, "process",
+        fmt::format("the program that runs the campaign cannot be asked: {}; use the bench's own "
+                    "quick-stop key (expected: this page served by the user who runs the campaign)",
+                    error.what()));
   }
   if (process <= 0) {
     return NotDone(409, "not_running", "nobody runs this campaign: there is nobody to ask for a stop");

@@ -27,8 +27,8 @@ struct ActionAnswer {
 /// Who asks: a person who is logged in, or nobody that is known.
 struct Actor {
   std::optional<User> user;
-  std::string session;      // its secret, to which tokens are bound; empty without one
-  bool knows_users{true};   // whether the page has users at all
+  std::string session;     // its secret, to which tokens are bound; empty without one
+  bool knows_users{true};  // whether the page has users at all
 };
 
 struct ResumeRequest {};
@@ -45,17 +45,17 @@ struct PageAction {
 /// An action that may be carried out.
 struct AskedAction {
   const PageAction* action{};
-  std::string by;            // name; empty: nobody who is logged in
-  std::string text;          // why; of a note or a comment: itself
-  std::int64_t alarm{};      // number
+  std::string by;        // name; empty: nobody who is logged in
+  std::string text;      // why; of a note or a comment: itself
+  std::int64_t alarm{};  // number
   double shelf_length_s{};
-  std::string token;         // spend it, then do it
+  std::string token;  // spend it, then do it
 };
 
-/// Looks at the body of `POST /api/v1/actions`: {"action", "run", "token"}, and "text", "alarm", "for_s" where
-/// the action has them. Refused is what nobody knows, what the person may not do, what is for a run that is
-/// not the one of the snapshot, and a token that is not this person's or was used; the answer then says so,
-/// and brings what a page needs to ask again (`run`, `token`).
+/// Looks at the body of `POST /api/v1/actions`: {"action", "run", "token"}, and "text", "alarm", "for_s"
+/// where the action has them. Refused is what nobody knows, what the person may not do, what is for a run
+/// that is not the one of the snapshot, and a token that is not this person's or was used; the answer then
+/// says so, and brings what a page needs to ask again (`run`, `token`).
 std::variant<ActionAnswer, AskedAction> Accept(std::string_view request, const CampaignSnapshot& snapshot,
                                                const Actor& actor, Tokens& tokens);
 

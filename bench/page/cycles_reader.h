@@ -37,7 +37,7 @@ class CyclesReader {
   std::string Read(const CyclesQuery& query, int cycles_complete);
 
   const CampaignFolder folder_;
-  std::deque<Answer> answers_;   // newest first
+  std::deque<Answer> answers_;                         // newest first
   Worker worker_{kMostWaiting, Worker::AtEnd::kDrop};  // its thread reads the above, and ends before
 };
 

@@ -129,9 +129,8 @@ bool IsLoopbackHost(std::string_view host) {
   });
 }
 
-bool IsOwnOrigin(std::string_view origin, std::string_view host) {
-  constexpr std::string_view kScheme = "http://";
-  return origin.empty() || (origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host);
+bool IsOwnOrigin(std::string_view origin, std::string_view scheme, std::string_view host) {
+  return origin.empty() || (origin.starts_with(scheme) && origin.substr(scheme.size()) == host);
 }
 
 }  // namespace strainwave::bench

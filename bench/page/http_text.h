@@ -28,7 +28,8 @@ std::optional<RequestHead> HeadOf(std::string_view received);
 const HttpHeaders& AnswerHeaders();
 
 /// A whole answer that closes its connection. @param more  headers beside those of every answer.
-std::string HttpAnswer(int status, std::string_view type, std::string_view body, const HttpHeaders& more = {});
+std::string HttpAnswer(int status, std::string_view type, std::string_view body,
+                       const HttpHeaders& more = {});
 
 /// The head of an answer without end, of server-sent events.
 std::string EventStreamHead();
@@ -43,7 +44,7 @@ std::string ErrorJson(std::string_view sentence);
 /// has another.
 bool IsLoopbackHost(std::string_view host);
 
-/// Whether an Origin header, where there is one, is that of the page itself.
-bool IsOwnOrigin(std::string_view origin, std::string_view host);
+/// Whether an Origin header, where there is one, is that of the page itself. @param scheme  "https://".
+bool IsOwnOrigin(std::string_view origin, std::string_view scheme, std::string_view host);
 
 }  // namespace strainwave::bench

@@ -6,7 +6,6 @@
 
 #include <fmt/core.h>
 
-#include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_alarms.h"
 #include "bench/errors/bench_error.h"
 #include "bench/escaped.h"
@@ -24,7 +23,7 @@ std::string SentenceOf(const BenchError& error) {
 }
 
 std::string Act(const CampaignFolder& folder, const AskedAction& asked, const Moment& now) {
-  Journal journal = OpenCampaign(folder, Database::Mode::kReadWrite);
+  Journal journal = Journal::OpenChecked(folder.Journal(), Database::Mode::kReadWrite);
   if (std::holds_alternative<NoteRequest>(asked.action->what)) {
     journal.AddOperatorNote({UtcText(now.utc_ms), asked.by, asked.text});
     return "the note is in the journal";
@@ -46,17 +45,18 @@ ActionAnswer ActInJournal(const CampaignFolder& folder, const AskedAction& asked
   } catch (const BenchError& error) {
     return NotDone(409, "state", SentenceOf(error));
   } catch (const std::exception& error) {
-    return NotDone(503, "journal",
-                   fmt::format("the journal cannot be written, nothing was done: {} (expected room on the disk, "
-                               "and no other program that holds it)",
-                               error.what()));
+    return NotDone(
+        503, "journal",
+        fmt::format("the journal cannot be written, nothing was done: {} (expected room on the disk, "
+                    "and no other program that holds it)",
+                    error.what()));
   }
 }
 
 void RecordAction(const CampaignFolder& folder, const AskedAction& asked, const CampaignSnapshot& snapshot,
                   const std::string& utc) {
   const CampaignProgress& progress = snapshot.progress;
-  Journal journal = OpenCampaign(folder, Database::Mode::kReadWrite);
+  Journal journal = Journal::OpenChecked(folder.Journal(), Database::Mode::kReadWrite);
   const std::string by = asked.by.empty() ? "somebody who was not logged in" : Escaped(asked.by);
   const std::string why = asked.text.empty() ? "" : fmt::format(": {}", Escaped(asked.text));
   journal.AddEvent({.time_s = progress.latest_s,
@@ -79,9 +79,10 @@ std::optional<ActionAnswer> MayNotResume(const CampaignSnapshot& snapshot, const
     case BenchView::kFaulted:
     case BenchView::kInterrupted:
       if (asked.text.empty()) {
-        return NotDone(400, "request",
-                       "after a fault or an interruption 'text' must say what was looked at and mended before "
-                       "the campaign goes on (expected words)");
+        return NotDone(
+            400, "request",
+            "after a fault or an interruption 'text' must say what was looked at and mended before "
+            "the campaign goes on (expected words)");
       }
       break;
     case BenchView::kNotBegun:

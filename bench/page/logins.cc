@@ -93,9 +93,10 @@ Actor Logins::Acting(std::string_view cookies, Time now) {
 
 std::optional<LoginAnswer> Logins::LogIn(std::string_view text, Time now, Answered answered) {
   if (!users_file_) {
-    return Refused(404, "no_users",
-                   "this page has no users (expected: strainwave serve DIR --users FILE; strainwave users FILE "
-                   "add NAME makes one)");
+    return Refused(
+        404, "no_users",
+        "this page has no users (expected: strainwave serve DIR --users FILE; strainwave users FILE "
+        "add NAME makes one)");
   }
   const json request = json::parse(text, nullptr, false);
   const bool is_whole = request.is_object() && request.contains("name") && request["name"].is_string() &&

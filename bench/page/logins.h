@@ -24,12 +24,12 @@ namespace strainwave::bench {
 struct LoginAnswer {
   int status{};
   nlohmann::json body;
-  std::string cookie{};            // for Set-Cookie; empty: none
+  std::string cookie{};                // for Set-Cookie; empty: none
   std::chrono::seconds retry_after{};  // of a 429
 };
 
-/// Who is who on the page. The file of users is read again whenever it has changed: who is taken out of it, or
-/// gets another password, is logged out by that.
+/// Who is who on the page. The file of users is read again whenever it has changed: who is taken out of it,
+/// or gets another password, is logged out by that.
 class Logins {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -46,8 +46,8 @@ class Logins {
   Actor Acting(std::string_view cookies, Time now);
 
   using Answered = std::function<void(LoginAnswer)>;
-  /// {"name", "password"}. @param answered  is called from another thread, later, where the password is looked
-  /// at at all. @return what is said at once; nothing: `answered` will be called.
+  /// {"name", "password"}. @param answered  is called from another thread, later, where the password is
+  /// looked at at all. @return what is said at once; nothing: `answered` will be called.
   std::optional<LoginAnswer> LogIn(std::string_view request, Time now, Answered answered);
   LoginAnswer LogOut(std::string_view cookies);
 

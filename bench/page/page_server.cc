@@ -54,8 +54,10 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
  public:
   explicit Pages(const PageSettings& settings)
       : folder_(settings.folder),
+        scheme_(settings.tls == nullptr ? "http://" : "https://"),
         watch_(folder_),
-        logins_(settings.users_file, fmt::format("strainwave_{:.16}", watch_.Snapshot().run), false),
+        logins_(settings.users_file, fmt::format("strainwave_{:.16}", watch_.Snapshot().run),
+                settings.tls != nullptr),
         desk_(folder_, settings.complain),
         cycles_(folder_) {
     set_default_headers({AnswerHeaders().begin(), AnswerHeaders().end()});
@@ -176,7 +178,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   // What changes something, asked for by this page itself.
   void PostHere(const char* path, Handling handling) {
     Post(path, [this, handling](const httplib::Request& request, httplib::Response& response) {
-      if (!IsOwnOrigin(request.get_header_value("Origin"), request.get_header_value("Host"))) {
+      if (!IsOwnOrigin(request.get_header_value("Origin"), scheme_, request.get_header_value("Host"))) {
         return Refuse(response, 403, "actions of another page are not taken (expected this page's own)");
       }
       if (!request.get_header_value("Content-Type").starts_with(kJson)) {
@@ -208,8 +210,9 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
       response.set_content(file->bytes.data(), file->bytes.size(), std::string(file->type));
     } else {
       Refuse(response, 404,
-             fmt::format("there is no {:.80} here (expected / or /api/v1/state, cycles, alarms, events, actions)",
-                         request.path));
+             fmt::format(
+                 "there is no {:.80} here (expected / or /api/v1/state, cycles, alarms, events, actions)",
+                 request.path));
     }
     return true;
   }
@@ -350,6 +353,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   static Time SteadyNow() { return std::chrono::steady_clock::now(); }
 
   const CampaignFolder folder_;
+  const std::string_view scheme_;
   const std::string zone_{TimeZone()};
   ClientId client_{};                         // whose request is answered
   std::optional<std::string> waits_;          // what that one gets at once, where more will follow
@@ -373,7 +377,8 @@ PageServer::PageServer(const PageSettings& settings)
                                           ListenSettings{.address = "127.0.0.1",
                                                          .port = settings.port,
                                                          .connections = kMostConnections,
-                                                         .idle_after_ms = kIdleAfter_ms},
+                                                         .idle_after_ms = kIdleAfter_ms,
+                                                         .tls = settings.tls},
                                           *pages_, kLimits)) {
   pages_->Begin(*server_);
 }

@@ -16,6 +16,7 @@ struct PageSettings {
   CampaignFolder folder;
   int port{};                                       // of 127.0.0.1; 0: any free one
   std::optional<std::filesystem::path> users_file;  // who may do more than look on and stop; nothing: nobody
+  const TlsIdentity* tls{};                         // outlives the page; nothing: not encrypted
   /// Takes what could not be kept and nobody waits for, a sentence each, from any thread.
   std::function<void(const std::string&)> complain;
 };

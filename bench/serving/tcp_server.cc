@@ -74,6 +74,7 @@ TcpServer::TcpServer(std::string_view name, const ListenSettings& settings, Requ
       limits_(limits),
       most_clients_(settings.connections),
       idle_after_(settings.idle_after_ms),
+      tls_(settings.tls),
       listener_(Listen(settings)) {
   if (listener_ < 0) {
     throw std::system_error(
@@ -97,14 +98,18 @@ void TcpServer::Serve() {
   while (!stop_) {
     sockets.assign({{listener_, POLLIN, 0}, {wake_.descriptor(), POLLIN, 0}});
     for (const Client& client : clients_) {
-      sockets.push_back({client.socket, static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT), 0});
+      const short own = client.link->Waits();
+      const auto usual = static_cast<short>(client.unsent.empty() ? POLLIN : POLLOUT);
+      sockets.push_back({client.socket, own != 0 ? own : usual, 0});
     }
-    if (::poll(sockets.data(), sockets.size(), kPatience_ms) < 0) continue;
+    const bool more =
+        std::ranges::any_of(clients_, [](const Client& client) { return client.link->HasMore(); });
+    if (::poll(sockets.data(), sockets.size(), more ? 0 : kPatience_ms) < 0) continue;
     wake_.Take();
     const Time now = std::chrono::steady_clock::now();
     auto polled = sockets.begin() + 1;
     for (auto client = clients_.begin(); client != clients_.end();) {
-      const bool ready = (++polled)->revents != 0;
+      const bool ready = (++polled)->revents != 0 || client->link->HasMore();
       const bool stays = (!ready || (Receive(*client) && Proceed(*client, now))) && IsWelcome(*client, now);
       if (!stays) Close(*client);
       client = stays ? std::next(client) : clients_.erase(client);
@@ -154,7 +159,10 @@ void TcpServer::LetIn(Time now) {
     }
     if (socket < 0) return;
     if (clients_.size() >= most_clients_) CloseLongestIdle();
-    clients_.push_back({.socket = socket, .id = ++last_id_, .served = now});
+    clients_.push_back({.socket = socket,
+                        .link = tls_ == nullptr ? PlainLink(socket) : tls_->Link(socket),
+                        .id = ++last_id_,
+                        .served = now});
   }
 }
 
@@ -168,14 +176,14 @@ bool TcpServer::Receive(Client& client) {
   if (!client.unsent.empty()) return true;
   std::array<char, kBuffer_bytes> buffer{};
   if (client.leaves) {
-    const ssize_t count = ::recv(client.socket, buffer.data(), buffer.size(), 0);
+    const ssize_t count = client.link->Read(buffer.data(), buffer.size());
     return count > 0 || (count < 0 && WouldWait());
   }
   // What is not a whole request yet is shorter than the longest one, or the client would have been closed;
   // one that waits has nothing more to say.
   const std::size_t room = limits_.longest_request_bytes - client.received.size();
   if (room == 0) return false;
-  const ssize_t count = ::recv(client.socket, buffer.data(), std::min(buffer.size(), room), 0);
+  const ssize_t count = client.link->Read(buffer.data(), std::min(buffer.size(), room));
   if (count < 0) return WouldWait();
   client.received.append(buffer.data(), static_cast<std::size_t>(count));
   if (client.waits && count == 0) return false;  // nobody is there to wait
@@ -184,7 +192,7 @@ bool TcpServer::Receive(Client& client) {
 }
 
 bool TcpServer::SendUnsent(Client& client) {
-  const ssize_t count = ::send(client.socket, client.unsent.data(), client.unsent.size(), MSG_NOSIGNAL);
+  const ssize_t count = client.link->Write(client.unsent);
   if (count < 0 && !WouldWait()) return false;
   client.unsent.erase(0, static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
   if (client.unsent.empty()) client.due.reset();
@@ -193,7 +201,7 @@ bool TcpServer::SendUnsent(Client& client) {
 
 bool TcpServer::Linger(Client& client, Time now) {
   if (!limits_.lingers) return false;
-  ::shutdown(client.socket, SHUT_WR);
+  client.link->EndWriting();
   client.leaves = true;
   client.due = now + limits_.request_within;
   client.received.clear();

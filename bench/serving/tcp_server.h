@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "bench/devices/wake.h"
+#include "bench/serving/byte_link.h"
 
 namespace strainwave::bench {
 
@@ -22,6 +24,7 @@ struct ListenSettings {
   int port{};                   // 0: any free one
   std::size_t connections{32};  // at a time; one more takes the place of the longest idle
   std::int64_t idle_after_ms{60'000};
+  const TlsIdentity* tls{};  // outlives the server; nothing: not encrypted
 };
 
 /// What a TcpServer says to a request. Called from its thread alone.
@@ -94,6 +97,7 @@ class TcpServer {
 
   struct Client {
     int socket{};
+    std::unique_ptr<ByteLink> link{};
     RequestProtocol::ClientId id{};
     Time served{};              // the last time that it was given an answer, or let in
     std::optional<Time> due{};  // by which the rest of a request must have come, and an answer have gone
@@ -121,6 +125,7 @@ class TcpServer {
   const ServerLimits limits_;
   const std::size_t most_clients_;
   const std::chrono::milliseconds idle_after_;
+  const TlsIdentity* const tls_;
   int listener_{-1};
   int port_{};
   RequestProtocol::ClientId last_id_{};

@@ -13,7 +13,7 @@ namespace strainwave::bench {
 /// Does what takes long for a server's thread, one task after the other, in a thread of its own.
 class Worker {
  public:
-  using Task = std::function<void()>;  // throws nothing
+  using Task = std::function<void()>;   // throws nothing
   enum class AtEnd { kFinish, kDrop };  // what becomes of tasks that still wait
 
   Worker(std::size_t most_waiting, AtEnd at_end);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Debian's Chromium through playwright-core, a campaign, and its page. What is missing is told, and the test is skipped.
-import {spawn} from 'node:child_process';
+import {execFileSync, spawn} from 'node:child_process';
 import {existsSync, mkdtempSync, openSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';
@@ -45,16 +45,24 @@ export class Scratch {
     return child;
   }
 
-  /// One of many short cycles.
-  campaign(program, pace, ...more) {
+  /// One of many short cycles, whose gear may twist so far.
+  campaign(program, pace, {twist = '30 arcmin'} = {}, ...more) {
     const schedule = join(this.folder, 'schedule.yaml');
-    writeFileSync(schedule, readFileSync(SMALL, 'utf8').replace('cycles: 3', `cycles: ${CYCLES}`).replace('20 min', '5 min'));
+    const text = readFileSync(SMALL, 'utf8').replace('cycles: 3', `cycles: ${CYCLES}`).replace('20 min', '5 min');
+    writeFileSync(schedule, text.replace('twist: 30 arcmin', `twist: ${twist}`));
     return this.start(program, ['run', schedule, '--out', join(this.folder, 'campaign'), '--pace', String(pace), ...more]);
   }
 
+  /// A file of one user.
+  users(program, name, password, role) {
+    const file = join(this.folder, 'users.yaml');
+    execFileSync(program, ['users', file, 'add', name, '--role', role], {input: `${password}\n`});
+    return file;
+  }
+
   /// The page's address, and its process.
-  async page(program, campaign = join(this.folder, 'campaign'), port = 0) {
-    const child = this.start(program, ['serve', campaign, '--port', String(port)], 'pipe');
+  async page(program, campaign = join(this.folder, 'campaign'), port = 0, ...more) {
+    const child = this.start(program, ['serve', campaign, '--port', String(port), ...more], 'pipe');
     const line = await new Promise((done, fail) => {
       child.stdout.once('data', data => done(String(data)));
       child.once('exit', code => fail(new Error(`strainwave serve ended with ${code}`)));

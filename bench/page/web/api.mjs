@@ -18,9 +18,14 @@ async function get(path) {
 export const getState = () => get('/api/v1/state');
 export const getCycles = points => get(`/api/v1/cycles?points=${points}`);
 
-/// An action on one run, with a token that is good once.
-export function act(action, run, token) {
-  return answerOf('/api/v1/actions', {
-    method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify({action, run, token}),
-  });
-}
+export const getAlarms = () => get('/api/v1/alarms');
+
+const post = (path, body, patience_ms = PATIENCE_MS) => answerOf(path, {
+  method: 'POST', headers: {'Content-Type': 'application/json'}, body: JSON.stringify(body), signal: AbortSignal.timeout(patience_ms),
+});
+
+/// An action on one run, with a token that is good once; a campaign that goes on takes its time to begin.
+export const act = (action, run, token, more = {}) => post('/api/v1/actions', {action, run, token, ...more}, 40000);
+
+export const logIn = (name, password) => post('/api/v1/login', {name, password});
+export const logOut = () => post('/api/v1/logout', {});

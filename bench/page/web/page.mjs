@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The live page: what the bench says, put into the document. Text goes in as text, never as markup.
-import {act, getCycles, getState} from '/api.mjs';
+import {begin, canLogIn, mayAct, quickStop, showsRun, takeState} from '/acting.mjs';
+import {showAlarms, showNotes} from '/alarms.mjs';
+import {getAlarms, getCycles, getState} from '/api.mjs';
 import {follow} from '/feed.mjs';
 import {Clock, bytes, duration, fixed, hours, number, percent} from '/format.mjs';
 
@@ -25,8 +27,6 @@ let state = null;         // the newest
 let stateAt = 0;          // when it came, on this browser's steady clock
 let wordAt = 0;           // when anything came
 let benchMs = 0;          // UTC of the bench then
-let token = '';           // of the next action
-let tokenRun = '';        // the run that it is for
 let clock = new Clock('UTC');
 let asked = false;        // for a quick stop, and the bench was not seen to stand since
 
@@ -46,7 +46,8 @@ function showState() {
   put('campaign', state.campaign);
   put('specimen', state.specimen);
   put('run', state.run);
-  document.title = `${word} · ${state.campaign}`;
+  const waiting = state.alarms.filter(alarm => !alarm.acknowledged && !alarm.shelved).length;
+  document.title = `${waiting ? `(${waiting}) ` : ''}${word} · ${state.campaign}`;
 }
 
 function showProgress() {
@@ -167,6 +168,37 @@ async function showCycles() {
   cyclesUnderWay = false;
 }
 
+// What cannot be done now is not offered: pausing where nothing runs, going on where something does.
+function showActs() {
+  $('acts').hidden = !canLogIn();
+  $('add-note').hidden = !canLogIn();
+  for (const button of $('acts').children) {
+    const fits = (button.dataset.action === 'resume') === (state.process === 0) && state.state !== 'complete' && state.state !== 'unreadable';
+    button.disabled = !fits;
+    button.title = fits && !mayAct(button.dataset.action) ? 'needs the login of an operator' : '';
+  }
+}
+
+// Alarms with what was said about them, read again when one of them has changed.
+let alarmsShown = '', notesShown = '';
+
+async function showLists() {
+  const notes = JSON.stringify([state.notes, clock.zone]);
+  if (notes !== notesShown) showNotes(state.notes, clock);
+  notesShown = notes;
+  const alarms = JSON.stringify([state.alarms, clock.zone, canLogIn()]);
+  if (alarms === alarmsShown) return;
+  alarmsShown = alarms;
+  showAlarms(state.alarms, clock);
+  if (!state.alarms.length) return;
+  try {
+    const {alarms: whole} = await getAlarms();
+    if (alarmsShown === alarms) showAlarms(whole, clock);
+  } catch {
+    alarmsShown = '';  // with the next state
+  }
+}
+
 function tell(text, kind) {
   $('answer').hidden = !text;
   $('answer').dataset.kind = kind;
@@ -181,8 +213,11 @@ function take(newer) {
   state = newer;
   stateAt = performance.now();
   benchMs = newer.now_ms;
+  showsRun(state.run);
   showState();
   showProgress();
+  showActs();
+  showLists();
   if (asked && state.safe) {
     asked = false;
     tell(`The bench stands: ${state.sentence}`, 'good');
@@ -192,8 +227,7 @@ function take(newer) {
 async function refresh() {
   try {
     const newer = await getState();
-    ({token} = newer);
-    tokenRun = newer.run;
+    takeState(newer);
     clock = new Clock(newer.zone);
     put('zone', `${clock.zone} (${clock.offset(new Date(newer.now_ms))})`);
     wordAt = performance.now();
@@ -218,27 +252,10 @@ function tick() {
   showCycles();
 }
 
-async function quickStop() {
-  tell('Quick stop: asking the bench …', 'asked');
-  try {
-    const run = state?.run ?? tokenRun;
-    let answer = await act('stop_now', run, token);
-    // A token of a program that was started again meanwhile: the run that was seen is the same, so is what was meant.
-    if (answer.body.why === 'token' && answer.body.run === run) answer = await act('stop_now', run, answer.body.token);
-    if (answer.body.token) ({token} = answer.body);
-    if (answer.ok) {
-      asked = true;
-      tell(`Quick stop: ${answer.body.sentence}. Waiting until the bench stands.`, 'asked');
-    } else {
-      tell(`Quick stop: ${answer.body.error}`, answer.body.why === 'not_running' || answer.body.why === 'done' ? 'good' : 'bad');
-      if (answer.body.why === 'stale') refresh();
-    }
-  } catch {
-    tell('Quick stop: the page\'s program did not answer. Stop the bench by its own key, or with: strainwave stop DIR quick-stop', 'bad');
-  }
-}
-
-$('stop').addEventListener('click', quickStop);
+begin({refresh, tell});
+$('stop').addEventListener('click', async () => {
+  if (await quickStop()) asked = true;
+});
 $('run-hours').addEventListener('change', () => showTimes(...$('journal').children));
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => charts.forEach(chart => chart.restyle()));
 

@@ -86,7 +86,7 @@ class ThePageOfACampaign(unittest.TestCase):
 
     def test_answers_what_is_wrong_in_a_sentence(self):
         for path, status, sentence in (
-                ("/nothing", 404, "there is no /nothing here (expected / or /api/v1/state, cycles, events, actions)"),
+                ("/nothing", 404, "there is no /nothing here (expected / or /api/v1/state, cycles, alarms, events, actions)"),
                 ("/../../etc/passwd", 404, "there is no /../../etc/passwd here"),
                 ("/%2e%2e/%2e%2e/etc/passwd", 404, "there is no /../../etc/passwd here"),
                 ("/api/v1/cycles?points=0", 400, "points = '0' (expected a whole number from 1 to 5000)"),
@@ -126,13 +126,15 @@ class ThePageOfACampaign(unittest.TestCase):
         state = self.page.state()
         status, answer = self.page.act("stop_now", state["run"], state["token"], {"Origin": "http://evil.example"})
         self.assertEqual((status, answer["error"]), (403, "actions of another page are not taken (expected this page's own)"))
-        status, answer = self.page.post(b"{}", {"Content-Type": "text/plain"})
+        status, answer, _ = self.page.post(b"{}", {"Content-Type": "text/plain"})
         self.assertEqual((status, answer["error"]), (400, "the Content-Type is not application/json (expected that of JSON)"))
         status, answer = self.page.act("stop_now", state["run"], state["token"], {"Origin": self.page.root})
         self.assertEqual((status, answer["why"]), (409, "not_running"))
 
 
-class ThePageOfARunningCampaign(unittest.TestCase):
+class RunningCampaign(unittest.TestCase):
+    """What tests of one have in common."""
+
     def setUp(self):
         self.stack = contextlib.ExitStack()
         self.addCleanup(self.stack.close)
@@ -142,9 +144,20 @@ class ThePageOfARunningCampaign(unittest.TestCase):
         process = self.stack.enter_context(live_page.campaign(PROGRAM, self.folder, "20", *more))
         return process
 
-    def open_page(self):
-        return self.stack.enter_context(live_page.page(PROGRAM, self.folder))
+    def open_page(self, *more):
+        return self.stack.enter_context(live_page.page(PROGRAM, self.folder, 0, *more))
 
+    def open_page_with_users(self):
+        """Somebody who is logged in as an operator."""
+        users = self.folder.with_name("users.yaml")
+        live_page.user(PROGRAM, users, "A. Meier", "correct horse", "operator")
+        live_page.user(PROGRAM, users, "B. Schulz", "battery staple", "viewer")
+        page = self.open_page("--users", str(users))
+        self.assertEqual(page.log_in("A. Meier", "correct horse")[0], 200)
+        return page
+
+
+class ThePageOfARunningCampaign(RunningCampaign):
     def test_is_stopped_at_once_though_many_look_on(self):
         process = self.begin()
         page = self.open_page()
@@ -170,7 +183,7 @@ class ThePageOfARunningCampaign(unittest.TestCase):
 
     def test_acts_once_and_on_the_run_that_was_seen(self):
         process = self.begin()
-        page = self.open_page()
+        page = self.open_page_with_users()
         seen = page.state()
         self.assertEqual(page.act("pause", seen["run"], seen["token"])[0], 200)
         process.wait(live_page.PATIENCE_s)
@@ -239,6 +252,107 @@ class ThePageOfARunningCampaign(unittest.TestCase):
         process.wait()
         state = until(lambda: (now := page.state())["state"] != "running" and now)
         self.assertEqual((state["state"], state["safe"]), ("interrupted", None))
+
+
+class PeopleWhoLogIn(RunningCampaign):
+    def events(self):
+        with contextlib.closing(sqlite3.connect(self.folder / "campaign.db")) as journal:
+            return journal.execute("SELECT severity, code, text FROM events ORDER BY id").fetchall()
+
+    def test_act_and_the_journal_says_who_and_why(self):
+        process = self.begin()
+        page = self.open_page_with_users()
+        self.assertEqual(page.state()["user"], {"name": "A. Meier", "role": "operator"})
+        self.assertEqual(page.do("note", text="<b>grease</b>\nchanged")[0], 200)
+        note = until(lambda: page.state()["notes"])[0]
+        self.assertEqual((note["author"], note["text"]), ("A. Meier", "<b>grease</b>\nchanged"))
+        self.assertEqual(page.do("pause", text="lunch")[0], 200)
+        self.assertEqual(process.wait(live_page.PATIENCE_s), 130)
+        action = ("action", "page_pause", "pause asked for on the page by A. Meier: lunch")
+        until(lambda: action in self.events())
+        self.assertEqual(until(lambda: (now := page.state())["process"] == 0 and now)["state"], "stopped")
+
+    def test_go_on_with_a_campaign(self):
+        process = self.begin()
+        page = self.open_page_with_users()
+        self.assertEqual(page.do("resume")[1]["error"], "the campaign runs already")
+        page.do("stop_now")
+        self.assertEqual(process.wait(live_page.PATIENCE_s), 130)
+        until(lambda: page.state()["state"] == "stopped")
+        status, answer = page.do("resume")
+        self.assertEqual(status, 200, answer)
+        self.assertRegex(answer["sentence"], r"^process \d+ goes on with the campaign$")
+        state = until(lambda: (now := page.state())["state"] == "running" and now)
+        self.assertIn(f"process {state['process']} ", answer["sentence"])
+        page.process.send_signal(signal.SIGINT)
+        self.assertEqual(page.process.wait(live_page.PATIENCE_s), 0)
+        self.assertEqual(status_of(self.folder)["process"], state["process"])
+        subprocess.run([PROGRAM, "stop", self.folder, "quick-stop"], capture_output=True, check=True)
+        until(lambda: status_of(self.folder)["process"] == 0)
+
+    def test_hear_why_a_campaign_does_not_go_on(self):
+        process = self.begin()
+        page = self.open_page_with_users()
+        until(lambda: page.state()["values"])
+        process.kill()
+        process.wait()
+        until(lambda: page.state()["state"] == "interrupted")
+        status, answer = page.do("resume")
+        self.assertEqual((status, answer["why"]), (400, "request"))
+        self.assertIn("'text' must say what was looked at and mended", answer["error"])
+        (self.folder / "schedule.yaml").write_text("schedule: 1\n")
+        status, answer = page.do("resume", text="looked at the bench")
+        self.assertEqual((status, answer["why"]), (409, "process"))
+        self.assertIn("the campaign was not gone on with: ", answer["error"])
+
+    def test_are_slowed_when_they_guess(self):
+        self.begin()
+        page = self.open_page_with_users()
+        other = live_page.Page(page.port, page.process)
+        wrong = "no user of that name has that password"
+        status, answer, _ = other.log_in("A. Meier", "wrong")
+        self.assertEqual((status, answer["error"]), (401, wrong))
+        status, answer, headers = other.log_in("A. Meier", "correct horse")
+        self.assertEqual((status, answer["why"], headers["Retry-After"]), (429, "wait", "1"))
+        self.assertEqual(other.log_in("nobody", "wrong")[1]["error"], wrong)
+        until(lambda: other.log_in("A. Meier", "correct horse")[0] == 200)
+        self.assertEqual(other.do("stop_now")[0], 200)
+
+    def test_do_no_more_than_they_may(self):
+        self.begin()
+        page = self.open_page_with_users()
+        viewer = live_page.Page(page.port, page.process)
+        status, _, headers = viewer.log_in("B. Schulz", "battery staple")
+        self.assertEqual(status, 200)
+        self.assertRegex(headers["Set-Cookie"],
+                         r"^strainwave_[0-9a-f]{16}=[0-9a-f]{64}; Path=/; HttpOnly; SameSite=Strict; Max-Age=43200$")
+        status, answer = viewer.do("pause")
+        self.assertEqual((status, answer["why"]), (403, "role"))
+        nobody = live_page.Page(page.port, page.process)
+        for action in "pause", "note", "resume":
+            self.assertEqual(nobody.do(action, text="x")[1]["why"], "login", action)
+        nobody.cookie = {"Cookie": viewer.cookie["Cookie"][:-1]}
+        self.assertIsNone(nobody.state()["user"])
+        seen = viewer.state()
+        self.assertEqual(page.act("pause", seen["run"], seen["token"])[1]["why"], "token")
+
+    def test_are_logged_out_with_their_entry_in_the_file(self):
+        self.begin()
+        page = self.open_page_with_users()
+        users = str(self.folder.with_name("users.yaml"))
+        subprocess.run([PROGRAM, "users", users, "remove", "A. Meier"], capture_output=True, check=True)
+        self.assertEqual(page.do("pause")[1]["why"], "login")
+        self.assertEqual(page.log_in("A. Meier", "correct horse")[0], 401)
+
+    def test_log_out(self):
+        self.begin()
+        page = self.open_page_with_users()
+        cookie = page.cookie
+        said = page.post(b"{}", {"Content-Type": "application/json"}, "/api/v1/logout")
+        self.assertEqual((said[0], said[1]), (200, {"user": None}))
+        self.assertIn("Max-Age=0", said[2]["Set-Cookie"])
+        page.cookie = cookie
+        self.assertIsNone(page.state()["user"])
 
 
 class TheCommand(unittest.TestCase):

@@ -42,10 +42,12 @@ TEST(PageHost, IsThisMachineItself) {
 }
 
 TEST(PageOrigin, IsThePagesOwnWhereThereIsOne) {
-  EXPECT_TRUE(IsOwnOrigin("", "localhost:8080"));
-  EXPECT_TRUE(IsOwnOrigin("http://localhost:8080", "localhost:8080"));
-  EXPECT_FALSE(IsOwnOrigin("http://localhost:8081", "localhost:8080"));
-  EXPECT_FALSE(IsOwnOrigin("null", "localhost:8080"));
+  EXPECT_TRUE(IsOwnOrigin("", "http://", "localhost:8080"));
+  EXPECT_TRUE(IsOwnOrigin("http://localhost:8080", "http://", "localhost:8080"));
+  EXPECT_FALSE(IsOwnOrigin("http://localhost:8081", "http://", "localhost:8080"));
+  EXPECT_FALSE(IsOwnOrigin("null", "http://", "localhost:8080"));
+  EXPECT_TRUE(IsOwnOrigin("https://localhost:8080", "https://", "localhost:8080"));
+  EXPECT_FALSE(IsOwnOrigin("http://localhost:8080", "https://", "localhost:8080"));
 }
 
 TEST(PageFiles, AreFoundByTheirWholePathAlone) {

@@ -26,11 +26,11 @@ TEST(PageView, IsOfTheJournalsLastWords) {
   EXPECT_EQ(ViewOf(Progress(0, 12), true), BenchView::kComplete);
   for (const char* ending : {"pause", "quick_stop", "quick_stop_key", "shutdown", "finish_cycle"}) {
     CampaignProgress asked = Progress(0, 4);
-    asked.events = {Line("info", ending, "ended")};
+    asked.last_of_bench = Line("info", ending, "ended");
     EXPECT_EQ(ViewOf(asked, true), BenchView::kStopped) << ending;
   }
   CampaignProgress killed = Progress(0, 4);
-  killed.events = {Line("info", "load_check", "the load is right"), Line("info", "pause", "an earlier end")};
+  killed.last_of_bench = Line("info", "load_check", "the load is right");
   EXPECT_EQ(ViewOf(killed, true), BenchView::kInterrupted);
   CampaignProgress tripped = Progress(0, 4);
   tripped.events = {Line("info", "vibration_limit", "followed"),

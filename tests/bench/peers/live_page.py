@@ -36,9 +36,9 @@ def campaign(program, folder, pace="20", *more):
 
 
 @contextlib.contextmanager
-def page(program, folder, port=0):
+def page(program, folder, port=0, *more):
     """The page of a campaign; gives it as a Page."""
-    process = subprocess.Popen([program, "serve", str(folder), "--port", str(port)], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([program, "serve", str(folder), "--port", str(port), *more], stdout=subprocess.PIPE, text=True)
     try:
         line = process.stdout.readline()
         assert "http://127.0.0.1:" in line, line
@@ -48,14 +48,23 @@ def page(program, folder, port=0):
         process.stdout.close()
 
 
+def user(program, file, name, password, role):
+    """Adds a user to a file of users."""
+    subprocess.run([program, "users", str(file), "add", name, "--role", role], input=password + "\n", text=True,
+                   capture_output=True, check=True)
+
+
 class Page:
+    """One who looks on; whoever logs in keeps the cookie."""
+
     def __init__(self, port, process):
         self.port, self.process = port, process
         self.root = f"http://127.0.0.1:{port}"
+        self.cookie = {}
 
     def get(self, path, headers=None):
         """Status, headers, body."""
-        request = urllib.request.Request(self.root + path, headers=headers or {})
+        request = urllib.request.Request(self.root + path, headers={**self.cookie, **(headers or {})})
         try:
             with urllib.request.urlopen(request, timeout=PATIENCE_s) as answer:
                 return answer.status, answer.headers, answer.read()
@@ -69,19 +78,33 @@ class Page:
     def state(self):
         return self.json("/api/v1/state")
 
-    def act(self, action, run, token, headers=None):
+    def act(self, action, run, token, headers=None, **more):
         """Status and answer."""
-        body = json.dumps({"action": action, "run": run, "token": token}).encode()
-        return self.post(body, {"Content-Type": "application/json", **(headers or {})})
+        body = json.dumps({"action": action, "run": run, "token": token, **more}).encode()
+        return self.post(body, {"Content-Type": "application/json", **(headers or {})})[:2]
 
-    def post(self, body, headers):
-        request = urllib.request.Request(self.root + "/api/v1/actions", body, headers, method="POST")
+    def do(self, action, **more):
+        """An action on what the page shows now: status and answer."""
+        state = self.state()
+        return self.act(action, state["run"], state["token"], **more)
+
+    def post(self, body, headers, path="/api/v1/actions"):
+        """Status, answer, headers."""
+        request = urllib.request.Request(self.root + path, body, {**self.cookie, **headers}, method="POST")
         try:
             with urllib.request.urlopen(request, timeout=PATIENCE_s) as answer:
-                return answer.status, json.load(answer)
+                return answer.status, json.load(answer), answer.headers
         except urllib.error.HTTPError as error:
             with error:
-                return error.code, json.load(error)
+                return error.code, json.load(error), error.headers
+
+    def log_in(self, name, password):
+        """Status, answer, headers."""
+        said = self.post(json.dumps({"name": name, "password": password}).encode(), {"Content-Type": "application/json"},
+                         "/api/v1/login")
+        if said[0] == 200:
+            self.cookie = {"Cookie": said[2]["Set-Cookie"].split(";")[0]}
+        return said
 
     def raw(self, text, more=None):
         """What comes for these bytes, until the server closes; `more` is sent after them, as far as it is taken."""
