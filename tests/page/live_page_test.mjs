@@ -165,6 +165,10 @@ try {
       await desk.locator('#acts [data-action=resume]').click();
       await asks('looked at it');
       await says(desk, 'ask-trouble', /^alarm 1 is not acknowledged: /);
+      // No question covers the quick stop.
+      await desk.locator('#stop').click();
+      await says(desk, 'answer', /nobody runs this campaign/);
+      await desk.locator('#ask-text').focus();
       await desk.keyboard.press('Escape');
 
       await alarm.getByRole('button', {name: 'Acknowledge'}).click();

@@ -65,9 +65,15 @@ export async function quickStop() {
   }
 }
 
+// Not modal: the quick stop stays in reach.
+function open(dialog) {
+  for (const other of document.querySelectorAll('dialog[open]')) other.close();
+  dialog.show();
+}
+
 function login() {
   $('login-trouble').textContent = '';
-  $('login-dialog').showModal();
+  open($('login-dialog'));
   $('login-name').focus();
 }
 
@@ -88,7 +94,7 @@ export function ask(action, about = '', more = {}) {
   $('ask-go').textContent = nameOf(action);
   $('ask-dialog').dataset.action = action;
   $('ask-dialog').more = more;
-  $('ask-dialog').showModal();
+  open($('ask-dialog'));
   $('ask-text').focus();
 }
 
@@ -138,7 +144,10 @@ export function begin(tools) {
   });
   $('login-dialog').querySelector('form').addEventListener('submit', submitLogin);
   $('ask-dialog').querySelector('form').addEventListener('submit', submitAsk);
-  for (const dialog of document.querySelectorAll('dialog')) dialog.querySelector('.cancel').addEventListener('click', () => dialog.close());
+  for (const dialog of document.querySelectorAll('dialog')) {
+    dialog.querySelector('.cancel').addEventListener('click', () => dialog.close());
+    dialog.addEventListener('keydown', event => event.key === 'Escape' && dialog.close());
+  }
   for (const button of $('acts').children) button.addEventListener('click', () => ask(button.dataset.action));
   $('add-note').addEventListener('click', () => ask('note'));
 }

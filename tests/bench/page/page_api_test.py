@@ -5,6 +5,7 @@
 usage: page_api_test.py PROGRAM"""
 import contextlib
 import json
+import os
 import pathlib
 import re
 import signal
@@ -14,9 +15,11 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.error
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "peers"))
 import live_page  # noqa: E402
+import test_certificates  # noqa: E402
 from waiting import until  # noqa: E402
 
 PROGRAM = ""
@@ -344,6 +347,23 @@ class PeopleWhoLogIn(RunningCampaign):
         self.assertEqual(page.do("pause")[1]["why"], "login")
         self.assertEqual(page.log_in("A. Meier", "correct horse")[0], 401)
 
+    def test_come_by_tls_with_a_cookie_for_it(self):
+        self.begin()
+        certificates = test_certificates.make(self.folder.with_name("certificates"))
+        users = self.folder.with_name("users.yaml")
+        live_page.user(PROGRAM, users, "A. Meier", "correct horse", "operator")
+        page = self.open_page("--users", str(users), "--tls", str(certificates / "broker.pem"), str(certificates / "broker.key"))
+        page.trust(certificates / "ca.pem")
+        self.assertEqual(page.state()["state"], "running")
+        self.assertTrue(page.log_in("A. Meier", "correct horse")[2]["Set-Cookie"].endswith("; Secure"))
+        self.assertEqual(page.do("pause")[0], 200)
+        # What is not TLS, or is not trusted, gets nothing and holds nobody up.
+        for no_tls in b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"\x16\x03\x01":
+            self.assertNotIn(b"HTTP/1.1 200", page.raw(no_tls))
+        with self.assertRaises(urllib.error.URLError):
+            live_page.Page(page.port, page.process, "https").state()
+        self.assertEqual(page.get("/uplot.mjs")[0], 200)
+
     def test_log_out(self):
         self.begin()
         page = self.open_page_with_users()
@@ -353,6 +373,27 @@ class PeopleWhoLogIn(RunningCampaign):
         self.assertIn("Max-Age=0", said[2]["Set-Cookie"])
         page.cookie = cookie
         self.assertIsNone(page.state()["user"])
+
+
+class RunWithItsPage(RunningCampaign):
+    def test_serves_it_beside_and_after_the_run(self):
+        process = self.begin("--serve", "--port", "0")
+        said = self.folder.with_suffix(".txt")
+        line = until(lambda: re.search(r"page: http://127.0.0.1:(\d+)/, in process (\d+)", said.read_text()))
+        page = live_page.Page(int(line[1]), None)
+        self.addCleanup(os.kill, int(line[2]), signal.SIGKILL)
+        until(lambda: page.state()["values"])
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(live_page.PATIENCE_s), 130)
+        until(lambda: page.state()["state"] == "stopped")
+
+    def test_goes_on_without_it(self):
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            port = taken.getsockname()[1]
+            process = self.begin("--serve", "--port", str(port))
+            self.assertIn(f"warning: the campaign runs without its page: error: port {port} is taken by another program",
+                          self.folder.with_suffix(".txt").read_text())
+            self.assertIsNone(process.poll())
 
 
 class TheCommand(unittest.TestCase):

@@ -5,6 +5,7 @@ import http.client
 import json
 import pathlib
 import socket
+import ssl
 import subprocess
 import urllib.error
 import urllib.request
@@ -41,8 +42,9 @@ def page(program, folder, port=0, *more):
     process = subprocess.Popen([program, "serve", str(folder), "--port", str(port), *more], stdout=subprocess.PIPE, text=True)
     try:
         line = process.stdout.readline()
-        assert "http://127.0.0.1:" in line, line
-        yield Page(int(line.split("http://127.0.0.1:")[1].split("/")[0]), process)
+        assert "://127.0.0.1:" in line, line
+        scheme, port = line.split(": ")[1].split("://127.0.0.1:")
+        yield Page(int(port.split("/")[0]), process, scheme)
     finally:
         ended(process)
         process.stdout.close()
@@ -57,16 +59,21 @@ def user(program, file, name, password, role):
 class Page:
     """One who looks on; whoever logs in keeps the cookie."""
 
-    def __init__(self, port, process):
+    def __init__(self, port, process, scheme="http"):
         self.port, self.process = port, process
-        self.root = f"http://127.0.0.1:{port}"
+        self.root = f"{scheme}://127.0.0.1:{port}"
         self.cookie = {}
+        self.tls = None
+
+    def trust(self, authority):
+        """From now on certificates of that one are good."""
+        self.tls = ssl.create_default_context(cafile=str(authority))
 
     def get(self, path, headers=None):
         """Status, headers, body."""
         request = urllib.request.Request(self.root + path, headers={**self.cookie, **(headers or {})})
         try:
-            with urllib.request.urlopen(request, timeout=PATIENCE_s) as answer:
+            with urllib.request.urlopen(request, timeout=PATIENCE_s, context=self.tls) as answer:
                 return answer.status, answer.headers, answer.read()
         except urllib.error.HTTPError as error:
             with error:
@@ -92,7 +99,7 @@ class Page:
         """Status, answer, headers."""
         request = urllib.request.Request(self.root + path, body, {**self.cookie, **headers}, method="POST")
         try:
-            with urllib.request.urlopen(request, timeout=PATIENCE_s) as answer:
+            with urllib.request.urlopen(request, timeout=PATIENCE_s, context=self.tls) as answer:
                 return answer.status, json.load(answer), answer.headers
         except urllib.error.HTTPError as error:
             with error:
