@@ -121,7 +121,7 @@ install_node_packages() {
   cp tests/page/package{,-lock}.json "$folder"
   if ! npm ci --ignore-scripts --no-audit --no-fund --prefix "$folder" >"$folder/npm.txt" 2>&1; then
     rm -rf "$folder/node_modules"
-    echo "setup.sh: npm could not fetch playwright-core, see $folder/npm.txt; the test of the page in a browser is skipped" >&2
+    echo "setup.sh: npm could not fetch playwright-core and axe-core, see $folder/npm.txt; the test of the page in a browser is skipped" >&2
   fi
 }
 

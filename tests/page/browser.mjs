@@ -21,8 +21,8 @@ export function skip(why) {
 /// playwright-core out of FOLDER/node_modules.
 export function playwright(folder) {
   if (!existsSync(CHROMIUM)) skip(`there is no ${CHROMIUM} (apt-get install chromium)`);
-  if (!existsSync(join(folder, 'node_modules/playwright-core'))) {
-    skip(`there is no playwright-core in ${folder} (npm ci there, with tests/page/package.json; ./setup.sh test does it)`);
+  if (!['playwright-core', 'axe-core'].every(name => existsSync(join(folder, 'node_modules', name)))) {
+    skip(`there are no playwright-core and axe-core in ${folder} (npm ci there, with tests/page/package.json; ./setup.sh test does it)`);
   }
   return createRequire(join(resolve(folder), 'package.json'))('playwright-core');
 }
