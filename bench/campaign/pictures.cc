@@ -12,7 +12,7 @@
 #include "analysis/units.h"
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/cycle_context.h"
-#include "bench/campaign/recompute.h"
+#include "bench/campaign/cycle_curves.h"
 #include "bench/plots/hysteresis_picture.h"
 #include "bench/plots/transmission_error_picture.h"
 #include "bench/plots/trend_picture.h"
@@ -21,38 +21,6 @@ namespace strainwave::bench {
 namespace {
 
 namespace quantities = analysis::quantities;
-
-// Keeps what the curves' spans look at.
-struct DrawnCycle {
-  std::vector<NamedRecord> records;
-  CycleAnalysis analysis;
-  std::vector<double> twist_rad;
-  std::vector<double> torque_Nm;
-};
-
-// The gear's own twist: what the bench adds in series is taken off, as it is for the fit.
-std::vector<double> TwistOf(const daq::Record& record, double compliance_rad_per_Nm) {
-  std::vector<double> twist_rad;
-  const auto angle_deg = record.Doubles("output_angle_deg");
-  const auto torque_Nm = record.Doubles("torque_Nm");
-  for (std::size_t i = 0; i < angle_deg.size(); ++i) {
-    twist_rad.push_back(RadFromDeg(angle_deg[i] - angle_deg.front()) - compliance_rad_per_Nm * torque_Nm[i]);
-  }
-  return twist_rad;
-}
-
-// With the errors that the tables give.
-void AddUncertainty(const BenchCorrections& corrections, analysis::TransmissionError& error) {
-  const auto add = [&](std::optional<analysis::SweepError>& sweep, const analysis::Quantity& quantity) {
-    if (!sweep) return;
-    const analysis::Estimate arcmin{ArcminFromRad(sweep->e_max_rad.value),
-                                    ArcminFromRad(sweep->e_max_rad.standard_error)};
-    sweep->e_max_rad.standard_error =
-        RadFromArcmin(WithEncoderUncertainty(arcmin, quantity, corrections).standard_error);
-  };
-  add(error.cw, quantities::kEMax);
-  add(error.ccw, quantities::kEMaxCcw);
-}
 
 HysteresisCurve CurveOf(std::string label, const analysis::TorsionalStiffness& stiffness,
                         std::span<const double> twist_rad, std::span<const double> torque_Nm,
@@ -68,22 +36,6 @@ HysteresisCurve CurveOf(std::string label, const analysis::TorsionalStiffness& s
   curve.k3_Nm_per_rad = WithBenchUncertainty(stiffness.k3_Nm_per_rad, quantities::kK3.name, corrections);
   curve.friction_torque_Nm = stiffness.friction_torque_Nm;
   return curve;
-}
-
-DrawnCycle Load(const CampaignFolder& folder, const Journal& journal, int cycle,
-                const CycleContext& context) {
-  DrawnCycle drawn;
-  drawn.records = ReadCycleRecords(folder, journal, cycle);
-  drawn.analysis = AnalyzeCycle(drawn.records, context);
-  if (drawn.analysis.transmission_error)
-    AddUncertainty(context.corrections, *drawn.analysis.transmission_error);
-  if (drawn.analysis.loop != nullptr) {
-    drawn.twist_rad =
-        TwistOf(*drawn.analysis.loop, context.corrections.series_compliance.compliance_rad_per_Nm.value);
-    const auto torque = drawn.analysis.loop->Doubles("torque_Nm");
-    drawn.torque_Nm.assign(torque.begin(), torque.end());
-  }
-  return drawn;
 }
 
 std::optional<std::filesystem::path> DrawTrendPicture(const Journal& journal, const std::string& title,
@@ -160,9 +112,9 @@ std::vector<std::filesystem::path> DrawCampaign(const CampaignFolder& folder, co
   const CampaignInputs inputs = ReadFrozenInputs(folder, journal);
   const CycleContext context = ContextOf(journal, inputs.schedule, inputs.bench);
   const std::string title = fmt::format("{}, {}", inputs.schedule.specimen.identity, inputs.schedule.name);
-  const DrawnCycle first = Load(folder, journal, complete.front(), context);
-  std::optional<DrawnCycle> last;
-  if (complete.size() > 1) last = Load(folder, journal, complete.back(), context);
+  const CycleCurves first = ReadCycleCurves(folder, journal, complete.front(), context);
+  std::optional<CycleCurves> last;
+  if (complete.size() > 1) last = ReadCycleCurves(folder, journal, complete.back(), context);
 
   std::vector<std::filesystem::path> pictures;
   const auto& specimen = inputs.schedule.specimen;
@@ -176,7 +128,7 @@ std::vector<std::filesystem::path> DrawCampaign(const CampaignFolder& folder, co
   if (first.analysis.stiffness) {
     // One loop at its own lock angle; the table's values are means over the angles.
     const std::string angle = first.analysis.loop->Metadata("lock_angle_deg").value_or("");
-    const auto curve = [&](const DrawnCycle& drawn, int cycle) {
+    const auto curve = [&](const CycleCurves& drawn, int cycle) {
       return CurveOf(label(cycle), *drawn.analysis.stiffness, drawn.twist_rad, drawn.torque_Nm, torques,
                      context.corrections);
     };

@@ -28,7 +28,8 @@ class SpawnSettings {
     Demand(::posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, output.c_str(),
                                               O_WRONLY | O_CREAT | O_APPEND, 0644),
            "output of another process");
-    Demand(::posix_spawn_file_actions_adddup2(&actions_, STDOUT_FILENO, STDERR_FILENO), "output of another process");
+    Demand(::posix_spawn_file_actions_adddup2(&actions_, STDOUT_FILENO, STDERR_FILENO),
+           "output of another process");
     // This process hears signals in its own way, which a new one would inherit.
     sigset_t all{};
     sigset_t none{};

@@ -20,22 +20,11 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMostPoints = 5000;
-constexpr int kLastCycle = 1'000'000'000;
 constexpr std::size_t kMostQuantities = 16;
 constexpr std::size_t kLongestQuantity = 64;
 constexpr std::array kTrends{analysis::quantities::kK1,   analysis::quantities::kK2,
                              analysis::quantities::kK3,   analysis::quantities::kEMax,
                              analysis::quantities::kEAvg, analysis::quantities::kLostMotion};
-
-int WholeNumber(const std::string& name, const std::string& text, int least, int most) {
-  int value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < least || value > most) {
-    throw std::invalid_argument(
-        fmt::format("{} = '{:.40}' (expected a whole number from {} to {})", name, text, least, most));
-  }
-  return value;
-}
 
 std::vector<std::string> Quantities(std::string_view text) {
   std::vector<std::string> names;
@@ -78,6 +67,16 @@ json BinsJson(const CycleBins& bins) {
 }
 
 }  // namespace
+
+int WholeNumber(const std::string& name, const std::string& text, int least, int most) {
+  int value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < least || value > most) {
+    throw std::invalid_argument(
+        fmt::format("{} = '{:.40}' (expected a whole number from {} to {})", name, text, least, most));
+  }
+  return value;
+}
 
 CyclesQuery ParseCyclesQuery(const std::multimap<std::string, std::string>& parameters) {
   CyclesQuery query;

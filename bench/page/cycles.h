@@ -21,6 +21,10 @@ struct CyclesQuery {
   bool operator==(const CyclesQuery&) const = default;
 };
 
+/// A parameter of a request. @throws std::invalid_argument with what was expected.
+int WholeNumber(const std::string& name, const std::string& text, int least, int most);
+inline constexpr int kLastCycle = 1'000'000'000;
+
 /// @param parameters  of the request, by name: from, to, points, quantities (separated by commas).
 /// @throws std::invalid_argument with one sentence for the first that is wrong.
 CyclesQuery ParseCyclesQuery(const std::multimap<std::string, std::string>& parameters);

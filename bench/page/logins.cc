@@ -31,6 +31,15 @@ std::string NewSecret() {
 
 }  // namespace
 
+HttpHeaders HeadersOf(const LoginAnswer& answer) {
+  HttpHeaders headers;
+  if (!answer.cookie.empty()) headers.emplace_back("Set-Cookie", answer.cookie);
+  if (answer.retry_after.count() > 0) {
+    headers.emplace_back("Retry-After", std::to_string(answer.retry_after.count()));
+  }
+  return headers;
+}
+
 Logins::Logins(std::optional<std::filesystem::path> users_file, std::string cookie, bool is_encrypted)
     : users_file_(std::move(users_file)),
       cookie_(std::move(cookie)),

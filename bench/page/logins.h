@@ -16,6 +16,7 @@
 #include "bench/accounts/sessions.h"
 #include "bench/accounts/users_file.h"
 #include "bench/page/actions.h"
+#include "bench/page/http_text.h"
 #include "bench/serving/worker.h"
 
 namespace strainwave::bench {
@@ -27,6 +28,9 @@ struct LoginAnswer {
   std::string cookie{};                // for Set-Cookie; empty: none
   std::chrono::seconds retry_after{};  // of a 429
 };
+
+/// Set-Cookie and Retry-After, where the answer has them.
+HttpHeaders HeadersOf(const LoginAnswer& answer);
 
 /// Who is who on the page. The file of users is read again whenever it has changed: who is taken out of it,
 /// or gets another password, is logged out by that.

@@ -10,19 +10,16 @@
 #include <fmt/core.h>
 #include <httplib.h>
 
-#include "bench/campaign/alarms_json.h"
-#include "bench/campaign/campaign.h"
 #include "bench/page/action_desk.h"
 #include "bench/page/campaign_watch.h"
-#include "bench/page/cycles_reader.h"
 #include "bench/page/event_stream.h"
 #include "bench/page/http_text.h"
+#include "bench/page/journal_reader.h"
 #include "bench/page/logins.h"
 #include "bench/page/page_state.h"
 #include "bench/page/static_files.h"
 #include "bench/page/time_zone.h"
 #include "bench/serving/http_exchange.h"
-#include "bench/serving/worker.h"
 #include "bench/utc.h"
 
 namespace strainwave::bench {
@@ -38,7 +35,6 @@ constexpr const char* kJson = "application/json";
 constexpr const char* kActionsPath = "/api/v1/actions";
 constexpr const char* kLoginPath = "/api/v1/login";
 constexpr const char* kLogoutPath = "/api/v1/logout";
-constexpr std::size_t kMostReadings = 64;  // of the journal that wait at a time
 
 // A viewer on a slow network has time for a frame; one that takes none is closed, and comes back by itself.
 constexpr ServerLimits kLimits{.longest_request_bytes = kLongestHead_bytes + kLongestBody_bytes,
@@ -59,7 +55,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
         logins_(settings.users_file, fmt::format("strainwave_{:.16}", watch_.Snapshot().run),
                 settings.tls != nullptr),
         desk_(folder_, settings.complain),
-        cycles_(folder_) {
+        reader_(folder_) {
     set_default_headers({AnswerHeaders().begin(), AnswerHeaders().end()});
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       return Route(request, response) ? HandlerResponse::Handled : HandlerResponse::Unhandled;
@@ -203,6 +199,8 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
       SendCycles(request, response);
     } else if (request.path == "/api/v1/alarms") {
       SendAlarms(request, response);
+    } else if (request.path == "/api/v1/measurements") {
+      SendMeasurements(request, response);
     } else if (request.path == "/api/v1/events") {
       OpenStream(request, response);
     } else if (const StaticFile* file = FindStaticFile(request.path)) {
@@ -210,9 +208,9 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
       response.set_content(file->bytes.data(), file->bytes.size(), std::string(file->type));
     } else {
       Refuse(response, 404,
-             fmt::format(
-                 "there is no {:.80} here (expected / or /api/v1/state, cycles, alarms, events, actions)",
-                 request.path));
+             fmt::format("there is no {:.80} here (expected / or /api/v1/state, cycles, alarms, "
+                         "measurements, events, actions)",
+                         request.path));
     }
     return true;
   }
@@ -233,17 +231,12 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   }
 
   void SendCycles(const httplib::Request& request, httplib::Response& response) {
-    CyclesQuery query;
     try {
-      query = ParseCyclesQuery(request.params);
+      const CyclesQuery query = ParseCyclesQuery(request.params);
+      Read(response, reader_.AskCycles(query, watch_.Snapshot().progress.complete, Answering(client_)));
     } catch (const std::invalid_argument& error) {
-      return Refuse(response, 400, error.what());
+      Refuse(response, 400, error.what());
     }
-    const bool waits =
-        cycles_.Ask(query, watch_.Snapshot().progress.complete,
-                    [this, client = client_](int status, std::string json) { Finish(client, status, json); });
-    if (!waits) return Refuse(response, 503, "too many ask for cycles at once (expected: ask again later)");
-    waits_.emplace();
   }
 
   void SendAlarms(const httplib::Request& request, httplib::Response& response) {
@@ -251,22 +244,25 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     if (!all.empty() && all != "0" && all != "1") {
       return Refuse(response, 400, fmt::format("all = {:.40} (expected 0, or 1 for cleared ones, too)", all));
     }
-    const bool waits = reader_.Post([this, client = client_, lists_all = all == "1"] {
-      int status = 200;
-      std::string json;
-      try {
-        const Journal journal = Journal::OpenChecked(folder_.Journal());
-        const auto rules = ReadFrozenInputs(folder_, journal).bench.alarms;
-        json = JsonText(AlarmListJson(journal, rules, lists_all, Now())) + "\n";
-      } catch (const std::exception& error) {
-        status = 503;
-        json = ErrorJson(fmt::format(
-            "the journal cannot be read: {} (expected the campaign's folder as it was)", error.what()));
-      }
-      Finish(client, status, json);
-    });
-    if (!waits) return Refuse(response, 503, "too many ask for alarms at once (expected: ask again later)");
+    Read(response, reader_.AskAlarms(all == "1", Answering(client_)));
+  }
+
+  void SendMeasurements(const httplib::Request& request, httplib::Response& response) {
+    try {
+      const std::string cycle = request.has_param("cycle") ? request.get_param_value("cycle") : "0";
+      Read(response, reader_.AskMeasurements(WholeNumber("cycle", cycle, 0, kLastCycle), Answering(client_)));
+    } catch (const std::invalid_argument& error) {
+      Refuse(response, 400, error.what());
+    }
+  }
+
+  void Read(httplib::Response& response, bool is_asked) {
+    if (!is_asked) return Refuse(response, 503, "too many ask at once (expected: ask again later)");
     waits_.emplace();
+  }
+
+  JournalReader::Done Answering(ClientId client) {
+    return [this, client](int status, const std::string& json) { Finish(client, status, json); };
   }
 
   // From another thread.
@@ -335,15 +331,6 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     Send(response, logins_.LogOut(request.get_header_value("Cookie")));
   }
 
-  static HttpHeaders HeadersOf(const LoginAnswer& answer) {
-    HttpHeaders headers;
-    if (!answer.cookie.empty()) headers.emplace_back("Set-Cookie", answer.cookie);
-    if (answer.retry_after.count() > 0) {
-      headers.emplace_back("Retry-After", std::to_string(answer.retry_after.count()));
-    }
-    return headers;
-  }
-
   static void Send(httplib::Response& response, const LoginAnswer& answer) {
     response.status = answer.status;
     for (const auto& [name, value] : HeadersOf(answer)) response.set_header(name, value);
@@ -367,8 +354,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   CampaignWatch watch_;
   Logins logins_;
   ActionDesk desk_;
-  CyclesReader cycles_;
-  Worker reader_{kMostReadings, Worker::AtEnd::kDrop};
+  JournalReader reader_;
 };
 
 PageServer::PageServer(const PageSettings& settings)

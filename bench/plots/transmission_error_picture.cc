@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -12,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/one_turn.h"
 #include "analysis/quantities.h"
 #include "analysis/units.h"
 #include "bench/plots/gnuplot.h"
@@ -24,26 +24,9 @@ namespace {
 using analysis::OrderLine;
 using analysis::SweepError;
 
-// The samples folded into one turn and put in the order of the angle, so that a sweep to −360° lies over one
-// to +360°.
 std::string SweepData(std::string_view name, const SweepError& sweep) {
-  const std::size_t samples = std::min(sweep.output_angle_rad.size(), sweep.error_rad.size());
-  std::vector<double> angle_deg(samples);
-  for (std::size_t i = 0; i < samples; ++i) {
-    const double turned_deg = DegFromRad(sweep.output_angle_rad[i]);
-    angle_deg[i] = turned_deg - 360.0 * std::floor(turned_deg / 360.0);
-  }
-  std::vector<std::size_t> rank(samples);
-  std::iota(rank.begin(), rank.end(), std::size_t{0});
-  std::stable_sort(rank.begin(), rank.end(),
-                   [&](std::size_t a, std::size_t b) { return angle_deg[a] < angle_deg[b]; });
-  std::vector<double> sorted_deg;
-  std::vector<double> error_arcmin;
-  for (const std::size_t i : rank) {
-    sorted_deg.push_back(angle_deg[i]);
-    error_arcmin.push_back(ArcminFromRad(sweep.error_rad[i]));
-  }
-  return DataBlock(name, {sorted_deg, error_arcmin});
+  const analysis::TurnCurve turn = analysis::OneTurn(sweep);
+  return DataBlock(name, {turn.angle_deg, turn.error_arcmin});
 }
 
 // One direction of the first and, where there is one, of the last measurement.

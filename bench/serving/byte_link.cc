@@ -114,14 +114,16 @@ class TlsIdentity::Impl {
 TlsIdentity::TlsIdentity(const std::filesystem::path& certificate, const std::filesystem::path& key)
     : impl_(std::make_unique<Impl>()) {
   if (::SSL_CTX_use_certificate_chain_file(impl_->context(), certificate.c_str()) != 1) {
-    throw std::runtime_error(fmt::format("{}: error: no certificate: {} (expected a PEM file with the "
-                                         "certificate of this machine)",
-                                         certificate.string(), LastError()));
+    throw std::runtime_error(
+        fmt::format("{}: error: no certificate: {} (expected a PEM file with the "
+                    "certificate of this machine)",
+                    certificate.string(), LastError()));
   }
   if (::SSL_CTX_use_PrivateKey_file(impl_->context(), key.c_str(), SSL_FILETYPE_PEM) != 1) {
-    throw std::runtime_error(fmt::format("{}: error: not the key of that certificate: {} (expected a PEM file "
-                                         "with its private key, without a passphrase)",
-                                         key.string(), LastError()));
+    throw std::runtime_error(
+        fmt::format("{}: error: not the key of that certificate: {} (expected a PEM file "
+                    "with its private key, without a passphrase)",
+                    key.string(), LastError()));
   }
 }
 

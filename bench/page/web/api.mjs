@@ -18,6 +18,7 @@ async function get(path) {
 export const getState = () => get('/api/v1/state');
 export const getCycles = points => get(`/api/v1/cycles?points=${points}`);
 
+export const getMeasurements = cycle => get(`/api/v1/measurements?cycle=${cycle}`);
 export const getAlarms = () => get('/api/v1/alarms');
 
 const post = (path, body, patience_ms = PATIENCE_MS) => answerOf(path, {

@@ -2,7 +2,7 @@
 // The live page: what the bench says, put into the document. Text goes in as text, never as markup.
 import {begin, canLogIn, mayAct, quickStop, showsRun, takeState} from '/acting.mjs';
 import {showAlarms, showNotes} from '/alarms.mjs';
-import {getAlarms, getCycles, getState} from '/api.mjs';
+import {getAlarms, getCycles, getMeasurements, getState} from '/api.mjs';
 import {follow} from '/feed.mjs';
 import {Clock, bytes, duration, fixed, hours, number, percent} from '/format.mjs';
 
@@ -10,6 +10,7 @@ const SILENT_MS = 3000;        // without a word the stream counts as down
 const OLD_S = 2;               // from then on a reading is no reading of now
 const TICK_MS = 250;
 const CYCLES_EVERY_MS = 2000;  // at most so often, however fast a simulated bench runs
+const MEASUREMENTS_EVERY_MS = 5000;
 const POINTS = 600;
 const LINES = 40;
 
@@ -199,6 +200,27 @@ async function showLists() {
   }
 }
 
+// The first cycle is read once for a campaign; the newest when there is another, and not more often than every few seconds.
+let pictures = null, first = null, measuredShown = -1, measuredAsked = -Infinity, measuredUnderWay = false;
+
+async function showMeasurements() {
+  const due = state && state.cycles_complete > 0 && state.cycles_complete !== measuredShown && performance.now() - measuredAsked > MEASUREMENTS_EVERY_MS;
+  if (!due || measuredUnderWay || document.visibilityState !== 'visible') return;
+  measuredUnderWay = true;
+  measuredAsked = performance.now();
+  try {
+    first ??= await getMeasurements(1);
+    const [newest, {makePictures}] = await Promise.all([getMeasurements(0), import('/curves.mjs')]);
+    pictures ??= makePictures($('measurements'));
+    for (const picture of pictures) picture.set(newest.cycle > 1 ? [first, newest] : [newest]);
+    measuredShown = newest.cycle;
+    put('measurements-note', '');
+  } catch (error) {
+    put('measurements-note', `The measurements cannot be shown: ${error.message}`);
+  }
+  measuredUnderWay = false;
+}
+
 function tell(text, kind) {
   $('answer').hidden = !text;
   $('answer').dataset.kind = kind;
@@ -207,7 +229,7 @@ function tell(text, kind) {
 
 function take(newer) {
   if (state && newer.run !== state.run) {
-    cyclesShown = -1;
+    cyclesShown = measuredShown = -1;
     refresh();  // a token for the new run
   }
   state = newer;
@@ -250,6 +272,7 @@ function tick() {
   if (!state) return;
   showLive();
   showCycles();
+  showMeasurements();
 }
 
 begin({refresh, tell});
@@ -257,7 +280,7 @@ $('stop').addEventListener('click', async () => {
   if (await quickStop()) asked = true;
 });
 $('run-hours').addEventListener('change', () => showTimes(...$('journal').children));
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => charts.forEach(chart => chart.restyle()));
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => [...charts, ...pictures ?? []].forEach(chart => chart.restyle()));
 
 let wasDown = false;
 follow(({name, data}) => {

@@ -52,7 +52,8 @@ TEST_F(SessionsOfAPage, EndAfterAWorkingDayWhateverIsDone) {
 TEST_F(SessionsOfAPage, EndWhenTheirUserIsAnother) {
   sessions_.KeepOnly({kMeier});
   EXPECT_TRUE(Holds());
-  for (const User& changed : {User{"meier", UserRole::kViewer, "hash"}, User{"meier", UserRole::kOperator, "new"}}) {
+  for (const User& changed :
+       {User{"meier", UserRole::kViewer, "hash"}, User{"meier", UserRole::kOperator, "new"}}) {
     sessions_.Open("secret", kMeier, now_);
     sessions_.KeepOnly({changed});
     EXPECT_FALSE(Holds());

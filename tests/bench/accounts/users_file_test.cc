@@ -51,19 +51,22 @@ TEST(UsersFile, IsNotForEverybodysEyes) {
     FAIL() << "read";
   } catch (const UsersFileError& error) {
     EXPECT_EQ(std::string(error.what()),
-              file.string() + ": error: everybody may read or write the file of users (expected its owner alone: "
-                              "chmod 600 " +
+              file.string() +
+                  ": error: everybody may read or write the file of users (expected its owner alone: "
+                  "chmod 600 " +
                   file.string() + ")");
   }
 }
 
 TEST(UsersFile, SaysWhereItIsWrong) {
   const std::string head = "users: 1\naccounts:\n";
-  EXPECT_EQ(ErrorOf(head + "  - {name: \"-\\t\", role: viewer, password: " + kHash + "}\n"),
-            "users.yaml:3:12: error: name = -\t is no name of a user (expected 1 to 40 letters, digits, spaces in "
-            "between, . _ - @)");
+  EXPECT_EQ(
+      ErrorOf(head + "  - {name: \"-\\t\", role: viewer, password: " + kHash + "}\n"),
+      "users.yaml:3:12: error: name = -\t is no name of a user (expected 1 to 40 letters, digits, spaces in "
+      "between, . _ - @)");
   EXPECT_EQ(ErrorOf(head + "  - {name: a, role: operatr, password: " + kHash + "}\n"),
-            "users.yaml:3:21: error: role = operatr: not known; did you mean 'operator'? (expected viewer or operator)");
+            "users.yaml:3:21: error: role = operatr: not known; did you mean 'operator'? (expected viewer or "
+            "operator)");
   EXPECT_EQ(ErrorOf(head + "  - {name: a, role: viewer, password: secret99}\n"),
             "users.yaml:3:39: error: password is not what strainwave users writes (expected "
             "scrypt$15$8$3$SALT$HASH; passwords do not stand in this file)");

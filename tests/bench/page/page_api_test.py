@@ -13,22 +13,16 @@ import socket
 import sqlite3
 import subprocess
 import sys
-import tempfile
 import unittest
-import urllib.error
+
+import h5py
+import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "peers"))
 import live_page  # noqa: E402
-import test_certificates  # noqa: E402
 from waiting import until  # noqa: E402
 
-PROGRAM = ""
-FOLDER = pathlib.Path()
 STREAMS, TABS = 50, 8
-
-
-def status_of(folder):
-    return json.loads(subprocess.run([PROGRAM, "status", folder, "--json"], capture_output=True, check=True).stdout)
 
 
 class ThePageOfACampaign(unittest.TestCase):
@@ -37,16 +31,16 @@ class ThePageOfACampaign(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.stack = contextlib.ExitStack()
-        cls.folder = FOLDER / "over"
-        subprocess.run([PROGRAM, "run", live_page.SMALL, "--out", cls.folder], capture_output=True, check=True)
-        cls.page = cls.stack.enter_context(live_page.page(PROGRAM, cls.folder))
+        cls.folder = live_page.FOLDER / "over"
+        subprocess.run([live_page.PROGRAM, "run", live_page.SMALL, "--out", cls.folder], capture_output=True, check=True)
+        cls.page = cls.stack.enter_context(live_page.page(live_page.PROGRAM, cls.folder))
 
     @classmethod
     def tearDownClass(cls):
         cls.stack.close()
 
     def test_says_what_status_says(self):
-        state, status = self.page.state(), status_of(self.folder)
+        state, status = self.page.state(), live_page.status_of(self.folder)
         self.assertEqual((state["state"], state["safe"], state["campaign"], state["specimen"]),
                          ("complete", True, "over", "TEST-0001"))
         self.assertEqual((state["cycle"], state["cycles"], state["cycles_complete"], state["share"]), (3, 3, 3, 1.0))
@@ -74,6 +68,32 @@ class ThePageOfACampaign(unittest.TestCase):
         values = answer["quantities"]["k2_Nm_per_rad"]["last"]
         self.assertEqual((whole["min"], whole["max"], whole["last"]), ([min(values)], [max(values)], values[-1:]))
 
+    def test_has_what_a_cycle_measured(self):
+        newest, first = self.page.json("/api/v1/measurements"), self.page.json("/api/v1/measurements?cycle=1")
+        self.assertEqual((newest["cycle"], first["cycle"]), (3, 1))
+        with h5py.File(self.folder / "cycles/000003.h5") as records:
+            loop = records["hysteresis/hysteresis_1"]
+            vibration = records["measurement_rotation/vibration"]
+            rate_Hz, samples = vibration.attrs["sample_rate_hz"], vibration["accel_x_m_per_s2"][:].astype(float)
+            torque_Nm = loop["torque_Nm"][:]
+        drawn = newest["hysteresis"]
+        self.assertEqual(drawn["lock_angle_deg"], 0)
+        self.assertAlmostEqual(max(drawn["torque_Nm"]), torque_Nm.max(), places=3)
+        self.assertLess(max(drawn["twist_arcmin"]), 30)
+        turn = newest["transmission_error"]["cw"]
+        e_max = self.page.state()["results"]["e_max_arcmin"]["value"]
+        self.assertAlmostEqual(max(turn["error_arcmin"]) - min(turn["error_arcmin"]), e_max, delta=0.2 * e_max)
+        spectrum = newest["spectrum"]["accel_x_m_per_s2"]
+        # The strongest line, by numpy of the whole record.
+        window = numpy.hanning(len(samples))
+        whole = 2 * abs(numpy.fft.rfft(window * (samples - samples.mean()))) / window.sum()
+        strongest = whole.argmax() * rate_Hz / len(samples)
+        at = numpy.argmax(spectrum["amplitude_m_per_s2"])
+        self.assertAlmostEqual(spectrum["frequency_Hz"][at], strongest, delta=rate_Hz / 4096)
+        self.assertAlmostEqual(spectrum["amplitude_m_per_s2"][at], whole.max(), delta=0.2 * whole.max())
+        status, _, body = self.page.get("/api/v1/measurements?cycle=4")
+        self.assertEqual((status, json.loads(body)["error"]), (400, "cycle = 4 is not complete (expected 1 to 3, or 0 for the newest)"))
+
     def test_is_one_page_of_its_own_files(self):
         status, headers, body = self.page.get("/")
         self.assertEqual((status, headers["Content-Type"]), (200, "text/html; charset=utf-8"))
@@ -89,7 +109,7 @@ class ThePageOfACampaign(unittest.TestCase):
 
     def test_answers_what_is_wrong_in_a_sentence(self):
         for path, status, sentence in (
-                ("/nothing", 404, "there is no /nothing here (expected / or /api/v1/state, cycles, alarms, events, actions)"),
+                ("/nothing", 404, "there is no /nothing here (expected / or /api/v1/state, cycles, alarms, measurements, events, actions)"),
                 ("/../../etc/passwd", 404, "there is no /../../etc/passwd here"),
                 ("/%2e%2e/%2e%2e/etc/passwd", 404, "there is no /../../etc/passwd here"),
                 ("/api/v1/cycles?points=0", 400, "points = '0' (expected a whole number from 1 to 5000)"),
@@ -135,32 +155,7 @@ class ThePageOfACampaign(unittest.TestCase):
         self.assertEqual((status, answer["why"]), (409, "not_running"))
 
 
-class RunningCampaign(unittest.TestCase):
-    """What tests of one have in common."""
-
-    def setUp(self):
-        self.stack = contextlib.ExitStack()
-        self.addCleanup(self.stack.close)
-        self.folder = pathlib.Path(self.stack.enter_context(tempfile.TemporaryDirectory(dir=FOLDER))) / "running"
-
-    def begin(self, *more):
-        process = self.stack.enter_context(live_page.campaign(PROGRAM, self.folder, "20", *more))
-        return process
-
-    def open_page(self, *more):
-        return self.stack.enter_context(live_page.page(PROGRAM, self.folder, 0, *more))
-
-    def open_page_with_users(self):
-        """Somebody who is logged in as an operator."""
-        users = self.folder.with_name("users.yaml")
-        live_page.user(PROGRAM, users, "A. Meier", "correct horse", "operator")
-        live_page.user(PROGRAM, users, "B. Schulz", "battery staple", "viewer")
-        page = self.open_page("--users", str(users))
-        self.assertEqual(page.log_in("A. Meier", "correct horse")[0], 200)
-        return page
-
-
-class ThePageOfARunningCampaign(RunningCampaign):
+class ThePageOfARunningCampaign(live_page.RunningCampaign):
     def test_is_stopped_at_once_though_many_look_on(self):
         process = self.begin()
         page = self.open_page()
@@ -241,11 +236,11 @@ class ThePageOfARunningCampaign(RunningCampaign):
         process = self.begin()
         page = self.open_page()
         page.process.send_signal(signal.SIGSTOP)
-        before = status_of(self.folder)["bench_time_s"]
-        until(lambda: status_of(self.folder)["bench_time_s"] > before + 20)
+        before = live_page.status_of(self.folder)["bench_time_s"]
+        until(lambda: live_page.status_of(self.folder)["bench_time_s"] > before + 20)
         page.process.kill()
-        before = status_of(self.folder)["bench_time_s"]
-        until(lambda: status_of(self.folder)["bench_time_s"] > before + 20)
+        before = live_page.status_of(self.folder)["bench_time_s"]
+        until(lambda: live_page.status_of(self.folder)["bench_time_s"] > before + 20)
         self.assertIsNone(process.poll())
 
     def test_calls_a_killed_run_interrupted_and_not_safe(self):
@@ -257,125 +252,7 @@ class ThePageOfARunningCampaign(RunningCampaign):
         self.assertEqual((state["state"], state["safe"]), ("interrupted", None))
 
 
-class PeopleWhoLogIn(RunningCampaign):
-    def events(self):
-        with contextlib.closing(sqlite3.connect(self.folder / "campaign.db")) as journal:
-            return journal.execute("SELECT severity, code, text FROM events ORDER BY id").fetchall()
-
-    def test_act_and_the_journal_says_who_and_why(self):
-        process = self.begin()
-        page = self.open_page_with_users()
-        self.assertEqual(page.state()["user"], {"name": "A. Meier", "role": "operator"})
-        self.assertEqual(page.do("note", text="<b>grease</b>\nchanged")[0], 200)
-        note = until(lambda: page.state()["notes"])[0]
-        self.assertEqual((note["author"], note["text"]), ("A. Meier", "<b>grease</b>\nchanged"))
-        self.assertEqual(page.do("pause", text="lunch")[0], 200)
-        self.assertEqual(process.wait(live_page.PATIENCE_s), 130)
-        action = ("action", "page_pause", "pause asked for on the page by A. Meier: lunch")
-        until(lambda: action in self.events())
-        self.assertEqual(until(lambda: (now := page.state())["process"] == 0 and now)["state"], "stopped")
-
-    def test_go_on_with_a_campaign(self):
-        process = self.begin()
-        page = self.open_page_with_users()
-        self.assertEqual(page.do("resume")[1]["error"], "the campaign runs already")
-        page.do("stop_now")
-        self.assertEqual(process.wait(live_page.PATIENCE_s), 130)
-        until(lambda: page.state()["state"] == "stopped")
-        status, answer = page.do("resume")
-        self.assertEqual(status, 200, answer)
-        self.assertRegex(answer["sentence"], r"^process \d+ goes on with the campaign$")
-        state = until(lambda: (now := page.state())["state"] == "running" and now)
-        self.assertIn(f"process {state['process']} ", answer["sentence"])
-        page.process.send_signal(signal.SIGINT)
-        self.assertEqual(page.process.wait(live_page.PATIENCE_s), 0)
-        self.assertEqual(status_of(self.folder)["process"], state["process"])
-        subprocess.run([PROGRAM, "stop", self.folder, "quick-stop"], capture_output=True, check=True)
-        until(lambda: status_of(self.folder)["process"] == 0)
-
-    def test_hear_why_a_campaign_does_not_go_on(self):
-        process = self.begin()
-        page = self.open_page_with_users()
-        until(lambda: page.state()["values"])
-        process.kill()
-        process.wait()
-        until(lambda: page.state()["state"] == "interrupted")
-        status, answer = page.do("resume")
-        self.assertEqual((status, answer["why"]), (400, "request"))
-        self.assertIn("'text' must say what was looked at and mended", answer["error"])
-        (self.folder / "schedule.yaml").write_text("schedule: 1\n")
-        status, answer = page.do("resume", text="looked at the bench")
-        self.assertEqual((status, answer["why"]), (409, "process"))
-        self.assertIn("the campaign was not gone on with: ", answer["error"])
-
-    def test_are_slowed_when_they_guess(self):
-        self.begin()
-        page = self.open_page_with_users()
-        other = live_page.Page(page.port, page.process)
-        wrong = "no user of that name has that password"
-        status, answer, _ = other.log_in("A. Meier", "wrong")
-        self.assertEqual((status, answer["error"]), (401, wrong))
-        status, answer, headers = other.log_in("A. Meier", "correct horse")
-        self.assertEqual((status, answer["why"], headers["Retry-After"]), (429, "wait", "1"))
-        self.assertEqual(other.log_in("nobody", "wrong")[1]["error"], wrong)
-        until(lambda: other.log_in("A. Meier", "correct horse")[0] == 200)
-        self.assertEqual(other.do("stop_now")[0], 200)
-
-    def test_do_no_more_than_they_may(self):
-        self.begin()
-        page = self.open_page_with_users()
-        viewer = live_page.Page(page.port, page.process)
-        status, _, headers = viewer.log_in("B. Schulz", "battery staple")
-        self.assertEqual(status, 200)
-        self.assertRegex(headers["Set-Cookie"],
-                         r"^strainwave_[0-9a-f]{16}=[0-9a-f]{64}; Path=/; HttpOnly; SameSite=Strict; Max-Age=43200$")
-        status, answer = viewer.do("pause")
-        self.assertEqual((status, answer["why"]), (403, "role"))
-        nobody = live_page.Page(page.port, page.process)
-        for action in "pause", "note", "resume":
-            self.assertEqual(nobody.do(action, text="x")[1]["why"], "login", action)
-        nobody.cookie = {"Cookie": viewer.cookie["Cookie"][:-1]}
-        self.assertIsNone(nobody.state()["user"])
-        seen = viewer.state()
-        self.assertEqual(page.act("pause", seen["run"], seen["token"])[1]["why"], "token")
-
-    def test_are_logged_out_with_their_entry_in_the_file(self):
-        self.begin()
-        page = self.open_page_with_users()
-        users = str(self.folder.with_name("users.yaml"))
-        subprocess.run([PROGRAM, "users", users, "remove", "A. Meier"], capture_output=True, check=True)
-        self.assertEqual(page.do("pause")[1]["why"], "login")
-        self.assertEqual(page.log_in("A. Meier", "correct horse")[0], 401)
-
-    def test_come_by_tls_with_a_cookie_for_it(self):
-        self.begin()
-        certificates = test_certificates.make(self.folder.with_name("certificates"))
-        users = self.folder.with_name("users.yaml")
-        live_page.user(PROGRAM, users, "A. Meier", "correct horse", "operator")
-        page = self.open_page("--users", str(users), "--tls", str(certificates / "broker.pem"), str(certificates / "broker.key"))
-        page.trust(certificates / "ca.pem")
-        self.assertEqual(page.state()["state"], "running")
-        self.assertTrue(page.log_in("A. Meier", "correct horse")[2]["Set-Cookie"].endswith("; Secure"))
-        self.assertEqual(page.do("pause")[0], 200)
-        # What is not TLS, or is not trusted, gets nothing and holds nobody up.
-        for no_tls in b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"\x16\x03\x01":
-            self.assertNotIn(b"HTTP/1.1 200", page.raw(no_tls))
-        with self.assertRaises(urllib.error.URLError):
-            live_page.Page(page.port, page.process, "https").state()
-        self.assertEqual(page.get("/uplot.mjs")[0], 200)
-
-    def test_log_out(self):
-        self.begin()
-        page = self.open_page_with_users()
-        cookie = page.cookie
-        said = page.post(b"{}", {"Content-Type": "application/json"}, "/api/v1/logout")
-        self.assertEqual((said[0], said[1]), (200, {"user": None}))
-        self.assertIn("Max-Age=0", said[2]["Set-Cookie"])
-        page.cookie = cookie
-        self.assertIsNone(page.state()["user"])
-
-
-class RunWithItsPage(RunningCampaign):
+class RunWithItsPage(live_page.RunningCampaign):
     def test_serves_it_beside_and_after_the_run(self):
         process = self.begin("--serve", "--port", "0")
         said = self.folder.with_suffix(".txt")
@@ -398,27 +275,27 @@ class RunWithItsPage(RunningCampaign):
 
 class TheCommand(unittest.TestCase):
     def said(self, *arguments):
-        done = subprocess.run([PROGRAM, "serve", *map(str, arguments)], capture_output=True, text=True, check=False)
+        done = subprocess.run([live_page.PROGRAM, "serve", *map(str, arguments)], capture_output=True, text=True, check=False)
         self.assertEqual(done.stdout, "")
         return done.returncode, done.stderr
 
     def test_says_what_to_do_next(self):
-        missing = FOLDER / "missing"
+        missing = live_page.FOLDER / "missing"
         self.assertEqual(self.said(missing), (2, f"{missing}: error: there is no such folder (expected that of a campaign, "
                                                  f"which strainwave run SCHEDULE --out {missing} makes)\n"))
-        self.assertEqual(self.said(FOLDER), (2, f"{FOLDER}: error: not a campaign (expected a folder with schedule.yaml, "
+        self.assertEqual(self.said(live_page.FOLDER), (2, f"{live_page.FOLDER}: error: not a campaign (expected a folder with schedule.yaml, "
                                                 "bench.yaml and campaign.db)\n"))
 
     def test_names_a_port_that_is_free_perhaps(self):
-        folder = FOLDER / "taken"
-        with live_page.campaign(PROGRAM, folder), live_page.page(PROGRAM, folder) as page:
+        folder = live_page.FOLDER / "taken"
+        with live_page.campaign(live_page.PROGRAM, folder), live_page.page(live_page.PROGRAM, folder) as page:
             self.assertEqual(self.said(folder, "--port", page.port),
                              (3, f"error: port {page.port} is taken by another program, perhaps another page (expected a free "
                                  f"one: --port {page.port + 1}, or --port 0 for any)\n"))
 
     def test_ends_well_when_it_is_asked_to(self):
-        folder = FOLDER / "asked"
-        with live_page.campaign(PROGRAM, folder) as campaign, live_page.page(PROGRAM, folder) as page:
+        folder = live_page.FOLDER / "asked"
+        with live_page.campaign(live_page.PROGRAM, folder) as campaign, live_page.page(live_page.PROGRAM, folder) as page:
             with contextlib.closing(page.stream()):
                 page.process.send_signal(signal.SIGINT)
                 self.assertEqual(page.process.wait(live_page.PATIENCE_s), 0)
@@ -426,7 +303,4 @@ class TheCommand(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
-    with tempfile.TemporaryDirectory() as scratch:
-        FOLDER = pathlib.Path(scratch)
-        unittest.main()
+    live_page.main()

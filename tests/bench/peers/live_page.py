@@ -7,12 +7,17 @@ import pathlib
 import socket
 import ssl
 import subprocess
+import sys
+import tempfile
+import unittest
 import urllib.error
 import urllib.request
 
 from waiting import until
 
 SMALL = pathlib.Path(__file__).resolve().parents[2] / "simulation" / "small.yaml"
+PROGRAM = ""  # of `main`
+FOLDER = pathlib.Path()  # scratch, likewise
 PATIENCE_s = 60  # against hanging: no measure of anything
 
 
@@ -155,3 +160,44 @@ class Stream:
     def close(self):
         self.answer.close()
         self.connection.close()
+
+
+class RunningCampaign(unittest.TestCase):
+    """What tests of a campaign that runs have in common; `main` says by which program."""
+
+    def setUp(self):
+        self.stack = contextlib.ExitStack()
+        self.addCleanup(self.stack.close)
+        self.folder = pathlib.Path(self.stack.enter_context(tempfile.TemporaryDirectory(dir=FOLDER))) / "running"
+
+    def begin(self, *more):
+        process = self.stack.enter_context(campaign(PROGRAM, self.folder, "20", *more))
+        return process
+
+    def open_page(self, *more):
+        return self.stack.enter_context(page(PROGRAM, self.folder, 0, *more))
+
+    def open_page_with_users(self):
+        """Somebody who is logged in as an operator."""
+        users = self.folder.with_name("users.yaml")
+        user(PROGRAM, users, "A. Meier", "correct horse", "operator")
+        user(PROGRAM, users, "B. Schulz", "battery staple", "viewer")
+        page = self.open_page("--users", str(users))
+        self.assertEqual(page.log_in("A. Meier", "correct horse")[0], 200)
+        return page
+
+    def status(self):
+        return status_of(self.folder)
+
+
+def status_of(folder):
+    return json.loads(subprocess.run([PROGRAM, "status", folder, "--json"], capture_output=True, check=True).stdout)
+
+
+def main():
+    """Runs the tests of a script: its first argument is the program."""
+    global PROGRAM, FOLDER
+    PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    with tempfile.TemporaryDirectory() as scratch:
+        FOLDER = pathlib.Path(scratch)
+        unittest.main(module="__main__")
