@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// strainwave devices, bench check, bench jog and bench commission, as a person uses them, on devices within
-// the program.
+// strainwave devices, bench check, bench jog, bench commission and the end of a bench trip-test, as a person
+// uses them, on devices within the program.
 #include <signal.h>
 
 #include <algorithm>
@@ -256,6 +256,22 @@ TEST(RunCommand, WritesDownWhatGoesOverTheBus) {
       "sys.exit(not {0x80, 0x201, 0x202} <= ids)\" " +
       log.string();
   EXPECT_EQ(std::system(read.c_str()), 0);
+}
+
+TEST(TripTestCommand, EndsSafeOnCtrlCAndSaysWhatIsLeft) {
+  const ScratchFolder folder;
+  const pid_t process = StartProgram(
+      {"bench", "trip-test", kPatientBench, "--schedule", kSource + "/schedules/quick.yaml", "--yes"},
+      folder);
+  // The test's own time-out ends it where that never comes.
+  while (WholeFile(folder / "stderr").find("row 1 of ") == std::string::npos) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ::kill(process, SIGINT);
+  const ProgramResult result = WaitForProgram(process, folder);
+  EXPECT_EQ(result.exit_code, 130) << result.error;
+  EXPECT_NE(result.out.find("stopped on request"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("the test was stopped before"), std::string::npos) << result.out;
 }
 
 TEST(CommissionCommand, RefusesWhatIsNoQuantityAndWhatTheBenchCannotMeasure) {
