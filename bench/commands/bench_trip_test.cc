@@ -19,6 +19,7 @@
 #include "bench/configuration/embedded_bench.h"
 #include "bench/configuration/read_bench_file.h"
 #include "bench/errors/bench_error.h"
+#include "bench/escaped.h"
 #include "bench/machines/make_machine.h"
 #include "bench/trip_test/metal_trips.h"
 #include "bench/trip_test/simulated_trips.h"
@@ -83,7 +84,13 @@ void AskForClearShafts(const TripOptions& options) {
 
 TripPerson PersonAt(const BenchMachine& machine, const TripOptions& options) {
   TripPerson person;
-  if (!options.yes) person.ask = AskOrWhyNot;
+  if (!options.yes) {
+    person.ask = [](const std::string& what) {
+      std::optional<std::string> why_not = AskOrWhyNot(what);
+      if (why_not) why_not = Escaped(*why_not);
+      return why_not;
+    };
+  }
   person.tell = [](const std::string& what) { ToStderr("{}\n", what); };
   person.wait_until_ready = [&machine] { WaitForPeople(machine); };
   person.given_up = [] { return Requested() != StopRequest::kNone; };
@@ -136,8 +143,8 @@ int TripTest(const TripOptions& options) {
     sheet.results = Test(inputs, rows, options);
   }
   const std::string document = SheetJson(sheet).dump(2) + "\n";
-  if (!options.out.empty()) daq::WriteFileAtomically(options.out, document);
   ToStdout("{}", options.json ? document : SheetText(sheet));
+  if (!options.out.empty()) daq::WriteFileAtomically(options.out, document);
   // A person stopped it, here or by a key at the bench.
   const auto cut = [](const TripResult& result) {
     return result.verdict == TripVerdict::kSkipped && !result.stopped_as.empty();
