@@ -90,8 +90,8 @@ int Check(const BenchOptions& options) {
 }  // namespace
 
 void AddBench(CLI::App& app, Action& action) {
-  CLI::App* bench =
-      app.add_subcommand("bench", "Look at the devices of a real bench, and turn its shafts by hand.");
+  CLI::App* bench = app.add_subcommand(
+      "bench", "Look at the devices of a real bench, turn its shafts by hand, and try its interlocks.");
   bench->require_subcommand(1);
   auto options = std::make_shared<BenchOptions>();
   CLI::App* check = bench->add_subcommand(
@@ -104,6 +104,7 @@ void AddBench(CLI::App& app, Action& action) {
   check->callback([options, &action] { action = [options] { return Check(*options); }; });
   AddBenchCommission(*bench, action);
   AddBenchJog(*bench, action);
+  AddBenchTripTest(*bench, action);
 }
 
 }  // namespace strainwave::bench

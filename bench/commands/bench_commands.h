@@ -8,5 +8,6 @@ namespace strainwave::bench {
 /// Commands below `strainwave bench` that move a shaft.
 void AddBenchJog(CLI::App& bench, Action& action);
 void AddBenchCommission(CLI::App& bench, Action& action);
+void AddBenchTripTest(CLI::App& bench, Action& action);
 
 }  // namespace strainwave::bench

@@ -33,6 +33,23 @@ StopRequest RequestOf(int signal) {
   }
 }
 
+constexpr std::size_t kLongestAnswer = 200;
+
+// A line of standard input; nothing where nobody is there, or a stop is asked for meanwhile.
+std::optional<std::string> ReadAnswer() {
+  std::string answer;
+  while (g_request == StopRequest::kNone) {
+    if (WaitReadable(STDIN_FILENO, nullptr, std::chrono::milliseconds(100)) != Waited::kReadable) continue;
+    char key = 0;
+    const ssize_t got = ::read(STDIN_FILENO, &key, 1);
+    if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (got <= 0) return std::nullopt;
+    if (key == '\n') return answer;
+    if (answer.size() < kLongestAnswer) answer += key;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 const std::atomic<StopRequest>& Requested() { return g_request; }
@@ -53,15 +70,14 @@ void ListenForQuickStop() {
 
 bool Ask(const std::string& what) {
   ToStderr("\n{}, then press Enter\n", what);
-  while (g_request == StopRequest::kNone) {
-    if (WaitReadable(STDIN_FILENO, nullptr, std::chrono::milliseconds(100)) != Waited::kReadable) continue;
-    char key = 0;
-    const ssize_t got = ::read(STDIN_FILENO, &key, 1);
-    if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (got <= 0) return false;  // nobody is there
-    if (key == '\n') return true;
-  }
-  return false;
+  return ReadAnswer().has_value();
+}
+
+std::optional<std::string> AskOrWhyNot(const std::string& what) {
+  ToStderr("\n{}, then press Enter; or write why not, and press Enter\n", what);
+  const std::optional<std::string> answer = ReadAnswer();
+  if (!answer) return "nobody has answered";
+  return answer->empty() ? std::nullopt : answer;
 }
 
 void WaitForPeople(const BenchMachine& machine) {

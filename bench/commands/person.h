@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 
 #include "bench/controller/phase_runner.h"
@@ -25,6 +26,10 @@ void ListenForQuickStop();
 
 /// A person at the terminal says when it is done. A stop that is asked for meanwhile counts as a no.
 bool Ask(const std::string& what);
+
+/// The same, for what may also be left undone.
+/// @return nothing where it was done; else why not, in the person's words.
+std::optional<std::string> AskOrWhyNot(const std::string& what);
 
 /// Waits for what must be done by hand before anything moves, and says what that is. A stop that is asked for
 /// meanwhile ends the waiting.

@@ -11,9 +11,6 @@ namespace {
 using protocols::PowerState;
 using std::chrono::nanoseconds;
 
-// To operation enabled with the brake off: a brake's relay and a drive's own checks take up to a second.
-constexpr std::chrono::seconds kLongestWayUp{3};
-
 }  // namespace
 
 void DriveWatch::Enable(DriveMode mode) noexcept {

@@ -15,6 +15,9 @@ namespace strainwave::bench {
 /// the same rule for drives of every kind, however they report a fault, or do not.
 class DriveWatch final : public ServoDrive {
  public:
+  /// To operation enabled with the brake off: a brake's relay and a drive's own checks take up to a second.
+  static constexpr std::chrono::seconds kLongestWayUp{3};
+
   DriveWatch(ServoDrive& drive, BenchServo servo) noexcept : drive_(drive), servo_(servo) {}
 
   void Enable(DriveMode mode) noexcept override;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/controller/interlocks.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace strainwave::bench {
@@ -20,23 +21,45 @@ std::vector<InterlockRow> Interlocks::Table(const BenchSensors& sensors) {
   constexpr std::string_view kStop = "torque off, brakes on";
   constexpr std::string_view kSuspend = "suspend, resume by itself";
   return {
-      {"output torque", "limits.output_torque", kStop},
-      {"input speed", "limits.input_speed", kStop},
-      {"gear temperature", "limits.gear_temperature", kStop},
-      {"vibration RMS", "limits.vibration_rms", kStop,
+      {"output torque", "limits.output_torque", kStop, {StopCause::kOutputTorqueLimit}},
+      {"input speed", "limits.input_speed", kStop, {StopCause::kInputSpeedLimit}},
+      {"gear temperature", "limits.gear_temperature", kStop, {StopCause::kGearTemperatureLimit}},
+      {"vibration RMS",
+       "limits.vibration_rms",
+       kStop,
+       {StopCause::kVibrationLimit},
        sensors.vibration ? "" : "the bench has no accelerometers"},
-      {"twist, input locked", "limits.twist", kStop},
-      {"age of the readings", "stale_after, else three control periods", kStop},
-      {"input angle", "the driving servo's own", kStop},
-      {"drive fault", "power state fault", kStop},
-      {"drive enabled", "in operation enabled, brake off", kStop},
-      {"age of a drive's state", "stale_after, else three control periods", kStop},
-      {"torque and speed asked for", "torque_tolerance, speed_tolerance", kStop},
-      {"quick-stop key", "pressed, or its pendant gone", kStop,
+      {"twist, input locked", "limits.twist", kStop, {StopCause::kTwistLimit}},
+      {"age of the readings", "stale_after, else three control periods", kStop, {StopCause::kStaleReadings}},
+      {"torque, angles, input speed", "a plausible value", kStop, {StopCause::kImplausibleReading}},
+      {"input angle", "the driving servo's own", kStop, {StopCause::kInputAngleApart}},
+      {"drive fault", "power state fault", kStop, {StopCause::kDriveFault}},
+      {"drive enabled",
+       "in operation enabled, brake off",
+       kStop,
+       {StopCause::kDriveNotReady, StopCause::kDriveDroppedOut, StopCause::kBrakeEngaged}},
+      {"age of a drive's state", "stale_after, else three control periods", kStop, {StopCause::kDriveSilent}},
+      {"torque and speed asked for",
+       "torque_tolerance, speed_tolerance",
+       kStop,
+       {StopCause::kTorqueAway, StopCause::kSpeedAway}},
+      {"quick-stop key",
+       "pressed, or its pendant gone",
+       kStop,
+       {StopCause::kQuickStopKey},
        sensors.quick_stop_key ? "" : "the bench has no pendant"},
-      {"gear temperature", "suspend.trip_temperature", kSuspend},
-      {"bad channel", "suspend.bad_sensor", kSuspend},
+      {"gear temperature", "suspend.trip_temperature", kSuspend, {StopCause::kTemperatureSuspend}},
+      {"bad channel", "suspend.bad_sensor", kSuspend, {StopCause::kSensorSuspend}},
   };
+}
+
+void Interlocks::Lower(const schedules::Limits& limits) noexcept {
+  const auto lower = [](double& limit, double to) { limit = std::min(limit, to); };
+  lower(limits_.output_torque_Nm, limits.output_torque_Nm);
+  lower(limits_.input_speed_rad_per_s, limits.input_speed_rad_per_s);
+  lower(limits_.gear_temperature_degC, limits.gear_temperature_degC);
+  lower(limits_.vibration_rms_m_per_s2, limits.vibration_rms_m_per_s2);
+  lower(limits_.twist_rad, limits.twist_rad);
 }
 
 std::size_t Interlocks::CheckAll(const Readings& readings, const InterlockInputs& inputs,
@@ -102,6 +125,10 @@ StopReason SuspendMonitor::Check(const Readings& readings, double period_s) noex
     return {StopCause::kSensorSuspend, static_cast<double>(channel), rule_.bad_sensor_s, readings.time};
   }
   return {};
+}
+
+void SuspendMonitor::LowerTrip(double trip_temperature_degC) noexcept {
+  rule_.trip_temperature_degC = std::min(rule_.trip_temperature_degC, trip_temperature_degC);
 }
 
 bool SuspendMonitor::Recovered(const Readings& readings, double period_s) noexcept {

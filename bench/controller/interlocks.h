@@ -23,12 +23,13 @@ struct InterlockInputs {
   std::chrono::nanoseconds now{};
 };
 
-/// One row of the interlock table, for `validate` and the results page.
+/// One row of the interlock table, for `validate` and `bench trip-test`.
 struct InterlockRow {
   std::string_view signal;
   std::string_view limit;
   std::string_view action;
-  std::string_view unwatched{};  // why this bench does not watch it; empty: it does
+  std::vector<StopCause> causes;  // that a stop by it may have
+  std::string_view unwatched{};   // why this bench does not watch it; empty: it does
 };
 
 /// All limits of the bench in one place (docs/requirements.md R19): evaluated every control period in every
@@ -44,6 +45,9 @@ class Interlocks {
   /// Every broken limit, for telling the first cause from what followed; at most `causes.size()` of them.
   std::size_t CheckAll(const Readings& readings, const InterlockInputs& inputs,
                        std::span<StopReason> causes) const noexcept;
+
+  /// For a trip test: takes over the limits that are lower than those in force. None is ever raised.
+  void Lower(const schedules::Limits& limits) noexcept;
 
   /// All rows; one that a bench with these sensors does not watch says why.
   static std::vector<InterlockRow> Table(const BenchSensors& sensors);
@@ -64,6 +68,9 @@ class SuspendMonitor {
 
   /// While suspended: true when the condition has been clear for the dwell.
   bool Recovered(const Readings& readings, double period_s) noexcept;
+
+  /// For a trip test: takes over a threshold that is lower than the one in force.
+  void LowerTrip(double trip_temperature_degC) noexcept;
 
  private:
   schedules::SuspendRule rule_;

@@ -71,6 +71,13 @@ class PhaseRunner {
   /// Torque off and brakes on, at once.
   void MakeSafe() noexcept;
 
+  /// For a trip test, from the phase's own `Step`: limits that are lower than those in force, from the next
+  /// period on until the runner is gone. None is ever raised.
+  void LowerLimits(const schedules::Limits& limits, double trip_temperature_degC) noexcept {
+    interlocks_.Lower(limits);
+    suspend_.LowerTrip(trip_temperature_degC);
+  }
+
   /// Of the loop's last period; not while a phase runs.
   const Readings& last_readings() const noexcept { return readings_; }
 

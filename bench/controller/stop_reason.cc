@@ -15,7 +15,23 @@ constexpr double kSecondsPerHour = 3600.0;
 
 // A reason carries the channel as a number.
 std::string_view NameOf(double channel) {
-  switch (static_cast<Channel>(static_cast<unsigned>(channel))) {
+  return NameOf(static_cast<Channel>(static_cast<unsigned>(channel)));
+}
+
+// "60.69 Nm is beyond the limit of 60.00 Nm".
+std::string Beyond(double value, double limit, int decimals, std::string_view unit, std::string_view word) {
+  const std::vector<std::string> texts = TextsApart(value, {limit}, decimals);
+  return Text("{} {} is {} {} {}", texts[0], unit, word, texts[1], unit);
+}
+
+std::string BeyondLimit(double value, double limit, int decimals, std::string_view unit) {
+  return Beyond(value, limit, decimals, unit, "beyond the limit of");
+}
+
+}  // namespace
+
+std::string_view NameOf(Channel channel) {
+  switch (channel) {
     case Channel::kInputAngle:
       return "input angle";
     case Channel::kOutputAngle:
@@ -36,21 +52,9 @@ std::string_view NameOf(double channel) {
   return "channel";
 }
 
-// "60.69 Nm is beyond the limit of 60.00 Nm".
-std::string Beyond(double value, double limit, int decimals, std::string_view unit, std::string_view word) {
-  const std::vector<std::string> texts = TextsApart(value, {limit}, decimals);
-  return Text("{} {} is {} {} {}", texts[0], unit, word, texts[1], unit);
-}
-
-std::string BeyondLimit(double value, double limit, int decimals, std::string_view unit) {
-  return Beyond(value, limit, decimals, unit, "beyond the limit of");
-}
-
 std::string_view NameOf(BenchServo servo) {
   return servo == BenchServo::kDriving ? "driving servo" : "load servo";
 }
-
-}  // namespace
 
 std::string_view Code(StopCause cause) {
   switch (cause) {

@@ -63,6 +63,10 @@ struct StopReason {
   explicit operator bool() const { return cause != StopCause::kNone; }
 };
 
+/// "output torque", "driving servo": as sentences for people name them.
+std::string_view NameOf(Channel channel);
+std::string_view NameOf(BenchServo servo);
+
 /// Short name for the journal ("output_torque_limit").
 std::string_view Code(StopCause cause);
 

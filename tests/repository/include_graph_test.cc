@@ -36,7 +36,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"configuration", "controller", "serving"},
                                                          {"machines", "accounts"},
                                                          {"campaign"},
-                                                         {"page"},
+                                                         {"page", "trip_test"},
                                                          {"records"},
                                                          {"diagnosis"},
                                                          {"prediction"},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// strainwave devices, bench check, bench jog and bench commission, as a person uses them, on devices within
-// the program.
+// strainwave devices, bench check, bench jog, bench commission and the end of a bench trip-test, as a person
+// uses them, on devices within the program.
 #include <signal.h>
 
 #include <algorithm>
@@ -148,6 +148,10 @@ class Handled {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
   }
+  void Type(const std::string& keys) {
+    std::fputs(keys.c_str(), input_);
+    std::fflush(input_);
+  }
   void WaitUntil(const std::string& words) {
     while (said().find(words) == std::string::npos)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -256,6 +260,40 @@ TEST(RunCommand, WritesDownWhatGoesOverTheBus) {
       "sys.exit(not {0x80, 0x201, 0x202} <= ids)\" " +
       log.string();
   EXPECT_EQ(std::system(read.c_str()), 0);
+}
+
+TEST(TripTestCommand, FilesWhyAPersonLeftARowOut) {
+  Handled testing("bench trip-test " + kPatientBench + " --schedule " + kSource +
+                  "/tests/vm/campaign/pendant.yaml --only drive_silent");
+  testing.Type("\n");  // the shafts are clear
+  testing.Type("cabinet locked \xff\n");
+  testing.Type("no time\n");
+  const ProgramResult result = testing.End();
+  EXPECT_EQ(result.exit_code, 1) << "nothing was tested\n" << result.error;
+  EXPECT_NE(
+      result.error.find("age of a drive's state, load servo: get ready to pull the bus cable of the load "
+                        "servo, while the bench stands still, then press Enter; or write why not"),
+      std::string::npos)
+      << result.error;
+  EXPECT_NE(result.out.find("cabinet locked \\xff\n"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("no time\n\n2 rows: 0 passed, 0 failed, 2 skipped\n"), std::string::npos)
+      << result.out;
+}
+
+TEST(TripTestCommand, EndsSafeOnCtrlCAndSaysWhatIsLeft) {
+  const ScratchFolder folder;
+  const pid_t process = StartProgram({"bench", "trip-test", kPatientBench, "--schedule",
+                                      kSource + "/tests/vm/campaign/pendant.yaml", "--yes"},
+                                     folder);
+  // The test's own time-out ends it where that never comes.
+  while (WholeFile(folder / "stderr").find("row 1 of ") == std::string::npos) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ::kill(process, SIGINT);
+  const ProgramResult result = WaitForProgram(process, folder);
+  EXPECT_EQ(result.exit_code, 130) << result.error;
+  EXPECT_NE(result.out.find("stopped on request"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("the test was stopped before"), std::string::npos) << result.out;
 }
 
 TEST(CommissionCommand, RefusesWhatIsNoQuantityAndWhatTheBenchCannotMeasure) {

@@ -112,6 +112,8 @@ class SimulatedBench::Implementation final : public Sampler, public BenchClock {
   void Inject(const Injection& injection) {
     injection_ = injection;
     injected_at_ = now_;
+    driving_.SetFaults(injection.driving);
+    load_.SetFaults(injection.load);
     if (injection.driving_fault) driving_.Fault();
     if (injection.load_fault) load_.Fault();
     if (injection.gear_temperature_degC) plant_.SetGearTemperature(*injection.gear_temperature_degC);
@@ -232,6 +234,7 @@ Readings SimulatedBench::Implementation::Read() noexcept {
     }
   }
   readings.bad_channels = injection_.dead_channels;
+  readings.quick_stop_pressed = injection_.quick_stop_pressed;
   last_ = readings;
   fresh_ = true;
   return readings;

@@ -10,6 +10,7 @@
 
 #include "analysis/model/plant_model.h"
 #include "bench/devices/simulated/plant_state.h"
+#include "bench/devices/simulated/simulated_drive.h"
 #include "bench/roles/bench_clock.h"
 #include "bench/roles/sampler.h"
 #include "bench/roles/servo_drive.h"
@@ -39,8 +40,11 @@ struct Injection {
   unsigned drifting_channels{};  // go off by so much a second from the injection on, and look good
   double drift_per_s{};          // SI unit of the channel
   bool sampler_silent{};         // readings no longer come in at all, time stamp included
+  bool quick_stop_pressed{};     // the operator's key
   bool driving_fault{};
   bool load_fault{};
+  DriveFaults driving{};
+  DriveFaults load{};
   std::optional<double> gear_temperature_degC{};  // set once, at the injection
 };
 

@@ -44,6 +44,7 @@ void SimulatedDrive::Walk() noexcept {
 
 void SimulatedDrive::Enable(DriveMode mode) noexcept {
   if (actual_.power == PowerState::kFault || actual_.power == PowerState::kFaultReactionActive) return;
+  if (faults_.dropped_out) return;
   mode_ = mode;
   set_point_ = mode == DriveMode::kPosition ? actual_.position_rad : 0.0;
   towards_enabled_ = has_position_mode_ || mode != DriveMode::kPosition;
@@ -72,7 +73,20 @@ void SimulatedDrive::ResetFault() noexcept {
   moving_ = true;
 }
 
-void SimulatedDrive::SetBrake(bool engaged) noexcept { actual_.brake_engaged = engaged; }
+void SimulatedDrive::SetBrake(bool engaged) noexcept {
+  actual_.brake_engaged = engaged || faults_.brake_on || faults_.dropped_out;
+}
+
+void SimulatedDrive::SetFaults(const DriveFaults& faults) noexcept {
+  if (!faults_.silent) told_ = actual_;
+  faults_ = faults;
+  if (faults.dropped_out && enabled()) {
+    towards_enabled_ = false;
+    set_point_ = 0.0;
+    actual_.power = PowerState::kSwitchOnDisabled;
+  }
+  if (faults.dropped_out || faults.brake_on) actual_.brake_engaged = true;
+}
 
 void SimulatedDrive::Fault() noexcept {
   if (actual_.power == PowerState::kFault) return;
@@ -96,11 +110,13 @@ void SimulatedDrive::Set(DriveMode mode, double value) noexcept {
 }
 
 void SimulatedDrive::CommandSpeed(double speed_rad_per_s) noexcept {
-  Set(DriveMode::kSpeed, speed_rad_per_s);
+  Set(DriveMode::kSpeed, faults_.share * speed_rad_per_s);
 }
 void SimulatedDrive::CommandPosition(double position_rad) noexcept {
   Set(DriveMode::kPosition, position_rad);
 }
-void SimulatedDrive::CommandTorque(double torque_Nm) noexcept { Set(DriveMode::kTorque, torque_Nm); }
+void SimulatedDrive::CommandTorque(double torque_Nm) noexcept {
+  Set(DriveMode::kTorque, faults_.share * torque_Nm);
+}
 
 }  // namespace strainwave::bench

@@ -7,6 +7,14 @@
 
 namespace strainwave::bench {
 
+/// What goes wrong with a drive of the simulated bench, put in by a test.
+struct DriveFaults {
+  bool silent{};       // says what it said last, and obeys
+  bool dropped_out{};  // leaves operation enabled without a fault, and does not come up again
+  bool brake_on{};     // its brake is on, whatever was asked for
+  double share{1.0};   // that it gives of the speed or torque asked for
+};
+
 /// The drive's side of a servo on the simulated bench: walks the CiA 402 power states, one transition a step
 /// of the bench, and keeps mode, set point and brake for the plant to look at.
 class SimulatedDrive final : public ServoDrive {
@@ -23,13 +31,14 @@ class SimulatedDrive final : public ServoDrive {
   void CommandSpeed(double speed_rad_per_s) noexcept override;
   void CommandPosition(double position_rad) noexcept override;
   void CommandTorque(double torque_Nm) noexcept override;
-  DriveActual Actual() const noexcept override { return actual_; }
+  DriveActual Actual() const noexcept override { return faults_.silent ? told_ : actual_; }
 
   // The bench's side.
   void StepPowerState() noexcept {
     if (moving_) Walk();
   }
   void Fault() noexcept;
+  void SetFaults(const DriveFaults& faults) noexcept;
   void PowerCut() noexcept;
   void Report(std::chrono::nanoseconds time, double position_rad, double speed_rad_per_s,
               double torque_Nm) noexcept {
@@ -54,7 +63,9 @@ class SimulatedDrive final : public ServoDrive {
   DriveMode mode_{DriveMode::kTorque};
   double set_point_{};
   std::uint16_t controlword_{};
+  DriveFaults faults_;
   DriveActual actual_;
+  DriveActual told_;  // the last before it fell silent
 };
 
 }  // namespace strainwave::bench
