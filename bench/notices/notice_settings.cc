@@ -154,14 +154,14 @@ MailSettings ReadMail(YamlMap map, const std::filesystem::path& folder) {
 WebhookSettings ReadWebhook(YamlMap map, const std::filesystem::path& folder) {
   WebhookSettings webhook;
   const bool in_file = map.has("url_file");
-  if (in_file && map.has("url")) {
-    map.AddError("url_file", "url_file stands beside url (expected one of the two)");
-  }
   webhook.url = in_file ? ReadSecret(map, "url_file", folder) : map.Text("url");
   if (in_file) {
     map.Text("url", "");
   } else {
     map.Text("url_file", "");
+  }
+  if (in_file && map.has("url")) {
+    map.AddError("url_file", "url_file stands beside url (expected one of the two)");
   }
   const char* const key = in_file ? "url_file" : "url";
   const bool known = webhook.url.starts_with("http://") || webhook.url.starts_with("https://");

@@ -288,7 +288,7 @@ TEST_F(NoticePlan, KeepsControlCharactersOutOfSubjectAndLines) {
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].subject.find_first_of("\r\n"), std::string::npos);
   EXPECT_EQ(told[0].text.substr(0, told[0].text.find('\n')),
-            R"(alarm 1 (medium): a\r\nBcc: all@example.org: seen\nSubject: other\x1b[31m)");
+            R"(alarm 1 (medium): a\x0d\nBcc: all@example.org: seen\nSubject: other\x1b[31m)");
 }
 
 TEST_F(NoticePlan, HasADelayThatNoClockSetBackMakesLonger) {

@@ -83,8 +83,8 @@ TEST(NoticeSettings, NameAChannel) {
   EXPECT_EQ(ErrorsOf("channels:\n"),
             "n.yaml:2:1: error: channels names none (expected mail, webhook or mqtt)");
   EXPECT_EQ(ErrorsOf("channels: {sms: {to: 1}}\n"),
-            "n.yaml:2:12: error: unknown key 'sms' (expected mail, webhook, mqtt)\n"
-            "n.yaml:2:1: error: channels names none (expected mail, webhook or mqtt)");
+            "n.yaml:2:1: error: channels names none (expected mail, webhook or mqtt)\n"
+            "n.yaml:2:12: error: unknown key 'sms' (expected mail, webhook, mqtt)");
 }
 
 TEST(NoticeSettings, HaveASecondListOfMailAlone) {
@@ -149,14 +149,14 @@ TEST_F(NoticeSecrets, AreTheFirstLineOfAFile) {
 TEST_F(NoticeSecrets, AreMissedInWords) {
   const std::string at = (folder_ / "n.yaml").string() + ":3:";
   EXPECT_EQ(Errors(Mail("user: u, password_file: missing")),
-            at + "75: error: password_file = " + (folder_ / "missing").string() +
+            at + "74: error: password_file = " + (folder_ / "missing").string() +
                 " cannot be read (expected a file of at most 64 KiB with one line)");
   EXPECT_EQ(Errors(Mail("user: u, password_file: empty")),
-            at + "75: error: password_file = " + (folder_ / "empty").string() +
+            at + "74: error: password_file = " + (folder_ / "empty").string() +
                 " has no first line (expected what is secret in it)");
-  EXPECT_EQ(Errors(Mail("user: u")), at + "57: error: user stands alone (expected user and password_file)");
+  EXPECT_EQ(Errors(Mail("user: u")), at + "56: error: user stands alone (expected user and password_file)");
   EXPECT_EQ(Errors("  webhook: {url: \"http://h\", url_file: url}\n"),
-            at + "42: error: url_file stands beside url (expected one of the two)");
+            at + "40: error: url_file stands beside url (expected one of the two)");
   EXPECT_EQ(Errors("  webhook: {url: \"file:///etc/passwd\"}\n"),
             at + "18: error: url holds no address (expected http://HOST… or https://HOST…)");
 }

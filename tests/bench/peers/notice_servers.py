@@ -5,6 +5,7 @@ import email
 import email.policy
 import http.server
 import json
+import logging
 import socket
 import ssl
 import threading
@@ -12,6 +13,10 @@ import threading
 import aiosmtpd.controller
 import aiosmtpd.smtp
 import mqtt_peer
+
+
+# What a test provokes is no news.
+logging.getLogger("mail.log").setLevel(logging.CRITICAL)
 
 
 class Mailbox:
@@ -34,7 +39,7 @@ class Mailbox:
     def _authenticate(self, server, session, envelope, mechanism, data):
         name, password = data.login.decode(), data.password.decode()
         self.logins.append((name, password))
-        return aiosmtpd.smtp.AuthResult(success=(name, password) == (self.user, self.password))
+        return aiosmtpd.smtp.AuthResult(success=(name, password) == (self.user, self.password), handled=False)
 
     async def handle_RCPT(self, server, session, envelope, address, options):
         if address in self.refused:
