@@ -25,7 +25,7 @@ BUILD_PACKAGES=(
   libeigen3-dev libtbb-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
   libhdf5-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
-  libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev
+  libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev libcurl4-openssl-dev
   libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev
   gnuplot-nox
 )
@@ -34,7 +34,7 @@ TEST_PACKAGES=(
   "${PACKAGE_PACKAGES[@]}" git
   libgtest-dev libbenchmark-dev mosquitto openssl
   sqlite3 python3 python3-h5py python3-numpy python3-pywt python3-onnx
-  python3-pymodbus python3-serial-asyncio socat
+  python3-pymodbus python3-serial-asyncio python3-aiosmtpd socat
   can-utils python3-can iproute2 qemu-system-x86 busybox-static cpio kmod xz-utils binutils
   chromium nodejs
 )

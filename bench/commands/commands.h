@@ -22,6 +22,7 @@ void AddServe(CLI::App& app, Action& action);
 void AddAlarms(CLI::App& app, Action& action);
 void AddNote(CLI::App& app, Action& action);
 void AddUsers(CLI::App& app, Action& action);
+void AddWatch(CLI::App& app, Action& action);
 void AddStop(CLI::App& app, Action& action);
 void AddRecompute(CLI::App& app, Action& action);
 void AddDiagnose(CLI::App& app, Action& action);

@@ -71,6 +71,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddStop(app, action);
   strainwave::bench::AddAlarms(app, action);
   strainwave::bench::AddNote(app, action);
+  strainwave::bench::AddWatch(app, action);
   strainwave::bench::AddRecompute(app, action);
   strainwave::bench::AddDiagnose(app, action);
   strainwave::bench::AddSimulate(app, action);

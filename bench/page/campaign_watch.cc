@@ -117,6 +117,11 @@ WatchedCampaign CampaignWatch::Read() {
   snapshot.campaign = std::filesystem::weakly_canonical(folder_.root).filename().string();
   snapshot.specimen = opened.inputs.schedule.specimen.identity;
   snapshot.progress = ProgressOf(folder_, opened.progress, opened.inputs);
+  // A run that has ended since the journal was read is not one that is gone without a word.
+  if (snapshot.progress.process == 0 && opened.DataVersion() != opened.data_version) {
+    opened.ReadJournal(folder_);
+    snapshot.progress = ProgressOf(folder_, opened.progress, opened.inputs);
+  }
   snapshot.run = RunId(opened.campaign, opened.progress.run_begun, snapshot.progress.process);
   snapshot.view = ViewOf(snapshot.progress, opened.progress.run_begun.has_value());
   // Of a phase under way the checkpoint knows more than the journal; that is in the progress.
@@ -126,27 +131,28 @@ WatchedCampaign CampaignWatch::Read() {
   return read;
 }
 
+WatchedCampaign CampaignWatch::Look() {
+  try {
+    return Read();
+  } catch (const std::exception& error) {
+    // Whatever has become of the folder, it is told and tried again.
+    opened_.reset();
+    WatchedCampaign read = Newest();
+    read.snapshot.view = BenchView::kUnreadable;
+    read.snapshot.trouble = fmt::format("the campaign's folder cannot be read: {}", error.what());
+    read.snapshot.progress.live.clear();
+    read.snapshot.progress.live_taken.reset();
+    return read;
+  }
+}
+
 void CampaignWatch::Watch() {
   std::string told;
   std::unique_lock lock(mutex_);
   while (!stop_) {
     lock.unlock();
-    WatchedCampaign read;
-    bool readable = true;
-    try {
-      read = Read();
-    } catch (const std::exception& error) {
-      // Whatever has become of the folder, the page says so and tries again.
-      opened_.reset();
-      readable = false;
-      lock.lock();
-      read = newest_;
-      lock.unlock();
-      read.snapshot.view = BenchView::kUnreadable;
-      read.snapshot.trouble = fmt::format("the campaign's folder cannot be read: {}", error.what());
-      read.snapshot.progress.live.clear();
-      read.snapshot.progress.live_taken.reset();
-    }
+    WatchedCampaign read = Look();
+    const bool readable = read.snapshot.view != BenchView::kUnreadable;
     // By what is told at one fixed moment: ages alone are no change.
     std::string state = JsonText(StateJson(read.snapshot, Moment{}));
     const auto taken = read.snapshot.progress.live_taken;

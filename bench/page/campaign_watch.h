@@ -34,6 +34,8 @@ class CampaignWatch {
 
   /// From now on; `changed` is called from the watch's thread.
   void Begin(std::function<void()> changed);
+  /// Reads it now; for whoever does without the thread, in place of Begin.
+  WatchedCampaign Look();
   WatchedCampaign Newest() const;
   /// The snapshot alone, without the lines of the journal.
   CampaignSnapshot Snapshot() const;

@@ -94,6 +94,7 @@ class Installed(unittest.TestCase):
         for example in examples:
             self.run_it(self.program, "validate", self.data / "schedules/quick.yaml", "--bench", example)
         self.assertTrue((self.data / "bench/monitor/monitor.yaml").exists())
+        self.assertTrue((self.data / "bench/notices/notices.yaml").exists())
 
     def test_devices_are_described_by_the_installed_profiles(self):
         broken = self.data / "bench/devices/profiles/broken.yaml"

@@ -40,7 +40,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"records"},
                                                          {"diagnosis"},
                                                          {"prediction"},
-                                                         {"monitor"},
+                                                         {"monitor", "notices"},
                                                          {"predictor_api"},
                                                          {"commands"}};
 
