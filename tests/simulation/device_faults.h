@@ -129,7 +129,7 @@ struct FaultInPhase {
   std::size_t phase{};
 };
 
-inline std::string NameOf(const testing::TestParamInfo<FaultInPhase>& info) {
+inline std::string NameOfCell(const testing::TestParamInfo<FaultInPhase>& info) {
   std::string name;
   for (const std::string_view text :
        {std::string_view(Faults()[info.param.fault].name), std::string_view("_during_"),

@@ -268,7 +268,7 @@ INSTANTIATE_TEST_SUITE_P(Matrix, RefusedObject,
 
 // Those on CAN all in a load run, and one in each other phase; those on Modbus each in one of the phases.
 INSTANTIATE_TEST_SUITE_P(Matrix, FieldFaults,
-                         testing::ValuesIn(FaultsInPhases(std::size(kPhases), IsInEveryRun)), NameOf);
+                         testing::ValuesIn(FaultsInPhases(std::size(kPhases), IsInEveryRun)), NameOfCell);
 
 }  // namespace
 }  // namespace strainwave::bench::field_faults_test

@@ -132,7 +132,7 @@ class FieldResume : public testing::TestWithParam<FaultInPhase> {
 TEST_P(FieldResume, BringsACampaignToItsEnd) { Check(Faults()[GetParam().fault], kPhases[GetParam().phase]); }
 
 INSTANTIATE_TEST_SUITE_P(Matrix, FieldResume,
-                         testing::ValuesIn(FaultsInPhases(kPhasesOfEveryCycle, IsInEveryRun)), NameOf);
+                         testing::ValuesIn(FaultsInPhases(kPhasesOfEveryCycle, IsInEveryRun)), NameOfCell);
 
 }  // namespace
 }  // namespace strainwave::bench::field_resume_test
