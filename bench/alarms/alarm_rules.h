@@ -52,6 +52,8 @@ inline constexpr std::array kAlarmKinds{
     AlarmKind{"did_not_cool", AlarmPriority::kMedium, false},
     AlarmKind{"sensor_stayed_bad", AlarmPriority::kMedium, false},
     AlarmKind{"no_values", AlarmPriority::kMedium, false},
+    AlarmKind{"disk_fills", AlarmPriority::kMedium, false},
+    AlarmKind{"disk_full", AlarmPriority::kMedium, false},
     AlarmKind{"stop_criterion", AlarmPriority::kLow, false},
 };
 

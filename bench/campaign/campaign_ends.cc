@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a run of a campaign ends before its time: what is said, and what is kept of a fault.
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
@@ -7,6 +8,7 @@
 
 #include "bench/campaign/campaign_alarms.h"
 #include "bench/campaign/campaign_runner.h"
+#include "bench/campaign/disk_room.h"
 #include "bench/campaign/sensor_stamps.h"
 #include "bench/configuration/sensors_of.h"
 #include "daq/cycle_file.h"
@@ -80,6 +82,40 @@ CampaignRunner::MaybeEnd CampaignRunner::EndForFault(const PhaseOutcome& outcome
   CampaignEnd end{CampaignEnd::Kind::kFault, outcome.reason, text, IsOfADevice(outcome.reason.cause), {}};
   if (!outcome.black_box.empty()) end.black_box = file;
   return end;
+}
+
+// Between cycles, with torque off: a cycle that fits is begun, and no other.
+CampaignRunner::MaybeEnd CampaignRunner::CheckDisk(int cycle) {
+  const auto room = DiskRoomOf(folder_, planned_cycle_bytes_, std::max(0, cycle - 1), schedule_.cycles);
+  if (!room) return std::nullopt;
+  const std::string free = BytesText(room->free_bytes);
+  if (IsTooLittle(*room)) {
+    cycle_ = cycle;
+    Transition(BenchEvent::kFault);
+    checkpoint_.Sync();
+    const std::string text = fmt::format(
+        "the disk is nearly full: {} are free, and the next cycle may take {} beside {} for the journal "
+        "(expected: "
+        "make room, then go on)",
+        free, BytesText(room->cycle_bytes), BytesText(kReserve_bytes));
+    NoteAlarm("alarm", "", "disk_full", text, Time_s());
+    return CampaignEnd{CampaignEnd::Kind::kFault, {}, text, true, {}};
+  }
+  if (IsLittle(*room) && !disk_fills_) {
+    NoteAlarm(
+        "warning", "", "disk_fills",
+        fmt::format("the disk will be full before the campaign is complete, in about {:.0f} h of bench time: "
+                    "{} are free, the cycles to come may take {}",
+                    room->Lasts_s(one_cycle_s_) / 3600.0, free, BytesText(room->needed_bytes)),
+        Time_s());
+  }
+  if (!IsLittle(*room) && disk_fills_) {
+    Transaction transaction(journal_.database());
+    ReturnAlarmsOf(journal_, "disk_fills", Time_s());
+    transaction.Commit();
+  }
+  disk_fills_ = IsLittle(*room);
+  return std::nullopt;
 }
 
 }  // namespace strainwave::bench

@@ -65,7 +65,8 @@ CampaignRunner::CampaignRunner(HeldFolder held, const schedules::Schedule& sched
       identity_(journal.Identity()),
       records_(folder_, bench, machine.Calibrations(), identity_),
       preparation_s_(PlannedDuration_s(StepsOf(schedule, 0))),
-      one_cycle_s_(PlannedDuration_s(StepsOf(schedule, 1))) {}
+      one_cycle_s_(PlannedDuration_s(StepsOf(schedule, 1))),
+      planned_cycle_bytes_(PlannedCycle_bytes(schedule)) {}
 
 double CampaignRunner::Time_s() const {
   return time_base_s_ + std::chrono::duration<double>(machine_.Devices().clock.Now() - clock_base_).count();
@@ -117,6 +118,7 @@ CampaignEnd CampaignRunner::Run(const ResumePoint& from) {
     if (auto end = WarmUp(from.pause)) return *end;
   }
   for (int cycle = journal_.LastCompleteCycle() + 1; cycle <= schedule_.cycles; ++cycle) {
+    if (auto end = CheckDisk(cycle)) return *end;
     if (auto end = RunCycle(cycle)) return *end;
   }
   Transition(BenchEvent::kFinish);

@@ -57,6 +57,7 @@ class CampaignRunner {
   MaybeEnd Unwind(double torque_Nm, double torque_zero_Nm);
   MaybeEnd RunUncredited(PhaseProgram& program, std::string_view phase, BenchEvent begin);
   MaybeEnd CheckLoad();
+  MaybeEnd CheckDisk(int cycle);
   MaybeEnd WarmUp(const Pause& pause);
   MaybeEnd RunCycle(int cycle);
   MaybeEnd RunStep(const CycleStep& step, int repeat);
@@ -112,6 +113,8 @@ class CampaignRunner {
   std::vector<SourceTotals> sources_;  // as the last records that were kept have left them
   double preparation_s_{};             // planned
   double one_cycle_s_{};               // planned
+  double planned_cycle_bytes_{};
+  bool disk_fills_{};  // an alarm says so
   int cycle_{};
   int resumed_cycle_{-1};
   double share_{};                                // done, as last shown

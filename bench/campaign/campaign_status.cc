@@ -88,7 +88,7 @@ JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& 
   progress.latest_s = journal.LatestTime_s();
   if (const auto begun = journal.Property(kRunBegun)) progress.run_begun = ParseRunBegun(*begun);
   progress.planned_s = TimeToGo_s(inputs.schedule, 0, {}, 0.0, 0.0);
-  progress.needed_room_bytes = NeededRoom_bytes(inputs.schedule, std::max(0, progress.last_complete));
+  progress.planned_cycle_bytes = PlannedCycle_bytes(inputs.schedule);
   progress.events = journal.Events(kEventsShown);
   progress.last_of_bench = journal.LastEventOfBench();
   progress.alarms = journal.OpenAlarms();
@@ -115,7 +115,11 @@ CampaignProgress ProgressOf(const CampaignFolder& folder, JournalProgress journa
   progress.longest_pause_s = inputs.schedule.resume.longest_pause_s;
   TakePhases(folder, inputs, progress);
   TakeReadings(folder, inputs, progress);
-  progress.room = DiskRoomOf(folder, progress.needed_room_bytes);
+  progress.room = DiskRoomOf(folder, progress.planned_cycle_bytes, progress.complete, progress.cycles);
+  if (progress.room) {
+    progress.disk_lasts_s = progress.room->Lasts_s(progress.planned_s / std::max(1, progress.cycles)) /
+                            progress.pace.value_or(1.0);
+  }
   TakeOffShelves(progress.open_alarms, Now());
   std::erase_if(progress.open_alarms, [](const AlarmInstance& alarm) { return !IsOpen(alarm.state); });
   progress.alarm_rules = inputs.bench.alarms;

@@ -23,8 +23,8 @@ struct JournalProgress {
   int last_complete{};           // cycle; −1: none
   std::vector<PhaseRow> phases;  // of the next one
   double latest_s{};
-  double planned_s{};          // bench time of the whole campaign
-  double needed_room_bytes{};  // by the raw data of the cycles to come
+  double planned_s{};            // bench time of the whole campaign
+  double planned_cycle_bytes{};  // raw data of one cycle
   std::optional<RunBegun> run_begun;
   std::vector<Result> last_results;
   std::vector<StopDistance> stops;         // how far the last cycle is from ending the campaign
@@ -56,7 +56,8 @@ struct CampaignProgress : JournalProgress {
   std::optional<LiveReadings> readings;      // those
   std::vector<LiveValue> live;               // the same beside their limits
   std::optional<DiskRoom> room;
-  int measured_again{};                // in the cycle that is under way
+  double disk_lasts_s{};  // of the world's time where the pace is known, else bench time; with a room
+  int measured_again{};   // in the cycle that is under way
   std::vector<AlarmRule> alarm_rules;  // the bench file's
   double longest_pause_s{};
 };

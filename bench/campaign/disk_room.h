@@ -2,27 +2,44 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "bench/campaign/folder.h"
 #include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
 
+/// How much room the disk has, and what becomes of it.
 struct DiskRoom {
   double free_bytes{};
-  double needed_bytes{};
+  double cycle_bytes{};   // that a cycle may take
+  double needed_bytes{};  // by the cycles to come
+
+  /// Until it is full but for the reserve, at so many seconds a cycle.
+  double Lasts_s(double cycle_s) const;
 };
 
+/// What the journal may take until a cycle is stored: SQLite lets its log grow to 1000 pages of 4 KiB before
+/// it takes it over, and checkpoint, readings and the lines of an end come on top.
+inline constexpr double kReserve_bytes = 8.0 * 1024 * 1024;
+
+/// Whether the campaign will not fit.
 constexpr bool IsLittle(const DiskRoom& room) { return room.free_bytes < room.needed_bytes; }
+/// Whether no further cycle should begin.
+constexpr bool IsTooLittle(const DiskRoom& room) {
+  return room.free_bytes < room.cycle_bytes + kReserve_bytes;
+}
 
-/// By the raw data of the cycles to come, uncompressed.
-double NeededRoom_bytes(const schedules::Schedule& schedule, int complete_cycles);
+/// "7.0 MB".
+std::string BytesText(double bytes);
 
-/// Nothing where the disk does not say how much room it has.
-std::optional<DiskRoom> DiskRoomOf(const CampaignFolder& folder, double needed_bytes);
+/// Raw data of one cycle as planned, uncompressed.
+double PlannedCycle_bytes(const schedules::Schedule& schedule);
 
-/// Nothing where the disk has room enough, or does not say how much it has.
-std::optional<DiskRoom> LittleRoom(const CampaignFolder& folder, const schedules::Schedule& schedule,
-                                   int complete_cycles);
+/// By the largest of the newest ten cycles' files, as they are on the disk; before the first one, and where
+/// raw streams are kept beside them, by the plan.
+/// @return nothing where the disk does not say how much room it has.
+std::optional<DiskRoom> DiskRoomOf(const CampaignFolder& folder, double planned_cycle_bytes,
+                                   int complete_cycles, int cycles);
 
 }  // namespace strainwave::bench

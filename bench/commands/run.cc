@@ -89,8 +89,8 @@ void CheckFindings(const BenchMachine& machine, Journal& journal) {
 
 // A disk that is full ends the campaign safely, and days too late.
 void WarnOfLittleRoom(const CampaignFolder& folder, const schedules::Schedule& schedule, int complete) {
-  const auto room = LittleRoom(folder, schedule, complete);
-  if (!room) return;
+  const auto room = DiskRoomOf(folder, PlannedCycle_bytes(schedule), complete, schedule.cycles);
+  if (!room || !IsLittle(*room)) return;
   ToStderr(
       "{}: warning: {} are free, and the raw data of the cycles to come may take {} (expected more; what is "
       "compressed takes less)\n",

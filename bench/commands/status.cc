@@ -99,8 +99,9 @@ void Print(const CampaignStatus& status, const CampaignFolder& folder) {
              bad.since_utc, bad.reason);
   }
   if (HasLittleRoom(status) && status.complete < status.cycles) {
-    ToStdout("  LITTLE ROOM  {} are free, and the raw data of the cycles to come may take {}\n",
-             BytesText(status.room->free_bytes), BytesText(status.room->needed_bytes));
+    ToStdout("  LITTLE ROOM  {} are free for about {}, and the raw data of the cycles to come may take {}\n",
+             BytesText(status.room->free_bytes), DurationText(status.disk_lasts_s),
+             BytesText(status.room->needed_bytes));
   }
   ToStdout("{}", AlarmText(status.open_alarms, status.alarm_rules, {}));
   for (const OperatorNote& note : status.notes) {
@@ -158,6 +159,10 @@ nlohmann::json Json(const CampaignStatus& status) {
           {"little_room", HasLittleRoom(status) ? nlohmann::json{{"free_bytes", status.room->free_bytes},
                                                                  {"needed_bytes", status.room->needed_bytes}}
                                                 : nlohmann::json()},
+          {"disk", status.room ? nlohmann::json{{"free_bytes", status.room->free_bytes},
+                                                {"needed_bytes", status.room->needed_bytes},
+                                                {"lasts_s", status.disk_lasts_s}}
+                               : nlohmann::json()},
           {"live", std::move(live)},
           {"stop_criteria", StopsJson(status.stops)},
           {"life_share", status.life_share ? nlohmann::json(*status.life_share) : nlohmann::json()},

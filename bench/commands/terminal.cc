@@ -18,12 +18,6 @@ constexpr int kBarWidth = 30;
 
 }  // namespace
 
-std::string BytesText(double bytes) {
-  if (bytes >= 1e9) return fmt::format("{:.2f} GB", bytes * 1e-9);
-  if (bytes >= 1e6) return fmt::format("{:.1f} MB", bytes * 1e-6);
-  return fmt::format("{:.1f} kB", bytes * 1e-3);
-}
-
 std::string DurationText(double time_s) {
   const auto seconds = static_cast<long long>(std::llround(time_s));
   if (seconds >= 48 * 3600) return fmt::format("{} d {} h", seconds / 86400, seconds % 86400 / 3600);

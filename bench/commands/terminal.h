@@ -6,13 +6,11 @@
 #include <string>
 #include <string_view>
 
+#include "bench/campaign/disk_room.h"
 #include "bench/campaign/progress.h"
 #include "bench/commands/output.h"
 
 namespace strainwave::bench {
-
-/// "7.0 MB".
-std::string BytesText(double bytes);
 
 /// "1 h 05 min", "3 min 20 s", "12 s": for people.
 std::string DurationText(double time_s);

@@ -177,7 +177,8 @@ nlohmann::json StateJson(const CampaignSnapshot& snapshot, const Moment& now) {
       {"alarms", AlarmsJson(progress.open_alarms, progress.alarm_rules, {})},
       {"notes", NotesJson(progress.notes)},
       {"disk", progress.room ? json{{"free_bytes", progress.room->free_bytes},
-                                    {"needed_bytes", progress.room->needed_bytes}}
+                                    {"needed_bytes", progress.room->needed_bytes},
+                                    {"lasts_s", NumberOrNull(progress.disk_lasts_s)}}
                              : json()},
       {"last_event", snapshot.last_event},
       {"now_utc", UtcText(now.utc_ms)},

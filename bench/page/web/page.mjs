@@ -68,7 +68,7 @@ function showProgress() {
   const little = disk && disk.free_bytes < disk.needed_bytes;
   $('disk-tile').classList.toggle('little', Boolean(little));
   put('disk', disk ? `${bytes(disk.free_bytes)} free` : '–');
-  put('disk-note', !disk ? 'not known' : little ? `too little: ${bytes(disk.needed_bytes)} may be needed` : `${bytes(disk.needed_bytes)} may be needed, enough`);
+  put('disk-note', !disk ? 'not known' : little ? `too little, full in about ${duration(disk.lasts_s)}: ${bytes(disk.needed_bytes)} may be needed` : `${bytes(disk.needed_bytes)} may be needed, enough`);
 }
 
 function liveRow(quantity) {
