@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// A disk that is full, will be full, or cannot be written.
+#include <gtest/gtest.h>
+
+#include <sys/mount.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "bench/campaign/journal.h"
+#include "tests/simulation/campaign_program.h"
+#include "tests/simulation/program.h"
+#include "tests/simulation/until.h"
+
+namespace strainwave::full_disk_test {
+namespace {
+
+/// A file system of its own, small or read-only; not mounted where this machine does not let the test mount
+/// one.
+class MountedFolder {
+ public:
+  explicit MountedFolder(const std::string& options) {
+    mounted_ = ::mount("tmpfs", folder_.path().c_str(), "tmpfs", 0, options.c_str()) == 0;
+  }
+  MountedFolder(const MountedFolder&) = delete;
+  MountedFolder& operator=(const MountedFolder&) = delete;
+  ~MountedFolder() {
+    if (mounted_) ::umount(folder_.path().c_str());
+  }
+  bool mounted() const { return mounted_; }
+  void Remount(unsigned long flags, const std::string& options) {
+    ::mount("tmpfs", folder_.path().c_str(), "tmpfs", MS_REMOUNT | flags, options.c_str());
+  }
+  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
+
+ private:
+  ScratchFolder folder_;
+  bool mounted_{};
+};
+
+TEST(FullDisk, IsSeenBeforeTheCycleThatWouldFillIt) {
+  MountedFolder disk("size=9m");
+  if (!disk.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  const std::string folder = disk / "campaign";
+  const ProgramResult ended = RunProgram({"run", kSchedule, "--out", folder});
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_NE(ended.error.find("the disk is nearly full: "), std::string::npos) << ended.error;
+  EXPECT_NE(ended.error.find("stopped: torque is off, brakes are on; when the cause is mended, go on with: "),
+            std::string::npos)
+      << ended.error;
+  {
+    const auto journal = bench::Journal::Open(folder + "/campaign.db", bench::Database::Mode::kReadOnly);
+    const auto alarms = journal.Alarms(0.0);
+    ASSERT_FALSE(alarms.empty());
+    EXPECT_EQ(alarms.back().code, "disk_full");
+    EXPECT_TRUE(journal.Phases(journal.LastCompleteCycle() + 1).empty()) << "no phase was begun";
+  }
+  disk.Remount(0, "size=50m");
+  const ProgramResult resumed = RunProgram({"run", kSchedule, "--out", folder, "--resume"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+}
+
+TEST(FullDisk, ThatWillNotLastIsAnAlarmUntilItDoes) {
+  MountedFolder disk("size=20m");
+  if (!disk.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  const std::string folder = disk / "campaign";
+  std::ofstream(disk / "of somebody else") << std::string(8 << 20, 'x');
+  const std::string schedule = disk / "schedule.yaml";
+  std::string text = WholeFile(kSchedule);
+  std::ofstream(schedule) << text.replace(text.find("cycles: 3"), 9, "cycles: 300");
+  const ProgramResult ended = RunProgram({"run", schedule, "--out", folder});
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_NE(ended.error.find(" are free, and the raw data of the cycles to come may take "), std::string::npos)
+      << ended.error;
+  const auto journal = bench::Journal::Open(folder + "/campaign.db", bench::Database::Mode::kReadOnly);
+  const auto alarms = journal.Alarms(0.0);
+  ASSERT_EQ(alarms.size(), 2U);
+  EXPECT_EQ(alarms[0].code, "disk_fills");
+  EXPECT_NE(alarms[0].text.find(" h of bench time: "), std::string::npos) << alarms[0].text;
+  EXPECT_EQ(alarms[1].code, "disk_full");
+  EXPECT_GT(journal.LastCompleteCycle(), 0);
+  const ProgramResult status = RunProgram({"status", folder});
+  EXPECT_NE(status.out.find("  LITTLE ROOM  "), std::string::npos) << status.out;
+}
+
+// Somebody else fills it in the middle of a cycle, which nobody can foresee.
+TEST(FullDisk, StopsSafelyAndTheCampaignOpensAndGoesOn) {
+  MountedFolder disk("size=40m");
+  if (!disk.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  const std::string folder = disk / "campaign";
+  const ScratchFolder said;
+  const pid_t process = StartProgram({"run", kSchedule, "--out", folder, "--pace", "200"}, said);
+  const std::string finished = folder + "/unfinished";  // of the cycle under way
+  bench::Until([&] { return std::filesystem::exists(finished) && !std::filesystem::is_empty(finished); });
+  {
+    std::ofstream other(disk / "of somebody else");
+    const std::string block(1 << 16, 'x');
+    while (other.write(block.data(), static_cast<std::streamsize>(block.size())).flush()) {
+    }
+  }
+  const ProgramResult full = WaitForProgram(process, said);
+  EXPECT_EQ(full.exit_code, 3);
+  EXPECT_NE(
+      full.error.find("stopped: torque is off, brakes are on, the campaign is whole; when the cause below is "
+                      "mended, go on with: strainwave run " +
+                      kSchedule + " --out " + folder + " --resume\n"),
+      std::string::npos)
+      << full.error;
+  EXPECT_NE(full.error.find(": No space left on device\n"), std::string::npos) << full.error;
+  EXPECT_EQ(RunProgram({"status", folder}).exit_code, 0);
+  disk.Remount(0, "size=90m");
+  const ProgramResult resumed = RunProgram({"run", kSchedule, "--out", folder, "--resume"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+  const auto journal = bench::Journal::Open(folder + "/campaign.db", bench::Database::Mode::kReadOnly);
+  EXPECT_EQ(journal.LastCompleteCycle(), 3);
+}
+
+TEST(ReadOnlyFolder, IsRefusedBeforeAnythingMoves) {
+  MountedFolder disk("size=1m");
+  if (!disk.mounted()) GTEST_SKIP() << "skipped, because this machine lets no test mount a file system";
+  disk.Remount(MS_RDONLY, "size=1m");
+  const ProgramResult refused = RunProgram({"run", kSchedule, "--out", disk / "campaign"});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_EQ(refused.error, "error: filesystem error: cannot create directories: Read-only file system [" +
+                               (disk / "campaign") + "]\n");
+}
+
+}  // namespace
+}  // namespace strainwave::full_disk_test
