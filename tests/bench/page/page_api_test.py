@@ -179,6 +179,24 @@ class ThePageOfARunningCampaign(live_page.RunningCampaign):
             self.assertEqual((last["state"], last["safe"]), ("stopped", True))
             self.assertIn("torque off, brakes on", last["sentence"])
 
+    def test_is_stopped_though_the_disk_is_full(self):
+        disk = self.folder.with_name("disk")
+        disk.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=40m", "tmpfs", disk], capture_output=True, check=False).returncode != 0:
+            self.skipTest("because this machine lets no test mount a file system")
+        self.addCleanup(subprocess.run, ["umount", "--lazy", disk], check=True)
+        self.folder = disk / "running"
+        process = self.begin()
+        page = self.open_page()
+        until(lambda: page.state()["values"])
+        with contextlib.suppress(OSError), open(disk / "of somebody else", "wb", buffering=0) as other:
+            while other.write(bytes(1 << 16)):
+                pass
+        status, answer = page.do("stop_now")
+        self.assertEqual((status, answer["sentence"]), (200, f"asked process {process.pid} for: quick stop"))
+        # 3: it stands, and could not write that down.
+        self.assertIn(process.wait(live_page.PATIENCE_s), (130, 3))
+
     def test_acts_once_and_on_the_run_that_was_seen(self):
         process = self.begin()
         page = self.open_page_with_users()
