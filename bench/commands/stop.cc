@@ -33,8 +33,10 @@ int Stop(const StopOptions& options) {
   const CampaignFolder folder{options.folder};
   const int process = AskToEnd(folder, Requests().at(options.verb));
   if (process <= 0 && std::filesystem::exists(folder.Journal())) {
-    ToStdout("{}: nobody runs this campaign, and nothing moves: there is nothing to stop\n",
-             folder.root.string());
+    ToStdout(
+        "{}: nobody runs this campaign: there is nobody to ask for a stop (after a kill or a power cut the "
+        "drives stop by their own supervision: look at the bench before anybody goes near)\n",
+        folder.root.string());
     return static_cast<int>(ExitCode::kDone);
   }
   if (process <= 0) {

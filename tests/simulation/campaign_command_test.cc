@@ -226,6 +226,16 @@ std::vector<std::string> Read(const std::string& campaign) {
   return said;
 }
 
+TEST_F(Campaign, ThatNobodyRunsHasNobodyToAskForAStop) {
+  const ProgramResult stopped = RunProgram({"stop", Path(), "quick-stop"});
+  EXPECT_EQ(stopped.exit_code, 0) << stopped.error;
+  EXPECT_EQ(stopped.out,
+            Path() +
+                ": nobody runs this campaign: there is nobody to ask for a stop (after a kill or a power "
+                "cut the drives stop by their own supervision: look at the bench before anybody goes "
+                "near)\n");
+}
+
 TEST_F(Campaign, IsReadOnAMediumThatCannotBeWritten) {
   const ScratchFolder scratch;
   const std::string campaign = Copy(scratch).string();
