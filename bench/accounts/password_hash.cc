@@ -3,7 +3,6 @@
 
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
-#include <openssl/rand.h>
 
 #include <array>
 #include <charconv>
@@ -13,6 +12,8 @@
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "bench/accounts/random_bytes.h"
 
 namespace strainwave::bench {
 namespace {
@@ -40,8 +41,6 @@ Bytes Scrypt(std::string_view password, const Bytes& salt, const ScryptCost& cos
   }
   return hash;
 }
-
-std::string HexOf(const Bytes& bytes) { return fmt::format("{:02x}", fmt::join(bytes, "")); }
 
 std::optional<Bytes> BytesOf(std::string_view hex, std::size_t count) {
   if (hex.size() != 2 * count) return std::nullopt;
@@ -82,10 +81,7 @@ std::optional<StoredHash> Parse(std::string_view stored) {
 }  // namespace
 
 std::string HashPassword(std::string_view password, const ScryptCost& cost) {
-  Bytes salt(kSalt_bytes);
-  if (RAND_bytes(salt.data(), static_cast<int>(salt.size())) != 1) {
-    throw std::runtime_error("the system has no random numbers");
-  }
+  const Bytes salt = RandomBytes(kSalt_bytes);
   return fmt::format("scrypt${}${}${}${}${}", cost.log2_n, cost.r, cost.p, HexOf(salt),
                      HexOf(Scrypt(password, salt, cost)));
 }

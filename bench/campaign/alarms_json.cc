@@ -2,8 +2,6 @@
 #include "bench/campaign/alarms_json.h"
 
 #include <cmath>
-#include <limits>
-#include <vector>
 
 #include "bench/campaign/campaign_alarms.h"
 #include "bench/utc.h"
@@ -76,11 +74,9 @@ nlohmann::json AlarmsJson(std::span<const AlarmInstance> instances, std::span<co
 
 nlohmann::json AlarmListJson(const Journal& journal, std::span<const AlarmRule> rules, bool all,
                              const Moment& now) {
-  std::vector<AlarmInstance> alarms = journal.Alarms(-std::numeric_limits<double>::infinity());
-  const std::size_t ever = alarms.size();
-  TakeOffShelves(alarms, now);
-  if (!all) std::erase_if(alarms, [](const AlarmInstance& alarm) { return !IsOpen(alarm.state); });
-  return {{"alarms", AlarmsJson(alarms, rules, journal.AlarmActions())}, {"raised_ever", ever}};
+  const AlarmList list = ReadAlarms(journal, all, now);
+  return {{"alarms", AlarmsJson(list.alarms, rules, journal.AlarmActions())},
+          {"raised_ever", list.raised_ever}};
 }
 
 }  // namespace strainwave::bench

@@ -88,6 +88,14 @@ void TakeOffShelves(std::vector<AlarmInstance>& instances, const Moment& now) {
   }
 }
 
+AlarmList ReadAlarms(const Journal& journal, bool all, const Moment& now) {
+  AlarmList list{journal.Alarms(kAll_s)};
+  list.raised_ever = list.alarms.size();
+  TakeOffShelves(list.alarms, now);
+  if (!all) std::erase_if(list.alarms, [](const AlarmInstance& alarm) { return !IsOpen(alarm.state); });
+  return list;
+}
+
 RaiseResult RaiseAlarm(Journal& journal, std::span<const AlarmRule> rules, AlarmRaise raise,
                        const Moment& now) {
   raise.utc = UtcText(now.utc_ms);

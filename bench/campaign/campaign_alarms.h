@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -20,6 +21,13 @@ inline constexpr std::string_view kStopCriterionAlarm = "stop_criterion";
 /// that is set back lengthens no shelf: within one boot of the machine the boot's clock counts, and where no
 /// clock knows, the shelf is over.
 void TakeOffShelves(std::vector<AlarmInstance>& instances, const Moment& now);
+
+/// Those that are open, or all, as they are now.
+struct AlarmList {
+  std::vector<AlarmInstance> alarms;
+  std::size_t raised_ever{};
+};
+AlarmList ReadAlarms(const Journal& journal, bool all, const Moment& now);
 
 /// In a transaction of the caller's. Priority and latching are those of the rules or of the kind.
 RaiseResult RaiseAlarm(Journal& journal, std::span<const AlarmRule> rules, AlarmRaise raise,

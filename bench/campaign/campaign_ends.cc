@@ -95,8 +95,7 @@ CampaignRunner::MaybeEnd CampaignRunner::CheckDisk(int cycle) {
     checkpoint_.Sync();
     const std::string text = fmt::format(
         "the disk is nearly full: {} are free, and the next cycle may take {} beside {} for the journal "
-        "(expected: "
-        "make room, then go on)",
+        "(expected: make room, then go on)",
         free, BytesText(room->cycle_bytes), BytesText(kReserve_bytes));
     NoteAlarm("alarm", "", "disk_full", text, Time_s());
     return CampaignEnd{CampaignEnd::Kind::kFault, {}, text, true, {}};

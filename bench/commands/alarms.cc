@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -95,11 +94,7 @@ int List(const AlarmsOptions& options, const CampaignFolder& folder) {
     ToStdout("{}\n", DocumentOf(AlarmListJson(journal, rules, options.all, Now())));
     return static_cast<int>(ExitCode::kDone);
   }
-  const double infinity = std::numeric_limits<double>::infinity();
-  std::vector<AlarmInstance> alarms = journal.Alarms(-infinity);
-  const std::size_t ever = alarms.size();
-  TakeOffShelves(alarms, Now());
-  if (!options.all) std::erase_if(alarms, [](const AlarmInstance& alarm) { return !IsOpen(alarm.state); });
+  const auto [alarms, ever] = ReadAlarms(journal, options.all, Now());
   ToStdout("{}: {} open alarm(s), {} in all\n{}", folder.root.string(),
            std::ranges::count_if(alarms, [](const AlarmInstance& alarm) { return IsOpen(alarm.state); }),
            ever, AlarmText(alarms, rules, journal.AlarmActions()));

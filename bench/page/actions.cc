@@ -143,6 +143,8 @@ std::string BoundTo(const CampaignSnapshot& snapshot, const Actor& actor) {
 
 }  // namespace
 
+nlohmann::json UserJson(const User& user) { return {{"name", user.name}, {"role", Name(user.role)}}; }
+
 std::string TokenFor(const CampaignSnapshot& snapshot, const Actor& actor, Tokens& tokens) {
   return tokens.Issue(BoundTo(snapshot, actor));
 }

@@ -31,6 +31,9 @@ struct Actor {
   bool knows_users{true};  // whether the page has users at all
 };
 
+/// name, role
+nlohmann::json UserJson(const User& user);
+
 struct ResumeRequest {};
 struct NoteRequest {};
 

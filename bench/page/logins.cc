@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "bench/accounts/password_hash.h"
-#include "bench/page/tokens.h"
+#include "bench/accounts/random_bytes.h"
 
 namespace strainwave::bench {
 namespace {
@@ -17,17 +17,10 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kLongestPassword_bytes = 1000;
+constexpr std::size_t kSecret_bytes = 32;
 
-LoginAnswer Refused(int status, std::string_view why, std::string_view sentence) {
-  return {status, {{"error", sentence}, {"why", why}}};
-}
-
-std::string NewSecret() {
-  const std::string bytes = RandomKey();
-  std::string secret;
-  for (const char byte : bytes) secret += fmt::format("{:02x}", static_cast<unsigned char>(byte));
-  return secret;
-}
+// For a name that nobody has as for a password that is another: which of the two is nobody's business.
+LoginAnswer NoSuchUser() { return {NotDone(401, "password", "no user of that name has that password")}; }
 
 }  // namespace
 
@@ -44,7 +37,7 @@ Logins::Logins(std::optional<std::filesystem::path> users_file, std::string cook
     : users_file_(std::move(users_file)),
       cookie_(std::move(cookie)),
       is_encrypted_(is_encrypted),
-      nobody_(users_file_ ? HashPassword(RandomKey()) : "") {
+      nobody_(users_file_ ? HashPassword(HexOf(RandomBytes(kSecret_bytes))) : "") {
   if (!users_file_) return;
   users_ = ReadUsersFile(*users_file_);
   std::error_code gone;
@@ -102,29 +95,30 @@ Actor Logins::Acting(std::string_view cookies, Time now) {
 
 std::optional<LoginAnswer> Logins::LogIn(std::string_view text, Time now, Answered answered) {
   if (!users_file_) {
-    return Refused(
-        404, "no_users",
-        "this page has no users (expected: strainwave serve DIR --users FILE; strainwave users FILE "
-        "add NAME makes one)");
+    return LoginAnswer{
+        NotDone(404, "no_users",
+                "this page has no users (expected: strainwave serve DIR --users FILE; strainwave users FILE "
+                "add NAME makes one)")};
   }
   const json request = json::parse(text, nullptr, false);
   const bool is_whole = request.is_object() && request.contains("name") && request["name"].is_string() &&
                         request.contains("password") && request["password"].is_string();
-  if (!is_whole) return Refused(400, "request", "expected {\"name\":\"...\",\"password\":\"...\"}");
+  if (!is_whole)
+    return LoginAnswer{NotDone(400, "request", "expected {\"name\":\"...\",\"password\":\"...\"}")};
   auto name = request["name"].get<std::string>();
   auto password = request["password"].get<std::string>();
   if (!IsUserName(name) || password.size() > kLongestPassword_bytes) {
-    return Refused(401, "password", "no user of that name has that password");
+    return NoSuchUser();
   }
   {
     const std::lock_guard lock(mutex_);
     const auto wait = throttle_.Wait(name, now);
     if (wait.count() > 0) {
       const auto seconds = std::chrono::ceil<std::chrono::seconds>(wait);
-      LoginAnswer answer = Refused(
+      LoginAnswer answer{NotDone(
           429, "wait",
           fmt::format("after a wrong password the next try waits: again in {} s (quick stop needs no login)",
-                      seconds.count()));
+                      seconds.count()))};
       answer.retry_after = seconds;
       return answer;
     }
@@ -136,11 +130,12 @@ std::optional<LoginAnswer> Logins::LogIn(std::string_view text, Time now, Answer
         try {
           answer = Verify(name, password);
         } catch (const std::exception& error) {
-          answer = Refused(503, "login", fmt::format("nobody can log in now: {}", error.what()));
+          answer = {NotDone(503, "login", fmt::format("nobody can log in now: {}", error.what()))};
         }
         answered(std::move(answer));
       });
-  if (!taken) return Refused(503, "busy", "too many log in at once (expected: again in a moment)");
+  if (!taken)
+    return LoginAnswer{NotDone(503, "busy", "too many log in at once (expected: again in a moment)")};
   return std::nullopt;
 }
 
@@ -153,23 +148,23 @@ LoginAnswer Logins::Verify(const std::string& name, const std::string& password)
     if (known != users_.end()) user = *known;
   }
   if (!IsPasswordOf(password, user ? user->password : nobody_) || !user) {
-    return Refused(401, "password", "no user of that name has that password");
+    return NoSuchUser();
   }
-  const std::string secret = NewSecret();
+  const std::string secret = HexOf(RandomBytes(kSecret_bytes));
   const std::lock_guard lock(mutex_);
   throttle_.Succeeded(name);
   sessions_.Open(secret, *user, std::chrono::steady_clock::now());
-  return {200,
-          {{"user", {{"name", user->name}, {"role", Name(user->role)}}},
-           {"holds_s", sessions_.limits().in_all.count()},
-           {"without_action_s", sessions_.limits().without_action.count()}},
+  return {{200,
+           {{"user", UserJson(*user)},
+            {"holds_s", sessions_.limits().in_all.count()},
+            {"without_action_s", sessions_.limits().without_action.count()}}},
           CookieOf(secret, sessions_.limits().in_all)};
 }
 
 LoginAnswer Logins::LogOut(std::string_view cookies) {
   const std::lock_guard lock(mutex_);
   sessions_.Close(SecretIn(cookies));
-  return {200, {{"user", nullptr}}, CookieOf("", std::chrono::seconds(0))};
+  return {{200, {{"user", nullptr}}}, CookieOf("", std::chrono::seconds(0))};
 }
 
 }  // namespace strainwave::bench

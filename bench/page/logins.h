@@ -22,9 +22,7 @@
 namespace strainwave::bench {
 
 /// What is said to somebody who logs in or out.
-struct LoginAnswer {
-  int status{};
-  nlohmann::json body;
+struct LoginAnswer : ActionAnswer {
   std::string cookie{};                // for Set-Cookie; empty: none
   std::chrono::seconds retry_after{};  // of a 429
 };

@@ -221,8 +221,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     nlohmann::json state = StateJson(snapshot, Now());
     state["token"] = desk_.Token(snapshot, actor);
     state["has_users"] = actor.knows_users;
-    state["user"] = actor.user ? nlohmann::json{{"name", actor.user->name}, {"role", Name(actor.user->role)}}
-                               : nlohmann::json();
+    state["user"] = actor.user ? UserJson(*actor.user) : nlohmann::json();
     state["zone"] = zone_;
     state["events"] = nlohmann::json::array();
     for (const Event& event : snapshot.progress.events) state["events"].push_back(EventJson(event));

@@ -4,12 +4,14 @@
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
 #include <openssl/hmac.h>
-#include <openssl/rand.h>
 
 #include <array>
+#include <span>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "bench/accounts/random_bytes.h"
 
 namespace strainwave::bench {
 namespace {
@@ -21,10 +23,7 @@ constexpr char kBetween = '.';
 }  // namespace
 
 std::string RandomKey() {
-  std::array<unsigned char, kKey_bytes> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    throw std::runtime_error("the system has no random numbers");
-  }
+  const auto bytes = RandomBytes(kKey_bytes);
   return {bytes.begin(), bytes.end()};
 }
 
@@ -39,9 +38,7 @@ std::string Tokens::Seal(std::string_view number, std::string_view run) const {
            &size) == nullptr) {
     throw std::runtime_error("HMAC with SHA-256 is not available in this OpenSSL");
   }
-  std::string seal;
-  for (std::size_t i = 0; i < kSeal_bytes; ++i) seal += fmt::format("{:02x}", digest[i]);
-  return seal;
+  return HexOf(std::span(digest).first(kSeal_bytes));
 }
 
 std::string Tokens::Issue(std::string_view run) {
