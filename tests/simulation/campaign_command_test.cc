@@ -215,13 +215,15 @@ TEST_F(Campaign, IsNotReadWithTheFileOfAnotherCycle) {
                              ": error: holds the records of cycle 1 (expected those of cycle 2)\n");
 }
 
-/// What every reader says of a campaign.
+/// What every reader says of a campaign, but for the room on the disk, which changes meanwhile.
 std::vector<std::string> Read(const std::string& campaign) {
   std::vector<std::string> said;
   for (const char* command : {"status", "recompute", "features"}) {
     const ProgramResult read = RunProgram({command, campaign, "--json"});
     EXPECT_EQ(read.exit_code, 0) << command << ": " << read.error;
-    said.push_back(read.out);
+    nlohmann::json json = nlohmann::json::parse(read.out);
+    json.erase("disk");
+    said.push_back(json.dump());
   }
   return said;
 }
