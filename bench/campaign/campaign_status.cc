@@ -9,6 +9,7 @@
 
 #include "bench/campaign/campaign_alarms.h"
 #include "bench/campaign/checkpoint.h"
+#include "bench/campaign/cycle_steps.h"
 #include "bench/campaign/life_share.h"
 #include "bench/campaign/time_to_go.h"
 #include "bench/utc.h"
@@ -19,6 +20,10 @@ namespace {
 
 constexpr int kEventsShown = 8;
 constexpr int kNotesShown = 3;
+// What the time to go is measured by: enough that one suspension does not matter, few enough to follow a
+// bench that has changed.
+constexpr int kCyclesMeasured = 50;
+constexpr int kFewestMeasured = 5;
 
 // Of the step of the newest row, all attempts together.
 double CreditedInStep_s(const std::vector<PhaseRow>& rows) {
@@ -65,7 +70,8 @@ void TakePhases(const CampaignFolder& folder, const CampaignInputs& inputs, Camp
     if (progress.process > 0 && progress.run_begun) progress.pace = PaceOf(*progress.run_begun, *checkpoint);
   }
   progress.remaining_s =
-      TimeToGo_s(inputs.schedule, progress.cycle, rows, credited_in_step_s, progress.bench_time_s);
+      TimeToGo_s(inputs.schedule, progress.cycle, rows, credited_in_step_s, progress.bench_time_s) *
+      progress.as_planned.value_or(1.0);
   progress.phase_share =
       PhaseShare(inputs.schedule, progress.cycle, rows, credited_in_step_s, progress.bench_time_s);
 }
@@ -88,6 +94,9 @@ JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& 
   progress.latest_s = journal.LatestTime_s();
   if (const auto begun = journal.Property(kRunBegun)) progress.run_begun = ParseRunBegun(*begun);
   progress.planned_s = TimeToGo_s(inputs.schedule, 0, {}, 0.0, 0.0);
+  const double planned_cycle_s = PlannedDuration_s(StepsOf(inputs.schedule, 1));
+  const auto cycle_s = journal.MeanCycle_s(kCyclesMeasured, kFewestMeasured);
+  if (cycle_s && planned_cycle_s > 0.0) progress.as_planned = *cycle_s / planned_cycle_s;
   progress.planned_cycle_bytes = PlannedCycle_bytes(inputs.schedule);
   progress.events = journal.Events(kEventsShown);
   progress.last_of_bench = journal.LastEventOfBench();

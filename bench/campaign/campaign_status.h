@@ -25,6 +25,8 @@ struct JournalProgress {
   double latest_s{};
   double planned_s{};            // bench time of the whole campaign
   double planned_cycle_bytes{};  // raw data of one cycle
+  /// Bench time that cycles take, over what they take as planned: of the newest 50, from the fifth on.
+  std::optional<double> as_planned;
   std::optional<RunBegun> run_begun;
   std::vector<Result> last_results;
   std::vector<StopDistance> stops;         // how far the last cycle is from ending the campaign
@@ -48,7 +50,7 @@ struct CampaignProgress : JournalProgress {
   std::optional<double> phase_share;  // done of the phase, as planned
   double credited_load_s{};           // in the cycle that is under way
   double bench_time_s{};
-  double remaining_s{};                      // bench time, as planned
+  double remaining_s{};                      // bench time, as cycles have gone so far
   std::optional<double> pace;                // of bench time, against the world's, while it runs
   std::optional<Moment> checkpoint_written;  // nothing: there is none
   std::optional<Moment> live_taken;          // the newest readings, while it runs

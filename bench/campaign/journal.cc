@@ -210,6 +210,18 @@ std::vector<CycleRow> Journal::Cycles() const {
   return rows;
 }
 
+std::optional<double> Journal::MeanCycle_s(int newest, int fewest) const {
+  Statement statement = database_.Prepare(
+      "SELECT MAX(ended_s) - MIN(started_s), COUNT(*) FROM (SELECT started_s, ended_s FROM cycles WHERE "
+      "outcome = "
+      "'complete' AND cycle > 0 ORDER BY cycle DESC LIMIT ?)");
+  statement.Bind(newest);
+  statement.Step();
+  const auto count = static_cast<int>(statement.Integer(1));
+  if (count < std::max(1, fewest)) return std::nullopt;
+  return statement.Real(0) / count;
+}
+
 int Journal::LastCompleteCycle() const {
   // From the end: most cycles of a long campaign are complete.
   Statement statement =

@@ -150,6 +150,9 @@ class Journal {
   /// As given when the cycle ended; empty without one, and in journals of earlier versions.
   std::string RecordsSha256(int cycle) const;
   int LastCompleteCycle() const;  // −1: none
+  /// Bench time from one of the newest complete cycles to the next, with retries and suspensions, without the
+  /// preparation. Nothing while fewer than `fewest` are complete.
+  std::optional<double> MeanCycle_s(int newest, int fewest) const;
 
   std::int64_t BeginPhase(const PhaseRow& row);
   void EndPhase(std::int64_t id, double time_s, std::string_view outcome, double credited_load_s);

@@ -52,9 +52,13 @@ json ResultsJson(const std::vector<Result>& results) {
 }
 
 std::string EtaBasis(const CampaignProgress& progress) {
-  if (progress.process == 0) return "planned bench time, without pauses; nobody runs the campaign now";
-  if (!progress.pace) return "planned bench time, as if it ran in real time; the pace is not known yet";
-  return fmt::format("planned durations at the pace of this run, {:.3g} times real time, without pauses",
+  const std::string by = progress.as_planned
+                             ? fmt::format("as the newest cycles went, {:.1f} % of what was planned",
+                                           100.0 * *progress.as_planned)
+                             : std::string("planned durations");
+  if (progress.process == 0) return fmt::format("{}, without pauses; nobody runs the campaign now", by);
+  if (!progress.pace) return fmt::format("{}, as if in real time; the pace is not known yet", by);
+  return fmt::format("{}, at the pace of this run, {:.3g} times real time, without pauses", by,
                      *progress.pace);
 }
 
@@ -142,7 +146,8 @@ std::string Sentence(const CampaignSnapshot& snapshot) {
 nlohmann::json StateJson(const CampaignSnapshot& snapshot, const Moment& now) {
   const CampaignProgress& progress = snapshot.progress;
   const double eta_s = TimeToEnd_s(progress).value_or(progress.remaining_s);
-  const double share = progress.planned_s > 0.0 ? 1.0 - progress.remaining_s / progress.planned_s : 1.0;
+  const double to_go_s = progress.remaining_s / progress.as_planned.value_or(1.0);  // as planned
+  const double share = progress.planned_s > 0.0 ? 1.0 - to_go_s / progress.planned_s : 1.0;
   const auto safe = IsSafe(snapshot.view);
   return {
       {"campaign", snapshot.campaign},

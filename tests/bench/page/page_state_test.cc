@@ -91,7 +91,7 @@ TEST(PageState, GivesEveryValueItsAgeAtTheMoment) {
   EXPECT_DOUBLE_EQ(state["share"], 0.4);
   EXPECT_DOUBLE_EQ(state["eta_s"], 30.0);
   EXPECT_EQ(state["eta_basis"],
-            "planned durations at the pace of this run, 20 times real time, without pauses");
+            "planned durations, at the pace of this run, 20 times real time, without pauses");
   EXPECT_DOUBLE_EQ(state["values"][0]["age_s"], 1.5);
   EXPECT_EQ(state["values"][0]["value"], 39.5);
   EXPECT_TRUE(state["values"][1]["value"].is_null());
