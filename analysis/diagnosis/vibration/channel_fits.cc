@@ -63,7 +63,7 @@ class Weighted {
 };
 
 // values += columns · factors, of a block of rows.
-void AddCombinations(const ColumnBlock& columns, const MatrixXd& factors, Index rows, double* values,
+void AddCombinations(const ColumnBlock& columns, const ConstColumns& factors, Index rows, double* values,
                      Index stride) {
   CombineRows<double>({factors.data(), factors.outerStride(), 1}, {columns.data, columns.stride},
                       {values, stride}, factors.cols(), columns.columns, rows, Sum::kAdd);
@@ -76,6 +76,29 @@ bool HaveEqualColumns(const ConstColumns& matrix) {
   return true;
 }
 
+// Parameters that lie side by side.
+struct ParameterRange {
+  Index first;
+  Index count;
+};
+
+// Those by which the channels' models change.
+std::vector<ParameterRange> MovingParameters(const ChannelSlopes& slopes) {
+  std::vector<ParameterRange> ranges;
+  Index s = 0;
+  for (const TermSlopes& term : slopes.terms) {
+    if (term.slopes != nullptr && term.parameters > 0) {
+      if (!ranges.empty() && ranges.back().first + ranges.back().count == s) {
+        ranges.back().count += term.parameters;
+      } else {
+        ranges.push_back({s, term.parameters});
+      }
+    }
+    s += term.parameters;
+  }
+  return ranges;
+}
+
 // Derivatives of the channels' models, of a block of rows: of channel c by parameter s
 // at values + c · channel_stride + s · stride.
 void FillDerivatives(const ChannelSlopes& slopes, Index first, Index rows, double* values,
@@ -84,8 +107,10 @@ void FillDerivatives(const ChannelSlopes& slopes, Index first, Index rows, doubl
   Index s = 0;
   for (const TermSlopes& term : slopes.terms) {
     if (term.slopes == nullptr) {
-      for (const Index end = s + term.parameters; s < end; ++s) {
-        for (Index c = 0; c < channels; ++c) std::fill_n(values + c * channel_stride + s * stride, rows, 0.0);
+      const Index end = s + term.parameters;
+      for (; s < end; ++s) {
+        for (Index c = 0; c < channels && !term.filled_by_others; ++c)
+          std::fill_n(values + c * channel_stride + s * stride, rows, 0.0);
       }
       continue;
     }
@@ -239,23 +264,31 @@ std::vector<MatrixXd> ProjectedDerivatives(const ChannelSlopes& slopes, const Pa
   const auto at = [&](std::size_t channel, Index row) {
     return derivatives.data() + static_cast<Index>(channel) * samples + row;
   };
+  const Index stride = derivatives.outerStride();
+  const std::vector<ParameterRange> moving = MovingParameters(slopes);
   const Matrices common = SumOverRows(
       samples, Matrices{std::vector<MatrixXd>(channels, MatrixXd::Zero(slopes.columns.cols(), parameters))},
       parallel, [&](Index first, Index rows, Matrices& sum) {
-        FillDerivatives(slopes, first, rows, at(0, first), samples, derivatives.outerStride());
+        FillDerivatives(slopes, first, rows, at(0, first), samples, stride);
         const MatrixXd columns = slopes.columns.Rows(first, rows);
         for (std::size_t c = 0; c < channels; ++c) {
-          const Weighted weighted({at(c, first), derivatives.outerStride(), parameters},
-                                  slopes.weights.col(static_cast<Index>(c)).segment(first, rows));
-          AddProducts(BlockOf(columns, 0), weighted.block(), rows, sum.each[c]);
+          for (const ParameterRange& range : moving) {
+            const Weighted weighted({at(c, first) + range.first * stride, stride, range.count},
+                                    slopes.weights.col(static_cast<Index>(c)).segment(first, rows));
+            AddProducts(BlockOf(columns, 0), weighted.block(), rows,
+                        sum.each[c].middleCols(range.first, range.count));
+          }
         }
       });
   std::vector<MatrixXd> follows;
   for (std::size_t c = 0; c < channels; ++c) follows.push_back(-slopes.fits[c]->inverse * common.each[c]);
   SumOverRows(samples, 0, parallel, [&](Index first, Index rows, int&) {
     const MatrixXd columns = slopes.columns.Rows(first, rows);
-    for (std::size_t c = 0; c < channels; ++c)
-      AddCombinations(BlockOf(columns, 0), follows[c], rows, at(c, first), derivatives.outerStride());
+    for (std::size_t c = 0; c < channels; ++c) {
+      for (const ParameterRange& range : moving)
+        AddCombinations(BlockOf(columns, 0), follows[c].middleCols(range.first, range.count), rows,
+                        at(c, first) + range.first * stride, stride);
+    }
   });
   return follows;
 }

@@ -45,6 +45,8 @@ struct TermSlopes {
   Eigen::Index first{};             // of the term's columns
   Eigen::Index width{};
   Eigen::Index parameters{};
+  /// Without slopes: the derivatives are not zero, but computed elsewhere, and stay as they are.
+  bool filled_by_others{};
 };
 
 /// The nonlinear parameters of all terms, one after the other, by which all channels are changed.

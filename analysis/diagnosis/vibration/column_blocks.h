@@ -21,7 +21,8 @@ inline ColumnBlock BlockOf(const Eigen::Ref<const Eigen::MatrixXd>& matrix, Eige
 }
 
 /// sum += aᵀ b, over so many rows.
-inline void AddProducts(const ColumnBlock& a, const ColumnBlock& b, Eigen::Index rows, Eigen::MatrixXd& sum) {
+inline void AddProducts(const ColumnBlock& a, const ColumnBlock& b, Eigen::Index rows,
+                        Eigen::Ref<Eigen::MatrixXd> sum) {
   MultiplyRows<double>({a.data, a.stride}, {b.data, b.stride}, {sum.data(), 1, sum.outerStride()}, a.columns,
                        b.columns, rows, Sum::kAdd);
 }

@@ -274,6 +274,13 @@ SharedStep VibrationSolver::StepOfPredicted(
     const std::vector<VibrationNonlinearParameter>& nonlinear_parameters, MatrixXd derivatives) const {
   constexpr Index kSideBySide = 4;  // columns, which Predict works on together
   const VectorXd left = Residual(solution);
+  // Before each narrow-band term: what those in front of it leave, which do not move with it.
+  std::vector<VectorXd> before;
+  VectorXd ahead = solution.unexplained;
+  for (const VibrationTerm& term : solution.terms) {
+    before.push_back(IsNarrowband(term) ? ahead : VectorXd());
+    TakeOffPredicted({&term, 1}, ahead);
+  }
   std::vector<std::function<void()>> tasks;
   Index s = 0;
   for (std::size_t t = from; t < solution.terms.size(); ++t) {
@@ -281,10 +288,11 @@ SharedStep VibrationSolver::StepOfPredicted(
     const Index end = s + static_cast<Index>(solution.terms[t].nonlinear_parameters.size());
     for (Index k = 0; narrowband && s < end; ++k, ++s) {
       tasks.push_back([&, t, k, s] {
-        std::vector<VibrationTerm> moved = solution.terms;
+        std::vector<VibrationTerm> moved(solution.terms.begin() + static_cast<std::ptrdiff_t>(t),
+                                         solution.terms.end());
         const double by = 0.1 * nonlinear_parameters[static_cast<std::size_t>(s)].step;
-        moved[t].nonlinear_parameters[static_cast<std::size_t>(k)] += by;
-        VectorXd there = solution.unexplained;
+        moved.front().nonlinear_parameters[static_cast<std::size_t>(k)] += by;
+        VectorXd there = before[t];
         TakeOffPredicted(moved, there);
         derivatives.col(s) = (left - there) / by;
       });
@@ -325,7 +333,8 @@ SharedStep VibrationSolver::Step(VibrationSolution& solution, std::size_t from,
       const VibrationTerm& term = solution.terms[from + t];
       const bool moves = term.observable[group.first] != 0 && !IsNarrowband(term);
       own.terms.push_back({moves ? &slopes[run][t] : nullptr, solution.channels[group.first].first[from + t],
-                           ColumnsOf(term), static_cast<Index>(term.nonlinear_parameters.size())});
+                           ColumnsOf(term), static_cast<Index>(term.nonlinear_parameters.size()),
+                           IsNarrowband(term)});
     }
     std::vector<MatrixXd> follows =
         predicts ? ProjectedDerivatives(
