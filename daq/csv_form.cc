@@ -177,6 +177,7 @@ class FormReader {
   static bool IsKnownToAnyKind(std::string_view name) {
     constexpr RecordKind::Value kKinds[] = {RecordKind::kTransmissionError, RecordKind::kHysteresis,
                                             RecordKind::kMotion, RecordKind::kVibration,
+                                            RecordKind::kMotor, RecordKind::kJoints,
                                             RecordKind::kHistory};
     return std::ranges::any_of(kKinds, [name](RecordKind kind) { return IsKnownColumn(kind, name); });
   }

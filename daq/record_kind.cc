@@ -7,11 +7,13 @@
 namespace strainwave::daq {
 namespace {
 
-constexpr std::array<std::pair<RecordKind::Value, std::string_view>, 5> kKindNames{
+constexpr std::array<std::pair<RecordKind::Value, std::string_view>, 7> kKindNames{
     {{RecordKind::kTransmissionError, "transmission_error"},
      {RecordKind::kHysteresis, "hysteresis"},
      {RecordKind::kMotion, "motion"},
      {RecordKind::kVibration, "vibration"},
+     {RecordKind::kMotor, "motor"},
+     {RecordKind::kJoints, "joints"},
      {RecordKind::kHistory, "history"}}};
 
 }  // namespace

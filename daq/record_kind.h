@@ -10,7 +10,7 @@ namespace strainwave::daq {
 /// that is yet to be checked, the text that names none of them.
 class RecordKind {
  public:
-  enum Value { kUnknown, kTransmissionError, kHysteresis, kMotion, kVibration, kHistory };
+  enum Value { kUnknown, kTransmissionError, kHysteresis, kMotion, kVibration, kMotor, kJoints, kHistory };
 
   RecordKind() = default;
   RecordKind(Value value) : value_(value) {}  // NOLINT(google-explicit-constructor): a value is a kind

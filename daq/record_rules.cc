@@ -10,39 +10,12 @@
 #include <limits>
 #include <span>
 
+#include "daq/joint_columns.h"
+#include "daq/kind_columns.h"
 #include "daq/value_bounds.h"
 
 namespace strainwave::daq {
 namespace {
-
-using Names = std::span<const std::string_view>;
-
-constexpr std::array<std::string_view, 3> kSweepRequired{"direction", "input_angle_deg", "output_angle_deg"};
-constexpr std::array<std::string_view, 3> kSweepOptional{"time_s", "torque_Nm", "temperature_degC"};
-constexpr std::array<std::string_view, 3> kLoopRequired{"time_s", "torque_Nm", "output_angle_deg"};
-constexpr std::array<std::string_view, 1> kLoopOptional{"temperature_degC"};
-constexpr std::array<std::string_view, 3> kRotaryRequired{"time_s", "position_rad", "torque_Nm"};
-constexpr std::array<std::string_view, 3> kLinearRequired{"time_s", "position_m", "force_N"};
-constexpr std::array<std::string_view, 4> kMotionOptional{"velocity_rad_per_s", "velocity_m_per_s",
-                                                          "temperature_degC", "current_A"};
-constexpr std::array<std::string_view, 5> kVibrationOptional{"time_s", "accel_x_m_per_s2", "accel_y_m_per_s2",
-                                                             "accel_z_m_per_s2", "accel_motor_z_m_per_s2"};
-constexpr std::array<std::string_view, 1> kHistoryRequired{"time_s"};
-
-struct KindRule {
-  RecordKind::Value kind;
-  Names required;
-  Names required_linear;  // in place of `required`, for a linear axis
-  Names optional;
-};
-
-constexpr KindRule kKindRules[] = {
-    {RecordKind::kTransmissionError, kSweepRequired, {}, kSweepOptional},
-    {RecordKind::kHysteresis, kLoopRequired, {}, kLoopOptional},
-    {RecordKind::kMotion, kRotaryRequired, kLinearRequired, kMotionOptional},
-    {RecordKind::kVibration, {}, {}, kVibrationOptional},
-    {RecordKind::kHistory, kHistoryRequired, {}, {}},
-};
 
 enum class Need { kFinite, kPositive, kNotZero };
 
@@ -67,18 +40,9 @@ constexpr NumberRule kNumberRules[] = {
     {RecordKind::kVibration, "e_avg_arcmin", Need::kFinite},
     {RecordKind::kVibration, "e_max_arcmin", Need::kFinite},
     {RecordKind::kVibration, "ratio", Need::kNotZero},
+    {RecordKind::kMotor, "sample_rate_hz", Need::kPositive},
     {RecordKind::kHistory, "sample_rate_hz", Need::kPositive},
 };
-
-const KindRule* FindRule(const RecordKind& kind) {
-  const auto* found = std::find_if(std::begin(kKindRules), std::end(kKindRules),
-                                   [&kind](const KindRule& rule) { return kind == rule.kind; });
-  return found == std::end(kKindRules) ? nullptr : found;
-}
-
-bool Contains(Names names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 std::size_t CountPresent(const Record& record, Names names) {
   return static_cast<std::size_t>(std::count_if(
@@ -213,6 +177,11 @@ void CheckCurrentGain(const Record& record, std::string_view drive_column, Repor
                          drive_column));
 }
 
+void CheckJoints(const Record& record, Report& report) {
+  for (const JointColumnBreak& found : CheckJointColumns(record))
+    report.Add({Level::kRecord}, found.what, found.expected);
+}
+
 void CheckRequiredColumns(const Record& record, const KindRule& rule, Report& report) {
   Names required = rule.required;
   std::string expected =
@@ -231,6 +200,7 @@ void CheckRequiredColumns(const Record& record, const KindRule& rule, Report& re
     }
     report.Add({Level::kRecord}, fmt::format("column '{}' is missing", name), expected);
   }
+  if (rule.kind == RecordKind::kJoints) CheckJoints(record, report);
   if (rule.kind != RecordKind::kVibration) return;
   const bool has_time = record.FindColumn("time_s") != nullptr;
   if (!has_time && !record.Metadata("sample_rate_hz")) {
@@ -356,6 +326,7 @@ std::vector<RuleBreak> CheckBounds(const Record& record) {
 }
 
 bool IsKnownColumn(const RecordKind& kind, std::string_view column) {
+  if (kind == RecordKind::kJoints && IsJointColumn(column)) return true;
   const KindRule* rule = FindRule(kind);
   return rule != nullptr && (Contains(rule->required, column) || Contains(rule->required_linear, column) ||
                              Contains(rule->optional, column));

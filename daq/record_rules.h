@@ -32,7 +32,7 @@ struct RuleBreak {
 /// column that the kind knows, and in every channel of a vibration, within the bounds of their unit
 /// (`value_bounds.h`), as the numbers of the metadata are; `time_s` that never decreases and goes on by at
 /// least a nanosecond a row, if it does; a ratio other than zero; 0 < t1 < t2 < t3; positive inertia, mass
-/// and sample rate; `absolute` true or false; one gain, not zero, for a current that stands in a torque's
+/// and sample rate; position, velocity and torque of each joint, numbered from 1; `absolute` true or false; one gain, not zero, for a current that stands in a torque's
 /// place. A column gives at most `kMostBreaksPerColumn`.
 std::vector<RuleBreak> CheckRecord(const Record& record);
 
@@ -43,7 +43,7 @@ inline constexpr std::size_t kMostBreaksPerColumn = 20;
 
 /// How a message names the kinds.
 inline constexpr std::string_view kKnownKinds =
-    "transmission_error, hysteresis, motion, vibration or history";
+    "transmission_error, hysteresis, motion, vibration, motor, joints or history";
 
 /// True when the kind gives `column` a meaning, so that its values must be good. A vibration also takes any
 /// further column as a channel, which this does not tell.

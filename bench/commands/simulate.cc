@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -10,10 +12,12 @@
 #include "bench/commands/commands.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
+#include "bench/commands/terminal.h"
 #include "bench/diagnosis/make_study.h"
 #include "bench/diagnosis/simulate_record.h"
 #include "bench/errors/bench_error.h"
 #include "bench/records/look_at_samples.h"
+#include "bench/studies/studies.h"
 #include "daq/csv_record.h"
 #include "daq/cycle_file.h"
 #include "daq/read_records.h"
@@ -27,6 +31,8 @@ struct SimulateOptions {
   std::string out;
   std::string group;
   std::uint64_t seed{1};
+  std::string study;
+  std::optional<int> units;
   bool no_noise{};
   bool corrections{};
   bool json{};
@@ -57,7 +63,36 @@ void Write(const daq::Record& record, const std::filesystem::path& path) {
   }
 }
 
+int SimulateStudy(const SimulateOptions& options) {
+  if (!options.model.empty())
+    Refuse("simulate", fmt::format("both a model, {}, and --study are given", options.model), "one of them");
+  ShareLine line;
+  const auto progress = [&](std::size_t done, std::size_t all) {
+    line.Show(fmt::format("record {} of {}", done, all),
+              static_cast<double>(done) / static_cast<double>(all));
+  };
+  const StudySummary made = MakeStudy(options.study, {options.out, options.seed, options.units, progress});
+  line.Clear();
+  if (options.json) {
+    ToStdout("{}\n", nlohmann::ordered_json{{"study", options.study},
+                                            {"folder", options.out},
+                                            {"files", made.files},
+                                            {"units", made.units},
+                                            {"labels", made.label_columns},
+                                            {"seed", options.seed}}
+                         .dump(2));
+  } else {
+    ToStdout("{}: {} records of {} units, seed {}; labels.csv says {}\n", options.out, made.files, made.units,
+             options.seed, fmt::join(made.label_columns, ", "));
+  }
+  return static_cast<int>(ExitCode::kDone);
+}
+
 int Simulate(const SimulateOptions& options) {
+  if (!options.study.empty()) return SimulateStudy(options);
+  if (options.model.empty())
+    Refuse("simulate", "neither MODEL nor --study is given",
+           "a model, such as motion, or the name of a data set");
   const RunnableModel model = ReadRunnableModel(options.model, options.corrections);
   const bool alike = !options.like.empty();
   const daq::Record like = alike ? ReadLike(options, model.kind) : ExcitationFor(model);
@@ -97,11 +132,16 @@ void AddSimulate(CLI::App& app, Action& action) {
       "Run a model and write the record that it would have measured.\n"
       "Example: strainwave simulate diagnosis/extended_model.yaml --like loop.csv --out simulated.csv");
   auto options = std::make_shared<SimulateOptions>();
-  command
-      ->add_option("MODEL", options->model,
-                   "an extended_model.yaml, or the nominal model of a kind: transmission_error, hysteresis, "
-                   "motion, vibration")
-      ->required();
+  command->add_option(
+      "MODEL", options->model,
+      "an extended_model.yaml, or the nominal model of a kind: transmission_error, hysteresis, "
+      "motion, vibration");
+  std::string studies;
+  for (const Study& study : Studies()) studies += fmt::format("\n{}: {}", study.name, study.what);
+  command->add_option(
+      "--study", options->study,
+      "in place of MODEL: a data set of many records with labels.csv, in the folder --out" + studies);
+  command->add_option("--units", options->units, "of a study: assemblies a condition");
   command->add_option("--like", options->like,
                       "record whose excitation the model runs on; without it, the usual one of its kind");
   command->add_option("--group", options->group, "of an HDF5 file: part of the name of the record's group");

@@ -29,6 +29,8 @@ std::optional<StudyKind> StudyKindOf(const daq::RecordKind& kind) {
       return StudyKind::kMotion;
     case daq::RecordKind::kVibration:
       return StudyKind::kVibration;
+    case daq::RecordKind::kMotor:
+    case daq::RecordKind::kJoints:
     case daq::RecordKind::kHistory:
     case daq::RecordKind::kUnknown:
       return std::nullopt;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "daq/record_error.h"
 #include "daq/value_bounds.h"
@@ -16,6 +18,35 @@ TEST(CheckRecord, FindsNothingWrongInGoodRecords) {
   EXPECT_TRUE(CheckRecord(SampleSweep()).empty());
   EXPECT_TRUE(CheckRecord(SampleLoop()).empty());
   EXPECT_TRUE(CheckRecord(SampleVibration()).empty());
+}
+
+Record RecordOf(RecordKind kind, const std::vector<std::string>& columns) {
+  Record record{.kind = kind, .metadata = {}, .columns = {}, .source = {}};
+  for (const std::string& name : columns) record.columns.push_back({name, std::vector{0.0, 1.0}, "", ""});
+  return record;
+}
+
+TEST(CheckRecord, KnowsMotorsAndJoints) {
+  EXPECT_TRUE(CheckRecord(RecordOf(RecordKind::kMotor, {"current_A", "velocity_rad_per_s"})).empty());
+  const std::vector<RuleBreak> motor = CheckRecord(RecordOf(RecordKind::kMotor, {"current_A", "state"}));
+  ASSERT_EQ(motor.size(), 1U);
+  EXPECT_EQ(motor[0].what, "column 'velocity_rad_per_s' is missing");
+  EXPECT_TRUE(CheckRecord(RecordOf(RecordKind::kJoints, {"time_s", "q1_rad", "qd1_rad_per_s", "tau1_Nm",
+                                                         "q2_rad", "qd2_rad_per_s", "tau2_Nm"}))
+                  .empty());
+}
+
+TEST(CheckRecord, WantsTheSameColumnsOfEveryJoint) {
+  const std::vector<RuleBreak> gap = CheckRecord(
+      RecordOf(RecordKind::kJoints, {"time_s", "q1_rad", "qd1_rad_per_s", "qdd1_rad_per_s2", "tau1_Nm",
+                                     "q2_rad", "qd2_rad_per_s", "tau2_Nm", "note", "q_rad", "q01_rad"}));
+  ASSERT_EQ(gap.size(), 1U);
+  EXPECT_EQ(gap[0].what, "column 'qdd2_rad_per_s2' is missing");
+  EXPECT_EQ(gap[0].expected, "the same columns for each of the joints 1 to 2");
+  const std::vector<RuleBreak> far = CheckRecord(
+      RecordOf(RecordKind::kJoints, {"time_s", "q1_rad", "qd1_rad_per_s", "tau1_Nm", "tau99_Nm"}));
+  ASSERT_EQ(far.size(), 1U);
+  EXPECT_EQ(far[0].what, "a column has the joint number 99");
 }
 
 TEST(CheckRecord, SeesAStepBackBehindANan) {

@@ -38,7 +38,7 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"campaign"},
                                                          {"page", "trip_test"},
                                                          {"records"},
-                                                         {"diagnosis"},
+                                                         {"diagnosis", "data_sets", "studies"},
                                                          {"prediction"},
                                                          {"monitor", "notices"},
                                                          {"predictor_api"},
