@@ -23,7 +23,7 @@ TEXT
 BUILD_PACKAGES=(
   cmake ninja-build g++ ccache
   libeigen3-dev libtbb-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev
-  libhdf5-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
+  libhdf5-dev libmatio-dev libsndfile1-dev zlib1g-dev libsqlite3-dev libceres-dev libboost-dev libssl-dev
   libprotobuf-dev protobuf-compiler libonnx-dev libopencv-dnn-dev libopencv-ml-dev
   libmosquitto-dev libmodbus-dev libcpp-httplib-dev libiio-dev libcurl4-openssl-dev
   libhidapi-dev libopencv-videoio-dev libopencv-imgcodecs-dev

@@ -31,6 +31,7 @@ void AddBaseline(CLI::App& app, Action& action);
 void AddPredict(CLI::App& app, Action& action);
 void AddExport(CLI::App& app, Action& action);
 void AddMonitor(CLI::App& app, Action& action);
+void AddConvert(CLI::App& app, Action& action);
 void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
 

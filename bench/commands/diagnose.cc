@@ -15,6 +15,7 @@
 #include "bench/campaign/folder.h"
 #include "bench/campaign/on_all_processors.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
@@ -41,6 +42,7 @@ struct DiagnoseCommand {
   RecordChoice choice;
   unsigned long long seed{1};
   bool details{};
+  std::string map;
   bool json{};
 };
 
@@ -110,7 +112,9 @@ int Run(const DiagnoseCommand& command) {
   KeepFreedMemory();
   ShareLine line;
   line.Show("reading " + FileText(command.paths.front()), 0.0);
-  StudyInput input = ReadStudyInput(command.paths, command.choice);
+  RecordChoice choice = command.choice;
+  choice.reader = RecordReader(command.map);
+  StudyInput input = ReadStudyInput(command.paths, choice);
   const std::optional<ExtendedModel> given = ReadModel(command, input.kind);
   TellWarnings(input.warnings);
   diagnosis::Diagnosis result = RunDiagnosis(input, given, command, line);
@@ -179,6 +183,7 @@ void AddDiagnose(CLI::App& app, Action& action) {
                       "of HDF5 files: only records with this in the name of their group");
   command->add_option("--seed", options->seed, "of the bootstrap")->capture_default_str();
   command->add_flag("--details", options->details, "with the numbers of every line and every channel");
+  AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "the diagnosis as JSON on standard output");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

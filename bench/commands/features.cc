@@ -9,6 +9,7 @@
 
 #include "analysis/wavelets/packets.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
@@ -34,6 +35,7 @@ struct FeaturesCommand {
   bool coefficients{};
   bool packet{};
   bool motor_torque{};
+  std::string map;
   bool json{};
 };
 
@@ -151,11 +153,13 @@ int Run(const FeaturesCommand& command) {
     nlohmann::ordered_json report = JsonOfCampaign(folder, command, settings, line);
     if (command.json) reports.push_back(std::move(report));
   }
+  const RecordReader reader(command.map);
   std::size_t done = 0;
   for (const std::filesystem::path& path : paths.files) {
     const double share = static_cast<double>(done++) / static_cast<double>(paths.files.size());
     line.Show("reading " + FileText(path), share);
-    for (const daq::Record& record : ReadVibrationRecords(path, MotorTorqueAdded(command.motor_torque))) {
+    for (const daq::Record& record :
+         ReadVibrationRecords(path, MotorTorqueAdded(command.motor_torque), reader)) {
       const std::vector<RecordWarning> warnings = WarningsOf(record);
       TellWarnings(warnings);
       line.Show("features of " + FileText(path), share);
@@ -209,6 +213,7 @@ void AddFeatures(CLI::App& app, Action& action) {
       ->needs(coefficients);
   command->add_flag("--packet", options->packet, "leaves of the wavelet packet, in natural order")
       ->needs(coefficients);
+  AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "JSON on standard output; null where a feature has no value");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

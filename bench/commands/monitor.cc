@@ -14,6 +14,7 @@
 #include "analysis/units.h"
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/pace.h"
 #include "bench/commands/signals.h"
@@ -51,6 +52,7 @@ struct MonitorCommand {
   std::string settings;
   std::string pace{"real"};
   double linger_s{2.0};
+  std::string map;
   bool json{};
 };
 
@@ -117,7 +119,8 @@ std::unique_ptr<VibrationSource> MakeSource(const MonitorCommand& command, const
                        .pace = pace,
                        .ratio = settings.ratio,
                        .start_ns = start_ns,
-                       .motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe().channels))});
+                       .motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe().channels)),
+                       .reader = RecordReader(command.map)});
   }
   return std::make_unique<SimulatedVibrationSource>(
       command.bench.empty() ? EmbeddedBench() : ReadBenchFile(command.bench),
@@ -366,6 +369,7 @@ void AddMonitor(CLI::App& app, Action& action) {
   command->add_option("--linger", options->linger_s, "seconds at the end for what still waits for the broker")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
+  AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "one object a window, each on a line of its own");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

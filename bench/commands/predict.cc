@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/commands/commands.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
@@ -33,6 +34,7 @@ struct PredictCommand {
   std::string baseline;
   std::vector<std::string> paths;
   OperatingPoint given;  // under what the reducer ran, where a record does not tell it
+  std::string map;
   bool json{};
 };
 
@@ -139,6 +141,7 @@ int Run(const PredictCommand& command) {
   RecipeInputs inputs(predictor.recipe);
   const auto baseline = BaselineFor(predictor.recipe, predictor.outputs, command.baseline);
   const MotorTorque motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe.channels));
+  const RecordReader reader(command.map);
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   std::set<std::string> told;
   ShareLine line;
@@ -146,7 +149,7 @@ int Run(const PredictCommand& command) {
   for (const std::string& path : command.paths) {
     const double share = done++ / static_cast<double>(command.paths.size());
     line.Show("reading " + FileText(path), share);
-    for (const daq::Record& record : ReadVibrationRecords(path, motor_torque)) {
+    for (const daq::Record& record : ReadVibrationRecords(path, motor_torque, reader)) {
       std::vector<RecordWarning> warnings = WarningsOf(record);
       TellWarnings(warnings);
       line.Show("predicting from " + FileText(path), share);
@@ -195,6 +198,7 @@ void AddPredict(CLI::App& app, Action& action) {
   command->add_option_function<double>(
       "--temperature", [options](double value) { options->given[OperatingQuantity::kTemperature] = value; },
       "degC of the gear, where a record does not tell it (temperature_degC)");
+  AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "one object a record; several as an array");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

@@ -20,6 +20,7 @@
 #include "bench/campaign/record_context.h"
 #include "bench/commands/check_report.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/record_report.h"
 #include "bench/commands/results_table.h"
@@ -27,8 +28,8 @@
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
 #include "bench/records/look_at_samples.h"
+#include "bench/records/record_reader.h"
 #include "bench/records/record_warnings.h"
-#include "daq/read_records.h"
 
 namespace strainwave::bench {
 namespace {
@@ -52,6 +53,7 @@ struct RecomputeOptions {
   std::string method{"model"};
   std::string plots;
   std::string calibrations;
+  std::string map;
   bool json{};
 };
 
@@ -153,6 +155,7 @@ int Recompute(const RecomputeOptions& options) {
   nlohmann::json reports = nlohmann::json::array();
   bool differs = false;
   bool failed = false;
+  const RecordReader reader(options.map);
   ShareLine line;
   double done = 0.0;
   for (const std::string& path : options.paths) {
@@ -167,7 +170,7 @@ int Recompute(const RecomputeOptions& options) {
     }
     line.Show("reading " + FileText(path), share);
     const std::optional<CampaignBeside> beside = FindCampaignBeside(path);
-    for (daq::Record& record : daq::ReadRecords(path)) {
+    for (daq::Record& record : reader.Read(path)) {
       // A cycle's file holds records of other kinds beside those that have something to compute.
       const bool computable =
           record.kind == daq::RecordKind::kTransmissionError || record.kind == daq::RecordKind::kHysteresis;
@@ -218,6 +221,7 @@ void AddRecompute(CLI::App& app, Action& action) {
   command->add_option("--plots", options->plots, "folder for pictures (SVG and PNG)");
   command->add_option("--calibrations", options->calibrations,
                       "file of later calibrations (YAML): a campaign's raw values are scaled anew with them");
+  AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "JSON on standard output");
   command->callback([options, &action] { action = [options] { return Recompute(*options); }; });
 }

@@ -10,6 +10,7 @@
 
 #include "bench/campaign/folder.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
@@ -17,10 +18,9 @@
 #include "bench/diagnosis/simulate_record.h"
 #include "bench/errors/bench_error.h"
 #include "bench/records/look_at_samples.h"
+#include "bench/records/record_reader.h"
+#include "bench/records/write_record.h"
 #include "bench/studies/studies.h"
-#include "daq/csv_record.h"
-#include "daq/cycle_file.h"
-#include "daq/read_records.h"
 
 namespace strainwave::bench {
 namespace {
@@ -35,12 +35,13 @@ struct SimulateOptions {
   std::optional<int> units;
   bool no_noise{};
   bool corrections{};
+  std::string map;
   bool json{};
 };
 
 // The first record of the model's kind.
 daq::Record ReadLike(const SimulateOptions& options, StudyKind kind) {
-  for (daq::Record& record : daq::ReadRecords(options.like)) {
+  for (daq::Record& record : RecordReader(options.map).Read(options.like)) {
     if (StudyKindOf(record.kind) != kind || record.source.group.find(options.group) == std::string::npos)
       continue;
     LookAtSamples(record);
@@ -50,17 +51,6 @@ daq::Record ReadLike(const SimulateOptions& options, StudyKind kind) {
   throw BenchError(ExitCode::kWrongInput,
                    fmt::format("{}: error: no record of kind {} (expected the kind of the model {})",
                                options.like, NameOf(kind), options.model));
-}
-
-void Write(const daq::Record& record, const std::filesystem::path& path) {
-  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
-  const std::string ending = path.extension().string();
-  if (ending == ".h5" || ending == ".hdf5") {
-    const daq::NamedRecord named{std::string(record.kind.name()), record};
-    daq::WriteRecordsAtomically(path, {&named, 1});
-  } else {
-    daq::WriteCsvRecord(record, path);
-  }
 }
 
 int SimulateStudy(const SimulateOptions& options) {
@@ -108,7 +98,7 @@ int Simulate(const SimulateOptions& options) {
   }
   record.SetMetadata("simulated_model", options.model);
   record.SetMetadata("simulated_seed", std::to_string(options.seed));
-  Write(record, options.out);
+  WriteRecords({&record, 1}, options.out);
   const std::string sha256 = Sha256(ReadText(options.out));
   if (options.json) {
     ToStdout("{}\n", nlohmann::ordered_json{{"record", options.out},
@@ -144,6 +134,7 @@ void AddSimulate(CLI::App& app, Action& action) {
   command->add_option("--units", options->units, "of a study: assemblies a condition");
   command->add_option("--like", options->like,
                       "record whose excitation the model runs on; without it, the usual one of its kind");
+  AddMapOption(*command, options->map);
   command->add_option("--group", options->group, "of an HDF5 file: part of the name of the record's group");
   command->add_option("--out", options->out, "record to write: CSV, or HDF5 where the name ends in .h5")
       ->required();

@@ -9,6 +9,7 @@
 
 #include "analysis/quantities.h"
 #include "bench/commands/commands.h"
+#include "bench/commands/map_option.h"
 #include "bench/commands/output.h"
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
@@ -29,6 +30,7 @@ struct TrainCommand {
   double window_s{-1.0};
   std::string specimen_per;
   TrainingJob job;
+  std::string map;
   bool json{};
 };
 
@@ -41,6 +43,7 @@ int Run(const TrainCommand& command) {
   // Reading is a tenth of the work where nothing is kept from before.
   constexpr double kShareOfReading = 0.1;
   SourceSettings settings = command.sources;
+  settings.reader = RecordReader(command.map);
   settings.features.set = FeatureSetOf(command.set);
   if (command.window_s >= 0.0) settings.window_s = command.window_s;
   const TrainingData data = ReadTrainingData(
@@ -168,6 +171,7 @@ void AddTrain(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--seed", options->job.seed, "of weights, batches and the random split")
       ->capture_default_str();
+  AddMapOption(*command, options->map);
   command->add_flag("--json", options->json, "print the report as one JSON document");
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }

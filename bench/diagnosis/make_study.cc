@@ -20,7 +20,6 @@
 #include "bench/records/look_at_samples.h"
 #include "bench/records/record_data.h"
 #include "bench/records/record_refusal.h"
-#include "daq/read_records.h"
 #include "daq/record_rules.h"
 
 namespace strainwave::bench {
@@ -46,7 +45,7 @@ std::vector<Record> ReadChosen(const std::vector<std::string>& paths, const Reco
                                    "campaign folder alone, or record files)",
                                    path));
     }
-    for (Record& record : daq::ReadRecords(path)) {
+    for (Record& record : choice.reader.Read(path)) {
       if (!choice.group.empty() && record.source.group.find(choice.group) == std::string::npos) continue;
       const bool diagnosed = StudyKindOf(record.kind).has_value();
       if (choice.kind.empty() ? !diagnosed && record.source.first_data_line == 0

@@ -11,6 +11,7 @@
 #include "analysis/diagnosis/study.h"
 #include "bench/diagnosis/plant_mapping.h"
 #include "bench/diagnosis/study_kind.h"
+#include "bench/records/record_reader.h"
 #include "bench/records/record_warnings.h"
 #include "daq/record.h"
 
@@ -28,6 +29,7 @@ struct RecordIdentity {
 struct RecordChoice {
   std::string kind;
   std::string group;  // part of an HDF5 group's path
+  RecordReader reader{};
 };
 
 /// Records of one kind, or a campaign, ready to be diagnosed.

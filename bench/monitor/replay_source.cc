@@ -134,7 +134,8 @@ void ReplaySource::LoadFile(const std::filesystem::path& path) {
   VibrationChunk trouble;
   trouble.origin = path.string();
   try {
-    for (const daq::Record& record : ReadVibrationRecords(path, settings_.motor_torque)) AddRecord(record);
+    for (const daq::Record& record : ReadVibrationRecords(path, settings_.motor_torque, settings_.reader))
+      AddRecord(record);
   } catch (const daq::RecordError& error) {
     trouble.trouble = error.what();
   } catch (const BenchError& error) {

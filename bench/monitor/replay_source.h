@@ -23,6 +23,7 @@ struct ReplaySettings {
   double ratio{80.0};       // of the gear: turns of the input to one of the output
   std::int64_t start_ns{};  // time of the first sample, since 1970, UTC
   MotorTorque motor_torque{MotorTorque::kAsRecorded};
+  RecordReader reader{};
 };
 
 /// Records of files as a stream in blocks. Each record is a measurement of its own; what cannot be read is a

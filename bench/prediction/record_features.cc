@@ -15,7 +15,6 @@
 #include "bench/records/record_data.h"
 #include "bench/records/record_refusal.h"
 #include "bench/records/vibration_channels.h"
-#include "daq/read_records.h"
 
 namespace strainwave::bench {
 namespace {
@@ -85,8 +84,9 @@ bool HasMotorTorque(const std::vector<std::string>& channels) {
   return std::ranges::find(channels, kMotorTorqueChannel) != channels.end();
 }
 
-std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path, MotorTorque motor_torque) {
-  std::vector<daq::Record> records = daq::ReadRecords(path);
+std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path, MotorTorque motor_torque,
+                                              const RecordReader& reader) {
+  std::vector<daq::Record> records = reader.Read(path);
   const auto rotation = std::ranges::find_if(records, [](const daq::Record& record) {
     return record.kind == daq::RecordKind::kMotion && record.FindColumn("output_torque_Nm") != nullptr &&
            record.rows() > 1;

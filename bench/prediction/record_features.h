@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/prediction/feature_settings.h"
+#include "bench/records/record_reader.h"
 #include "daq/record.h"
 
 namespace strainwave::bench {
@@ -39,7 +40,8 @@ constexpr MotorTorque MotorTorqueAdded(bool added) {
 /// channel (vibration_channels.h) stands in the notes.
 /// @throws RecordError; BenchError if the file holds none.
 std::vector<daq::Record> ReadVibrationRecords(const std::filesystem::path& path,
-                                              MotorTorque motor_torque = MotorTorque::kAsRecorded);
+                                              MotorTorque motor_torque = MotorTorque::kAsRecorded,
+                                              const RecordReader& reader = {});
 
 /// The speed of the input shaft; none where the record tells none, or one that changes by more than a
 /// hundredth.

@@ -41,7 +41,7 @@ struct Facts {
 };
 
 std::vector<daq::Record> ReadFile(const std::filesystem::path& file, const SourceSettings& settings) {
-  return ReadVibrationRecords(file, MotorTorqueAdded(settings.motor_torque));
+  return ReadVibrationRecords(file, MotorTorqueAdded(settings.motor_torque), settings.reader);
 }
 
 Facts FactsOf(daq::Record record) {

@@ -12,6 +12,7 @@
 #include "bench/prediction/feature_settings.h"
 #include "bench/prediction/operating_envelope.h"
 #include "bench/prediction/record_windows.h"
+#include "bench/records/record_reader.h"
 #include "bench/records/record_warnings.h"
 
 namespace strainwave::bench {
@@ -28,6 +29,7 @@ struct SourceSettings {
   double sample_rate_hz{};         // to which whole multiples are brought down; 0: that of the first source
   std::optional<double> window_s;  // of records; 0: whole; none: by how many records there are
   bool motor_torque{};             // the motor's torque of a measurement rotation as a channel
+  RecordReader reader{};           // of record files
 };
 
 /// What vibration is taken of, the same in all sources.

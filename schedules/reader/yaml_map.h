@@ -80,7 +80,9 @@ class YamlMap {
   YamlMap Map(std::string_view key, Presence presence);
   /// A list of maps, at most 200.
   std::vector<YamlMap> MapList(std::string_view key, Presence presence);
-  /// Names that the file may choose freely, with numbers, in file order.
+  /// Names that the file may choose freely, each with a section, a text or a number, in file order.
+  std::vector<std::pair<std::string, YamlMap>> NamedMaps(std::string_view key, Presence presence);
+  std::vector<std::pair<std::string, std::string>> TextMap(std::string_view key);
   std::vector<std::pair<std::string, double>> NumberMap(std::string_view key);
 
   void Finish(OtherKeys others = OtherKeys::kRefused);

@@ -129,6 +129,23 @@ std::vector<YamlMap> YamlMap::MapList(std::string_view key, Presence presence) {
   return maps;
 }
 
+std::vector<std::pair<std::string, YamlMap>> YamlMap::NamedMaps(std::string_view key, Presence presence) {
+  YamlMap map = Map(key, presence);
+  std::vector<std::pair<std::string, YamlMap>> maps;
+  for (const Entry& entry : map.entries_)
+    maps.emplace_back(entry.key->text, map.Map(entry.key->text, Presence::kRequired));
+  map.Finish();
+  return maps;
+}
+
+std::vector<std::pair<std::string, std::string>> YamlMap::TextMap(std::string_view key) {
+  YamlMap map = Map(key, Presence::kOptional);
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const Entry& entry : map.entries_) texts.emplace_back(entry.key->text, map.Text(entry.key->text));
+  map.Finish();
+  return texts;
+}
+
 std::vector<std::pair<std::string, double>> YamlMap::NumberMap(std::string_view key) {
   YamlMap map = Map(key, Presence::kOptional);
   std::vector<std::pair<std::string, double>> numbers;
