@@ -325,8 +325,8 @@ void Journal::ForEachResult(std::string_view prefix, const std::function<bool(co
       "cycles c "
       "CROSS JOIN results r ON r.cycle = c.cycle AND r.repeat = 0 AND r.quantity >= ? AND r.quantity < ? "
       "WHERE c.outcome = 'complete' AND c.cycle >= ? ORDER BY c.cycle");
-  std::string past_all(prefix);
-  ++past_all.back();
+  std::string past_all(prefix.empty() ? "\U0010FFFF" : prefix);
+  if (!prefix.empty()) ++past_all.back();
   statement.Bind(prefix).Bind(std::string_view(past_all)).Bind(first_cycle);
   while (statement.Step()) {
     if (!take({static_cast<int>(statement.Integer(0)), statement.Real(1), ResultAt(statement, 2)})) return;

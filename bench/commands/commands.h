@@ -32,6 +32,7 @@ void AddPredict(CLI::App& app, Action& action);
 void AddExport(CLI::App& app, Action& action);
 void AddMonitor(CLI::App& app, Action& action);
 void AddConvert(CLI::App& app, Action& action);
+void AddTable(CLI::App& app, Action& action);
 void AddSimulate(CLI::App& app, Action& action);
 void AddFeatures(CLI::App& app, Action& action);
 

@@ -74,6 +74,7 @@ int main(int argc, char** argv) {
   strainwave::bench::AddWatch(app, action);
   strainwave::bench::AddRecompute(app, action);
   strainwave::bench::AddDiagnose(app, action);
+  strainwave::bench::AddTable(app, action);
   strainwave::bench::AddConvert(app, action);
   strainwave::bench::AddSimulate(app, action);
   strainwave::bench::AddFeatures(app, action);
