@@ -29,17 +29,22 @@ int CountOnly(const std::string& name, unsigned first_seed, unsigned seeds, std:
   return count;
 }
 
-TEST(MakeCampaignStudy, FindsNothingInWearAlone) {
+int CountFindingsInWearAlone(unsigned first_seed, unsigned seeds) {
   int anything = 0;
-  for (unsigned seed = 2001; seed <= 2120; ++seed) {
+  for (unsigned seed = first_seed; seed < first_seed + seeds; ++seed) {
     const Case result = DiagnosedCampaign(seed, 100, [](CampaignDrawing&, double, std::size_t, Random&) {});
     anything += result.diagnosis.verdict == Verdict::kNoEffect ? 0 : 1;
   }
-  // The family error is 0.5 %; four of 120 would be met once in 2000 times at that rate.
-  EXPECT_LE(anything, 3);
+  return anything;
 }
 
-TEST(MakeCampaignStudy, FindsNothingWhereASensorWasReplacedOrARunPausedWithoutAMark) {
+// The family error is 0.5 %; two of 20 would be met once in 200 times at that rate.
+TEST(CampaignPower, FindsNothingInWearAlone) { EXPECT_LE(CountFindingsInWearAlone(2001, 20), 1); }
+
+// Four of 120 would be met once in 2000 times.
+TEST(CampaignPowerAtLength, FindsNothingInWearAlone) { EXPECT_LE(CountFindingsInWearAlone(2001, 120), 3); }
+
+TEST(CampaignPowerAtLength, FindsNothingWhereASensorWasReplacedOrARunPausedWithoutAMark) {
   int anything = 0;
   for (unsigned seed = 2201; seed <= 2240; ++seed) {
     const Case result =
@@ -52,7 +57,7 @@ TEST(MakeCampaignStudy, FindsNothingWhereASensorWasReplacedOrARunPausedWithoutAM
   EXPECT_LE(anything, 2);
 }
 
-TEST(MakeCampaignStudy, NamesAStepOfOneSeriesWithItsCycleAndSize) {
+TEST(CampaignPowerAtLength, NamesAStepOfOneSeriesWithItsCycleAndSize) {
   int named = 0;
   int at_cycle = 0;
   int size_inside = 0;
@@ -77,7 +82,7 @@ TEST(MakeCampaignStudy, NamesAStepOfOneSeriesWithItsCycleAndSize) {
   EXPECT_GE(size_inside, named - 5);  // 95 % of 30: five misses are met once in 60 times
 }
 
-TEST(MakeCampaignStudy, NamesAStepOfManySeriesInOneCycle) {
+TEST(CampaignPowerAtLength, NamesAStepOfManySeriesInOneCycle) {
   EXPECT_GE(CountOnly("step_change", 1, 24, 120,
                       [](CampaignDrawing& drawing, double from, std::size_t, Random& random) {
                         for (std::size_t s = 0; s < 6; ++s)
@@ -86,7 +91,7 @@ TEST(MakeCampaignStudy, NamesAStepOfManySeriesInOneCycle) {
             23);
 }
 
-TEST(MakeCampaignStudy, NamesAChangeOfSlope) {
+TEST(CampaignPower, NamesAChangeOfSlope) {
   EXPECT_GE(CountOnly("slope_change", 1, 24, 150,
                       [](CampaignDrawing& drawing, double from, std::size_t, Random& random) {
                         for (std::size_t s = 0; s < 6; ++s) {
@@ -96,7 +101,7 @@ TEST(MakeCampaignStudy, NamesAChangeOfSlope) {
             20);
 }
 
-TEST(MakeCampaignStudy, NamesWhatFollowsTheTemperature) {
+TEST(CampaignPower, NamesWhatFollowsTheTemperature) {
   int inside = 0;
   constexpr int kSeeds = 24;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
@@ -112,7 +117,7 @@ TEST(MakeCampaignStudy, NamesWhatFollowsTheTemperature) {
   EXPECT_GE(inside, 20);
 }
 
-TEST(MakeCampaignStudy, NamesADailySwingWithoutAThermometer) {
+TEST(CampaignPowerAtLength, NamesADailySwingWithoutAThermometer) {
   EXPECT_GE(CountOnly("daily_temperature", 1, 24, 120,
                       [](CampaignDrawing& drawing, double, std::size_t, Random& random) {
                         for (std::size_t s = 0; s < 6; ++s)
@@ -122,7 +127,7 @@ TEST(MakeCampaignStudy, NamesADailySwingWithoutAThermometer) {
             23);
 }
 
-TEST(MakeCampaignStudy, TellsAReplacedSensorFromAStepThreeCyclesLater) {
+TEST(CampaignPower, TellsAReplacedSensorFromAStepThreeCyclesLater) {
   const auto with_step_after = [](double cycles) {
     return [cycles](CampaignDrawing& drawing, double from, std::size_t series, Random&) {
       drawing.ReplaceSensor(static_cast<std::size_t>(from) - 1);
@@ -139,7 +144,7 @@ TEST(MakeCampaignStudy, TellsAReplacedSensorFromAStepThreeCyclesLater) {
       << rule.sentence;
 }
 
-TEST(MakeCampaignStudy, NamesWhatALongPauseLeaves) {
+TEST(CampaignPower, NamesWhatALongPauseLeaves) {
   EXPECT_GE(CountOnly("pause_recovery", 1, 24, 120,
                       [](CampaignDrawing& drawing, double from, std::size_t, Random& random) {
                         const auto row = static_cast<std::size_t>(0.5 * from);
@@ -152,7 +157,7 @@ TEST(MakeCampaignStudy, NamesWhatALongPauseLeaves) {
             21);
 }
 
-TEST(MakeCampaignStudy, LeavesADeviationThatPassesWithoutAName) {
+TEST(CampaignPower, LeavesADeviationThatPassesWithoutAName) {
   int unnamed = 0;
   constexpr int kSeeds = 24;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
@@ -166,7 +171,7 @@ TEST(MakeCampaignStudy, LeavesADeviationThatPassesWithoutAName) {
   EXPECT_GE(unnamed, 20);
 }
 
-TEST(MakeCampaignStudy, TakesCyclesWithoutAValueAsGaps) {
+TEST(CampaignPower, TakesCyclesWithoutAValueAsGaps) {
   int named = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const Case result = DiagnosedCampaign(

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/checkout.h"
+
 namespace strainwave::testing_data {
 
 /// The folder of values that PyWavelets, tsfresh and PyTorch gave: STRAINWAVE_GOLDEN, or ../shared/golden
@@ -17,7 +19,7 @@ namespace strainwave::testing_data {
 inline std::optional<std::filesystem::path> GoldenFolder() {
   const char* named = std::getenv("STRAINWAVE_GOLDEN");
   const std::filesystem::path folder =
-      named != nullptr ? named : std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "../shared/golden";
+      named != nullptr ? named : std::filesystem::path(SourceFolder()) / "../shared/golden";
   if (!std::filesystem::exists(folder / "tsfresh_features.csv")) return std::nullopt;
   return folder;
 }

@@ -13,6 +13,7 @@
 #include "bench/configuration/read_bench_file.h"
 #include "schedules/reader/read_schedule.h"
 #include "tests/bench/bench_message.h"
+#include "tests/checkout.h"
 #include "tests/schedules/schedule_text.h"
 
 namespace strainwave::bench::bench_file_test {
@@ -193,7 +194,7 @@ TEST(EmbeddedBench, IsABenchFileLikeAnyOther) {
 }
 
 TEST(EmbeddedBench, RunsEveryScheduleThatComesWithTheProgram) {
-  const std::filesystem::path folder = std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "schedules";
+  const std::filesystem::path folder = std::filesystem::path(SourceFolder()) / "schedules";
   ASSERT_TRUE(std::filesystem::exists(folder / "quick.yaml"));
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".yaml") continue;
@@ -233,7 +234,7 @@ TEST(CheckScheduleAgainstBench, NamesASpeedBeyondTheDrive) {
 }
 
 TEST(CheckScheduleAgainstBench, NamesWhatADriveOnModbusCannotDo) {
-  const std::string file = STRAINWAVE_SOURCE_DIR "/tests/simulation/field/modbus.yaml";
+  const std::string file = SourceFolder() + "/tests/simulation/field/modbus.yaml";
   const BenchDescription bench = ReadBenchFile(file);
   std::string lines;
   for (const auto& finding :
@@ -250,7 +251,7 @@ TEST(CheckScheduleAgainstBench, NamesWhatADriveOnModbusCannotDo) {
 }
 
 TEST(CheckScheduleAgainstBench, NamesASpeedAtWhichTheDriveCannotBeLedFromPositionToPosition) {
-  const BenchDescription bench = ReadBenchFile(STRAINWAVE_SOURCE_DIR "/bench/examples/in_process.yaml");
+  const BenchDescription bench = ReadBenchFile(SourceFolder() + "/bench/examples/in_process.yaml");
   const auto check = [&](std::string_view speed) {
     const std::string text = With(GoodSchedule(), "input_speed: 300 rpm", speed);
     std::string lines;
@@ -286,7 +287,7 @@ TEST(CheckScheduleAgainstBench, NamesATorqueBeyondTheServos) {
 // The bench of metal whose drives' profiles allow less than its file says of the servos.
 TEST(CheckScheduleAgainstBench, NamesWhatTheProfilesOfTheDrivesDoNotAllow) {
   const auto check = [](bool weak_is_load, const std::string& from, const std::string& to) {
-    const std::filesystem::path profiles = STRAINWAVE_SOURCE_DIR "/bench/devices/profiles";
+    const std::filesystem::path profiles = SourceFolder() + "/bench/devices/profiles";
     std::ifstream shipped(profiles / "strainwave_drive.yaml");
     const std::string profile = With({std::istreambuf_iterator<char>(shipped), {}}, from, to);
     const auto folder = std::filesystem::path(testing::TempDir()) / "weak_drive";
@@ -294,7 +295,7 @@ TEST(CheckScheduleAgainstBench, NamesWhatTheProfilesOfTheDrivesDoNotAllow) {
     std::filesystem::copy_file(profiles / "strainwave_drive.eds", folder / "strainwave_drive.eds",
                                std::filesystem::copy_options::overwrite_existing);
     std::ofstream(folder / "weak.yaml") << profile;
-    BenchDescription bench = ReadBenchFile(STRAINWAVE_SOURCE_DIR "/bench/examples/in_process.yaml");
+    BenchDescription bench = ReadBenchFile(SourceFolder() + "/bench/examples/in_process.yaml");
     (weak_is_load ? bench.load_servo : bench.driving_servo).drive.profile = folder / "weak.yaml";
     bench.file_name = "bench.yaml";
     std::string lines;

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/bench/exported_helpers.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::monitor_settings_test {
 namespace {
@@ -25,7 +26,7 @@ std::string ErrorsOf(const std::string& text) {
 
 TEST(MonitorSettings, TheExampleNamesEveryKey) {
   const MonitorSettings settings =
-      ReadMonitorSettings(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/monitor/monitor.yaml");
+      ReadMonitorSettings(std::filesystem::path(SourceFolder()) / "bench/monitor/monitor.yaml");
   EXPECT_EQ(settings.stale_after_ms, 300'000);
   ASSERT_EQ(settings.limits.size(), 2U);
   EXPECT_EQ(settings.limits[0].first, "k2_Nm_per_rad");

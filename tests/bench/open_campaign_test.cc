@@ -13,6 +13,7 @@
 #include "bench/errors/bench_error.h"
 #include "bench/sha256.h"
 #include "daq/cycle_file.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::open_campaign_test {
 namespace {
@@ -58,7 +59,7 @@ class Opening : public testing::Test {
 
   fs::path root_ = fs::temp_directory_path() / ("strainwave_open_campaign_" + std::to_string(::getpid()));
   CampaignFolder folder_{root_ / "one"};
-  CampaignInputs inputs_ = ReadInputs(STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml", std::nullopt);
+  CampaignInputs inputs_ = ReadInputs(SourceFolder() + "/tests/simulation/small.yaml", std::nullopt);
   Journal journal_ = [this] {
     fs::remove_all(root_);
     inputs_.plant_text = "plant: 1\n";

@@ -17,6 +17,7 @@
 #include "bench/errors/bench_error.h"
 #include "bench/utc.h"
 #include "daq/checkpoint_file.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::resume_test {
 namespace {
@@ -60,7 +61,7 @@ class CutCampaign : public testing::Test {
 
   CampaignFolder folder_{std::filesystem::temp_directory_path() /
                          ("strainwave_resume_test_" + std::to_string(::getpid()))};
-  CampaignInputs inputs_ = ReadInputs(STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml", std::nullopt);
+  CampaignInputs inputs_ = ReadInputs(SourceFolder() + "/tests/simulation/small.yaml", std::nullopt);
   Journal journal_ = [this] {
     std::filesystem::remove_all(folder_.root);
     return CreateCampaign(folder_, inputs_);
@@ -237,7 +238,7 @@ TEST_F(CutCampaign, RefusesAPhaseOnRecordWithoutACheckpoint) {
 
 TEST_F(CutCampaign, HasItsInputsWithoutTheProfilesOfItsDrives) {
   const CampaignFolder folder{folder_.root / "field"};
-  const std::filesystem::path tests = STRAINWAVE_SOURCE_DIR "/tests/simulation";
+  const std::filesystem::path tests = SourceFolder() + "/tests/simulation";
   const Journal journal =
       CreateCampaign(folder, ReadInputs(tests / "small.yaml", tests / "field/bench.yaml"));
   EXPECT_EQ(ReadFrozenInputs(folder, journal).bench.driving_servo.drive.profile.filename(), "drive.yaml");
@@ -246,7 +247,7 @@ TEST_F(CutCampaign, HasItsInputsWithoutTheProfilesOfItsDrives) {
 TEST(BeginningOfACampaign, LeavesNothingWhereItFails) {
   const std::filesystem::path top =
       std::filesystem::temp_directory_path() / ("strainwave_beginning_test_" + std::to_string(::getpid()));
-  const std::filesystem::path tests = STRAINWAVE_SOURCE_DIR "/tests/simulation";
+  const std::filesystem::path tests = SourceFolder() + "/tests/simulation";
   const CampaignInputs good = ReadInputs(tests / "small.yaml", tests / "field/bench.yaml");
   CampaignInputs bad = good;
   bad.bench.devices.front().file = tests / "no_such_file.yaml";
@@ -307,7 +308,7 @@ TEST(BeginningOfACampaign, TakesNothingFromAnEarlierOne) {
     std::ofstream(folder.root / name) << "half a database";
   }
   const Journal journal =
-      CreateCampaign(folder, ReadInputs(STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml", std::nullopt));
+      CreateCampaign(folder, ReadInputs(SourceFolder() + "/tests/simulation/small.yaml", std::nullopt));
   EXPECT_EQ(journal.LastCompleteCycle(), -1);
   EXPECT_FALSE(std::filesystem::exists(folder.root / "bench.commissioned.yaml"));
   std::filesystem::remove_all(folder.root);

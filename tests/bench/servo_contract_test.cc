@@ -15,6 +15,7 @@
 #include "bench/machines/device_side/modbus_servo_model.h"
 #include "tests/bench/canopen/in_process_drives.h"
 #include "tests/bench/real_time.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::servo_contract_test {
 namespace {
@@ -121,7 +122,7 @@ class OnModbus final : public Adapter {
  private:
   SteadyBenchClock clock_;
   ModbusProfile profile_ =
-      ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
+      ReadModbusProfile(SourceFolder() + "/bench/devices/profiles/modbus_servo_drive.yaml");
   ModbusServoModel model_{profile_.map, *profile_.servo};
   std::unique_ptr<ModbusDevice> device_;
   std::unique_ptr<ModbusServoDrive> drive_;

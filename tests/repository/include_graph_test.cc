@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/checkout.h"
 #include "tests/repository/source_tree.h"
 
 namespace strainwave::repository::include_graph_test {
@@ -128,7 +129,7 @@ TEST(IncludeGraph, HoldsInEveryFile) {
       const std::optional<std::string> rule = BrokenRule(path, *target);
       EXPECT_FALSE(rule) << path << ":" << i + 1 << ": includes \"" << *target << "\" (expected: " << *rule
                          << ")";
-      EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / SourceOf(*target)))
+      EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(SourceFolder()) / SourceOf(*target)))
           << path << ":" << i + 1 << ": there is no " << *target;
     }
   }

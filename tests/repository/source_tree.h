@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/checkout.h"
+
 /// The files of this checkout, as the tests of the repository read them.
 namespace strainwave::repository {
 
@@ -25,7 +27,7 @@ struct SourceFile {
 
 inline SourceFile ReadSource(const std::string& path) {
   SourceFile file{path, {}};
-  std::ifstream stream(fs::path(STRAINWAVE_SOURCE_DIR) / path, std::ios::binary);
+  std::ifstream stream(fs::path(SourceFolder()) / path, std::ios::binary);
   EXPECT_TRUE(stream) << path << " cannot be read";
   for (std::string line; std::getline(stream, line);) {
     file.lines.push_back(line);
@@ -36,7 +38,7 @@ inline SourceFile ReadSource(const std::string& path) {
 /// All files below the top folders, cmake/, docs/ and .ci/, and those in the root itself, in the order of
 /// their paths. Build folders and campaigns are no part of the tree.
 inline std::vector<std::string> ListSources() {
-  const fs::path root = STRAINWAVE_SOURCE_DIR;
+  const fs::path root = SourceFolder();
   std::vector<std::string> paths;
   const auto add = [&](const fs::directory_entry& entry) {
     if (entry.is_regular_file() && entry.path().extension() != ".pyc") {

@@ -12,11 +12,12 @@
 #include "schedules/reader/plan.h"
 #include "schedules/reader/read_schedule.h"
 #include "schedules/reader/validate_schedule.h"
+#include "tests/checkout.h"
 
 namespace strainwave::schedules::schedule_files_test {
 namespace {
 
-const std::filesystem::path kFolder = std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "schedules";
+const std::filesystem::path kFolder = std::filesystem::path(SourceFolder()) / "schedules";
 
 TEST(ScheduleFiles, AllLoadWithoutAWarning) {
   std::set<std::string> names;

@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/checkout.h"
 #include "tests/simulation/program.h"
 
 namespace strainwave::bench_commands_test {
@@ -22,7 +23,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kSource = STRAINWAVE_SOURCE_DIR;
+const std::string kSource = SourceFolder();
 const std::string kInProcess = kSource + "/bench/examples/in_process.yaml";
 // The same with patience for machines that have other work to do.
 const std::string kPatientBench = kSource + "/tests/simulation/field/bench.yaml";
@@ -133,8 +134,8 @@ TEST(DevicesCommand, RefusesWhatItCannotUse) {
 class Handled {
  public:
   explicit Handled(const std::string& arguments)
-      : input_(::popen(("exec " + std::string(STRAINWAVE_PROGRAM) + " " + arguments + " >" +
-                        (folder_ / "stdout").string() + " 2>" + (folder_ / "stderr").string())
+      : input_(::popen(("exec " + ProgramPath() + " " + arguments + " >" + (folder_ / "stdout").string() +
+                        " 2>" + (folder_ / "stderr").string())
                            .c_str(),
                        "w")) {
     // A program that ends before its keys do is for the test to tell.

@@ -34,7 +34,7 @@ class InBlocks final : public Sampler {
   Readings told_;
 };
 
-TEST(LoadRun, EndsParkedAtBlocksOf10To500Milliseconds) {
+TEST(BlocksOfSamples, EndsParkedAtBlocksOf10To500Milliseconds) {
   for (const milliseconds block :
        {milliseconds(10), milliseconds(100), milliseconds(200), milliseconds(500)}) {
     SpiedBench bench;

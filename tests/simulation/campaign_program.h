@@ -9,10 +9,11 @@
 #include <thread>
 
 #include "bench/campaign/journal.h"
+#include "tests/checkout.h"
 
 namespace strainwave {
 
-inline const std::string kSchedule = STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml";
+inline const std::string kSchedule = SourceFolder() + "/tests/simulation/small.yaml";
 
 /// Waits until the journal shows a phase of cycle 1 whose name is `phase`, or any where that is empty.
 inline void WaitForPhase(const std::filesystem::path& folder, const std::string& phase, pid_t process) {

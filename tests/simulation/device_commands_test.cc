@@ -9,14 +9,14 @@
 #include "bench/configuration/read_bench_file.h"
 #include "bench/machines/device_side/device_side.h"
 #include "bench/machines/field/field_machine.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::device_commands_test {
 namespace {
 
 TEST(DeviceCommands, SayWhatWasExpected) {
   FieldMachine machine(
-      ReadBenchFile(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field/bench.yaml"), 80.0,
-      {});
+      ReadBenchFile(std::filesystem::path(SourceFolder()) / "tests/simulation/field/bench.yaml"), 80.0, {});
   DeviceSide& devices = *machine.device_side();
   const auto answer = [&](const std::string& command) -> std::string {
     try {

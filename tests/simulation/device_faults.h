@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
+#include "tests/checkout.h"
 #include "tests/simulation/device_fault_rows.h"
 
 namespace strainwave::bench {
@@ -60,7 +61,7 @@ inline bool RunsOn(TestedBench bench, const TestedPhase& phase) {
 /// The bench file whose devices have the fault.
 inline std::filesystem::path BenchFileOf(TestedBench bench) {
   constexpr const char* kFiles[] = {"bench.yaml", "modbus.yaml", "modbus_load.yaml"};
-  return std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field" /
+  return std::filesystem::path(SourceFolder()) / "tests/simulation/field" /
          kFiles[static_cast<std::size_t>(bench)];
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <random>
 
+#include "tests/checkout.h"
 #include "tests/simulation/program.h"
 
 namespace strainwave::diagnose_command_test {
@@ -347,11 +348,11 @@ TEST_F(Simulate, RefusesARecordOfAnotherKind) {
 TEST_F(Simulate, TheBenchRunsTheVeryFile) {
   const std::string record = Write("sweep.csv", Sweep(11, FirstHarmonic));
   ASSERT_EQ(RunProgram({"diagnose", record, "--out", Path("out")}).exit_code, 0);
-  std::string bench = WholeFile(STRAINWAVE_SOURCE_DIR "/bench/configuration/embedded_bench.cc");
+  std::string bench = WholeFile(SourceFolder() + "/bench/configuration/embedded_bench.cc");
   bench = bench.substr(bench.find("R\"(") + 3);
   bench = bench.substr(0, bench.find("  plant: []"));
   const std::string bench_file = Write("bench.yaml", bench + "  plant_file: out/extended_model.yaml\n");
-  const std::string schedule = STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml";
+  const std::string schedule = SourceFolder() + "/tests/simulation/small.yaml";
   const ProgramResult validated = RunProgram({"validate", schedule, "--bench", bench_file});
   EXPECT_EQ(validated.exit_code, 0) << validated.error;
   const ProgramResult run = RunProgram({"run", schedule, "--bench", bench_file, "--out", Path("campaign")});

@@ -11,6 +11,7 @@
 #include "bench/campaign/campaign.h"
 #include "bench/campaign/campaign_runner.h"
 #include "bench/machines/field/field_machine.h"
+#include "tests/checkout.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"
 #include "tests/simulation/until.h"
@@ -37,7 +38,7 @@ measurements:
   repeatability_repeats: 0
 )";
   return ReadInputs(scratch / "schedule.yaml",
-                    std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field/bench.yaml");
+                    std::filesystem::path(SourceFolder()) / "tests/simulation/field/bench.yaml");
 }
 
 /// Pulls the plug of the accelerometers in the load run, looks on as people do, and puts it back.

@@ -6,11 +6,13 @@
 #include <sstream>
 #include <string>
 
+#include "tests/checkout.h"
+
 namespace strainwave::bench {
 
 /// Where the bench file is, and those that it names.
 inline std::filesystem::path Folder() {
-  return std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field";
+  return std::filesystem::path(SourceFolder()) / "tests/simulation/field";
 }
 
 inline std::string BenchText() {

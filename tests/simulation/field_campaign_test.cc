@@ -17,6 +17,7 @@
 #include "bench/campaign/recompute.h"
 #include "bench/machines/field/field_machine.h"
 #include "daq/acquisition/stream_file_reader.h"
+#include "tests/checkout.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"
 #include "tests/simulation/until.h"
@@ -24,9 +25,7 @@
 namespace strainwave::bench::field_campaign_test {
 namespace {
 
-std::filesystem::path Folder() {
-  return std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field";
-}
+std::filesystem::path Folder() { return std::filesystem::path(SourceFolder()) / "tests/simulation/field"; }
 
 std::string FieldSchedule() {
   std::string text = schedules::With(schedules::GoodSchedule(), "cycles: 3", "cycles: 1");

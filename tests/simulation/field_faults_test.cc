@@ -7,6 +7,7 @@
 #include <chrono>
 #include <iostream>
 #include <thread>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -17,6 +18,7 @@
 #include "bench/controller/make_program.h"
 #include "bench/errors/bench_error.h"
 #include "bench/machines/field/field_machine.h"
+#include "tests/checkout.h"
 #include "tests/simulation/bench_fixture.h"
 #include "tests/simulation/device_faults.h"
 
@@ -60,12 +62,27 @@ std::vector<schedules::PhaseParameters> Phases() {
           SensorCheckOf(schedules::SensorCheck::Kind::kReference, kLongEnough_s)};
 }
 
-// A phase of the two that every bench can run, by turns.
-bool IsInEveryRun(FaultInPhase pair) {
+// Each fault on CAN in a load run, and one of them in each other phase; each on Modbus in a phase of the two
+// that every bench can run, by turns.
+bool IsOnceOfItsRow(FaultInPhase pair) {
   const bool is_on_can = Faults()[pair.fault].bench == TestedBench::kCan;
   if (!is_on_can) return pair.phase == pair.fault % 2;
   return pair.phase == 0 || pair.fault == (pair.phase * 5) % FaultsOnCan().size();
 }
+
+// Of those one in each other phase, and of each protocol the first with each reason for a stop.
+bool IsInEveryRun(FaultInPhase pair) {
+  if (!IsOnceOfItsRow(pair)) return false;
+  const auto kind = [](const Fault& fault) {
+    const bool is_on_line = fault.name.find("Modbus RTU") != std::string::npos;
+    return std::tuple(fault.bench == TestedBench::kCan, is_on_line, fault.cause, fault.or_cause);
+  };
+  const Fault& fault = Faults()[pair.fault];
+  if (fault.bench == TestedBench::kCan && pair.phase != 0) return true;
+  return &*std::ranges::find(Faults(), kind(fault), kind) == &fault;
+}
+
+bool IsOnlyAtLength(FaultInPhase pair) { return IsOnceOfItsRow(pair) && !IsInEveryRun(pair); }
 
 // Of torque, angle and speed at the shafts; a torque beyond the end of its converter has no value.
 bool IsLimit(StopCause cause) {
@@ -176,7 +193,7 @@ class FieldFaults : public testing::TestWithParam<FaultInPhase> {
 };
 
 TEST(StatedTimes, AreThoseOfTheFiles) {
-  const auto source = std::filesystem::path(STRAINWAVE_SOURCE_DIR);
+  const auto source = std::filesystem::path(SourceFolder());
   const BenchDescription bench = Bench();
   EXPECT_EQ(bench.stale_after_s, kReadings_s);
   EXPECT_EQ(bench.control_period_s, kControlPeriod_s);
@@ -266,9 +283,15 @@ INSTANTIATE_TEST_SUITE_P(Matrix, RefusedObject,
                                                             : 1),
                          [](const auto& instance) { return std::string(kPhases[instance.param].name); });
 
-// Those on CAN all in a load run, and one in each other phase; those on Modbus each in one of the phases.
 INSTANTIATE_TEST_SUITE_P(Matrix, FieldFaults,
                          testing::ValuesIn(FaultsInPhases(std::size(kPhases), IsInEveryRun)), NameOfCell);
+
+class FieldFaultsAtLength : public FieldFaults {};
+
+TEST_P(FieldFaultsAtLength, EndSafeAndAreNamed) { Check(Faults()[GetParam().fault], GetParam().phase); }
+
+INSTANTIATE_TEST_SUITE_P(Matrix, FieldFaultsAtLength,
+                         testing::ValuesIn(FaultsInPhases(std::size(kPhases), IsOnlyAtLength)), NameOfCell);
 
 }  // namespace
 }  // namespace strainwave::bench::field_faults_test

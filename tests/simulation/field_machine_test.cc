@@ -21,6 +21,7 @@
 #include "bench/machines/device_side/device_side.h"
 #include "bench/machines/plant_model_of.h"
 #include "protocols/candump.h"
+#include "tests/checkout.h"
 #include "tests/daq/acquisition/emulated_iiod.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/bench_fixture.h"
@@ -224,7 +225,7 @@ TEST(FieldMachine, MeasuresTheSkewOfItsEncodersInASweepAt1000Rpm) {
   std::ifstream file(Folder() / "drive.yaml");
   std::ostringstream profile;
   profile << file.rdbuf();
-  const std::string root = STRAINWAVE_SOURCE_DIR;
+  const std::string root = SourceFolder();
   std::string text = schedules::With(profile.str(), "../../../", root + "/");
   text = schedules::With(text, "following_error_window: 720 deg", "following_error_window: 270 deg");
   text = schedules::With(text, "following_error_time: 1 s", "following_error_time: 50 ms");

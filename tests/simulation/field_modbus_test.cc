@@ -14,6 +14,7 @@
 #include "bench/machines/device_side/modbus_device.h"
 #include "bench/machines/device_side/modbus_servo_model.h"
 #include "bench/machines/field/field_machine.h"
+#include "tests/checkout.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/field_bench.h"
 #include "tests/simulation/until.h"
@@ -45,7 +46,7 @@ FieldMachine::DeviceState StateOf(const FieldMachine& machine, const std::string
   return {};
 }
 
-TEST(FieldMachine, TakesTheTorqueOfAnAmplifierOnlyBesideAGoodStatus) {
+TEST(ModbusChannels, TakesTheTorqueOfAnAmplifierOnlyBesideAGoodStatus) {
   FieldMachine machine(ParseBenchFile(WithAmplifierAndChamber(), "real.yaml", Folder()), 80.0, {});
   Sampler& sampler = machine.Devices().sampler;
   DeviceSide& devices = *machine.device_side();
@@ -71,7 +72,7 @@ TEST(FieldMachine, TakesTheTorqueOfAnAmplifierOnlyBesideAGoodStatus) {
   EXPECT_TRUE(machine.BadChannels().empty());
 }
 
-TEST(FieldMachine, HeatsAChamberToTheSetPointOfTheBenchFile) {
+TEST(ModbusChannels, HeatsAChamberToTheSetPointOfTheBenchFile) {
   const BenchDescription bench = ParseBenchFile(WithAmplifierAndChamber(), "real.yaml", Folder());
   {
     FieldMachine machine(bench, 80.0, {});
@@ -87,7 +88,7 @@ TEST(FieldMachine, HeatsAChamberToTheSetPointOfTheBenchFile) {
   Until([&] { return StateOf(looking, "chamber").state == "connected, set point 0.0 degC"; });
 }
 
-TEST(FieldMachine, RefusesAChannelThatADeviceOfOneRoleHasNot) {
+TEST(ModbusChannels, RefusesAChannelThatADeviceOfOneRoleHasNot) {
   const BenchDescription bench =
       ParseBenchFile(schedules::With(WithAmplifierAndChamber(), "device: amplifier, source: torque_Nm",
                                      "device: amplifier, source: force_Nm"),
@@ -102,7 +103,7 @@ TEST(FieldMachine, RefusesAChannelThatADeviceOfOneRoleHasNot) {
 }
 
 // The device says 8388607 counts for 125 Nm; by the data sheet the same counts are half of what it says.
-TEST(FieldMachine, ScalesASensorByTheDataSheetOfTheBenchFile) {
+TEST(ModbusChannels, ScalesASensorByTheDataSheetOfTheBenchFile) {
   const std::string text = schedules::With(
       schedules::With(BenchText(), "  serial: DEV-TORQUE\n", ""), "  calibration: DEV-CAL-TORQUE\n",
       "  teds:\n"
@@ -128,7 +129,7 @@ TEST(FieldMachine, ScalesASensorByTheDataSheetOfTheBenchFile) {
 struct ServoOnTcp {
   MonotonicClock clock;
   ModbusProfile profile =
-      ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
+      ReadModbusProfile(SourceFolder() + "/bench/devices/profiles/modbus_servo_drive.yaml");
   ModbusServoModel model{profile.map, *profile.servo};
   ModbusDevice device{
       profile.map,

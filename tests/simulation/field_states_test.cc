@@ -13,6 +13,7 @@
 #include "bench/configuration/read_bench_file.h"
 #include "bench/machines/device_side/device_side.h"
 #include "bench/machines/field/field_machine.h"
+#include "tests/checkout.h"
 #include "tests/simulation/bench_fixture.h"
 #include "tests/simulation/until.h"
 
@@ -20,7 +21,7 @@ namespace strainwave::bench::field_states_test {
 namespace {
 
 BenchDescription Bench() {
-  return ReadBenchFile(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field/bench.yaml");
+  return ReadBenchFile(std::filesystem::path(SourceFolder()) / "tests/simulation/field/bench.yaml");
 }
 
 TEST(FieldStates, TellsOfFramesThatAreNotAsTheyMustBe) {

@@ -16,6 +16,7 @@
 #include "bench/controller/sweep_program.h"
 #include "bench/machines/device_side/device_side.h"
 #include "bench/machines/field/field_machine.h"
+#include "tests/checkout.h"
 #include "tests/simulation/bench_fixture.h"
 #include "tests/simulation/until.h"
 
@@ -25,7 +26,7 @@ namespace {
 using std::chrono::seconds;
 
 const std::filesystem::path kBench =
-    std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/field/bench.yaml";
+    std::filesystem::path(SourceFolder()) / "tests/simulation/field/bench.yaml";
 
 // Encoders count over at 32 bits: that of the input, with 20 bits a turn, 2048 turns from its zero either
 // way.

@@ -18,6 +18,7 @@
 #include "bench/machines/field/field_machine.h"
 #include "bench/trip_test/trip_test.h"
 #include "schedules/reader/read_schedule.h"
+#include "tests/checkout.h"
 #include "tests/simulation/field_bench.h"
 
 namespace strainwave::bench::metal_trips_test {
@@ -33,7 +34,7 @@ class PatientBench {
 
   std::vector<TripResult> Run(const std::vector<std::string>& codes) {
     const TripSettings settings = TripSettingsOf(
-        schedules::ReadSchedule(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "schedules/quick.yaml"));
+        schedules::ReadSchedule(std::filesystem::path(SourceFolder()) / "schedules/quick.yaml"));
     RunnerSettings runner = RunnerSettingsOf(bench_);
     runner.limits = settings.limits;
     runner.suspend = settings.suspend;

@@ -17,6 +17,7 @@
 #include "bench/machines/device_side/modbus_device.h"
 #include "bench/machines/device_side/modbus_servo_model.h"
 #include "bench/machines/device_side/stream_server.h"
+#include "tests/checkout.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"
 
@@ -95,7 +96,7 @@ channels:
   - {{channel: gear_temperature, device: thermometers, source: gear_temperature_degC}}
   - {{channel: ambient_temperature, device: thermometers, source: ambient_temperature_degC}}
 )",
-        stale_after, driving.device.port(), load.device.port(), thermometers.port(), kProfiles,
+        stale_after, driving.device.port(), load.device.port(), thermometers.port(), Profiles(),
         stream_.port());
     return path;
   }
@@ -104,12 +105,12 @@ channels:
   void set_mute(bool mute) { mute_ = mute; }
 
  private:
-  static constexpr const char* kProfiles = STRAINWAVE_SOURCE_DIR "/bench/devices/profiles";
+  static std::string Profiles() { return SourceFolder() + "/bench/devices/profiles"; }
 
   // As it is shipped, with a watchdog that is proven sooner.
   static std::string ServoText() {
-    return schedules::With(WholeFile(std::string(kProfiles) + "/modbus_servo_drive.yaml"),
-                           "watchdog_time: 200 ms", "watchdog_time: 100 ms");
+    return schedules::With(WholeFile(Profiles() + "/modbus_servo_drive.yaml"), "watchdog_time: 200 ms",
+                           "watchdog_time: 100 ms");
   }
   static daq::acquisition::SourceDescription Encoders(std::uint32_t block_samples) {
     daq::acquisition::SourceDescription source;
@@ -159,7 +160,7 @@ channels:
   Servo driving{profile};
   Servo load{profile};
   ModbusDevice thermometers{
-      ReadModbusProfile(std::string(kProfiles) + "/strainwave_climate.yaml").map,
+      ReadModbusProfile(Profiles() + "/strainwave_climate.yaml").map,
       1,
       {[](std::size_t index) { return index == 0 ? 30.0 : 22.0; }, [](std::size_t, double) { return true; }},
       ModbusDevice::Tcp{}};

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/checkout.h"
+
 namespace strainwave {
 
 /// What the program did when it was run as a user runs it.
@@ -48,6 +50,7 @@ class ScratchFolder {
 /// @param in  where it is run; empty: here.
 inline pid_t StartProgram(const std::vector<std::string>& arguments, const ScratchFolder& folder,
                           const std::filesystem::path& in = {}) {
+  const std::string& program = ProgramPath();
   const pid_t process = ::fork();
   if (process != 0) return process;
   if (!in.empty() && ::chdir(in.c_str()) != 0) ::_exit(126);
@@ -55,10 +58,10 @@ inline pid_t StartProgram(const std::vector<std::string>& arguments, const Scrat
   const int error = ::open((folder / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   ::dup2(out, STDOUT_FILENO);
   ::dup2(error, STDERR_FILENO);
-  std::vector<char*> argv{const_cast<char*>(STRAINWAVE_PROGRAM)};
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  ::execv(STRAINWAVE_PROGRAM, argv.data());
+  ::execv(program.c_str(), argv.data());
   ::_exit(127);
 }
 

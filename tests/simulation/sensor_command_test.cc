@@ -10,12 +10,13 @@
 #include "bench/campaign/journal.h"
 #include "bench/configuration/embedded_bench.h"
 #include "daq/cycle_file.h"
+#include "tests/checkout.h"
 #include "tests/simulation/program.h"
 
 namespace strainwave::sensor_command_test {
 namespace {
 
-const std::string kSchedule = STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml";
+const std::string kSchedule = SourceFolder() + "/tests/simulation/small.yaml";
 
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t place = text.find(from);

@@ -15,6 +15,7 @@
 #include "bench/machines/plant_model_of.h"
 #include "bench/machines/simulated_machine.h"
 #include "daq/whole_file.h"
+#include "tests/checkout.h"
 #include "tests/schedules/schedule_text.h"
 #include "tests/simulation/program.h"
 
@@ -56,7 +57,7 @@ class TransducerDrift : public testing::Test {
  protected:
   TransducerDrift() {
     std::string text =
-        daq::ReadWholeFile(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "tests/simulation/small.yaml");
+        daq::ReadWholeFile(std::filesystem::path(SourceFolder()) / "tests/simulation/small.yaml");
     text = schedules::With(text, "cycles: 3", "cycles: 1");
     text = schedules::With(text, "duration: 20 min ", "duration: 10 min ");
     text = schedules::With(text, "operator_acknowledges: true", "operator_acknowledges: false");

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/checkout.h"
 #include "tests/simulation/program.h"
 
 namespace strainwave::trip_command_test {
@@ -13,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kSource = STRAINWAVE_SOURCE_DIR;
+const std::string kSource = SourceFolder();
 const std::string kQuick = kSource + "/schedules/quick.yaml";
 const std::string kInProcess = kSource + "/bench/examples/in_process.yaml";
 

@@ -10,12 +10,13 @@
 
 #include "bench/campaign/journal.h"
 #include "bench/configuration/embedded_bench.h"
+#include "tests/checkout.h"
 #include "tests/simulation/program.h"
 
 namespace strainwave::unwatched_limits_test {
 namespace {
 
-const std::string kSchedule = STRAINWAVE_SOURCE_DIR "/tests/simulation/small.yaml";
+const std::string kSchedule = SourceFolder() + "/tests/simulation/small.yaml";
 
 /// The embedded bench without its accelerometers, and a schedule that does without them.
 class WithoutAccelerometers : public testing::Test {

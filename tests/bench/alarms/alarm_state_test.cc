@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/alarms/alarm_state.h"
+#include "tests/checkout.h"
 
 #include <array>
 #include <fstream>
@@ -154,7 +155,7 @@ std::string Table() {
 }
 
 TEST(AlarmTransitions, ArePrintedInTheDocumentAsTheyAre) {
-  std::ifstream file(STRAINWAVE_SOURCE_DIR "/docs/bench/alarms.md");
+  std::ifstream file(SourceFolder() + "/docs/bench/alarms.md");
   std::ostringstream page;
   page << file.rdbuf();
   EXPECT_NE(page.str().find(Table()), std::string::npos)

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/units.h"
+#include "tests/checkout.h"
 #include "tests/schedules/schedule_text.h"
 
 namespace strainwave::bench::drive_profile_test {
@@ -102,8 +103,7 @@ TEST(DriveProfileFile, IsCheckedAgainstTheMakersDataSheet) {
       MessageOf(SmallProfile() + "eds: missing.eds\n", "nowhere"),
       "small.yaml:12:6: error: eds = missing.eds cannot be read (expected the drive's EDS file beside this "
       "one)");
-  const std::filesystem::path profiles =
-      std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/devices/profiles";
+  const std::filesystem::path profiles = std::filesystem::path(SourceFolder()) / "bench/devices/profiles";
   const std::string messages = MessageOf(
       SmallProfile() + "eds: strainwave_drive.eds\nobjects: [{index: 0x2345, type: unsigned8, value: 1}]\n",
       profiles);
@@ -112,7 +112,7 @@ TEST(DriveProfileFile, IsCheckedAgainstTheMakersDataSheet) {
 
 TEST(DriveProfileFile, OfOurOwnDriveFitsItsDataSheet) {
   const std::filesystem::path file =
-      std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/devices/profiles/strainwave_drive.yaml";
+      std::filesystem::path(SourceFolder()) / "bench/devices/profiles/strainwave_drive.yaml";
   const auto profile = ReadDriveProfile(file);
   EXPECT_EQ(profile.identity.vendor, 0x5357U);
   EXPECT_EQ(profile.eds_notes, std::vector<std::string>{});

@@ -16,6 +16,7 @@
 #include "bench/devices/canopen/drive_bus.h"
 #include "protocols/canopen/drive_node.h"
 #include "tests/bench/test_clock.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench {
 
@@ -73,7 +74,7 @@ class InProcessDrives {
   }
 
   static std::filesystem::path Profiles() {
-    return std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/devices/profiles";
+    return std::filesystem::path(SourceFolder()) / "bench/devices/profiles";
   }
 
   static protocols::canopen::EdsFile ReadEds() {

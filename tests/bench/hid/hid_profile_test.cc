@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/configuration/read_hid_profile.h"
+#include "tests/checkout.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-const std::filesystem::path kProfiles =
-    std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/devices/profiles";
+const std::filesystem::path kProfiles = std::filesystem::path(SourceFolder()) / "bench/devices/profiles";
 
 std::string ErrorsOf(const std::string& text) {
   try {

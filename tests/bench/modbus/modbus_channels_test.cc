@@ -8,6 +8,7 @@
 #include "bench/configuration/read_register_map.h"
 #include "bench/machines/device_side/modbus_device.h"
 #include "tests/bench/modbus/modbus_helpers.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::modbus_channels_test {
 namespace {
@@ -17,7 +18,7 @@ using namespace std::chrono_literals;
 // A device of a shipped profile, whose registers hold what the test says.
 struct Shipped {
   explicit Shipped(const std::string& file)
-      : map(ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/" + file).map) {
+      : map(ReadModbusProfile(SourceFolder() + "/bench/devices/profiles/" + file).map) {
     settings.port = ModbusTcpPort{"127.0.0.1", device.port()};
   }
 

@@ -8,6 +8,7 @@
 #include "protocols/modbus/register_map.h"
 #include "tests/bench/modbus/peer_process.h"
 #include "tests/bench/real_time.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench {
 
@@ -19,7 +20,7 @@ struct Peer {
   static std::vector<std::string> Command(const std::string& file,
                                           const std::vector<std::string>& arguments) {
     std::vector<std::string> command{"/usr/bin/python3", "-B",
-                                     STRAINWAVE_SOURCE_DIR "/tests/bench/modbus/peers/" + file};
+                                     SourceFolder() + "/tests/bench/modbus/peers/" + file};
     command.insert(command.end(), arguments.begin(), arguments.end());
     return command;
   }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "protocols/modbus/read_plan.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::modbus_profile_test {
 namespace {
@@ -14,8 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 using namespace protocols::modbus;
 
-const std::filesystem::path kProfiles =
-    std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/devices/profiles";
+const std::filesystem::path kProfiles = std::filesystem::path(SourceFolder()) / "bench/devices/profiles";
 
 std::string ErrorsOf(const std::string& text) {
   try {

@@ -12,6 +12,7 @@
 #include "bench/machines/device_side/modbus_device.h"
 #include "bench/machines/device_side/modbus_servo_model.h"
 #include "tests/bench/modbus/modbus_helpers.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench {
 
@@ -63,7 +64,7 @@ class Servo : public testing::Test {
 
   SteadyBenchClock clock_;
   ModbusProfile profile_ =
-      ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/modbus_servo_drive.yaml");
+      ReadModbusProfile(SourceFolder() + "/bench/devices/profiles/modbus_servo_drive.yaml");
   std::atomic<bool> silent_from_next_request_{false};
   std::atomic<bool> others_supervised_{true};
   const std::size_t position_at_ = *protocols::modbus::Find(profile_.map, "actual_position");

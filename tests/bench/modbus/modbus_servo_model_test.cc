@@ -6,6 +6,7 @@
 
 #include "bench/configuration/read_register_map.h"
 #include "tests/bench/device_side/noting_servo.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::modbus_servo_model_test {
 namespace {
@@ -33,8 +34,7 @@ class ModelWithMotor : public testing::Test {
   }
 
   static constexpr double kReducer = 70.0;
-  ModbusProfile profile_ =
-      ReadModbusProfile(STRAINWAVE_SOURCE_DIR "/tests/simulation/field/modbus_drive.yaml");
+  ModbusProfile profile_ = ReadModbusProfile(SourceFolder() + "/tests/simulation/field/modbus_drive.yaml");
   ModbusServoModel model_{profile_.map, *profile_.servo};
   NotingServo motor_;
   std::chrono::nanoseconds now_{1s};

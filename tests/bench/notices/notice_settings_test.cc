@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/notices/notice_settings.h"
+#include "tests/checkout.h"
 
 #include <unistd.h>
 
@@ -27,7 +28,7 @@ constexpr const char* kWebhook = "channels: {webhook: {url: \"http://h/\"}}\n";
 
 TEST(NoticeSettings, OfTheExampleNameEveryKey) {
   const NoticeSettings settings =
-      ReadNoticeSettings(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "bench/notices/notices.yaml");
+      ReadNoticeSettings(std::filesystem::path(SourceFolder()) / "bench/notices/notices.yaml");
   EXPECT_EQ(settings.mail->server, "smtp://mail.example:587");
   EXPECT_EQ(settings.mail->from, "bench@lab.example");
   EXPECT_EQ(settings.mail->to, Texts{"operator@lab.example"});

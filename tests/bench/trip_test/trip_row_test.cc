@@ -14,6 +14,7 @@
 #include "bench/errors/bench_error.h"
 #include "bench/trip_test/simulated_trips.h"
 #include "schedules/reader/read_schedule.h"
+#include "tests/checkout.h"
 
 namespace strainwave::bench::trip_row_test {
 namespace {
@@ -48,7 +49,7 @@ TEST(TripRows, EachHasAFaultOfTheSimulatedBench) {
 
 TEST(TripRows, HaveTheLimitsOfTheScheduleInItsUnits) {
   const schedules::Schedule schedule =
-      schedules::ReadSchedule(std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "schedules/quick.yaml");
+      schedules::ReadSchedule(std::filesystem::path(SourceFolder()) / "schedules/quick.yaml");
   const std::vector<TripRow> rows = TripRows(TripSettingsOf(schedule), EmbeddedBench());
   const auto limit = [&](StopCause cause) { return RowOf(rows, cause).limit; };
   EXPECT_NEAR(limit(StopCause::kOutputTorqueLimit).value.value(), 60.0, 1e-9);

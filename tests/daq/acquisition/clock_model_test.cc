@@ -11,6 +11,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/checkout.h"
 #include "tests/daq/scratch_folder.h"
 
 namespace strainwave::daq::acquisition::clock_model_test {
@@ -165,7 +166,7 @@ TEST(Acquisition, NeverReadsTheTimeOfDay) {
                                "time(nullptr)", "utc_clock",      "high_resolution_clock"};
   int files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(
-           std::filesystem::path(STRAINWAVE_SOURCE_DIR) / "daq/acquisition")) {
+           std::filesystem::path(SourceFolder()) / "daq/acquisition")) {
     if (entry.path().extension() != ".h" && entry.path().extension() != ".cc") continue;
     ++files;
     const std::string text = daq::BytesOf(entry.path());

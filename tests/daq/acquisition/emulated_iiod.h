@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/checkout.h"
+
 namespace strainwave::daq::acquisition {
 
 /// A MEMS accelerometer behind an iiod (`peers/iiod_emulator.py`), in a process of its own.
@@ -24,7 +26,7 @@ class EmulatedIiod {
       ::dup2(out[1], 1);
       std::vector<char*> words;
       std::vector<std::string> texts{"/usr/bin/python3",
-                                     STRAINWAVE_SOURCE_DIR "/tests/daq/acquisition/peers/iiod_emulator.py"};
+                                     SourceFolder() + "/tests/daq/acquisition/peers/iiod_emulator.py"};
       texts.insert(texts.end(), arguments.begin(), arguments.end());
       for (std::string& text : texts) words.push_back(text.data());
       words.push_back(nullptr);

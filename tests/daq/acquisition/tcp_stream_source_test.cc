@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "daq/acquisition/gap_ledger.h"
+#include "tests/checkout.h"
 #include "tests/daq/scratch_folder.h"
 
 namespace strainwave::daq::acquisition::tcp_stream_source_test {
@@ -18,11 +19,10 @@ constexpr std::chrono::nanoseconds kPatience = std::chrono::seconds(5);
 class Sender {
  public:
   explicit Sender(const std::string& arguments)
-      : pipe_(::popen(
-            ("exec /usr/bin/python3 '" STRAINWAVE_SOURCE_DIR "/daq/acquisition/reference_sender.py' " +
-             arguments)
-                .c_str(),
-            "r")) {
+      : pipe_(::popen(("exec /usr/bin/python3 '" + SourceFolder() + "/daq/acquisition/reference_sender.py' " +
+                       arguments)
+                          .c_str(),
+                      "r")) {
     if (pipe_ == nullptr || std::fscanf(pipe_, "%hu", &port_) != 1) throw std::runtime_error("no sender");
   }
   Sender(const Sender&) = delete;

@@ -10,13 +10,14 @@
 #include <string>
 
 #include "protocols/canopen/drive_node.h"
+#include "tests/checkout.h"
 #include "tests/protocols/canopen/frames_by_hand.h"
 
 namespace strainwave::protocols::canopen::device {
 
 inline const EdsFile& DriveEds() {
   static const EdsFile eds = [] {
-    const char* path = STRAINWAVE_SOURCE_DIR "/bench/devices/profiles/strainwave_drive.eds";
+    const std::string path = SourceFolder() + "/bench/devices/profiles/strainwave_drive.eds";
     std::ifstream file(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     return ParseEds(text, path);
