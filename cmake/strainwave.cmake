@@ -77,7 +77,8 @@ endfunction()
 set(STRAINWAVE_AHEAD ${PROJECT_SOURCE_DIR}/tests/simulation/in_real_time.sh)
 function(strainwave_in_real_time)
   set_property(TEST ${ARGN} APPEND PROPERTY LABELS real_time)
-  set_tests_properties(${ARGN} PROPERTIES RESOURCE_LOCK real_time)
+  # They wait for each other, so that the first of them begins before anything else.
+  set_tests_properties(${ARGN} PROPERTIES RESOURCE_LOCK real_time COST 100)
 endfunction()
 
 # Tests that take long: add_test(NAME name ${STRAINWAVE_LONG} COMMAND ...) and strainwave_is_long(name). No part of the
