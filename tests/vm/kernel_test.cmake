@@ -14,8 +14,8 @@ function(strainwave_kernel_tests)
   add_test(NAME kernel_tests COMMAND ${PROJECT_SOURCE_DIR}/tests/vm/kernel_tests.sh ${CMAKE_BINARY_DIR}/vm ${list}
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   # It takes longer than all others.
-  set_tests_properties(kernel_tests PROPERTIES LABELS vm TIMEOUT 1800 SKIP_RETURN_CODE 77 COST 1000
-    ENVIRONMENT "VM_SECONDS=1700;STRAINWAVE_IIOD=${CMAKE_BINARY_DIR}/vm/iiod/usr/sbin/iiod")
+  set_tests_properties(kernel_tests PROPERTIES LABELS vm TIMEOUT 3600 SKIP_RETURN_CODE 77 COST 1000
+    ENVIRONMENT "VM_SECONDS=3500;STRAINWAVE_IIOD=${CMAKE_BINARY_DIR}/vm/iiod/usr/sbin/iiod")
 endfunction()
 
 add_test(NAME canopen_rules_test COMMAND /usr/bin/python3 -B ${PROJECT_SOURCE_DIR}/tests/vm/canopen_rules_test.py)
