@@ -36,11 +36,11 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"configuration", "controller", "serving"},
                                                          {"machines", "accounts"},
                                                          {"campaign"},
-                                                         {"page", "trip_test"},
+                                                         {"trip_test"},
                                                          {"records"},
                                                          {"diagnosis"},
                                                          {"prediction"},
-                                                         {"monitor", "notices"},
+                                                         {"monitor", "notices", "page"},
                                                          {"predictor_api"},
                                                          {"commands"}};
 
