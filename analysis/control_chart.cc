@@ -17,6 +17,9 @@ namespace {
 constexpr std::size_t kMinValues = 6;
 // Median of |x₁ − x₂| of two standard normal values.
 constexpr double kMedianRangePerSigma = 0.953873;
+// Mean of the same, 2/√π, as tables have it: d₂ of two values.
+constexpr double kMeanRangePerSigma = 1.128;
+constexpr double kIndividualsWidth = 3.0;
 
 }  // namespace
 
@@ -71,6 +74,27 @@ std::optional<ControlLimits> NextValueLimits(std::span<const double> history,
   const double factor = std::sqrt(1.0 + 1.0 / static_cast<double>(x.size()) + mean_x * mean_x / spread);
   limits.lower = limits.centre - options.width * factor * limits.sigma;
   limits.upper = limits.centre + options.width * factor * limits.sigma;
+  return limits;
+}
+
+std::optional<ControlLimits> IndividualsLimits(std::span<const double> first) {
+  double sum = 0.0;
+  double ranges = 0.0;
+  double count = 0.0;
+  double before = 0.0;
+  for (const double value : first) {
+    if (!std::isfinite(value)) continue;
+    if (count > 0.0) ranges += std::abs(value - before);
+    sum += value;
+    before = value;
+    ++count;
+  }
+  if (count < 2.0) return std::nullopt;
+  ControlLimits limits;
+  limits.centre = sum / count;
+  limits.sigma = ranges / (count - 1.0) / kMeanRangePerSigma;
+  limits.lower = limits.centre - kIndividualsWidth * limits.sigma;
+  limits.upper = limits.centre + kIndividualsWidth * limits.sigma;
   return limits;
 }
 

@@ -36,4 +36,12 @@ struct ControlLimits {
 std::optional<ControlLimits> NextValueLimits(std::span<const double> history,
                                              const ControlChartOptions& options = {});
 
+/// Limits of an individuals chart from the first values of a series, which they then stand against for good:
+/// mean ± 3 σ, with σ = mean moving range / 1.128, that is mean ± 2.66 mean moving ranges
+/// (docs/sources.md#nist-handbook, 6.3.2.2). What wears leaves them, where `NextValueLimits` follows it.
+///
+/// @param first  oldest first, one value a cycle; NaN stands for a cycle without a value and is passed over.
+/// @returns none with fewer than two values.
+std::optional<ControlLimits> IndividualsLimits(std::span<const double> first);
+
 }  // namespace strainwave::analysis

@@ -10,6 +10,7 @@
 
 #include "bench/campaign/campaign_alarms.h"
 #include "bench/campaign/cycle_context.h"
+#include "bench/campaign/disk_room.h"
 #include "bench/campaign/runner_settings.h"
 #include "bench/campaign/sensor_stamps.h"
 #include "bench/controller/make_program.h"
@@ -61,6 +62,8 @@ CampaignRunner::CampaignRunner(HeldFolder held, const schedules::Schedule& sched
       runner_(machine.Devices(), SettingsOf(schedule, bench), request),
       checkpoint_(folder_.Checkpoint()),
       live_(held_.wherever().Readings()),
+      envelope_(held_.wherever().Envelope(), journal.Identity()),
+      live_sources_(held_.wherever().Sources()),
       quality_(schedule, journal),
       identity_(journal.Identity()),
       records_(folder_, bench, machine.Calibrations(), identity_),
@@ -201,7 +204,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
   auto last_kept = std::chrono::steady_clock::now();
   PhaseOutcome outcome = runner_.Run(*program, [&](const PhaseSnapshot& now, const PhaseProgram& running) {
     held_.DemandInPlace();
-    live_.Show(now.readings);
+    ShowLive(now.readings);
     if (step.accumulates && std::chrono::steady_clock::now() - last_kept > kKeepInterval) {
       last_kept = std::chrono::steady_clock::now();
       records_.WriteAhead(step, repeat, attempt, running.RecordsSoFar());
@@ -212,6 +215,7 @@ CampaignRunner::MaybeEnd CampaignRunner::RunAttempt(const CycleStep& step, int r
     WriteCheckpoint(at, now.readings, blank);
     Show(phase.name, ShareDone(step, now.share_done));
   });
+  ShowExtremes();
   WatchChannels(phase.name);
   if (blank) machine_.MountBlank(false);
   JudgeSensorCheck(step, outcome);
@@ -268,9 +272,10 @@ CampaignRunner::MaybeEnd CampaignRunner::WaitSuspended(std::string_view phase) {
 CampaignRunner::MaybeEnd CampaignRunner::WaitUntilRecovered(std::string_view phase) {
   const StopReason ended = runner_.WaitUntilRecovered([&](const PhaseSnapshot& now, const PhaseProgram&) {
     held_.DemandInPlace();
-    live_.Show(now.readings);
+    ShowLive(now.readings);
     Show(phase, share_);
   });
+  ShowExtremes();
   WatchChannels(phase);
   if (!ended) {
     Note("info", phase, "resumed", "the suspend condition has passed; going on");

@@ -17,7 +17,9 @@
 #include "bench/campaign/folder.h"
 #include "bench/campaign/held_folder.h"
 #include "bench/campaign/journal.h"
+#include "bench/campaign/live_envelope.h"
 #include "bench/campaign/live_readings.h"
+#include "bench/campaign/live_sources.h"
 #include "bench/campaign/progress.h"
 #include "bench/campaign/quality.h"
 #include "bench/campaign/resume_point.h"
@@ -74,6 +76,10 @@ class CampaignRunner {
   void NoteCalibrations();
   void WatchChannels(std::string_view phase);
   void Show(std::string_view phase, double share);
+  /// To other processes: readings, their extremes since the last call, and what came of the sources.
+  void ShowLive(const Readings& readings);
+  /// The same at the end of a phase, whose last readings no heartbeat has shown.
+  void ShowExtremes();
   void BeginRecording(const CycleStep& step, int repeat);
   std::vector<NamedRecord> EndRecording(std::string_view phase);
   void AddSources(std::vector<NamedRecord>& records);
@@ -103,6 +109,8 @@ class CampaignRunner {
   PhaseRunner runner_;
   CheckpointWriter checkpoint_;
   LiveReadingsFile live_;
+  LiveEnvelopeFile envelope_;
+  LiveSourcesFile live_sources_;
   QualityControl quality_;
   BenchState state_{BenchState::kFaulted};
   double encoder_offset_rad_{};  // of the shafts against each other, at the last end of a phase

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a campaign does about its sensors: calibrations, checks, raw streams, losses.
+// What a campaign does about its sensors: calibrations, checks, raw streams, losses, what is shown of them.
 #include <algorithm>
+#include <chrono>
 
 #include <fmt/core.h>
 
@@ -47,6 +48,18 @@ void CampaignRunner::Show(std::string_view phase, double share) {
   WatchChannels(phase);
   share_ = share;
   progress_.Update({cycle_, schedule_.cycles, phase, share, channel_troubles_});
+}
+
+void CampaignRunner::ShowLive(const Readings& readings) {
+  live_.Show(readings);
+  ShowExtremes();
+  live_sources_.Show(machine_.Sources(), Now());
+}
+
+void CampaignRunner::ShowExtremes() {
+  const LiveExtremes extremes = runner_.TakeExtremes();
+  const double time_s = time_base_s_ + std::chrono::duration<double>(extremes.newest - clock_base_).count();
+  envelope_.Add(std::clamp(time_s, time_base_s_, Time_s()), extremes);
 }
 
 void CampaignRunner::BeginRecording(const CycleStep& step, int repeat) {

@@ -43,8 +43,10 @@ CampaignRunner::MaybeEnd CampaignRunner::Reference(double expected_offset_rad) {
                                                   kEncoderOffsetTolerance_rad};
   const auto reference = [&] {
     ReferencingProgram program(tolerances, schedule_.specimen.ratio, expected_offset_rad);
-    return runner_.Run(program,
-                       [&](const PhaseSnapshot& now, const PhaseProgram&) { live_.Show(now.readings); });
+    PhaseOutcome outcome =
+        runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) { ShowLive(now.readings); });
+    ShowExtremes();
+    return outcome;
   };
   PhaseOutcome outcome = reference();
   bool unwound = false;
@@ -86,7 +88,8 @@ CampaignRunner::MaybeEnd CampaignRunner::RunUncredited(PhaseProgram& program, st
                                                        BenchEvent begin) {
   Transition(begin);
   const PhaseOutcome outcome =
-      runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) { live_.Show(now.readings); });
+      runner_.Run(program, [&](const PhaseSnapshot& now, const PhaseProgram&) { ShowLive(now.readings); });
+  ShowExtremes();
   if (IsFault(outcome.reason.cause)) return EndForFault(outcome, phase);
   Transition(BenchEvent::kPhaseEnded);
   if (IsRequest(outcome.reason.cause)) return EndForRequest(outcome);

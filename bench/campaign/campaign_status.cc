@@ -85,6 +85,12 @@ void TakeReadings(const CampaignFolder& folder, const CampaignInputs& inputs, Ca
   progress.live = LiveValues(*progress.readings, progress.live_age_s, inputs.schedule.limits, inputs.bench);
 }
 
+void TakeSources(const CampaignFolder& folder, const CampaignInputs& inputs, CampaignProgress& progress) {
+  const auto live = ReadLiveSources(folder.Sources());
+  progress.sources = SourceStates(inputs.bench, progress.bad_channels, live, progress.process > 0, Now());
+  progress.sources_since_utc_ms = live ? live->since_utc_ms : 0;
+}
+
 }  // namespace
 
 JournalProgress JournalProgressOf(const Journal& journal, const CampaignInputs& inputs) {
@@ -124,6 +130,7 @@ CampaignProgress ProgressOf(const CampaignFolder& folder, JournalProgress journa
   progress.longest_pause_s = inputs.schedule.resume.longest_pause_s;
   TakePhases(folder, inputs, progress);
   TakeReadings(folder, inputs, progress);
+  TakeSources(folder, inputs, progress);
   progress.room = DiskRoomOf(folder, progress.planned_cycle_bytes, progress.complete, progress.cycles);
   if (progress.room) {
     progress.disk_lasts_s = progress.room->Lasts_s(progress.planned_s / std::max(1, progress.cycles)) /

@@ -15,6 +15,7 @@
 #include "bench/campaign/pause.h"
 #include "bench/campaign/quality.h"
 #include "bench/campaign/run_begun.h"
+#include "bench/campaign/source_states.h"
 
 namespace strainwave::bench {
 
@@ -57,6 +58,8 @@ struct CampaignProgress : JournalProgress {
   std::optional<double> live_age_s;          // nothing: not known
   std::optional<LiveReadings> readings;      // those
   std::vector<LiveValue> live;               // the same beside their limits
+  std::vector<SourceState> sources;          // of readings
+  std::int64_t sources_since_utc_ms{};       // from when on their samples are counted; 0: they are not
   std::optional<DiskRoom> room;
   double disk_lasts_s{};  // of the world's time where the pace is known, else bench time; with a room
   int measured_again{};   // in the cycle that is under way

@@ -32,6 +32,9 @@ struct CampaignFolder {
   std::filesystem::path Checkpoint() const { return root / "checkpoint"; }
   /// What the bench shows while the campaign runs; gone when it does not.
   std::filesystem::path Readings() const { return root / "readings"; }
+  /// Smallest and largest of the same over time, and what came of each source of samples; both stay.
+  std::filesystem::path Envelope() const { return root / "envelope"; }
+  std::filesystem::path Sources() const { return root / "sources"; }
   std::filesystem::path Pictures() const { return root / "pictures"; }
   std::filesystem::path Lock() const { return root / "lock"; }
 };

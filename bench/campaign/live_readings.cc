@@ -91,26 +91,25 @@ std::optional<LiveReadings> ReadLiveReadings(const std::filesystem::path& path) 
 std::vector<LiveValue> LiveValues(const LiveReadings& readings, const std::optional<double>& age_s,
                                   const schedules::Limits& limits, const BenchDescription& bench) {
   std::vector<LiveValue> values;
-  const auto add = [&](Channel channel, const char* quantity, double value, double limit, const char* unit) {
-    LiveValue live{quantity, std::nullopt, limit, unit};
-    if (channel == Channel::kVibrationRms && !SensorsOf(bench).vibration) {
+  const std::array shown{readings.output_torque_Nm, readings.input_speed_rad_per_s,
+                         readings.gear_temperature_degC, readings.vibration_rms_m_per_s2};
+  const std::array limit{limits.output_torque_Nm, limits.input_speed_rad_per_s, limits.gear_temperature_degC,
+                         limits.vibration_rms_m_per_s2};
+  for (std::size_t i = 0; i < kLiveQuantities.size(); ++i) {
+    const LiveQuantity& quantity = kLiveQuantities[i];
+    LiveValue live{std::string(quantity.name), std::nullopt, limit[i] * quantity.per_si,
+                   std::string(quantity.unit)};
+    if (quantity.channel == Channel::kVibrationRms && !SensorsOf(bench).vibration) {
       live.missing = "the bench has no accelerometers";
     } else if (!age_s || *age_s > kOldestLive_s) {
       live.missing = "stale";
-    } else if ((readings.bad_channels & (1u << static_cast<unsigned>(channel))) != 0) {
+    } else if ((readings.bad_channels & (1u << static_cast<unsigned>(quantity.channel))) != 0) {
       live.missing = "the channel is bad";
     } else {
-      live.value = value;
+      live.value = shown[i] * quantity.per_si;
     }
     values.push_back(std::move(live));
-  };
-  add(Channel::kOutputTorque, "output torque", readings.output_torque_Nm, limits.output_torque_Nm, "Nm");
-  add(Channel::kInputSpeed, "input speed", RpmFromRadPerS(readings.input_speed_rad_per_s),
-      RpmFromRadPerS(limits.input_speed_rad_per_s), "rpm");
-  add(Channel::kGearTemperature, "gear temperature", readings.gear_temperature_degC,
-      limits.gear_temperature_degC, "degC");
-  add(Channel::kVibrationRms, "vibration RMS", readings.vibration_rms_m_per_s2, limits.vibration_rms_m_per_s2,
-      "m/s2");
+  }
   return values;
 }
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "analysis/units.h"
 #include "bench/campaign/pause.h"
 #include "bench/configuration/bench_description.h"
+#include "bench/controller/live_extremes.h"
 #include "bench/roles/sampler.h"
 #include "daq/checkpoint_file.h"
 #include "schedules/reader/schedule.h"
@@ -44,6 +48,19 @@ class LiveReadingsFile {
 
 /// What a running process shows; nothing where it shows nothing (yet).
 std::optional<LiveReadings> ReadLiveReadings(const std::filesystem::path& path);
+
+/// How a live channel is shown, in the order of `kLiveChannels`.
+struct LiveQuantity {
+  Channel channel;
+  std::string_view name;
+  std::string_view unit;
+  double per_si;  // of the unit, in one of `Readings`
+};
+inline constexpr std::array<LiveQuantity, kLiveChannels.size()> kLiveQuantities{
+    {{Channel::kOutputTorque, "output torque", "Nm", 1.0},
+     {Channel::kInputSpeed, "input speed", "rpm", RpmFromRadPerS(1.0)},
+     {Channel::kGearTemperature, "gear temperature", "degC", 1.0},
+     {Channel::kVibrationRms, "vibration RMS", "m/s2", 1.0}}};
 
 /// A reading beside the limit that stops the bench, in the units of a schedule.
 struct LiveValue {

@@ -175,29 +175,38 @@ std::optional<double> FirstK2_Nm_per_rad(const Journal& journal) {
   return first;
 }
 
+std::optional<StopLimit> StopLimitOf(const schedules::StopCriteria& stop,
+                                     std::optional<double> first_k2_Nm_per_rad, std::string_view quantity) {
+  if (quantity == quantities::kK2.name && stop.k2_below_share_of_first && first_k2_Nm_per_rad) {
+    return StopLimit{*stop.k2_below_share_of_first * *first_k2_Nm_per_rad, true};
+  }
+  if (quantity == quantities::kEMax.name && stop.e_max_above_rad) {
+    return StopLimit{ArcminFromRad(*stop.e_max_above_rad), false};
+  }
+  if (quantity.starts_with(analysis::kVibrationRms) && stop.vibration_rms_above_m_per_s2) {
+    return StopLimit{*stop.vibration_rms_above_m_per_s2, false};
+  }
+  return std::nullopt;
+}
+
 std::vector<StopDistance> StopDistances(const schedules::StopCriteria& stop,
                                         std::optional<double> first_k2_Nm_per_rad,
                                         const std::vector<Result>& results) {
   std::vector<StopDistance> distances;
-  const auto good = [&](std::string_view quantity) -> std::optional<double> {
-    const auto result = FindResult(results, quantity);
-    const bool is_known = result && IsSound(*result) && !std::isnan(result->value);
-    return is_known ? std::optional(result->value) : std::nullopt;
-  };
-  const auto add = [&](const Quantity& quantity, double value, double limit, bool is_lower) {
-    distances.push_back({std::string(quantity.symbol), std::string(quantity.unit()), value, limit, is_lower});
-  };
-  if (const auto k2 = good(quantities::kK2.name); k2 && stop.k2_below_share_of_first && first_k2_Nm_per_rad) {
-    add(quantities::kK2, *k2, *stop.k2_below_share_of_first * *first_k2_Nm_per_rad, true);
+  for (const Quantity& quantity : {quantities::kK2, quantities::kEMax}) {
+    const auto result = FindResult(results, quantity.name);
+    if (!result || !IsSound(*result) || std::isnan(result->value)) continue;
+    const auto limit = StopLimitOf(stop, first_k2_Nm_per_rad, quantity.name);
+    if (!limit) continue;
+    distances.push_back({std::string(quantity.symbol), std::string(quantity.unit()), result->value,
+                         limit->limit, limit->is_lower});
   }
-  if (const auto e_max = good(quantities::kEMax.name); e_max && stop.e_max_above_rad) {
-    add(quantities::kEMax, *e_max, ArcminFromRad(*stop.e_max_above_rad), false);
-  }
-  if (!stop.vibration_rms_above_m_per_s2) return distances;
   for (const Result& result : results) {
     if (!result.quantity.starts_with(analysis::kVibrationRms)) continue;
+    const auto limit = StopLimitOf(stop, first_k2_Nm_per_rad, result.quantity);
+    if (!limit) continue;
     distances.push_back({result.quantity, std::string(analysis::UnitOf(result.quantity)), result.value,
-                         *stop.vibration_rms_above_m_per_s2, false});
+                         limit->limit, limit->is_lower});
   }
   return distances;
 }

@@ -57,6 +57,17 @@ std::vector<Calibration> RepeatabilityOf(const std::vector<std::vector<Result>>&
 /// Of the first cycle whose value is sound; nothing: there is none yet.
 std::optional<double> FirstK2_Nm_per_rad(const Journal& journal);
 
+/// A result beyond which the campaign ends.
+struct StopLimit {
+  double limit{};
+  bool is_lower{};  // it ends below, else above
+};
+
+/// Of one quantity by its whole name; none where no criterion is about it.
+/// @param first_k2_Nm_per_rad  as `FirstK2_Nm_per_rad` has it.
+std::optional<StopLimit> StopLimitOf(const schedules::StopCriteria& stop,
+                                     std::optional<double> first_k2_Nm_per_rad, std::string_view quantity);
+
 /// How far a cycle is from one of the schedule's stop criteria.
 struct StopDistance {
   std::string quantity;

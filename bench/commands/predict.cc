@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <set>
 
@@ -17,17 +15,13 @@
 #include "bench/commands/tell_warnings.h"
 #include "bench/commands/terminal.h"
 #include "bench/errors/bench_error.h"
-#include "bench/prediction/baseline_file.h"
 #include "bench/prediction/predictor_file.h"
-#include "bench/prediction/recipe_inputs.h"
 #include "bench/prediction/record_features.h"
 #include "bench/prediction/record_labels.h"
-#include "bench/prediction/record_operating_point.h"
+#include "bench/prediction/record_prediction.h"
 
 namespace strainwave::bench {
 namespace {
-
-namespace prediction = analysis::prediction;
 
 struct PredictCommand {
   std::string predictor;
@@ -43,24 +37,7 @@ double Measured(const daq::Record& record, const std::string& output) {
   return LabelOf(record, output).value_or(std::nan(""));
 }
 
-// What all windows of a record say together: the mean of values and of half widths, the middle distance.
-struct Together {
-  Eigen::RowVectorXd value;
-  Eigen::RowVectorXd half_width;
-  double distance{};
-  Eigen::Index windows{};
-  std::vector<std::string> left{};  // of training's torques, speeds and temperatures, in words
-
-  bool outside() const { return distance > 1.0 || !left.empty(); }
-};
-Together TogetherOf(const prediction::FittedPredictor::Prediction& windows) {
-  std::vector<double> distances(windows.distance.begin(), windows.distance.end());
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return {windows.value.colwise().mean(), windows.half_width.colwise().mean(), *middle, windows.value.rows()};
-}
-
-void PrintHead(const daq::Record& record, const Together& predicted) {
+void PrintHead(const daq::Record& record, const RecordPrediction& predicted) {
   ToStdout("{}{}{}", record.source.file, record.source.group.empty() ? "" : " ", record.source.group);
   if (predicted.windows > 1) ToStdout(", {} windows", predicted.windows);
   if (predicted.outside()) {
@@ -71,7 +48,7 @@ void PrintHead(const daq::Record& record, const Together& predicted) {
 }
 
 nlohmann::ordered_json ValuesReport(const daq::Record& record, const Predictor& predictor,
-                                    const Together& predicted, bool print) {
+                                    const RecordPrediction& predicted, bool print) {
   nlohmann::ordered_json values;
   for (std::size_t i = 0; i < predictor.outputs.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
@@ -91,7 +68,7 @@ nlohmann::ordered_json ValuesReport(const daq::Record& record, const Predictor& 
 }
 
 nlohmann::ordered_json ClassReport(const daq::Record& record, const Predictor& predictor,
-                                   const Together& predicted, bool print) {
+                                   const RecordPrediction& predicted, bool print) {
   Eigen::Index likely = 0;
   predicted.value.maxCoeff(&likely);
   nlohmann::ordered_json probabilities;
@@ -109,7 +86,7 @@ nlohmann::ordered_json ClassReport(const daq::Record& record, const Predictor& p
 }
 
 nlohmann::ordered_json ReportOf(const daq::Record& record, const Predictor& predictor,
-                                const Together& predicted, bool print) {
+                                const RecordPrediction& predicted, bool print) {
   if (print) PrintHead(record, predicted);
   nlohmann::ordered_json report{
       {"kind", "prediction"}, {"record", record.source.file}, {"group", record.source.group}};
@@ -122,25 +99,8 @@ nlohmann::ordered_json ReportOf(const daq::Record& record, const Predictor& pred
   return report;
 }
 
-// What leaves the torques, speeds and temperatures of the training goes into `predicted`.
-// @return what of these is not known, or contradicts itself.
-std::vector<RecordWarning> JudgeOperation(const daq::Record& record, const OperatingEnvelope& envelope,
-                                          const OperatingPoint& given, Together& predicted) {
-  const OperatingPoint own = OperatingPointOf(record);
-  const OperatingPoint operating = Completed(own, given);
-  predicted.left = envelope.Left(operating);
-  std::vector<RecordWarning> warnings;
-  for (const std::vector<std::string>& texts : {envelope.NotKnown(operating), Contradictions(own, given)}) {
-    for (const std::string& text : texts) warnings.push_back({record.source.file, 0, text});
-  }
-  return warnings;
-}
-
 int Run(const PredictCommand& command) {
-  const Predictor predictor = ReadPredictor(command.predictor);
-  RecipeInputs inputs(predictor.recipe);
-  const auto baseline = BaselineFor(predictor.recipe, predictor.outputs, command.baseline);
-  const MotorTorque motor_torque = MotorTorqueAdded(HasMotorTorque(predictor.recipe.channels));
+  RecordPredictor predictor(command.predictor, command.baseline);
   const RecordReader reader(command.map);
   nlohmann::ordered_json reports = nlohmann::ordered_json::array();
   std::set<std::string> told;
@@ -149,20 +109,17 @@ int Run(const PredictCommand& command) {
   for (const std::string& path : command.paths) {
     const double share = done++ / static_cast<double>(command.paths.size());
     line.Show("reading " + FileText(path), share);
-    for (const daq::Record& record : ReadVibrationRecords(path, motor_torque, reader)) {
+    for (const daq::Record& record : ReadVibrationRecords(path, predictor.motor_torque(), reader)) {
       std::vector<RecordWarning> warnings = WarningsOf(record);
       TellWarnings(warnings);
       line.Show("predicting from " + FileText(path), share);
-      Eigen::MatrixXd features = inputs.OfWindows(record);
-      if (baseline) features.rowwise() -= baseline->features;
-      Together predicted = TogetherOf(predictor.fitted.Predict(features));
-      if (baseline) predicted.value += baseline->values;
-      for (RecordWarning& warning :
-           JudgeOperation(record, predictor.recipe.envelope, command.given, predicted)) {
+      RecordPrediction predicted = predictor.Predict(record, command.given);
+      for (const std::string& text : predicted.unknown) {
+        RecordWarning warning{record.source.file, 0, text};
         if (told.insert(warning.text).second) TellWarnings({&warning, 1});
         warnings.push_back(std::move(warning));
       }
-      reports.push_back(ReportOf(record, predictor, predicted, !command.json));
+      reports.push_back(ReportOf(record, predictor.predictor(), predicted, !command.json));
       reports.back()["warnings"] = WarningTexts(warnings);
     }
   }

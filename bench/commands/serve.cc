@@ -28,12 +28,16 @@ struct ServeOptions {
   int port{8080};
   std::string users;
   std::vector<std::string> tls;  // certificate and key
+  std::string predictor;
+  std::string baseline;
 };
 
 std::unique_ptr<PageServer> Serve(const ServeOptions& options, const TlsIdentity* tls) {
   const int port = options.port;
   PageSettings settings{
       .folder = {options.folder}, .port = port, .users_file = {}, .tls = tls, .complain = {}};
+  settings.predictor = options.predictor;
+  settings.baseline = options.baseline;
   if (!options.users.empty()) settings.users_file = options.users;
   settings.complain = [](const std::string& sentence) { ToStderr("warning: {}\n", sentence); };
   try {
@@ -97,6 +101,13 @@ void AddServe(CLI::App& app, Action& action) {
   command->add_option("--tls", options->tls, "certificate and key (PEM): the page by https")
       ->expected(2)
       ->type_name("CERT KEY");
+  CLI::Option* const predictor = command->add_option(
+      "--predictor", options->predictor,
+      "what it says of the newest cycle beside what was measured: a folder that train has written");
+  command
+      ->add_option("--baseline", options->baseline,
+                   "what the reducer was like at first, as `baseline` writes it, for a predictor of changes")
+      ->needs(predictor);
   command->callback([options, &action] { action = [options] { return Run(*options); }; });
 }
 

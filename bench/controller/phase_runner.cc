@@ -26,6 +26,8 @@ constexpr double kHistory_s = 10.0;
 constexpr double kAfterStop_s = 1.0;
 constexpr int kHistoryChannels = 9;
 constexpr double kHeartbeat_s = 1.0;
+// Beats that may wait for a thread that is held up; further ones are one with the last.
+constexpr std::size_t kBeatsWaiting = 64;
 
 // The stop comes on every way out of a phase, also by an exception.
 class SafeOnExit {
@@ -66,7 +68,8 @@ PhaseRunner::PhaseRunner(BenchDevices devices, const RunnerSettings& settings,
       suspend_(settings.suspend),
       shaft_(settings.input_encoder_step_rad),
       request_(request),
-      history_(static_cast<std::size_t>(kHistory_s / settings.control_period_s), kHistoryChannels) {
+      history_(static_cast<std::size_t>(kHistory_s / settings.control_period_s), kHistoryChannels),
+      handed_over_(kBeatsWaiting, {}) {
   // Power-up: nothing may turn before a person has started the bench (docs/requirements.md R12).
   MakeSafe();
 }
@@ -105,6 +108,25 @@ void PhaseRunner::AddToHistory(const Readings& readings) noexcept {
                                                  readings.ambient_temperature_degC,
                                                  readings.vibration_rms_m_per_s2};
   history_.Push(row);
+  extremes_.Add(readings);
+}
+
+// Where nobody has taken what came before, it waits with what is still to come.
+void PhaseRunner::HandOverExtremes() noexcept {
+  LiveExtremes* const slot = handed_over_.BeginWrite();
+  if (slot == nullptr) return;
+  *slot = extremes_;
+  handed_over_.EndWrite();
+  extremes_ = {};
+}
+
+LiveExtremes PhaseRunner::TakeExtremes() noexcept {
+  LiveExtremes all;
+  while (const LiveExtremes* const next = handed_over_.BeginRead()) {
+    all.Merge(*next);
+    handed_over_.EndRead();
+  }
+  return all;
 }
 
 StopReason PhaseRunner::OnePeriod(PhaseProgram& program, double elapsed_s, double period_s) noexcept {
@@ -139,6 +161,7 @@ PhaseOutcome PhaseRunner::Run(PhaseProgram& program, const HeartbeatFunction& he
                        : Loop(program, [&](const PhaseSnapshot& snapshot) { heartbeat(snapshot, program); });
   outcome.credited_load_s = program.credited_load_s();
   if (IsFault(outcome.reason.cause)) AfterFault(program, outcome);
+  HandOverExtremes();
   program.Collect(devices_);
   outcome.records = program.TakeRecords();
   return outcome;
@@ -216,6 +239,7 @@ StopReason PhaseRunner::Loop(PhaseProgram& program, const Beat& beat) {
     program.Collect(devices_);
     if (next >= next_beat) {
       next_beat += Nanoseconds(kHeartbeat_s);
+      HandOverExtremes();
       beat({program.share_done(), program.credited_load_s(), readings_});
     }
     next += period;
@@ -285,6 +309,7 @@ StopReason PhaseRunner::WaitUntilRecovered(const HeartbeatFunction& heartbeat) {
     since_heartbeat_s += period_s;
     if (since_heartbeat_s >= kHeartbeat_s) {
       since_heartbeat_s = 0.0;
+      HandOverExtremes();
       heartbeat({0.0, 0.0, readings_}, standstill);
     }
   }

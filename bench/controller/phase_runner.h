@@ -8,8 +8,10 @@
 
 #include "bench/controller/drive_watch.h"
 #include "bench/controller/interlocks.h"
+#include "bench/controller/live_extremes.h"
 #include "bench/controller/phase_program.h"
 #include "bench/controller/shaft_watch.h"
+#include "daq/acquisition/spsc_ring.h"
 #include "daq/history_ring.h"
 
 namespace strainwave::bench {
@@ -81,6 +83,10 @@ class PhaseRunner {
   /// Of the loop's last period; not while a phase runs.
   const Readings& last_readings() const noexcept { return readings_; }
 
+  /// Of all readings since the last call, up to the last heartbeat or the end of the phase: none is left out,
+  /// however late the call is. From the thread that runs phases, in a heartbeat or between phases.
+  LiveExtremes TakeExtremes() noexcept;
+
   /// What the machine refused to the loop's own thread, in words; nothing when it has all it needs, or has no
   /// thread of its own.
   const std::string& realtime_trouble() const noexcept { return realtime_trouble_; }
@@ -94,6 +100,7 @@ class PhaseRunner {
   StopReason SoftRequest() const noexcept;  // pause or shutdown, where asked for
   InterlockInputs Inputs(const PhaseProgram& program) const noexcept;
   void AddToHistory(const Readings& readings) noexcept;
+  void HandOverExtremes() noexcept;
   void AfterFault(PhaseProgram& program, PhaseOutcome& outcome);
 
   DriveWatch driving_;
@@ -106,7 +113,9 @@ class PhaseRunner {
   const std::atomic<StopRequest>& request_;
   daq::HistoryRing history_;
   Readings readings_;
-  std::atomic<bool> abandoned_{};  // a heartbeat has failed: the phase ends at once
+  LiveExtremes extremes_;                                 // since they were handed over
+  daq::acquisition::SpscRing<LiveExtremes> handed_over_;  // by the loop, to whoever runs phases
+  std::atomic<bool> abandoned_{};                         // a heartbeat has failed: the phase ends at once
   std::string realtime_trouble_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -16,7 +17,7 @@
 namespace strainwave::bench {
 namespace {
 
-constexpr std::chrono::milliseconds kInterval{100};
+constexpr std::chrono::milliseconds kLookInterval{100};
 // How often a folder is tried again that could not be read.
 constexpr std::chrono::seconds kRetry{1};
 constexpr int kEventsKept = 100;
@@ -37,7 +38,10 @@ struct CampaignWatch::Opened {
       : identity(IdentityOf(folder.Journal())),
         journal(OpenCampaign(folder, Database::Mode::kReadOnly)),
         inputs(ReadFrozenInputs(folder, journal)),
-        campaign(journal.Identity()) {}
+        campaign(journal.Identity()),
+        has_camera(std::ranges::any_of(inputs.bench.devices, [](const DeviceDescription& device) {
+          return device.kind == DeviceDescription::Kind::kCamera;
+        })) {}
 
   // What the journal says, read anew where it has changed: a few times a cycle.
   void ReadJournal(const CampaignFolder& folder) {
@@ -70,6 +74,8 @@ struct CampaignWatch::Opened {
   Journal journal;
   CampaignInputs inputs;
   std::uint64_t campaign;
+  bool has_camera;
+  PictureWatch pictures;
   std::optional<std::string> cycles_property{journal.Property(kCycles)};
   std::int64_t data_version{-1};
   JournalProgress progress;
@@ -127,6 +133,8 @@ WatchedCampaign CampaignWatch::Read() {
   // Of a phase under way the checkpoint knows more than the journal; that is in the progress.
   snapshot.credited_load_s = opened.credited_s + snapshot.progress.credited_load_s;
   read.events = opened.events;
+  snapshot.has_camera = opened.has_camera;
+  if (opened.has_camera) snapshot.picture = opened.pictures.Look(folder_, snapshot.progress.complete);
   snapshot.last_event = read.events.empty() ? 0 : read.events.back().id;
   return read;
 }
@@ -166,7 +174,7 @@ void CampaignWatch::Watch() {
     lock.unlock();
     if (changed) changed_();
     lock.lock();
-    stopping_.wait_for(lock, readable ? kInterval : kRetry, [this] { return stop_; });
+    stopping_.wait_for(lock, readable ? kLookInterval : kRetry, [this] { return stop_; });
   }
 }
 

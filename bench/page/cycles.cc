@@ -13,13 +13,14 @@
 
 #include "analysis/quantities.h"
 #include "bench/campaign/cycle_results.h"
+#include "bench/page/trend_lines.h"
 
 namespace strainwave::bench {
 namespace {
 
 using nlohmann::json;
 
-constexpr int kMostPoints = 5000;
+constexpr int kMostBinsAsked = 5000;
 constexpr std::size_t kMostQuantities = 16;
 constexpr std::size_t kLongestQuantity = 64;
 constexpr std::array kTrends{analysis::quantities::kK1,   analysis::quantities::kK2,
@@ -90,7 +91,7 @@ CyclesQuery ParseCyclesQuery(const std::multimap<std::string, std::string>& para
     } else if (name == "to") {
       query.to = WholeNumber(name, text, 1, kLastCycle);
     } else if (name == "points") {
-      query.points = WholeNumber(name, text, 1, kMostPoints);
+      query.points = WholeNumber(name, text, 1, kMostBinsAsked);
     } else if (name == "quantities") {
       query.quantities = Quantities(text);
     } else {
@@ -125,7 +126,8 @@ void CycleBins::Add(int cycle, const Result& result) {
   ++bin.count;
 }
 
-nlohmann::json CyclesJson(const Journal& journal, const CyclesQuery& query) {
+nlohmann::json CyclesJson(const Journal& journal, const CyclesQuery& query,
+                          const schedules::StopCriteria& stop) {
   const int last = std::max(0, journal.LastCompleteCycle());
   const int to = query.to == 0 ? last : std::min(query.to, last);
   json quantities = json::object();
@@ -140,9 +142,13 @@ nlohmann::json CyclesJson(const Journal& journal, const CyclesQuery& query) {
     });
   }
   for (const auto& [quantity, of_quantity] : bins) quantities[quantity] = BinsJson(of_quantity);
-  return {{"from", query.from},       {"to", to},
-          {"cycles_complete", last},  {"bin_cycles", none.width()},
-          {"cycle", std::move(ends)}, {"quantities", std::move(quantities)}};
+  return {{"from", query.from},
+          {"to", to},
+          {"cycles_complete", last},
+          {"bin_cycles", none.width()},
+          {"cycle", std::move(ends)},
+          {"quantities", std::move(quantities)},
+          {"lines", TrendLinesJson(journal, stop, query.quantities)}};
 }
 
 }  // namespace strainwave::bench

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/journal.h"
+#include "schedules/reader/schedule.h"
 
 namespace strainwave::bench {
 
@@ -59,8 +60,9 @@ class CycleBins {
   std::vector<CycleBin> bins_;
 };
 
-/// The answer, read from the journal.
+/// The answer, read from the journal. @param stop  criteria of the schedule.
 /// @throws DatabaseError.
-nlohmann::json CyclesJson(const Journal& journal, const CyclesQuery& query);
+nlohmann::json CyclesJson(const Journal& journal, const CyclesQuery& query,
+                          const schedules::StopCriteria& stop);
 
 }  // namespace strainwave::bench

@@ -11,7 +11,9 @@
 #include "bench/campaign/alarms_json.h"
 #include "bench/campaign/campaign.h"
 #include "bench/page/http_text.h"
+#include "bench/page/live_channels.h"
 #include "bench/page/measurements.h"
+#include "bench/page/picture.h"
 
 namespace strainwave::bench {
 namespace {
@@ -52,6 +54,18 @@ bool JournalReader::AskMeasurements(int cycle, Done done) {
   return Ask([this, cycle] { return JsonText(ReadMeasurements(folder_, cycle)) + "\n"; }, std::move(done));
 }
 
+bool JournalReader::AskLive(Done done) {
+  const auto read = [this] {
+    const std::uint64_t campaign = Journal::OpenChecked(folder_.Journal()).Identity();
+    return JsonText(LiveChannelsJson(ReadLiveEnvelopes(folder_.Envelope(), campaign), Now())) + "\n";
+  };
+  return Ask(read, std::move(done));
+}
+
+bool JournalReader::AskPicture(const std::filesystem::path& file, Done done) {
+  return Ask([file] { return ReadPicture(file); }, std::move(done));
+}
+
 std::string JournalReader::ReadCycles(const CyclesQuery& query, int cycles_complete) {
   const auto known = std::ranges::find_if(answers_, [&](const Answer& answer) {
     return answer.query == query && answer.cycles_complete >= cycles_complete;
@@ -59,7 +73,8 @@ std::string JournalReader::ReadCycles(const CyclesQuery& query, int cycles_compl
   if (known != answers_.end()) return known->json;
   // Opened for each reading: what has become of the folder since does not matter. Its pages are looked at as
   // they are read; all of them were when the page began.
-  const nlohmann::json read = CyclesJson(Journal::OpenChecked(folder_.Journal()), query);
+  const Journal journal = Journal::OpenChecked(folder_.Journal());
+  const nlohmann::json read = CyclesJson(journal, query, ReadFrozenInputs(folder_, journal).schedule.stop);
   std::erase_if(answers_, [&](const Answer& answer) { return answer.query == query; });
   answers_.push_front({query, read["cycles_complete"], read.dump() + "\n"});
   if (answers_.size() > kAnswersKept) answers_.pop_back();

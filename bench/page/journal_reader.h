@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -32,6 +33,10 @@ class JournalReader {
   bool AskAlarms(bool all, Done done);
   /// `ReadMeasurements`.
   bool AskMeasurements(int cycle, Done done);
+  /// `LiveChannelsJson`.
+  bool AskLive(Done done);
+  /// Bytes of a picture, with status 200.
+  bool AskPicture(const std::filesystem::path& file, Done done);
 
  private:
   struct Answer {

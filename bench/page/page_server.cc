@@ -4,7 +4,6 @@
 #include <exception>
 #include <map>
 #include <mutex>
-#include <stdexcept>
 #include <vector>
 
 #include <fmt/core.h>
@@ -14,8 +13,8 @@
 #include "bench/page/campaign_watch.h"
 #include "bench/page/event_stream.h"
 #include "bench/page/http_text.h"
-#include "bench/page/journal_reader.h"
 #include "bench/page/logins.h"
+#include "bench/page/page_questions.h"
 #include "bench/page/page_state.h"
 #include "bench/page/static_files.h"
 #include "bench/page/time_zone.h"
@@ -55,7 +54,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
         logins_(settings.users_file, fmt::format("strainwave_{:.16}", watch_.Snapshot().run),
                 settings.tls != nullptr),
         desk_(folder_, settings.complain),
-        reader_(folder_) {
+        questions_(folder_, settings.predictor, settings.baseline) {
     set_default_headers({AnswerHeaders().begin(), AnswerHeaders().end()});
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       return Route(request, response) ? HandlerResponse::Handled : HandlerResponse::Unhandled;
@@ -195,21 +194,18 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
       Refuse(response, 405, fmt::format("{:.20} is not done here (expected GET)", request.method));
     } else if (request.path == "/api/v1/state") {
       SendState(request, response);
-    } else if (request.path == "/api/v1/cycles") {
-      SendCycles(request, response);
-    } else if (request.path == "/api/v1/alarms") {
-      SendAlarms(request, response);
-    } else if (request.path == "/api/v1/measurements") {
-      SendMeasurements(request, response);
     } else if (request.path == "/api/v1/events") {
       OpenStream(request, response);
     } else if (const StaticFile* file = FindStaticFile(request.path)) {
       response.status = 200;
       response.set_content(file->bytes.data(), file->bytes.size(), std::string(file->type));
+    } else if (const auto taken = Ask(request)) {
+      if (!taken->sentence.empty()) Refuse(response, taken->status, taken->sentence);
+      if (taken->sentence.empty()) waits_.emplace();
     } else {
       Refuse(response, 404,
              fmt::format("there is no {:.80} here (expected / or /api/v1/state, cycles, alarms, "
-                         "measurements, events, actions)",
+                         "measurements, prediction, live, picture, events, actions)",
                          request.path));
     }
     return true;
@@ -223,52 +219,26 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
     state["has_users"] = actor.knows_users;
     state["user"] = actor.user ? UserJson(*actor.user) : nlohmann::json();
     state["zone"] = zone_;
+    state["has_predictor"] = questions_.has_predictor();
     state["events"] = nlohmann::json::array();
     for (const Event& event : snapshot.progress.events) state["events"].push_back(EventJson(event));
     response.status = 200;
     response.set_content(JsonText(state) + "\n", kJson);
   }
 
-  void SendCycles(const httplib::Request& request, httplib::Response& response) {
-    try {
-      const CyclesQuery query = ParseCyclesQuery(request.params);
-      Read(response, reader_.AskCycles(query, watch_.Snapshot().progress.complete, Answering(client_)));
-    } catch (const std::invalid_argument& error) {
-      Refuse(response, 400, error.what());
-    }
-  }
-
-  void SendAlarms(const httplib::Request& request, httplib::Response& response) {
-    const std::string all = request.get_param_value("all");
-    if (!all.empty() && all != "0" && all != "1") {
-      return Refuse(response, 400, fmt::format("all = {:.40} (expected 0, or 1 for cleared ones, too)", all));
-    }
-    Read(response, reader_.AskAlarms(all == "1", Answering(client_)));
-  }
-
-  void SendMeasurements(const httplib::Request& request, httplib::Response& response) {
-    try {
-      const std::string cycle = request.has_param("cycle") ? request.get_param_value("cycle") : "0";
-      Read(response, reader_.AskMeasurements(WholeNumber("cycle", cycle, 0, kLastCycle), Answering(client_)));
-    } catch (const std::invalid_argument& error) {
-      Refuse(response, 400, error.what());
-    }
-  }
-
-  void Read(httplib::Response& response, bool is_asked) {
-    if (!is_asked) return Refuse(response, 503, "too many ask at once (expected: ask again later)");
-    waits_.emplace();
-  }
-
-  JournalReader::Done Answering(ClientId client) {
-    return [this, client](int status, const std::string& json) { Finish(client, status, json); };
+  std::optional<PageQuestions::Taken> Ask(const httplib::Request& request) {
+    const auto answer = [this, client = client_](int status, std::string_view type, const std::string& body) {
+      Finish(client, status, body, {}, type);
+    };
+    return questions_.Ask(request.path, request.params, watch_.Snapshot(), answer);
   }
 
   // From another thread.
-  void Finish(ClientId client, int status, const std::string& json, const HttpHeaders& more = {}) {
+  void Finish(ClientId client, int status, const std::string& body, const HttpHeaders& more = {},
+              std::string_view type = kJson) {
     {
       const std::lock_guard lock(mutex_);
-      finished_.push_back({client, HttpAnswer(status, kJson, json, more), true});
+      finished_.push_back({client, HttpAnswer(status, type, body, more), true});
     }
     Wake();
   }
@@ -353,7 +323,7 @@ class PageServer::Pages : public httplib::Server, public RequestProtocol {
   CampaignWatch watch_;
   Logins logins_;
   ActionDesk desk_;
-  JournalReader reader_;
+  PageQuestions questions_;
 };
 
 PageServer::PageServer(const PageSettings& settings)

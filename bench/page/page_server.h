@@ -16,6 +16,8 @@ struct PageSettings {
   CampaignFolder folder;
   int port{};                                       // of 127.0.0.1; 0: any free one
   std::optional<std::filesystem::path> users_file;  // who may do more than look on and stop; nothing: nobody
+  std::filesystem::path predictor{};                // of the newest cycle; empty: none
+  std::filesystem::path baseline{};                 // of a predictor of changes; else empty
   const TlsIdentity* tls{};                         // outlives the page; nothing: not encrypted
   /// Takes what could not be kept and nobody waits for, a sentence each, from any thread.
   std::function<void(const std::string&)> complain;
@@ -23,12 +25,12 @@ struct PageSettings {
 
 /// The live page of a campaign: serves it from threads of its own, as long as it lives, and only reads the
 /// campaign's folder. One thread carries all connections and answers whatever needs no disk; one watches the
-/// campaign; one reads cycles. So nothing that viewers do keeps a quick stop waiting
+/// campaign; one reads cycles; one predicts. So nothing that viewers do keeps a quick stop waiting
 /// (docs/decisions/0017-live-page.md).
 class PageServer {
  public:
   /// @throws std::system_error when it cannot listen there; as OpenCampaign, when the folder is no campaign;
-  ///   UsersFileError.
+  ///   UsersFileError; BenchError for a predictor that cannot be used.
   explicit PageServer(const PageSettings& settings);
   ~PageServer();
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/campaign/campaign_status.h"
+#include "bench/page/picture.h"
 
 namespace strainwave::bench {
 
@@ -42,6 +43,8 @@ struct CampaignSnapshot {
   CampaignProgress progress;
   double credited_load_s{};  // of the whole campaign
   std::int64_t last_event{};
+  bool has_camera{};
+  std::optional<BenchPicture> picture;  // the newest
 };
 
 /// The id of a run: the campaign's, and when that run began. A process that has the campaign and has not

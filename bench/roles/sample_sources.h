@@ -19,6 +19,7 @@ struct SourceTotals {
   std::optional<daq::acquisition::ClockEstimate>
       clock;  // its clock against the monotonic one of this machine
   std::uint64_t clock_restarts{};
+  std::string trouble{};  // in words, while it lasts
 };
 
 /// Raw streams that are to be kept while a phase runs, in files NAME-SOURCE-000001.h5 (daq/FORMAT.md).

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -78,6 +79,36 @@ TEST(NextValueLimits, WantsSixValues) {
   EXPECT_EQ(MessageOf([] { NextValueLimits({}, {.window = 3}); }),
             "window = 3 is too short (expected at least 6)");
   EXPECT_EQ(MessageOf([] { NextValueLimits({}, {.width = 0.0}); }), "width = 0 is not a positive number");
+}
+
+// The worked example of docs/sources.md#nist-handbook, 6.3.2.2: ten batches, and the limits that stand there.
+TEST(IndividualsLimits, AreThoseOfTheHandbooksExample) {
+  const std::vector<double> batches{49.6, 47.6, 49.9, 51.3, 47.8, 51.2, 52.6, 52.4, 53.6, 52.1};
+  const auto limits = IndividualsLimits(batches);
+  ASSERT_TRUE(limits);
+  EXPECT_NEAR(limits->centre, 50.81, 5e-5);
+  EXPECT_NEAR(limits->upper, 55.8041, 5e-5);
+  EXPECT_NEAR(limits->lower, 45.8159, 5e-5);
+  // "± 2.66 mean moving ranges", which is 3 / 1.128 to three digits.
+  EXPECT_NEAR((limits->upper - limits->centre) / 1.8778, 2.66, 5e-3);
+}
+
+TEST(IndividualsLimits, HoldAllButOneIn370OfAQuietSeries) {
+  const std::vector<double> series = Drift(7, 200'000, 0.0);
+  const auto limits = IndividualsLimits(series);
+  EXPECT_NEAR(limits->sigma, 1.0, 0.01);  // of the series; its own error is 0.003
+  const auto outside =
+      std::count_if(series.begin(), series.end(), [&](double value) { return limits->IsOutlier(value); });
+  EXPECT_NEAR(static_cast<double>(outside), 200'000.0 / 370.0, 100.0);
+}
+
+TEST(IndividualsLimits, PassOverWhatIsMissingAndWantTwoValues) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(IndividualsLimits(std::vector<double>{none, 3.0, none}));
+  const auto limits = IndividualsLimits(std::vector<double>{none, 3.0, none, 5.0});
+  ASSERT_TRUE(limits);
+  EXPECT_DOUBLE_EQ(limits->centre, 4.0);
+  EXPECT_DOUBLE_EQ(limits->sigma, 2.0 / 1.128);
 }
 
 }  // namespace

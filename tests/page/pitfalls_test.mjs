@@ -58,7 +58,7 @@ try {
     console.log(`heap: ${before} bytes in cycle ${early}, ${after} in cycle ${CYCLES - 20}`);
     assert.ok(after < 1.1 * before, `${before} → ${after} bytes`);
     assert.ok(await tab.locator('#journal li').count() <= 40);
-    assert.equal(await tab.locator('canvas').count(), 9);
+    assert.equal(await tab.locator('canvas').count(), 13);
   });
 
   await check('5, actions: two presses on one button ask once', async () => {

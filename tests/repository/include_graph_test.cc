@@ -37,11 +37,11 @@ const std::vector<std::vector<std::string_view>> kLayers{{"", "errors", "plots"}
                                                          {"configuration", "controller", "serving"},
                                                          {"machines", "accounts"},
                                                          {"campaign"},
-                                                         {"page", "trip_test"},
+                                                         {"trip_test"},
                                                          {"records"},
                                                          {"diagnosis", "data_sets", "studies"},
                                                          {"prediction"},
-                                                         {"monitor", "notices"},
+                                                         {"monitor", "notices", "page"},
                                                          {"predictor_api"},
                                                          {"commands"}};
 

@@ -78,6 +78,47 @@ TEST(LoopThread, IsNotHeldUpByAHeartbeatThatTakesItsTime) {
   EXPECT_NEAR(outcome.credited_load_s, 60.0, 0.011);
 }
 
+// Passes readings on, with another torque in one of them.
+class SpikedSampler final : public Sampler {
+ public:
+  SpikedSampler(Sampler& sampler, int at) : sampler_(sampler), at_(at) {}
+
+  Readings Read() noexcept override {
+    Readings readings = sampler_.Read();
+    if (++reads_ == at_) readings.output_torque_Nm = kSpike_Nm;
+    return readings;
+  }
+  void StartVibration(double rate_hz) override { sampler_.StartVibration(rate_hz); }
+  void StopVibration() override { sampler_.StopVibration(); }
+  void DrainVibration(VibrationBlock& block) override { sampler_.DrainVibration(block); }
+
+  static constexpr double kSpike_Nm = 47.625;  // the limit is above
+
+ private:
+  Sampler& sampler_;
+  const int at_;
+  int reads_{};
+};
+
+// What a page shows of it: one reading of 30 000, while nobody takes what the loop hands over.
+TEST(LoopThread, LosesNoExtremeToAHeartbeatThatTakesItsTime) {
+  for (const int at : {150, 10'000, 30'000}) {
+    SpiedBench bench;
+    GatedClock clock(bench.devices.clock);
+    SpikedSampler sampler(bench.devices.sampler, at);
+    PhaseRunner runner({bench.driving, bench.load, sampler, clock}, WithOwnThread(), bench.request);
+    const auto program = MakeProgram(TestLoadRun(310.0), TestSpecimen(), 0.0, 0.01);
+    const int stops_before = bench.driving.quick_stops;
+    const PhaseOutcome outcome = runner.Run(*program, [&](const PhaseSnapshot&, const PhaseProgram&) {
+      clock.Open();
+      bench.driving.quick_stops.wait(stops_before);
+    });
+    EXPECT_FALSE(outcome.reason) << Describe(outcome.reason);
+    EXPECT_EQ(runner.TakeExtremes().channels[0].max, SpikedSampler::kSpike_Nm) << at;
+    EXPECT_TRUE(runner.TakeExtremes().empty());
+  }
+}
+
 TEST(LoopThread, HandsOverRowsWhileTheyAreWritten) {
   SpiedBench bench;
   GatedClock clock(bench.devices.clock);

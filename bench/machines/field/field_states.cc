@@ -82,7 +82,7 @@ std::vector<ChannelCalibration> FieldMachine::Calibrations() const {
 std::vector<SourceTotals> FieldMachine::Sources() const {
   std::vector<SourceTotals> all;
   for (const auto& [name, reader] : sources_) {
-    all.push_back({name, reader->totals(), reader->clock(), reader->clock_restarts()});
+    all.push_back({name, reader->totals(), reader->clock(), reader->clock_restarts(), reader->Trouble()});
   }
   return all;
 }

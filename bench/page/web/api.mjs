@@ -19,6 +19,8 @@ export const getState = () => get('/api/v1/state');
 export const getCycles = points => get(`/api/v1/cycles?points=${points}`);
 
 export const getMeasurements = cycle => get(`/api/v1/measurements?cycle=${cycle}`);
+export const getLive = () => get('/api/v1/live');
+export const getPrediction = () => get('/api/v1/prediction');
 export const getAlarms = () => get('/api/v1/alarms');
 
 const post = (path, body, patience_ms = PATIENCE_MS) => answerOf(path, {

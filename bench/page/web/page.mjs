@@ -2,7 +2,8 @@
 // The live page: what the bench says, put into the document. Text goes in as text, never as markup.
 import {begin, canLogIn, mayAct, quickStop, showsRun, takeState} from '/acting.mjs';
 import {showAlarms, showNotes} from '/alarms.mjs';
-import {getAlarms, getCycles, getMeasurements, getState} from '/api.mjs';
+import {getAlarms, getCycles, getLive, getMeasurements, getPrediction, getState} from '/api.mjs';
+import {showPicture, showPrediction, showSources} from '/around.mjs';
 import {follow} from '/feed.mjs';
 import {Clock, bytes, duration, fixed, hours, number, percent} from '/format.mjs';
 
@@ -11,6 +12,8 @@ const OLD_S = 2;               // from then on a reading is no reading of now
 const TICK_MS = 250;
 const CYCLES_EVERY_MS = 2000;  // at most so often, however fast a simulated bench runs
 const MEASUREMENTS_EVERY_MS = 5000;
+const LIVE_EVERY_MS = 2000;
+const PREDICTION_EVERY_MS = 5000;
 const POINTS = 600;
 const LINES = 40;
 
@@ -146,6 +149,10 @@ function showTimes(...items) {
   }
 }
 
+function showAllLines() {
+  for (const chart of charts) chart.show($('all-lines').checked);
+}
+
 // Charts come after everything else: the first paint waits for no history.
 const charts = [];
 let cyclesShown = -1, cyclesAsked = -Infinity, cyclesUnderWay = false;
@@ -158,7 +165,7 @@ async function showCycles() {
   try {
     const [answer, {TRENDS, Trend}] = await Promise.all([getCycles(POINTS), import('/charts.mjs')]);
     if (!charts.length) charts.push(...TRENDS.map(trend => new Trend($('charts'), trend)));
-    for (const chart of charts) chart.set(answer);
+    for (const chart of charts) chart.set(answer, $('all-lines').checked);
     cyclesShown = answer.cycles_complete;
     put('trends-note', answer.bin_cycles > 1
       ? `${answer.bin_cycles} cycles a point: band from the smallest to the largest, line through the last, faint band its 95 % interval`
@@ -221,6 +228,57 @@ async function showMeasurements() {
   measuredUnderWay = false;
 }
 
+// Envelopes of the live channels: while the campaign runs, and once of one that does not.
+let liveCharts = null, liveAsked = -Infinity, liveUnderWay = false, liveShown = '';
+
+async function showEnvelopes() {
+  const which = `${state?.run} ${state?.process} ${$('span').value}`;
+  const due = state && (state.process > 0 || which !== liveShown) && performance.now() - liveAsked > LIVE_EVERY_MS;
+  if (!due || liveUnderWay || document.visibilityState !== 'visible') return;
+  liveUnderWay = true;
+  liveAsked = performance.now();
+  try {
+    const [answer, {makeLiveCharts}] = await Promise.all([getLive(), import('/live.mjs')]);
+    const span = answer[$('span').value];
+    if (span) {
+      liveCharts ??= makeLiveCharts($('live-charts'), answer.quantities);
+      for (const chart of liveCharts) chart.set(span);
+      put('live-charts-note', `${duration(span.bin_s)} a point: band from the smallest to the largest reading, line through the last; ${state.process > 0 ? `written ${number(answer.age_s, 2)} s ago` : 'as the last run has left them'}`);
+    } else {
+      put('live-charts-note', 'No reading was kept.');
+    }
+    liveShown = which;
+  } catch (error) {
+    put('live-charts-note', `They cannot be shown: ${error.message}`);
+  }
+  liveUnderWay = false;
+}
+
+let hasPredictor = false, predictedShown = -1, predictionAsked = -Infinity, predictionUnderWay = false;
+
+async function showPredicted() {
+  const due = hasPredictor && state.cycles_complete > 0 && state.cycles_complete !== predictedShown && performance.now() - predictionAsked > PREDICTION_EVERY_MS;
+  if (!due || predictionUnderWay || document.visibilityState !== 'visible') return;
+  predictionUnderWay = true;
+  predictionAsked = performance.now();
+  try {
+    const answer = await getPrediction();
+    showPrediction(answer);
+    predictedShown = answer.cycle;
+  } catch (error) {
+    put('prediction-note', error.message);
+  }
+  predictionUnderWay = false;
+}
+
+let sourcesShown = '';
+
+function showAround() {
+  const sources = JSON.stringify([state.sources, clock.zone]);
+  if (sources !== sourcesShown) showSources(state.sources, clock);
+  sourcesShown = sources;
+}
+
 function tell(text, kind) {
   $('answer').hidden = !text;
   $('answer').dataset.kind = kind;
@@ -229,7 +287,7 @@ function tell(text, kind) {
 
 function take(newer) {
   if (state && newer.run !== state.run) {
-    cyclesShown = measuredShown = -1;
+    cyclesShown = measuredShown = predictedShown = -1;
     refresh();  // a token for the new run
   }
   state = newer;
@@ -240,6 +298,7 @@ function take(newer) {
   showProgress();
   showActs();
   showLists();
+  showAround();
   if (asked && state.safe) {
     asked = false;
     tell(`The bench stands: ${state.sentence}`, 'good');
@@ -250,6 +309,8 @@ async function refresh() {
   try {
     const newer = await getState();
     takeState(newer);
+    hasPredictor = newer.has_predictor;
+    $('prediction-card').hidden = !hasPredictor;
     clock = new Clock(newer.zone);
     put('zone', `${clock.zone} (${clock.offset(new Date(newer.now_ms))})`);
     wordAt = performance.now();
@@ -271,16 +332,21 @@ function tick() {
   }
   if (!state) return;
   showLive();
+  showPicture(state.picture, (performance.now() - stateAt) / 1000, clock);
+  showEnvelopes();
   showCycles();
   showMeasurements();
+  showPredicted();
 }
 
 begin({refresh, tell});
 $('stop').addEventListener('click', async () => {
   if (await quickStop()) asked = true;
 });
+$('span').addEventListener('change', () => { liveAsked = -Infinity; });
+$('all-lines').addEventListener('change', showAllLines);
 $('run-hours').addEventListener('change', () => showTimes(...$('journal').children));
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => [...charts, ...pictures ?? []].forEach(chart => chart.restyle()));
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => [...charts, ...pictures ?? [], ...liveCharts ?? []].forEach(chart => chart.restyle()));
 
 let wasDown = false;
 follow(({name, data}) => {

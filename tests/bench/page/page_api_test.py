@@ -94,6 +94,42 @@ class ThePageOfACampaign(unittest.TestCase):
         status, _, body = self.page.get("/api/v1/measurements?cycle=4")
         self.assertEqual((status, json.loads(body)["error"]), (400, "cycle = 4 is not complete (expected 1 to 3, or 0 for the newest)"))
 
+    def test_has_the_extremes_of_every_reading(self):
+        answer = self.page.json("/api/v1/live")
+        self.assertEqual([channel["quantity"] for channel in answer["quantities"]],
+                         ["output torque", "input speed", "gear temperature", "vibration RMS"])
+        self.assertLess(answer["age_s"], 3600)
+        largest_Nm = 0.0
+        for cycle in range(4):
+            with h5py.File(self.folder / f"cycles/{cycle:06d}.h5") as records:
+                found = []
+                records.visititems(lambda name, item: found.append(item[:]) if name.endswith("/torque_Nm") else None)
+                largest_Nm = max([largest_Nm, *(torque_Nm.max() for torque_Nm in found)])
+        torque, time_s = answer["whole"]["output torque"], answer["whole"]["bench_time_s"]
+        # What was recorded is some of what was read, so no more than the largest reading.
+        shown_Nm = max(value for value in torque["max"] if value is not None)
+        self.assertGreaterEqual(shown_Nm, largest_Nm - 1e-4)
+        self.assertLess(shown_Nm, 60)
+        self.assertLessEqual(len(time_s), 160)
+        self.assertAlmostEqual(time_s[-1] + answer["whole"]["bin_s"], self.page.state()["bench_time_s"],
+                               delta=answer["whole"]["bin_s"] + 2)
+        for low, high, last in zip(torque["min"], torque["max"], torque["last"]):
+            self.assertTrue(low is None or low <= last <= high)
+
+    def test_has_its_sources_and_no_camera(self):
+        state = self.page.state()
+        self.assertEqual([(source["source"], source["state"], source["samples"]) for source in state["sources"]],
+                         [("simulated bench", "not running", None)])
+        self.assertIsNone(state["picture"])
+
+    def test_refuses_a_predictor_that_is_none(self):
+        for more, sentence in ((["--predictor", "none"], "none/predictor.json: error: cannot be read (expected a predictor"),
+                               (["--baseline", "none.json"], "--baseline requires --predictor")):
+            done = subprocess.run([live_page.PROGRAM, "serve", self.folder, "--port", "0", *more], capture_output=True, text=True,
+                                  check=False)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn(sentence, done.stderr)
+
     def test_is_one_page_of_its_own_files(self):
         status, headers, body = self.page.get("/")
         self.assertEqual((status, headers["Content-Type"]), (200, "text/html; charset=utf-8"))
@@ -109,12 +145,15 @@ class ThePageOfACampaign(unittest.TestCase):
 
     def test_answers_what_is_wrong_in_a_sentence(self):
         for path, status, sentence in (
-                ("/nothing", 404, "there is no /nothing here (expected / or /api/v1/state, cycles, alarms, measurements, events, actions)"),
+                ("/nothing", 404, "there is no /nothing here (expected / or /api/v1/state, cycles, alarms, measurements, "
+                                  "prediction, live, picture, events, actions)"),
                 ("/../../etc/passwd", 404, "there is no /../../etc/passwd here"),
                 ("/%2e%2e/%2e%2e/etc/passwd", 404, "there is no /../../etc/passwd here"),
                 ("/api/v1/cycles?points=0", 400, "points = '0' (expected a whole number from 1 to 5000)"),
                 ("/api/v1/cycles?from=a", 400, "from = 'a' (expected a whole number"),
                 ("/api/v1/actions", 405, "actions are sent by POST"),
+                ("/api/v1/prediction", 404, "the page has no predictor (expected: strainwave serve DIR --predictor)"),
+                ("/api/v1/picture", 404, "there is no picture (expected a camera that has given one)"),
         ):
             with self.subTest(path):
                 got, headers, body = self.page.get(path)

@@ -95,7 +95,7 @@ TEST(CyclesOfAJournal, AreThoseThatAreCompleteAndHaveAValue) {
     journal.AddResults(cycle, 1, {{"a", 1e9, 0.5, ""}});
     if (cycle < 6) journal.EndCycle(cycle, cycle + 1.0, "complete");
   }
-  const auto answer = CyclesJson(journal, {1, 0, 2, {"a", "none"}});
+  const auto answer = CyclesJson(journal, {1, 0, 2, {"a", "none"}}, {});
   EXPECT_EQ(answer["cycles_complete"], 5);
   EXPECT_EQ(answer["bin_cycles"], 3);
   EXPECT_EQ(answer["cycle"], nlohmann::json({3, 5}));
@@ -103,11 +103,11 @@ TEST(CyclesOfAJournal, AreThoseThatAreCompleteAndHaveAValue) {
   EXPECT_EQ(answer["quantities"]["a"]["max"], nlohmann::json({20.0, 50.0}));
   EXPECT_EQ(answer["quantities"]["a"]["last"], nlohmann::json({20.0, 50.0}));
   EXPECT_EQ(answer["quantities"]["none"]["last"], nlohmann::json({nullptr, nullptr}));
-  const auto each = CyclesJson(journal, {3, 4, 500, {"a"}});
+  const auto each = CyclesJson(journal, {3, 4, 500, {"a"}}, {});
   EXPECT_EQ(each["cycle"], nlohmann::json({3, 4}));
   EXPECT_EQ(each["quantities"]["a"]["last"], nlohmann::json({nullptr, 40.0}));
   EXPECT_EQ(each["quantities"]["a"]["last_standard_error"], nlohmann::json({nullptr, nullptr}));
-  EXPECT_EQ(CyclesJson(journal, {7, 0, 500, {"a"}})["cycle"], nlohmann::json::array());
+  EXPECT_EQ(CyclesJson(journal, {7, 0, 500, {"a"}}, {})["cycle"], nlohmann::json::array());
 }
 
 }  // namespace
