@@ -30,8 +30,11 @@ function(strainwave_unity target)
   set(units)
   set(groups)
   foreach(source IN LISTS sources)
-    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
-      list(APPEND units ${source})  # generated
+    # What is generated, and what is compiled in a way of its own, as set before the library is made, stays by itself.
+    get_property(options SOURCE ${source} PROPERTY COMPILE_OPTIONS)
+    get_property(definitions SOURCE ${source} PROPERTY COMPILE_DEFINITIONS)
+    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source} OR options OR definitions)
+      list(APPEND units ${source})
       continue()
     endif()
     cmake_path(GET source PARENT_PATH folder)
